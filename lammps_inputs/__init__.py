@@ -1,0 +1,45 @@
+"""From a case file to a LAMMPS deck: case -> packing -> input script and data file. Needs no LAMMPS."""
+
+from granwave.lammps_inputs.case import Case, load_case
+from granwave.lammps_inputs.deck import Deck, write_deck
+from granwave.lammps_inputs.errors import GranwaveError, InputError, RunError
+from granwave.lammps_inputs.lattices import Lattice
+from granwave.lammps_inputs.laws import sphere_contact, wall_contact
+from granwave.lammps_inputs.materials import Material, load_materials, material, presets
+from granwave.lammps_inputs.packings import Packing, build_packing
+from granwave.lammps_inputs.plan import Plan, check_memory, plan
+from granwave.lammps_inputs.schedule import Schedule, make_schedule
+from granwave.lammps_inputs.struck import struck_spheres
+from granwave.lammps_inputs.timestep import auto_timestep, expected_peak_overlap
+from granwave.lammps_inputs.walls import Wall, walls
+from granwave.lammps_inputs.yield_factor import hertz_von_mises_yield_factor
+
+__all__ = [
+    "Case",
+    "Deck",
+    "GranwaveError",
+    "InputError",
+    "Lattice",
+    "Material",
+    "Packing",
+    "Plan",
+    "RunError",
+    "Schedule",
+    "Wall",
+    "auto_timestep",
+    "build_packing",
+    "check_memory",
+    "expected_peak_overlap",
+    "hertz_von_mises_yield_factor",
+    "load_case",
+    "load_materials",
+    "make_schedule",
+    "material",
+    "plan",
+    "presets",
+    "sphere_contact",
+    "struck_spheres",
+    "wall_contact",
+    "walls",
+    "write_deck",
+]

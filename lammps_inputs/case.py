@@ -1,0 +1,180 @@
+"""A case: everything that decides one simulation, as read from a TOML file."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Iterable, Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import tomli_w
+
+from granwave.lammps_inputs.checks import check_together, warn_about
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.keys import Faults, read_table, refuse_unknown, show
+from granwave.lammps_inputs.lattices import Lattice
+from granwave.lammps_inputs.materials import Material, read_material
+from granwave.lammps_inputs.overrides import apply_overrides, parse_overrides
+from granwave.lammps_inputs.sections import Boundary, Contact, Load, Output, PackingSection, Run
+from granwave.lammps_inputs.toml_files import read_toml
+
+_SECTIONS: dict[str, type] = {
+    "packing": PackingSection,
+    "contact": Contact,
+    "load": Load,
+    "boundary": Boundary,
+    "run": Run,
+    "output": Output,
+}
+_REQUIRED = ("packing", "material")
+_KNOWN = ("name", "material", *_SECTIONS)
+_RECORD = "resolved"  # written beside a deck for people and programs, ignored when read
+_LATER = ("replace", "striker", "bar", "sensor")
+_LATER_KEYS = {"load": ("shape", "amplitude", "duration", "file")}
+_LATER_VALUES = {("load", "kind"): "force"}
+_OF_CONTINUUM = ("block", "punch")
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Case:
+    """One impact on one packing; see `load_case`."""
+
+    name: str
+    packing: PackingSection
+    material: Material
+    contact: Contact = dataclasses.field(default_factory=Contact)
+    load: Load = dataclasses.field(default_factory=Load)
+    boundary: Boundary = dataclasses.field(default_factory=Boundary)
+    run: Run = dataclasses.field(default_factory=Run)
+    output: Output = dataclasses.field(default_factory=Output)
+
+    @classmethod
+    def from_dict(
+        cls,
+        data: Mapping[str, Any],
+        source: str | Path = "case",
+        overridden: Iterable[str] = (),
+        directory: Path | None = None,
+    ) -> Case:
+        """Check the nested mapping of a case file and make a case of it.
+
+        Parameters
+        ----------
+        source
+            What the faults call the file; its stem is the name of a case that has none.
+        overridden
+            Dotted keys that came from the command line.
+        directory
+            Where a relative ``material.file`` starts from.
+
+        Raises
+        ------
+        InputError
+            With every fault there is.
+        """
+        faults = Faults(str(source), tuple(overridden))
+        _refuse_others(data, faults)
+        parts: dict[str, Any] = {"name": _read_name(data, source, faults)}
+        for name in _REQUIRED:
+            if name not in data:
+                faults.add(name, f"missing; a case needs [{name}]")
+        if "material" in data:
+            parts["material"] = read_material(data["material"], faults, directory)
+        for name, section in _SECTIONS.items():
+            if name in data or name not in _REQUIRED:
+                parts[name] = _read_section(section, data.get(name, {}), name, faults)
+        check_together(parts, faults)
+        if faults.lines:
+            raise InputError(faults.lines)
+        case = cls(**parts)
+        warn_about(case, chose_yield_factor="yield_factor" in data.get("contact", {}))
+        return case
+
+    @cached_property
+    def lattice(self) -> Lattice:
+        """The lattice of the packing."""
+        return Lattice(
+            self.packing.kind, self.packing.size, self.packing.diameter, self.boundary.sides == "periodic"
+        )
+
+    @property
+    def sphere_mass(self) -> float:
+        """Mass of one sphere, kg."""
+        return self.material.density * math.pi / 6 * self.packing.diameter**3
+
+    def to_dict(self) -> dict[str, Any]:
+        """The case as nested tables, all defaults filled in, as TOML writes them."""
+        tables = _plain(self)
+        if len(self.packing.size) == 1:
+            tables["packing"]["size"] = self.packing.size[0]
+        return tables
+
+    def to_toml(self, resolved: Mapping[str, Any] | None = None) -> str:
+        """The case as a TOML file, followed by the table ``[resolved]`` if there is one."""
+        return tomli_w.dumps(self.to_dict() | ({_RECORD: _plain(resolved)} if resolved else {}))
+
+
+def load_case(path: str | Path, overrides: Iterable[str] | Mapping[str, Any] = ()) -> Case:
+    """Read a case file.
+
+    Parameters
+    ----------
+    overrides
+        ``KEY=VALUE`` strings (dotted keys, TOML values, bare words are strings), or a mapping of dotted keys
+        to values.
+
+    Raises
+    ------
+    InputError
+        The file or an override is wrong; every fault is named.
+    """
+    changes = parse_overrides(overrides)
+    data = apply_overrides(read_toml(path), changes)
+    return Case.from_dict(data, path, overridden=changes, directory=Path(path).parent)
+
+
+def _read_name(data: Mapping[str, Any], source: str | Path, faults: Faults) -> str:
+    name = data.get("name", Path(source).stem)
+    if (
+        not isinstance(name, str)
+        or not name.strip()
+        or name.startswith(".")
+        or not name.isprintable()
+        or "/" in name
+    ):
+        faults.add("name", f"found {show(name)}, expected a plain name that can be that of a directory")
+    return name
+
+
+def _read_section(section: type, table: Any, name: str, faults: Faults) -> Any:
+    if isinstance(table, Mapping):
+        later = {
+            key for (part, key), value in _LATER_VALUES.items() if part == name and table.get(key) == value
+        }
+        if name == "boundary" and isinstance(table.get("bottom"), Mapping):
+            later.add("bottom")
+        for key in later:
+            faults.add(f"{name}.{key}", f"{show(table[key])} is not available in this version")
+        table = {key: value for key, value in table.items() if key not in later}
+    return read_table(section, table, name, faults, _LATER_KEYS.get(name, ()))
+
+
+def _refuse_others(data: Mapping[str, Any], faults: Faults) -> None:
+    for name in _OF_CONTINUUM:
+        if name in data:
+            faults.add(name, "belongs to a continuum case; run it with granwave continuum")
+    rest = {name: value for name, value in data.items() if name not in (*_OF_CONTINUUM, _RECORD)}
+    refuse_unknown(rest, _KNOWN, "", faults, _LATER)
+
+
+def _plain(value: Any) -> Any:
+    """Dataclasses and tuples as the tables and lists of TOML, which has no null."""
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        value = {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
+    if isinstance(value, Mapping):
+        return {key: _plain(item) for key, item in value.items() if item is not None}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    return value

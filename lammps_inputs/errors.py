@@ -1,0 +1,30 @@
+"""The errors that granwave raises on purpose; every other exception is a bug."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+
+class GranwaveError(Exception):
+    """Base of every error that granwave raises on purpose."""
+
+
+class InputError(GranwaveError, ValueError):
+    """The input is wrong; nothing was run and nothing was written.
+
+    Parameters
+    ----------
+    faults
+        One line each: the file, the key, what was found, what was expected, how to mend it.
+    """
+
+    def __init__(self, faults: str | Iterable[str]) -> None:
+        self.faults: list[str] = [faults] if isinstance(faults, str) else list(faults)
+        super().__init__("\n".join(self.faults))
+
+    def __reduce__(self) -> tuple[type[InputError], tuple[list[str]]]:
+        return type(self), (self.faults,)
+
+
+class RunError(GranwaveError, RuntimeError):
+    """The input was right, but the computation failed or its result was refused."""

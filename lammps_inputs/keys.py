@@ -1,0 +1,192 @@
+"""Keys of a TOML table: what each may hold, and the reading of a table into a typed section.
+
+A section is a frozen dataclass whose fields are made by the functions below. Each field carries, as metadata,
+the ``description`` for people, the ``unit``, and the ``parse`` function that turns a TOML value into the
+field's value or raises `Unfit`. `read_table` applies them and collects every fault instead of stopping at the
+first.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import difflib
+import math
+from collections.abc import Callable, Collection, Mapping
+from typing import Any, TypeVar
+
+Section = TypeVar("Section")
+Parse = Callable[[Any], Any]
+
+REQUIRED: Any = dataclasses.MISSING
+_SHOWN_CHARACTERS = 60
+
+
+class Unfit(Exception):
+    """A value does not fit its key; the message says what was expected."""
+
+
+@dataclasses.dataclass
+class Faults:
+    """The faults of one file, a line each.
+
+    Attributes
+    ----------
+    source
+        Name of the file, as shown to the user.
+    overridden
+        Dotted keys that came from the command line; their faults name ``--set`` as the source.
+    """
+
+    source: str
+    overridden: Collection[str] = ()
+    lines: list[str] = dataclasses.field(default_factory=list)
+
+    def add(self, key: str, message: str) -> None:
+        """Record one fault of the dotted ``key``."""
+        top_down = [key.rsplit(".", n)[0] for n in range(key.count(".") + 1)]
+        source = "--set" if any(name in self.overridden for name in top_down) else self.source
+        self.lines.append(" ".join(f"{source}: {key}: {message}".split()))
+
+
+def number(
+    description: str,
+    *,
+    unit: str | None = None,
+    default: Any = REQUIRED,
+    above: float = -math.inf,
+    below: float = math.inf,
+    at_least: float = -math.inf,
+    at_most: float = math.inf,
+    word: str | None = None,
+) -> Any:
+    """A finite number within bounds, or the one ``word`` that may stand in its place."""
+    limits = [(above, "above"), (at_least, "at least"), (below, "below"), (at_most, "at most")]
+    wanted = " and ".join(f"{name} {limit:g}" for limit, name in limits if math.isfinite(limit))
+    expected = (
+        f"a number {wanted}".rstrip() + (f" ({unit})" if unit else "") + (f' or "{word}"' if word else "")
+    )
+
+    def parse(value: Any) -> Any:
+        if word is not None and value == word:
+            return value
+        result = finite(value, expected)
+        if not (above < result < below and at_least <= result <= at_most):
+            raise Unfit(expected)
+        return result
+
+    return _field(description, unit, default, parse)
+
+
+def choice(description: str, options: tuple[Any, ...], *, default: Any = REQUIRED) -> Any:
+    """One of the listed words or whole numbers."""
+    expected = "one of " + ", ".join(show(option) for option in options)
+
+    def parse(value: Any) -> Any:
+        if isinstance(value, bool) or value not in options or type(value) is not type(options[0]):
+            near = difflib.get_close_matches(str(value).lower(), map(str, options), n=1)
+            raise Unfit(expected + (f"; did you mean {near[0]}?" if near else ""))
+        return value
+
+    return _field(description, None, default, parse)
+
+
+def text(description: str, *, default: Any = REQUIRED) -> Any:
+    """A string that is not empty."""
+
+    def parse(value: Any) -> Any:
+        if not isinstance(value, str) or not value.strip():
+            raise Unfit("a string that is not empty")
+        return value
+
+    return _field(description, None, default, parse)
+
+
+def custom(description: str, parse: Parse, *, unit: str | None = None, default: Any = REQUIRED) -> Any:
+    """A value with its own ``parse`` function."""
+    return _field(description, unit, default, parse)
+
+
+def finite(value: Any, expected: str) -> float:
+    """``value`` as a finite float; booleans, strings and NaN are `Unfit`."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise Unfit(expected)
+    try:
+        result = float(value)
+    except OverflowError:
+        raise Unfit(expected) from None
+    if not math.isfinite(result):
+        raise Unfit(expected)
+    return result
+
+
+def whole(value: Any, expected: str, *, at_least: int = 1) -> int:
+    """``value`` as an integer; booleans and floats are `Unfit`."""
+    if isinstance(value, bool) or not isinstance(value, int) or value < at_least:
+        raise Unfit(expected)
+    return value
+
+
+def show(value: Any) -> str:
+    """``value`` about as it stood in the file, cut to a readable length."""
+    if isinstance(value, bool):
+        shown = "true" if value else "false"
+    elif isinstance(value, str):
+        shown = '"' + value.encode("unicode_escape").decode() + '"'
+    elif isinstance(value, Mapping):
+        shown = "{" + ", ".join(f"{key} = {show(item)}" for key, item in value.items()) + "}"
+    elif isinstance(value, list | tuple):
+        shown = "[" + ", ".join(show(item) for item in value[:_SHOWN_CHARACTERS]) + "]"
+    else:
+        shown = str(value)
+    return shown if len(shown) <= _SHOWN_CHARACTERS else shown[: _SHOWN_CHARACTERS - 3] + "..."
+
+
+def read_table(
+    section: type[Section], table: Any, prefix: str, faults: Faults, later: Collection[str] = ()
+) -> Section | None:
+    """Read one TOML table into ``section``, or return None after recording every fault.
+
+    Parameters
+    ----------
+    prefix
+        Dotted name of the table, as in the file.
+    later
+        Keys that belong to a later version and are refused by name.
+    """
+    if not isinstance(table, Mapping):
+        faults.add(prefix, f"found {show(table)}, expected a table [{prefix}] of keys and values")
+        return None
+    before = len(faults.lines)
+    fields = {field.name: field for field in dataclasses.fields(section)}  # type: ignore[arg-type]
+    refuse_unknown(table, list(fields), prefix, faults, later)
+    values: dict[str, Any] = {}
+    for name, field in fields.items():
+        key = f"{prefix}.{name}"
+        parse: Parse = field.metadata["parse"]
+        if name in table:
+            try:
+                values[name] = parse(table[name])
+            except Unfit as unfit:
+                faults.add(key, f"found {show(table[name])}, expected {unfit}")
+        elif field.default is REQUIRED and field.default_factory is REQUIRED:
+            faults.add(key, f"missing; it is required: {field.metadata['description']}")
+    return section(**values) if len(faults.lines) == before else None
+
+
+def refuse_unknown(
+    table: Mapping[str, Any], known: Collection[str], prefix: str, faults: Faults, later: Collection[str] = ()
+) -> None:
+    """Record a fault for each key of ``table`` that is not ``known``, naming the nearest one that is."""
+    for name in table:
+        key = f"{prefix}.{name}" if prefix else name
+        if name in later:
+            faults.add(key, "not available in this version; take it out")
+        elif name not in known:
+            near = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
+            hint = f"did you mean {near[0]}?" if near else "known here: " + ", ".join(known)
+            faults.add(key, f"unknown key; {hint}")
+
+
+def _field(description: str, unit: str | None, default: Any, parse: Parse) -> Any:
+    metadata = {"description": description, "unit": unit, "parse": parse}
+    return dataclasses.field(default=default, metadata=metadata)

@@ -1,0 +1,242 @@
+"""The lattices of spheres that just touch: where sphere (i, j, k) sits and which ones it touches.
+
+Sphere (i, j, k), in units of the diameter D, with i fastest and k counting layers along the impact direction
++z:
+
+    fcc, hcp   x = i + (j mod 2)/2 + s/2, y = j sqrt(3)/2 + s sqrt(3)/6, z = k sqrt(2/3)
+               with s = k mod 3 (fcc, impact along [111]) or k mod 2 (hcp)
+    bcc        (001) layers of pitch a = 2/sqrt(3), a/2 apart, odd layers shifted by (a/2, a/2)
+    sc         x = i, y = j, z = k;     square is its one layer in x-y, chain its one column along z
+
+Nothing here stores an array over the whole packing, so a lattice of any size costs nothing.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import math
+from collections.abc import Callable, Iterator
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+TOUCHING = 1e-6  # spheres touch if the gap between them is at most this many diameters
+_REACH = (range(-3, 4), range(-2, 3), range(-1, 2))  # touching spheres are nearer than this in (i, j, k)
+_BATCH = 1_000_000  # sites handled at once
+
+Site = Callable[[NDArray, NDArray, NDArray], tuple[NDArray, NDArray, NDArray]]
+Offset = tuple[int, int, int]
+
+
+@dataclasses.dataclass(frozen=True)
+class Kind:
+    """One kind of lattice, in units of the diameter.
+
+    Attributes
+    ----------
+    axes
+        The lattice directions that ``packing.size`` counts, of "xyz".
+    dimension
+        In how many dimensions contacts go.
+    coordination
+        Contacts of a sphere inside.
+    layer_period
+        Layers after which the stacking repeats.
+    row_period
+        Rows after which a layer repeats.
+    pitch
+        Period along x and distance of rows along y.
+    hexagonal
+        Layers are hexagonal: a sphere has six neighbours in its layer.
+    """
+
+    axes: str
+    dimension: int
+    coordination: int
+    layer_period: int
+    row_period: int
+    pitch: tuple[float, float]
+    hexagonal: bool
+    site: Site
+
+
+def _hexagonal(period: int) -> Site:
+    def site(i: NDArray, j: NDArray, k: NDArray) -> tuple[NDArray, NDArray, NDArray]:
+        s = k % period
+        x = i + (j % 2) / 2 + s / 2
+        y = j * math.sqrt(3) / 2 + s * math.sqrt(3) / 6
+        return x, y, k * math.sqrt(2 / 3)
+
+    return site
+
+
+def _body_centred(i: NDArray, j: NDArray, k: NDArray) -> tuple[NDArray, NDArray, NDArray]:
+    a = 2 / math.sqrt(3)
+    return a * (i + (k % 2) / 2), a * (j + (k % 2) / 2), a / 2 * k
+
+
+def _simple(i: NDArray, j: NDArray, k: NDArray) -> tuple[NDArray, NDArray, NDArray]:
+    return i * 1.0, j * 1.0, k * 1.0
+
+
+KINDS: dict[str, Kind] = {
+    "fcc": Kind("xyz", 3, 12, 3, 2, (1.0, math.sqrt(3) / 2), True, _hexagonal(3)),
+    "hcp": Kind("xyz", 3, 12, 2, 2, (1.0, math.sqrt(3) / 2), True, _hexagonal(2)),
+    "bcc": Kind("xyz", 3, 8, 2, 1, (2 / math.sqrt(3), 2 / math.sqrt(3)), False, _body_centred),
+    "sc": Kind("xyz", 3, 6, 1, 1, (1.0, 1.0), False, _simple),
+    "square": Kind("xy", 2, 4, 1, 1, (1.0, 1.0), False, _simple),
+    "chain": Kind("z", 1, 2, 1, 1, (1.0, 1.0), False, _simple),
+}
+
+
+@dataclasses.dataclass(frozen=True)
+class Lattice:
+    """A finite lattice of identical spheres.
+
+    Attributes
+    ----------
+    kind
+        A key of `KINDS`.
+    size
+        Spheres along x, rows along y, layers along z, as the kind counts them: (nx, ny, nz), (nx, ny) or
+        (n,).
+    diameter
+        Of the spheres, m.
+    periodic
+        The packing repeats along x and y.
+    """
+
+    kind: str
+    size: tuple[int, ...]
+    diameter: float
+    periodic: bool = False
+
+    @property
+    def rule(self) -> Kind:
+        """What distinguishes the kind."""
+        return KINDS[self.kind]
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Spheres along x, rows along y, layers along z."""
+        counts = dict(zip(self.rule.axes, self.size, strict=True))
+        return counts.get("x", 1), counts.get("y", 1), counts.get("z", 1)
+
+    @property
+    def n_spheres(self) -> int:
+        """How many spheres there are."""
+        return math.prod(self.size)
+
+    @property
+    def lengths(self) -> tuple[float, float]:
+        """Period along x and y, m (of a periodic packing)."""
+        nx, ny, _ = self.shape
+        return nx * self.rule.pitch[0] * self.diameter, ny * self.rule.pitch[1] * self.diameter
+
+    @cached_property
+    def n_contacts(self) -> int:
+        """Pairs of spheres that touch, counted without building them."""
+        nx, ny, nz = self.shape
+        total = 0
+        for k, j in itertools.product(range(min(nz, self.rule.layer_period)), range(self.rule.row_period)):
+            layers = np.arange(k, nz, self.rule.layer_period)
+            rows = np.arange(j, ny, self.rule.row_period)
+            for di, dj, dk in self._offsets(j, k):
+                inside = np.count_nonzero((layers + dk >= 0) & (layers + dk < nz))
+                across = rows.size if self.periodic else np.count_nonzero((rows + dj >= 0) & (rows + dj < ny))
+                total += int(inside) * int(across) * (nx if self.periodic else max(nx - abs(di), 0))
+        return total // 2
+
+    def positions(self, first: int, last: int) -> NDArray[np.float64]:
+        """Centres of the spheres with ids ``first`` to ``last``, both included: (n, 3), m."""
+        nx, ny, _ = self.shape
+        index = np.arange(first - 1, last)
+        result = np.empty((index.size, 3))
+        for axis, values in enumerate(self.rule.site(index % nx, index // nx % ny, index // (nx * ny))):
+            np.multiply(values, self.diameter, out=result[:, axis])
+        return result
+
+    def bounds(self) -> NDArray[np.float64]:
+        """Lowest and highest centre along x, y, z: (2, 3), m."""
+        nx, ny, nz = self.shape
+        i, j, k = np.meshgrid(
+            np.array([0, nx - 1]), _ends(ny, self.rule.row_period), _ends(nz, self.rule.layer_period)
+        )
+        sites = np.stack([values.ravel() for values in self.rule.site(i, j, k)], axis=1) * self.diameter
+        return np.stack([sites.min(axis=0), sites.max(axis=0)])
+
+    def pairs(self) -> Iterator[NDArray[np.int64]]:
+        """Touching pairs in batches of (n, 2) ids, i < j, every pair once, in no particular order."""
+        nx, ny, nz = self.shape
+        i = np.arange(nx)
+        layers_at_once = max(1, _BATCH // (nx * ny))
+        for k0, j0 in itertools.product(range(min(nz, self.rule.layer_period)), range(self.rule.row_period)):
+            j = np.arange(j0, ny, self.rule.row_period)[:, None]
+            layers = np.arange(k0, nz, self.rule.layer_period)
+            for start in range(0, layers.size, layers_at_once):
+                k = layers[start : start + layers_at_once, None, None]
+                own = 1 + i + nx * (j + ny * k)
+                for offset in self._offsets(j0, k0):
+                    other, exists = self._shifted(i, j, k, offset)
+                    keep = exists & (own < other)
+                    yield np.stack([own[keep], other[keep]], axis=1)
+
+    def neighbours(self, sphere: int) -> list[int]:
+        """Ids of the spheres that touch the sphere with this id, in rising order."""
+        i, j, k = self.indices(sphere)
+        here = np.asarray(i), np.asarray(j), np.asarray(k)
+        shifted = [self._shifted(*here, offset) for offset in self._offsets(j, k)]
+        return sorted(int(other) for other, exists in shifted if exists)
+
+    def layer_of(self, sphere: int) -> int:
+        """Layer, counted from 0 at the struck top, of the sphere with this id."""
+        return self.indices(sphere)[2]
+
+    def indices(self, sphere: int) -> tuple[int, int, int]:
+        """(i, j, k) of the sphere with this id."""
+        nx, ny, _ = self.shape
+        index = sphere - 1
+        return index % nx, index // nx % ny, index // (nx * ny)
+
+    def _shifted(
+        self, i: NDArray, j: NDArray, k: NDArray, offset: Offset
+    ) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+        nx, ny, nz = self.shape
+        i, j, k = i + offset[0], j + offset[1], k + offset[2]
+        exists = (k >= 0) & (k < nz)
+        if self.periodic:
+            i, j = i % nx, j % ny
+            exists = exists & np.ones(np.broadcast(i, j).shape, dtype=bool)
+        else:
+            exists = exists & (i >= 0) & (i < nx) & (j >= 0) & (j < ny)
+        return 1 + i + nx * (j + ny * k), exists
+
+    def _offsets(self, j: int, k: int) -> list[Offset]:
+        return self._offset_table[k % self.rule.layer_period, j % self.rule.row_period]
+
+    @cached_property
+    def _offset_table(self) -> dict[tuple[int, int], list[Offset]]:
+        """Steps in (i, j, k) to the touching spheres, for each place in the stacking and kind of row."""
+        rule, nx_ny_nz = self.rule, self.shape
+        movable = [n > 1 for n in nx_ny_nz]
+        steps = [
+            offset
+            for offset in itertools.product(*_REACH)
+            if any(offset) and all(free or step == 0 for free, step in zip(movable, offset, strict=True))
+        ]
+        table = {}
+        for k, j in itertools.product(range(rule.layer_period), range(rule.row_period)):
+            base = (6, 6 + j, 6 + k)  # well inside, so that every step stays in the same stacking
+            here = np.array(rule.site(*map(np.asarray, base)))
+            table[k, j] = [
+                offset
+                for offset in steps
+                if abs(math.dist(here, rule.site(*map(np.asarray, np.add(base, offset)))) - 1.0) <= TOUCHING
+            ]
+        return table
+
+
+def _ends(n: int, period: int) -> NDArray[np.int64]:
+    return np.unique(np.clip([*range(period), *range(n - period, n)], 0, n - 1))

@@ -1,0 +1,127 @@
+"""Ordered packings: every sphere of a lattice with its position, its contacts and the walls around it."""
+
+from __future__ import annotations
+
+import dataclasses
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import ase
+import numpy as np
+from numpy.typing import NDArray
+
+from granwave.lammps_inputs.lattices import TOUCHING, Lattice
+from granwave.lammps_inputs.walls import Wall, walls
+
+if TYPE_CHECKING:
+    from granwave.lammps_inputs.case import Case
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Packing:
+    """Identical spheres on a lattice, the struck layer at z = 0 and depth along +z.
+
+    Attributes
+    ----------
+    lattice
+        The rule behind the positions.
+    atoms
+        The spheres in the order of their ids, with the array ``diameters`` (n,), m; positions in m (not
+        angstrom).
+    walls
+        The planes around the packing.
+    """
+
+    lattice: Lattice
+    atoms: ase.Atoms
+    walls: tuple[Wall, ...] = ()
+
+    @property
+    def n_spheres(self) -> int:
+        """How many spheres there are."""
+        return self.lattice.n_spheres
+
+    @property
+    def n_layers(self) -> int:
+        """Layers along the impact direction."""
+        return self.lattice.shape[2]
+
+    @property
+    def positions(self) -> NDArray[np.float64]:
+        """Centres by id: (n_spheres, 3), m."""
+        return self.atoms.positions
+
+    @property
+    def ids(self) -> NDArray[np.int64]:
+        """Ids from 1, i fastest: (n_spheres,)."""
+        return np.arange(1, self.n_spheres + 1)
+
+    @cached_property
+    def contacts(self) -> NDArray[np.int64]:
+        """Touching pairs of ids, i < j, sorted: (n_contacts, 2).
+
+        Raises
+        ------
+        RuntimeError
+            A pair that should touch does not within 1e-6 D: the positions were changed.
+        """
+        pairs = np.concatenate(list(self.lattice.pairs()) or [np.empty((0, 2), dtype=np.int64)])
+        pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
+        gaps = self.gaps(pairs)
+        if gaps.size and np.abs(gaps).max() > TOUCHING * self.lattice.diameter:
+            first, second = pairs[np.abs(gaps).argmax()]
+            raise RuntimeError(
+                f"spheres {first} and {second}: found a gap of {np.abs(gaps).max():.3g} m, expected contact"
+            )
+        return pairs
+
+    @cached_property
+    def coordination(self) -> NDArray[np.int8]:
+        """Touching spheres of each sphere: (n_spheres,).
+
+        Raises
+        ------
+        RuntimeError
+            A sphere touches more spheres than the lattice allows, or none of the inner ones as many as it
+            should.
+        """
+        result = np.zeros(self.n_spheres, dtype=np.int8)
+        for pairs in self.lattice.pairs():
+            for column in range(2):
+                np.add.at(result, pairs[:, column] - 1, 1)
+        expected = self.lattice.rule.coordination
+        found = int(result.max())
+        if found > expected or (found < expected and self._has_inside()):
+            raise RuntimeError(f"{self.lattice.kind}: found {found} contacts inside, expected {expected}")
+        return result
+
+    def gaps(self, pairs: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Distance between the surfaces of each pair (n, 2) of ids, the nearest image counting: (n,), m."""
+        result = np.empty(len(pairs))
+        for start in range(0, len(pairs), 1_000_000):
+            part = slice(start, start + 1_000_000)
+            step = self.positions[pairs[part, 1] - 1] - self.positions[pairs[part, 0] - 1]
+            if self.lattice.periodic:
+                for axis, length in enumerate(self.lattice.lengths):
+                    step[:, axis] -= length * np.round(step[:, axis] / length)
+            result[part] = np.sqrt(np.einsum("ij,ij->i", step, step)) - self.lattice.diameter
+        return result
+
+    def _has_inside(self) -> bool:
+        sides = [n for n, axis in zip(self.lattice.size, self.lattice.rule.axes, strict=True)
+                 if axis == "z" or not self.lattice.periodic]  # fmt: skip
+        return all(n >= 5 for n in sides)
+
+
+def build_packing(case: Case) -> Packing:
+    """The packing of a case, with its walls."""
+    lattice = case.lattice
+    low, high = lattice.bounds()
+    atoms = ase.Atoms(
+        numbers=np.zeros(lattice.n_spheres, dtype=np.int8),
+        positions=lattice.positions(1, lattice.n_spheres),
+        cell=np.append(lattice.lengths, high[2] - low[2] + lattice.diameter),
+        pbc=(lattice.periodic, lattice.periodic, False),
+    )
+    atoms.set_array("diameters", np.full(lattice.n_spheres, lattice.diameter))
+    return Packing(lattice, atoms, walls(case))

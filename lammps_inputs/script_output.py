@@ -1,0 +1,242 @@
+"""What the LAMMPS input script measures and writes: the ledger, walls, probes, snapshots, and the state at
+the end."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from granwave.lammps_inputs.script_text import command, joined
+from granwave.lammps_inputs.walls import Wall, walls
+
+if TYPE_CHECKING:
+    from granwave.lammps_inputs.case import Case
+    from granwave.lammps_inputs.schedule import Schedule
+
+LEDGER_COLUMNS = {
+    "time": "v_time",
+    "kinetic": "c_kinetic",
+    "elastic": "v_elastic",
+    "dissipated": "v_dissipated",
+    "elastic_wall": "v_elastic_wall",
+    "dissipated_wall": "v_dissipated_wall",
+    "input": "v_input",
+    "contacts_yielded": "c_contact[2]",
+    "beyond_law": "c_contact[3]",
+    "beyond_half": "c_contact[4]",
+    "largest_force": "c_contact[5]",
+    "struck_velocity": "v_struck_velocity",
+}
+FRAME_COLUMNS = {
+    "id": "id",
+    "type": "type",
+    "radius": "radius",
+    "x": "x",
+    "y": "y",
+    "z": "z",
+    "ux": "c_displacement[1]",
+    "uy": "c_displacement[2]",
+    "uz": "c_displacement[3]",
+    "vx": "vx",
+    "vy": "vy",
+    "vz": "vz",
+    "force": "c_sphere[1]",
+    "peak_force": "c_sphere[2]",
+    "peak_overlap": "c_sphere[3]",
+    "dissipated": "c_sphere[4]",
+}
+CONTACT_COLUMNS = (
+    "i",
+    "j",
+    "overlap",
+    "force",
+    "peak_overlap",
+    "peak_force",
+    "elastic",
+    "dissipated",
+    "time_first",
+    "time_peak",
+    "time_yield",
+    "live",
+)
+WALL_COLUMNS = (
+    "overlap",
+    "force",
+    "peak_overlap",
+    "peak_force",
+    "dissipated",
+    "time_first",
+    "time_peak",
+    "time_yield",
+)
+_FRAME_FORMAT = "%d %d" + " %.9g" + 3 * " %.10g" + 3 * " %.17g" + 7 * " %.9g"
+
+
+def ledger(case: Case, schedule: Schedule) -> list[str]:
+    """The energy ledger: where the energy is, and how many contacts have yielded."""
+    planes = [wall.name for wall in walls(case) if not wall.held_layer]
+    stored = "+".join(f"f_{name}[4]" for name in planes) or "0.0"
+    lost = "+".join(f"f_{name}[5]" for name in planes) or "0.0"
+    return [
+        "# Energies, J. Their sum must stay equal to the input.",
+        "compute         kinetic all ke",
+        "compute         contact all pair gran/hysteretic",
+        "variable        time equal step*dt",
+        f"variable        elastic_wall equal {stored}",
+        f"variable        dissipated_wall equal {lost}",
+        "variable        elastic equal c_contact+v_elastic_wall",
+        "variable        dissipated equal c_contact[1]+v_dissipated_wall",
+        "variable        struck_velocity equal vcm(struck,z)",
+        *_series(
+            "ledger", schedule.ledger_every, "dumps/energy.txt", "energy ledger, SI units", LEDGER_COLUMNS
+        ),
+    ]
+
+
+def wall_forces(case: Case, schedule: Schedule) -> list[str]:
+    """The force on every wall, positive if the spheres push it outwards."""
+    found = walls(case)
+    if not found:
+        return []
+    columns = {wall.name: f"v_{wall.name}" for wall in found}
+    return [
+        "# Force of the spheres on each wall, N, positive outwards.",
+        *(f"variable        {wall.name} equal {_outward_force(wall)}" for wall in found),
+        *_series(
+            "walls", schedule.probe_every, "dumps/walls.txt", "wall forces, N", {"time": "v_time"} | columns
+        ),
+    ]
+
+
+def probes(case: Case, schedule: Schedule) -> list[str]:
+    """Spheres and contacts that are recorded at their own rate."""
+    spheres = [probe.sphere for probe in case.output.probes if probe.sphere is not None]
+    if not case.output.probes:
+        return []
+    lines = ["# Probes: displacement, velocity and force of spheres; overlap and force of contacts."]
+    if spheres:
+        lines.append(f"group           probes id {joined(dict.fromkeys(spheres))}")
+        lines.append("compute         probed probes displace/atom")
+    columns = {"time": "v_time"}
+    for n, probe in enumerate(case.output.probes, start=1):
+        if probe.contact is not None:
+            lines.append(f"compute         probe{n} all gran/hysteretic/contact {joined(probe.contact)}")
+            label = "contact_{}_{}".format(*probe.contact)
+            columns |= {f"{label}_overlap": f"c_probe{n}[1]", f"{label}_force": f"c_probe{n}[2]"}
+            continue
+        for quantity, source in _sphere_probe(probe.sphere or 0).items():
+            lines.append(f"variable        probe{n}{quantity} equal {source}")
+            columns[f"sphere_{probe.sphere}_{quantity}"] = f"v_probe{n}{quantity}"
+    return lines + _series("probes", schedule.probe_every, "dumps/probes.txt", "probes, SI units", columns)
+
+
+def frames(schedule: Schedule) -> list[str]:
+    """Snapshots of all spheres."""
+    every, chosen = schedule.frame_every, []
+    if not every:
+        every = schedule.n_steps
+        chosen = [
+            "# The next snapshot after each step, from the list of times.",
+            *command("variable        frame equal", f'"{_next_frame(schedule.frame_steps)}"'),
+            "dump_modify     frames every v_frame",
+        ]
+    return [
+        "# Snapshots of all spheres.",
+        "compute         displacement all displace/atom",
+        "compute         sphere all gran/hysteretic/atom",
+        "compute         contacts all gran/hysteretic/local",
+        *command(
+            "dump            frames all custom", f"{every}", "dumps/spheres.dump", *FRAME_COLUMNS.values()
+        ),
+        f'dump_modify     frames first yes sort id format line "{_FRAME_FORMAT}"',
+        *command("dump_modify     frames", *_names(FRAME_COLUMNS)),
+        *chosen,
+    ]
+
+
+def thermo(schedule: Schedule) -> list[str]:
+    """What the log shows."""
+    every = (
+        schedule.block_steps
+        or max(1, schedule.n_steps // schedule.ledger_every // 20) * schedule.ledger_every
+    )
+    return [
+        "# The log.",
+        "thermo_style    custom step v_time c_kinetic v_elastic v_dissipated c_contact[2] v_struck_velocity",
+        "thermo_modify   lost error norm no flush yes",
+        f"thermo          {every}",
+    ]
+
+
+def dumps_at_end(case: Case) -> list[str]:
+    """The last snapshot if it is still missing, every contact, and what each wall went through."""
+    contacts = {name: f"c_contacts[{n}]" for n, name in enumerate(CONTACT_COLUMNS, start=1)}
+    lines = [
+        "# The last snapshot, if the run did not end on one.",
+        "dump_modify     frames every 1",
+        "run             0 post no",
+        "",
+        "# Every contact there was, and every sphere that touched a wall.",
+        *command(
+            "write_dump      all local dumps/contacts.dump",
+            *contacts.values(),
+            "modify format line",
+            f'"{joined(["%.17g"] * len(contacts))}"',
+            *_names(contacts),
+        ),
+    ]
+    for wall in walls(case):
+        if wall.held_layer:
+            continue
+        columns = {name: f"f_{wall.name}[{n}]" for n, name in enumerate(WALL_COLUMNS, start=1)}
+        lines += command(
+            f"write_dump      all custom dumps/wall_{wall.name}.dump id",
+            *columns.values(),
+            f"modify sort id thresh {columns['peak_overlap']} > 0.0 format line",
+            f'"%d {joined(["%.17g"] * len(columns))}"',
+            *_names(columns),
+        )
+    return lines
+
+
+def _series(name: str, every: int, path: str, title: str, columns: dict[str, str]) -> list[str]:
+    """A table in time: one row every so many steps, the step first."""
+    return command(
+        f"fix             {name} all ave/time {every} 1 {every}",
+        *columns.values(),
+        f'file {path} format " %.17g" title1 "# {title}"',
+        f'title2 "# {joined(["step", *columns])}"',
+    )
+
+
+def _names(columns: dict[str, str]) -> list[str]:
+    return [f"colname {source} {name}" for name, source in columns.items() if name != source]
+
+
+def _outward_force(wall: Wall) -> str:
+    source = "held" if wall.held_layer else wall.name
+    return f"{'-' if wall.outward < 0 else ''}f_{source}[{wall.axis + 1}]"
+
+
+def _sphere_probe(sphere: int) -> dict[str, str]:
+    axes = list(enumerate("xyz", start=1))
+    return (
+        {f"u{letter}": f"C_probed[{sphere}][{n}]" for n, letter in axes}
+        | {f"v{letter}": f"v{letter}[{sphere}]" for _, letter in axes}
+        | {f"f{letter}": f"f{letter}[{sphere}]" for _, letter in axes}
+    )
+
+
+def _next_frame(steps: tuple[int, ...]) -> str:
+    """A formula for the first of the steps after the present one, and one beyond the run after the last.
+
+    It depends on nothing but the present step, so that it holds in a run that is continued.
+    """
+    later = [*steps[1:], 2 * steps[-1]]
+    terms = [f"(step>={a})*{b - a}" for a, b in zip(steps, later, strict=True)]
+    lines, line = [], str(steps[0])
+    for term in terms:
+        if len(line) + len(term) > 90:
+            lines.append(line)
+            line = ""
+        line += "+" + term
+    return " &\n                ".join([*lines, line])

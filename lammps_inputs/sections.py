@@ -1,0 +1,181 @@
+"""The tables of a case file: typed, frozen, with a description, a unit and a default for every key."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from itertools import pairwise
+from typing import Any, Literal
+
+from granwave.lammps_inputs.keys import Unfit, choice, custom, finite, number, whole
+from granwave.lammps_inputs.lattices import KINDS
+from granwave.lammps_inputs.yield_factor import DEFAULT_YIELD_FACTOR
+
+LAWS = ("elastoplastic", "hertz", "bilinear", "thornton")
+AUTO_END_TIME = 5e-3  # s, the longest that `end_time = "auto"` goes on
+LARGEST_ID = 2**31 - 1  # LAMMPS numbers atoms with 32 bits in its usual build
+
+
+def _parse_size(value: Any) -> tuple[int, ...]:
+    expected = "whole numbers from 1 up: [nx, ny, nz], [nx, ny] (square) or n (chain)"
+    counts = value if isinstance(value, list | tuple) else [value]
+    size = tuple(whole(count, expected) for count in counts)
+    if not 1 <= len(size) <= 3:
+        raise Unfit(expected)
+    if math.prod(size) > LARGEST_ID:
+        raise Unfit(f"at most {LARGEST_ID} spheres in all")
+    return size
+
+
+def _parse_frames(value: Any) -> int | tuple[float, ...]:
+    expected = "how many snapshots (from 1 up), or a list of rising times in s"
+    if not isinstance(value, list | tuple):
+        return whole(value, expected)
+    times = tuple(finite(time, expected) for time in value)
+    if not times or times[0] < 0 or any(later <= earlier for earlier, later in pairwise(times)):
+        raise Unfit(expected)
+    return times
+
+
+def _parse_probes(value: Any) -> tuple[Probe, ...]:
+    if not isinstance(value, list | tuple):
+        raise Unfit(_PROBE_FORM)
+    return tuple(_parse_probe(probe) for probe in value)
+
+
+_PROBE_FORM = "a list such as [{sphere = 12}, {contact = [12, 34]}]"
+
+
+def _parse_probe(value: Any) -> Probe:
+    if not isinstance(value, Mapping) or len(value) != 1:
+        raise Unfit(_PROBE_FORM)
+    ((what, which),) = value.items()
+    expected = f"{_PROBE_FORM} with ids from 1 up"
+    if what == "sphere":
+        return Probe(sphere=whole(which, expected))
+    if what == "contact" and isinstance(which, list | tuple) and len(which) == 2:
+        first, second = (whole(sphere, expected) for sphere in which)
+        return Probe(contact=(first, second))
+    raise Unfit(_PROBE_FORM)
+
+
+@dataclasses.dataclass(frozen=True)
+class Probe:
+    """What is recorded at its own rate: one sphere, or the contact of two."""
+
+    sphere: int | None = None
+    contact: tuple[int, int] | None = None
+
+    @property
+    def spheres(self) -> tuple[int, ...]:
+        """The ids it names."""
+        return self.contact if self.contact is not None else (self.sphere or 0,)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class PackingSection:
+    """``[packing]``: which spheres there are."""
+
+    kind: Literal["fcc", "hcp", "bcc", "sc", "square", "chain"] = choice("lattice", tuple(KINDS))
+    size: tuple[int, ...] = custom("spheres along x, rows along y, layers along z", _parse_size)
+    diameter: float = number("diameter of the spheres", unit="m", above=0)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Contact:
+    """``[contact]``: how two spheres press on each other."""
+
+    law: Literal["elastoplastic", "hertz", "bilinear", "thornton"] = choice(
+        "contact law", LAWS, default="elastoplastic"
+    )
+    variant: Literal["continuous", "published"] = choice(
+        "constants of the elasto-plastic law: made continuous, or as printed",
+        ("continuous", "published"),
+        default="continuous",
+    )
+    yield_factor: float = number(
+        "C = p_y / sigma_y, contact pressure at first yield", above=0, default=DEFAULT_YIELD_FACTOR
+    )
+    beta: float = number(
+        "bilinear law: residual overlap over the largest overlap", at_least=0, below=1, default=0.8
+    )
+
+    @property
+    def yields(self) -> bool:
+        """The law needs a yield strength."""
+        return self.law != "hertz"
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Load:
+    """``[load]``: what sets the packing in motion."""
+
+    kind: Literal["impact"] = choice("an initial velocity of struck spheres", ("impact",), default="impact")
+    velocity: float = number(
+        "of the struck spheres, along +z into the packing", unit="m/s", above=0, default=5.0
+    )
+    spheres: Literal[1, 3, 7] = choice("how many spheres are struck", (1, 3, 7), default=1)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Boundary:
+    """``[boundary]``: what is around the packing; the struck top is always free."""
+
+    bottom: Literal["wall", "fixed", "free"] = choice(
+        "below the last layer: a rigid plane, the layer held in place, or nothing",
+        ("wall", "fixed", "free"),
+        default="wall",
+    )
+    sides: Literal["free", "wall", "periodic"] = choice(
+        "at the sides: nothing, rigid planes, or the packing again",
+        ("free", "wall", "periodic"),
+        default="free",
+    )
+    forget_gap: float = number(
+        "a dent is forgotten when the gap exceeds it, never sooner",
+        unit="diameters",
+        above=0,
+        at_most=2,
+        default=0.1,
+    )
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Run:
+    """``[run]``: how long, in what steps, with which snapshots."""
+
+    end_time: float | Literal["auto"] = number(
+        "when the run ends; auto: when 50 us add less than 1e-4 of the input to dissipation, at most 5 ms",
+        unit="s",
+        above=0,
+        word="auto",
+        default=1e-3,
+    )
+    timestep: float | Literal["auto"] = number(
+        "auto: from the stiffest contact expected", unit="s", above=0, word="auto", default="auto"
+    )
+    frames: int | tuple[float, ...] = custom(
+        "snapshots, the start and the end among them: how many, or the times", _parse_frames, default=20
+    )
+
+    @property
+    def longest(self) -> float:
+        """The latest time the run can reach, s."""
+        return AUTO_END_TIME if isinstance(self.end_time, str) else self.end_time
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Output:
+    """``[output]``: what is recorded besides snapshots and energies."""
+
+    probes: tuple[Probe, ...] = custom(
+        "spheres and contacts recorded at their own rate", _parse_probes, default=()
+    )
+    probe_interval: float | Literal["auto"] = number(
+        "time between records of probes and walls; auto: five timesteps",
+        unit="s",
+        above=0,
+        word="auto",
+        default="auto",
+    )

@@ -1,0 +1,46 @@
+"""Which spheres of the top layer the impact sets in motion."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from granwave.lammps_inputs.lattices import TOUCHING, Lattice
+
+
+def struck_spheres(lattice: Lattice, count: int) -> tuple[int, ...]:
+    """Ids of the spheres that get the velocity; the first one is the struck sphere.
+
+    The struck sphere is the one of the top layer nearest to the centroid of that layer (ties within 1e-6 D:
+    the lowest id). With ``count`` 3 come the two touching neighbours that rest with it on one sphere below
+    (of several such pairs the one with the lowest ids); with 7 its six neighbours in the layer.
+
+    Raises
+    ------
+    ValueError
+        The packing has no such neighbours.
+    """
+    centre = _central(lattice)
+    if count == 1:
+        return (centre,)
+    if not lattice.rule.hexagonal:
+        raise ValueError(f"{count} spheres need hexagonal layers (fcc or hcp), found {lattice.kind}")
+    around = [other for other in lattice.neighbours(centre) if lattice.layer_of(other) == 0]
+    if count == 7:
+        if len(around) != 6:
+            raise ValueError(
+                f"the struck sphere has {len(around)} neighbours in the top layer, 7 spheres need 6"
+            )
+        return (centre, *around)
+    below = [other for other in lattice.neighbours(centre) if lattice.layer_of(other) == 1]
+    resting = [[other for other in lattice.neighbours(support) if other in around] for support in below]
+    pairs = [pair for pair in resting if len(pair) == 2]
+    if not pairs:
+        raise ValueError("no two neighbours of the struck sphere rest with it on one sphere below")
+    return (centre, *min(pairs))
+
+
+def _central(lattice: Lattice) -> int:
+    nx, ny, _ = lattice.shape
+    top = lattice.positions(1, nx * ny)[:, :2]
+    distance = np.linalg.norm(top - top.mean(axis=0), axis=1)
+    return 1 + int(np.flatnonzero(distance <= distance.min() + TOUCHING * lattice.diameter)[0])

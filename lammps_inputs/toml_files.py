@@ -1,0 +1,50 @@
+"""Reading a TOML file with errors that say what is wrong and where."""
+
+from __future__ import annotations
+
+import difflib
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from granwave.lammps_inputs.errors import InputError
+
+
+def read_toml(path: str | Path) -> dict[str, Any]:
+    """Read a TOML file (UTF-8, with or without a byte-order mark).
+
+    Raises
+    ------
+    InputError
+        The file is missing, unreadable, not UTF-8, or not TOML.
+    """
+    path = Path(path)
+    try:
+        raw = path.read_bytes()
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file{_similar(path)}") from None
+    except IsADirectoryError:
+        raise InputError(f"{path}: found a directory, expected a TOML file") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(f"{path}: cannot be read: {reason}") from None
+    try:
+        content = raw.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = raw.count(b"\n", 0, error.start) + 1
+        raise InputError(
+            f"{path}: found bytes that are not UTF-8 (line {line}), expected UTF-8 text; save it as UTF-8"
+        ) from None
+    try:
+        return tomllib.loads(content)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{path}: not valid TOML: {error}") from None
+
+
+def _similar(path: Path) -> str:
+    try:
+        names = [entry.name for entry in path.parent.iterdir() if entry.is_file()]
+    except OSError:
+        return f"; there is no directory {path.parent}"
+    near = difflib.get_close_matches(path.name, names, n=1)
+    return f"; did you mean {path.parent / near[0]}?" if near else ""

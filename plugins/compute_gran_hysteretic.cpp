@@ -1,0 +1,155 @@
+#include "compute_gran_hysteretic.h"
+
+#include "atom.h"
+#include "comm.h"
+#include "error.h"
+#include "force.h"
+#include "memory.h"
+#include "pair_gran_hysteretic.h"
+#include "update.h"
+
+#include <algorithm>
+
+using namespace LAMMPS_NS;
+using Report = PairGranHysteretic::Report;
+
+ComputeGranHysteretic::ComputeGranHysteretic(LAMMPS *lmp, int narg, char **arg) : Compute(lmp, narg, arg) {}
+
+void ComputeGranHysteretic::init()
+{
+  pair = dynamic_cast<PairGranHysteretic *>(force->pair_match(PairGranHysteretic::STYLE, 1));
+  if (!pair) error->all(FLERR, "Compute {} requires pair style {}", style, PairGranHysteretic::STYLE);
+}
+
+/* ---------------------------------------------------------------------- per sphere */
+
+namespace {
+enum { FORCE, PEAK_FORCE, PEAK_OVERLAP, DISSIPATED, YIELDED, COORDINATION, FIRST, PEAK, YIELD, N_ATOM };
+
+void earliest(double &time, double other)
+{
+  if (other >= 0.0 && (time < 0.0 || other < time)) time = other;
+}
+}    // namespace
+
+ComputeGranHystereticAtom::ComputeGranHystereticAtom(LAMMPS *lmp, int narg, char **arg) :
+    ComputeGranHysteretic(lmp, narg, arg)
+{
+  if (narg != 3) error->all(FLERR, "Illegal compute {}: it takes no arguments", style);
+  peratom_flag = 1;
+  size_peratom_cols = N_ATOM;
+}
+
+ComputeGranHystereticAtom::~ComputeGranHystereticAtom() { memory->destroy(array_atom); }
+
+void ComputeGranHystereticAtom::compute_peratom()
+{
+  invoked_peratom = update->ntimestep;
+  const int nlocal = atom->nlocal;
+  if (atom->nmax > nmax) {
+    memory->destroy(array_atom);
+    nmax = atom->nmax;
+    memory->create(array_atom, nmax, static_cast<int>(N_ATOM), "gran/hysteretic/atom:array_atom");
+  }
+  for (int i = 0; i < nlocal; i++) {
+    std::fill_n(array_atom[i], static_cast<int>(FIRST), 0.0);
+    std::fill_n(array_atom[i] + FIRST, static_cast<int>(N_ATOM - FIRST), -1.0);
+  }
+  const auto add = [&](int i, double share, const Report &report) {
+    double *row = array_atom[i];
+    row[FORCE] = std::max(row[FORCE], report.force);
+    if (report.peak_force > row[PEAK_FORCE]) {
+      row[PEAK_FORCE] = report.peak_force;
+      row[PEAK] = report.dent.time_peak;
+    }
+    row[PEAK_OVERLAP] = std::max(row[PEAK_OVERLAP], report.dent.peak);
+    row[DISSIPATED] += share * report.dissipated;
+    if (report.yielded) row[YIELDED] += 1.0;
+    if (report.force > 0.0) row[COORDINATION] += 1.0;
+    earliest(row[FIRST], report.dent.time_first);
+    earliest(row[YIELD], report.dent.time_yield);
+  };
+  pair->for_each_dent([&](const Report &report) {
+    add(report.i, report.share_i, report);
+    if (report.j >= 0 && report.j < nlocal) add(report.j, 1.0 - report.share_i, report);
+  });
+  for (int i = 0; i < nlocal; i++)
+    if (!(atom->mask[i] & groupbit)) std::fill_n(array_atom[i], static_cast<int>(N_ATOM), 0.0);
+}
+
+double ComputeGranHystereticAtom::memory_usage() { return double(nmax) * N_ATOM * sizeof(double); }
+
+/* ---------------------------------------------------------------------- per contact */
+
+namespace {
+constexpr int N_LOCAL = 12;
+}
+
+ComputeGranHystereticLocal::ComputeGranHystereticLocal(LAMMPS *lmp, int narg, char **arg) :
+    ComputeGranHysteretic(lmp, narg, arg)
+{
+  if (narg != 3) error->all(FLERR, "Illegal compute {}: it takes no arguments", style);
+  local_flag = 1;
+  size_local_cols = N_LOCAL;
+}
+
+void ComputeGranHystereticLocal::compute_local()
+{
+  invoked_local = update->ntimestep;
+  values.clear();
+  const int nlocal = atom->nlocal;
+  pair->for_each_dent([&](const Report &report) {
+    if (!(atom->mask[report.i] & groupbit)) return;
+    if (report.j >= 0 && !(atom->mask[report.j] & groupbit)) return;
+    // both owners know a shared pair, and both spheres of a forgotten one: the owner of the lower id reports it
+    if ((report.j < 0 || report.j >= nlocal) && report.tag_i > report.tag_j) return;
+    const double row[N_LOCAL] = {double(std::min(report.tag_i, report.tag_j)), double(std::max(report.tag_i, report.tag_j)),
+                                 report.overlap, report.force, report.dent.peak, report.peak_force, report.elastic,
+                                 report.dissipated, report.dent.time_first, report.dent.time_peak, report.dent.time_yield,
+                                 report.live ? 1.0 : 0.0};
+    values.insert(values.end(), row, row + N_LOCAL);
+  });
+  size_local_rows = static_cast<int>(values.size() / N_LOCAL);
+  rows.resize(size_local_rows);
+  for (int k = 0; k < size_local_rows; k++) rows[k] = values.data() + static_cast<std::size_t>(k) * N_LOCAL;
+  array_local = rows.data();
+}
+
+double ComputeGranHystereticLocal::memory_usage()
+{
+  return double(values.capacity()) * sizeof(double) + double(rows.capacity()) * sizeof(double *);
+}
+
+/* ---------------------------------------------------------------------- one contact */
+
+namespace {
+constexpr int N_CONTACT = 5;
+}
+
+ComputeGranHystereticContact::ComputeGranHystereticContact(LAMMPS *lmp, int narg, char **arg) :
+    ComputeGranHysteretic(lmp, narg, arg)
+{
+  if (narg != 5) error->all(FLERR, "Illegal compute {}: expected the ids of two spheres", style);
+  first = utils::tnumeric(FLERR, arg[3], false, lmp);
+  second = utils::tnumeric(FLERR, arg[4], false, lmp);
+  if (first == second) error->all(FLERR, "Illegal compute {}: sphere {} has no contact with itself", style, first);
+  vector_flag = 1;
+  size_vector = N_CONTACT;
+  extvector = 0;
+  vector = new double[N_CONTACT]();
+}
+
+ComputeGranHystereticContact::~ComputeGranHystereticContact() { delete[] vector; }
+
+void ComputeGranHystereticContact::compute_vector()
+{
+  invoked_vector = update->ntimestep;
+  double mine[N_CONTACT + 1] = {};    // the last counts the processors that know the pair
+  pair->visit_pair(first, second, [&](const Report &report) {
+    const double row[N_CONTACT + 1] = {report.overlap, report.force, report.dent.peak, report.elastic, report.dissipated, 1.0};
+    std::copy_n(row, N_CONTACT + 1, mine);
+  });
+  double sum[N_CONTACT + 1];
+  MPI_Allreduce(mine, sum, N_CONTACT + 1, MPI_DOUBLE, MPI_SUM, world);
+  for (int k = 0; k < N_CONTACT; k++) vector[k] = sum[N_CONTACT] > 0.0 ? sum[k] / sum[N_CONTACT] : 0.0;
+}

@@ -1,0 +1,64 @@
+/* What pair style gran/hysteretic reports, for LAMMPS's own output commands:
+
+   compute ID group gran/hysteretic/atom            per sphere
+   compute ID group gran/hysteretic/local           per contact, forgotten dents included
+   compute ID group gran/hysteretic/contact I J     the contact of two spheres, as a global vector  */
+
+#ifndef LMP_COMPUTE_GRAN_HYSTERETIC_H
+#define LMP_COMPUTE_GRAN_HYSTERETIC_H
+
+#include "compute.h"
+
+#include <vector>
+
+namespace LAMMPS_NS {
+
+class PairGranHysteretic;
+
+class ComputeGranHysteretic : public Compute {
+ public:
+  ComputeGranHysteretic(LAMMPS *, int, char **);
+  void init() override;
+
+ protected:
+  PairGranHysteretic *pair = nullptr;
+};
+
+class ComputeGranHystereticAtom : public ComputeGranHysteretic {
+ public:
+  static constexpr const char *STYLE = "gran/hysteretic/atom";
+  ComputeGranHystereticAtom(LAMMPS *, int, char **);
+  ~ComputeGranHystereticAtom() override;
+  void compute_peratom() override;
+  double memory_usage() override;
+
+ private:
+  int nmax = 0;
+};
+
+class ComputeGranHystereticLocal : public ComputeGranHysteretic {
+ public:
+  static constexpr const char *STYLE = "gran/hysteretic/local";
+  ComputeGranHystereticLocal(LAMMPS *, int, char **);
+  void compute_local() override;
+  double memory_usage() override;
+
+ private:
+  std::vector<double> values;
+  std::vector<double *> rows;
+};
+
+class ComputeGranHystereticContact : public ComputeGranHysteretic {
+ public:
+  static constexpr const char *STYLE = "gran/hysteretic/contact";
+  ComputeGranHystereticContact(LAMMPS *, int, char **);
+  ~ComputeGranHystereticContact() override;
+  void compute_vector() override;
+
+ private:
+  tagint first, second;
+};
+
+}    // namespace LAMMPS_NS
+
+#endif

@@ -1,0 +1,114 @@
+/* The memory of contacts by sphere: one record for each dent that a sphere shares with another, whether the pair is
+   close now (live) or has parted for good (forgotten; kept for the ledger only). No LAMMPS types.
+
+   Records of one sphere are contiguous in a pool, so that moving a sphere within the processor moves two numbers. */
+
+#ifndef GRANWAVE_CONTACT_HISTORY_H
+#define GRANWAVE_CONTACT_HISTORY_H
+
+#include <cstdint>
+#include <vector>
+
+namespace granwave {
+
+/* What a contact remembers. Overlap in length units; times in time units, -1 = never. */
+struct Dent {
+  double peak = 0.0;    // largest overlap ever: the only variable of the law
+  double time_first = -1.0, time_peak = -1.0, time_yield = -1.0;
+};
+
+struct DentRecord {
+  static constexpr int SIZE = 8;    // as doubles, in messages and restart files
+
+  std::int64_t partner;    // id of the other sphere
+  double partner_radius;
+  std::int32_t partner_type;
+  std::int32_t live;
+  Dent dent;
+};
+
+class ContactHistory {
+ public:
+  void grow(int n)
+  {
+    first_.resize(n, 0);
+    count_.resize(n, 0);
+  }
+
+  int count(int i) const { return count_[i]; }
+  DentRecord *records(int i) { return pool_.data() + first_[i]; }
+  const DentRecord *records(int i) const { return pool_.data() + first_[i]; }
+
+  void forget_sphere(int i) { count_[i] = 0; }
+  void copy(int from, int to)
+  {
+    first_[to] = first_[from];
+    count_[to] = count_[from];
+  }
+
+  /* Append to the records of sphere i; they move to the end of the pool unless they lie there already. */
+  void append(int i, const DentRecord &record)
+  {
+    if (count_[i] == 0) {
+      first_[i] = pool_.size();
+    } else if (first_[i] + count_[i] != pool_.size()) {
+      const std::size_t from = first_[i];
+      first_[i] = pool_.size();
+      for (int k = 0; k < count_[i]; k++) {
+        const DentRecord moved = pool_[from + k];
+        pool_.push_back(moved);
+      }
+    }
+    pool_.push_back(record);
+    count_[i]++;
+  }
+
+  /* Start a new pool in which sphere i < n has room for extra[i] records behind those it keeps. */
+  void reserve(int n, const std::vector<int> &extra)
+  {
+    std::vector<DentRecord> fresh;
+    std::size_t total = 0;
+    for (int i = 0; i < n; i++) total += count_[i] + extra[i];
+    fresh.resize(total);
+    std::size_t at = 0;
+    for (int i = 0; i < n; i++) {
+      for (int k = 0; k < count_[i]; k++) fresh[at + k] = pool_[first_[i] + k];
+      first_[i] = at;
+      at += count_[i] + extra[i];
+    }
+    pool_.swap(fresh);
+  }
+
+  /* Fill the room made by reserve(). */
+  void place(int i, const DentRecord &record) { pool_[first_[i] + count_[i]++] = record; }
+
+  /* Keep only the forgotten records of spheres i < n; gives the memory of the live ones back. */
+  void keep_forgotten(int n)
+  {
+    std::vector<DentRecord> kept;
+    for (int i = 0; i < n; i++) {
+      const std::size_t at = kept.size();
+      for (int k = 0; k < count_[i]; k++)
+        if (!pool_[first_[i] + k].live) kept.push_back(pool_[first_[i] + k]);
+      first_[i] = at;
+      count_[i] = static_cast<int>(kept.size() - at);
+    }
+    pool_.swap(kept);
+  }
+
+  std::size_t size() const { return pool_.size(); }
+  double memory_usage() const
+  {
+    return static_cast<double>(pool_.capacity() * sizeof(DentRecord) + first_.capacity() * sizeof(std::size_t) +
+                               count_.capacity() * sizeof(int));
+  }
+
+ private:
+  std::vector<std::size_t> first_;
+  std::vector<int> count_;
+  std::vector<DentRecord> pool_;
+};
+
+}    // namespace granwave
+
+#endif

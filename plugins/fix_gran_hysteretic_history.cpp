@@ -1,0 +1,144 @@
+#include "fix_gran_hysteretic_history.h"
+
+#include "atom.h"
+#include "error.h"
+#include "memory.h"
+#include "pair_gran_hysteretic.h"
+
+#include <algorithm>
+#include <cstring>
+
+using namespace LAMMPS_NS;
+using granwave::DentRecord;
+
+FixGranHystereticHistory::FixGranHystereticHistory(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg)
+{
+  if (std::strcmp(id, ID) != 0)
+    error->all(FLERR, "Fix {} belongs to pair style gran/hysteretic and cannot be used by itself", STYLE);
+  restart_peratom = 1;
+  create_attribute = 1;
+  maxexchange_dynamic = 1;
+  history.grow(atom->nmax);
+  atom->add_callback(Atom::GROW);
+  atom->add_callback(Atom::RESTART);
+}
+
+FixGranHystereticHistory::~FixGranHystereticHistory()
+{
+  atom->delete_callback(id, Atom::GROW);
+  atom->delete_callback(id, Atom::RESTART);
+}
+
+int FixGranHystereticHistory::setmask()
+{
+  return FixConst::PRE_EXCHANGE | FixConst::MIN_PRE_EXCHANGE;
+}
+
+/* Before spheres change place the flat list of the pair style goes back to the spheres. */
+
+void FixGranHystereticHistory::gather()
+{
+  if (pair) pair->release_contacts();
+  int most = 0;
+  for (int i = 0; i < atom->nlocal; i++) most = std::max(most, history.count(i));
+  maxexchange = 1 + DentRecord::SIZE * most;
+}
+
+void FixGranHystereticHistory::setup_pre_exchange() { gather(); }
+void FixGranHystereticHistory::pre_exchange() { gather(); }
+void FixGranHystereticHistory::min_pre_exchange() { gather(); }
+
+void FixGranHystereticHistory::grow_arrays(int nmax) { history.grow(nmax); }
+
+/* The callbacks below may come from commands that reorder spheres at any moment (sort, delete_atoms, fix balance),
+   before gather() was called: whoever is first makes the per-sphere records the valid copy. */
+
+void FixGranHystereticHistory::copy_arrays(int i, int j, int)
+{
+  if (pair) pair->release_contacts();
+  history.copy(i, j);
+}
+
+void FixGranHystereticHistory::set_arrays(int i)
+{
+  if (pair) pair->release_contacts();
+  history.forget_sphere(i);
+}
+
+int FixGranHystereticHistory::pack(int i, double *buf) const
+{
+  int m = 0;
+  buf[m++] = history.count(i);
+  const DentRecord *record = history.records(i);
+  for (int k = 0; k < history.count(i); k++, record++) {
+    buf[m++] = ubuf(static_cast<int64_t>(record->partner)).d;
+    buf[m++] = record->partner_radius;
+    buf[m++] = record->partner_type;
+    buf[m++] = record->live;
+    buf[m++] = record->dent.peak;
+    buf[m++] = record->dent.time_first;
+    buf[m++] = record->dent.time_peak;
+    buf[m++] = record->dent.time_yield;
+  }
+  return m;
+}
+
+int FixGranHystereticHistory::unpack(int i, const double *buf)
+{
+  int m = 0;
+  history.forget_sphere(i);
+  const int n = static_cast<int>(buf[m++]);
+  for (int k = 0; k < n; k++, m += DentRecord::SIZE) {
+    DentRecord record;
+    record.partner = static_cast<std::int64_t>(ubuf(buf[m]).i);
+    record.partner_radius = buf[m + 1];
+    record.partner_type = static_cast<int>(buf[m + 2]);
+    record.live = static_cast<int>(buf[m + 3]);
+    record.dent = {buf[m + 4], buf[m + 5], buf[m + 6], buf[m + 7]};
+    history.append(i, record);
+  }
+  return m;
+}
+
+int FixGranHystereticHistory::pack_exchange(int i, double *buf)
+{
+  if (pair) pair->release_contacts();
+  return pack(i, buf);
+}
+
+int FixGranHystereticHistory::unpack_exchange(int nlocal, double *buf)
+{
+  if (pair) pair->release_contacts();
+  return unpack(nlocal, buf);
+}
+
+int FixGranHystereticHistory::pack_restart(int i, double *buf)
+{
+  if (pair) pair->publish_contacts();
+  buf[0] = pack(i, buf + 1) + 1;
+  return static_cast<int>(buf[0]);
+}
+
+void FixGranHystereticHistory::unpack_restart(int nlocal, int nth)
+{
+  double **extra = atom->extra;
+  int m = 0;
+  for (int i = 0; i < nth; i++) m += static_cast<int>(extra[nlocal][m]);
+  unpack(nlocal, &extra[nlocal][m + 1]);
+}
+
+int FixGranHystereticHistory::size_restart(int i)
+{
+  if (pair) pair->publish_contacts();
+  return 2 + DentRecord::SIZE * history.count(i);
+}
+
+int FixGranHystereticHistory::maxsize_restart()
+{
+  if (pair) pair->publish_contacts();
+  int most = 0;
+  for (int i = 0; i < atom->nlocal; i++) most = std::max(most, history.count(i));
+  return 2 + DentRecord::SIZE * most;
+}
+
+double FixGranHystereticHistory::memory_usage() { return history.memory_usage(); }

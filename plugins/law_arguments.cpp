@@ -1,0 +1,83 @@
+#include "law_arguments.h"
+
+#include <cstdlib>
+
+namespace granwave {
+
+namespace {
+
+constexpr const char *NAMES[] = {"hertz", "elastoplastic", "bilinear", "thornton"};
+
+[[noreturn]] void refuse(const std::string &what) { throw std::invalid_argument(what); }
+
+bool is_number(const std::string &word)
+{
+  char *end = nullptr;
+  std::strtod(word.c_str(), &end);
+  return !word.empty() && *end == '\0';
+}
+
+double positive(const std::string &word, const char *what)
+{
+  if (!is_number(word)) refuse(std::string(what) + " must be a number, found '" + word + "'");
+  const double value = std::strtod(word.c_str(), nullptr);
+  if (!(value > 0.0) || !std::isfinite(value)) refuse(std::string(what) + " must be positive, found '" + word + "'");
+  return value;
+}
+
+double poisson(const std::string &word)
+{
+  if (!is_number(word)) refuse("Poisson's ratio must be a number, found '" + word + "'");
+  const double value = std::strtod(word.c_str(), nullptr);
+  if (!(value > -1.0 && value <= 0.5)) refuse("Poisson's ratio must lie in (-1, 0.5], found '" + word + "'");
+  return value;
+}
+
+}    // namespace
+
+const char *law_name(Law law) { return NAMES[static_cast<int>(law)]; }
+
+LawArguments parse_law(const std::vector<std::string> &words)
+{
+  const std::string usage = "expected: hertz E nu [E2 nu2], or elastoplastic|bilinear|thornton E nu sigma_y "
+                            "[E2 nu2 sigma_y2], then [variant continuous|published] [yield_factor C] [beta b]";
+  if (words.empty()) refuse("no contact law; " + usage);
+  LawArguments args;
+  int law = 0;
+  while (law < 4 && words[0] != NAMES[law]) law++;
+  if (law == 4) refuse("unknown contact law '" + words[0] + "'; " + usage);
+  args.law = static_cast<Law>(law);
+
+  std::size_t numbers = 0;
+  while (1 + numbers < words.size() && is_number(words[1 + numbers])) numbers++;
+  const std::size_t each = args.law == Law::hertz ? 2 : 3;
+  if (numbers != each && numbers != 2 * each)
+    refuse("law '" + words[0] + "' has " + std::to_string(numbers) + " material constants; " + usage);
+  const auto material = [&](std::size_t at) {
+    return Material{positive(words[at], "Young's modulus"), poisson(words[at + 1]),
+                    each == 3 ? positive(words[at + 2], "yield strength") : INFINITE};
+  };
+  args.first = material(1);
+  if (numbers == 2 * each) args.second = material(1 + each);
+
+  for (std::size_t k = 1 + numbers; k < words.size(); k += 2) {
+    const std::string &key = words[k];
+    if (k + 1 == words.size()) refuse("'" + key + "' has no value; " + usage);
+    const std::string &value = words[k + 1];
+    if (key == "variant" && args.law == Law::elastoplastic) {
+      if (value != "continuous" && value != "published")
+        refuse("variant must be continuous or published, found '" + value + "'");
+      args.variant = value == "published" ? Variant::published : Variant::continuous;
+    } else if (key == "yield_factor" && (args.law == Law::elastoplastic || args.law == Law::thornton)) {
+      args.yield_factor = positive(value, "yield_factor");
+    } else if (key == "beta" && args.law == Law::bilinear) {
+      args.beta = is_number(value) ? std::strtod(value.c_str(), nullptr) : -1.0;
+      if (!(args.beta >= 0.0 && args.beta < 1.0)) refuse("beta must lie in [0, 1), found '" + value + "'");
+    } else {
+      refuse("'" + key + "' is no option of law '" + words[0] + "'; " + usage);
+    }
+  }
+  return args;
+}
+
+}    // namespace granwave

@@ -1,0 +1,39 @@
+/* Words of an input script -> contact law; the one syntax that the pair style and the wall fix share:
+
+     hertz E nu [E2 nu2]
+     elastoplastic | bilinear | thornton  E nu sigma_y [E2 nu2 sigma_y2]
+     keywords: variant continuous|published, yield_factor C (elastoplastic), beta b (bilinear)  */
+
+#ifndef GRANWAVE_LAW_ARGUMENTS_H
+#define GRANWAVE_LAW_ARGUMENTS_H
+
+#include "contact_laws.h"
+
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace granwave {
+
+struct LawArguments {
+  Law law = Law::hertz;
+  Material first{0, 0, INFINITE};
+  std::optional<Material> second;
+  Variant variant = Variant::continuous;
+  double yield_factor = 1.6, beta = 0.8;
+
+  ContactLaw contact(const Material &partner) const
+  {
+    return ContactLaw(law, first, partner, variant, yield_factor, beta);
+  }
+};
+
+/* Raises std::invalid_argument with what was found and what was expected. */
+LawArguments parse_law(const std::vector<std::string> &words);
+
+const char *law_name(Law law);
+
+}    // namespace granwave
+
+#endif

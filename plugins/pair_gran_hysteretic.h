@@ -1,0 +1,115 @@
+/* Pair style gran/hysteretic: normal contact of spheres with laws that remember their largest overlap.
+
+   pair_style gran/hysteretic gap
+   pair_coeff I J law ...            (law_arguments.h)
+
+   A contact's dent stays when the spheres part, until the gap between them exceeds `gap`. The pairs near enough to
+   touch are kept as flat arrays beside LAMMPS's list, from one reneighbouring to the next; in between
+   (FixGranHystereticHistory) the dents travel with the spheres. */
+
+#ifndef LMP_PAIR_GRAN_HYSTERETIC_H
+#define LMP_PAIR_GRAN_HYSTERETIC_H
+
+#include "contact_history.h"
+#include "contact_laws.h"
+#include "law_arguments.h"
+#include "pair.h"
+
+#include <functional>
+#include <vector>
+
+namespace LAMMPS_NS {
+
+class FixGranHystereticHistory;
+
+class PairGranHysteretic : public Pair {
+ public:
+  static constexpr const char *STYLE = "gran/hysteretic";
+
+  /* One dent as reports want it, in physical units. */
+  struct Report {
+    int i, j;                      // local index; j may be a ghost, -1 for a forgotten dent
+    tagint tag_i, tag_j;
+    double overlap, force;         // now; overlap < 0 is a gap
+    double peak_force, elastic, dissipated, share_i;
+    double effective_radius;
+    bool live, yielded;
+    granwave::Dent dent;
+  };
+
+  explicit PairGranHysteretic(LAMMPS *);
+  ~PairGranHysteretic() override;
+
+  void settings(int, char **) override;
+  void coeff(int, char **) override;
+  void init_style() override;
+  double init_one(int, int) override;
+  void compute(int, int) override;
+  double single(int, int, int, int, double, double, double, double &) override;
+  void write_restart(FILE *) override;
+  void read_restart(FILE *) override;
+  void write_restart_settings(FILE *) override;
+  void read_restart_settings(FILE *) override;
+  double memory_usage() override;
+
+  /* Bring the records of the spheres up to date; release also retires the flat list. */
+  void publish_contacts();
+  void release_contacts();
+
+  /* Call back for every dent of this processor: a pair of which one sphere is a ghost is reported by both owners,
+     a forgotten dent by the owner of each sphere. Needs a current list (after setup or during a run). */
+  void for_each_dent(const std::function<void(const Report &)> &);
+
+  /* The same for the one pair of these ids, where this processor has it in reach. */
+  void visit_pair(tagint, tagint, const std::function<void(const Report &)> &);
+
+ private:
+  /* Pairs of spheres within reach, row by row as in LAMMPS's half list. */
+  struct Contacts {
+    bool valid = false, published = false;
+    int owned = 0;                           // spheres of this processor when the list was built
+    std::vector<int> row, begin;             // sphere of each row; where its pairs begin (one longer)
+    std::vector<int> partner;                // local or ghost index
+    std::vector<double> peak;                // largest overlap ever
+    std::vector<double> time_first, time_peak, time_yield;
+    std::vector<int> turning;                // index into turnings, or -1 while Hertzian
+    std::vector<granwave::Turning> turnings;
+    std::vector<double> work_lost;           // dissipated energy (normalised) at the turning, same index
+    std::vector<tagint> row_tag, partner_tag;
+    std::vector<double> row_radius, partner_radius;    // the first entry serves all when all spheres are equal
+    std::vector<int> row_type, partner_type;
+  };
+
+  struct Geometry {    // what a contact needs besides its law, by pair
+    double sum_radii, touch_sq;
+    granwave::ContactScale scale;
+  };
+
+  void allocate();
+  granwave::ContactLaw &law(int itype, int jtype) { return laws[itype * (atom_types + 1) + jtype]; }
+  Geometry geometry(int itype, int jtype, double ri, double rj);
+  void build_contacts();
+  void restore_dents();
+  void require_contacts();
+  template <bool UNIFORM, bool TALLY> void forces();
+  double yielding_force(int k, double overlap, const granwave::ContactLaw &, const granwave::ContactScale &, bool raised);
+  int turning_of(int k, double peak, const granwave::ContactLaw &);
+  void forget(int row, int k);
+  void tally_totals();
+  Report describe(int i, int j, int k, double rsq);
+  [[noreturn]] void overlap_error(int i, int j, double overlap);
+
+  double gap = 0.0;
+  int atom_types = 0;
+  std::vector<granwave::ContactLaw> laws;
+  std::vector<granwave::LawArguments> given;    // as set by pair_coeff, to mix from and for restarts
+  std::vector<double> largest_radius;
+  bool uniform = false;
+  Contacts contacts;
+  double now = 0.0;    // simulated time of this force evaluation
+  FixGranHystereticHistory *fix_history = nullptr;
+};
+
+}    // namespace LAMMPS_NS
+
+#endif

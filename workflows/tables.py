@@ -1,0 +1,76 @@
+"""Small tables for the terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from granwave.lammps_inputs.case import Case
+from granwave.lammps_inputs.plan import Plan
+
+_SUMMARY = {
+    "n_spheres": ("spheres", "{:d}"),
+    "n_contacts": ("contacts", "{:d}"),
+    "end_time_s": ("simulated", "{:.6g} s"),
+    "end_reason": ("ended", "{}"),
+    "timestep_s": ("timestep", "{:.4g} s"),
+    "n_steps": ("steps", "{:d}"),
+    "energy_input_J": ("energy in", "{:.6g} J"),
+    "dissipated_fraction": ("dissipated", "{:.5f} of it"),
+    "energy_balance_error": ("balance error", "{:.1e} of it"),
+    "peak_force_N": ("peak contact force", "{:.6g} N"),
+    "n_plastic_contacts": ("yielded contacts", "{:d}"),
+    "n_plastic_spheres": ("plastic spheres", "{:d}"),
+    "plastic_zone_depth_m": ("plastic zone depth", "{:.4g} m"),
+    "plastic_zone_radius_m": ("plastic zone radius", "{:.4g} m"),
+    "contacts_beyond_law": ("contacts beyond 0.2 R*", "{:d}"),
+    "wall_peak_force_N": ("peak force at the bottom", "{:.6g} N"),
+    "wall_impulse_Ns": ("impulse at the bottom", "{:.6g} N s"),
+    "impactor_velocity_m_s": ("struck sphere at the end", "{:.5g} m/s"),
+    "wall_time_s": ("wall time", "{:.1f} s"),
+    "sphere_steps_per_s": ("speed", "{:.3g} sphere-steps/s"),
+}
+
+
+def _lines(rows: list[tuple[str, str]]) -> str:
+    width = max(len(label) for label, _ in rows)
+    return "\n".join(f"{label:<{width}}  {text}" for label, text in rows)
+
+
+def summary_table(summary: Mapping[str, Any]) -> str:
+    """The main values of a summary."""
+    rows = [
+        (label, form.format(summary[key])) for key, (label, form) in _SUMMARY.items() if summary.get(key) is not None
+    ]
+    return _lines([("case", str(summary["name"])), *rows])
+
+
+def plan_table(case: Case, plan: Plan) -> str:
+    """What a run would be."""
+    schedule = plan.schedule
+    at_most = "at most " if schedule.block_steps else ""
+    overlap = f"{plan.peak_overlap:.3g} m, {plan.peak_overlap_radius:.3g} R*"
+    if plan.peak_overlap_yield is not None:
+        overlap += f", {plan.peak_overlap_yield:.3g} of that at first yield"
+    if case.contact.law == "elastoplastic" and plan.peak_overlap_radius > 0.2:
+        overlap += " - beyond 0.2 R*, where the contact law ends"
+    return _lines(
+        [
+            ("case", plan.name),
+            ("spheres", f"{plan.n_spheres}"),
+            ("contacts", f"{plan.n_contacts}"),
+            ("memory", f"about {plan.memory / 2**30:.2f} GiB"),
+            ("disk", f"about {plan.disk / 1e9:.2f} GB"),
+            ("timestep", f"{schedule.timestep:.4g} s"),
+            ("steps", f"{at_most}{schedule.n_steps}, to {schedule.end_time:.4g} s"),
+            ("snapshots", f"{at_most}{schedule.n_frames}"),
+            ("expected time", f"{at_most}{_duration(plan.wall_time)}"),
+            ("largest overlap", f"up to {overlap}"),
+        ]
+    )
+
+
+def _duration(seconds: float) -> str:
+    if seconds < 120:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60:.0f} min" if seconds < 7200 else f"{seconds / 3600:.1f} h"
