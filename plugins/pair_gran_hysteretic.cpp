@@ -236,9 +236,24 @@ void PairGranHysteretic::build_contacts()
     c.partner_radius[k] = radius[c.partner[k]];
     c.partner_type[k] = type[c.partner[k]];
   }
+  refuse_leaps();
   restore_dents();
   c.valid = true;
   c.published = false;
+}
+
+/* A sphere that moves by much of its radius in one step would pass through others unseen. */
+
+void PairGranHysteretic::refuse_leaps()
+{
+  constexpr double LARGEST = 0.5;    // of the radius
+  const double *const *v = atom->v;
+  for (int i = 0; i < atom->nlocal; i++) {
+    const double leap = std::sqrt(v[i][0] * v[i][0] + v[i][1] * v[i][1] + v[i][2] * v[i][2]) * update->dt;
+    if (!(leap <= LARGEST * atom->radius[i]))
+      error->one(FLERR, "Sphere {} moves by {:.3g} of its radius in one timestep: the timestep is far too large for its "
+                        "velocity, or the run is unstable", atom->tag[i], leap / atom->radius[i]);
+  }
 }
 
 /* The spheres' live records become flat again. A live record whose pair is out of reach now is forgotten. */

@@ -89,6 +89,7 @@ class PairGranHysteretic : public Pair {
   granwave::ContactLaw &law(int itype, int jtype) { return laws[itype * (atom_types + 1) + jtype]; }
   Geometry geometry(int itype, int jtype, double ri, double rj);
   void build_contacts();
+  void refuse_leaps();
   void restore_dents();
   void require_contacts();
   template <bool UNIFORM, bool TALLY> void forces();

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from granwave import __version__
-from granwave.lammps_inputs.errors import InputError, RunError
+from granwave.lammps_inputs.errors import GranwaveError, InputError
 from granwave.workflows import commands, mpi
 
 DONE, FAILED, WRONG_INPUT, STOPPED = 0, 1, 2, 130
@@ -19,16 +19,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit status."""
     words = list(sys.argv[1:] if arguments is None else arguments)
     options = _parser().parse_args(words)
-    logging.basicConfig(level=logging.INFO, format="%(message)s", stream=sys.stderr)
-    logging.getLogger("MDAnalysis").setLevel(logging.WARNING)
+    _set_up_logging()
     try:
         return int(options.command(options, words))
     except InputError as error:
         return _report(error.faults, WRONG_INPUT)
-    except RunError as error:
+    except GranwaveError as error:
         return _report([str(error)], FAILED)
     except KeyboardInterrupt:
         return _report(["stopped"], STOPPED)
+
+
+def _set_up_logging() -> None:
+    """Our own messages from INFO on; of the libraries (fonts, file formats) only what went wrong."""
+    logging.basicConfig(level=logging.ERROR, format="%(message)s", stream=sys.stderr)
+    logging.getLogger("granwave").setLevel(logging.INFO)
 
 
 def _report(lines: Sequence[str], status: int) -> int:

@@ -1,0 +1,231 @@
+"""Readers of what LAMMPS dumps: snapshots of the spheres, contacts, wall contacts, and the data file.
+
+All values are float64: overlaps are micrometres in a packing of a metre, which single precision loses.
+Snapshots are read one at a time.
+"""
+
+from __future__ import annotations
+
+import itertools
+import logging
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TextIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granwave.analysis.errors import MissingOutputError, OutputFormatError
+
+SPHERE_COLUMNS = (
+    "id", "type", "radius", "x", "y", "z", "ux", "uy", "uz", "vx", "vy", "vz",
+    "force", "peak_force", "peak_overlap", "dissipated",
+)  # fmt: skip
+CONTACT_COLUMNS = (
+    "i", "j", "overlap", "force", "peak_overlap", "peak_force", "elastic", "dissipated",
+    "time_first", "time_peak", "time_yield", "live",
+)  # fmt: skip
+WALL_COLUMNS = (
+    "id", "overlap", "force", "peak_overlap", "peak_force", "dissipated",
+    "time_first", "time_peak", "time_yield",
+)  # fmt: skip
+DATA_COLUMNS = ("id", "type", "diameter", "density", "x", "y", "z")
+
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """One snapshot of a dump.
+
+    Attributes
+    ----------
+    step
+        Timestep.
+    box
+        Lower and upper bound along x, y, z: (3, 2), m.
+    columns
+        What the columns are called.
+    values
+        The rows: (n_rows, n_columns).
+    """
+
+    step: int
+    box: NDArray[np.float64]
+    columns: tuple[str, ...]
+    values: NDArray[np.float64]
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    def __getitem__(self, name: str) -> NDArray[np.float64]:
+        """One column: (n_rows,)."""
+        return self.values[:, self.columns.index(name)]
+
+    def vector(self, *names: str) -> NDArray[np.float64]:
+        """Several columns side by side: (n_rows, len(names))."""
+        return self.values[:, [self.columns.index(name) for name in names]]
+
+    @property
+    def displacement(self) -> NDArray[np.float64]:
+        """Displacements of spheres from the start: (n_rows, 3), m."""
+        return self.vector("ux", "uy", "uz")
+
+    @property
+    def velocity(self) -> NDArray[np.float64]:
+        """Velocities of spheres: (n_rows, 3), m/s."""
+        return self.vector("vx", "vy", "vz")
+
+
+def read_frames(directory: str | Path) -> Iterator[Frame]:
+    """Snapshots of ``dumps/spheres.dump`` in turn, `SPHERE_COLUMNS`, rows sorted by id.
+
+    A last snapshot cut short by a killed run is left out with a warning; of a step written twice (a resumed
+    run) the first counts.
+
+    Raises
+    ------
+    MissingOutputError
+        There is no such file.
+    OutputFormatError
+        It lacks a column, a snapshot in its middle is damaged, or it holds no complete one.
+    """
+    last_step = -1
+    for frame in _frames(_dump(directory, "spheres.dump"), SPHERE_COLUMNS, sort_by="id"):
+        if frame.step > last_step:
+            last_step = frame.step
+            yield frame
+
+
+def read_contacts(directory: str | Path) -> Frame:
+    """Contacts at the end of the run (``dumps/contacts.dump``), forgotten dents as rows of their own.
+
+    Columns `CONTACT_COLUMNS`: overlaps in m, forces in N, energies in J, times in s (-1: never). Raises as
+    `read_frames`.
+    """
+    return _only_frame(_dump(directory, "contacts.dump"), CONTACT_COLUMNS)
+
+
+def read_wall_contacts(directory: str | Path) -> dict[str, Frame]:
+    """Contacts with each plane at the end of the run (``dumps/wall_NAME.dump``), by its name, `WALL_COLUMNS`.
+
+    Empty when there is no plane.
+    """
+    paths = sorted((Path(directory) / "dumps").glob("wall_*.dump"))
+    return {path.stem.removeprefix("wall_"): _only_frame(path, WALL_COLUMNS, sort_by="id") for path in paths}
+
+
+def read_data(directory: str | Path) -> Frame:
+    """The spheres at the start (``data.granwave``), `DATA_COLUMNS` in m and kg/m^3, rows sorted by id.
+
+    Raises
+    ------
+    MissingOutputError
+        There is no such file.
+    OutputFormatError
+        It does not hold the spheres it announces.
+    """
+    path = Path(directory) / "data.granwave"
+    if not path.exists():
+        raise MissingOutputError(
+            f"{path} is missing: write the deck again (granwave write CASE -o {directory})"
+        )
+    n_spheres = 0
+    box = np.zeros((3, 2))
+    with open(path, encoding="ascii") as file:
+        file.readline()  # the title
+        for line in file:
+            words = line.split()
+            if words[1:] == ["atoms"]:
+                n_spheres = int(words[0])
+            elif len(words) == 4 and words[3] in ("xhi", "yhi", "zhi"):
+                box["xyz".index(words[3][0])] = float(words[0]), float(words[1])
+            elif words and words[0] == "Atoms":
+                break
+        file.readline()
+        values = _numbers(list(itertools.islice(file, n_spheres)), n_spheres, len(DATA_COLUMNS))
+    if values is None or not n_spheres:
+        raise OutputFormatError(f"{path}: expected {n_spheres} rows of {' '.join(DATA_COLUMNS)} under Atoms")
+    return _sorted(Frame(0, box, DATA_COLUMNS, values), "id")
+
+
+def _dump(directory: str | Path, name: str) -> Path:
+    path = Path(directory) / "dumps" / name
+    if not path.exists():
+        raise MissingOutputError(
+            f"{path} is missing: the run did not get as far as writing it; finish the run "
+            f"(granwave run {Path(directory) / 'case.toml'} -o {directory} --resume)"
+        )
+    return path
+
+
+def _only_frame(path: Path, required: tuple[str, ...], sort_by: str | None = None) -> Frame:
+    *_, frame = _frames(path, required, sort_by)
+    return frame
+
+
+def _frames(path: Path, required: tuple[str, ...], sort_by: str | None = None) -> Iterator[Frame]:
+    number = 0
+    with open(path, encoding="ascii") as file:
+        while (frame := _next_frame(file, path, number)) is not None:
+            missing = [name for name in required if name not in frame.columns]
+            if missing:
+                raise OutputFormatError(
+                    f"{path}: snapshot {number} lacks the columns {', '.join(missing)}; it has "
+                    f"{' '.join(frame.columns)}"
+                )
+            number += 1
+            yield _sorted(frame, sort_by) if sort_by else frame
+    if not number:
+        raise OutputFormatError(f"{path} holds no complete snapshot; finish the run or run it again")
+
+
+def _next_frame(file: TextIO, path: Path, number: int) -> Frame | None:
+    """The snapshot that begins at the present place of the file; None at its end or when it is cut short."""
+    header: dict[str, list[str]] = {}
+    title = ""
+    for title in file:
+        if not title.startswith("ITEM:"):
+            raise OutputFormatError(f"{path}: expected the header of snapshot {number}, found {title[:60]!r}")
+        if title.startswith(("ITEM: ATOMS", "ITEM: ENTRIES")):
+            break
+        n_lines = 3 if title.startswith("ITEM: BOX") else 1
+        header[" ".join(title.split()[1:3])] = list(itertools.islice(file, n_lines))
+    if not header:
+        return None
+    columns = tuple(title.split()[2:])
+    complete = title.startswith(("ITEM: ATOMS", "ITEM: ENTRIES")) and title.endswith("\n")
+    n_rows = int(header["NUMBER OF"][0]) if complete else 0
+    rows = list(itertools.islice(file, n_rows)) if complete else []
+    if not complete or len(rows) < n_rows or (rows and not rows[-1].endswith("\n")):
+        log.warning("%s: snapshot %d is cut short and left out", path, number)
+        return None
+    values = _numbers(rows, n_rows, len(columns))
+    if values is None:
+        raise OutputFormatError(
+            f"{path}: snapshot {number} does not hold {n_rows} rows of {len(columns)} numbers"
+        )
+    box = np.array([line.split()[:2] for line in header["BOX BOUNDS"]], dtype=float)
+    return Frame(int(header["TIMESTEP"][0]), box, columns, values)
+
+
+def _numbers(rows: list[str], n_rows: int, n_columns: int) -> NDArray[np.float64] | None:
+    """The numbers in rows of text, (n_rows, n_columns), or None when they are not so many."""
+    if n_rows == 0:
+        return np.empty((0, n_columns))
+    text = "".join(rows)
+    if len(rows) != n_rows or len(rows[-1].split()) != n_columns:
+        return None
+    try:
+        values = np.fromstring(text, dtype=float, sep=" ")  # the fastest reader of text that numpy has
+    except ValueError:
+        return None
+    return values.reshape(n_rows, n_columns) if values.size == n_rows * n_columns else None
+
+
+def _sorted(frame: Frame, name: str) -> Frame:
+    key = frame[name]
+    if np.any(key[1:] < key[:-1]):
+        frame.values[:] = frame.values[np.argsort(key, kind="stable")]
+    return frame

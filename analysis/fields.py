@@ -1,0 +1,177 @@
+"""Dissipation, plastic zone and peak forces as curves: plain numpy on arrays of spheres and contacts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from granwave.analysis.planes import preferred_directions
+from granwave.analysis.result import Result
+
+_SAME_PLACE = 1e-3  # diameters
+
+
+def ranked(dissipated: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Rows of the spheres that dissipated anything, the one that dissipated most first (thesis Fig. 5.8)."""
+    order = np.argsort(-dissipated, kind="stable")
+    return order[: np.count_nonzero(dissipated > 0)]
+
+
+def cumulated(
+    dissipated: NDArray[np.float64], energy_input: float
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Dissipated share of the input against the volume of the spheres that did it (thesis Fig. 5.14).
+
+    Parameters
+    ----------
+    dissipated
+        By sphere: (n_spheres,), J.
+    energy_input
+        J.
+
+    Returns
+    -------
+    fraction
+        Of the input: (n,).
+    volume
+        Of the spheres that dissipated most, in units of pi D^3/6, which is their number: (n,).
+    """
+    values = dissipated[ranked(dissipated)]
+    return np.cumsum(values) / energy_input, np.arange(1, len(values) + 1)
+
+
+@dataclass(frozen=True, eq=False)
+class ZoneGrowth:
+    """The plastic zone in time; every array (n_times,).
+
+    Attributes
+    ----------
+    time
+        When the zone grew, s.
+    contacts, spheres
+        Yielded so far.
+    depth
+        Of the deepest plastic centre below the struck one, m.
+    radius
+        Largest lateral distance of a plastic centre, m.
+    """
+
+    time: NDArray[np.float64]
+    contacts: NDArray[np.int64]
+    spheres: NDArray[np.int64]
+    depth: NDArray[np.float64]
+    radius: NDArray[np.float64]
+
+
+def zone_growth(result: Result) -> ZoneGrowth:
+    """Growth of the plastic zone, from the times at which contacts yielded."""
+    yielded = result["contacts/yielded"].astype(bool)
+    when = result["contacts/time_yield"][yielded]
+    ends = np.stack([result["contacts/i"][yielded], result["contacts/j"][yielded]], axis=1) - 1
+    order = np.argsort(when, kind="stable")
+    when, ends = when[order], ends[order]
+    _, first = np.unique(ends.ravel(), return_index=True)
+    new = np.zeros(ends.size, dtype=np.int64)
+    new[first] = 1
+    offset = result["spheres/position"] - result.origin
+    depth = np.maximum.accumulate(offset[ends, 2].max(axis=1, initial=0.0))
+    radius = np.maximum.accumulate(np.hypot(offset[ends, 0], offset[ends, 1]).max(axis=1, initial=0.0))
+    time, last = np.unique(when[::-1], return_index=True)
+    last = len(when) - 1 - last
+    spheres = np.cumsum(new.reshape(-1, 2).sum(axis=1))
+    return ZoneGrowth(time, last + 1, spheres[last], depth[last], radius[last])
+
+
+@dataclass(frozen=True, eq=False)
+class Rays:
+    """Peak forces of the contacts along the preferred directions.
+
+    Attributes
+    ----------
+    directions
+        Unit vectors: (n_directions, 3).
+    peak_force
+        Of the n-th contact from the struck sphere: (n_contacts, n_directions), N; NaN beyond the packing.
+    """
+
+    directions: NDArray[np.float64]
+    peak_force: NDArray[np.float64]
+
+    @property
+    def difference(self) -> NDArray[np.float64]:
+        """Largest less smallest peak force over the largest, contact by contact where all exist: (n,)."""
+        complete = self.peak_force[~np.isnan(self.peak_force).any(axis=1)]
+        largest = complete.max(axis=1, initial=0.0)
+        return (largest - complete.min(axis=1, initial=np.inf)) / np.where(largest > 0, largest, 1.0)
+
+    @property
+    def max_difference(self) -> float:
+        """The largest of `difference`; symmetry makes it 0 when one sphere is struck."""
+        return float(self.difference.max(initial=0.0))
+
+
+def rays(result: Result) -> Rays:
+    """Peak force of every contact along each preferred direction, from the struck sphere on."""
+    directions = preferred_directions(result.case.packing.kind)
+    diameter = result.case.packing.diameter
+    positions = result["spheres/position"]
+    tree = cKDTree(positions)
+    reach = int(np.linalg.norm(np.ptp(positions, axis=0)) / diameter) + 2
+    force = _force_of_pairs(result)
+    columns = []
+    for direction in directions:
+        points = result.origin + np.arange(reach)[:, None] * diameter * direction
+        distance, row = tree.query(points)
+        gone = np.flatnonzero(distance > _SAME_PLACE * diameter)
+        on_ray = row[: gone[0] if gone.size else reach]
+        columns.append(force(on_ray[:-1] + 1, on_ray[1:] + 1))
+    longest = max(len(column) for column in columns)
+    table = [np.pad(column, (0, longest - len(column)), constant_values=np.nan) for column in columns]
+    return Rays(directions, np.stack(table, axis=1))
+
+
+def peak_force_by_depth(result: Result) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Largest peak force of a contact in each layer.
+
+    Returns
+    -------
+    depth
+        Of the layer below the struck one: (n_layers,), m.
+    force
+        (n_layers,), N.
+    """
+    depth = result["spheres/position"][:, 2] - result.origin[2]
+    layers, layer = np.unique(np.round(depth / result.case.packing.diameter, 6), return_inverse=True)
+    force = np.zeros(len(layers))
+    np.maximum.at(force, layer, result["spheres/peak_force"])
+    return layers * result.case.packing.diameter, force
+
+
+def dissipation_mismatch(result: Result) -> float:
+    """How far the last snapshot and ``/contacts`` differ in the dissipation of a sphere, over the input.
+
+    The two come from different dumps; they differ by rounding and, in an interrupted run, by what happened
+    between.
+    """
+    from_contacts = result["spheres/dissipated_energy"] - result["spheres/dissipated_energy_wall"]
+    from_snapshot = result.frame(result.n_frames - 1, "dissipated_energy")
+    return float(np.max(np.abs(from_snapshot - from_contacts))) / (result.energy_input or 1.0)
+
+
+def _force_of_pairs(result: Result):
+    """A function from pairs of ids to their peak forces, NaN for a pair that is no contact."""
+    stride = result.n_spheres + 1
+    keys = result["contacts/i"] * stride + result["contacts/j"]
+    forces = result["contacts/peak_force"]
+
+    def force(first: NDArray[np.int64], second: NDArray[np.int64]) -> NDArray[np.float64]:
+        wanted = np.minimum(first, second) * stride + np.maximum(first, second)
+        if not len(keys):
+            return np.full(len(wanted), np.nan)
+        place = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
+        return np.where(keys[place] == wanted, forces[place], np.nan)
+
+    return force

@@ -1,0 +1,75 @@
+"""All figures of a run, by name; each leaves NAME.png, NAME.pdf and NAME.csv in ``figures``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+from granwave.analysis import figures_dissipation, figures_history, figures_packing, figures_planes
+from granwave.analysis.figure_style import Drawing, save, style
+from granwave.analysis.result import Result
+
+FIGURES_DIRECTORY = "figures"
+
+#: Each draws a figure of a result, or returns None when the figure makes no sense for it.
+FIGURES: dict[str, Callable[[Result], Drawing | None]] = {
+    "peak_force_principal": partial(figures_planes.peak_force_section, name="principal"),
+    "peak_force_orthogonal": partial(figures_planes.peak_force_section, name="orthogonal"),
+    "peak_force_depth": figures_dissipation.peak_force_depth,
+    "dissipation_principal": partial(figures_planes.dissipation_section, name="principal"),
+    "dissipation_orthogonal": partial(figures_planes.dissipation_section, name="orthogonal"),
+    "dissipation_ranked": figures_dissipation.dissipation_ranked,
+    "dissipation_cumulated": figures_dissipation.dissipation_cumulated,
+    "plastic_zone_growth": figures_dissipation.plastic_zone_growth,
+    "energies": figures_history.energies,
+    "bottom_force": figures_history.bottom_force,
+    "impactor_velocity": figures_history.impactor_velocity,
+    "wave_front": figures_planes.wave_front,
+    "packing_3d": figures_packing.packing_3d,
+    "packing_3d_dissipation": figures_packing.packing_3d_dissipation,
+    "probes": figures_history.probes,
+}
+
+
+def draw_figures(
+    directory: str | Path, progress: Callable[[str], None] | None = None, names: tuple[str, ...] | None = None
+) -> list[Path]:
+    """Draw the figures of a run from its ``result.h5``.
+
+    Figures that are there from before and make no sense any more are removed.
+
+    Parameters
+    ----------
+    progress
+        Called with the name of each figure before it is drawn.
+    names
+        Of the figures to draw; all if not given.
+
+    Returns
+    -------
+    list of Path
+        The PNG files that were written.
+
+    Raises
+    ------
+    MissingOutputError
+        There is no result.h5.
+    KeyError
+        There is no figure of that name.
+    """
+    folder = Path(directory) / FIGURES_DIRECTORY
+    written = []
+    with Result(directory) as result, style():
+        folder.mkdir(exist_ok=True)
+        for name in FIGURES if names is None else names:
+            if progress is not None:
+                progress(name)
+            drawing = FIGURES[name](result)
+            if drawing is None:
+                for suffix in (".png", ".pdf", ".csv"):
+                    (folder / f"{name}{suffix}").unlink(missing_ok=True)
+                continue
+            save(drawing, folder / name)
+            written.append(folder / f"{name}.png")
+    return written

@@ -1,0 +1,129 @@
+"""Where the energy went: dissipation by sphere, the plastic zone in time, and how peak forces decay."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.ticker import MaxNLocator
+
+from granwave.analysis.fields import cumulated, peak_force_by_depth, ranked, rays, zone_growth
+from granwave.analysis.figure_style import BLUE, GREEN, ORANGE, Drawing, new_figure
+from granwave.analysis.figures_planes import force_scale
+from granwave.analysis.plasticity import LAW_LIMIT
+from granwave.analysis.result import Result
+
+_MILLI = 1e3  # mm in a metre
+_MICRO = 1e6  # microseconds in a second
+_SHOWN_SHARE = 0.95  # of the dissipation: how far the cumulated figure goes
+_RANGE = 1e-10  # of the largest dissipation: what the ranked figure shows
+
+
+def dissipation_ranked(result: Result) -> Drawing | None:
+    """Dissipation of the spheres in descending order (thesis Fig. 5.8); hollow where the law was exceeded."""
+    dissipated = result["spheres/dissipated_energy"]
+    rows = ranked(dissipated)
+    if not len(rows):
+        return None
+    law = result.law
+    values = dissipated[rows] / (law.yield_force * law.yield_overlap)
+    rank = np.arange(1, len(rows) + 1)
+    beyond = result["spheres/peak_overlap"][rows] > LAW_LIMIT * law.effective_radius
+    beyond &= result.has_law_limit
+    figure = new_figure(2.4)
+    axes = figure.subplots()
+    axes.loglog(rank, values, color=BLUE, linewidth=0.8)
+    axes.plot(rank[~beyond], values[~beyond], "o", color=BLUE, markersize=2.5, markeredgewidth=0)
+    if beyond.any():
+        axes.plot(
+            rank[beyond], values[beyond], "o", color=BLUE, markersize=4, markerfacecolor="white",
+            label=r"contact beyond 0.2 $R^*$",
+        )  # fmt: skip
+        axes.legend(loc="lower left")
+    axes.set_ylim(bottom=max(float(values.min()), float(values[0]) * _RANGE) / 2)
+    axes.set_xlabel("Number of spheres, in descending order")
+    axes.set_ylabel(r"Dissipation $e_\mathrm{dis}/(F_\mathrm{y}\,\alpha_\mathrm{y})$")
+    columns = {"rank": rank, "id": rows + 1, "dissipated_J": dissipated[rows]}
+    columns |= {"dissipated_over_Fy_alpha_y": values, "beyond_law": beyond.astype(int)}
+    return Drawing(figure, columns)
+
+
+def dissipation_cumulated(result: Result) -> Drawing | None:
+    """Volume of the spheres that dissipate a given share of the input (thesis Fig. 5.14, granular)."""
+    if not np.any(result["spheres/dissipated_energy"] > 0):
+        return None
+    fraction, volume = cumulated(result["spheres/dissipated_energy"], result.energy_input)
+    enough = int(np.searchsorted(fraction, _SHOWN_SHARE * fraction[-1])) + 1
+    figure = new_figure(2.4)
+    axes = figure.subplots()
+    axes.plot(fraction[:enough], volume[:enough], "-o", color=BLUE, markersize=2.5)
+    axes.axvline(fraction[-1], color="black", linestyle=":", linewidth=0.8)
+    axes.set_xlim(0, 1)
+    axes.set_ylim(0, max(1.05 * enough, 2))
+    axes.yaxis.set_major_locator(MaxNLocator(integer=True))
+    axes.text(
+        fraction[-1] + 0.01, 0.97, f"all {len(volume)} spheres", rotation=90, ha="left", va="top",
+        transform=axes.get_xaxis_transform(),
+    )  # fmt: skip
+    axes.set_xlabel("Dissipation / energy input")
+    axes.set_ylabel(r"Volume / ($\pi D^3/6$)")
+    return Drawing(figure, {"dissipated_over_input": fraction, "volume_over_sphere_volume": volume})
+
+
+def plastic_zone_growth(result: Result) -> Drawing | None:
+    """Number of yielded contacts and spheres, depth and radius of the plastic zone against time."""
+    growth = zone_growth(result)
+    if not len(growth.time):
+        return None
+    end = float(result["energy/time"][-1])
+
+    def to_end(values: np.ndarray) -> np.ndarray:
+        return np.concatenate([[0], values, values[-1:]])
+
+    time = np.concatenate([[0.0], growth.time, [end]]) * _MICRO
+    figure = new_figure(3.2)
+    upper, lower = figure.subplots(2, 1, sharex=True)
+    upper.step(time, to_end(growth.contacts), where="post", color=BLUE, label="contacts")
+    upper.step(time, to_end(growth.spheres), where="post", color=ORANGE, linestyle="--", label="spheres")
+    upper.set_ylabel("Number yielded")
+    upper.set_ylim(bottom=0)
+    lower.step(time, to_end(growth.depth) * _MILLI, where="post", color=BLUE, label="depth")
+    lower.step(
+        time, to_end(growth.radius) * _MILLI, where="post", color=ORANGE, linestyle="--", label="radius"
+    )
+    lower.set_ylabel("Size of the zone (mm)")
+    lower.set_ylim(bottom=0)
+    lower.set_xlabel("Time (µs)")
+    lower.set_xlim(0, end * _MICRO)
+    for axes in (upper, lower):
+        axes.legend(loc="lower right")
+    columns = {"time_s": growth.time, "contacts": growth.contacts, "spheres": growth.spheres}
+    return Drawing(figure, columns | {"depth_m": growth.depth, "radius_m": growth.radius})
+
+
+def peak_force_depth(result: Result) -> Drawing | None:
+    """Decay of the peak force: the largest of each layer, and along the preferred directions."""
+    depth, force = peak_force_by_depth(result)
+    if len(depth) < 2 or not np.any(force > 0):
+        return None
+    scale, label, name = force_scale(result)
+    along = rays(result)
+    n_contacts, n_rays = along.peak_force.shape
+    pitch = result.case.packing.diameter * along.directions[0, 2]
+    middle = (np.arange(n_contacts) + 0.5) * pitch  # depth of the contact points
+    figure = new_figure(2.4)
+    axes = figure.subplots()
+    if n_rays > 1 and n_contacts > 1:
+        colours = (ORANGE, GREEN, "black", ORANGE)
+        for n, (marker, colour, values) in enumerate(zip("o^vs", colours, along.peak_force.T, strict=False)):
+            axes.plot(
+                middle * _MILLI, values / scale, marker, color=colour, markerfacecolor="none",
+                markersize=5 - 0.5 * n, markeredgewidth=0.8, label=f"preferred direction {n + 1}",
+            )  # fmt: skip
+    axes.plot(depth * _MILLI, force / scale, "-", color=BLUE, label="largest of the layer", zorder=1)
+    axes.set_yscale("log")
+    axes.set_xlim(0, depth[-1] * _MILLI)
+    axes.set_xlabel("Depth (mm)")
+    axes.set_ylabel(f"Peak force {label}")
+    axes.legend(fontsize=8)
+    columns = {"layer_depth_m": depth, f"layer_peak_{name}": force / scale, "contact_depth_m": middle}
+    columns |= {f"direction_{n + 1}_{name}": values / scale for n, values in enumerate(along.peak_force.T)}
+    return Drawing(figure, columns)

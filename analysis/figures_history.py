@@ -1,0 +1,148 @@
+"""What happened in time: energies, the impactor, the force on the bottom, and the probes."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+from matplotlib.axes import Axes
+from numpy.typing import NDArray
+
+from granwave.analysis.figure_style import BLUE, GREEN, GREY, ORANGE, PURPLE, Drawing, new_figure
+from granwave.analysis.result import Result
+
+_MICRO = 1e6  # microseconds in a second
+_MOST_POINTS = 20_000  # drawn of one curve; the CSV file has all
+_PROBE = re.compile(r"(?P<name>(sphere|contact)_\d+(_\d+)?)_(?P<quantity>\w+)")
+_QUANTITIES = {
+    "u": ("Displacement (µm)", 1e6),
+    "v": ("Velocity (m/s)", 1.0),
+    "f": ("Force (N)", 1.0),
+    "overlap": ("Overlap (µm)", 1e6),
+    "force": ("Contact force (N)", 1.0),
+}
+_COLOURS = (BLUE, ORANGE, GREEN, PURPLE, GREY)
+
+
+def energies(result: Result) -> Drawing | None:
+    """Where the energy is, and how far the sum is from the input."""
+    given = result.energy_input
+    if not given:
+        return None
+    time = result["energy/time"]
+    parts = {name: result[f"energy/{name}"] for name in ("kinetic", "elastic", "dissipated")}
+    residual = np.abs(sum(parts.values()) - result["energy/input"]) / given
+    figure = new_figure(3.2)
+    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
+    unit, name = (1e3, "mJ") if given < 1 else (1.0, "J")
+    for (part, values), colour in zip(parts.items(), (BLUE, GREEN, ORANGE), strict=True):
+        upper.plot(time * _MICRO, values * unit, color=colour, label=part)
+    upper.plot(time * _MICRO, result["energy/input"] * unit, color="black", linestyle=":", label="input")
+    upper.set_ylabel(f"Energy ({name})")
+    upper.set_ylim(0, 1.05 * given * unit)
+    upper.legend(ncols=2, loc="center right")
+    lower.semilogy(time * _MICRO, np.where(residual > 0, residual, np.nan), color=GREY, linewidth=0.8)
+    lower.set_ylabel("|Residual|\n/ input")
+    _time_axis(lower, time)
+    columns = {"time_s": time, **{f"{part}_J": values for part, values in parts.items()}}
+    columns |= {f"{part}_wall_J": result[f"energy/{part}_wall"] for part in ("elastic", "dissipated")}
+    return Drawing(figure, columns | {"input_J": result["energy/input"], "residual_over_input": residual})
+
+
+def bottom_force(result: Result) -> Drawing | None:
+    """Force on the bottom and its impulse."""
+    if "walls/bottom" not in result:
+        return None
+    time, force = result["walls/bottom/time"], result["walls/bottom/force"]
+    if not np.any(force):
+        return None
+    steps = 0.5 * (force[1:] + force[:-1]) * np.diff(time)
+    impulse = np.concatenate([[0.0], np.cumsum(steps)])
+    figure = new_figure(2.3)
+    axes = figure.subplots()
+    shown = _thinned(force)
+    axes.plot(time[shown] * _MICRO, force[shown], color=BLUE, linewidth=0.8)
+    axes.set_ylabel("Force on the bottom (N)", color=BLUE)
+    _time_axis(axes, time)
+    beside = axes.twinx()
+    beside.plot(time * _MICRO, impulse * 1e3, color=ORANGE, linestyle="--")
+    beside.set_ylabel("Impulse (mN s)", color=ORANGE)
+    _common_zero(axes, beside)
+    return Drawing(figure, {"time_s": time, "force_N": force, "impulse_Ns": impulse})
+
+
+def impactor_velocity(result: Result) -> Drawing | None:
+    """Velocity of the struck sphere along the impact direction."""
+    time, velocity = result["energy/time"], result["energy/struck_velocity"]
+    figure = new_figure(2.1)
+    axes = figure.subplots()
+    axes.axhline(0, color="black", linewidth=0.5)
+    axes.plot(time * _MICRO, velocity, color=BLUE)
+    axes.set_ylabel("Velocity of the\nstruck sphere (m/s)")
+    _time_axis(axes, time)
+    return Drawing(figure, {"time_s": time, "velocity_m_s": velocity})
+
+
+def probes(result: Result) -> Drawing | None:
+    """What the probes recorded: a panel for each quantity."""
+    if "probes" not in result:
+        return None
+    time = result["probes/time"]
+    panels: dict[str, list[tuple[str, NDArray]]] = {}
+    names = [name for name in result.names("probes") if name not in ("step", "time")]
+    for name in names:
+        found = _PROBE.fullmatch(name)
+        if found:
+            quantity = found["quantity"]
+            key = quantity if quantity in _QUANTITIES else quantity[0]
+            axis = "" if key == quantity else f", {quantity[1:]}"
+            label = found["name"].replace("_", " ", 1).replace("_", "-") + axis
+            panels.setdefault(key, []).append((label, result[f"probes/{name}"]))
+    figure = new_figure(0.5 + 1.5 * len(panels))
+    stack = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
+    for axes, key in zip(stack, sorted(panels, key=list(_QUANTITIES).index), strict=True):
+        curves = panels[key]
+        label, scale = _QUANTITIES[key]
+        for n, (name, values) in enumerate(curves):
+            shown = _thinned(values)
+            style = ("-", "--", ":")[n // len(_COLOURS) % 3]
+            axes.plot(
+                time[shown] * _MICRO,
+                values[shown] * scale,
+                style,
+                color=_COLOURS[n % len(_COLOURS)],
+                label=name,
+            )
+        axes.set_ylabel(label)
+        if len(curves) <= 2 * len(_COLOURS):
+            axes.legend(ncols=1, fontsize=8, loc="best", handlelength=1.2)
+    _time_axis(stack[-1], time)
+    units = {name: result.unit(f"probes/{name}").replace(" ", "_").replace("-", "") for name in names}
+    return Drawing(
+        figure, {"time_s": time} | {f"{name}_{units[name]}": result[f"probes/{name}"] for name in names}
+    )
+
+
+def _time_axis(axes: Axes, time: NDArray[np.float64]) -> None:
+    axes.set_xlabel("Time (µs)")
+    axes.set_xlim(0, float(time[-1]) * _MICRO or 1.0)
+
+
+def _thinned(values: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Rows that draw the same curve: the lowest and the highest of every bin when there are too many."""
+    n_bins = _MOST_POINTS // 2
+    if len(values) <= _MOST_POINTS:
+        return np.arange(len(values))
+    size = len(values) // n_bins
+    whole = values[: n_bins * size].reshape(n_bins, size)
+    starts = np.arange(n_bins) * size
+    rows = np.concatenate([starts + whole.argmin(axis=1), starts + whole.argmax(axis=1), [len(values) - 1]])
+    return np.unique(rows)
+
+
+def _common_zero(first: Axes, second: Axes) -> None:
+    """Let zero lie at one height on both axes."""
+    limits = [axes.get_ylim() for axes in (first, second)]
+    below = max(max(-low, 0.0) / max(high, 1e-300) for low, high in limits)
+    for axes, (_, high) in zip((first, second), limits, strict=True):
+        axes.set_ylim(-below * high, high)

@@ -1,0 +1,59 @@
+"""From the dumps of a run to everything that is made of them: result.h5, summary.json and the figures."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from pathlib import Path
+
+from tqdm import tqdm
+
+from granwave.analysis.figures import FIGURES, draw_figures
+from granwave.analysis.result_file import write_result
+from granwave.analysis.summary import Summary, summarise
+
+logger = logging.getLogger(__name__)
+
+
+def analyse(directory: str | Path, progress: bool | Callable[[str], None] = False) -> Summary:
+    """Analyse a run; what an earlier analysis left is replaced.
+
+    Parameters
+    ----------
+    directory
+        Of the run.
+    progress
+        True for a bar on a terminal; or a function, called with the name of each part before it is made.
+
+    Returns
+    -------
+    dict
+        What summary.json holds.
+
+    Raises
+    ------
+    MissingOutputError
+        The run did not leave a file that is needed.
+    OutputFormatError
+        A file is damaged.
+    """
+    if callable(progress):
+        return _analyse(Path(directory), progress)
+    parts = len(FIGURES) + 2
+    with tqdm(total=parts, desc="analysis", disable=None if progress else True, leave=False) as bar:
+
+        def report(part: str) -> None:
+            logger.info("%s: %s", directory, part)
+            bar.set_postfix_str(part)
+            bar.update()
+
+        return _analyse(Path(directory), report)
+
+
+def _analyse(directory: Path, report: Callable[[str], None]) -> Summary:
+    report("result.h5")
+    write_result(directory)
+    report("summary.json")
+    summary = summarise(directory)
+    draw_figures(directory, report)
+    return summary

@@ -1,0 +1,163 @@
+"""Reader of ``result.h5``: arrays on demand, and the case they belong to."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from functools import cached_property
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Any
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from granwave.analysis.errors import MissingOutputError, OutputFormatError
+from granwave.analysis.h5md import GROUP
+from granwave.analysis.result_file import RESULT_FILE
+from granwave.lammps_inputs.case import Case
+from granwave.lammps_inputs.laws import sphere_contact
+from granwave.lammps_inputs.struck import struck_spheres
+
+if TYPE_CHECKING:
+    from granwave._contact_laws import ContactLaw
+
+
+class Result:
+    """The result of one run.
+
+    ``result["contacts/peak_force"]`` reads a data set as a numpy array; it is read once and kept.
+
+    Parameters
+    ----------
+    source
+        Directory of a run, or its result.h5.
+
+    Raises
+    ------
+    MissingOutputError
+        There is no result.h5.
+    OutputFormatError
+        The file is not the result of a run.
+    """
+
+    def __init__(self, source: str | Path) -> None:
+        path = Path(source)
+        self.path = path / RESULT_FILE if path.is_dir() else path
+        if not self.path.exists():
+            raise MissingOutputError(
+                f"{self.path} is missing: make it with  granwave analyse {self.path.parent}"
+            )
+        try:
+            self.file = h5py.File(self.path, "r")
+        except OSError as error:
+            raise OutputFormatError(f"{self.path}: {error}; expected the result.h5 of a run") from None
+        if "case" not in self.file.attrs or "spheres" not in self.file:
+            self.file.close()
+            raise OutputFormatError(
+                f"{self.path} has no /spheres or no case: expected the result.h5 of a run"
+            )
+        self._read: dict[str, NDArray] = {}
+
+    def __enter__(self) -> Result:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.file
+
+    def __getitem__(self, name: str) -> NDArray:
+        """A data set, such as ``energy/time``.
+
+        Raises
+        ------
+        KeyError
+            There is no such data set.
+        """
+        if name not in self._read:
+            found = self.file.get(name)
+            if not isinstance(found, h5py.Dataset):
+                raise KeyError(f"{self.path} has no data set {name}")
+            self._read[name] = found.asstr()[()] if h5py.check_string_dtype(found.dtype) else found[()]
+        return self._read[name]
+
+    def close(self) -> None:
+        """Close the file; arrays that were read stay."""
+        self.file.close()
+
+    def names(self, group: str) -> list[str]:
+        """What a group holds; empty when there is no such group."""
+        return list(self.file[group]) if group in self.file else []
+
+    def unit(self, name: str) -> str:
+        """Unit of a data set, "1" if it has no dimension."""
+        return str(self.file[name].attrs["unit"])
+
+    @cached_property
+    def case(self) -> Case:
+        """The case that was run."""
+        return Case.from_dict(tomllib.loads(self.file.attrs["case"]), self.path.parent / "case.toml")
+
+    @cached_property
+    def record(self) -> dict[str, Any]:
+        """What the driver noted of the run."""
+        return json.loads(self.file.attrs["run"])
+
+    @cached_property
+    def versions(self) -> dict[str, str]:
+        """Versions of the programs that made the result."""
+        return json.loads(self.file.attrs["versions"])
+
+    @cached_property
+    def law(self) -> ContactLaw:
+        """The law between two spheres."""
+        return sphere_contact(self.case)
+
+    @property
+    def yields(self) -> bool:
+        """Whether contacts of this run can yield, so that alpha_y and F_y mean something."""
+        return self.case.contact.yields
+
+    @property
+    def has_law_limit(self) -> bool:
+        """Whether the law was fitted up to an overlap that a contact may exceed."""
+        return self.case.contact.law == "elastoplastic"
+
+    @cached_property
+    def struck(self) -> tuple[int, ...]:
+        """Ids of the struck spheres, the central one first."""
+        return struck_spheres(self.case.lattice, self.case.load.spheres)
+
+    @property
+    def origin(self) -> NDArray[np.float64]:
+        """Centre of the struck sphere at the start: (3,), m."""
+        return self["spheres/position"][self.struck[0] - 1]
+
+    @property
+    def n_spheres(self) -> int:
+        """How many spheres there are."""
+        return len(self["spheres/id"])
+
+    @property
+    def energy_input(self) -> float:
+        """Work done on the packing up to the end, J."""
+        return float(self["energy/input"][-1])
+
+    @property
+    def n_frames(self) -> int:
+        """How many snapshots there are."""
+        return len(self.file[f"{GROUP}/position/step"])
+
+    @property
+    def frame_times(self) -> NDArray[np.float64]:
+        """Times of the snapshots: (n_frames,), s."""
+        return self[f"{GROUP}/position/time"]
+
+    def frame(self, number: int, quantity: str) -> NDArray[np.float64]:
+        """One quantity of one snapshot, such as ``displacement``: (n_spheres,) or (n_spheres, 3), SI."""
+        return self.file[f"{GROUP}/{quantity}/value"][number]

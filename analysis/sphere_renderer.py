@@ -1,0 +1,201 @@
+"""A picture of many equal spheres, seen from afar: every pixel shows the sphere in front, shaded.
+
+Equal spheres that do not overlap hide one another in the order of their centres' distance (the plane midway
+between two of them parts them), so drawing the farthest first is exact. A first pass at low resolution finds
+which spheres can be seen at all; only these are drawn finely. The light comes over the viewer's left
+shoulder, and gaps that lie deeper than what surrounds them are darkened.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter, map_coordinates
+
+_OVERSAMPLING = 2  # pixels drawn along each side of a pixel of the picture
+_COARSE = 7.0  # pixels across a sphere in the first pass
+_LIGHT = np.array([-0.45, 0.65, 0.62])  # right, up, towards the viewer
+_AMBIENT, _DIFFUSE, _GLOSS = 0.42, 0.62, 0.16
+_OCCLUSION = 0.5  # darkening of what lies a diameter deeper than its surroundings
+_SHARPNESS = 5  # of the gloss: its power is two to this
+_BLUR = 6  # pixels to a radius that suffice to find the surroundings
+
+
+@dataclass(frozen=True, eq=False)
+class Camera:
+    """A viewer infinitely far away.
+
+    Attributes
+    ----------
+    right, up, towards
+        Orthonormal axes of the picture: to its right, to its top, towards the viewer; (3,) each.
+    """
+
+    right: NDArray[np.float64]
+    up: NDArray[np.float64]
+    towards: NDArray[np.float64]
+
+    @classmethod
+    def looking(cls, azimuth: float, elevation: float, vertical: NDArray[np.float64]) -> Camera:
+        """A viewer at an azimuth about the vertical and an elevation above the horizon, degrees.
+
+        Parameters
+        ----------
+        vertical
+            Unit vector that points upwards in the picture: (3,), along +z or -z.
+        """
+        turn, rise = math.radians(azimuth), math.radians(elevation)
+        level = np.array([math.cos(turn), math.sin(turn), 0.0])
+        towards = math.cos(rise) * level + math.sin(rise) * vertical
+        right = np.cross(vertical, level)
+        return cls(right, np.cross(towards, right), towards)
+
+    def project(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Points as (right, up, towards the viewer): (n, 3), m."""
+        return points @ np.stack([self.right, self.up, self.towards], axis=1)
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """What `render` made.
+
+    Attributes
+    ----------
+    pixels
+        Red, green, blue and alpha from 0 to 1: (n_rows, n_columns, 4), the first row at the top.
+    extent
+        Left, right, bottom and top in the plane of the picture, m.
+    visible
+        Rows of the spheres that can be seen, rising: (n_visible,).
+    """
+
+    pixels: NDArray[np.float32]
+    extent: tuple[float, float, float, float]
+    visible: NDArray[np.int64]
+
+
+def render(
+    centres: NDArray[np.float64], radius: float, colours: NDArray[np.float64], camera: Camera, width: int
+) -> Picture:
+    """Draw spheres.
+
+    Parameters
+    ----------
+    centres
+        (n_spheres, 3), m.
+    radius
+        Of all of them, m.
+    colours
+        Red, green, blue from 0 to 1: (n_spheres, 3).
+    width
+        Of the picture, pixels.
+    """
+    seen = camera.project(centres)
+    low = seen[:, :2].min(axis=0) - 1.1 * radius
+    high = seen[:, :2].max(axis=0) + 1.1 * radius
+    coarse = _front(seen, radius, low, high, 2 * radius / _COARSE)
+    visible = np.unique(coarse[coarse >= 0]).astype(np.int64)
+    pitch = (high[0] - low[0]) / (width * _OVERSAMPLING)
+    fine = _front(seen[visible], radius, low, high, pitch)
+    fine = fine[: fine.shape[0] // _OVERSAMPLING * _OVERSAMPLING, : width * _OVERSAMPLING]
+    pixels = _shade(fine, seen[visible], radius, colours[visible], low, pitch)
+    height = fine.shape[0] // _OVERSAMPLING
+    pixels = pixels.reshape(height, _OVERSAMPLING, width, _OVERSAMPLING, 4).mean(axis=(1, 3))
+    pixels[..., :3] /= np.maximum(pixels[..., 3:], 1e-6)
+    top = low[1] + fine.shape[0] * pitch
+    extent = (float(low[0]), float(low[0] + fine.shape[1] * pitch), float(low[1]), float(top))
+    return Picture(np.clip(pixels[::-1], 0.0, 1.0), extent, visible)
+
+
+def _front(
+    seen: NDArray[np.float64],
+    radius: float,
+    low: NDArray[np.float64],
+    high: NDArray[np.float64],
+    pitch: float,
+) -> NDArray[np.int32]:
+    """Row of the sphere that each pixel shows, -1 for none: (n_rows, n_columns), from the bottom up."""
+    shape = tuple(math.ceil(extent) + 1 for extent in (high[::-1] - low[::-1]) / pitch)
+    order = np.argsort(seen[:, 2], kind="stable").astype(np.int32)  # the farthest first
+    place = (seen[order, :2] - low) / pitch - 0.5  # in pixels; whole numbers are middles of pixels
+    reach = radius / pitch
+    front = np.full(shape, -1, dtype=np.int32)
+    if len(order) < 4 * reach**2:
+        _paint_by_sphere(front, place, reach)
+    else:
+        _paint_by_pixel(front, place, reach)
+    front[front >= 0] = order[front[front >= 0]]
+    return front
+
+
+def _paint_by_sphere(front: NDArray[np.int32], place: NDArray[np.float64], reach: float) -> None:
+    """Write the number of each sphere into its pixels, sphere by sphere: quick for few large ones."""
+    corner = np.maximum(np.floor(place - reach).astype(int), 0)
+    beyond = np.ceil(place + reach).astype(int) + 1
+    for n, (left, bottom) in enumerate(corner):
+        block = front[bottom : beyond[n, 1], left : beyond[n, 0]]
+        rows = (np.arange(block.shape[0]) + bottom - place[n, 1]) ** 2
+        columns = (np.arange(block.shape[1]) + left - place[n, 0]) ** 2
+        block[rows[:, None] + columns < reach * reach] = n
+
+
+def _paint_by_pixel(front: NDArray[np.int32], place: NDArray[np.float64], reach: float) -> None:
+    """The same, one pixel of all spheres at a time: quick for many small ones."""
+    flat = front.ravel()
+    base = np.floor(place).astype(np.int64)
+    part = (place - base).astype(np.float32)
+    number = np.arange(len(place), dtype=np.int32)
+    span = range(-int(reach) - 1, int(reach) + 3)
+    for up, across in itertools.product(span, span):
+        inside = np.flatnonzero((across - part[:, 0]) ** 2 + (up - part[:, 1]) ** 2 < np.float32(reach**2))
+        pixel = (base[inside, 1] + up) * front.shape[1] + base[inside, 0] + across
+        flat[pixel] = np.maximum(flat[pixel], number[inside])
+
+
+def _shade(
+    front: NDArray[np.int32],
+    seen: NDArray[np.float64],
+    radius: float,
+    colours: NDArray[np.float64],
+    low: NDArray[np.float64],
+    pitch: float,
+) -> NDArray[np.float32]:
+    """Colours of the pixels, premultiplied by alpha: (n_rows, n_columns, 4)."""
+    rows, columns = np.nonzero(front >= 0)
+    sphere = front[rows, columns]
+    normal = np.empty((len(rows), 3), dtype=np.float32)
+    normal[:, 0] = (low[0] + (columns + 0.5) * pitch - seen[sphere, 0]) / radius
+    normal[:, 1] = (low[1] + (rows + 0.5) * pitch - seen[sphere, 1]) / radius
+    normal[:, 2] = np.sqrt(np.clip(1 - normal[:, 0] ** 2 - normal[:, 1] ** 2, 0.0, 1.0))
+    depth = np.full(front.shape, float(seen[:, 2].min()), dtype=np.float32)
+    depth[rows, columns] = seen[sphere, 2] + radius * normal[:, 2]
+    light = (_LIGHT / np.linalg.norm(_LIGHT)).astype(np.float32)
+    half = light + np.array([0.0, 0.0, 1.0], dtype=np.float32)
+    half /= np.linalg.norm(half)
+    brightness = _AMBIENT + _DIFFUSE * np.clip(normal @ light, 0.0, None)
+    covered = _surroundings(depth, radius / pitch, rows, columns) - depth[rows, columns]
+    brightness *= 1 - _OCCLUSION * np.clip(covered / (2 * radius), 0.0, 1.0)
+    gloss = np.clip(normal @ half, 0.0, None)
+    for _ in range(_SHARPNESS):
+        gloss *= gloss
+    gloss *= _GLOSS
+    pixels = np.zeros((*front.shape, 4), dtype=np.float32)
+    lit = np.clip(colours[sphere] * brightness[:, None] + gloss[:, None], 0.0, 1.0)
+    pixels[rows, columns, :3] = lit
+    pixels[rows, columns, 3] = 1.0
+    return pixels
+
+
+def _surroundings(
+    depth: NDArray[np.float32], reach: float, rows: NDArray[np.int64], columns: NDArray[np.int64]
+) -> NDArray[np.float32]:
+    """Mean depth within about a radius of some pixels; the coarser the larger the spheres are."""
+    step = max(1, int(reach / _BLUR))
+    blurred = gaussian_filter(depth[::step, ::step], reach / step)
+    if step == 1:
+        return blurred[rows, columns]
+    return map_coordinates(blurred, [rows / step, columns / step], order=1, mode="nearest")

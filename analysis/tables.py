@@ -1,0 +1,90 @@
+"""Tables in time that a run writes: the energy ledger, wall forces and probes.
+
+``dumps/energy.txt``, ``dumps/walls.txt`` and ``dumps/probes.txt`` hold lines that begin with ``#``, of which
+the last names the columns, then a row of numbers an instant. A row cut short by a killed run is dropped; of
+an instant written twice (a resumed run) the later row counts.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granwave.analysis.errors import MissingOutputError, OutputFormatError
+
+#: Columns of the energy ledger: times in s, energies in J, forces in N, velocities in m/s.
+ENERGY_COLUMNS = (
+    "step", "time", "kinetic", "elastic", "dissipated", "elastic_wall", "dissipated_wall", "input",
+    "contacts_yielded", "beyond_law", "beyond_half", "largest_force", "struck_velocity",
+)  # fmt: skip
+
+Table = dict[str, NDArray[np.float64]]
+
+
+def read_energy(directory: str | Path) -> Table:
+    """The energy ledger of a run, `ENERGY_COLUMNS`, each (n_instants,).
+
+    Raises
+    ------
+    MissingOutputError
+        The run left no ledger.
+    OutputFormatError
+        The ledger lacks a column, or holds no row.
+    """
+    path = Path(directory) / "dumps" / "energy.txt"
+    if not path.exists():
+        raise MissingOutputError(f"{path} is missing: run the case first (granwave run CASE -o {directory})")
+    table = _read(path)
+    missing = [name for name in ENERGY_COLUMNS if name not in table]
+    if missing:
+        raise OutputFormatError(f"{path} lacks the columns {', '.join(missing)}; it has {', '.join(table)}")
+    return table
+
+
+def read_walls(directory: str | Path) -> Table:
+    """Normal force on each wall, N, positive outwards, by its name, beside ``step`` and ``time``.
+
+    Empty when the run has no wall.
+    """
+    return _read_if_there(Path(directory) / "dumps" / "walls.txt")
+
+
+def read_probes(directory: str | Path) -> Table:
+    """What the probes recorded, beside ``step`` and ``time``; empty when there are none.
+
+    Columns: ``sphere_ID_ux`` (uy, uz) displacement in m, ``_vx`` velocity in m/s, ``_fx`` force in N;
+    ``contact_I_J_overlap`` in m and ``contact_I_J_force`` in N.
+    """
+    return _read_if_there(Path(directory) / "dumps" / "probes.txt")
+
+
+def _read_if_there(path: Path) -> Table:
+    return _read(path) if path.exists() else {}
+
+
+def _read(path: Path) -> Table:
+    names: list[str] = []
+    rows = []
+    with open(path, encoding="ascii") as file:
+        for line in file:
+            if line.startswith("#"):
+                names = line[1:].split()
+            elif line.endswith("\n"):  # else it was cut short while being written
+                rows.append(line)
+    if not rows:
+        raise OutputFormatError(f"{path} holds no row: the run ended before its first report")
+    try:
+        values = np.array(" ".join(rows).split(), dtype=float)
+    except ValueError as error:
+        raise OutputFormatError(f"{path}: {error}; expected rows of numbers") from None
+    if values.size != len(names) * len(rows):
+        raise OutputFormatError(
+            f"{path}: {values.size} numbers in {len(rows)} rows, expected {len(names)} in each "
+            f"({' '.join(names)})"
+        )
+    values = values.reshape(len(rows), len(names))
+    _, backwards = np.unique(values[::-1, 0], return_index=True)
+    values = values[len(values) - 1 - backwards]
+    return {name: np.ascontiguousarray(values[:, n]) for n, name in enumerate(names)}

