@@ -104,7 +104,7 @@ def run_case(
             with StopRequest(comm) as stop, contextlib.chdir(directory):
                 run.integrate(stop, go_on=what == CONTINUE)
         summary = on_first(comm, lambda: analyse(directory, progress=progress))
-        on_first(comm, run.close_record)
+        run.close_record()
         return Outcome(directory, run.record.state, summary)
 
 
@@ -259,7 +259,7 @@ class _Run:
     def close_record(self) -> None:
         """Say in run.json what became of the run; only now is a finished run finished."""
         self._note(state=self.state)
-        if self.state != record.INTERRUPTED:
+        if self.comm.rank == 0 and self.state != record.INTERRUPTED:
             checkpoint.keep_only(self.directory, None)
 
     def _note(self, **changes: Any) -> None:

@@ -13,7 +13,7 @@ import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, NoReturn, TypeVar
 
 from granwave.lammps_inputs.errors import InputError
 
@@ -48,6 +48,16 @@ def _abort_all(kind: type[BaseException], error: BaseException, trace: Traceback
     from mpi4py import MPI
 
     MPI.COMM_WORLD.Abort(1)
+
+
+def leave(status: int) -> NoReturn:
+    """End this rank with an exit status, in step with the others."""
+    from mpi4py import MPI
+
+    MPI.Finalize()
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(status)
 
 
 def on_first(comm: Intracomm, work: Callable[[], T]) -> T:
