@@ -358,7 +358,7 @@ int PairGranHysteretic::turning_of(int k, double peak, const ContactLaw &contact
   const int t = c.turning[k];
   if (c.turnings[t].peak != peak) {
     c.turnings[t] = contact_law.turning(peak);
-    c.work_lost[t] = contact_law.dissipated_energy(c.turnings[t]);
+    c.work_lost[t] = -1.0;
   }
   return t;
 }
@@ -526,6 +526,7 @@ void PairGranHysteretic::tally_totals()
       if (peak > g.scale.elastic_limit) {
         const int t = turning_of(k, peak / g.scale.overlap, contact_law);
         const double unit = g.scale.force * g.scale.overlap;
+        if (c.work_lost[t] == -1.0) c.work_lost[t] = contact_law.dissipated_energy(c.turnings[t]);
         dissipated = unit * c.work_lost[t];
         if (overlap > 0.0) elastic += weight * unit * ContactLaw::elastic_energy(overlap / g.scale.overlap, c.turnings[t]);
       } else if (overlap > 0.0) {

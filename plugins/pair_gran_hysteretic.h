@@ -74,7 +74,7 @@ class PairGranHysteretic : public Pair {
     std::vector<double> time_first, time_peak, time_yield;
     std::vector<int> turning;                // index into turnings, or -1 while Hertzian
     std::vector<granwave::Turning> turnings;
-    std::vector<double> work_lost;           // dissipated energy (normalised) at the turning, same index
+    std::vector<double> work_lost;           // normalised dissipated energy at the turning; -1: not yet asked for
     std::vector<tagint> row_tag, partner_tag;
     std::vector<double> row_radius, partner_radius;    // the first entry serves all when all spheres are equal
     std::vector<int> row_type, partner_type;

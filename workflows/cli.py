@@ -81,6 +81,11 @@ def _parser() -> argparse.ArgumentParser:
                      help="largest overlap, in units of that at first yield (default: 200)")
     law.add_argument("-o", dest="output", type=Path, default=Path("law.png"), metavar="FILE", help=".png, .pdf or .csv (default: law.png)")
 
+    bench = _verb(verbs, "bench", commands.bench, "speed beside LAMMPS's own granular styles, on this machine")
+    bench.add_argument("--json", type=Path, metavar="FILE", help="write the results there too")
+    bench.add_argument("--repeats", type=_positive, default=5, metavar="N", help="timings of each (default: 5)")
+    bench.add_argument("--styles-only", action="store_true", help="leave out sizes and ranks")
+
     _verb(verbs, "cases", commands.cases, "the studies that come with the package")
     _verb(verbs, "doctor", commands.doctor, "versions, plugin, MPI: what works and how to mend what does not")
     return parser

@@ -42,6 +42,12 @@ def run(options: argparse.Namespace, words: Words) -> int:
     if comm.rank == 0:
         print(summary_table(outcome.summary))
         print(f"\nresults in {outcome.directory}")
+        beyond = outcome.summary.get("contacts_beyond_law")
+        if beyond:
+            print(
+                f"granwave: warning: {beyond} contacts were pressed beyond 0.2 R*, where the contact law ends; "
+                "figures draw them hollow", file=sys.stderr,
+            )
         if outcome.state == record.INTERRUPTED:
             print(f"granwave: stopped before its end; go on with  granwave run {options.case} -o {directory} --resume", file=sys.stderr)
         if outcome.state == record.REFUSED:
@@ -122,6 +128,21 @@ def law(options: argparse.Namespace, _: Words) -> int:
     contact = contact_of(materials, options.radius, options.law, options.variant)
     write_law(contact, options.output, max_overlap=options.max_overlap, title=" on ".join(options.material))
     print(options.output)
+    return 0
+
+
+def bench(options: argparse.Namespace, _: Words) -> int:
+    """granwave bench"""
+    import json
+
+    from granwave.workflows.bench import bench as run_bench
+
+    if options.json and not options.json.absolute().parent.is_dir():
+        raise InputError(f"--json {options.json}: there is no directory {options.json.absolute().parent}")
+    results = run_bench(options.repeats, sizes=not options.styles_only)
+    print(f"\nmemory bandwidth of one core (triad): {results['triad_GB_per_s']:.1f} GB/s; load now {results['load_after'][0]:.2f}")
+    if options.json:
+        options.json.write_text(json.dumps(results, indent=2) + "\n", encoding="utf-8")
     return 0
 
 
