@@ -33,7 +33,12 @@ class ContactHistory {
   {
     first_.resize(n, 0);
     count_.resize(n, 0);
+    owner_.resize(n, 0);
   }
+
+  /* Whose records these are: a sphere that was given another id since cannot be told from a stranger. */
+  void own(int i, std::int64_t id) { owner_[i] = id; }
+  std::int64_t owner(int i) const { return owner_[i]; }
 
   int count(int i) const { return count_[i]; }
   DentRecord *records(int i) { return pool_.data() + first_[i]; }
@@ -44,6 +49,7 @@ class ContactHistory {
   {
     first_[to] = first_[from];
     count_[to] = count_[from];
+    owner_[to] = owner_[from];
   }
 
   /* Append to the records of sphere i; they move to the end of the pool unless they lie there already. */
@@ -100,12 +106,13 @@ class ContactHistory {
   double memory_usage() const
   {
     return static_cast<double>(pool_.capacity() * sizeof(DentRecord) + first_.capacity() * sizeof(std::size_t) +
-                               count_.capacity() * sizeof(int));
+                               count_.capacity() * (sizeof(int) + sizeof(std::int64_t)));
   }
 
  private:
   std::vector<std::size_t> first_;
   std::vector<int> count_;
+  std::vector<std::int64_t> owner_;
   std::vector<DentRecord> pool_;
 };
 

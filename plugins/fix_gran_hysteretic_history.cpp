@@ -41,7 +41,7 @@ void FixGranHystereticHistory::gather()
   if (pair) pair->release_contacts();
   int most = 0;
   for (int i = 0; i < atom->nlocal; i++) most = std::max(most, history.count(i));
-  maxexchange = 1 + DentRecord::SIZE * most;
+  maxexchange = 2 + DentRecord::SIZE * most;
 }
 
 void FixGranHystereticHistory::setup_pre_exchange() { gather(); }
@@ -69,6 +69,7 @@ int FixGranHystereticHistory::pack(int i, double *buf) const
 {
   int m = 0;
   buf[m++] = history.count(i);
+  buf[m++] = ubuf(static_cast<int64_t>(history.owner(i))).d;
   const DentRecord *record = history.records(i);
   for (int k = 0; k < history.count(i); k++, record++) {
     buf[m++] = ubuf(static_cast<int64_t>(record->partner)).d;
@@ -88,6 +89,7 @@ int FixGranHystereticHistory::unpack(int i, const double *buf)
   int m = 0;
   history.forget_sphere(i);
   const int n = static_cast<int>(buf[m++]);
+  history.own(i, static_cast<std::int64_t>(ubuf(buf[m++]).i));
   for (int k = 0; k < n; k++, m += DentRecord::SIZE) {
     DentRecord record;
     record.partner = static_cast<std::int64_t>(ubuf(buf[m]).i);
@@ -130,7 +132,7 @@ void FixGranHystereticHistory::unpack_restart(int nlocal, int nth)
 int FixGranHystereticHistory::size_restart(int i)
 {
   if (pair) pair->publish_contacts();
-  return 2 + DentRecord::SIZE * history.count(i);
+  return 3 + DentRecord::SIZE * history.count(i);
 }
 
 int FixGranHystereticHistory::maxsize_restart()
@@ -138,7 +140,7 @@ int FixGranHystereticHistory::maxsize_restart()
   if (pair) pair->publish_contacts();
   int most = 0;
   for (int i = 0; i < atom->nlocal; i++) most = std::max(most, history.count(i));
-  return 2 + DentRecord::SIZE * most;
+  return 3 + DentRecord::SIZE * most;
 }
 
 double FixGranHystereticHistory::memory_usage() { return history.memory_usage(); }

@@ -22,6 +22,7 @@ namespace {
 enum { OVERLAP, FORCE, PEAK_OVERLAP, PEAK_FORCE, DISSIPATED, TIME_FIRST, TIME_PEAK, TIME_YIELD, N_REPORTED };
 enum { DENT, PLACE_1, PLACE_2, LOST_BEFORE, TOUCHING, N_SIDE };
 constexpr int N_SIDES = 2 * N_SIDE, N_STATE = N_REPORTED + N_SIDES;
+constexpr int RESTART_FORMAT = 1;
 constexpr double ROUNDING = 1e-12;    // of the radius: overlaps below are rounding of positions
 
 }    // namespace
@@ -75,6 +76,8 @@ int FixWallGranHysteretic::setmask() { return FixConst::POST_FORCE | FixConst::M
 
 void FixWallGranHysteretic::init()
 {
+  if (std::strncmp(update->integrate_style, "respa", 5) == 0)
+    error->all(FLERR, "Fix {} does not work with run_style respa", STYLE);
   if (!atom->radius_flag) error->all(FLERR, "Fix {} requires atom attribute radius (atom_style sphere)", STYLE);
   if (domain->periodicity[axis]) error->all(FLERR, "Fix {}: the box is periodic across the wall", STYLE);
 }
@@ -113,6 +116,14 @@ void FixWallGranHysteretic::post_force(int)
   }
 }
 
+/* The distance along an axis to the nearest image. */
+
+double FixWallGranHysteretic::apart(int along, double distance) const
+{
+  if (!domain->periodicity[along]) return distance;
+  return distance - domain->prd[along] * std::round(distance / domain->prd[along]);
+}
+
 /* The force of sphere i on one wall that it overlaps; keeps its dent and its report. */
 
 double FixWallGranHysteretic::touch(int i, int which, double overlap, double now)
@@ -129,7 +140,7 @@ double FixWallGranHysteretic::touch(int i, int which, double overlap, double now
     const double peak = side[DENT];
     if (peak > 0.0) {
       const double circle_sq = std::isfinite(scale.overlap) ? radius * scale.overlap * law.area(peak / scale.overlap) : radius * peak;
-      const double d1 = place[0] - side[PLACE_1], d2 = place[1] - side[PLACE_2];
+      const double d1 = apart((axis + 1) % 3, place[0] - side[PLACE_1]), d2 = apart((axis + 2) % 3, place[1] - side[PLACE_2]);
       if (d1 * d1 + d2 * d2 > circle_sq) {
         if (peak > scale.elastic_limit)
           side[LOST_BEFORE] += scale.force * scale.overlap * law.dissipated_energy(law.turning(peak / scale.overlap));
@@ -252,9 +263,10 @@ int FixWallGranHysteretic::unpack_exchange(int i, double *buf)
 
 int FixWallGranHysteretic::pack_restart(int i, double *buf)
 {
-  buf[0] = N_STATE + 1;
-  pack_exchange(i, buf + 1);
-  return N_STATE + 1;
+  buf[0] = N_STATE + 2;
+  buf[1] = RESTART_FORMAT;
+  pack_exchange(i, buf + 2);
+  return N_STATE + 2;
 }
 
 void FixWallGranHysteretic::unpack_restart(int nlocal, int nth)
@@ -262,9 +274,11 @@ void FixWallGranHysteretic::unpack_restart(int nlocal, int nth)
   double **extra = atom->extra;
   int m = 0;
   for (int i = 0; i < nth; i++) m += static_cast<int>(extra[nlocal][m]);
-  unpack_exchange(nlocal, &extra[nlocal][m + 1]);
+  if (extra[nlocal][m + 1] != RESTART_FORMAT)
+    error->one(FLERR, "Restart file holds format {} of fix {}; this version reads format {}", extra[nlocal][m + 1], STYLE, RESTART_FORMAT);
+  unpack_exchange(nlocal, &extra[nlocal][m + 2]);
 }
 
-int FixWallGranHysteretic::size_restart(int) { return N_STATE + 1; }
-int FixWallGranHysteretic::maxsize_restart() { return N_STATE + 1; }
+int FixWallGranHysteretic::size_restart(int) { return N_STATE + 2; }
+int FixWallGranHysteretic::maxsize_restart() { return N_STATE + 2; }
 double FixWallGranHysteretic::memory_usage() { return double(atom->nmax) * N_STATE * sizeof(double); }

@@ -43,6 +43,7 @@ class FixWallGranHysteretic : public Fix {
 
  private:
   double touch(int i, int side, double overlap, double now);
+  double apart(int along, double distance) const;
   void tally();
 
   int axis = 2;

@@ -125,6 +125,9 @@ void PairGranHysteretic::init_style()
   if (!atom->tag_enable) error->all(FLERR, "Pair style gran/hysteretic requires atom IDs");
   if (force->newton_pair) error->all(FLERR, "Pair style gran/hysteretic requires 'newton off' (or 'newton off on')");
 
+  if (std::strncmp(update->integrate_style, "respa", 5) == 0)
+    error->all(FLERR, "Pair style gran/hysteretic does not work with run_style respa");
+
   neighbor->add_request(this);
 
   if (!fix_history) {
@@ -138,6 +141,12 @@ void PairGranHysteretic::init_style()
   // largest radius by type sets the cutoff
   std::vector<double> mine(atom_types + 1, 0.0);
   for (int i = 0; i < atom->nlocal; i++) mine[atom->type[i]] = std::max(mine[atom->type[i]], atom->radius[i]);
+  for (auto *fix : modify->get_fix_list())    // spheres still to come
+    if (std::strncmp(fix->style, "pour", 4) == 0 || std::strncmp(fix->style, "deposit", 7) == 0)
+      for (int i = 1; i <= atom_types; i++) {
+        int itype = i;
+        if (const auto *radius = static_cast<double *>(fix->extract("radius", itype))) mine[i] = std::max(mine[i], *radius);
+      }
   MPI_Allreduce(mine.data(), largest_radius.data(), atom_types + 1, MPI_DOUBLE, MPI_MAX, world);
 }
 
@@ -179,6 +188,12 @@ void PairGranHysteretic::build_contacts()
   const int *type = atom->type;
   const int nall = atom->nlocal + atom->nghost;
   const double reach = gap + neighbor->skin;
+
+  const double widest = 2.0 * *std::max_element(largest_radius.begin(), largest_radius.end()) + reach;
+  for (int axis = 0; axis < 3; axis++)
+    if (domain->periodicity[axis] && domain->prd[axis] < 2.0 * widest)
+      error->all(FLERR, "Pair style gran/hysteretic: the periodic box is {:.3g} long in {}, where two spheres could meet both "
+                        "directly and across the boundary; it must be at least {:.3g}", domain->prd[axis], "xyz"[axis], 2.0 * widest);
 
   uniform = true;
   for (int i = 1; i < nall && uniform; i++) uniform = radius[i] == radius[0] && type[i] == type[0];
@@ -262,6 +277,10 @@ void PairGranHysteretic::restore_dents()
 {
   granwave::ContactHistory &history = fix_history->history;
   if (history.size() == 0) return;
+  for (int i = 0; i < atom->nlocal; i++)
+    if (history.count(i) > 0 && history.owner(i) != atom->tag[i])
+      error->one(FLERR, "The ID of sphere {} was {} when its contacts were made: dents are known by the IDs of their spheres. "
+                        "Use 'delete_atoms ... compress no', and no reset_atoms id", atom->tag[i], history.owner(i));
   Contacts &c = contacts;
   constexpr int FOUND = 2;
   for (std::size_t r = 0; r < c.row.size(); r++) {
@@ -309,6 +328,7 @@ void PairGranHysteretic::publish_contacts()
         if (c.partner[k] < c.owned) extra[c.partner[k]]++;
       }
   history.reserve(c.owned, extra);
+  for (int r = 0; r < rows; r++) history.own(c.row[r], c.row_tag[r]);
   for (int r = 0; r < rows; r++) {
     const int of_row = uniform ? 0 : r;
     for (int k = c.begin[r]; k < c.begin[r + 1]; k++) {
@@ -337,6 +357,8 @@ void PairGranHysteretic::forget(int row, int k)
   const int i = c.row[row], j = c.partner[k];
   const Dent dent{c.peak[k], c.time_first[k], c.time_peak[k], c.time_yield[k]};
   granwave::ContactHistory &history = fix_history->history;
+  history.own(i, c.row_tag[row]);
+  if (j < atom->nlocal) history.own(j, c.partner_tag[k]);
   history.append(i, {c.partner_tag[k], atom->radius[j], atom->type[j], 0, dent});
   if (j < atom->nlocal)
     history.append(j, {c.row_tag[row], atom->radius[i], atom->type[i], 0, dent});
@@ -584,7 +606,7 @@ PairGranHysteretic::Report PairGranHysteretic::describe(int i, int j, int k, dou
   report.effective_radius = atom->radius[i] * atom->radius[j] / g.sum_radii;
   report.overlap = g.sum_radii - std::sqrt(rsq);
   if (k >= 0) report.dent = {c.peak[k], c.time_first[k], c.time_peak[k], c.time_yield[k]};
-  const double peak = report.dent.peak, overlap = std::max(0.0, report.overlap);
+  const double peak = report.dent.peak, overlap = report.overlap > ROUNDING * g.sum_radii ? report.overlap : 0.0;
   const double reached = std::max(peak, overlap);    // a pair that was moved since the last step may be beyond its peak
   if (reached > g.scale.elastic_limit) {
     const Turning turning = contact_law.turning(reached / g.scale.overlap);
@@ -605,8 +627,8 @@ PairGranHysteretic::Report PairGranHysteretic::describe(int i, int j, int k, dou
 void PairGranHysteretic::require_contacts()
 {
   if (!contacts.valid)
-    error->all(FLERR, "The contacts of pair style gran/hysteretic are not current: spheres were moved, added or "
-                      "deleted since the last run; use 'run 0' first");
+    error->one(FLERR, "The contacts of pair style gran/hysteretic are not current: spheres were added, deleted or put into "
+                      "another order since the last run; use 'run 0' first");
 }
 
 void PairGranHysteretic::for_each_dent(const std::function<void(const Report &)> &visit)
