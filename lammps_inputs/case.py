@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 from collections.abc import Iterable, Mapping
 from functools import cached_property
 from pathlib import Path
@@ -15,7 +14,7 @@ from granwave.lammps_inputs.checks import check_together, warn_about
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.keys import Faults, read_table, refuse_unknown, show
 from granwave.lammps_inputs.lattices import Lattice
-from granwave.lammps_inputs.materials import Material, read_material
+from granwave.lammps_inputs.materials import Material, read_material, sphere_mass
 from granwave.lammps_inputs.overrides import apply_overrides, parse_overrides
 from granwave.lammps_inputs.sections import Boundary, Contact, Load, Output, PackingSection, Run
 from granwave.lammps_inputs.toml_files import read_toml
@@ -102,7 +101,7 @@ class Case:
     @property
     def sphere_mass(self) -> float:
         """Mass of one sphere, kg."""
-        return self.material.density * math.pi / 6 * self.packing.diameter**3
+        return sphere_mass(self.material, self.packing.diameter / 2)
 
     def to_dict(self) -> dict[str, Any]:
         """The case as nested tables, all defaults filled in, as TOML writes them."""

@@ -27,10 +27,7 @@ def wall_contact(case: Case) -> ContactLaw:
 
 
 def contact_of(
-    materials: Sequence[Material],
-    radii: Sequence[float],
-    law: str = "elastoplastic",
-    variant: str = "continuous",
+    materials: Sequence[Material], radii: Sequence[float], law: str = "elastoplastic", variant: str = "continuous"
 ) -> ContactLaw:
     """The law between two spheres of one or two materials and one or two radii (m).
 
@@ -39,22 +36,26 @@ def contact_of(
     InputError
         A material lacks the yield strength that the law needs.
     """
-    pair, radius = (materials[0], materials[-1]), (radii[0], radii[-1])
-    if law != "hertz":
-        faults = [
-            f"material {m.name}: yield_strength: missing; law {law} needs it"
-            for m in pair
-            if m.yield_strength is None
-        ]
-        if faults:
-            raise InputError(dict.fromkeys(faults))
+    return _contact((_constants(materials[0], law), _constants(materials[-1], law)), (radii[0], radii[-1]), law, variant)
+
+
+def rigid_wall_contact_of(
+    material: Material, radius: float, law: str = "elastoplastic", variant: str = "continuous"
+) -> ContactLaw:
+    """The law between a sphere and a rigid plane; raises as `contact_of`."""
+    return _contact((_constants(material, law), (math.inf, 0.0, math.inf)), (radius, math.inf), law, variant)
+
+
+def _constants(material: Material, law: str) -> tuple[float, float, float]:
+    if law != "hertz" and material.yield_strength is None:
+        raise InputError(f"material {material.name}: yield_strength: missing; law {law} needs it")
+    return material.youngs_modulus, material.poisson_ratio, material.yield_strength or math.inf
+
+
+def _contact(bodies: Sequence[tuple[float, float, float]], radii: tuple[float, float], law: str, variant: str) -> ContactLaw:
+    moduli, ratios, strengths = zip(*bodies, strict=True)
     return ContactLaw(
-        youngs_modulus=(pair[0].youngs_modulus, pair[1].youngs_modulus),
-        poisson_ratio=(pair[0].poisson_ratio, pair[1].poisson_ratio),
-        yield_strength=(pair[0].yield_strength or math.inf, pair[1].yield_strength or math.inf),
-        radius=radius,
-        law=law,
-        variant=variant,
+        law, youngs_modulus=moduli, poisson_ratio=ratios, yield_strength=strengths, radius=radii, variant=variant
     )
 
 

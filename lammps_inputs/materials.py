@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import difflib
+import math
 from collections.abc import Mapping
 from functools import cache
 from importlib import resources
@@ -53,6 +54,11 @@ def material(name: str) -> Material:
     if found is None:
         raise InputError(faults.lines)
     return found
+
+
+def sphere_mass(material: Material, radius: float) -> float:
+    """Mass of a sphere, kg; the radius in m."""
+    return material.density * 4 / 3 * math.pi * radius**3
 
 
 def load_materials(path: str | Path) -> dict[str, Material]:

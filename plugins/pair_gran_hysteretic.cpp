@@ -190,7 +190,7 @@ void PairGranHysteretic::build_contacts()
   const double reach = gap + neighbor->skin;
 
   const double widest = 2.0 * *std::max_element(largest_radius.begin(), largest_radius.end()) + reach;
-  for (int axis = 0; axis < 3; axis++)
+  for (int axis = 0; axis < domain->dimension; axis++)
     if (domain->periodicity[axis] && domain->prd[axis] < 2.0 * widest)
       error->all(FLERR, "Pair style gran/hysteretic: the periodic box is {:.3g} long in {}, where two spheres could meet both "
                         "directly and across the boundary; it must be at least {:.3g}", domain->prd[axis], "xyz"[axis], 2.0 * widest);

@@ -79,7 +79,9 @@ def _parser() -> argparse.ArgumentParser:
     law.add_argument("--variant", default="continuous", choices=["continuous", "published"])
     law.add_argument("--max-overlap", type=float, default=200.0, metavar="A",
                      help="largest overlap, in units of that at first yield (default: 200)")
-    law.add_argument("-o", dest="output", type=Path, default=Path("law.png"), metavar="FILE", help=".png, .pdf or .csv (default: law.png)")
+    law.add_argument("--restitution", action="store_true",
+                     help="coefficient of restitution against velocity instead, of two spheres and of a sphere and a rigid wall")
+    law.add_argument("-o", dest="output", type=Path, metavar="FILE", help=".png, .pdf or .csv (default: law.png, restitution.png)")
 
     bench = _verb(verbs, "bench", commands.bench, "speed beside LAMMPS's own granular styles, on this machine")
     bench.add_argument("--json", type=Path, metavar="FILE", help="write the results there too")

@@ -10,7 +10,8 @@ from pathlib import Path
 from granwave.lammps_inputs.case import Case, load_case
 from granwave.lammps_inputs.deck import write_deck
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.materials import material
+from granwave.lammps_inputs.laws import contact_of, rigid_wall_contact_of
+from granwave.lammps_inputs.materials import Material, material, sphere_mass
 from granwave.lammps_inputs.plan import check_memory, plan
 from granwave.workflows import mpi, record, studies
 from granwave.workflows.tables import plan_table, summary_table
@@ -110,25 +111,44 @@ def show(options: argparse.Namespace, _: Words) -> int:
 
 def law(options: argparse.Namespace, _: Words) -> int:
     """granwave law"""
-    from granwave.analysis.law import write_law
-    from granwave.lammps_inputs.laws import contact_of
-
+    output = options.output or Path("restitution.png" if options.restitution else "law.png")
     for name, values in (("--material", options.material), ("--radius", options.radius)):
         if len(values) > 2:
             raise InputError(f"{name}: found {len(values)} values, expected one or two")
-    if options.output.suffix not in (".png", ".pdf", ".csv"):
-        raise InputError(f"-o {options.output}: expected a name that ends in .png, .pdf or .csv")
-    if not options.output.absolute().parent.is_dir():
-        raise InputError(f"-o {options.output}: there is no directory {options.output.absolute().parent}")
+    if output.suffix not in (".png", ".pdf", ".csv"):
+        raise InputError(f"-o {output}: expected a name that ends in .png, .pdf or .csv")
+    if not output.absolute().parent.is_dir():
+        raise InputError(f"-o {output}: there is no directory {output.absolute().parent}")
     if not all(0 < radius < float("inf") for radius in options.radius):
         raise InputError("--radius: expected positive lengths in m")
     if not 0 < options.max_overlap < float("inf"):
         raise InputError(f"--max-overlap: found {options.max_overlap:g}, expected a positive number")
+    if options.restitution and options.law == "hertz":
+        raise InputError("--restitution: a Hertz contact gives all back; choose another --law")
     materials = [material(name) for name in options.material]
-    contact = contact_of(materials, options.radius, options.law, options.variant)
-    write_law(contact, options.output, max_overlap=options.max_overlap, title=" on ".join(options.material))
-    print(options.output)
+    (_write_restitution if options.restitution else _write_law)(options, materials, output)
+    print(output)
     return 0
+
+
+def _write_law(options: argparse.Namespace, materials: Sequence[Material], output: Path) -> None:
+    from granwave.analysis.law import write_law
+
+    contact = contact_of(materials, options.radius, options.law, options.variant)
+    write_law(contact, output, max_overlap=options.max_overlap, title=" on ".join(options.material))
+
+
+def _write_restitution(options: argparse.Namespace, materials: Sequence[Material], output: Path) -> None:
+    from granwave.analysis.restitution import write_restitution
+
+    masses = [sphere_mass(m, r) for m, r in zip((materials[0], materials[-1]), (options.radius[0], options.radius[-1]), strict=True)]
+    spheres = contact_of(materials, options.radius, options.law, options.variant)
+    wall = rigid_wall_contact_of(materials[0], options.radius[0], options.law, options.variant)
+    contacts = {
+        "two spheres": (spheres, masses[0] * masses[1] / (masses[0] + masses[1])),
+        "sphere and rigid wall": (wall, masses[0]),
+    }
+    write_restitution(contacts, output, max_overlap=options.max_overlap, title=f"{' on '.join(options.material)}, {options.law}")
 
 
 def bench(options: argparse.Namespace, _: Words) -> int:
