@@ -130,9 +130,7 @@ def sphere_values(n_spheres: int, contacts: Contacts, yielded: NDArray[np.bool_]
     return {
         "peak_force": extreme(np.maximum, "peak_force", 0.0),
         "peak_overlap": extreme(np.maximum, "peak_overlap", 0.0),
-        "dissipated_energy": np.bincount(
-            ends, both(0.5 * contacts["dissipated_energy"]), minlength=n_spheres
-        ),
+        "dissipated_energy": np.bincount(ends, both(0.5 * contacts["dissipated_energy"]), minlength=n_spheres),
         "contacts_yielded": count(yielded),
         "coordination": count(contacts["touching"]),
         **{name: np.where(np.isfinite(time), time, np.nan) for name, time in times.items()},

@@ -128,9 +128,7 @@ def read_data(directory: str | Path) -> Frame:
     """
     path = Path(directory) / "data.granwave"
     if not path.exists():
-        raise MissingOutputError(
-            f"{path} is missing: write the deck again (granwave write CASE -o {directory})"
-        )
+        raise MissingOutputError(f"{path} is missing: write the deck again (granwave write CASE -o {directory})")
     n_spheres = 0
     box = np.zeros((3, 2))
     with open(path, encoding="ascii") as file:
@@ -203,9 +201,7 @@ def _next_frame(file: TextIO, path: Path, number: int) -> Frame | None:
         return None
     values = _numbers(rows, n_rows, len(columns))
     if values is None:
-        raise OutputFormatError(
-            f"{path}: snapshot {number} does not hold {n_rows} rows of {len(columns)} numbers"
-        )
+        raise OutputFormatError(f"{path}: snapshot {number} does not hold {n_rows} rows of {len(columns)} numbers")
     box = np.array([line.split()[:2] for line in header["BOX BOUNDS"]], dtype=float)
     return Frame(int(header["TIMESTEP"][0]), box, columns, values)
 

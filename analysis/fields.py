@@ -20,9 +20,7 @@ def ranked(dissipated: NDArray[np.float64]) -> NDArray[np.int64]:
     return order[: np.count_nonzero(dissipated > 0)]
 
 
-def cumulated(
-    dissipated: NDArray[np.float64], energy_input: float
-) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+def cumulated(dissipated: NDArray[np.float64], energy_input: float) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Dissipated share of the input against the volume of the spheres that did it (thesis Fig. 5.14).
 
     Parameters

@@ -86,9 +86,7 @@ def plastic_zone_growth(result: Result) -> Drawing | None:
     upper.set_ylabel("Number yielded")
     upper.set_ylim(bottom=0)
     lower.step(time, to_end(growth.depth) * _MILLI, where="post", color=BLUE, label="depth")
-    lower.step(
-        time, to_end(growth.radius) * _MILLI, where="post", color=ORANGE, linestyle="--", label="radius"
-    )
+    lower.step(time, to_end(growth.radius) * _MILLI, where="post", color=ORANGE, linestyle="--", label="radius")
     lower.set_ylabel("Size of the zone (mm)")
     lower.set_ylim(bottom=0)
     lower.set_xlabel("Time (µs)")

@@ -118,9 +118,7 @@ def probes(result: Result) -> Drawing | None:
             axes.legend(ncols=1, fontsize=8, loc="best", handlelength=1.2)
     _time_axis(stack[-1], time)
     units = {name: result.unit(f"probes/{name}").replace(" ", "_").replace("-", "") for name in names}
-    return Drawing(
-        figure, {"time_s": time} | {f"{name}_{units[name]}": result[f"probes/{name}"] for name in names}
-    )
+    return Drawing(figure, {"time_s": time} | {f"{name}_{units[name]}": result[f"probes/{name}"] for name in names})
 
 
 def _time_axis(axes: Axes, time: NDArray[np.float64]) -> None:

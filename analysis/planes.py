@@ -98,9 +98,7 @@ def planes(kind: str) -> tuple[Plane, ...]:
     }.get(kind, ())
 
 
-def section(
-    plane: Plane, positions: NDArray[np.float64], origin: NDArray[np.float64], diameter: float
-) -> Section:
+def section(plane: Plane, positions: NDArray[np.float64], origin: NDArray[np.float64], diameter: float) -> Section:
     """The spheres that lie on a plane.
 
     Parameters

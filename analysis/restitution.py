@@ -26,7 +26,9 @@ _SLOWEST = 0.3  # of the overlap at first yield
 Table = dict[str, NDArray]
 
 
-def restitution(law: ContactLaw, mass: float, max_overlap: float = 400.0) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def restitution(
+    law: ContactLaw, mass: float, max_overlap: float = 400.0
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Impact velocities, m/s, and the coefficient of restitution at each: both (n,).
 
     Parameters
@@ -46,7 +48,7 @@ def restitution(law: ContactLaw, mass: float, max_overlap: float = 400.0) -> tup
 
 
 def restitution_table(contacts: Mapping[str, tuple[ContactLaw, float]], max_overlap: float = 400.0) -> Table:
-    """One curve for each named contact (law, effective mass): columns ``contact``, ``velocity_m_s``, ``restitution``."""
+    """A curve for each named contact (law, effective mass): ``contact``, ``velocity_m_s``, ``restitution``."""
     curves = {name: restitution(law, mass, max_overlap) for name, (law, mass) in contacts.items()}
     return {
         "contact": np.concatenate([np.full(_POINTS, name) for name in curves]),

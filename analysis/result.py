@@ -46,18 +46,14 @@ class Result:
         path = Path(source)
         self.path = path / RESULT_FILE if path.is_dir() else path
         if not self.path.exists():
-            raise MissingOutputError(
-                f"{self.path} is missing: make it with  granwave analyse {self.path.parent}"
-            )
+            raise MissingOutputError(f"{self.path} is missing: make it with  granwave analyse {self.path.parent}")
         try:
             self.file = h5py.File(self.path, "r")
         except OSError as error:
             raise OutputFormatError(f"{self.path}: {error}; expected the result.h5 of a run") from None
         if "case" not in self.file.attrs or "spheres" not in self.file:
             self.file.close()
-            raise OutputFormatError(
-                f"{self.path} has no /spheres or no case: expected the result.h5 of a run"
-            )
+            raise OutputFormatError(f"{self.path} has no /spheres or no case: expected the result.h5 of a run")
         self._read: dict[str, NDArray] = {}
 
     def __enter__(self) -> Result:

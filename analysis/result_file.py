@@ -145,9 +145,7 @@ def _periodic(case: Case) -> tuple[bool, bool, bool]:
     return sides, sides, False
 
 
-def _write_contacts(
-    file: h5py.File, case: Case, start: Frame, dents: Frame, walls: Mapping[str, Frame]
-) -> None:
+def _write_contacts(file: h5py.File, case: Case, start: Frame, dents: Frame, walls: Mapping[str, Frame]) -> None:
     law = sphere_contact(case)
     contacts = list_contacts(merge_dents(dents), build_packing(case).contacts, law.yield_overlap)
     contacts["yielded"] = contacts["peak_overlap"] > yields_from(case.contact.law, law.yield_overlap)
@@ -193,9 +191,7 @@ def _wall_contacts(walls: Mapping[str, Frame]) -> Contacts:
     }
     for n, name in enumerate(columns):
         column = values[:, n]
-        table[names.get(name, name)] = (
-            np.where(column < 0, np.nan, column) if name.startswith("time") else column
-        )
+        table[names.get(name, name)] = np.where(column < 0, np.nan, column) if name.startswith("time") else column
     return table
 
 

@@ -81,8 +81,7 @@ def _read(path: Path) -> Table:
         raise OutputFormatError(f"{path}: {error}; expected rows of numbers") from None
     if values.size != len(names) * len(rows):
         raise OutputFormatError(
-            f"{path}: {values.size} numbers in {len(rows)} rows, expected {len(names)} in each "
-            f"({' '.join(names)})"
+            f"{path}: {values.size} numbers in {len(rows)} rows, expected {len(names)} in each ({' '.join(names)})"
         )
     values = values.reshape(len(rows), len(names))
     _, backwards = np.unique(values[::-1, 0], return_index=True)

@@ -94,9 +94,7 @@ class Case:
     @cached_property
     def lattice(self) -> Lattice:
         """The lattice of the packing."""
-        return Lattice(
-            self.packing.kind, self.packing.size, self.packing.diameter, self.boundary.sides == "periodic"
-        )
+        return Lattice(self.packing.kind, self.packing.size, self.packing.diameter, self.boundary.sides == "periodic")
 
     @property
     def sphere_mass(self) -> float:
@@ -136,22 +134,14 @@ def load_case(path: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (
 
 def _read_name(data: Mapping[str, Any], source: str | Path, faults: Faults) -> str:
     name = data.get("name", Path(source).stem)
-    if (
-        not isinstance(name, str)
-        or not name.strip()
-        or name.startswith(".")
-        or not name.isprintable()
-        or "/" in name
-    ):
+    if not isinstance(name, str) or not name.strip() or name.startswith(".") or not name.isprintable() or "/" in name:
         faults.add("name", f"found {show(name)}, expected a plain name that can be that of a directory")
     return name
 
 
 def _read_section(section: type, table: Any, name: str, faults: Faults) -> Any:
     if isinstance(table, Mapping):
-        later = {
-            key for (part, key), value in _LATER_VALUES.items() if part == name and table.get(key) == value
-        }
+        later = {key for (part, key), value in _LATER_VALUES.items() if part == name and table.get(key) == value}
         if name == "boundary" and isinstance(table.get("bottom"), Mapping):
             later.add("bottom")
         for key in later:

@@ -53,13 +53,9 @@ def warn_about(case: Case, *, chose_yield_factor: bool) -> None:
         )
     for probe in case.output.probes:
         if probe.contact is not None and probe.contact[1] not in case.lattice.neighbours(probe.contact[0]):
-            _LOG.warning(
-                "%s: the spheres of the probed contact %s do not touch at the start", case.name, probe.contact
-            )
+            _LOG.warning("%s: the spheres of the probed contact %s do not touch at the start", case.name, probe.contact)
     if case.run.end_time == "auto" and not case.contact.yields:
-        _LOG.warning(
-            '%s: a Hertz packing dissipates nothing, so run.end_time = "auto" ends after 50 us', case.name
-        )
+        _LOG.warning('%s: a Hertz packing dissipates nothing, so run.end_time = "auto" ends after 50 us', case.name)
 
 
 def _check_yield(material: Material | None, contact: Contact | None, faults: Faults) -> None:
@@ -76,11 +72,7 @@ def _check_times(run: Run, output: Output | None, faults: Faults) -> None:
         faults.add("run.timestep", f"found {run.timestep:g} s, expected at most {ends}")
     if isinstance(run.frames, tuple) and run.frames[-1] > run.longest:
         faults.add("run.frames", f"found a time of {run.frames[-1]:g} s, expected none beyond {ends}")
-    if (
-        output is not None
-        and not isinstance(output.probe_interval, str)
-        and output.probe_interval > run.longest
-    ):
+    if output is not None and not isinstance(output.probe_interval, str) and output.probe_interval > run.longest:
         faults.add("output.probe_interval", f"found {output.probe_interval:g} s, expected at most {ends}")
 
 
@@ -99,9 +91,7 @@ def _check_probes(output: Output, n_spheres: int, faults: Faults) -> None:
             if sphere > n_spheres:
                 faults.add("output.probes", f"found sphere {sphere}, expected an id from 1 to {n_spheres}")
         if probe.contact is not None and probe.contact[0] == probe.contact[1]:
-            faults.add(
-                "output.probes", f"found contact {show(probe.contact)}, expected two different spheres"
-            )
+            faults.add("output.probes", f"found contact {show(probe.contact)}, expected two different spheres")
 
 
 def _boundary_fits(packing: PackingSection, boundary: Boundary, faults: Faults) -> bool:
@@ -123,9 +113,7 @@ def _boundary_fits(packing: PackingSection, boundary: Boundary, faults: Faults) 
                 'for boundary.sides = "periodic"',
             )
         elif rule.hexagonal and ny % 2:
-            faults.add(
-                "packing.size", f"found {ny} rows, expected an even number for periodic {packing.kind} layers"
-            )
+            faults.add("packing.size", f"found {ny} rows, expected an even number for periodic {packing.kind} layers")
     return len(faults.lines) == before
 
 

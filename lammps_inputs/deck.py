@@ -78,16 +78,12 @@ def write_deck(case: Case, directory: str | Path, *, timestep: float | None = No
         The directory cannot be written to.
     """
     directory = Path(directory)
-    deck = Deck(
-        directory, case, make_schedule(case, timestep), struck_spheres(case.lattice, case.load.spheres)
-    )
+    deck = Deck(directory, case, make_schedule(case, timestep), struck_spheres(case.lattice, case.load.spheres))
     try:
         directory.mkdir(parents=True, exist_ok=True)
         scratch = Path(tempfile.mkdtemp(prefix=".deck-", dir=directory))
     except OSError as error:
-        raise InputError(
-            f"{directory}: cannot be written to: {error.strerror}; choose another with -o"
-        ) from None
+        raise InputError(f"{directory}: cannot be written to: {error.strerror}; choose another with -o") from None
     try:
         (scratch / CASE_FILE).write_text(case.to_toml(resolved=resolved(deck)), encoding="utf-8")
         write_data(case, scratch / DATA_FILE)

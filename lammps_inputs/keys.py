@@ -62,9 +62,7 @@ def number(
     """A finite number within bounds, or the one ``word`` that may stand in its place."""
     limits = [(above, "above"), (at_least, "at least"), (below, "below"), (at_most, "at most")]
     wanted = " and ".join(f"{name} {limit:g}" for limit, name in limits if math.isfinite(limit))
-    expected = (
-        f"a number {wanted}".rstrip() + (f" ({unit})" if unit else "") + (f' or "{word}"' if word else "")
-    )
+    expected = f"a number {wanted}".rstrip() + (f" ({unit})" if unit else "") + (f' or "{word}"' if word else "")
 
     def parse(value: Any) -> Any:
         if word is not None and value == word:

@@ -161,9 +161,7 @@ class Lattice:
     def bounds(self) -> NDArray[np.float64]:
         """Lowest and highest centre along x, y, z: (2, 3), m."""
         nx, ny, nz = self.shape
-        i, j, k = np.meshgrid(
-            np.array([0, nx - 1]), _ends(ny, self.rule.row_period), _ends(nz, self.rule.layer_period)
-        )
+        i, j, k = np.meshgrid(np.array([0, nx - 1]), _ends(ny, self.rule.row_period), _ends(nz, self.rule.layer_period))
         sites = np.stack([values.ravel() for values in self.rule.site(i, j, k)], axis=1) * self.diameter
         return np.stack([sites.min(axis=0), sites.max(axis=0)])
 

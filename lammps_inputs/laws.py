@@ -36,7 +36,9 @@ def contact_of(
     InputError
         A material lacks the yield strength that the law needs.
     """
-    return _contact((_constants(materials[0], law), _constants(materials[-1], law)), (radii[0], radii[-1]), law, variant)
+    return _contact(
+        (_constants(materials[0], law), _constants(materials[-1], law)), (radii[0], radii[-1]), law, variant
+    )
 
 
 def rigid_wall_contact_of(
@@ -52,7 +54,9 @@ def _constants(material: Material, law: str) -> tuple[float, float, float]:
     return material.youngs_modulus, material.poisson_ratio, material.yield_strength or math.inf
 
 
-def _contact(bodies: Sequence[tuple[float, float, float]], radii: tuple[float, float], law: str, variant: str) -> ContactLaw:
+def _contact(
+    bodies: Sequence[tuple[float, float, float]], radii: tuple[float, float], law: str, variant: str
+) -> ContactLaw:
     moduli, ratios, strengths = zip(*bodies, strict=True)
     return ContactLaw(
         law, youngs_modulus=moduli, poisson_ratio=ratios, yield_strength=strengths, radius=radii, variant=variant

@@ -71,9 +71,7 @@ def load_materials(path: str | Path) -> dict[str, Material]:
     """
     faults = Faults(str(path))
     read = {
-        name: read_table(
-            Material, {"name": name, **table} if isinstance(table, Mapping) else table, name, faults
-        )
+        name: read_table(Material, {"name": name, **table} if isinstance(table, Mapping) else table, name, faults)
         for name, table in read_toml(path).items()
     }
     if faults.lines:

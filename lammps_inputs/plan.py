@@ -15,17 +15,15 @@ from granwave.lammps_inputs.timestep import expected_peak_overlap
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case import Case
 
-# Bytes, measured on large packings; the base is the interpreter with LAMMPS loaded.
-_MEMORY_BASE = 250e6
-_MEMORY_PER_SPHERE = 700.0
-_MEMORY_PER_CONTACT = 120.0
+# Measured on fcc packings of 1.5e5 spheres (whole runs) and 1e7 spheres (set-up and first steps), rounded up.
+_MEMORY_BASE = 300e6  # bytes; the interpreter with LAMMPS, or with matplotlib, loaded
+_MEMORY_PER_SPHERE = 450.0
+_MEMORY_PER_CONTACT = 100.0
 _DISK_DATA_PER_SPHERE = 75.0
-_DISK_FRAME_PER_SPHERE = 290.0  # the text dump and its copy in result.h5
-_DISK_PER_CONTACT = 230.0
+_DISK_FRAME_PER_SPHERE = 130.0  # the text dump and its copy in result.h5
+_DISK_PER_CONTACT = 110.0
 _DISK_PER_ROW = 400.0
-_SPHERE_STEPS_PER_SECOND = (
-    10e6  # of one core; the plugin does more in the bulk of a run, output takes its share
-)
+_SPHERE_STEPS_PER_SECOND = 16e6  # of one core, output included
 
 
 @dataclasses.dataclass(frozen=True)

@@ -22,9 +22,7 @@ if TYPE_CHECKING:
 BLOCK_TIME = 50e-6  # s, of end_time = "auto"
 BLOCK_THRESHOLD = 1e-4  # of the input energy: a block that dissipates less is the last
 _LEDGER_ROWS = 500  # aimed at, of a run with an end time
-_LEDGER_ROWS_IN_BLOCK = (
-    250  # the run may end after one block, and a balance over fewer instants is no balance
-)
+_LEDGER_ROWS_IN_BLOCK = 250  # the run may end after one block, and a balance over fewer instants is no balance
 _AUTO_PROBE_STEPS = 5
 _AUTO_FRAME_SPAN = 1e-3  # s, over which `frames` snapshots are spread when the end is not known
 

@@ -108,9 +108,7 @@ def _walls(case: Case) -> list[str]:
         else:
             low, high = ("NULL", num(wall.coordinate)) if wall.outward > 0 else (num(wall.coordinate), "NULL")
             style = f"{'xyz'[wall.axis]}plane {low} {high}"
-            lines.append(
-                f"fix             {wall.name} all wall/gran/hysteretic {style} {law_coefficients(case)}"
-            )
+            lines.append(f"fix             {wall.name} all wall/gran/hysteretic {style} {law_coefficients(case)}")
     return (
         ["# Walls: rigid planes that touch the outermost spheres, or the last layer held in place.", *lines]
         if lines

@@ -86,9 +86,7 @@ def ledger(case: Case, schedule: Schedule) -> list[str]:
         "variable        elastic equal c_contact+v_elastic_wall",
         "variable        dissipated equal c_contact[1]+v_dissipated_wall",
         "variable        struck_velocity equal vcm(struck,z)",
-        *_series(
-            "ledger", schedule.ledger_every, "dumps/energy.txt", "energy ledger, SI units", LEDGER_COLUMNS
-        ),
+        *_series("ledger", schedule.ledger_every, "dumps/energy.txt", "energy ledger, SI units", LEDGER_COLUMNS),
     ]
 
 
@@ -101,9 +99,7 @@ def wall_forces(case: Case, schedule: Schedule) -> list[str]:
     return [
         "# Force of the spheres on each wall, N, positive outwards.",
         *(f"variable        {wall.name} equal {_outward_force(wall)}" for wall in found),
-        *_series(
-            "walls", schedule.probe_every, "dumps/walls.txt", "wall forces, N", {"time": "v_time"} | columns
-        ),
+        *_series("walls", schedule.probe_every, "dumps/walls.txt", "wall forces, N", {"time": "v_time"} | columns),
     ]
 
 
@@ -144,9 +140,7 @@ def frames(schedule: Schedule) -> list[str]:
         "compute         displacement all displace/atom",
         "compute         sphere all gran/hysteretic/atom",
         "compute         contacts all gran/hysteretic/local",
-        *command(
-            "dump            frames all custom", f"{every}", "dumps/spheres.dump", *FRAME_COLUMNS.values()
-        ),
+        *command("dump            frames all custom", f"{every}", "dumps/spheres.dump", *FRAME_COLUMNS.values()),
         f'dump_modify     frames first yes sort id format line "{_FRAME_FORMAT}"',
         *command("dump_modify     frames", *_names(FRAME_COLUMNS)),
         *chosen,
@@ -155,10 +149,7 @@ def frames(schedule: Schedule) -> list[str]:
 
 def thermo(schedule: Schedule) -> list[str]:
     """What the log shows."""
-    every = (
-        schedule.block_steps
-        or max(1, schedule.n_steps // schedule.ledger_every // 20) * schedule.ledger_every
-    )
+    every = schedule.block_steps or max(1, schedule.n_steps // schedule.ledger_every // 20) * schedule.ledger_every
     return [
         "# The log.",
         "thermo_style    custom step v_time c_kinetic v_elastic v_dissipated c_contact[2] v_struck_velocity",

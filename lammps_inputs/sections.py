@@ -97,9 +97,7 @@ class Contact:
     yield_factor: float = number(
         "C = p_y / sigma_y, contact pressure at first yield", above=0, default=DEFAULT_YIELD_FACTOR
     )
-    beta: float = number(
-        "bilinear law: residual overlap over the largest overlap", at_least=0, below=1, default=0.8
-    )
+    beta: float = number("bilinear law: residual overlap over the largest overlap", at_least=0, below=1, default=0.8)
 
     @property
     def yields(self) -> bool:
@@ -112,9 +110,7 @@ class Load:
     """``[load]``: what sets the packing in motion."""
 
     kind: Literal["impact"] = choice("an initial velocity of struck spheres", ("impact",), default="impact")
-    velocity: float = number(
-        "of the struck spheres, along +z into the packing", unit="m/s", above=0, default=5.0
-    )
+    velocity: float = number("of the struck spheres, along +z into the packing", unit="m/s", above=0, default=5.0)
     spheres: Literal[1, 3, 7] = choice("how many spheres are struck", (1, 3, 7), default=1)
 
 
@@ -169,9 +165,7 @@ class Run:
 class Output:
     """``[output]``: what is recorded besides snapshots and energies."""
 
-    probes: tuple[Probe, ...] = custom(
-        "spheres and contacts recorded at their own rate", _parse_probes, default=()
-    )
+    probes: tuple[Probe, ...] = custom("spheres and contacts recorded at their own rate", _parse_probes, default=())
     probe_interval: float | Literal["auto"] = number(
         "time between records of probes and walls; auto: five timesteps",
         unit="s",

@@ -27,9 +27,7 @@ def struck_spheres(lattice: Lattice, count: int) -> tuple[int, ...]:
     around = [other for other in lattice.neighbours(centre) if lattice.layer_of(other) == 0]
     if count == 7:
         if len(around) != 6:
-            raise ValueError(
-                f"the struck sphere has {len(around)} neighbours in the top layer, 7 spheres need 6"
-            )
+            raise ValueError(f"the struck sphere has {len(around)} neighbours in the top layer, 7 spheres need 6")
         return (centre, *around)
     below = [other for other in lattice.neighbours(centre) if lattice.layer_of(other) == 1]
     resting = [[other for other in lattice.neighbours(support) if other in around] for support in below]

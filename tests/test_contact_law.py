@@ -174,5 +174,5 @@ def test_bilinear_against_its_equations():
               {"yield_strength": (np.inf, np.inf)}]
 )
 def test_constants_without_meaning_are_refused(wrong):
-    with pytest.raises(ValueError, match="must|needs|positive"):
+    with pytest.raises(ValueError, match=r"must|needs|positive"):
         ContactLaw(**{**BRASS, "radius": (0.005, 0.005), **wrong})

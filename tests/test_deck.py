@@ -29,7 +29,7 @@ def make(size: Any = (6, 6, 4), kind: str = "fcc", diameter: float = 0.01, **sec
 
 class TestTimestep:
     def test_reference(self) -> None:
-        assert auto_timestep(make((72, 72, 30))) == pytest.approx(100e-9, rel=1e-12)
+        assert auto_timestep(make((72, 72, 30))) == pytest.approx(32e-9, rel=1e-12)
 
     def test_proportional_to_the_diameter(self) -> None:
         for diameter in (0.001, 0.1):
@@ -53,12 +53,12 @@ class TestTimestep:
         heavy = {"preset": "brass", "density": 4 * 8500}
         slow = make(material=heavy, load={"velocity": 2.5})
         assert expected_peak_overlap(slow) == pytest.approx(expected_peak_overlap(make()))
-        assert auto_timestep(slow) == pytest.approx(2 * auto_timestep(make()))
+        assert auto_timestep(slow) == pytest.approx(2 * auto_timestep(make()), rel=0.02)  # two significant digits
 
     def test_harder_impacts_need_shorter_steps(self) -> None:
         steps = [auto_timestep(make(load={"velocity": velocity})) for velocity in (0.1, 1, 5, 20, 75)]
         assert steps == sorted(steps, reverse=True)
-        assert steps[-1] > 20e-9
+        assert steps[-1] > 10e-9
 
     def test_a_wall_that_is_hit_directly_counts(self) -> None:
         assert auto_timestep(make((3, 3, 1))) < auto_timestep(make((3, 3, 1), boundary={"bottom": "free"}))
@@ -94,10 +94,10 @@ class TestSchedule:
     def test_frames_are_as_many_as_asked_for(self) -> None:
         for n, found in [(20, 20), (6, 6), (2, 2), (1, 2), (501, 501)]:
             assert make_schedule(make(run={"frames": n})).n_frames == found
-        assert make_schedule(make(run={"frames": 6})).frame_every == 2000
+        assert make_schedule(make(run={"frames": 6, "timestep": 1e-7})).frame_every == 2000
 
     def test_listed_frames(self) -> None:
-        schedule = make_schedule(make(run={"frames": [0.0, 1.23e-4, 9.99e-4]}))
+        schedule = make_schedule(make(run={"frames": [0.0, 1.23e-4, 9.99e-4], "timestep": 1e-7}))
         assert schedule.frame_steps == (1230, 9990, 10000)
 
     def test_blocks(self) -> None:
@@ -109,7 +109,7 @@ class TestSchedule:
         assert schedule.frame_every * schedule.timestep == pytest.approx(50e-6)
 
     def test_probe_interval(self) -> None:
-        assert make_schedule(make(output={"probe_interval": 1e-6})).probe_every == 10
+        assert make_schedule(make(run={"timestep": 1e-7}, output={"probe_interval": 1e-6})).probe_every == 10
         assert make_schedule(make(output={"probe_interval": 1e-12})).probe_every == 1
 
 
@@ -178,7 +178,7 @@ def script(tmp_path: Path, **sections: Any) -> str:
 
 class TestScript:
     def test_commands_of_the_reference(self, tmp_path: Path) -> None:
-        text = script(tmp_path)
+        text = script(tmp_path, run={"timestep": 1e-7})
         for line in [
             r"^newton +off$",
             r"^boundary +m m m$",
@@ -230,7 +230,7 @@ class TestScript:
         assert f"group           hit id {' '.join(map(str, deck.struck))}\n" in deck.script.read_text()
 
     def test_frame_formula_steps_through_the_list(self, tmp_path: Path) -> None:
-        text = script(tmp_path, run={"frames": [1e-5 * n * n for n in range(1, 10)]})
+        text = script(tmp_path, run={"timestep": 1e-7, "frames": [1e-5 * n * n for n in range(1, 10)]})
         formula = re.search(r'variable +frame equal &\n +"(.*?)"', text, re.S)
         assert formula
         code = formula[1].replace("&", "").replace("\n", "").replace(" ", "")
@@ -246,7 +246,7 @@ class TestScript:
         assert "jump            SELF next_block" in text
 
     def test_parts(self, tmp_path: Path) -> None:
-        text = script(tmp_path)
+        text = script(tmp_path, run={"timestep": 1e-7})
         assert "run " not in re.sub("#.*", "", part(text, "setup"))
         assert part(text, "run").split() == ["run", "10000"]
         assert "write_dump" in part(text, "end")
@@ -258,10 +258,10 @@ class TestScript:
 
 class TestPlan:
     def test_reference(self) -> None:
-        found = plan(make((72, 72, 30)))
+        found = plan(make((72, 72, 30), run={"timestep": 1e-7}))
         assert (found.n_spheres, found.n_contacts, found.schedule.n_steps) == (155_520, 902_165, 10_000)
         assert found.peak_overlap_yield == pytest.approx(48.9, abs=0.1)
-        assert found.wall_time == pytest.approx(155.52)
+        assert found.wall_time == pytest.approx(97.2)
         assert plan(make(contact={"law": "hertz"})).peak_overlap_yield is None
 
     def test_memory(self) -> None:

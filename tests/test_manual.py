@@ -43,7 +43,7 @@ class Log:
         self.runs: list[dict[str, np.ndarray]] = []
         lines = iter(self.text.splitlines())
         for line in lines:
-            if not line.split()[:2] == ["Step", "Time"]:
+            if line.split()[:2] != ["Step", "Time"]:
                 continue
             columns, rows = line.split(), []
             for row in lines:
@@ -140,7 +140,7 @@ def test_walls_take_the_momentum_and_keep_the_dents(example, tmp_path):
     lost = run["f_floor[5]"] + run["f_ceiling[5]"]
     # after the first impact on either only what the timestep makes the overlap differ is lost
     assert lost[-1] == pytest.approx(lost[len(lost) // 2], rel=1e-6) and lost[-1] > 0
-    step, floor, ceiling, momentum = np.loadtxt(tmp_path / "impulse.txt").T
+    _, floor, ceiling, momentum = np.loadtxt(tmp_path / "impulse.txt").T
     assert floor.min() < 0 < ceiling.max() and floor.max() <= 0 <= ceiling.min()
     given = np.sum((floor + ceiling)[:-1] + (floor + ceiling)[1:]) / 2 * 1e-8
     assert given == pytest.approx(momentum[0] - momentum[-1], abs=1e-9 * abs(momentum[0]))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from scipy.integrate import quad
 
@@ -25,7 +27,7 @@ class LawTwin:
 
     def work(self, a: float) -> float:
         parts = [0.0, *(x for x in (1.0, 177.6) if x < a), a]
-        return sum(quad(self.loading, lo, hi, epsabs=0, epsrel=1e-12, limit=200)[0] for lo, hi in zip(parts, parts[1:]))
+        return sum(quad(self.loading, lo, hi, epsabs=0, epsrel=1e-12, limit=200)[0] for lo, hi in pairwise(parts))
 
     def residual(self, peak: float) -> float:
         return 0.0 if peak <= 1 else 0.95 * peak - 25.94 + 24.99 * np.exp(-0.015 * (peak - 1))

@@ -60,7 +60,9 @@ class Timing:
 def bench(repeats: int = 5, report: Callable[[str], None] = print, sizes: bool = True) -> dict[str, Any]:
     """Time everything; the results as a dictionary of plain values."""
     results: dict[str, Any] = {"load_before": os.getloadavg(), "cores": os.cpu_count()}
-    report(f"load of the machine: {results['load_before'][0]:.2f}; on a busy machine the ratios still hold, the rates do not")
+    report(
+        f"load of the machine: {results['load_before'][0]:.2f}; on a busy machine the ratios still hold, the rates do not"
+    )
     results["styles"] = _compare_styles(repeats, report)
     if sizes:
         results["sizes"] = _compare_sizes(repeats, report)
@@ -129,10 +131,17 @@ def _script(case: Case, data: Path, style: str) -> str:
     material, diameter = case.material, case.packing.diameter
     modulus = material.youngs_modulus / (2 * (1 - material.poisson_ratio**2))
     coefficients = style.format(
-        gap=0.1 * diameter, E=material.youngs_modulus, nu=material.poisson_ratio, yield_strength=material.yield_strength,
+        gap=0.1 * diameter,
+        E=material.youngs_modulus,
+        nu=material.poisson_ratio,
+        yield_strength=material.yield_strength,
         kn=4 / 3 * modulus,
     )
-    totals = "compute contact all pair gran/hysteretic\nthermo_style custom step c_contact[2]" if "hysteretic" in style else ""
+    totals = (
+        "compute contact all pair gran/hysteretic\nthermo_style custom step c_contact[2]"
+        if "hysteretic" in style
+        else ""
+    )
     struck = struck_spheres(case.lattice, 1)[0]
     return f"""units si
 atom_style sphere
@@ -218,12 +227,16 @@ def _compare_ranks(repeats: int, report: Callable[[str], None]) -> dict[str, lis
     report("\nranks, 155520 rattling spheres (each rank's share of the time of one rank; 1 is ideal):")
     rates = {}
     for n_ranks in (1, 2):
-        script = f"from granwave.workflows import bench, mpi; import json; t = bench.rattle({SIZES[1]}, {repeats}); " \
-                 "print(json.dumps(t.rates)) if mpi.world().rank == 0 else None"
+        script = (
+            f"from granwave.workflows import bench, mpi; import json; t = bench.rattle({SIZES[1]}, {repeats}); "
+            "print(json.dumps(t.rates)) if mpi.world().rank == 0 else None"
+        )
         launcher = Path(sys.prefix) / "bin" / "mpiexec"
         done = subprocess.run(
             [str(launcher), "-n", str(n_ranks), sys.executable, "-m", "mpi4py", "-c", script],
-            capture_output=True, text=True, check=True,
+            capture_output=True,
+            text=True,
+            check=True,
         )
         rates[str(n_ranks)] = json.loads(done.stdout.strip().splitlines()[-1])
         efficiency = statistics.median(rates[str(n_ranks)]) / statistics.median(rates["1"]) / n_ranks

@@ -64,4 +64,6 @@ def continued(setup: str, checkpoint: dict[str, Any]) -> str:
     script = re.sub(r"^read_data .*$", f"read_restart    {checkpoint['file']}", setup, flags=re.MULTILINE)
     script = re.sub(r"^velocity .*$", "", script, flags=re.MULTILINE)
     script = re.sub(r"\bfile (dumps/\S+)", r"append \1", script)
-    return re.sub(r"^dump_modify( +)(\w+) first yes", r"dump_modify\1\2 append yes first no", script, flags=re.MULTILINE)
+    return re.sub(
+        r"^dump_modify( +)(\w+) first yes", r"dump_modify\1\2 append yes first no", script, flags=re.MULTILINE
+    )

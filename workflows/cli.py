@@ -44,7 +44,9 @@ def _report(lines: Sequence[str], status: int) -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="granwave", description="Impact and waves in ordered granular packings, on LAMMPS.")
+    parser = argparse.ArgumentParser(
+        prog="granwave", description="Impact and waves in ordered granular packings, on LAMMPS."
+    )
     parser.add_argument("--version", action="version", version=f"granwave {__version__}")
     verbs = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
 
@@ -52,7 +54,9 @@ def _parser() -> argparse.ArgumentParser:
     _case(run)
     run.add_argument("-o", dest="directory", type=Path, metavar="DIR", help="where everything goes (default: ./NAME)")
     run.add_argument("--np", type=_positive, default=1, metavar="N", help="number of MPI ranks (default: 1)")
-    run.add_argument("--checkpoint", type=float, default=60.0, metavar="SECONDS", help="wall time between checkpoints (default: 60)")
+    run.add_argument(
+        "--checkpoint", type=float, default=60.0, metavar="SECONDS", help="wall time between checkpoints (default: 60)"
+    )
     again = run.add_mutually_exclusive_group()
     again.add_argument("--resume", action="store_true", help="go on with what is there")
     again.add_argument("--force", action="store_true", help="replace what is there")
@@ -73,15 +77,29 @@ def _parser() -> argparse.ArgumentParser:
     show.add_argument("name", metavar="NAME")
 
     law = _verb(verbs, "law", commands.law, "force-overlap curves of a contact: a plot or a table")
-    law.add_argument("--material", nargs="+", default=["brass"], metavar="M", help="one material or two (default: brass)")
-    law.add_argument("--radius", nargs="+", type=float, default=[0.005], metavar="R", help="one radius or two, m (default: 0.005)")
+    law.add_argument(
+        "--material", nargs="+", default=["brass"], metavar="M", help="one material or two (default: brass)"
+    )
+    law.add_argument(
+        "--radius", nargs="+", type=float, default=[0.005], metavar="R", help="one radius or two, m (default: 0.005)"
+    )
     law.add_argument("--law", default="elastoplastic", choices=["elastoplastic", "hertz", "bilinear", "thornton"])
     law.add_argument("--variant", default="continuous", choices=["continuous", "published"])
-    law.add_argument("--max-overlap", type=float, default=200.0, metavar="A",
-                     help="largest overlap, in units of that at first yield (default: 200)")
-    law.add_argument("--restitution", action="store_true",
-                     help="coefficient of restitution against velocity instead, of two spheres and of a sphere and a rigid wall")
-    law.add_argument("-o", dest="output", type=Path, metavar="FILE", help=".png, .pdf or .csv (default: law.png, restitution.png)")
+    law.add_argument(
+        "--max-overlap",
+        type=float,
+        default=200.0,
+        metavar="A",
+        help="largest overlap, in units of that at first yield (default: 200)",
+    )
+    law.add_argument(
+        "--restitution",
+        action="store_true",
+        help="coefficient of restitution against velocity instead, of two spheres and of a sphere and a rigid wall",
+    )
+    law.add_argument(
+        "-o", dest="output", type=Path, metavar="FILE", help=".png, .pdf or .csv (default: law.png, restitution.png)"
+    )
 
     bench = _verb(verbs, "bench", commands.bench, "speed beside LAMMPS's own granular styles, on this machine")
     bench.add_argument("--json", type=Path, metavar="FILE", help="write the results there too")
@@ -101,8 +119,14 @@ def _verb(verbs: argparse._SubParsersAction, name: str, command: object, what: s
 
 def _case(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("case", metavar="CASE", help="a case file, or the name of a built-in study")
-    parser.add_argument("--set", dest="overrides", action="append", default=[], metavar="KEY=VALUE",
-                        help="override a key: --set load.velocity=10 --set packing.size=[24,24,12] (may be repeated)")
+    parser.add_argument(
+        "--set",
+        dest="overrides",
+        action="append",
+        default=[],
+        metavar="KEY=VALUE",
+        help="override a key: --set load.velocity=10 --set packing.size=[24,24,12] (may be repeated)",
+    )
 
 
 def _positive(text: str) -> int:

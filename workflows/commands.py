@@ -37,8 +37,13 @@ def run(options: argparse.Namespace, words: Words) -> int:
 
     comm = mpi.world()
     outcome = run_case(
-        case, directory, resume=options.resume, force=options.force, progress=True,
-        checkpoint_interval=options.checkpoint, comm=comm,
+        case,
+        directory,
+        resume=options.resume,
+        force=options.force,
+        progress=True,
+        checkpoint_interval=options.checkpoint,
+        comm=comm,
     )
     if comm.rank == 0:
         print(summary_table(outcome.summary))
@@ -47,10 +52,14 @@ def run(options: argparse.Namespace, words: Words) -> int:
         if beyond:
             print(
                 f"granwave: warning: {beyond} contacts were pressed beyond 0.2 R*, where the contact law ends; "
-                "figures draw them hollow", file=sys.stderr,
+                "figures draw them hollow",
+                file=sys.stderr,
             )
         if outcome.state == record.INTERRUPTED:
-            print(f"granwave: stopped before its end; go on with  granwave run {options.case} -o {directory} --resume", file=sys.stderr)
+            print(
+                f"granwave: stopped before its end; go on with  granwave run {options.case} -o {directory} --resume",
+                file=sys.stderr,
+            )
         if outcome.state == record.REFUSED:
             print("granwave: the energy balance was refused; what was computed is kept", file=sys.stderr)
     return {record.FINISHED: 0, record.INTERRUPTED: 130}.get(outcome.state, 1)
@@ -75,7 +84,9 @@ def write(options: argparse.Namespace, _: Words) -> int:
     if not options.force:
         refuse_results(options.directory)
     deck = write_deck(case, options.directory)
-    print(f"{deck.directory}: {deck.case.lattice.n_spheres} spheres, {deck.schedule.n_steps} steps of {deck.schedule.timestep:.3g} s")
+    print(
+        f"{deck.directory}: {deck.case.lattice.n_spheres} spheres, {deck.schedule.n_steps} steps of {deck.schedule.timestep:.3g} s"
+    )
     print(f"run it by hand:  cd {deck.directory} && lmp -in {deck.script.name}")
     return 0
 
@@ -141,14 +152,19 @@ def _write_law(options: argparse.Namespace, materials: Sequence[Material], outpu
 def _write_restitution(options: argparse.Namespace, materials: Sequence[Material], output: Path) -> None:
     from granwave.analysis.restitution import write_restitution
 
-    masses = [sphere_mass(m, r) for m, r in zip((materials[0], materials[-1]), (options.radius[0], options.radius[-1]), strict=True)]
+    masses = [
+        sphere_mass(m, r)
+        for m, r in zip((materials[0], materials[-1]), (options.radius[0], options.radius[-1]), strict=True)
+    ]
     spheres = contact_of(materials, options.radius, options.law, options.variant)
     wall = rigid_wall_contact_of(materials[0], options.radius[0], options.law, options.variant)
     contacts = {
         "two spheres": (spheres, masses[0] * masses[1] / (masses[0] + masses[1])),
         "sphere and rigid wall": (wall, masses[0]),
     }
-    write_restitution(contacts, output, max_overlap=options.max_overlap, title=f"{' on '.join(options.material)}, {options.law}")
+    write_restitution(
+        contacts, output, max_overlap=options.max_overlap, title=f"{' on '.join(options.material)}, {options.law}"
+    )
 
 
 def bench(options: argparse.Namespace, _: Words) -> int:
@@ -160,7 +176,9 @@ def bench(options: argparse.Namespace, _: Words) -> int:
     if options.json and not options.json.absolute().parent.is_dir():
         raise InputError(f"--json {options.json}: there is no directory {options.json.absolute().parent}")
     results = run_bench(options.repeats, sizes=not options.styles_only)
-    print(f"\nmemory bandwidth of one core (triad): {results['triad_GB_per_s']:.1f} GB/s; load now {results['load_after'][0]:.2f}")
+    print(
+        f"\nmemory bandwidth of one core (triad): {results['triad_GB_per_s']:.1f} GB/s; load now {results['load_after'][0]:.2f}"
+    )
     if options.json:
         options.json.write_text(json.dumps(results, indent=2) + "\n", encoding="utf-8")
     return 0

@@ -49,7 +49,9 @@ def decide(case: Case, directory: Path, *, resume: bool, force: bool, n_ranks: i
         It holds results and neither resume nor force was given, holds another case, or the machine is too small.
     """
     if resume and force:
-        raise InputError("--resume and --force exclude each other: one goes on with what is there, the other replaces it")
+        raise InputError(
+            "--resume and --force exclude each other: one goes on with what is there, the other replaces it"
+        )
     if directory.exists() and not directory.is_dir():
         raise InputError(f"{directory}: is a file, expected a directory; choose another with -o")
     if resume and (directory / CASE_FILE).exists():
@@ -118,7 +120,9 @@ def held(directory: Path, comm: Intracomm) -> Iterator[None]:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             lock.close()
-            raise InputError(f"{directory}: another run is at work there; wait for it, or choose another with -o") from None
+            raise InputError(
+                f"{directory}: another run is at work there; wait for it, or choose another with -o"
+            ) from None
         locks.append(lock)
         return None
 

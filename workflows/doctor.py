@@ -69,10 +69,14 @@ def _release() -> Finding:
 
 
 def _module() -> Finding:
-    script = "from granwave.workflows.engine import open_engine\nfrom mpi4py import MPI\n" \
-             f"with open_engine(MPI.COMM_WORLD, log='none') as e: e.commands('''{_DECK}''')\nprint('ok')"
+    script = (
+        "from granwave.workflows.engine import open_engine\nfrom mpi4py import MPI\n"
+        f"with open_engine(MPI.COMM_WORLD, log='none') as e: e.commands('''{_DECK}''')\nprint('ok')"
+    )
     return _attempt(
-        "lammps module", [sys.executable, "-c", script], "loads the plugin and runs",
+        "lammps module",
+        [sys.executable, "-c", script],
+        "loads the plugin and runs",
         "use a virtual environment: mpi4py looks for the environment's libmpi only there",
     )
 
@@ -86,17 +90,27 @@ def _command() -> Finding:
         deck = Path(scratch) / "in.doctor"
         deck.write_text(_DECK, encoding="ascii")
         command = [found, "-in", str(deck), "-log", "none", "-screen", "none"]
-        return _attempt("lmp command", command, f"{found} finds the plugin by itself",
-                        f"export LAMMPS_PLUGIN_PATH={plugins.directory()}")
+        return _attempt(
+            "lmp command",
+            command,
+            f"{found} finds the plugin by itself",
+            f"export LAMMPS_PLUGIN_PATH={plugins.directory()}",
+        )
 
 
 def _ranks() -> Finding:
     launcher = Path(sys.prefix) / "bin" / "mpiexec"
     if not launcher.exists():
-        return Finding("MPI ranks", False, f"no mpiexec in {launcher.parent}", "pip install mpich into this environment")
+        return Finding(
+            "MPI ranks", False, f"no mpiexec in {launcher.parent}", "pip install mpich into this environment"
+        )
     script = "from mpi4py import MPI; assert MPI.COMM_WORLD.size == 2, MPI.COMM_WORLD.size"
-    return _attempt("MPI ranks", [str(launcher), "-n", "2", sys.executable, "-m", "mpi4py", "-c", script],
-                    f"two ranks by {launcher}", "mpi4py and mpiexec belong to different MPI libraries")
+    return _attempt(
+        "MPI ranks",
+        [str(launcher), "-n", "2", sys.executable, "-m", "mpi4py", "-c", script],
+        f"two ranks by {launcher}",
+        "mpi4py and mpiexec belong to different MPI libraries",
+    )
 
 
 def _attempt(part: str, command: list[str], success: str, remedy: str) -> Finding:

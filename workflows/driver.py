@@ -115,9 +115,7 @@ def _summary(directory: Path) -> dict[str, Any]:
 
 
 class _Run:
-    def __init__(
-        self, case: Case, directory: Path, comm: Intracomm, show: bool, checkpoint_interval: float
-    ) -> None:
+    def __init__(self, case: Case, directory: Path, comm: Intracomm, show: bool, checkpoint_interval: float) -> None:
         self.case, self.directory, self.comm = case, directory, comm
         self.show = show and comm.rank == 0
         self.checkpoint_interval = checkpoint_interval
@@ -144,13 +142,17 @@ class _Run:
             error = self.balance.error
             chosen = self.case.run.timestep == "auto"
             if not chosen or len(self.record.attempts) + 1 >= MOST_ATTEMPTS:
-                self._log(f"the energy balance does not close: {error:.1e} of the input, {TOLERANCE:.0e} is accepted"
-                          + ("" if chosen else "; give a shorter run.timestep, or leave it to \"auto\""))
+                self._log(
+                    f"the energy balance does not close: {error:.1e} of the input, {TOLERANCE:.0e} is accepted"
+                    + ("" if chosen else '; give a shorter run.timestep, or leave it to "auto"')
+                )
                 break
             self.record.attempts.append({"timestep_s": deck.schedule.timestep, "energy_balance_error": error})
             timestep, go_on = deck.schedule.timestep / 2, False
             self.balance = Balance(self.balance.path)
-            self._log(f"the energy balance misses by {error:.1e} of the input; once more with half the timestep, {timestep:.3g} s")
+            self._log(
+                f"the energy balance misses by {error:.1e} of the input; once more with half the timestep, {timestep:.3g} s"
+            )
 
         self._note(state=self.state if self.state == record.INTERRUPTED else record.INTEGRATED)
 

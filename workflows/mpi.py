@@ -97,9 +97,21 @@ def launch(n_ranks: int, arguments: Sequence[str]) -> int:
         )
     with tempfile.TemporaryDirectory(prefix="granwave-") as scratch:
         stop = Path(scratch) / "stop"
-        command = [str(launcher), "-n", str(n_ranks), sys.executable, "-m", "mpi4py", "-m", "granwave.workflows", *arguments]
+        command = [
+            str(launcher),
+            "-n",
+            str(n_ranks),
+            sys.executable,
+            "-m",
+            "mpi4py",
+            "-m",
+            "granwave.workflows",
+            *arguments,
+        ]
         ranks = subprocess.Popen(command, env={**os.environ, _STOP_FILE: str(stop)}, start_new_session=True)
-        forwarded = {number: signal.signal(number, lambda *_: stop.touch()) for number in (signal.SIGINT, signal.SIGTERM)}
+        forwarded = {
+            number: signal.signal(number, lambda *_: stop.touch()) for number in (signal.SIGINT, signal.SIGTERM)
+        }
         try:
             return ranks.wait()
         finally:

@@ -49,7 +49,9 @@ class Progress:
             self._last = now
             elapsed = now - self._begin
             left = elapsed * (self._total - done) / max(1, done - self._first)
-            logger.info("%s %3.0f %% %s [%.0f s, %.0f s left]", self._label, 100 * done / self._total, note, elapsed, left)
+            logger.info(
+                "%s %3.0f %% %s [%.0f s, %.0f s left]", self._label, 100 * done / self._total, note, elapsed, left
+            )
 
     def close(self) -> None:
         """End the bar where it is."""

