@@ -98,7 +98,7 @@ class PairGranHysteretic : public Pair {
   void forget(int row, int k);
   void tally_totals();
   Report describe(int i, int j, int k, double rsq);
-  [[noreturn]] void overlap_error(int i, int j, double overlap);
+  void overlap_error(int i, int j, double overlap);
 
   double gap = 0.0;
   int atom_types = 0;

@@ -276,3 +276,19 @@ def test_plain_lmp_finds_the_plugin_by_itself(granwave, lmp, tmp_path):
     done = lmp(tmp_path / "in.granwave")
     assert done.returncode == 0, done.stdout + done.stderr
     assert (tmp_path / "dumps" / "contacts.dump").exists()
+
+
+def test_automatic_end_is_the_same_after_a_stop(granwave, tmp_path):
+    """A block that was cut by a checkpoint still counts from its own start."""
+    sets = ["--set", "packing.size=[12,12,6]", "--set", "run.end_time=auto", "--set", "run.frames=3"]
+    whole = granwave("run", "fcc-small", "-o", tmp_path / "whole", *sets)
+    assert whole.returncode == 0, whole.stderr
+    command = [sys.executable, "-m", "granwave.workflows", "run", "fcc-small", "-o", str(tmp_path / "cut"), *sets]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=PLAIN)
+    ledger = tmp_path / "cut" / "dumps" / "energy.txt"
+    wait_for(lambda: ledger.exists() and ledger.stat().st_size > 30000, process)
+    process.send_signal(signal.SIGINT)
+    process.communicate(timeout=120)
+    assert process.returncode == 130
+    assert granwave("run", "fcc-small", "-o", tmp_path / "cut", *sets, "--resume").returncode == 0
+    compare(tmp_path / "whole", tmp_path / "cut")

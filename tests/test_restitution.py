@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import json
 
 import numpy as np
 import pytest
@@ -58,3 +59,14 @@ def test_table_and_figure(granwave, tmp_path):
     assert set(rows[0]) == {"contact", "velocity_m_s", "restitution"}
     assert granwave("law", "--restitution", cwd=tmp_path).returncode == 0
     assert (tmp_path / "restitution.png").exists() and (tmp_path / "restitution.pdf").exists()
+
+
+@pytest.mark.parametrize("study", ["two-spheres", "sphere-on-wall"])
+def test_built_in_studies(granwave, tmp_path, study):
+    done = granwave("run", study, "-o", tmp_path / "r")
+    assert done.returncode == 0, done.stderr
+    ratio = json.loads((tmp_path / "r" / "summary.json").read_text())["impactor_velocity_m_s"]
+    if study == "two-spheres":
+        assert 1 - 2 * ratio == pytest.approx(at(1.0, contact_of([BRASS], [R]), MASS / 2), rel=1e-3)
+    else:
+        assert -ratio == pytest.approx(at(1.0, rigid_wall_contact_of(BRASS, R), MASS), rel=1e-3)

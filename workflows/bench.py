@@ -1,8 +1,8 @@
 """Speed beside LAMMPS's own granular styles, on this machine.
 
 All styles run in one process, interleaved, from one state: the reference packing in the middle of its impact, where
-thousands of contacts have yielded. Positions and velocities are put back before each timing, so that every style meets the
-same overlaps, each time. A ratio is formed within a repeat, where both sides met the same machine.
+thousands of contacts have yielded. Positions and velocities are put back before each timing, so that every style meets
+the same overlaps, each time. A ratio is formed within a repeat, where both sides met the same machine.
 
 How cost depends on size, and how two ranks share the work, is timed on packings whose spheres all rattle: the same
 share of loaded contacts at every size.
@@ -33,10 +33,12 @@ from granwave.workflows import mpi, studies
 from granwave.workflows.engine import Engine, open_engine
 
 STYLES = {
-    "gran/hysteretic elastoplastic": "pair_style gran/hysteretic {gap}\npair_coeff * * elastoplastic {E} {nu} {yield_strength}",
+    "gran/hysteretic elastoplastic": "pair_style gran/hysteretic {gap}\n"
+    "pair_coeff * * elastoplastic {E} {nu} {yield_strength}",
     "gran/hysteretic hertz": "pair_style gran/hysteretic {gap}\npair_coeff * * hertz {E} {nu}",
     "gran/hertz/history": "pair_style gran/hertz/history {kn} NULL 0.0 NULL 0.0 0\npair_coeff * *",
-    "granular hertz/material": "pair_style granular\npair_coeff * * hertz/material {E} 0.0 {nu} tangential linear_nohistory 0.0 0.0",
+    "granular hertz/material": "pair_style granular\n"
+    "pair_coeff * * hertz/material {E} 0.0 {nu} tangential linear_nohistory 0.0 0.0",
 }
 OURS, BASELINE = "gran/hysteretic elastoplastic", "gran/hertz/history"
 IMPACT_TIME = 3e-4  # s, after which the styles are compared
@@ -61,7 +63,7 @@ def bench(repeats: int = 5, report: Callable[[str], None] = print, sizes: bool =
     """Time everything; the results as a dictionary of plain values."""
     results: dict[str, Any] = {"load_before": os.getloadavg(), "cores": os.cpu_count()}
     report(
-        f"load of the machine: {results['load_before'][0]:.2f}; on a busy machine the ratios still hold, the rates do not"
+        f"load of the machine: {results['load_before'][0]:.2f}; on a busy one the ratios still hold, the rates do not"
     )
     results["styles"] = _compare_styles(repeats, report)
     if sizes:

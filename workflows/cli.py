@@ -1,4 +1,7 @@
-"""The command line. Exit status: 0 done; 2 the input is wrong, nothing was run; 1 it failed while running; 130 Ctrl-C."""
+"""The command line.
+
+Exit status: 0 done; 2 the input is wrong and nothing was run; 1 it failed while running; 130 after Ctrl-C.
+"""
 
 from __future__ import annotations
 

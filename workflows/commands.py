@@ -85,7 +85,8 @@ def write(options: argparse.Namespace, _: Words) -> int:
         refuse_results(options.directory)
     deck = write_deck(case, options.directory)
     print(
-        f"{deck.directory}: {deck.case.lattice.n_spheres} spheres, {deck.schedule.n_steps} steps of {deck.schedule.timestep:.3g} s"
+        f"{deck.directory}: {deck.case.lattice.n_spheres} spheres, "
+        f"{deck.schedule.n_steps} steps of {deck.schedule.timestep:.3g} s"
     )
     print(f"run it by hand:  cd {deck.directory} && lmp -in {deck.script.name}")
     return 0
@@ -177,7 +178,8 @@ def bench(options: argparse.Namespace, _: Words) -> int:
         raise InputError(f"--json {options.json}: there is no directory {options.json.absolute().parent}")
     results = run_bench(options.repeats, sizes=not options.styles_only)
     print(
-        f"\nmemory bandwidth of one core (triad): {results['triad_GB_per_s']:.1f} GB/s; load now {results['load_after'][0]:.2f}"
+        f"\nmemory bandwidth of one core (triad): {results['triad_GB_per_s']:.1f} GB/s; "
+        f"load now {results['load_after'][0]:.2f}"
     )
     if options.json:
         options.json.write_text(json.dumps(results, indent=2) + "\n", encoding="utf-8")

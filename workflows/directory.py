@@ -41,7 +41,9 @@ def refuse_results(directory: Path) -> None:
 
 
 def decide(case: Case, directory: Path, *, resume: bool, force: bool, n_ranks: int) -> str:
-    """What to do in ``directory``: START, CONTINUE from its checkpoint, ANALYSE, or nothing (FINISHED). Changes nothing.
+    """What to do in ``directory``: START, CONTINUE from its checkpoint, ANALYSE, or nothing (FINISHED).
+
+    Changes nothing.
 
     Raises
     ------

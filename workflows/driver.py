@@ -122,6 +122,7 @@ class _Run:
         self.record = Record(name=case.name, n_ranks=comm.size)
         self.balance = Balance(directory / "dumps" / "energy.txt")
         self.state = record.RUNNING  # of the integration; the record says it when the analysis is done
+        self.lost_before_block = 0.0  # dissipated energy at the start of the present block of end_time = "auto", J
 
     # ------------------------------------------------------------------ attempts
 
@@ -139,19 +140,20 @@ class _Run:
                 raise
             if self.state != record.REFUSED:
                 break
-            error = self.balance.error
+            misses = self.balance.error
             chosen = self.case.run.timestep == "auto"
             if not chosen or len(self.record.attempts) + 1 >= MOST_ATTEMPTS:
                 self._log(
-                    f"the energy balance does not close: {error:.1e} of the input, {TOLERANCE:.0e} is accepted"
+                    f"the energy balance does not close: {misses:.1e} of the input, {TOLERANCE:.0e} is accepted"
                     + ("" if chosen else '; give a shorter run.timestep, or leave it to "auto"')
                 )
                 break
-            self.record.attempts.append({"timestep_s": deck.schedule.timestep, "energy_balance_error": error})
+            self.record.attempts.append({"timestep_s": deck.schedule.timestep, "energy_balance_error": misses})
             timestep, go_on = deck.schedule.timestep / 2, False
             self.balance = Balance(self.balance.path)
             self._log(
-                f"the energy balance misses by {error:.1e} of the input; once more with half the timestep, {timestep:.3g} s"
+                f"the energy balance misses by {misses:.1e} of the input; "
+                f"once more with half the timestep, {timestep:.3g} s"
             )
 
         self._note(state=self.state if self.state == record.INTERRUPTED else record.INTEGRATED)
@@ -185,13 +187,14 @@ class _Run:
     def _attempt(self, deck: Deck, stop: StopRequest, go_on: bool) -> None:
         script = on_first(self.comm, lambda: deck.script.read_text(encoding="utf-8"))
         setup = part(script, "setup")
-        self.state = record.RUNNING
+        self.state, self.lost_before_block = record.RUNNING, 0.0
         self._note(state=record.RUNNING, reason=None, end_reason=None)
         saved = self.record.checkpoint
         with open_engine(self.comm, log="none" if go_on else "log.lammps") as engine:
             if go_on and saved:
                 on_first(self.comm, lambda: checkpoint.cut_back(self.directory, saved))
                 self.balance.read()
+                self.lost_before_block = saved["lost_before_block"]
                 engine.commands("log log.lammps append")
                 setup = checkpoint.continued(setup, saved)
             engine.commands(setup)
@@ -203,7 +206,6 @@ class _Run:
         bar = Progress(schedule.n_steps, self.case.name, enabled=self.show, done=engine.step)
         begin = last_checkpoint = time.monotonic()
         before = self.record.wall_time_s
-        settled_at = self.balance.row.get("dissipated", 0.0)  # at the start of the present block
         piece, fresh = 20, True
         try:
             while self.state == record.RUNNING:
@@ -215,9 +217,7 @@ class _Run:
                 fresh = False
                 now = time.monotonic()
                 piece = self._shared(max(1, int(min(4 * piece, piece * _PIECE / max(now - started, 1e-3)))))
-                self._look(engine, deck, settled_at)
-                if schedule.block_steps and engine.step % schedule.block_steps == 0:
-                    settled_at = self.balance.row["dissipated"]
+                self._look(engine, deck)
                 self.record.n_steps, self.record.end_time_s = engine.step, engine.step * schedule.timestep
                 self.record.wall_time_s = before + now - begin
                 bar.update(engine.step, self._where(schedule.end_time))
@@ -231,7 +231,7 @@ class _Run:
         finally:
             bar.close()
 
-    def _look(self, engine: Engine, deck: Deck, settled_at: float) -> None:
+    def _look(self, engine: Engine, deck: Deck) -> None:
         """Read the ledger, and decide whether this was the end."""
         schedule = deck.schedule
 
@@ -241,7 +241,7 @@ class _Run:
             if not balance.closed and self.case.contact.variant != "published":
                 return balance, record.REFUSED, BALANCE_REFUSED
             if schedule.block_steps and step % schedule.block_steps == 0:
-                if row["dissipated"] - settled_at < BLOCK_THRESHOLD * row["input"]:
+                if row["dissipated"] - self.lost_before_block < BLOCK_THRESHOLD * row["input"]:
                     return balance, record.FINISHED, "settled"
                 if step >= schedule.n_steps:
                     return balance, record.FINISHED, "longest"
@@ -250,9 +250,12 @@ class _Run:
             return balance, record.RUNNING, None
 
         self.balance, self.state, self.record.end_reason = on_first(self.comm, decide)
+        if schedule.block_steps and engine.step % schedule.block_steps == 0:
+            self.lost_before_block = self.balance.row["dissipated"]
 
     def _checkpoint(self, engine: Engine) -> None:
         self.record.checkpoint = checkpoint.write(engine, self.comm, self.directory)
+        self.record.checkpoint["lost_before_block"] = self.lost_before_block
         on_first(self.comm, lambda: self.record.write(self.directory))
         on_first(self.comm, lambda: checkpoint.keep_only(self.directory, self.record.checkpoint))
 

@@ -70,9 +70,9 @@ def on_first(comm: Intracomm, work: Callable[[], T]) -> T:
             outcome = (None, error)
     if comm.size > 1:
         outcome = comm.bcast(outcome)
-    result, error = outcome
-    if error is not None:
-        raise error
+    result, fault = outcome
+    if fault is not None:
+        raise fault
     return result  # type: ignore[return-value]
 
 
