@@ -398,7 +398,7 @@ double PairGranHysteretic::yielding_force(int k, double overlap, const ContactLa
   return scale.force * ContactLaw::unloading(overlap / scale.overlap, turning);
 }
 
-template <bool UNIFORM, bool TALLY> void PairGranHysteretic::forces()
+template <bool UNIFORM, PairGranHysteretic::Tally TALLY> void PairGranHysteretic::forces()
 {
   const double(*const x)[3] = reinterpret_cast<const double(*)[3]>(atom->x[0]);
   double(*const f)[3] = reinterpret_cast<double(*)[3]>(atom->f[0]);
@@ -411,7 +411,7 @@ template <bool UNIFORM, bool TALLY> void PairGranHysteretic::forces()
   double *const peak = c.peak.data();
 
   Geometry g{};
-  double forget_sq = 0.0, largest = 0.0;
+  double forget_sq = 0.0, largest = 0.0, sum[6] = {};
   if (UNIFORM) {
     g = geometry(type[0], type[0], radius[0], radius[0]);
     forget_sq = (g.sum_radii + gap) * (g.sum_radii + gap);
@@ -467,7 +467,15 @@ template <bool UNIFORM, bool TALLY> void PairGranHysteretic::forces()
         f[j][1] -= dy * pair_force;
         f[j][2] -= dz * pair_force;
       }
-      if (TALLY) {
+      if (TALLY == Tally::PRESSURE) {
+        const double share = j < nlocal ? pair_force : 0.5 * pair_force;
+        sum[0] += dx * dx * share;
+        sum[1] += dy * dy * share;
+        sum[2] += dz * dz * share;
+        sum[3] += dx * dy * share;
+        sum[4] += dx * dz * share;
+        sum[5] += dy * dz * share;
+      } else if (TALLY == Tally::EACH_PAIR) {
         double elastic = 0.0;
         if (eflag_either) {
           if (peak_overlap <= g.scale.elastic_limit) {
@@ -485,6 +493,8 @@ template <bool UNIFORM, bool TALLY> void PairGranHysteretic::forces()
     f[i][1] += fy;
     f[i][2] += fz;
   }
+  if (TALLY == Tally::PRESSURE)
+    for (int k = 0; k < 6; k++) virial[k] += sum[k];
 }
 
 void PairGranHysteretic::compute(int eflag, int vflag)
@@ -494,12 +504,17 @@ void PairGranHysteretic::compute(int eflag, int vflag)
   contacts.published = false;
   now = update->atime + (update->ntimestep - update->atimestep) * update->dt;
 
+  // LAMMPS asks for the pressure more often than anybody looks at it: it must cost next to nothing
+  const Tally tally = eflag_atom || vflag_atom || cvflag_atom || num_tally_compute > 0 ? Tally::EACH_PAIR
+      : vflag_global                                                                   ? Tally::PRESSURE
+                                                                                       : Tally::NOTHING;
   if (atom->nlocal > 0) {
-    const bool tally = eflag_atom || vflag_either || num_tally_compute > 0;
-    if (uniform)
-      tally ? forces<true, true>() : forces<true, false>();
+    if (tally == Tally::NOTHING)
+      uniform ? forces<true, Tally::NOTHING>() : forces<false, Tally::NOTHING>();
+    else if (tally == Tally::PRESSURE)
+      uniform ? forces<true, Tally::PRESSURE>() : forces<false, Tally::PRESSURE>();
     else
-      tally ? forces<false, true>() : forces<false, false>();
+      uniform ? forces<true, Tally::EACH_PAIR>() : forces<false, Tally::EACH_PAIR>();
   }
   if (eflag_global) tally_totals();
 }
@@ -585,8 +600,8 @@ void PairGranHysteretic::tally_totals()
 
 void PairGranHysteretic::overlap_error(int i, int j, double overlap)
 {
-  error->one(FLERR, "Spheres {} and {} overlap by {:.3g}, more than the radius of the smaller one: they were placed "
-                    "into each other, or the timestep is far too large", atom->tag[i], atom->tag[j], overlap);
+  error->one(FLERR, fmt::format("Spheres {} and {} overlap by {:.3g}, more than the radius of the smaller one: they were "
+                                "placed into each other, or the timestep is far too large", atom->tag[i], atom->tag[j], overlap));
 }
 
 /* ---------------------------------------------------------------------- reports */

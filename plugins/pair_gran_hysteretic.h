@@ -92,13 +92,14 @@ class PairGranHysteretic : public Pair {
   void refuse_leaps();
   void restore_dents();
   void require_contacts();
-  template <bool UNIFORM, bool TALLY> void forces();
+  enum class Tally { NOTHING, PRESSURE, EACH_PAIR };
+  template <bool UNIFORM, Tally TALLY> void forces();
   double yielding_force(int k, double overlap, const granwave::ContactLaw &, const granwave::ContactScale &, bool raised);
   int turning_of(int k, double peak, const granwave::ContactLaw &);
   void forget(int row, int k);
   void tally_totals();
   Report describe(int i, int j, int k, double rsq);
-  void overlap_error(int i, int j, double overlap);
+  [[noreturn]] void overlap_error(int i, int j, double overlap);
 
   double gap = 0.0;
   int atom_types = 0;
