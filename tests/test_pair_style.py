@@ -167,9 +167,13 @@ thermo 100"""
     assert value(silent, "c_ep[1]") == value(lmp, "c_ep[1]")
 
 
-def test_softer_sphere_gets_all_the_loss(lammps):
+@pytest.mark.parametrize("mixed", ["", "pair_coeff 1 2", "pair_coeff 2 1"])
+def test_softer_sphere_gets_all_the_loss(lammps, mixed):
+    """By mixing or by name; LAMMPS turns 2 1 into 1 2, so the first material is that of the lower type either way."""
     lmp = lammps()
     coefficients = ["pair_coeff 1 1 elastoplastic 115e9 0.3 550e6", "pair_coeff 2 2 elastoplastic 210e9 0.3 700e6"]
+    if mixed:
+        coefficients.append(f"{mixed} elastoplastic 115e9 0.3 550e6 210e9 0.3 700e6")
     extra = "compute atoms all gran/hysteretic/atom\nthermo_style custom step pe c_ep[1]\nrun 0\n"
     lmp.commands_string(
         script_of([(0, 0, 0), (0, 0, 3 * R)], radius=[R, 2 * R], types=[1, 2], velocities=[(0, 0, 3.0)], coefficients=coefficients, extra=extra)
@@ -228,6 +232,97 @@ def test_delete_atoms_between_runs(lammps):
     lmp.commands_string(f"group gone id 1\ndelete_atoms group gone compress no\nset atom 2 vz {speed / 2}\nset atom 3 vz {-speed / 2}\nrun 30000")
     assert value(lmp, "c_ep[1]") == pytest.approx(lost, rel=1e-12)
     assert value(lmp, "vz[3]-vz[2]") == pytest.approx(speed, rel=1e-6)
+
+
+THREE = {"positions": [(0.05, 0, 0), (0, 0, 0), (0, 0, 2 * R)], "velocities": [(0, 0, 0), (0, 0, 1.0), (0, 0, -1.0)]}
+
+
+@pytest.mark.parametrize("change", ["delete_atoms group gone", "delete_atoms group gone compress no\nreset_atoms id"])
+@pytest.mark.parametrize("steps", [800, 20000])  # touching, parted
+def test_new_ids_of_dented_spheres_are_refused(lammps, change, steps):
+    lmp = lammps()
+    lmp.commands_string(script_of(**THREE) + f"run {steps}\ngroup gone id 1")
+    with pytest.raises(Exception, match="dents are known by the IDs of their spheres"):
+        lmp.commands_string(f"{change}\nrun 0")
+
+
+def test_new_ids_with_forgotten_dents_are_refused(lammps):
+    lmp = lammps()
+    lmp.commands_string(script_of(**THREE, gap=2e-5) + "run 30000\ngroup gone id 1\ncompute dents all gran/hysteretic/local")
+    lmp.commands_string("compute live all reduce sum c_dents[12] inputs local\nthermo_style custom step c_live\nrun 0")
+    assert value(lmp, "c_live") == 0 and value(lmp, "c_ep[2]") == 1
+    with pytest.raises(Exception, match="dents are known by the IDs of their spheres"):
+        lmp.commands_string("delete_atoms group gone\nrun 0")
+
+
+def test_new_ids_before_any_contact_are_fine(lammps):
+    whole, fewer = lammps(), lammps()
+    collide(whole)
+    fewer.commands_string(script_of(**THREE) + "group gone id 1\ndelete_atoms group gone\nrun 20000")
+    assert value(fewer, "abs(vz[1])") == pytest.approx(abs(value(whole, "vz[1]")), rel=1e-12)  # IDs are given in any order
+
+
+@pytest.mark.parametrize(
+    ("insertion", "large", "density", "modulus"),
+    [
+        ("pour 1 2 1 vol 0.9 10 diam one {d} dens 8500 8500 vel 0 0 0 0 -5", 0.02, 8500, 1e8),
+        ("pour 1 2 1 vol 0.9 10 diam poly 2 {r} 0.0 {d} 1.0 dens 8500 8500 vel 0 0 0 0 -5", 0.02, 8500, 1e8),
+        ("deposit 1 2 100 1 vz -5 -5", 0.5, 1, 1e4),  # new spheres get LAMMPS's own radius and density
+    ],
+)
+def test_spheres_to_come_are_met_at_their_surface(lammps, insertion, large, density, modulus):
+    """A sphere four times as large as any present drops onto one of them: no energy is lost."""
+    lmp = lammps()
+    half = 0.01 * large if insertion.startswith("deposit") else 1.01 * large  # centres in the region, or whole spheres
+    bottom, top = (1.5 * large - half, 1.5 * large + half)
+    text = script_of(
+        [(0, 0, 0), (4 * large, 0, 0)], types=[1, 2], radius=large / 4, density=density, style=f"hertz {modulus} 0.3", gap=large / 40,
+        box=[-6 * large, 6 * large] * 3,
+        extra=f"region drop block {-half} {half} {-half} {half} {bottom} {top} units box\nfix down all gravity 1e-3 vector 0 0 -1\n"
+        f"fix new all {insertion.format(r=large, d=2 * large)} region drop\ntimestep {5e-5 * large}",
+    )
+    lmp.commands_string(text + "run 16000")  # one run: the next one would see the new sphere itself
+    assert value(lmp, "vz[1]") < -1 and value(lmp, "pe") == 0
+    assert value(lmp, "c_ke") == pytest.approx(0.5 * density * 4 / 3 * np.pi * large**3 * 25, rel=1e-3)
+
+
+@pytest.mark.parametrize("style", ["verlet", "respa 2 2"])
+def test_only_plain_integration(lammps, style):
+    lmp = lammps()
+    lmp.commands_string(script_of(PAIR) + f"run_style {style}")
+    if style == "verlet":
+        lmp.command("run 1")
+    else:
+        with pytest.raises(Exception, match="Pair style gran/hysteretic does not work with run_style respa"):
+            lmp.command("run 1")
+
+
+@pytest.mark.parametrize(("length", "fits"), [(0.0239, False), (0.0241, True)])
+@pytest.mark.parametrize("axis", "xyz")
+def test_periodic_box_has_room_for_one_meeting_of_two_spheres(lammps, axis, length, fits):
+    """Twice the reach: 2 (2 R + gap + skin) = 24 mm."""
+    lmp = lammps()
+    box = [-0.05, 0.05] * 3
+    k = "xyz".index(axis)
+    box[2 * k : 2 * k + 2] = [-0.002, length - 0.002]
+    boundary = " ".join("p" if name == axis else "m" for name in "xyz")
+    lmp.commands_string(script_of([(0, 0, 0)], box=box).replace("boundary m m m", f"boundary {boundary}"))
+    if fits:
+        lmp.command("run 1")
+    else:
+        with pytest.raises(Exception, match=rf"periodic box is 0.0239 long in {axis}.*at least 0.024"):
+            lmp.command("run 1")
+
+
+def test_plane_of_spheres(lammps):
+    """In two dimensions LAMMPS wants a periodic third one, as thin as one likes: nothing meets across it."""
+    lmp, plane = lammps(), lammps()
+    collide(lmp)
+    places = [(0, 0, 0), (2 * R, 0, 0)]
+    text = script_of(places, velocities=[(1.0, 0, 0), (-1.0, 0, 0)], box=[-0.02, 0.03, -0.02, 0.02, -R / 10, R / 10])
+    plane.command("dimension 2")
+    plane.commands_string(text.replace("boundary m m m", "boundary m m p") + "fix plane all enforce2d\nrun 20000")
+    assert value(plane, "vx[1]") == pytest.approx(value(lmp, "vz[1]"), rel=1e-12)
 
 
 @pytest.mark.parametrize(

