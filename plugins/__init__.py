@@ -10,7 +10,7 @@ PAIR_STYLE = "gran/hysteretic"
 
 
 def library() -> Path:
-    """The shared library that ``plugin load`` takes."""
+    """The shared library that ``plugin load`` takes; that of the styles lies beside it."""
     return Path(__file__).parent / "granwaveplugin.so"
 
 

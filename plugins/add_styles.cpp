@@ -3,9 +3,12 @@
 #include "compute_gran_hysteretic.h"
 #include "fix_gran_hysteretic_history.h"
 #include "fix_wall_gran_hysteretic.h"
+#include "force.h"
 #include "lammps.h"
+#include "modify.h"
 #include "pair_gran_hysteretic.h"
 
+#include <list>
 #include <string>
 
 using namespace LAMMPS_NS;
@@ -19,28 +22,30 @@ struct Registration {
   void *handle;
 };
 using Register = void (*)(Registration *, void *);
+std::list<std::string> infos;    // LAMMPS keeps pointers to them
 
-template <class Style> void *create(LAMMPS *lmp) { return static_cast<Pair *>(new Style(lmp)); }
-template <class Base, class Style> void *create_named(LAMMPS *lmp, int narg, char **arg)
-{
-  return static_cast<Base *>(new Style(lmp, narg, arg));
-}
+template <class Style> Pair *create(LAMMPS *lmp) { return new Style(lmp); }
+template <class Base, class Style> Base *create_named(LAMMPS *lmp, int narg, char **arg) { return new Style(lmp, narg, arg); }
 
 }    // namespace
 
 extern "C" __attribute__((visibility("default"))) void granwave_add_styles(void *instance, void *handle, void *regfunc)
 {
   auto *lmp = static_cast<LAMMPS *>(instance);
-  const auto add = [&](const char *style, const char *name, void *creator) {
-    Registration entry{lmp->version, style, name, "contact with dents that last: ", "granwave", creator, handle};
-    const std::string info = std::string("granwave ") + GRANWAVE_VERSION + ": " + style + " style " + name;
-    entry.info = info.c_str();
+  // releases before 2025 register a plugin once per process: a second instance gets the style by its map
+  const auto add = [&](const char *style, const char *name, auto *creator, auto &known) {
+    infos.push_back(std::string("granwave ") + GRANWAVE_VERSION + ": " + style + " style " + name);
+    Registration entry{lmp->version, style, name, infos.back().c_str(), "granwave", reinterpret_cast<void *>(creator), handle};
     reinterpret_cast<Register>(regfunc)(&entry, lmp);
+    known.emplace(name, creator);
   };
-  add("pair", PairGranHysteretic::STYLE, reinterpret_cast<void *>(&create<PairGranHysteretic>));
-  add("fix", FixGranHystereticHistory::STYLE, reinterpret_cast<void *>(&create_named<Fix, FixGranHystereticHistory>));
-  add("fix", FixWallGranHysteretic::STYLE, reinterpret_cast<void *>(&create_named<Fix, FixWallGranHysteretic>));
-  add("compute", ComputeGranHystereticAtom::STYLE, reinterpret_cast<void *>(&create_named<Compute, ComputeGranHystereticAtom>));
-  add("compute", ComputeGranHystereticLocal::STYLE, reinterpret_cast<void *>(&create_named<Compute, ComputeGranHystereticLocal>));
-  add("compute", ComputeGranHystereticContact::STYLE, reinterpret_cast<void *>(&create_named<Compute, ComputeGranHystereticContact>));
+  auto &pairs = *lmp->force->pair_map;
+  auto &fixes = *lmp->modify->fix_map;
+  auto &computes = *lmp->modify->compute_map;
+  add("pair", PairGranHysteretic::STYLE, &create<PairGranHysteretic>, pairs);
+  add("fix", FixGranHystereticHistory::STYLE, &create_named<Fix, FixGranHystereticHistory>, fixes);
+  add("fix", FixWallGranHysteretic::STYLE, &create_named<Fix, FixWallGranHysteretic>, fixes);
+  add("compute", ComputeGranHystereticAtom::STYLE, &create_named<Compute, ComputeGranHystereticAtom>, computes);
+  add("compute", ComputeGranHystereticLocal::STYLE, &create_named<Compute, ComputeGranHystereticLocal>, computes);
+  add("compute", ComputeGranHystereticContact::STYLE, &create_named<Compute, ComputeGranHystereticContact>, computes);
 }

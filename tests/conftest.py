@@ -57,8 +57,19 @@ def lmp():
     return run
 
 
-def script_of(positions, *, radius=0.005, density=8500.0, velocities=None, types=None, style="elastoplastic 115e9 0.3 550e6",
-              coefficients=None, gap=1e-3, box=None, extra="") -> str:
+def script_of(
+    positions,
+    *,
+    radius=0.005,
+    density=8500.0,
+    velocities=None,
+    types=None,
+    style="elastoplastic 115e9 0.3 550e6",
+    coefficients=None,
+    gap=1e-3,
+    box=None,
+    extra="",
+) -> str:
     """A LAMMPS script of a few spheres at given places, ready to run."""
     n_types = max(types) if types else 1
     lines = ["units si", "atom_style sphere", "atom_modify map yes", "newton off", "boundary m m m"]
@@ -66,7 +77,10 @@ def script_of(positions, *, radius=0.005, density=8500.0, velocities=None, types
     low = [min(x[a] for x in positions) - 4 * max(radii) for a in range(3)]
     high = [max(x[a] for x in positions) + 4 * max(radii) for a in range(3)]
     edges = box or [edge for pair in zip(low, high, strict=True) for edge in pair]
-    lines += ["region box block " + " ".join(f"{edge:.17g}" for edge in edges) + " units box", f"create_box {n_types} box"]
+    lines += [
+        "region box block " + " ".join(f"{edge:.17g}" for edge in edges) + " units box",
+        f"create_box {n_types} box",
+    ]
     for k, place in enumerate(positions):
         kind = types[k] if types else 1
         lines.append(f"create_atoms {kind} single {place[0]:.17g} {place[1]:.17g} {place[2]:.17g} units box")
@@ -74,10 +88,21 @@ def script_of(positions, *, radius=0.005, density=8500.0, velocities=None, types
         lines.append(f"set atom {k} diameter {2 * r:.17g} density {density}")
     for k, v in enumerate(velocities or [], start=1):
         lines.append(f"set atom {k} vx {v[0]:.17g} vy {v[1]:.17g} vz {v[2]:.17g}")
-    lines += [f"neighbor {2e-1 * max(radii):.17g} bin", "neigh_modify delay 0 every 1 check yes", f"pair_style gran/hysteretic {gap}"]
+    lines += [
+        f"neighbor {2e-1 * max(radii):.17g} bin",
+        "neigh_modify delay 0 every 1 check yes",
+        f"pair_style gran/hysteretic {gap}",
+    ]
     lines += coefficients or [f"pair_coeff * * {style}"]
-    lines += ["fix motion all nve", "timestep 1e-8", "compute ke all ke", "compute ep all pair gran/hysteretic",
-              "thermo_style custom step c_ke pe c_ep[1] c_ep[2]", "thermo_modify norm no", extra]
+    lines += [
+        "fix motion all nve",
+        "timestep 1e-8",
+        "compute ke all ke",
+        "compute ep all pair gran/hysteretic",
+        "thermo_style custom step c_ke pe c_ep[1] c_ep[2]",
+        "thermo_modify norm no",
+        extra,
+    ]
     return "\n".join(lines) + "\n"
 
 

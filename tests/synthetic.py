@@ -20,15 +20,11 @@ REACH = 1.2  # diameters, over which dents get shallower by e
 BOTTOM_FORCE = 100.0  # N, amplitude of the half sine that hits the bottom
 BALANCE = 3e-7  # error of the ledger's balance
 FRAME_COLUMNS = "id type radius x y z ux uy uz vx vy vz force peak_force peak_overlap dissipated"
-CONTACT_COLUMNS = (
-    "i j overlap force peak_overlap peak_force elastic dissipated time_first time_peak time_yield live"
-)
+CONTACT_COLUMNS = "i j overlap force peak_overlap peak_force elastic dissipated time_first time_peak time_yield live"
 WALL_COLUMNS = "id overlap force peak_overlap peak_force dissipated time_first time_peak time_yield"
 
 
-def make_case(
-    kind: str = "fcc", size: Sequence[int] | int = (6, 6, 4), law: str = "elastoplastic", **tables
-) -> Case:
+def make_case(kind: str = "fcc", size: Sequence[int] | int = (6, 6, 4), law: str = "elastoplastic", **tables) -> Case:
     """A case of brass; further tables by name."""
     return Case.from_dict(
         {
@@ -94,9 +90,7 @@ def dents_of(case, packing, struck, law, dent) -> np.ndarray:
     return np.stack([*columns, np.where(yielded, first + 1e-6, -1.0), zeros + 1], axis=1)
 
 
-def write_frames(
-    path: Path, positions: np.ndarray, contacts: np.ndarray, steps: Sequence[int] = (0, 250, 500, 1000)
-):
+def write_frames(path: Path, positions: np.ndarray, contacts: np.ndarray, steps: Sequence[int] = (0, 250, 500, 1000)):
     """Snapshots, the rows from the last id to the first."""
     n = len(positions)
     ids = np.arange(1, n + 1)

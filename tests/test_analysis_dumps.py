@@ -30,9 +30,7 @@ def test_frames_are_sorted_and_exact(run):
 
 
 def test_positions_of_the_data_file_are_those_of_the_packing(run):
-    assert np.array_equal(
-        read_data(run).vector("x", "y", "z"), build_packing(synthetic.make_case()).positions
-    )
+    assert np.array_equal(read_data(run).vector("x", "y", "z"), build_packing(synthetic.make_case()).positions)
 
 
 @pytest.mark.parametrize("kept", [0.9, 0.999])

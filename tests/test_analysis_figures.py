@@ -49,9 +49,9 @@ def drawn(directory, case, **options):
 
 @pytest.mark.parametrize("kind", ["fcc", "hcp", "bcc", "sc"])
 def test_figures_of_packings(tmp_path, kind):
-    assert makes_sense(
-        tmp_path, synthetic.make_case(kind, (6, 6, 4))
-    ) == MOVING | PLANES | LOST | LOST_PLANES | {"peak_force_depth"}
+    assert makes_sense(tmp_path, synthetic.make_case(kind, (6, 6, 4))) == MOVING | PLANES | LOST | LOST_PLANES | {
+        "peak_force_depth"
+    }
 
 
 def test_figures_of_a_hertzian_packing(tmp_path):

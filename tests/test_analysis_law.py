@@ -22,9 +22,7 @@ def contact(law="elastoplastic", strength=550e6):
     )
 
 
-@pytest.mark.parametrize(
-    ("peak", "force"), [(2, 2.4711), (10, 24.3497), (50, 197.692), (200, 962.643), (400, 2064.69)]
-)
+@pytest.mark.parametrize(("peak", "force"), [(2, 2.4711), (10, 24.3497), (50, 197.692), (200, 962.643), (400, 2064.69)])
 def test_loading_ends_at_the_check_values(peak, force):
     """Check values of the elasto-plastic law, default variant."""
     table = law_table(contact(), peak)
@@ -38,9 +36,7 @@ def test_area_between_loading_and_unloading_is_what_is_lost(peak, lost):
     table = law_table(contact(), peak)
     area = {
         name: abs(
-            np.trapezoid(
-                *(table[key][table["branch"] == name] for key in ("force_normalised", "overlap_normalised"))
-            )
+            np.trapezoid(*(table[key][table["branch"] == name] for key in ("force_normalised", "overlap_normalised")))
         )
         for name in ("loading", "unloading_4", "reloading_4")
     }

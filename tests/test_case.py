@@ -87,9 +87,7 @@ class TestOverrides:
     def test_parsing(self, text: str, key: str, value: Any) -> None:
         assert parse_override(text) == (key, value)
 
-    @pytest.mark.parametrize(
-        "text", ["velocity", "=3", "a..b=3", "packing.size=[24,", "a=", "a=1\nb=2", "a b=3"]
-    )
+    @pytest.mark.parametrize("text", ["velocity", "=3", "a..b=3", "packing.size=[24,", "a=", "a=1\nb=2", "a b=3"])
     def test_bad_overrides(self, text: str) -> None:
         with pytest.raises(InputError, match="--set"):
             parse_override(text)
@@ -100,9 +98,7 @@ class TestOverrides:
 
     def test_a_material_by_name_replaces_the_table(self, tmp_path: Path) -> None:
         path = tmp_path / "c.toml"
-        path.write_text(
-            FILE.replace('material = "brass"\n', "") + "[material]\npreset = 'brass'\ndensity = 1.0\n"
-        )
+        path.write_text(FILE.replace('material = "brass"\n', "") + "[material]\npreset = 'brass'\ndensity = 1.0\n")
         assert load_case(path).material.density == 1.0
         assert load_case(path, ["material=steel"]).material.density == 7850
 

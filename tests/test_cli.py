@@ -21,7 +21,11 @@ def summary(directory):
 
 
 def without_clock(directory):
-    return {key: value for key, value in summary(directory).items() if key not in ("wall_time_s", "sphere_steps_per_s", "n_ranks")}
+    return {
+        key: value
+        for key, value in summary(directory).items()
+        if key not in ("wall_time_s", "sphere_steps_per_s", "n_ranks")
+    }
 
 
 @pytest.fixture(scope="module")
@@ -131,7 +135,13 @@ def compare(whole, resumed):
 def test_killed_run_goes_on_from_its_checkpoint(uninterrupted, granwave, tmp_path, ranks):
     directory = tmp_path / "killed"
     process = start(directory, "--checkpoint", "0.2", "--np", str(ranks))
-    wait_for(lambda: len(list(directory.glob("checkpoint-*.restart"))) and (directory / "dumps" / "spheres.dump").stat().st_size > 2e5, process)
+    wait_for(
+        lambda: (
+            len(list(directory.glob("checkpoint-*.restart")))
+            and (directory / "dumps" / "spheres.dump").stat().st_size > 2e5
+        ),
+        process,
+    )
     time.sleep(0.3)
     if ranks == 1:
         process.send_signal(signal.SIGKILL)
@@ -148,7 +158,12 @@ def test_killed_run_goes_on_from_its_checkpoint(uninterrupted, granwave, tmp_pat
 def test_ctrl_c_leaves_what_there_is_and_can_go_on(uninterrupted, granwave, tmp_path):
     directory = tmp_path / "stopped"
     process = start(directory)
-    wait_for(lambda: (directory / "dumps" / "energy.txt").exists() and (directory / "dumps" / "energy.txt").stat().st_size > 5000, process)
+    wait_for(
+        lambda: (
+            (directory / "dumps" / "energy.txt").exists() and (directory / "dumps" / "energy.txt").stat().st_size > 5000
+        ),
+        process,
+    )
     process.send_signal(signal.SIGINT)
     _, errors = process.communicate(timeout=120)
     assert process.returncode == 130, errors
@@ -166,7 +181,17 @@ def test_balance_that_does_not_close_is_refused(granwave, tmp_path):
 
 
 def test_published_variant_is_never_refused(granwave, tmp_path):
-    done = granwave("run", "fcc-small", "-o", tmp_path / "r", *TINY, "--set", "contact.variant=published", "--set", "run.timestep=4e-7")
+    done = granwave(
+        "run",
+        "fcc-small",
+        "-o",
+        tmp_path / "r",
+        *TINY,
+        "--set",
+        "contact.variant=published",
+        "--set",
+        "run.timestep=4e-7",
+    )
     assert done.returncode == 0, done.stderr
     assert summary(tmp_path / "r")["energy_balance_error"] > 1e-5
 
@@ -292,3 +317,20 @@ def test_automatic_end_is_the_same_after_a_stop(granwave, tmp_path):
     assert process.returncode == 130
     assert granwave("run", "fcc-small", "-o", tmp_path / "cut", *sets, "--resume").returncode == 0
     compare(tmp_path / "whole", tmp_path / "cut")
+
+
+def test_error_on_one_rank_ends_all(granwave, tmp_path):
+    """LAMMPS meets it on one rank alone; the others must not wait for ever."""
+    sets = ["contact.law=thornton", "load.velocity=500", "packing.size=[8,8,4]", "run.end_time=2e-4", "run.frames=2"]
+    done = granwave(
+        "run",
+        "fcc-small",
+        "-o",
+        tmp_path / "r",
+        "--np",
+        "2",
+        *(word for s in sets for word in ("--set", s)),
+        timeout=120,
+    )
+    assert done.returncode == 1 and "more than the radius" in done.stderr
+    assert json.loads((tmp_path / "r" / "run.json").read_text())["state"] == "failed"

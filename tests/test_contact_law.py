@@ -56,7 +56,9 @@ def test_against_the_second_implementation(variant, peak):
     assert law.force(a * length, np.full(50, peak * length)) / force == pytest.approx(expected, rel=1e-10, abs=1e-12)
     assert law.loading_work(peak * length) / (force * length) == pytest.approx(twin.work(peak), rel=1e-10)
     if peak > 1.1 or variant == "published":
-        assert law.dissipated_energy(peak * length) / (force * length) == pytest.approx(twin.dissipated(peak), rel=1e-9, abs=1e-10)
+        assert law.dissipated_energy(peak * length) / (force * length) == pytest.approx(
+            twin.dissipated(peak), rel=1e-9, abs=1e-10
+        )
 
 
 @pytest.mark.parametrize("law_name", ["elastoplastic", "hertz", "bilinear", "thornton"])
@@ -67,7 +69,9 @@ def test_force_is_the_slope_of_the_energy(law_name, peak):
     residual = law.residual_overlap(peak * length)
     for overlap in np.linspace(residual + 0.05 * (peak * length - residual), 0.98 * peak * length, 9):
         h = 1e-5 * (peak * length - residual)
-        slope = (law.elastic_energy(overlap + h, peak * length) - law.elastic_energy(overlap - h, peak * length)) / (2 * h)
+        slope = (law.elastic_energy(overlap + h, peak * length) - law.elastic_energy(overlap - h, peak * length)) / (
+            2 * h
+        )
         assert slope == pytest.approx(law.force(overlap, peak * length), rel=1e-6)
     h = 1e-6 * peak * length
     slope = (law.loading_work(peak * length + h) - law.loading_work(peak * length - h)) / (2 * h)
@@ -78,7 +82,9 @@ def test_force_is_the_slope_of_the_energy(law_name, peak):
 def test_work_is_stored_or_dissipated_at_the_peak(law_name):
     law = brass(law_name)
     peak = np.geomspace(1e-3, 400, 300) * law.yield_overlap
-    assert law.elastic_energy(peak, peak) + law.dissipated_energy(peak) == pytest.approx(law.loading_work(peak), rel=1e-12)
+    assert law.elastic_energy(peak, peak) + law.dissipated_energy(peak) == pytest.approx(
+        law.loading_work(peak), rel=1e-12
+    )
 
 
 def test_the_default_law_is_continuous_and_passive():
@@ -110,7 +116,10 @@ def test_the_printed_law_jumps_and_gives_back_more_than_it_took():
 
 
 @settings(max_examples=60, deadline=None)
-@given(st.lists(st.floats(0, 300), min_size=2, max_size=60), st.sampled_from(["elastoplastic", "bilinear", "thornton", "hertz"]))
+@given(
+    st.lists(st.floats(0, 300), min_size=2, max_size=60),
+    st.sampled_from(["elastoplastic", "bilinear", "thornton", "hertz"]),
+)
 def test_no_history_gives_back_more_than_it_took(turns, name):
     """Work over any path of overlaps = stored + dissipated, and what is stored never exceeds the work."""
     law = brass(name)
@@ -132,7 +141,9 @@ def test_no_history_gives_back_more_than_it_took(turns, name):
 
 
 def test_unlike_spheres():
-    law = ContactLaw(youngs_modulus=(115e9, 210e9), poisson_ratio=(0.3, 0.3), yield_strength=(550e6, 700e6), radius=(0.004, 0.008))
+    law = ContactLaw(
+        youngs_modulus=(115e9, 210e9), poisson_ratio=(0.3, 0.3), yield_strength=(550e6, 700e6), radius=(0.004, 0.008)
+    )
     assert law.effective_radius == pytest.approx(0.004 * 0.008 / 0.012)
     assert law.effective_modulus == pytest.approx(1 / (0.91 / 115e9 + 0.91 / 210e9))
     assert law.yield_strength == 550e6 and law.share_of_first == 1.0
@@ -140,7 +151,9 @@ def test_unlike_spheres():
 
 
 def test_rigid_plane():
-    law = ContactLaw(youngs_modulus=(115e9, np.inf), poisson_ratio=(0.3, 0.0), yield_strength=(550e6, np.inf), radius=(0.005, np.inf))
+    law = ContactLaw(
+        youngs_modulus=(115e9, np.inf), poisson_ratio=(0.3, 0.0), yield_strength=(550e6, np.inf), radius=(0.005, np.inf)
+    )
     assert law.effective_radius == pytest.approx(0.005)
     assert law.effective_modulus == pytest.approx(115e9 / 0.91)
 
@@ -155,7 +168,9 @@ def test_thornton_against_its_equations():
     residual = peak - (top / (4 / 3 * law.effective_modulus * np.sqrt(flattened))) ** (2 / 3)
     assert law.residual_overlap(peak) == pytest.approx(residual, rel=1e-10)
     x = 0.5 * (peak + residual)
-    assert law.force(x, peak) == pytest.approx(4 / 3 * law.effective_modulus * np.sqrt(flattened) * (x - residual) ** 1.5, rel=1e-10)
+    assert law.force(x, peak) == pytest.approx(
+        4 / 3 * law.effective_modulus * np.sqrt(flattened) * (x - residual) ** 1.5, rel=1e-10
+    )
 
 
 def test_bilinear_against_its_equations():
@@ -170,8 +185,15 @@ def test_bilinear_against_its_equations():
 
 
 @pytest.mark.parametrize(
-    "wrong", [{"yield_strength": (0.0, 1.0)}, {"poisson_ratio": (0.6, 0.3)}, {"radius": (-1.0, 1.0)}, {"law": "rubber"}, {"beta": 1.0},
-              {"yield_strength": (np.inf, np.inf)}]
+    "wrong",
+    [
+        {"yield_strength": (0.0, 1.0)},
+        {"poisson_ratio": (0.6, 0.3)},
+        {"radius": (-1.0, 1.0)},
+        {"law": "rubber"},
+        {"beta": 1.0},
+        {"yield_strength": (np.inf, np.inf)},
+    ],
 )
 def test_constants_without_meaning_are_refused(wrong):
     with pytest.raises(ValueError, match=r"must|needs|positive"):

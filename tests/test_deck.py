@@ -33,9 +33,7 @@ class TestTimestep:
 
     def test_proportional_to_the_diameter(self) -> None:
         for diameter in (0.001, 0.1):
-            assert auto_timestep(make(diameter=diameter)) == pytest.approx(
-                auto_timestep(make()) * diameter / 0.01
-            )
+            assert auto_timestep(make(diameter=diameter)) == pytest.approx(auto_timestep(make()) * diameter / 0.01)
 
     def test_overlap_is_proportional_to_the_diameter(self) -> None:
         assert expected_peak_overlap(make(diameter=0.1)) == pytest.approx(10 * expected_peak_overlap(make()))
@@ -192,9 +190,7 @@ class TestScript:
             assert re.search(line, text, re.M), line
 
     def test_laws(self, tmp_path: Path) -> None:
-        assert re.search(
-            r"^pair_coeff +1 1 hertz 1.15e\+11 0.3$", script(tmp_path, contact={"law": "hertz"}), re.M
-        )
+        assert re.search(r"^pair_coeff +1 1 hertz 1.15e\+11 0.3$", script(tmp_path, contact={"law": "hertz"}), re.M)
         bilinear = script(tmp_path, contact={"law": "bilinear", "beta": 0.7})
         assert re.search(r"^pair_coeff +1 1 bilinear 1.15e\+11 0.3 5.5e\+08 beta 0.7$", bilinear, re.M)
 

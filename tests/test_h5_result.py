@@ -136,9 +136,7 @@ def test_trajectory_is_h5md(result):
     assert list(spheres["box"].attrs["boundary"]) == ["none"] * 3
     for name in ("position", "displacement", "velocity", "contact_force"):
         assert len(spheres[name]["value"]) == len(spheres[name]["step"]) == len(spheres[name]["time"]) == 4
-    assert np.allclose(
-        spheres["position/time"], np.array([0, 250, 500, 1000]) * synthetic.TIMESTEP, rtol=1e-14
-    )
+    assert np.allclose(spheres["position/time"], np.array([0, 250, 500, 1000]) * synthetic.TIMESTEP, rtol=1e-14)
 
 
 def test_displacements_keep_every_bit(result):

@@ -87,9 +87,14 @@ def test_any_number_of_ranks(lmp, tmp_path, ranks, overrides):
     for name in ("kinetic", "elastic", "dissipated"):
         assert e2[name] == pytest.approx(e1[name], rel=1e-10, abs=1e-10 * e1["input"][0])
     assert np.array_equal(e1["contacts_yielded"], e2["contacts_yielded"])
+
     # contacts that were never loaded beyond rounding may be listed by one and not by the other
     def table(c):
-        return {(i, j, live): (p, d) for i, j, live, p, d in zip(c["i"], c["j"], c["live"], c["peak_force"], c["dissipated"], strict=True)}
+        return {
+            (i, j, live): (p, d)
+            for i, j, live, p, d in zip(c["i"], c["j"], c["live"], c["peak_force"], c["dissipated"], strict=True)
+        }
+
     one, other = table(c1), table(c2)
     top, most = max(p for p, _ in one.values()), max(d for _, d in one.values())
     for key in one.keys() | other.keys():
@@ -103,7 +108,9 @@ def test_balanced_and_sorted_ranks_change_nothing(lmp, tmp_path, ranks):
     plain, moved = deck(tmp_path / "plain", "load.velocity=20"), deck(tmp_path / "moved", "load.velocity=20")
     text = moved.script.read_text()
     shuffle = "fix shuffle all balance 150 1.0 shift xyz 10 1.0\n" if ranks > 1 else ""
-    text = text.replace("# --- run ---", f"{shuffle}neigh_modify every 50 check no\natom_modify sort 40 0.02\n# --- run ---")
+    text = text.replace(
+        "# --- run ---", f"{shuffle}neigh_modify every 50 check no\natom_modify sort 40 0.02\n# --- run ---"
+    )
     text = text.replace("atom_modify sort 40 0.02\n", "", 1) if "atom_modify sort" not in text else text
     moved.script.write_text(text)
     assert lmp(plain.script).returncode == 0

@@ -28,7 +28,9 @@ def test_pieces_of_a_run_are_the_run(lammps, pieces, words):
         assert value(cut, formula) == pytest.approx(value(whole, formula), rel=1e-13)
 
 
-@pytest.mark.parametrize("every", ["every 1 delay 0 check no", "every 7 delay 0 check yes", "every 1 delay 10 check yes"])
+@pytest.mark.parametrize(
+    "every", ["every 1 delay 0 check no", "every 7 delay 0 check yes", "every 1 delay 10 check yes"]
+)
 def test_any_neighbour_settings(lammps, every):
     usual, other = lammps(), lammps()
     collide(usual)
@@ -65,8 +67,14 @@ def test_any_consistent_units(lammps):
     """The same collision in centimetres, grams and seconds."""
     si, cgs = lammps(), lammps()
     collide(si)
-    text = script_of([(0, 0, 0), (0, 0, 200 * R)], radius=100 * R, density=8.5, velocities=[(0, 0, 100.0), (0, 0, -100.0)],
-                     style="elastoplastic 115e10 0.3 550e7", gap=0.1).replace("units si", "units cgs")
+    text = script_of(
+        [(0, 0, 0), (0, 0, 200 * R)],
+        radius=100 * R,
+        density=8.5,
+        velocities=[(0, 0, 100.0), (0, 0, -100.0)],
+        style="elastoplastic 115e10 0.3 550e7",
+        gap=0.1,
+    ).replace("units si", "units cgs")
     cgs.commands_string(text)
     cgs.command("run 20000")
     assert value(cgs, "vz[1]") == pytest.approx(100 * value(si, "vz[1]"), rel=1e-9)
@@ -75,10 +83,13 @@ def test_any_consistent_units(lammps):
 
 def test_only_the_group_is_reported(lammps):
     lmp = lammps()
-    lmp.commands_string(script_of(
-        [(0, 0, 0), (0, 0, 2 * R), (0.05, 0, 0), (0.05, 0, 2 * R)], velocities=[(0, 0, 1.0), (0, 0, -1.0)] * 2,
-        extra="group some id 1 2\ncompute dents some gran/hysteretic/local\n"
-              "compute sum some reduce sum c_dents[8] inputs local\nthermo_style custom step c_sum c_ep[1]",
-    ))
+    lmp.commands_string(
+        script_of(
+            [(0, 0, 0), (0, 0, 2 * R), (0.05, 0, 0), (0.05, 0, 2 * R)],
+            velocities=[(0, 0, 1.0), (0, 0, -1.0)] * 2,
+            extra="group some id 1 2\ncompute dents some gran/hysteretic/local\n"
+            "compute sum some reduce sum c_dents[8] inputs local\nthermo_style custom step c_sum c_ep[1]",
+        )
+    )
     lmp.command("run 20000")
     assert value(lmp, "c_sum") == pytest.approx(0.5 * value(lmp, "c_ep[1]"), rel=1e-12)

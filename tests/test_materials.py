@@ -48,8 +48,7 @@ def test_preset_from_the_users_file_relative_to_the_case(tmp_path: Path) -> None
     write(tmp_path / "mine.toml", "[glass]\nyoungs_modulus = 70e9\npoisson_ratio = 0.22\ndensity = 2500\n")
     case = write(
         tmp_path / "c.toml",
-        PACKING
-        + '[material]\npreset = "glass"\nfile = "mine.toml"\ndensity = 2600\n[contact]\nlaw = "hertz"\n',
+        PACKING + '[material]\npreset = "glass"\nfile = "mine.toml"\ndensity = 2600\n[contact]\nlaw = "hertz"\n',
     )
     found = load_case(case).material
     assert (found.name, found.youngs_modulus, found.density, found.yield_strength) == (
@@ -91,9 +90,7 @@ def test_bad_material_tables(tmp_path: Path, table: str, fault: str) -> None:
 
 
 def test_a_file_of_materials_reports_every_fault(tmp_path: Path) -> None:
-    path = write(
-        tmp_path / "m.toml", "a = 3\n[b]\nyoungs_modulus = -1\npoisson_ratio = 0.6\ndensity = true\n"
-    )
+    path = write(tmp_path / "m.toml", "a = 3\n[b]\nyoungs_modulus = -1\npoisson_ratio = 0.6\ndensity = true\n")
     with pytest.raises(InputError) as caught:
         load_materials(path)
     assert len(caught.value.faults) == 4

@@ -63,11 +63,7 @@ def test_positions_of_the_other_kinds() -> None:
 
 
 SIZES = [
-    *[
-        (kind, size)
-        for kind in ("fcc", "hcp", "bcc", "sc")
-        for size in [(1, 1, 1), (2, 3, 4), (6, 5, 7), (1, 6, 2)]
-    ],
+    *[(kind, size) for kind in ("fcc", "hcp", "bcc", "sc") for size in [(1, 1, 1), (2, 3, 4), (6, 5, 7), (1, 6, 2)]],
     *[("square", size) for size in [(1, 1), (2, 3), (7, 6)]],
     *[("chain", (n,)) for n in (1, 2, 9)],
 ]
@@ -171,10 +167,6 @@ def test_walls_touch_the_outermost_spheres() -> None:
     positions = build_packing(case).positions
     planes = {wall.name: wall.coordinate for wall in walls(case)}
     low, high = positions.min(axis=0) - D / 2, positions.max(axis=0) + D / 2
-    assert planes == pytest.approx(
-        {"bottom": high[2], "xlo": low[0], "xhi": high[0], "ylo": low[1], "yhi": high[1]}
-    )
+    assert planes == pytest.approx({"bottom": high[2], "xlo": low[0], "xhi": high[0], "ylo": low[1], "yhi": high[1]})
     assert walls(make_case("fcc", (4, 4, 4), boundary={"bottom": "free"})) == ()
-    assert [wall.held_layer for wall in walls(make_case("fcc", (4, 4, 4), boundary={"bottom": "fixed"}))] == [
-        True
-    ]
+    assert [wall.held_layer for wall in walls(make_case("fcc", (4, 4, 4), boundary={"bottom": "fixed"}))] == [True]

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from granwave._contact_laws import ContactLaw
+from granwave.plugins import library
 from tests.conftest import script_of
 from tests.twin import Network, scales
 
@@ -51,7 +52,9 @@ def test_loss_of_a_collision_is_that_of_the_law(lammps):
     assert value(lmp, "c_ep[1]") == pytest.approx(0.5 * (mass / 2) * 4 - kept, rel=1e-6)
 
 
-@pytest.mark.parametrize("between", ["", "run 0", "atom_modify sort 1 0.05\nrun 5", "neigh_modify every 1 check no\nrun 3"])
+@pytest.mark.parametrize(
+    "between", ["", "run 0", "atom_modify sort 1 0.05\nrun 5", "neigh_modify every 1 check no\nrun 3"]
+)
 def test_the_dent_stays_when_the_spheres_part(lammps, between):
     """A second collision of the same closing speed is purely elastic: it only rides the first one's unloading branch."""
     lmp = lammps()
@@ -176,18 +179,34 @@ def test_softer_sphere_gets_all_the_loss(lammps, mixed):
         coefficients.append(f"{mixed} elastoplastic 115e9 0.3 550e6 210e9 0.3 700e6")
     extra = "compute atoms all gran/hysteretic/atom\nthermo_style custom step pe c_ep[1]\nrun 0\n"
     lmp.commands_string(
-        script_of([(0, 0, 0), (0, 0, 3 * R)], radius=[R, 2 * R], types=[1, 2], velocities=[(0, 0, 3.0)], coefficients=coefficients, extra=extra)
+        script_of(
+            [(0, 0, 0), (0, 0, 3 * R)],
+            radius=[R, 2 * R],
+            types=[1, 2],
+            velocities=[(0, 0, 3.0)],
+            coefficients=coefficients,
+            extra=extra,
+        )
     )
     lmp.command("run 20000")
-    law = ContactLaw(youngs_modulus=(115e9, 210e9), poisson_ratio=(0.3, 0.3), yield_strength=(550e6, 700e6), radius=(R, 2 * R))
+    law = ContactLaw(
+        youngs_modulus=(115e9, 210e9), poisson_ratio=(0.3, 0.3), yield_strength=(550e6, 700e6), radius=(R, 2 * R)
+    )
     atoms = lmp.numpy.extract_compute("atoms", 1, 2)[:2]
     by_id = atoms[np.argsort(lmp.numpy.extract_atom("id")[:2])]
     assert by_id[1, 3] == 0 and by_id[0, 3] == pytest.approx(value(lmp, "c_ep[1]"), rel=1e-12)
     assert value(lmp, "c_ep[1]") == pytest.approx(law.dissipated_energy(by_id[0, 2]), rel=1e-10)
 
 
-@pytest.mark.parametrize("law", ["hertz 115e9 0.3", "bilinear 115e9 0.3 550e6 beta 0.7", "thornton 115e9 0.3 550e6",
-                                 "elastoplastic 115e9 0.3 550e6 variant published"])
+@pytest.mark.parametrize(
+    "law",
+    [
+        "hertz 115e9 0.3",
+        "bilinear 115e9 0.3 550e6 beta 0.7",
+        "thornton 115e9 0.3 550e6",
+        "elastoplastic 115e9 0.3 550e6 variant published",
+    ],
+)
 def test_every_law_balances(lammps, law):
     lmp = lammps()
     places = [(0, 0, 2 * R * k) for k in range(5)]
@@ -212,12 +231,13 @@ def test_hybrid_clear_and_a_second_instance(lammps):
     first, second = lammps(), lammps()
     collide(first)
     text = script_of([*PAIR, (0.03, 0, 0)], types=[1, 1, 2], velocities=[(0, 0, 1.0), (0, 0, -1.0), (0, 0, 0)]).replace(
-        "pair_style gran/hysteretic 0.001\npair_coeff * *", "pair_style hybrid gran/hysteretic 0.001 zero 0.01\npair_coeff 1 2 zero\npair_coeff 2 2 zero\npair_coeff 1 1 gran/hysteretic"
+        "pair_style gran/hysteretic 0.001\npair_coeff * *",
+        "pair_style hybrid gran/hysteretic 0.001 zero 0.01\npair_coeff 1 2 zero\npair_coeff 2 2 zero\npair_coeff 1 1 gran/hysteretic",
     )
     second.commands_string(text)
     second.command("run 20000")
     assert value(second, "vz[1]") == value(first, "vz[1]")
-    first.command("clear")
+    first.commands_string(f"clear\nplugin load {library()}")  # known again by itself from LAMMPS 2025 on
     collide(first)
     assert value(second, "vz[1]") == value(first, "vz[1]")
 
@@ -229,7 +249,9 @@ def test_delete_atoms_between_runs(lammps):
     lmp.commands_string(script_of(places, velocities=[(0, 0, 0), (0, 0, 1.0), (0, 0, -1.0)]))
     lmp.command("run 20000")
     lost, speed = value(lmp, "c_ep[1]"), value(lmp, "vz[3]-vz[2]")
-    lmp.commands_string(f"group gone id 1\ndelete_atoms group gone compress no\nset atom 2 vz {speed / 2}\nset atom 3 vz {-speed / 2}\nrun 30000")
+    lmp.commands_string(
+        f"group gone id 1\ndelete_atoms group gone compress no\nset atom 2 vz {speed / 2}\nset atom 3 vz {-speed / 2}\nrun 30000"
+    )
     assert value(lmp, "c_ep[1]") == pytest.approx(lost, rel=1e-12)
     assert value(lmp, "vz[3]-vz[2]") == pytest.approx(speed, rel=1e-6)
 
@@ -242,16 +264,18 @@ THREE = {"positions": [(0.05, 0, 0), (0, 0, 0), (0, 0, 2 * R)], "velocities": [(
 def test_new_ids_of_dented_spheres_are_refused(lammps, change, steps):
     lmp = lammps()
     lmp.commands_string(script_of(**THREE) + f"run {steps}\ngroup gone id 1")
-    with pytest.raises(Exception, match="dents are known by the IDs of their spheres"):
+    with pytest.raises(Exception, match=r"The ID of sphere \d was \d when its contacts were made"):
         lmp.commands_string(f"{change}\nrun 0")
 
 
 def test_new_ids_with_forgotten_dents_are_refused(lammps):
     lmp = lammps()
-    lmp.commands_string(script_of(**THREE, gap=2e-5) + "run 30000\ngroup gone id 1\ncompute dents all gran/hysteretic/local")
+    lmp.commands_string(
+        script_of(**THREE, gap=2e-5) + "run 30000\ngroup gone id 1\ncompute dents all gran/hysteretic/local"
+    )
     lmp.commands_string("compute live all reduce sum c_dents[12] inputs local\nthermo_style custom step c_live\nrun 0")
     assert value(lmp, "c_live") == 0 and value(lmp, "c_ep[2]") == 1
-    with pytest.raises(Exception, match="dents are known by the IDs of their spheres"):
+    with pytest.raises(Exception, match=r"The ID of sphere \d was \d when its contacts were made"):
         lmp.commands_string("delete_atoms group gone\nrun 0")
 
 
@@ -259,7 +283,9 @@ def test_new_ids_before_any_contact_are_fine(lammps):
     whole, fewer = lammps(), lammps()
     collide(whole)
     fewer.commands_string(script_of(**THREE) + "group gone id 1\ndelete_atoms group gone\nrun 20000")
-    assert value(fewer, "abs(vz[1])") == pytest.approx(abs(value(whole, "vz[1]")), rel=1e-12)  # IDs are given in any order
+    assert value(fewer, "abs(vz[1])") == pytest.approx(
+        abs(value(whole, "vz[1]")), rel=1e-12
+    )  # IDs are given in any order
 
 
 @pytest.mark.parametrize(
@@ -276,7 +302,12 @@ def test_spheres_to_come_are_met_at_their_surface(lammps, insertion, large, dens
     half = 0.01 * large if insertion.startswith("deposit") else 1.01 * large  # centres in the region, or whole spheres
     bottom, top = (1.5 * large - half, 1.5 * large + half)
     text = script_of(
-        [(0, 0, 0), (4 * large, 0, 0)], types=[1, 2], radius=large / 4, density=density, style=f"hertz {modulus} 0.3", gap=large / 40,
+        [(0, 0, 0), (4 * large, 0, 0)],
+        types=[1, 2],
+        radius=large / 4,
+        density=density,
+        style=f"hertz {modulus} 0.3",
+        gap=large / 40,
         box=[-6 * large, 6 * large] * 3,
         extra=f"region drop block {-half} {half} {-half} {half} {bottom} {top} units box\nfix down all gravity 1e-3 vector 0 0 -1\n"
         f"fix new all {insertion.format(r=large, d=2 * large)} region drop\ntimestep {5e-5 * large}",
@@ -310,7 +341,7 @@ def test_periodic_box_has_room_for_one_meeting_of_two_spheres(lammps, axis, leng
     if fits:
         lmp.command("run 1")
     else:
-        with pytest.raises(Exception, match=rf"periodic box is 0.0239 long in {axis}.*at least 0.024"):
+        with pytest.raises(Exception, match=rf"the periodic box is 0.0239 long in {axis}"):
             lmp.command("run 1")
 
 
@@ -328,14 +359,32 @@ def test_plane_of_spheres(lammps):
 @pytest.mark.parametrize(
     ("script", "message"),
     [
-        ("newton on\natom_style sphere\nregion b block 0 1 0 1 0 1\ncreate_box 1 b\ncreate_atoms 1 single 0.5 0.5 0.5\n"
-         "set atom 1 diameter 0.1 density 1\npair_style gran/hysteretic 0.1\npair_coeff * * hertz 1e5 0.3\nrun 0", "newton off"),
-        ("newton off\natom_style atomic\nregion b block 0 1 0 1 0 1\ncreate_box 1 b\nmass 1 1\npair_style gran/hysteretic 0.1\n"
-         "pair_coeff * * hertz 1e5 0.3\nrun 0", "atom_style sphere"),
-        ("atom_style sphere\nregion b block 0 1 0 1 0 1\ncreate_box 1 b\npair_style gran/hysteretic 0.1\npair_coeff * * rubber 1", "unknown contact law"),
-        ("atom_style sphere\nregion b block 0 1 0 1 0 1\ncreate_box 1 b\npair_style gran/hysteretic 0.1\npair_coeff * * elastoplastic 1e9 0.3", "material constants"),
-        ("atom_style sphere\nregion b block 0 1 0 1 0 1\ncreate_box 1 b\npair_style gran/hysteretic 0.1\npair_coeff * * elastoplastic 1e9 0.3 0.0", "positive"),
-        ("atom_style sphere\nregion b block 0 1 0 1 0 1\ncreate_box 1 b\npair_style gran/hysteretic 0.1\npair_coeff * * hertz 1e9 0.7", "Poisson"),
+        (
+            "newton on\natom_style sphere\nregion b block 0 1 0 1 0 1\ncreate_box 1 b\ncreate_atoms 1 single 0.5 0.5 0.5\n"
+            "set atom 1 diameter 0.1 density 1\npair_style gran/hysteretic 0.1\npair_coeff * * hertz 1e5 0.3\nrun 0",
+            "newton off",
+        ),
+        (
+            "newton off\natom_style atomic\nregion b block 0 1 0 1 0 1\ncreate_box 1 b\nmass 1 1\npair_style gran/hysteretic 0.1\n"
+            "pair_coeff * * hertz 1e5 0.3\nrun 0",
+            "atom_style sphere",
+        ),
+        (
+            "atom_style sphere\nregion b block 0 1 0 1 0 1\ncreate_box 1 b\npair_style gran/hysteretic 0.1\npair_coeff * * rubber 1",
+            "unknown contact law",
+        ),
+        (
+            "atom_style sphere\nregion b block 0 1 0 1 0 1\ncreate_box 1 b\npair_style gran/hysteretic 0.1\npair_coeff * * elastoplastic 1e9 0.3",
+            "material constants",
+        ),
+        (
+            "atom_style sphere\nregion b block 0 1 0 1 0 1\ncreate_box 1 b\npair_style gran/hysteretic 0.1\npair_coeff * * elastoplastic 1e9 0.3 0.0",
+            "positive",
+        ),
+        (
+            "atom_style sphere\nregion b block 0 1 0 1 0 1\ncreate_box 1 b\npair_style gran/hysteretic 0.1\npair_coeff * * hertz 1e9 0.7",
+            "Poisson",
+        ),
         ("pair_style gran/hysteretic", "gap"),
         ("pair_style gran/hysteretic -1", "positive"),
         ("fix 1 all gran/hysteretic/history", "belongs to pair style"),

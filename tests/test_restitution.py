@@ -39,9 +39,13 @@ def test_two_spheres(lammps, law, velocity):
 def test_sphere_and_wall(lammps, velocity):
     lmp = lammps()
     wall = f"fix floor all wall/gran/hysteretic zplane NULL {R:.17g} elastoplastic 115e9 0.3 550e6"
-    lmp.commands_string(script_of([(0, 0, 0)], velocities=[(0, 0, velocity)], box=[-0.1, 0.1, -0.1, 0.1, -0.1, 0.1], extra=wall))
+    lmp.commands_string(
+        script_of([(0, 0, 0)], velocities=[(0, 0, velocity)], box=[-0.1, 0.1, -0.1, 0.1, -0.1, 0.1], extra=wall)
+    )
     lmp.commands_string("timestep 5e-9\nrun 30000")
-    assert -value(lmp, "vz[1]") / velocity == pytest.approx(at(velocity, rigid_wall_contact_of(BRASS, R), MASS), rel=1e-3)
+    assert -value(lmp, "vz[1]") / velocity == pytest.approx(
+        at(velocity, rigid_wall_contact_of(BRASS, R), MASS), rel=1e-3
+    )
 
 
 def test_slow_collisions_lose_nothing():

@@ -45,22 +45,39 @@ def test_reference_study(granwave, tmp_path):
 
 @pytest.mark.parametrize(("velocity", "normalised"), [(4, 37.9), (10, 94.9), (40, 379)])
 def test_normalised_velocities(granwave, tmp_path, velocity, normalised):
-    sets = ["--set", f"load.velocity={velocity}", "--set", "packing.size=[12,12,6]", "--set", "run.end_time=5e-5", "--set", "run.frames=2"]
+    sets = [
+        "--set",
+        f"load.velocity={velocity}",
+        "--set",
+        "packing.size=[12,12,6]",
+        "--set",
+        "run.end_time=5e-5",
+        "--set",
+        "run.frames=2",
+    ]
     assert granwave("run", "fcc-small", "-o", tmp_path / "r", *sets).returncode == 0
-    assert json.loads((tmp_path / "r" / "summary.json").read_text())["velocity_normalised"] == pytest.approx(normalised, rel=2e-3)
+    assert json.loads((tmp_path / "r" / "summary.json").read_text())["velocity_normalised"] == pytest.approx(
+        normalised, rel=2e-3
+    )
 
 
 def test_timestep_converges_long_before_2_ns(lmp, tmp_path):
     """Dissipated fraction, peak force and yielded contacts against the timestep; the thesis took 2 ns."""
     rows = {}
     for dt in (2e-7, 1e-7, 5e-8, 3e-8, 2e-9):
-        case = load_case(studies.find("fcc-small"), ["packing.size=[16,16,8]", "run.end_time=2e-4", "run.frames=2", f"run.timestep={dt}"])
+        case = load_case(
+            studies.find("fcc-small"),
+            ["packing.size=[16,16,8]", "run.end_time=2e-4", "run.frames=2", f"run.timestep={dt}"],
+        )
         deck = write_deck(case, tmp_path / f"{dt:g}")
         assert lmp(deck.script, timeout=900).returncode == 0
         e = read_energy(deck.directory)
         error = np.abs(e["kinetic"] + e["elastic"] + e["dissipated"] - e["input"]).max() / e["input"][0]
         rows[dt] = (e["dissipated"][-1] / e["input"][0], e["largest_force"][-1], e["contacts_yielded"][-1], error)
-        print(f"\n{1e9 * dt:6.1f} ns: dissipated {rows[dt][0]:.6f}, peak {rows[dt][1]:.4f} N, yielded {rows[dt][2]:.0f}, balance {error:.1e}", end="")
+        print(
+            f"\n{1e9 * dt:6.1f} ns: dissipated {rows[dt][0]:.6f}, peak {rows[dt][1]:.4f} N, yielded {rows[dt][2]:.0f}, balance {error:.1e}",
+            end="",
+        )
     finest = rows[2e-9]
     for dt in (1e-7, 5e-8, 3e-8):
         assert rows[dt][0] == pytest.approx(finest[0], abs=5e-5)

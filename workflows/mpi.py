@@ -60,6 +60,13 @@ def leave(status: int) -> NoReturn:
     os._exit(status)
 
 
+def abort(comm: Intracomm, message: str) -> NoReturn:
+    """End all ranks, wherever they are, with exit status 1."""
+    print(f"granwave: {message}", file=sys.stderr, flush=True)
+    comm.Abort(1)
+    raise SystemExit(1)
+
+
 def on_first(comm: Intracomm, work: Callable[[], T]) -> T:
     """Do ``work`` on the first rank and give its result, or its error, to all."""
     outcome: tuple[T | None, Exception | None] = (None, None)
