@@ -8,6 +8,7 @@ from pathlib import Path
 
 from tqdm import tqdm
 
+from granwave.analysis.completeness import check_complete
 from granwave.analysis.figures import FIGURES, draw_figures
 from granwave.analysis.result_file import write_result
 from granwave.analysis.summary import Summary, summarise
@@ -43,7 +44,7 @@ def analyse(directory: str | Path, progress: bool | Callable[[str], None] = Fals
     with tqdm(total=parts, desc="analysis", disable=None if progress else True, leave=False) as bar:
 
         def report(part: str) -> None:
-            logger.info("%s: %s", directory, part)
+            logger.debug("%s: %s", directory, part)
             bar.set_postfix_str(part)
             bar.update()
 
@@ -51,6 +52,7 @@ def analyse(directory: str | Path, progress: bool | Callable[[str], None] = Fals
 
 
 def _analyse(directory: Path, report: Callable[[str], None]) -> Summary:
+    check_complete(directory)
     report("result.h5")
     write_result(directory)
     report("summary.json")

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.sections import AUTO_END_TIME
 from granwave.lammps_inputs.timestep import auto_timestep
 
@@ -24,6 +25,7 @@ BLOCK_THRESHOLD = 1e-4  # of the input energy: a block that dissipates less is t
 _LEDGER_ROWS = 500  # aimed at, of a run with an end time
 _LEDGER_ROWS_IN_BLOCK = 250  # the run may end after one block, and a balance over fewer instants is no balance
 _AUTO_PROBE_STEPS = 5
+_MOST_STEPS = 2e9
 _AUTO_FRAME_SPAN = 1e-3  # s, over which `frames` snapshots are spread when the end is not known
 
 
@@ -41,8 +43,10 @@ class Schedule:
         Of a block of ``end_time = "auto"``; 0 if the run has an end time.
     ledger_every
         Steps between rows of the energy ledger.
+    wall_every
+        Steps between rows of the wall forces; the last step of the run has one.
     probe_every
-        Steps between rows of walls and probes.
+        Steps between rows of the probes.
     frame_every
         Steps between snapshots if they are evenly spaced, else 0.
     frame_steps
@@ -53,6 +57,7 @@ class Schedule:
     n_steps: int
     block_steps: int
     ledger_every: int
+    wall_every: int
     probe_every: int
     frame_every: int
     frame_steps: tuple[int, ...] = ()
@@ -87,6 +92,7 @@ def make_schedule(case: Case, timestep: float | None = None) -> Schedule:
         n_steps=n_steps,
         block_steps=0,
         ledger_every=ledger_every,
+        wall_every=_wall_every(n_steps),
         probe_every=_probe_every(case, dt, n_steps),
         frame_every=even,
         frame_steps=() if even else steps,
@@ -104,6 +110,7 @@ def _in_blocks(case: Case, given: float | str) -> Schedule:
         n_steps=n_steps,
         block_steps=block_steps,
         ledger_every=ledger_every,
+        wall_every=_wall_every(block_steps),
         probe_every=_probe_every(case, dt, block_steps),
         frame_every=every,
         frame_steps=_frame_steps(case, dt, n_steps) if listed else (),
@@ -112,8 +119,14 @@ def _in_blocks(case: Case, given: float | str) -> Schedule:
 
 def _fit(case: Case, given: float | str, duration: float, rows: int) -> tuple[float, int, int]:
     """Timestep, steps in ``duration``, and steps between the about ``rows`` rows of the ledger."""
+    step = auto_timestep(case) if isinstance(given, str) else given
+    if not duration / step <= _MOST_STEPS:
+        raise InputError(
+            f"{case.name}: run.end_time: {duration:g} s in steps of {step:g} s are more than {_MOST_STEPS:g} steps; "
+            "make the run shorter, or run.timestep longer"
+        )
     if isinstance(given, str):
-        ledger_every = max(1, math.ceil(duration / auto_timestep(case) / rows * (1 - 1e-9)))
+        ledger_every = max(1, math.ceil(duration / step / rows * (1 - 1e-9)))
         return duration / (ledger_every * rows), ledger_every * rows, ledger_every
     n_steps = max(1, math.ceil(duration / given * (1 - 1e-9)))
     candidates = range(max(1, n_steps // (2 * rows)), max(1, 2 * n_steps // rows) + 1)
@@ -121,10 +134,14 @@ def _fit(case: Case, given: float | str, duration: float, rows: int) -> tuple[fl
     return given, n_steps + -n_steps % ledger_every, ledger_every
 
 
+def _wall_every(n_steps: int) -> int:
+    return max(every for every in range(1, _AUTO_PROBE_STEPS + 1) if n_steps % every == 0)
+
+
 def _probe_every(case: Case, dt: float, n_steps: int) -> int:
     interval = case.output.probe_interval
     if isinstance(interval, str):
-        return max(every for every in range(1, _AUTO_PROBE_STEPS + 1) if n_steps % every == 0)
+        return _wall_every(n_steps)
     return max(1, round(interval / dt))
 
 

@@ -99,7 +99,7 @@ def wall_forces(case: Case, schedule: Schedule) -> list[str]:
     return [
         "# Force of the spheres on each wall, N, positive outwards.",
         *(f"variable        {wall.name} equal {_outward_force(wall)}" for wall in found),
-        *_series("walls", schedule.probe_every, "dumps/walls.txt", "wall forces, N", {"time": "v_time"} | columns),
+        *_series("walls", schedule.wall_every, "dumps/walls.txt", "wall forces, N", {"time": "v_time"} | columns),
     ]
 
 

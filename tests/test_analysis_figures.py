@@ -77,9 +77,17 @@ def test_figures_that_make_no_sense_any_more_are_removed(tmp_path):
     synthetic.write_run(tmp_path, synthetic.make_case("chain", 3))
     analyse(tmp_path)
     assert (tmp_path / "figures" / "bottom_force.png").exists()
-    (tmp_path / "dumps" / "walls.txt").unlink()
+    synthetic.write_run(tmp_path, synthetic.make_case("chain", 3, boundary={"bottom": "free"}))
+    (tmp_path / "dumps" / "walls.txt").unlink(missing_ok=True)
     analyse(tmp_path)
     assert not list((tmp_path / "figures").glob("bottom_force.*"))
+
+
+def test_a_lost_file_is_an_error(tmp_path):
+    synthetic.write_run(tmp_path, synthetic.make_case("chain", 3))
+    (tmp_path / "dumps" / "walls.txt").unlink()
+    with pytest.raises(MissingOutputError, match=r"walls.txt"):
+        analyse(tmp_path)
 
 
 def test_progress_names_every_part(tmp_path):

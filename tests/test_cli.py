@@ -334,3 +334,32 @@ def test_error_on_one_rank_ends_all(granwave, tmp_path):
     )
     assert done.returncode == 1 and "more than the radius" in done.stderr
     assert json.loads((tmp_path / "r" / "run.json").read_text())["state"] == "failed"
+
+
+def test_a_lost_summary_is_made_again_without_a_run(finished, granwave):
+    before = summary(finished)
+    (finished / "summary.json").unlink()
+    assert granwave("run", "fcc-small", "-o", finished, *TINY, "--resume").returncode == 0
+    assert summary(finished) == before
+
+
+def test_a_new_deck_does_not_inherit_results(granwave, tmp_path):
+    directory = tmp_path / "r"
+    assert granwave("run", "fcc-small", "-o", directory, *TINY).returncode == 0
+    assert granwave("write", "fcc-small", "-o", directory, *TINY).returncode == 2
+    assert granwave("write", "fcc-small", "-o", directory, *TINY, "--set", "load.velocity=6", "--force").returncode == 0
+    assert not (directory / "summary.json").exists() and not (directory / "run.json").exists()
+
+
+def test_forces_on_the_bottom_do_not_depend_on_the_probes(finished, granwave, tmp_path):
+    done = granwave("run", "fcc-small", "-o", tmp_path / "r", *TINY, "--set", "output.probe_interval=1e-5")
+    assert done.returncode == 0, done.stderr
+    for key in ("wall_peak_force_N", "wall_impulse_Ns"):
+        assert summary(tmp_path / "r")[key] == summary(finished)[key]
+
+
+@pytest.mark.parametrize("override", ["run.timestep=1e-300", "run.end_time=1e300", "load.velocity=1e300", "packing.diameter=1e-300"])
+def test_numbers_beyond_all_measure_are_refused(granwave, tmp_path, override):
+    done = granwave("run", "fcc-small", "-o", tmp_path / "r", "--set", override, timeout=60)
+    assert done.returncode == 2 and "Traceback" not in done.stderr
+    assert not (tmp_path / "r").exists()

@@ -10,6 +10,8 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from granwave.lammps_inputs.deck import DATA_FILE, SCRIPT_FILE
+
 if TYPE_CHECKING:
     from mpi4py.MPI import Intracomm
 
@@ -30,7 +32,8 @@ def write(engine: Engine, comm: Intracomm, directory: Path) -> dict[str, Any]:
     engine.commands(f"write_restart {name}")
     comm.barrier()
     sizes = {str(path.relative_to(directory)): path.stat().st_size for path in sorted((directory / "dumps").iterdir())}
-    return {"file": name, "step": engine.step, "sizes": sizes}
+    whole = {file: (directory / file).stat().st_size for file in (name, DATA_FILE, SCRIPT_FILE)}
+    return {"file": name, "step": engine.step, "sizes": sizes, "whole": whole}
 
 
 def keep_only(directory: Path, checkpoint: dict[str, Any] | None) -> None:
@@ -41,9 +44,12 @@ def keep_only(directory: Path, checkpoint: dict[str, Any] | None) -> None:
 
 
 def usable(directory: Path, checkpoint: dict[str, Any] | None) -> bool:
-    """The checkpoint's files are all there, and none is shorter than it was."""
-    if checkpoint is None or not (directory / checkpoint["file"]).is_file():
+    """The checkpoint's files are all there: what grows no shorter than it was, the rest as it was."""
+    if checkpoint is None:
         return False
+    for name, size in checkpoint["whole"].items():
+        if not (directory / name).is_file() or (directory / name).stat().st_size != size:
+            return False
     paths = {directory / name: size for name, size in checkpoint["sizes"].items()}
     return all(path.is_file() and path.stat().st_size >= size for path, size in paths.items())
 

@@ -29,6 +29,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _report(error.faults, WRONG_INPUT)
     except GranwaveError as error:
         return _report([str(error)], FAILED)
+    except OSError as error:
+        return _report([f"{error.filename or 'a file'}: {error.strerror or error}"], FAILED)
     except KeyboardInterrupt:
         return _report(["stopped"], STOPPED)
 

@@ -20,7 +20,16 @@ Words = Sequence[str]
 
 
 def _case(options: argparse.Namespace) -> Case:
-    return load_case(studies.find(options.case), options.overrides)
+    case = load_case(studies.find(options.case), options.overrides)
+    try:
+        plan(case)
+    except (ArithmeticError, ValueError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(
+            f"{options.case}: no timestep can be found for these values ({error}); are they all in SI units?"
+        ) from None
+    return case
 
 
 def run(options: argparse.Namespace, words: Words) -> int:
@@ -57,7 +66,7 @@ def run(options: argparse.Namespace, words: Words) -> int:
             )
         if outcome.state == record.INTERRUPTED:
             print(
-                f"granwave: stopped before its end; go on with  granwave run {options.case} -o {directory} --resume",
+                "granwave: stopped before its end; the same command with --resume goes on",
                 file=sys.stderr,
             )
         if outcome.state == record.REFUSED:
@@ -77,13 +86,19 @@ def _without_ranks(words: Words) -> list[str]:
 
 def write(options: argparse.Namespace, _: Words) -> int:
     """granwave write"""
-    from granwave.workflows.directory import refuse_results
+    from granwave.workflows.directory import clear, held, results_in
 
     case = _case(options)
     check_memory(plan(case))
-    if not options.force:
-        refuse_results(options.directory)
-    deck = write_deck(case, options.directory)
+    found = results_in(options.directory)
+    if found and not options.force:
+        raise InputError(
+            f"{options.directory}: already holds results ({', '.join(found[:3])}); --force removes them all, "
+            "or choose another directory with -o"
+        )
+    with held(options.directory.absolute(), mpi.world()):
+        clear(options.directory)
+        deck = write_deck(case, options.directory)
     print(
         f"{deck.directory}: {deck.case.lattice.n_spheres} spheres, "
         f"{deck.schedule.n_steps} steps of {deck.schedule.timestep:.3g} s"

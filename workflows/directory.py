@@ -59,8 +59,8 @@ def decide(case: Case, directory: Path, *, resume: bool, force: bool, n_ranks: i
     if resume and (directory / CASE_FILE).exists():
         _same_case(case, directory)
         seen = record.read(directory)
-        if seen and seen.state == record.FINISHED and (directory / "summary.json").exists():
-            return FINISHED
+        if seen and seen.state == record.FINISHED:
+            return FINISHED if (directory / "summary.json").exists() else ANALYSE
         if seen and seen.state == record.INTEGRATED:
             return ANALYSE
         if seen and checkpoint.usable(directory, seen.checkpoint):

@@ -120,7 +120,11 @@ def launch(n_ranks: int, arguments: Sequence[str]) -> int:
             number: signal.signal(number, lambda *_: stop.touch()) for number in (signal.SIGINT, signal.SIGTERM)
         }
         try:
-            return ranks.wait()
+            status = ranks.wait()
+            if status not in (0, 1, 2, 130):
+                print(f"granwave: the ranks were killed (status {status}); go on with --resume", file=sys.stderr)
+                return 1
+            return status
         finally:
             for number, handler in forwarded.items():
                 signal.signal(number, handler)
