@@ -205,8 +205,25 @@ class _Run:
                 engine.commands("log log.lammps append")
                 setup = checkpoint.continued(setup, saved)
             engine.commands(setup)
+            if not go_on:
+                self._check_coordination(engine)
             self._advance(engine, deck, stop)
             engine.commands(part(script, "end"))
+
+    def _check_coordination(self, engine: Engine) -> None:
+        """LAMMPS sees every contact of the lattice, none lost to rounding of positions."""
+        packing, expected = self.case.packing, self.case.lattice.n_contacts
+        reach = packing.diameter * (1 + min(1e-6, 0.5 * self.case.boundary.forget_gap))
+        engine.commands(
+            f"compute start_coordination all coord/atom cutoff {reach!r}\n"
+            "compute start_contacts all reduce sum c_start_coordination\nrun 0 post no"
+        )
+        found = engine.lammps.extract_compute("start_contacts", 0, 0) / 2
+        engine.commands("uncompute start_contacts\nuncompute start_coordination")
+        if round(found) != expected:
+            raise RunError(
+                f"{packing.kind}: LAMMPS finds {found:.0f} contacts at the start, the lattice has {expected}"
+            )
 
     def _advance(self, engine: Engine, deck: Deck, stop: StopRequest) -> None:
         schedule = deck.schedule
