@@ -17,19 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
+from granwave.lammps_inputs import script_output
+from granwave.lammps_inputs.script_output import CONTACT_COLUMNS, FRAME_COLUMNS
 
-SPHERE_COLUMNS = (
-    "id", "type", "radius", "x", "y", "z", "ux", "uy", "uz", "vx", "vy", "vz",
-    "force", "peak_force", "peak_overlap", "dissipated",
-)  # fmt: skip
-CONTACT_COLUMNS = (
-    "i", "j", "overlap", "force", "peak_overlap", "peak_force", "elastic", "dissipated",
-    "time_first", "time_peak", "time_yield", "live",
-)  # fmt: skip
-WALL_COLUMNS = (
-    "id", "overlap", "force", "peak_overlap", "peak_force", "dissipated",
-    "time_first", "time_peak", "time_yield",
-)  # fmt: skip
+SPHERE_COLUMNS = tuple(FRAME_COLUMNS)
+WALL_COLUMNS = ("id", *script_output.WALL_COLUMNS)
 DATA_COLUMNS = ("id", "type", "diameter", "density", "x", "y", "z")
 
 log = logging.getLogger(__name__)
