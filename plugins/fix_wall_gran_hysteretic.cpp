@@ -5,6 +5,7 @@
 #include "error.h"
 #include "law_arguments.h"
 #include "memory.h"
+#include "simulated_time.h"
 #include "update.h"
 
 #include <algorithm>
@@ -91,7 +92,7 @@ void FixWallGranHysteretic::post_force(int)
   const double *const *x = atom->x;
   double **f = atom->f;
   const double *radius = atom->radius;
-  const double now = update->atime + (update->ntimestep - update->atimestep) * update->dt;
+  const double now = granwave::simulated_time(*update);
   std::fill_n(wall_force, 3, 0.0);
   tallied = -1;
   for (int i = 0; i < atom->nlocal; i++) {

@@ -64,10 +64,18 @@ class PairGranHysteretic : public Pair {
   void visit_pair(tagint, tagint, const std::function<void(const Report &)> &);
 
  private:
+  // Spheres of a lattice that just touch overlap or part by the rounding of their positions. Overlaps below this part of
+  // the distance are that noise: the force that they would give is below 1e-12 F_y.
+  static constexpr double ROUNDING = 5e-13;
+
+  enum { DISSIPATED, YIELDED, BEYOND_LAW, BEYOND_HALF, LARGEST_FORCE, N_TOTALS };                      // of compute pair
+  enum { OVERLAP, PEAK_OVERLAP, PEAK_FORCE, LOST, TIME_FIRST, TIME_PEAK, TIME_YIELD, N_SINGLE };    // of compute pair/local
+
   /* Pairs of spheres within reach, row by row as in LAMMPS's half list. */
   struct Contacts {
     bool valid = false, published = false;
     int owned = 0;                           // spheres of this processor when the list was built
+    bool ordered = true;                     // rows rise, and no partner comes before its row
     std::vector<int> row, begin;             // sphere of each row; where its pairs begin (one longer)
     std::vector<int> partner;                // local or ghost index
     std::vector<double> peak;                // largest overlap ever
@@ -78,6 +86,11 @@ class PairGranHysteretic : public Pair {
     std::vector<tagint> row_tag, partner_tag;
     std::vector<double> row_radius, partner_radius;    // the first entry serves all when all spheres are equal
     std::vector<int> row_type, partner_type;
+  };
+
+  struct Sum {    // of the forces on a sphere, in twice the precision
+    double high[3] = {}, low[3] = {};
+    void add(const double (&term)[3]);
   };
 
   struct Geometry {    // what a contact needs besides its law, by pair
@@ -108,6 +121,7 @@ class PairGranHysteretic : public Pair {
   std::vector<double> largest_radius;
   bool uniform = false;
   Contacts contacts;
+  std::vector<Sum> force_sums;
   double now = 0.0;    // simulated time of this force evaluation
   FixGranHystereticHistory *fix_history = nullptr;
 };

@@ -43,6 +43,25 @@ def test_reference_study(granwave, tmp_path):
         assert rays(result).max_difference < 1e-7
 
 
+def test_same_bits_on_any_number_of_ranks(granwave, tmp_path):
+    """A third of a millisecond of a large packing: every field of every contact, sphere and snapshot."""
+    words = ["--set", "packing.size=[24,24,12]", "--set", "run.end_time=3e-4"]
+    for ranks in (1, 2, 3, 4):
+        done = granwave("run", "fcc-impact", *words, "--np", ranks, "-o", tmp_path / str(ranks), timeout=900)
+        assert done.returncode == 0, done.stderr
+    with Result(tmp_path / "1") as one:
+        fields = [f"{group}/{name}" for group in ("contacts", "spheres", "wall_contacts") for name in one.names(group)]
+        for ranks in (2, 3, 4):
+            with Result(tmp_path / str(ranks)) as other:
+                for name in fields:
+                    assert np.array_equal(one[name], other[name], equal_nan=True), (ranks, name)
+                for frame in range(one.n_frames):
+                    for name in ("displacement", "velocity", "contact_force"):
+                        assert np.array_equal(one.frame(frame, name), other.frame(frame, name)), (ranks, frame, name)
+                for name in ("kinetic", "elastic", "dissipated"):
+                    assert np.allclose(other[f"energy/{name}"], one[f"energy/{name}"], rtol=1e-12, atol=1e-14 * one.energy_input)
+
+
 @pytest.mark.parametrize(("velocity", "normalised"), [(4, 37.9), (10, 94.9), (40, 379)])
 def test_normalised_velocities(granwave, tmp_path, velocity, normalised):
     sets = [

@@ -1,0 +1,215 @@
+/* Pair style gran/hysteretic: what it tells of its contacts: totals, one pair, each of them. */
+
+#include "pair_gran_hysteretic.h"
+
+#include "atom.h"
+#include "comm.h"
+#include "error.h"
+#include "fix_gran_hysteretic_history.h"
+
+#include <algorithm>
+#include <cmath>
+
+using namespace LAMMPS_NS;
+using granwave::ContactLaw;
+using granwave::ContactScale;
+using granwave::DentRecord;
+using granwave::Turning;
+
+/* Stored energy (eng_vdwl) and the extra totals of compute pair; a pair shared with another processor counts half. */
+
+void PairGranHysteretic::tally_totals()
+{
+  double elastic = 0.0, largest_force = 0.0;
+  std::fill_n(pvector, static_cast<int>(N_TOTALS), 0.0);
+  const double *const *x = atom->x;
+  const double *radius = atom->radius;
+  const int *type = atom->type;
+  const int nlocal = atom->nlocal;
+  Contacts &c = contacts;
+
+  const auto count = [&](const ContactLaw &contact_law, const ContactScale &scale, double peak, double dissipated,
+                         double effective_radius, double weight) {
+    if (peak > scale.elastic_limit) {
+      pvector[YIELDED] += weight;
+      pvector[DISSIPATED] += weight * dissipated;
+      if (contact_law.fitted() && peak > 0.1 * effective_radius) {
+        pvector[BEYOND_HALF] += weight;
+        if (peak > 0.2 * effective_radius) pvector[BEYOND_LAW] += weight;
+      }
+      largest_force = std::max(largest_force, scale.force * contact_law.loading(peak / scale.overlap));
+    } else {
+      largest_force = std::max(largest_force, scale.hertz * peak * std::sqrt(peak));
+    }
+  };
+
+  Geometry g{};
+  if (uniform && nlocal > 0) g = geometry(type[0], type[0], radius[0], radius[0]);
+  for (std::size_t r = 0; r < c.row.size(); r++) {
+    const int i = c.row[r];
+    for (int k = c.begin[r]; k < c.begin[r + 1]; k++) {
+      const double peak = c.peak[k];
+      if (peak == 0.0) continue;
+      const int j = c.partner[k];
+      const double weight = j < nlocal ? 1.0 : 0.5;
+      if (!uniform) g = geometry(type[i], type[j], radius[i], radius[j]);
+      const ContactLaw &contact_law = law(type[i], type[j]);
+      const double dx = x[i][0] - x[j][0], dy = x[i][1] - x[j][1], dz = x[i][2] - x[j][2];
+      const double overlap = g.sum_radii - std::sqrt(dx * dx + dy * dy + dz * dz);
+      double dissipated = 0.0;
+      if (peak > g.scale.elastic_limit) {
+        const int t = turning_of(k, peak / g.scale.overlap, contact_law);
+        const double unit = g.scale.force * g.scale.overlap;
+        if (c.work_lost[t] == -1.0) c.work_lost[t] = contact_law.dissipated_energy(c.turnings[t]);
+        dissipated = unit * c.work_lost[t];
+        if (overlap > 0.0) elastic += weight * unit * ContactLaw::elastic_energy(overlap / g.scale.overlap, c.turnings[t]);
+      } else if (overlap > 0.0) {
+        elastic += weight * 0.4 * g.scale.hertz * overlap * overlap * std::sqrt(overlap);
+      }
+      count(contact_law, g.scale, peak, dissipated, uniform ? 0.5 * radius[0] : radius[i] * radius[j] / g.sum_radii, weight);
+    }
+  }
+
+  const granwave::ContactHistory &history = fix_history->history;
+  if (history.size() > 0)
+    for (int i = 0; i < nlocal; i++) {
+      const DentRecord *record = history.records(i);
+      for (int m = 0; m < history.count(i); m++, record++) {
+        if (record->live) continue;
+        const double effective_radius = granwave::effective_radius(radius[i], record->partner_radius);
+        const ContactLaw &contact_law = law(type[i], record->partner_type);
+        const ContactScale scale = contact_law.scale(effective_radius);
+        const double lost = record->dent.peak > scale.elastic_limit
+            ? scale.force * scale.overlap * contact_law.dissipated_energy(contact_law.turning(record->dent.peak / scale.overlap))
+            : 0.0;
+        count(contact_law, scale, record->dent.peak, lost, effective_radius, 0.5);
+      }
+    }
+
+  double all_largest = 0.0;
+  MPI_Allreduce(&largest_force, &all_largest, 1, MPI_DOUBLE, MPI_MAX, world);
+  pvector[LARGEST_FORCE] = comm->me == 0 ? all_largest : 0.0;    // compute pair adds up over processors
+  eng_vdwl = elastic;
+  if (!std::isfinite(elastic + pvector[DISSIPATED]))
+    error->one(FLERR, "Pair style gran/hysteretic: the energy of the contacts is not a number: positions or velocities "
+                      "are wrong, or the timestep is far too large");
+}
+
+PairGranHysteretic::Report PairGranHysteretic::describe(int i, int j, int k, double rsq)
+{
+  Contacts &c = contacts;
+  const Geometry g = geometry(atom->type[i], atom->type[j], atom->radius[i], atom->radius[j]);
+  const ContactLaw &contact_law = law(atom->type[i], atom->type[j]);
+  Report report{};
+  report.i = i;
+  report.j = j;
+  report.tag_i = atom->tag[i];
+  report.tag_j = atom->tag[j];
+  report.live = true;
+  report.share_i = contact_law.share_of_first();
+  report.effective_radius = atom->radius[i] * atom->radius[j] / g.sum_radii;
+  report.overlap = g.sum_radii - std::sqrt(rsq);
+  if (k >= 0) report.dent = {c.peak[k], c.time_first[k], c.time_peak[k], c.time_yield[k]};
+  const double peak = report.dent.peak, overlap = report.overlap > ROUNDING * g.sum_radii ? report.overlap : 0.0;
+  const double reached = std::max(peak, overlap);    // a pair that was moved since the last step may be beyond its peak
+  if (reached > g.scale.elastic_limit) {
+    const Turning turning = contact_law.turning(reached / g.scale.overlap);
+    const double unit = g.scale.force * g.scale.overlap;
+    report.yielded = true;
+    report.force = g.scale.force * (overlap >= reached ? turning.force : ContactLaw::unloading(overlap / g.scale.overlap, turning));
+    report.peak_force = g.scale.force * turning.force;
+    report.elastic = unit * ContactLaw::elastic_energy(overlap / g.scale.overlap, turning);
+    report.dissipated = unit * contact_law.dissipated_energy(turning);
+  } else {
+    report.force = g.scale.hertz * overlap * std::sqrt(overlap);
+    report.peak_force = g.scale.hertz * reached * std::sqrt(reached);
+    report.elastic = 0.4 * report.force * overlap;
+  }
+  return report;
+}
+
+void PairGranHysteretic::for_each_dent(const std::function<void(const Report &)> &visit)
+{
+  require_contacts();
+  const double *const *x = atom->x;
+  Contacts &c = contacts;
+  for (std::size_t r = 0; r < c.row.size(); r++) {
+    const int i = c.row[r];
+    for (int k = c.begin[r]; k < c.begin[r + 1]; k++) {
+      if (c.peak[k] == 0.0) continue;
+      const int j = c.partner[k];
+      const double dx = x[i][0] - x[j][0], dy = x[i][1] - x[j][1], dz = x[i][2] - x[j][2];
+      visit(describe(i, j, k, dx * dx + dy * dy + dz * dz));
+    }
+  }
+  const granwave::ContactHistory &history = fix_history->history;
+  for (int i = 0; i < atom->nlocal; i++) {
+    const DentRecord *record = history.records(i);
+    for (int m = 0; m < history.count(i); m++, record++) {
+      if (record->live) continue;
+      const ContactLaw &contact_law = law(atom->type[i], record->partner_type);
+      Report report{};
+      report.i = i;
+      report.j = -1;
+      report.tag_i = atom->tag[i];
+      report.tag_j = static_cast<tagint>(record->partner);
+      report.share_i = contact_law.share_of_first();
+      report.effective_radius = granwave::effective_radius(atom->radius[i], record->partner_radius);
+      report.dent = record->dent;
+      report.overlap = -gap;
+      const ContactScale scale = contact_law.scale(report.effective_radius);
+      if (record->dent.peak > scale.elastic_limit) {
+        const Turning turning = contact_law.turning(record->dent.peak / scale.overlap);
+        report.yielded = true;
+        report.peak_force = scale.force * turning.force;
+        report.dissipated = scale.force * scale.overlap * contact_law.dissipated_energy(turning);
+      } else {
+        report.peak_force = scale.hertz * record->dent.peak * std::sqrt(record->dent.peak);
+      }
+      visit(report);
+    }
+  }
+}
+
+void PairGranHysteretic::visit_pair(tagint one, tagint other, const std::function<void(const Report &)> &visit)
+{
+  require_contacts();
+  const double *const *x = atom->x;
+  const Contacts &c = contacts;
+  for (std::size_t r = 0; r < c.row.size(); r++) {
+    if (c.row_tag[r] != one && c.row_tag[r] != other) continue;
+    const tagint wanted = c.row_tag[r] == one ? other : one;
+    for (int k = c.begin[r]; k < c.begin[r + 1]; k++) {
+      if (c.partner_tag[k] != wanted) continue;
+      const int i = c.row[r], j = c.partner[k];
+      const double dx = x[i][0] - x[j][0], dy = x[i][1] - x[j][1], dz = x[i][2] - x[j][2];
+      visit(describe(i, j, k, dx * dx + dy * dy + dz * dz));
+    }
+  }
+}
+
+double PairGranHysteretic::single(int i, int j, int, int, double rsq, double, double, double &fforce)
+{
+  require_contacts();
+  const Contacts &c = contacts;
+  int found = -1;
+  for (const auto &[a, b] : {std::pair<int, int>{i, j}, {j, i}}) {
+    if (a >= static_cast<int>(c.row.size()) || found >= 0) continue;
+    // rows follow the list of owned spheres, which is the identity unless the style shares the system with others
+    std::size_t r = a;
+    if (c.row[r] != a) r = std::find(c.row.begin(), c.row.end(), a) - c.row.begin();
+    if (r == c.row.size()) continue;
+    for (int k = c.begin[r]; k < c.begin[r + 1]; k++)
+      if (c.partner[k] == b || c.partner_tag[k] == atom->tag[b]) found = k;
+  }
+  const Report report = describe(i, j, found, rsq);
+  svector[OVERLAP] = report.overlap;
+  svector[PEAK_OVERLAP] = report.dent.peak;
+  svector[PEAK_FORCE] = report.peak_force;
+  svector[LOST] = report.dissipated;
+  svector[TIME_FIRST] = report.dent.time_first;
+  svector[TIME_PEAK] = report.dent.time_peak;
+  svector[TIME_YIELD] = report.dent.time_yield;
+  fforce = report.force / std::sqrt(rsq);
+  return report.elastic;
+}

@@ -1,0 +1,21 @@
+/* The simulated time of a force evaluation, the same bits however many runs a simulation is cut into. */
+
+#ifndef GRANWAVE_SIMULATED_TIME_H
+#define GRANWAVE_SIMULATED_TIME_H
+
+#include "update.h"
+
+#include <cmath>
+
+namespace granwave {
+
+inline double simulated_time(const LAMMPS_NS::Update &update)
+{
+  const double by_runs = update.atime + (update.ntimestep - update.atimestep) * update.dt;
+  const double at_once = update.ntimestep * update.dt;    // exact to rounding while the timestep is never changed
+  return std::fabs(at_once - by_runs) < 1e-3 * update.dt ? at_once : by_runs;
+}
+
+}    // namespace granwave
+
+#endif
