@@ -10,8 +10,11 @@ if TYPE_CHECKING:
     from granwave.analysis.figures import draw_figures
     from granwave.analysis.law import law_drawing, law_table, write_law
     from granwave.analysis.pipeline import analyse
+    from granwave.analysis.report import write_report
     from granwave.analysis.result import Result
     from granwave.analysis.result_file import write_result
+    from granwave.analysis.scan_result import ScanResult
+    from granwave.analysis.scan_table import read_scan
     from granwave.analysis.summary import summarise, velocity_normalised
     from granwave.analysis.trajectory import universe
 
@@ -19,14 +22,17 @@ _HOME = {
     "MissingOutputError": "errors",
     "OutputFormatError": "errors",
     "Result": "result",
+    "ScanResult": "scan_result",
     "analyse": "pipeline",
     "draw_figures": "figures",
     "law_drawing": "law",
     "law_table": "law",
+    "read_scan": "scan_table",
     "summarise": "summary",
     "universe": "trajectory",
     "velocity_normalised": "summary",
     "write_law": "law",
+    "write_report": "report",
     "write_result": "result_file",
 }
 
@@ -34,14 +40,17 @@ __all__ = [
     "MissingOutputError",
     "OutputFormatError",
     "Result",
+    "ScanResult",
     "analyse",
     "draw_figures",
     "law_drawing",
     "law_table",
+    "read_scan",
     "summarise",
     "universe",
     "velocity_normalised",
     "write_law",
+    "write_report",
     "write_result",
 ]
 

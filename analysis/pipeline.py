@@ -9,14 +9,13 @@ from pathlib import Path
 from tqdm import tqdm
 
 from granwave.analysis.completeness import check_complete
-from granwave.analysis.figures import FIGURES, draw_figures
 from granwave.analysis.result_file import write_result
 from granwave.analysis.summary import Summary, summarise
 
 logger = logging.getLogger(__name__)
 
 
-def analyse(directory: str | Path, progress: bool | Callable[[str], None] = False) -> Summary:
+def analyse(directory: str | Path, progress: bool | Callable[[str], None] = False, *, figures: bool = True) -> Summary:
     """Analyse a run; what an earlier analysis left is replaced.
 
     Parameters
@@ -25,6 +24,8 @@ def analyse(directory: str | Path, progress: bool | Callable[[str], None] = Fals
         Of the run.
     progress
         True for a bar on a terminal; or a function, called with the name of each part before it is made.
+    figures
+        Draw them too.
 
     Returns
     -------
@@ -39,8 +40,8 @@ def analyse(directory: str | Path, progress: bool | Callable[[str], None] = Fals
         A file is damaged.
     """
     if callable(progress):
-        return _analyse(Path(directory), progress)
-    parts = len(FIGURES) + 2
+        return _analyse(Path(directory), progress, figures)
+    parts = 2 + (len(_figures()) if figures else 0)
     with tqdm(total=parts, desc="analysis", disable=None if progress else True, leave=False) as bar:
 
         def report(part: str) -> None:
@@ -48,14 +49,24 @@ def analyse(directory: str | Path, progress: bool | Callable[[str], None] = Fals
             bar.set_postfix_str(part)
             bar.update()
 
-        return _analyse(Path(directory), report)
+        return _analyse(Path(directory), report, figures)
 
 
-def _analyse(directory: Path, report: Callable[[str], None]) -> Summary:
+def _figures() -> tuple[str, ...]:
+    from granwave.analysis.figures import FIGURES
+
+    return tuple(FIGURES)
+
+
+def _analyse(directory: Path, report: Callable[[str], None], figures: bool) -> Summary:
     check_complete(directory)
     report("result.h5")
     write_result(directory)
     report("summary.json")
     summary = summarise(directory)
-    draw_figures(directory, report)
+    if figures:
+        # the drawing library takes longer to load than many a small run to compute
+        from granwave.analysis.figures import draw_figures
+
+        draw_figures(directory, report)
     return summary

@@ -9,12 +9,17 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from granwave.analysis.plasticity import HALF_LAW_LIMIT, LAW_LIMIT, PlasticZone, plastic_zone
 from granwave.analysis.result import Result
 
 SUMMARY_FILE = "summary.json"
 Summary = dict[str, Any]
+
+_LEAD = 5  # layers, the struck one among them, that the first disturbance passes before any contact is at its peak
+_FEWEST_LAYERS = 4  # that a wave speed is taken from
+_SAME_LAYER = 1e-3  # diameters
 
 
 def summarise(directory: str | Path) -> Summary:
@@ -58,7 +63,9 @@ def summary_of(result: Result) -> Summary:
         **_plasticity(result),
         **_normalised(result),
         **_bottom(result),
+        "wave_speed_m_s": wave_speed_of(result),
         "impactor_velocity_m_s": float(result["energy/struck_velocity"][-1]),
+        "restitution": restitution(result),
         "wall_time_s": wall_time,
         "sphere_steps_per_s": result.n_spheres * n_steps / wall_time if wall_time else None,
         "n_ranks": record.get("n_ranks"),
@@ -85,6 +92,67 @@ def velocity_normalised(velocity: float, modulus: float, density: float, yield_s
     """
     scale = 2 / math.sqrt(3) * (2 / (1.6 * math.pi)) ** 2
     return scale * modulus**2 * math.sqrt(density) * yield_strength**-2.5 * velocity
+
+
+def wave_speed(depth: NDArray[np.float64], arrival: NDArray[np.float64], diameter: float) -> float | None:
+    """Speed of the wave into the depth: slope of depth over arrival, by layers of spheres.
+
+    The arrival at a layer is the earliest at any of its spheres. The slope is a least-squares fit to the deeper half
+    of the layers that were reached, without the five uppermost ones. An arrival is the first contact force at all,
+    which runs about four layers ahead of the peak force: the speed is that of the peak some four layers above. It
+    needs no threshold, and neither later pulses nor the echo of the bottom disturb it, as they do the times of peak
+    forces. On a chain of Hertz contacts it is within 2 % of the solitary wave's
+    0.6802 (2E / (D rho^1.5 (1 - nu^2)))^(1/3) F^(1/6). Where the wave gets weaker and slower it is above
+    that of the peak: in FCC brass struck at 5 m/s by 10 %, and by 15 to 25 % if compared in the same layers.
+
+    Parameters
+    ----------
+    depth
+        Below the struck sphere, of each sphere's centre at the start: (n_spheres,), m.
+    arrival
+        When any contact of the sphere was first loaded: (n_spheres,), s; NaN: never.
+    diameter
+        Of the spheres, m; depths that differ by less than 1e-3 of it are one layer.
+
+    Returns
+    -------
+    float or None
+        m/s; None when fewer than four layers below the five uppermost were reached.
+    """
+    places = np.rint(depth / (_SAME_LAYER * diameter))
+    layers, member, layer = np.unique(places, return_index=True, return_inverse=True)
+    first = np.full(len(layers), np.inf)
+    np.fmin.at(first, layer, arrival)
+    reached = np.isfinite(first) & (layers >= 0)
+    z, time = depth[member[reached]], first[reached]
+    used = slice(max(_LEAD, len(z) // 2), None)
+    z, time = z[used], time[used]
+    if len(z) < _FEWEST_LAYERS:
+        return None
+    late, deep = time - time.mean(), z - z.mean()
+    slope = float(late @ deep / (late @ late)) if late.any() else 0.0
+    return slope if slope > 0 else None
+
+
+def wave_speed_of(result: Result) -> float | None:
+    """The `wave_speed` of a run."""
+    depth = result["spheres/position"][:, 2] - result.origin[2]
+    return wave_speed(depth, result["spheres/time_first"], result.case.packing.diameter)
+
+
+def restitution(result: Result) -> float | None:
+    """Coefficient of restitution of a single collision: of two free spheres, or of one and the bottom wall.
+
+    Of two equal spheres of which one rests, the struck one keeps (1 - e)/2 of its velocity; from a wall it returns with
+    -e. None for every other packing.
+    """
+    case = result.case
+    left = float(result["energy/struck_velocity"][-1]) / case.load.velocity
+    if result.n_spheres == 2 and case.packing.kind == "chain" and case.boundary.bottom == "free":
+        return 1 - 2 * left
+    if result.n_spheres == 1 and case.boundary.bottom == "wall":
+        return -left
+    return None
 
 
 def energy_balance_error(result: Result) -> float | None:

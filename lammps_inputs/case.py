@@ -132,6 +132,14 @@ def load_case(path: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (
     return Case.from_dict(data, path, overridden=changes, directory=Path(path).parent)
 
 
+def unit_of(key: str) -> str:
+    """Unit of a dotted key, such as ``load.velocity``; empty where it has none."""
+    table, _, name = key.partition(".")
+    section = {**_SECTIONS, "material": Material}.get(table)
+    fields = {field.name: field for field in dataclasses.fields(section)} if section else {}
+    return (fields[name].metadata["unit"] or "") if name in fields else ""
+
+
 def _read_name(data: Mapping[str, Any], source: str | Path, faults: Faults) -> str:
     name = data.get("name", Path(source).stem)
     if not isinstance(name, str) or not name.strip() or name.startswith(".") or not name.isprintable() or "/" in name:

@@ -147,7 +147,7 @@ def read_table(
     Parameters
     ----------
     prefix
-        Dotted name of the table, as in the file.
+        Dotted name of the table, as in the file; empty for the file itself.
     later
         Keys that belong to a later version and are refused by name.
     """
@@ -159,7 +159,7 @@ def read_table(
     refuse_unknown(table, list(fields), prefix, faults, later)
     values: dict[str, Any] = {}
     for name, field in fields.items():
-        key = f"{prefix}.{name}"
+        key = f"{prefix}.{name}" if prefix else name
         parse: Parse = field.metadata["parse"]
         if name in table:
             try:

@@ -80,6 +80,11 @@ class PackingSection:
     kind: Literal["fcc", "hcp", "bcc", "sc", "square", "chain"] = choice("lattice", tuple(KINDS))
     size: tuple[int, ...] = custom("spheres along x, rows along y, layers along z", _parse_size)
     diameter: float = number("diameter of the spheres", unit="m", above=0)
+    seed: int | None = custom(
+        "of what is random in the packing",
+        lambda value: whole(value, "a whole number from 0 up", at_least=0),
+        default=None,
+    )
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

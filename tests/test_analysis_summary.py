@@ -37,6 +37,8 @@ PROMISED = (
     "energy_input_normalised",
     "wall_peak_force_N",
     "wall_impulse_Ns",
+    "wave_speed_m_s",
+    "restitution",
     "impactor_velocity_m_s",
     "wall_time_s",
     "sphere_steps_per_s",

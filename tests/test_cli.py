@@ -358,7 +358,9 @@ def test_forces_on_the_bottom_do_not_depend_on_the_probes(finished, granwave, tm
         assert summary(tmp_path / "r")[key] == summary(finished)[key]
 
 
-@pytest.mark.parametrize("override", ["run.timestep=1e-300", "run.end_time=1e300", "load.velocity=1e300", "packing.diameter=1e-300"])
+@pytest.mark.parametrize(
+    "override", ["run.timestep=1e-300", "run.end_time=1e300", "load.velocity=1e300", "packing.diameter=1e-300"]
+)
 def test_numbers_beyond_all_measure_are_refused(granwave, tmp_path, override):
     done = granwave("run", "fcc-small", "-o", tmp_path / "r", "--set", override, timeout=60)
     assert done.returncode == 2 and "Traceback" not in done.stderr

@@ -29,7 +29,7 @@ def make(size: Any = (6, 6, 4), kind: str = "fcc", diameter: float = 0.01, **sec
 
 class TestTimestep:
     def test_reference(self) -> None:
-        assert auto_timestep(make((72, 72, 30))) == pytest.approx(32e-9, rel=1e-12)
+        assert auto_timestep(make((72, 72, 30))) == pytest.approx(29e-9, rel=1e-12)
 
     def test_proportional_to_the_diameter(self) -> None:
         for diameter in (0.001, 0.1):

@@ -59,7 +59,9 @@ def test_same_bits_on_any_number_of_ranks(granwave, tmp_path):
                     for name in ("displacement", "velocity", "contact_force"):
                         assert np.array_equal(one.frame(frame, name), other.frame(frame, name)), (ranks, frame, name)
                 for name in ("kinetic", "elastic", "dissipated"):
-                    assert np.allclose(other[f"energy/{name}"], one[f"energy/{name}"], rtol=1e-12, atol=1e-14 * one.energy_input)
+                    assert np.allclose(
+                        other[f"energy/{name}"], one[f"energy/{name}"], rtol=1e-12, atol=1e-14 * one.energy_input
+                    )
 
 
 @pytest.mark.parametrize(("velocity", "normalised"), [(4, 37.9), (10, 94.9), (40, 379)])

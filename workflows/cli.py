@@ -62,9 +62,8 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument(
         "--checkpoint", type=float, default=60.0, metavar="SECONDS", help="wall time between checkpoints (default: 60)"
     )
-    again = run.add_mutually_exclusive_group()
-    again.add_argument("--resume", action="store_true", help="go on with what is there")
-    again.add_argument("--force", action="store_true", help="replace what is there")
+    _figures(run)
+    _again(run)
 
     write = _verb(verbs, "write", commands.write, "write the LAMMPS deck alone; it runs by hand: lmp -in in.granwave")
     _case(write)
@@ -73,6 +72,42 @@ def _parser() -> argparse.ArgumentParser:
 
     analyse = _verb(verbs, "analyse", commands.analyse, "once more from the dumps: result.h5, figures, summary.json")
     analyse.add_argument("directory", type=Path, metavar="DIR")
+    _figures(analyse)
+
+    scan = _verb(verbs, "scan", commands.scan, "run a case many times with some keys varied; table, figures and report")
+    scan.add_argument("scan", metavar="SCAN", help="a scan file, or the name of a built-in scan")
+    _overrides(scan)
+    scan.add_argument("-o", dest="directory", type=Path, metavar="DIR", help="where everything goes (default: ./NAME)")
+    scan.add_argument(
+        "--executor", default="local", metavar="local|slurm", help="where the points run (default: local)"
+    )
+    scan.add_argument(
+        "--profile", type=Path, metavar="FILE", help="how to use the cluster: partition, account, time, ..."
+    )
+    scan.add_argument(
+        "--jobs",
+        type=_positive,
+        metavar="N",
+        help="jobs at once (default: the cores of this machine; 100 on a cluster)",
+    )
+    scan.add_argument("--plan", action="store_true", help="say what the scan would be, and run nothing")
+    _again(scan)
+
+    report = _verb(verbs, "report", commands.report, "a page that compares any number of runs and scans")
+    report.add_argument("directories", nargs="+", type=Path, metavar="DIR")
+    report.add_argument(
+        "-o",
+        dest="output",
+        type=Path,
+        default=Path("report.html"),
+        metavar="FILE",
+        help=".html, .pdf or .md (default: report.html)",
+    )
+
+    export = _verb(verbs, "export", commands.export, "the results for other programs: ParaView, pandas, xarray, OVITO")
+    export.add_argument("directory", type=Path, metavar="DIR")
+    export.add_argument("--to", required=True, metavar="FORMAT", help="vtp, csv, netcdf or ovito")
+    export.add_argument("-o", dest="output", type=Path, metavar="DIR", help="where to (default: DIR/export)")
 
     check = _verb(verbs, "check", commands.check, "what a run would be: size, memory, disk, timestep, time, overlap")
     _case(check)
@@ -124,6 +159,10 @@ def _verb(verbs: argparse._SubParsersAction, name: str, command: object, what: s
 
 def _case(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("case", metavar="CASE", help="a case file, or the name of a built-in study")
+    _overrides(parser)
+
+
+def _overrides(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--set",
         dest="overrides",
@@ -132,6 +171,16 @@ def _case(parser: argparse.ArgumentParser) -> None:
         metavar="KEY=VALUE",
         help="override a key: --set load.velocity=10 --set packing.size=[24,24,12] (may be repeated)",
     )
+
+
+def _again(parser: argparse.ArgumentParser) -> None:
+    again = parser.add_mutually_exclusive_group()
+    again.add_argument("--resume", action="store_true", help="go on with what is there")
+    again.add_argument("--force", action="store_true", help="replace what is there")
+
+
+def _figures(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--no-figures", dest="figures", action="store_false", help="leave the figures out")
 
 
 def _positive(text: str) -> int:

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from granwave.lammps_inputs.case import Case, load_case
+from granwave.lammps_inputs.case import Case
 from granwave.lammps_inputs.deck import write_deck
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.laws import contact_of, rigid_wall_contact_of
@@ -20,7 +20,7 @@ Words = Sequence[str]
 
 
 def _case(options: argparse.Namespace) -> Case:
-    case = load_case(studies.find(options.case), options.overrides)
+    case = studies.load_case(options.case, options.overrides)
     try:
         plan(case)
     except (ArithmeticError, ValueError) as error:
@@ -52,6 +52,7 @@ def run(options: argparse.Namespace, words: Words) -> int:
         force=options.force,
         progress=True,
         checkpoint_interval=options.checkpoint,
+        figures=options.figures,
         comm=comm,
     )
     if comm.rank == 0:
@@ -115,9 +116,33 @@ def analyse(options: argparse.Namespace, _: Words) -> int:
     if not options.directory.is_dir():
         raise InputError(f"{options.directory}: no such directory; run a case into it first")
     try:
-        print(summary_table(analyse_directory(options.directory, progress=True)))
+        print(summary_table(analyse_directory(options.directory, progress=True, figures=options.figures)))
     except MissingOutputError as error:
         raise InputError(str(error)) from None
+    return 0
+
+
+def scan(options: argparse.Namespace, _: Words) -> int:
+    """granwave scan"""
+    from granwave.workflows.scanning.command import scan as run
+
+    return run(options)
+
+
+def report(options: argparse.Namespace, _: Words) -> int:
+    """granwave report"""
+    from granwave.analysis.report import write_report
+
+    print(write_report(options.directories, options.output))
+    return 0
+
+
+def export(options: argparse.Namespace, _: Words) -> int:
+    """granwave export"""
+    from granwave.analysis.export import export as export_directory
+
+    for path in export_directory(options.directory, options.to, options.output):
+        print(path)
     return 0
 
 
@@ -203,10 +228,10 @@ def bench(options: argparse.Namespace, _: Words) -> int:
 
 def cases(_: argparse.Namespace, __: Words) -> int:
     """granwave cases"""
-    found = studies.names()
-    width = max(map(len, found))
-    for name in found:
-        print(f"{name:{width}}  {studies.title(name)}")
+    found = [(kind, name) for kind in (studies.CASES, studies.SCANS) for name in studies.names(kind)]
+    width = max(len(name) for _, name in found)
+    for kind, name in found:
+        print(f"{'scan  ' if kind == studies.SCANS else 'case  '}{name:{width}}  {studies.title(name)}")
     return 0
 
 

@@ -21,7 +21,18 @@ if TYPE_CHECKING:
 
 START, CONTINUE, ANALYSE, FINISHED = "start", "continue", "analyse", "finished"
 
-_RESULTS = (CASE_FILE, SCRIPT_FILE, DATA_FILE, DUMPS, "log.lammps", "result.h5", "summary.json", "figures", record.FILE)
+_RESULTS = (
+    CASE_FILE,
+    SCRIPT_FILE,
+    DATA_FILE,
+    DUMPS,
+    "log.lammps",
+    "result.h5",
+    "summary.json",
+    "figures",
+    "export",
+    record.FILE,
+)
 _LOCK = ".granwave-lock"
 
 
@@ -102,9 +113,26 @@ def _check_machine(case: Case, directory: Path, n_ranks: int) -> None:
         )
 
 
+def busy(directory: Path) -> bool:
+    """Another process holds the directory."""
+    try:
+        with (directory / _LOCK).open("r") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    except OSError:
+        pass
+    return False
+
+
 @contextlib.contextmanager
-def held(directory: Path, comm: Intracomm) -> Iterator[None]:
+def held(directory: Path, comm: Intracomm | None = None) -> Iterator[None]:
     """Keep other runs out of a directory for as long as this lasts.
+
+    Parameters
+    ----------
+    comm
+        All ranks take part; None for a program that has no MPI.
 
     Raises
     ------
@@ -123,13 +151,13 @@ def held(directory: Path, comm: Intracomm) -> Iterator[None]:
         except BlockingIOError:
             lock.close()
             raise InputError(
-                f"{directory}: another run is at work there; wait for it, or choose another with -o"
+                f"{directory}: another run or scan is at work there; wait for it, or choose another with -o"
             ) from None
         locks.append(lock)
         return None
 
     locks: list = []
-    on_first(comm, take)
+    on_first(comm, take) if comm is not None else take()
     try:
         yield
     finally:
@@ -137,5 +165,5 @@ def held(directory: Path, comm: Intracomm) -> Iterator[None]:
             (directory / _LOCK).unlink(missing_ok=True)
             lock.close()
         with contextlib.suppress(OSError):
-            if comm.rank == 0:
+            if comm is None or comm.rank == 0:
                 directory.rmdir()  # only where nothing came of it

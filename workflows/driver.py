@@ -63,6 +63,7 @@ def run_case(
     force: bool = False,
     progress: bool = False,
     checkpoint_interval: float = 60.0,
+    figures: bool = True,
     comm: Intracomm | None = None,
 ) -> Outcome:
     """Run a case, and analyse it.
@@ -79,6 +80,8 @@ def run_case(
         Show a bar (on a terminal) or lines (in a log).
     checkpoint_interval
         Wall time between checkpoints, s.
+    figures
+        Draw them too.
     comm
         MPI communicator; default is that of all ranks.
 
@@ -103,7 +106,7 @@ def run_case(
         else:
             with StopRequest(comm) as stop, contextlib.chdir(directory):
                 run.integrate(stop, go_on=what == CONTINUE)
-        summary = on_first(comm, lambda: analyse(directory, progress=progress))
+        summary = on_first(comm, lambda: analyse(directory, progress=progress, figures=figures))
         run.close_record()
         return Outcome(directory, run.record.state, summary)
 

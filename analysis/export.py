@@ -1,0 +1,107 @@
+"""A run or a scan in the forms that other programs read: ParaView, pandas, xarray, OVITO."""
+
+from __future__ import annotations
+
+import difflib
+import json
+import os
+from pathlib import Path
+
+from granwave.analysis import export_csv, export_netcdf, export_vtp, ovito_scene
+from granwave.analysis.errors import MissingOutputError
+from granwave.analysis.export_staging import staged
+from granwave.analysis.result import Result
+from granwave.analysis.result_file import RESULT_FILE
+from granwave.analysis.scan_result import is_scan
+from granwave.analysis.scan_table import read_scan
+from granwave.lammps_inputs.errors import InputError
+
+EXPORT_DIRECTORY = "export"
+OVITO_SCRIPT = "open_in_ovito.py"
+
+#: What --to may be, and the program it is for.
+FORMATS = {
+    "csv": "tables with units in their headers (pandas, spreadsheets)",
+    "netcdf": "result.nc (xarray)",
+    "ovito": f"{OVITO_SCRIPT}, which opens spheres and contacts together",
+    "vtp": "spheres.pvd and contacts.pvd (ParaView)",
+}
+_RUN_WRITERS = {"csv": export_csv.export_run, "netcdf": export_netcdf.export_run, "vtp": export_vtp.export_run}
+_SCAN_WRITERS = {"csv": export_csv.export_scan, "netcdf": export_netcdf.export_scan}
+_OUTDATED = {"csv": export_csv.OUTDATED, "vtp": export_vtp.OUTDATED}
+_NOTHING = r"(?!)"
+
+
+def export(directory: str | Path, to: str, output: str | Path | None = None) -> list[Path]:
+    """Export a run or a scan; what an earlier export to the same form left is replaced.
+
+    All files are put into place once all of them are written.
+
+    Parameters
+    ----------
+    directory
+        Of a run or, for csv and netcdf, of a scan, whose table is exported.
+    to
+        One of `FORMATS`.
+    output
+        The directory to write to; ``directory/export`` if not given.
+
+    Returns
+    -------
+    list of Path
+        What was written.
+
+    Raises
+    ------
+    InputError
+        There is no such form or directory, it holds no result, a library is missing, or the output cannot be written
+        to; nothing was written.
+    OutputFormatError
+        The result is damaged.
+    """
+    directory = Path(directory)
+    _check_format(to)
+    if not directory.is_dir():
+        raise InputError(f"{directory}: no such directory; expected that of a run or a scan")
+    output = Path(output) if output is not None else directory / EXPORT_DIRECTORY
+    outdated = _OUTDATED.get(to, _NOTHING)
+    if is_scan(directory):
+        if to not in _SCAN_WRITERS:
+            raise InputError(
+                f"{directory}: is a scan, and --to {to} shows a single run; give the directory of a point, "
+                f"{directory / 'points'}/ID (scan.csv tells which), or use --to {' or '.join(_SCAN_WRITERS)}"
+            )
+        scan = read_scan(directory)
+        with staged(output) as staging:
+            _SCAN_WRITERS[to](scan, staging)
+        return staging.placed
+    if to == "ovito":
+        return _export_recipe(directory, output)
+    try:
+        result = Result(directory)
+    except MissingOutputError:
+        raise InputError(f"{directory / RESULT_FILE} is missing: make it with  granwave analyse {directory}") from None
+    with result, staged(output, outdated) as staging:
+        _RUN_WRITERS[to](result, staging)
+    return staging.placed
+
+
+def _check_format(to: str) -> None:
+    if to not in FORMATS:
+        near = difflib.get_close_matches(to.lower(), FORMATS, n=1, cutoff=0.4)
+        hint = f"did you mean {near[0]}?" if near else f"expected one of {', '.join(FORMATS)}"
+        raise InputError(f"--to {to}: no such form; {hint}")
+
+
+def _export_recipe(directory: Path, output: Path) -> list[Path]:
+    if missing := [name for name in ovito_scene.NEEDED if not (directory / name).is_file()]:
+        raise InputError(
+            f"{directory}: {', '.join(missing)} missing; OVITO reads what LAMMPS wrote: expected the directory of a "
+            "finished run"
+        )
+    source = Path(ovito_scene.__file__).read_text(encoding="utf-8")
+    run = os.path.relpath(directory.resolve(), output.resolve())
+    with staged(output) as staging:
+        text = source.replace(f"RUN = {json.dumps(ovito_scene.RUN)}", f"RUN = {json.dumps(run)}", 1)
+        staging.path(OVITO_SCRIPT).write_text(text, encoding="utf-8")
+    return staging.placed

@@ -1,0 +1,154 @@
+"""A run or a scan as NetCDF-4, for xarray: ``result.nc`` or ``points.nc``.
+
+Dimensions of a run: sphere, contact, wall_contact, time (of the energy ledger), wall_time, probe_time, frame (the
+snapshots) and axis; the names of variables begin with what they belong to: ``sphere_peak_force(sphere)``,
+``contact_i(contact)``, ``energy_kinetic(time)``, ``wall_bottom_force(wall_time)``,
+``frame_displacement(frame, sphere, axis)``. Each has ``units`` and ``long_name``; the case (TOML), the run and the
+versions (JSON) are attributes of the file. All reals are doubles; positions in a snapshot are
+``sphere_position + frame_displacement``. A scan has the dimension point. Reading them::
+
+    xarray.open_dataset("result.nc")
+
+NetCDF-4 is HDF5, so that snapshots are written one at a time, compressed, by h5netcdf on the h5py that is there anyway;
+scipy's writer of NetCDF-3 keeps all of a file in memory and knows neither 64-bit integers nor texts of any length.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from granwave.analysis.export_staging import Staging
+from granwave.analysis.h5md import COMPRESSION, GROUP
+from granwave.analysis.result import Result
+from granwave.analysis.scan_table import ScanData
+from granwave.lammps_inputs.errors import InputError
+
+if TYPE_CHECKING:
+    import h5netcdf
+
+_COMPRESSED_FROM = 4096  # values
+_ROWS_IN_CHUNK = 32_768
+#: Group of result.h5: the dimension of its rows, how variable names begin, what they describe, its coordinates.
+_TABLES = {
+    "spheres": ("sphere", "sphere", "of the sphere", ("id",)),
+    "contacts": ("contact", "contact", "of the contact", ("i", "j")),
+    "wall_contacts": ("wall_contact", "wall_contact", "of the contact with a wall", ("wall", "id")),
+    "energy": ("time", "energy", "of the packing", ("time",)),
+    "probes": ("probe_time", "probe", "probed", ("time",)),
+}
+_OF_SNAPSHOT = ("displacement", "velocity", "contact_force", "peak_force", "dissipated_energy")
+
+
+def export_run(result: Result, staging: Staging) -> None:
+    """Write ``result.nc``."""
+    with _create(staging, "result.nc") as file:
+        file.attrs["title"] = str(result.file.attrs["name"])
+        for name in ("case", "run", "versions"):
+            file.attrs[name] = str(result.file.attrs[name])
+        _add(file, "axis", ("axis",), np.array(["x", "y", "z"], dtype=object), long_name="axis; impact goes along +z")
+        for group in _TABLES:
+            _add_table(file, result, group)
+        for n, wall in enumerate(result.names("walls")):
+            if n == 0:
+                _add(file, "wall_time", ("wall_time",), result[f"walls/{wall}/time"], "s", "time")
+            force = result[f"walls/{wall}/force"]
+            _add(file, f"wall_{wall}_force", ("wall_time",), force, "N", f"force on the wall {wall}, positive outwards")
+        _add_snapshots(file, result)
+
+
+def export_scan(scan: ScanData, staging: Staging) -> None:
+    """Write ``points.nc``: the columns of the scan's table, the keys that vary as coordinates."""
+    with _create(staging, "points.nc") as file:
+        file.attrs["title"], file.attrs["case"] = scan.name, scan.case_name
+        file.attrs["varied"] = json.dumps(scan.varied)
+        _add(file, "point", ("point",), np.arange(1, scan.n_points + 1), long_name="number of the point")
+        for name in scan:
+            coordinates = {} if name in scan.varied else {"coordinates": _joined(scan.varied)}
+            _add(file, name, ("point",), scan[name], scan.unit(name), name, **coordinates)
+
+
+def _create(staging: Staging, name: str) -> h5netcdf.File:
+    try:
+        import h5netcdf
+    except ImportError as error:
+        raise InputError(f"--to netcdf needs h5netcdf ({error}): pip install h5netcdf") from None
+    return h5netcdf.File(staging.path(name), "w", libver="v110")  # which lets an attribute be longer than 64 kB
+
+
+def _add_table(file: h5netcdf.File, result: Result, group: str) -> None:
+    dimension, prefix, whose, coordinates = _TABLES[group]
+    names = result.names(group)
+    own = {name: _variable(dimension, prefix, name) for name in names}
+    others = _joined(own[name] for name in coordinates if own.get(name, dimension) != dimension)
+    for name in names:
+        values = result[f"{group}/{name}"]
+        dimensions = (dimension, "axis")[: values.ndim]
+        described = name if own[name] == dimension else f"{name.replace('_', ' ')} {whose}"
+        extra = {"coordinates": others} if others and name not in coordinates else {}
+        _add(file, own[name], dimensions, values, result.unit(f"{group}/{name}"), described, **extra)
+
+
+def _variable(dimension: str, prefix: str, name: str) -> str:
+    """What a column is called; the ids of spheres and the times are their dimension's coordinates."""
+    if (dimension, name) in (("sphere", "id"), ("time", "time"), ("probe_time", "time")):
+        return dimension
+    return f"{prefix}_{name}"
+
+
+def _add_snapshots(file: h5netcdf.File, result: Result) -> None:
+    _add(file, "frame", ("frame",), np.arange(result.n_frames), long_name="number of the snapshot")
+    _add(file, "frame_time", ("frame",), result.frame_times, "s", "time of the snapshot")
+    _add(file, "frame_step", ("frame",), result[f"{GROUP}/position/step"], long_name="time step of the snapshot")
+    for name in _OF_SNAPSHOT:
+        source = result.file[f"{GROUP}/{name}/value"]
+        variable = file.create_variable(
+            f"frame_{name}",
+            ("frame", "sphere", "axis")[: source.ndim],
+            np.float64,
+            chunks=(1, min(max(source.shape[1], 1), _ROWS_IN_CHUNK), *source.shape[2:]),
+            **COMPRESSION,
+        )
+        description = f"{name.replace('_', ' ')} at the snapshot"
+        variable.attrs.update(_attributes(result.unit(f"{GROUP}/{name}/value"), description, coordinates="frame_time"))
+        for number in range(result.n_frames):
+            variable[number] = result.frame(number, name)
+
+
+def _add(
+    file: h5netcdf.File,
+    name: str,
+    dimensions: tuple[str, ...],
+    values: NDArray,
+    unit: str = "1",
+    long_name: str = "",
+    **attributes: str,
+) -> None:
+    for dimension, length in zip(dimensions, values.shape, strict=True):
+        if dimension not in file.dimensions:
+            file.dimensions[dimension] = length
+    extra: dict[str, Any] = dict(attributes)
+    kind: Any = values.dtype
+    if values.dtype == bool:
+        values, kind = values.astype(np.int8), np.int8
+        extra["dtype"] = "bool"  # which xarray turns back
+    elif values.dtype.kind in "OU":
+        values, kind = values.astype(object), h5py.string_dtype()
+    options = COMPRESSION if values.size >= _COMPRESSED_FROM and kind is values.dtype else {}
+    variable = file.create_variable(name, dimensions, kind, **options)
+    if values.size:
+        variable[...] = values
+    variable.attrs.update(_attributes("" if values.dtype == object else unit, long_name, **extra))
+
+
+def _attributes(unit: str, long_name: str, **others: str) -> Mapping[str, str]:
+    return {"long_name": long_name} | ({"units": unit.replace("^", "")} if unit else {}) | others
+
+
+def _joined(names: Any) -> str:
+    return " ".join(names)

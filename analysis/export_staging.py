@@ -1,0 +1,95 @@
+"""Files that are written elsewhere first and put into place once all of them are complete."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from granwave.lammps_inputs.errors import InputError
+
+
+class Staging:
+    """A scratch directory inside of the output directory.
+
+    Attributes
+    ----------
+    scratch
+        Where to write; it does not outlive `staged`.
+    placed
+        The files that were put into place, in the order of their making.
+    """
+
+    def __init__(self, output: Path, scratch: Path) -> None:
+        self.output = output
+        self.scratch = scratch
+        self.placed: list[Path] = []
+        self._names: list[str] = []
+
+    def path(self, name: str) -> Path:
+        """Where to write the file that is to be called so."""
+        self._names.append(name)
+        return self.scratch / name
+
+    def place(self, outdated: str) -> None:
+        """Put the files into place, the last one last, and remove what an earlier export left.
+
+        Parameters
+        ----------
+        outdated
+            A regular expression; files of the output whose whole names match, and that were not written now, are
+            removed.
+        """
+        for name in self._names:
+            os.replace(self.scratch / name, self.output / name)
+            self.placed.append(self.output / name)
+        for path in self.output.iterdir():
+            if path.name not in self._names and re.fullmatch(outdated, path.name):
+                path.unlink()
+
+
+@contextmanager
+def staged(output: Path, outdated: str = "(?!)") -> Iterator[Staging]:
+    """Within it, files are written to scratch; at its end they are put into ``output``, or none if it failed.
+
+    Parameters
+    ----------
+    output
+        A directory; made if need be, and removed again on failure if it was made here.
+    outdated
+        As in `Staging.place`.
+
+    Raises
+    ------
+    InputError
+        Nothing can be written there.
+    """
+    made = [path for path in (output, *output.parents) if not path.exists()]
+    try:
+        output.mkdir(parents=True, exist_ok=True)
+        scratch = Path(tempfile.mkdtemp(prefix=".granwave-export-", dir=output))
+    except OSError as error:
+        _remove_empty(made)
+        raise InputError(
+            f"{output}: cannot be written to ({error.strerror}); choose another directory with -o"
+        ) from None
+    staging = Staging(output, scratch)
+    try:
+        yield staging
+        staging.place(outdated)
+    finally:
+        shutil.rmtree(scratch, ignore_errors=True)
+        if not staging.placed:
+            _remove_empty(made)
+
+
+def _remove_empty(directories: list[Path]) -> None:
+    for directory in directories:
+        try:
+            directory.rmdir()
+        except OSError:
+            return

@@ -1,0 +1,144 @@
+"""A run as VTK PolyData, for ParaView: open ``spheres.pvd`` and ``contacts.pvd``, whose times are seconds.
+
+    spheres_NNNN.vtp    a point a sphere, where it is at the snapshot; id, radius, displacement, velocity,
+                        contact_force, peak_force, dissipated_energy and contacts_yielded, all as they are then
+    contacts_NNNN.vtp   a line between the centres of each pair of ``/contacts``; i, j, overlap (of the spheres as they
+                        are then; negative: a gap), loaded and yielded (1: by then), and of the whole run peak_overlap,
+                        peak_force, dissipated_energy
+
+SI units. In ParaView, a Glyph filter with spheres, scaled by ``radius`` with a factor of 2, draws them at their size. A
+contact through a periodic side ends at the image of its second sphere.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+from xml.etree import ElementTree
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granwave.analysis.export_staging import Staging
+from granwave.analysis.h5md import GROUP
+from granwave.analysis.result import Result
+from granwave.lammps_inputs.errors import InputError
+
+if TYPE_CHECKING:
+    from vtkmodules.vtkCommonDataModel import vtkPolyData
+
+OUTDATED = r"(spheres|contacts)_\d{4,}\.vtp"
+_OF_SNAPSHOT = ("displacement", "velocity", "contact_force", "peak_force", "dissipated_energy")
+_OF_RUN = ("peak_overlap", "peak_force", "dissipated_energy")
+
+Arrays = Mapping[str, NDArray]
+
+
+def export_run(result: Result, staging: Staging) -> None:
+    """Write two files a snapshot, and then the two collections that name them."""
+    try:
+        import vtkmodules.vtkIOXML  # noqa: F401
+    except ImportError as error:
+        raise InputError(f"--to vtp needs VTK ({error}): pip install vtk") from None
+
+    radius = result[f"{GROUP}/radius"]
+    times = result.frame_times.tolist()
+    for number, time in enumerate(times):
+        positions = result.frame(number, "position")
+        values: dict[str, NDArray] = {name: result.frame(number, name) for name in _OF_SNAPSHOT}
+        values["contacts_yielded"] = _contacts_yielded(result, time)
+        spheres = {"id": result["spheres/id"], "radius": radius, **values}
+        vertices = np.arange(len(positions)).reshape(-1, 1)
+        _write(staging.path(_name("spheres", number)), positions, vertices, spheres, time)
+        points, lines, overlap = _lines(result, positions, radius)
+        contacts = {"i": result["contacts/i"], "j": result["contacts/j"], "overlap": overlap}
+        contacts |= {"loaded": _since(result["contacts/time_first"], time), "yielded": _yielded(result, time)}
+        contacts |= {name: result[f"contacts/{name}"] for name in _OF_RUN}
+        _write(staging.path(_name("contacts", number)), points, lines, contacts, time)
+    for what in ("spheres", "contacts"):
+        _write_collection(staging.path(f"{what}.pvd"), {time: _name(what, n) for n, time in enumerate(times)})
+
+
+def _name(what: str, number: int) -> str:
+    return f"{what}_{number:04d}.vtp"
+
+
+def _since(began: NDArray[np.float64], time: float) -> NDArray[np.int8]:
+    """1 where something began by that time (NaN: never)."""
+    return (began <= time).astype(np.int8)
+
+
+def _yielded(result: Result, time: float) -> NDArray[np.int8]:
+    return result["contacts/yielded"].astype(np.int8) & _since(result["contacts/time_yield"], time)
+
+
+def _contacts_yielded(result: Result, time: float) -> NDArray[np.int64]:
+    """How many contacts of each sphere have yielded by that time: (n_spheres,)."""
+    yielded = _yielded(result, time) > 0
+    ends = np.concatenate([result["contacts/i"][yielded], result["contacts/j"][yielded]])
+    return np.bincount(ends - 1, minlength=result.n_spheres)
+
+
+def _lines(
+    result: Result, positions: NDArray[np.float64], radius: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64]]:
+    """The contacts as lines.
+
+    Returns
+    -------
+    points
+        The centres of the spheres, and then the images at which contacts through a periodic side end: (n, 3), m.
+    lines
+        Rows of the points: (n_contacts, 2).
+    overlap
+        (n_contacts,), m.
+    """
+    box = result.file[f"{GROUP}/box"]
+    lines = np.stack([result["contacts/i"], result["contacts/j"]], axis=1) - 1
+    step = positions[lines[:, 1]] - positions[lines[:, 0]]
+    shift = np.zeros_like(step)
+    for axis, (boundary, length) in enumerate(zip(box.attrs["boundary"], box["edges"][()], strict=True)):
+        if boundary == "periodic":
+            shift[:, axis] = -length * np.round(step[:, axis] / length)
+    overlap = radius[lines].sum(axis=1) - np.linalg.norm(step + shift, axis=1)
+    through = np.flatnonzero(shift.any(axis=1))
+    images = positions[lines[through, 1]] + shift[through]
+    lines[through, 1] = len(positions) + np.arange(len(through))
+    return np.concatenate([positions, images]), lines, overlap
+
+
+def _write(path: Path, points: NDArray[np.float64], cells: NDArray[np.int64], arrays: Arrays, time: float) -> None:
+    """Write vertices (n, 1), whose arrays belong to the points, or lines (n, 2), whose arrays belong to the cells."""
+    from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
+    from vtkmodules.vtkCommonCore import vtkPoints
+    from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
+    from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
+
+    data: vtkPolyData = vtkPolyData()
+    places = vtkPoints()
+    places.SetData(numpy_to_vtk(np.ascontiguousarray(points), deep=True))
+    data.SetPoints(places)
+    cell_array = vtkCellArray()
+    cell_array.SetData(cells.shape[1], numpy_to_vtkIdTypeArray(np.ascontiguousarray(cells).ravel(), deep=True))
+    is_lines = cells.shape[1] == 2
+    (data.SetLines if is_lines else data.SetVerts)(cell_array)
+    for name, values in {**arrays, "TimeValue": np.array([time])}.items():
+        array = numpy_to_vtk(np.ascontiguousarray(values), deep=True)
+        array.SetName(name)
+        where = data.GetFieldData() if name == "TimeValue" else data.GetCellData() if is_lines else data.GetPointData()
+        where.AddArray(array)
+    writer = vtkXMLPolyDataWriter()
+    writer.SetFileName(str(path))
+    writer.SetInputData(data)
+    if not writer.Write() or writer.GetErrorCode():
+        raise OSError(f"{path}: VTK could not write it; is the disk full?")
+
+
+def _write_collection(path: Path, files: Mapping[float, str]) -> None:
+    root = ElementTree.Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")
+    collection = ElementTree.SubElement(root, "Collection")
+    for time, name in files.items():
+        ElementTree.SubElement(collection, "DataSet", timestep=repr(time), part="0", file=name)
+    ElementTree.indent(root)
+    ElementTree.ElementTree(root).write(path, encoding="utf-8", xml_declaration=True)

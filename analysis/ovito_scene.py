@@ -1,0 +1,164 @@
+"""Open the spheres and the contacts of a run together in OVITO.
+
+    python open_in_ovito.py [RUN] [--scene FILE] [--picture FILE]
+
+needs only the ``ovito`` package (``pip install ovito``); OVITO Pro runs it as it is (File > Run Python Script). It
+saves a scene that OVITO Basic opens too, without Python. Spheres come from ``data.granwave`` and
+``dumps/spheres.dump``; contacts are bonds, from ``dumps/contacts.dump``. Lengths are metres.
+
+Spheres are drawn at `SPHERE_SCALE` of their radius, so that the contacts between them are seen, and coloured by the
+decimal logarithm of their peak force so far (N). A contact appears with the snapshot that follows its first load;
+its colour and width show its peak force of the whole run, and its other columns (peak_overlap, dissipated,
+time_yield ...) are bond properties, in SI units.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import tomllib
+from pathlib import Path
+from typing import Any
+
+RUN = ".."  # the run's directory, as seen from this file
+NEEDED = ("case.toml", "data.granwave", "dumps/spheres.dump", "dumps/contacts.dump")
+SPHERE_SCALE = 0.4
+CONTACT_WIDTH = 0.25  # of the strongest contact, in diameters
+DECADES = 4  # of peak force that the colours span
+VIEW = (-0.46, 0.73, 0.5)  # depth goes along +z, and down in the picture
+PIXELS = (1200, 1000)
+
+
+def build(run: Path) -> Any:
+    """The pipeline of a run: snapshots of the spheres, and the contacts as bonds.
+
+    Parameters
+    ----------
+    run
+        The directory: case.toml, data.granwave, dumps/spheres.dump and dumps/contacts.dump.
+
+    Returns
+    -------
+    ovito.pipeline.Pipeline
+        Not yet in the scene.
+    """
+    from ovito.io import import_file
+    from ovito.modifiers import (
+        ColorCodingModifier,
+        ComputePropertyModifier,
+        DeleteSelectedModifier,
+        ExpressionSelectionModifier,
+        LoadTrajectoryModifier,
+    )
+
+    case = tomllib.loads((run / "case.toml").read_text(encoding="utf-8"))
+    sides = case.get("boundary", {}).get("sides") == "periodic"
+    contacts_file = run / "dumps" / "contacts.dump"
+
+    # The data file first and the snapshots last: bonds stay, and the time step shown is that of the snapshot.
+    pipeline: Any = import_file(str(run / "data.granwave"), atom_style="sphere")
+    pipeline.source.data.cell_.pbc = (sides, sides, False)
+    if columns := _columns(contacts_file):
+        contacts = LoadTrajectoryModifier()
+        contacts.source.load(str(contacts_file), columns=columns)
+        pipeline.modifiers.append(contacts)
+    snapshots = LoadTrajectoryModifier()
+    snapshots.source.load(str(run / "dumps" / "spheres.dump"))
+    pipeline.modifiers.append(snapshots)
+
+    last = pipeline.compute(pipeline.num_frames - 1)
+    strongest = max(float(last.particles["peak_force"][...].max()), 1e-300)
+    top = math.log10(strongest)
+
+    def coloured(what: str) -> None:
+        logarithm = f"log10(max(peak_force, {strongest * 10.0**-DECADES!r}))"
+        name = "log10(peak_force/N)"
+        pipeline.modifiers.append(
+            ComputePropertyModifier(operate_on=what, output_property=name, expressions=[logarithm])
+        )
+        scale: dict[str, Any] = {
+            "start_value": top - DECADES,
+            "end_value": top,
+            "gradient": ColorCodingModifier.Viridis(),
+        }
+        pipeline.modifiers.append(ColorCodingModifier(operate_on=what, property=name, **scale))
+
+    coloured("particles")
+    if columns:
+        later = f"time_first < 0 || time_first > Timestep*{_timestep(case)!r}*(1+1e-9)"
+        pipeline.modifiers.append(ExpressionSelectionModifier(operate_on="bonds", expression=later))
+        pipeline.modifiers.append(DeleteSelectedModifier(operate_on={"bonds"}))
+        coloured("bonds")
+        width = f"{CONTACT_WIDTH * case['packing']['diameter']!r}*sqrt(peak_force/{strongest!r})"
+        pipeline.modifiers.append(
+            ComputePropertyModifier(operate_on="bonds", output_property="Width", expressions=[width])
+        )
+    return pipeline
+
+
+def show(pipeline: Any) -> Any:
+    """Put the pipeline into the scene; the viewport, which looks at it with the struck layer up."""
+    import ovito
+    from ovito.vis import Viewport
+
+    pipeline.add_to_scene()
+    data = pipeline.compute(pipeline.num_frames - 1)
+    data.particles.vis.scaling = SPHERE_SCALE
+    data.cell.vis.enabled = False
+    scene: Any = ovito.scene
+    viewport = scene.viewports.active_vp or Viewport()
+    viewport.type = Viewport.Type.Ortho
+    viewport.camera_dir, viewport.camera_up = VIEW, (0.0, 0.0, -1.0)
+    viewport.zoom_all(size=PIXELS)
+    return viewport
+
+
+def _columns(path: Path) -> list[str]:
+    """What the columns of the contacts are to OVITO, from the header; empty when there is no contact."""
+    ids = {"i": "Particle Identifiers.1", "j": "Particle Identifiers.2"}
+    with open(path, encoding="ascii") as file:
+        count = 0
+        for line in file:
+            if line.startswith("ITEM: NUMBER OF ENTRIES"):
+                count = int(next(file))
+            if line.startswith("ITEM: ENTRIES"):
+                return [ids.get(name, name) for name in line.split()[2:]] if count else []
+    raise SystemExit(f"{path}: found no line 'ITEM: ENTRIES ...', expected the contacts of a finished run")
+
+
+def _timestep(case: dict[str, Any]) -> float:
+    return float(case["resolved"]["timestep"])
+
+
+def main() -> None:
+    here = Path(__file__).resolve().parent
+    parser = argparse.ArgumentParser(description="Spheres and contacts of a granwave run in OVITO.")
+    parser.add_argument("run", nargs="?", type=Path, default=here / RUN, help="the directory of the run")
+    parser.add_argument("--scene", type=Path, default=here / "scene.ovito", help="what OVITO opens (default: here)")
+    parser.add_argument("--picture", type=Path, help="render the last snapshot too (.png)")
+    options = parser.parse_args()
+    run = options.run.resolve()
+    if missing := [name for name in NEEDED if not (run / name).is_file()]:
+        raise SystemExit(f"{run}: {', '.join(missing)} missing; give the directory of a finished run")
+
+    import ovito
+
+    pipeline = build(run)
+    viewport = show(pipeline)
+    ovito.scene.save(str(options.scene))
+    data = pipeline.compute(pipeline.num_frames - 1)
+    bonds = data.particles.bonds.count if data.particles.bonds is not None else 0
+    print(f"{options.scene}: {data.particles.count} spheres, {bonds} contacts, {pipeline.num_frames} snapshots")
+    if options.picture:
+        from ovito.vis import TachyonRenderer
+
+        last = pipeline.num_frames - 1
+        try:
+            viewport.render_image(filename=str(options.picture), size=PIXELS, frame=last, renderer=TachyonRenderer())
+        except RuntimeError as error:  # no graphics: the message names the packages of the system
+            raise SystemExit(f"{options.picture}: not drawn; {error}") from None
+        print(options.picture)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,113 @@
+"""The comparison report of any number of runs, scans and continuum runs, as one HTML page, PDF or Markdown.
+
+Equal inputs give equal bytes: there is no date in a report, nothing depends on the order of files on the disk, and
+paths are shown as seen from the report.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+from granwave.analysis.report_content import build_report
+from granwave.analysis.report_inputs import read_inputs
+from granwave.analysis.report_model import Report, cleaned
+from granwave.lammps_inputs.errors import InputError, RunError
+
+SUFFIXES = (".html", ".pdf", ".md")
+
+
+def write_report(directories: Sequence[str | Path], output: str | Path) -> Path:
+    """Write the report of runs and scans; an older report of that name is replaced.
+
+    Parameters
+    ----------
+    directories
+        Of runs and scans, in any mix, in the order in which they shall appear. A scan need not be finished.
+    output
+        The report: ``.html``, ``.pdf`` or ``.md`` (pictures then go to ``NAME_files`` beside it).
+
+    Returns
+    -------
+    Path
+        The report.
+
+    Raises
+    ------
+    InputError
+        A directory is no run or scan, or is damaged; or the report cannot be written there. Nothing was written.
+    RunError
+        Writing failed, as on a full disk; an older report is still there.
+    """
+    output = Path(output)
+    faults = _faults_of(output)
+    try:
+        inputs = read_inputs(directories, output.parent)
+    except InputError as error:
+        faults += error.faults
+    if faults:
+        raise InputError(faults)
+    report = cleaned(build_report(inputs))
+    try:
+        _write(report, output)
+    except OSError as error:
+        raise RunError(f"{output}: cannot be written: {error.strerror or error}") from None
+    return output
+
+
+def _faults_of(output: Path) -> list[str]:
+    faults = []
+    if output.suffix.lower() not in SUFFIXES:
+        found = f"the suffix {output.suffix}" if output.suffix else "no suffix"
+        faults.append(f"{output}: found {found}, expected {', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}")
+    if output.is_dir():
+        faults.append(f"{output}: is a directory, expected the name of a file")
+    elif not output.parent.is_dir():
+        faults.append(f"{output}: there is no directory {output.parent}; make it first")
+    elif not os.access(output.parent, os.W_OK | os.X_OK):
+        faults.append(f"{output}: the directory {output.parent.resolve()} cannot be written to; choose another with -o")
+    elif output.suffix.lower() == ".md" and (folder := _folder(output)).exists() and not folder.is_dir():
+        faults.append(
+            f"{folder}: is a file, but pictures of {output.name} go to a directory of that name; move it away"
+        )
+    return faults
+
+
+def _folder(output: Path) -> Path:
+    return output.with_name(f"{output.stem}_files")
+
+
+def _write(report: Report, output: Path) -> None:
+    suffix = output.suffix.lower()
+    if suffix == ".html":
+        from granwave.analysis.report_html import html_page
+
+        _replace(output, html_page(report).encode("utf-8"))
+    elif suffix == ".pdf":
+        from granwave.analysis.report_pdf import pdf_file
+
+        _replace(output, pdf_file(report))
+    else:
+        from granwave.analysis.report_markdown import markdown
+
+        folder = _folder(output)
+        text, pictures = markdown(report, folder.name)
+        if pictures:
+            folder.mkdir(exist_ok=True)
+        for name, png in pictures.items():
+            _replace(folder / name, png)
+        _replace(output, text.encode("utf-8"))
+
+
+def _replace(path: Path, content: bytes) -> None:
+    """Write a file whole or not at all."""
+    scratch = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        scratch.write_bytes(content)
+        os.replace(scratch, path)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            scratch.unlink(missing_ok=True)
+        raise

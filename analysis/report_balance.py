@@ -1,0 +1,96 @@
+"""The energy balance of every run, and the contacts that left the range of the contact law."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from granwave.analysis.report_inputs import Inputs, Run
+from granwave.analysis.report_model import Cell, Column, Note, Section, Table, Tone
+from granwave.analysis.report_quantities import named, value_cell, value_column
+
+SLUG = "balance"
+#: Largest error of the balance, over the input, that is worth a note, and that is poor: by kind of run.
+LIMITS = {"run": (2e-6, 1e-5), "continuum": (5e-3, 2e-2)}
+_PARTS = ("kinetic", "elastic", "dissipated", "punch", "viscous", "hourglass")
+
+
+def verdict(run: Run) -> tuple[str, Tone]:
+    """What to think of the energy balance of a run."""
+    error = run.number("energy_balance_error")
+    note, poor = LIMITS[run.kind]
+    if error is None:
+        return "not known", "note"
+    if math.isnan(error) or error > poor:
+        return f"poor: above {poor:.0e}".replace("e-0", "e-"), "bad"
+    if error > note:
+        return f"fair: above {note:.0e}".replace("e-0", "e-"), "note"
+    return "good", "good"
+
+
+def balance_section(inputs: Inputs) -> Section:
+    """The section of the report."""
+    runs = list(inputs.results())
+    if not runs:
+        return Section("Energy balance", SLUG, (Note("There is no finished run."),))
+    text = "Error: the largest |kinetic + elastic + dissipated - input| of the ledger, over the input."
+    limits = {
+        "run": "A granular run above 1e-5 is refused (the published variant of the law, which cannot close, excepted).",
+        "continuum": "A continuum run above 2 % is stopped.",
+    }
+    text = " ".join([text, *(limits[kind] for kind in LIMITS if any(run.kind == kind for run in runs))])
+    return Section("Energy balance", SLUG, (Note(text), *balance_notes(runs), _table(runs)))
+
+
+def balance_notes(runs: Sequence[Run], section: str = "") -> list[Note]:
+    """Warnings of poor balances and of contacts beyond the law."""
+    notes = []
+    verdicts = {run.label: verdict(run) for run in runs}
+    poor = [label for label, (_, tone) in verdicts.items() if tone == "bad"]
+    fair = [label for label, (text, _) in verdicts.items() if text.startswith("fair")]
+    unknown = [label for label, (text, _) in verdicts.items() if text == "not known"]
+    if poor:
+        notes.append(Note(f"Poor energy balance, do not trust: {named(poor)}.", "bad", section))
+    if fair:
+        notes.append(Note(f"Energy balance less good than usual: {named(fair)}.", "note", section))
+    if unknown:
+        notes.append(Note(f"No energy balance is recorded: {named(unknown)}.", "note", section))
+    beyond = [run for run in runs if (run.number("contacts_beyond_law") or 0) > 0]
+    if beyond:
+        counts = [f"{run.label} ({run.number('contacts_beyond_law'):.0f})" for run in beyond]
+        text = f"Contacts beyond the law, which was fitted up to an overlap of 0.2 R*: {named(counts)}."
+        notes.append(Note(text, "note", section))
+    return notes
+
+
+def _table(runs: Sequence[Run]) -> Table:
+    parts = [f"energy_{part}_J" for part in _PARTS]
+    shown = [key for key in ("energy_input_J", *parts) if any(run.summary.get(key) is not None for run in runs)]
+    beyond = any(run.summary.get("contacts_beyond_law") is not None for run in runs)
+    columns = [
+        Column("Run", key=True),
+        *(value_column(key) for key in shown),
+        Column("Error over input", numeric=True),
+        Column("Balance"),
+        Column("Timestep", "s", numeric=True),
+        Column("Timesteps dropped", numeric=True),
+    ]
+    if beyond:
+        columns.append(Column("Contacts beyond the law", numeric=True))
+    rows = []
+    for run in runs:
+        text, tone = verdict(run)
+        dropped = run.record.get("attempts")
+        row = [
+            Cell(run.label, run.label),
+            *(value_cell(run.summary.get(key)) for key in shown),
+            value_cell(run.summary.get("energy_balance_error"), tone=tone if tone == "bad" else ""),
+            Cell(text, text, tone),
+            value_cell(run.summary.get("timestep_s")),
+            value_cell(len(dropped) if isinstance(dropped, list) else None),
+        ]
+        if beyond:
+            count = run.summary.get("contacts_beyond_law")
+            row.append(value_cell(count, tone="note" if (run.number("contacts_beyond_law") or 0) > 0 else ""))
+        rows.append(tuple(row))
+    return Table("Energies at the end, and the error of the balance", tuple(columns), tuple(rows), sortable=True)

@@ -1,0 +1,193 @@
+"""Pictures of a report: those that runs and scans left, made small, and curves of several runs in one."""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Sequence
+from itertools import cycle
+from pathlib import Path
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from granwave.analysis.figure_style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, new_figure, style
+from granwave.analysis.report_inputs import RESULT_FILE, Inputs, Run, Scan
+from granwave.analysis.report_model import Block, Figure, Gallery, Group, Note, Section
+from granwave.analysis.report_quantities import readable
+
+SLUG = "figures"
+WIDTH, POINT_WIDTH = 900, 600  # pixels, at most, of pictures of runs and scans, and of points of scans
+POINTS_BUDGET = 8_000_000  # bytes, of all pictures of points; those beyond stay in their directories
+MOST_CURVES = 12
+_FOLDER = "figures"
+_COLOURS = 256
+_MOST_INSTANTS = 2000  # drawn of a curve
+
+_CAPTIONS = {
+    "peak_force_principal": "Peak contact force, principal plane",
+    "peak_force_orthogonal": "Peak contact force, plane orthogonal to it",
+    "peak_force_depth": "Peak contact force against depth",
+    "dissipation_principal": "Dissipation, principal plane",
+    "dissipation_orthogonal": "Dissipation, plane orthogonal to it",
+    "dissipation_ranked": "Dissipation of spheres in descending order",
+    "dissipation_cumulated": "Cumulated dissipation against the volume involved",
+    "plastic_zone_growth": "Growth of the plastic zone",
+    "energies": "Energies and the error of their balance",
+    "bottom_force": "Force and impulse on the bottom",
+    "impactor_velocity": "Velocity of the struck sphere",
+    "packing_3d": "Packing cut open, peak contact force",
+    "packing_3d_dissipation": "Packing cut open, dissipation",
+    "probes": "Probes",
+    "wave_front": "Wave front",
+}
+
+
+def figures_section(inputs: Inputs) -> Section:
+    """The section of the report."""
+    blocks: list[Block] = []
+    n_items = len(inputs.items)
+    for number, item in enumerate(inputs.items, start=1):
+        what = "scan" if isinstance(item, Scan) else "run"
+        parts = _pictures(item.directory, inputs, f"{number}-{item.label}", f"{what} {item.label}", WIDTH)
+        if parts:
+            title = f"{what.capitalize()} {item.label}"
+            blocks.append(Group(title, parts, folded=n_items > 2 and isinstance(item, Run)))
+        if isinstance(item, Scan):
+            blocks += _points(item, inputs, number)
+    return Section("Figures", SLUG, tuple(blocks) or (Note("There are no figures."),))
+
+
+def overlay(inputs: Inputs) -> list[Block]:
+    """Dissipated share against time, a curve for each run that was given by itself; nothing for fewer than two."""
+    if len(inputs.runs) < 2:
+        return []
+    curves, missing = [], []
+    for run in inputs.runs:
+        curve = _dissipation(run)
+        if curve is None:
+            missing.append(run.label)
+        else:
+            curves.append((run.label, *curve))
+    blocks: list[Block] = []
+    if curves:
+        more = "" if len(curves) <= MOST_CURVES else f", the first {MOST_CURVES} runs"
+        caption = f"Dissipated share of the input against time{more}"
+        png = _draw(curves[:MOST_CURVES])
+        alt = f"Curves of the dissipated share against time of {len(curves[:MOST_CURVES])} runs"
+        blocks.append(Gallery((Figure("dissipated-share", caption, alt, png, _size(png)),)))
+    if missing:
+        blocks.append(Note(f"No energies against time in {RESULT_FILE}: {', '.join(missing)}.", "note"))
+    return blocks
+
+
+def shrunk(path: Path, width: int) -> tuple[bytes, tuple[int, int]]:
+    """A picture as PNG in at most 256 colours, at most ``width`` wide, and its size in pixels.
+
+    Raises
+    ------
+    OSError, ValueError, SyntaxError
+        The file is not a picture.
+    """
+    with Image.open(path) as found:
+        image = Image.new("RGB", found.size, "white")
+        image.paste(found, mask=found.getchannel("A") if "A" in found.getbands() else None)
+    if image.width > width:
+        image = image.resize((width, max(1, round(image.height * width / image.width))), Image.Resampling.LANCZOS)
+    image = image.quantize(_COLOURS, method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
+    stream = io.BytesIO()
+    image.save(stream, "PNG", optimize=True)
+    return stream.getvalue(), image.size
+
+
+def _points(scan: Scan, inputs: Inputs, number: int) -> list[Block]:
+    """Pictures of the points of a scan, a folded group each, as long as the page stays of a reasonable size."""
+    blocks: list[Block] = []
+    left, size = [], 0
+    seen: set[Path] = set()
+    for point in scan.points:
+        run = point.run
+        if run is None or run.directory in seen or not any((run.directory / _FOLDER).glob("*.png")):
+            continue
+        seen.add(run.directory)
+        if size > POINTS_BUDGET:
+            left.append(inputs.link(run.directory / _FOLDER, f"#{point.result.number}"))
+            continue
+        name = f"{number}-{scan.label}-{point.result.number}"
+        parts = _pictures(run.directory, inputs, name, f"run {run.label}", POINT_WIDTH)
+        size += sum(len(figure.png) for part in parts if isinstance(part, Gallery) for figure in part.figures)
+        labels = ", ".join(f"{key} = {value}" for key, value in point.result.labels.items())
+        blocks.append(Group(f"Point {point.result.number} of {scan.label}: {labels}", parts, folded=True))
+    if left:
+        blocks.append(Note("The figures of further points are in their directories:", links=tuple(left)))
+    return blocks
+
+
+def _pictures(directory: Path, inputs: Inputs, name: str, what: str, width: int) -> tuple[Gallery | Note, ...]:
+    """The PNG files of a directory's figures, in the order of the figures of a run, others by name after them."""
+    order = list(_CAPTIONS)
+    paths = sorted(
+        (directory / _FOLDER).glob("*.png"),
+        key=lambda path: (order.index(path.stem) if path.stem in order else len(order), path.name),
+    )
+    figures, damaged = [], []
+    for path in paths:
+        try:
+            png, size = shrunk(path, width)
+        except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
+            damaged.append(Note(f"{inputs.path(path)} cannot be shown: {_first_line(error)}", "note"))
+            continue
+        caption = _CAPTIONS.get(path.stem, readable(path.stem).replace(" vs ", " against "))
+        data = path.with_suffix(".csv")
+        link = inputs.link(data, f"{_FOLDER}/{data.name}") if data.is_file() else None
+        figures.append(Figure(_slug(f"{name}-{path.stem}"), caption, f"{caption}: {what}", png, size, link))
+    gallery = (Gallery(tuple(figures)),) if figures else ()
+    return (*gallery, *damaged)
+
+
+def _dissipation(run: Run) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
+    """Time, s, and dissipated energy over the final input; None where the result has none."""
+    try:
+        with h5py.File(run.directory / RESULT_FILE, "r") as file:
+            time, lost, given = (np.asarray(file[f"energy/{n}"][()], float) for n in ("time", "dissipated", "input"))
+    except (OSError, KeyError, ValueError, TypeError):
+        return None
+    if time.ndim != 1 or not time.shape == lost.shape == given.shape or not len(time) or not given[-1] > 0:
+        return None
+    step = -(-len(time) // _MOST_INSTANTS)
+    shown = np.append(np.arange(0, len(time) - 1, step), len(time) - 1)
+    return time[shown], lost[shown] / given[-1]
+
+
+def _draw(curves: Sequence[tuple[str, NDArray, NDArray]]) -> bytes:
+    with style():
+        figure = new_figure(3.0, 5.6)
+        axes = figure.subplots()
+        colours = cycle((BLUE, ORANGE, GREEN, PURPLE, SKY, GREY))
+        for n, ((label, time, share), colour) in enumerate(zip(curves, colours, strict=False)):
+            name = label if len(label) <= 32 else label[:15] + "…" + label[-16:]
+            line = ("-", "--")[n // 6 % 2]
+            axes.plot(1e6 * time, share, line, color=colour, label=name.replace("$", r"\$").lstrip("_") or "run")
+        axes.set_xlabel("Time (µs)")
+        axes.set_ylabel("Dissipated share of the input")
+        axes.set_xlim(0, 1e6 * max(time[-1] for _, time, _ in curves) or 1.0)
+        axes.set_ylim(bottom=0)
+        axes.legend(loc="lower right", ncols=1 if len(curves) <= 6 else 2)
+        stream = io.BytesIO()
+        figure.savefig(stream, format="png", dpi=200, metadata={"Software": None})
+    return stream.getvalue()
+
+
+def _size(png: bytes) -> tuple[int, int]:
+    with Image.open(io.BytesIO(png)) as image:
+        return image.size
+
+
+def _slug(text: str) -> str:
+    return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")
+
+
+def _first_line(error: BaseException) -> str:
+    return (str(error).splitlines() or [type(error).__name__])[0].split(": ")[0]

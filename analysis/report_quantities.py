@@ -1,0 +1,175 @@
+"""Names, units and number formats of what stands in a summary or a case."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from granwave.analysis.report_model import Cell, Column
+from granwave.lammps_inputs.case import unit_of
+
+BLANK = "\u2013"  # a value that does not apply
+_DIGITS = 5
+_UNITS = {
+    "_m_s": "m/s", "_per_s": "1/s", "_m3": "m³", "_Ns": "N s", "_J": "J", "_N": "N", "_s": "s", "_m": "m",
+}  # fmt: skip
+
+#: Columns of a table of results, in this order, as far as there are values.
+MAIN = (
+    "dissipated_fraction",
+    "peak_force_N",
+    "n_plastic_contacts",
+    "n_plastic_spheres",
+    "plastic_zone_volume_m3",
+    "plastic_zone_volume_ever_m3",
+    "plastic_zone_depth_m",
+    "plastic_zone_radius_m",
+    "wall_peak_force_N",
+    "wall_impulse_Ns",
+    "impactor_velocity_m_s",
+    "wave_speed_m_s",
+    "energy_input_J",
+    "energy_input_normalised",
+    "velocity_normalised",
+    "contacts_beyond_law",
+    "energy_balance_error",
+    "n_spheres",
+    "n_elements",
+    "end_time_s",
+    "wall_time_s",
+)
+
+_LABELS = {
+    "n_spheres": "Spheres",
+    "n_contacts": "Contacts",
+    "n_elements": "Elements",
+    "n_steps": "Steps",
+    "n_ranks": "MPI ranks",
+    "n_plastic_contacts": "Yielded contacts",
+    "n_plastic_spheres": "Yielded spheres",
+    "n_wall_contacts": "Wall contacts",
+    "peak_force_N": "Peak contact force",
+    "wall_peak_force_N": "Peak force on the bottom",
+    "wall_impulse_Ns": "Impulse on the bottom",
+    "impactor_velocity_m_s": "Struck sphere at the end",
+    "energy_input_J": "Energy input",
+    "energy_kinetic_J": "Kinetic energy",
+    "energy_elastic_J": "Elastic energy",
+    "energy_dissipated_J": "Dissipated energy",
+    "energy_dissipated_wall_J": "Dissipated at walls",
+    "energy_punch_J": "Energy of the punch",
+    "energy_viscous_J": "Viscous energy",
+    "energy_hourglass_J": "Hourglass energy",
+    "energy_input_normalised": "Energy input, normalised",
+    "velocity_normalised": "Velocity, normalised",
+    "plastic_zone_volume_ever_m3": "Volume that ever yielded",
+    "contacts_beyond_law": "Contacts beyond the law",
+    "contacts_beyond_half_law": "Contacts beyond half the law",
+    "energy_balance_error": "Balance error",
+    "wall_time_s": "Wall time",
+    "yield_force_N": "Force at first yield",
+    "yield_overlap_m": "Overlap at first yield",
+}
+
+
+def label_of(key: str) -> str:
+    """Name of a key of a summary for people."""
+    if key in _LABELS:
+        return _LABELS[key]
+    suffix = next((suffix for suffix in _UNITS if key.endswith(suffix)), "")
+    return readable(key.removesuffix(suffix))
+
+
+def unit_of_value(key: str) -> str:
+    """Unit of a key of a summary, empty where it has none."""
+    return next((unit for suffix, unit in _UNITS.items() if key.endswith(suffix)), "")
+
+
+def readable(name: str) -> str:
+    """A file's or key's name as words."""
+    words = name.replace("_", " ").strip()
+    return words[:1].upper() + words[1:]
+
+
+def value_column(key: str) -> Column:
+    """Column of a value of the summary."""
+    return Column(label_of(key), unit_of_value(key), numeric=True)
+
+
+def case_column(key: str, *, numeric: bool) -> Column:
+    """Column of a key of the case."""
+    return Column(key, unit_of_key(key), numeric=numeric, key=True)
+
+
+def unit_of_key(key: str) -> str:
+    """Unit of a key of the case, empty where it has none."""
+    return unit_of(key).replace("^2", "²").replace("^3", "³")
+
+
+def show(value: Any) -> str:
+    """A value of a summary or a case as text; numbers with five digits."""
+    if value is None:
+        return BLANK
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, int):
+        return str(value)
+    if isinstance(value, float):
+        return _float(value)
+    if isinstance(value, (list, tuple)):
+        return "[" + ", ".join(show(item) for item in value) + "]"
+    if isinstance(value, dict):
+        return ", ".join(f"{name} {show(item)}" for name, item in value.items())
+    return str(value)
+
+
+def named(labels: Sequence[str], most: int = 6) -> str:
+    """A list of runs, cut when it is long; points of one scan are named by their numbers after the first."""
+    texts, before = [], None
+    for label in labels[:most]:
+        scan, _, number = label.rpartition(" #")
+        texts.append(f"#{number}" if scan and scan == before else label)
+        before = scan
+    more = f" and {len(labels) - most} more" if len(labels) > most else ""
+    return ", ".join(texts) + more
+
+
+def percent(value: float) -> str:
+    """A difference in per cent, with its sign."""
+    text = f"{value:+.2g}" if abs(value) < 1 else f"{value:+.3g}"
+    return "0 %" if value == 0 else f"{_plain(text)} %"
+
+
+def value_cell(value: Any, **more: Any) -> Cell:
+    """Cell of a value; numbers sort as such."""
+    sort = value
+    if isinstance(value, bool):
+        sort = float(value)
+    elif isinstance(value, (int, float)):
+        sort = float(value) if -1e300 < value < 1e300 else None  # NaN too
+    elif value is not None:
+        sort = show(value)
+    return Cell(show(value), sort, **more)
+
+
+def is_number(value: Any) -> bool:
+    """An integer or a float, but no truth value."""
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def _float(value: float) -> str:
+    if math.isnan(value):
+        return "not a number"
+    if math.isinf(value):
+        return "infinite"
+    text = f"{value:.{_DIGITS}g}"
+    if 1e5 <= abs(value) < 1e7:
+        text = f"{float(text):.0f}"
+    return _plain(text)
+
+
+def _plain(text: str) -> str:
+    """1.2e-06 as 1.2e-6."""
+    mantissa, e, exponent = text.partition("e")
+    return f"{mantissa}e{int(exponent)}" if e else text

@@ -1,0 +1,37 @@
+"""The fixture `slurm`: a real Slurm of two virtual nodes, see tests/slurm/cluster.py. Import it into the test module that wants it."""
+
+from __future__ import annotations
+
+import subprocess
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import pytest
+
+from tests.slurm import cluster
+
+
+@dataclass(frozen=True)
+class Slurm:
+    """A cluster that is up."""
+
+    partition: str = cluster.PARTITION
+    nodes: tuple[str, ...] = cluster.NODES
+    cpus: int = cluster.CPUS  # of a node
+
+    def cancel_all(self) -> None:
+        """Take every job out of the queue, for tests that leave some behind."""
+        subprocess.run(["scancel", f"--partition={self.partition}"], check=True)
+
+
+@pytest.fixture(scope="session")
+def slurm() -> Iterator[Slurm]:
+    """Start the cluster, or use the one of ours that is up and leave it so; skip where there can be none."""
+    was_up = cluster.is_up()
+    try:
+        cluster.start()
+    except cluster.CannotError as reason:
+        pytest.skip(str(reason))
+    yield Slurm()
+    if not was_up:
+        cluster.stop()

@@ -1,0 +1,67 @@
+"""How fast this machine is: the first steps of one point, timed."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import tomli_w
+
+from granwave.workflows import mpi
+from granwave.workflows.engine import Engine, open_engine
+from granwave.workflows.scanning.scan_file import Point
+
+_WARM, _SPAN = 1.5, 1.0  # s of wall time: until contacts are loaded, and timed
+_LONGEST = 60.0  # s, after which the measurement is given up
+
+
+def slowness_of(point: Point) -> float | None:
+    """Measured over planned wall time of a point; None where it could not be measured.
+
+    The first part of the impact is timed, when fewer contacts are loaded than later: the whole takes somewhat longer.
+    """
+    document = tomli_w.dumps(point.case.to_dict())
+    command = [sys.executable, "-m", "granwave.workflows.scanning.calibrate"]
+    try:
+        done = subprocess.run(
+            command, input=document, capture_output=True, text=True, timeout=_LONGEST, env=mpi.alone(), check=True
+        )
+        seconds_a_step = float(json.loads(done.stdout.splitlines()[-1]))
+    except (subprocess.SubprocessError, OSError, ValueError, IndexError):
+        return None
+    return seconds_a_step * point.plan.schedule.n_steps / point.ranks / point.plan.wall_time
+
+
+def _measure(document: str) -> float:
+    """Wall time of a step on one rank, s."""
+    from granwave.lammps_inputs.case import load_case
+    from granwave.lammps_inputs.deck import write_deck
+    from granwave.lammps_inputs.script import part
+
+    with tempfile.TemporaryDirectory(prefix="granwave-") as scratch:
+        path = Path(scratch) / "case.toml"
+        path.write_text(document, encoding="utf-8")
+        deck = write_deck(load_case(path), Path(scratch) / "deck")
+        with contextlib.chdir(deck.directory), open_engine(mpi.world(), log="none") as engine:
+            engine.commands(part(deck.script.read_text(encoding="utf-8"), "setup"))
+            engine.commands("run 20 post no")
+            _run_for(engine, _WARM)
+            return _run_for(engine, _SPAN)
+
+
+def _run_for(engine: Engine, span: float) -> float:
+    """Run for so many seconds; returns the wall time of a step, s."""
+    piece, steps, begin = 50, 0, time.monotonic()
+    while (elapsed := time.monotonic() - begin) < span:
+        engine.commands(f"run {piece} pre no post no")
+        steps += piece
+    return elapsed / steps
+
+
+if __name__ == "__main__":
+    print(json.dumps(_measure(sys.stdin.read())))

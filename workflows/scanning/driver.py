@@ -1,0 +1,388 @@
+"""One scan from its file to table, figures and report: what is missing is run in rounds until all is done."""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import json
+import logging
+import os
+import shutil
+import signal
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from granwave.analysis.scan_result import SCAN_FILE, SCAN_INDEX, ScanResult, is_scan
+from granwave.analysis.scan_table import ScanData, read_scan, write_scan_table
+from granwave.lammps_inputs.errors import InputError, RunError
+from granwave.workflows.directory import held, results_in
+from granwave.workflows.progress import Progress
+from granwave.workflows.scanning import layout, queue
+from granwave.workflows.scanning.batches import make_batches
+from granwave.workflows.scanning.engine import SLURM, Engine, check_installed
+from granwave.workflows.scanning.profile import Profile
+from granwave.workflows.scanning.scan_file import Point, Scan
+
+logger = logging.getLogger(__name__)
+
+STOPPED = "stopped"  # by Ctrl-C or SIGTERM
+_LOCAL_START = 2.5  # s, of a job on this machine: Snakemake, Python, libraries
+_POLL, _QUEUE_POLL = 0.3, 2.0  # s, between looks at the directory, and at the cluster
+_PATIENCE = 60.0  # s, in which running jobs end by themselves once they are asked to
+_TABLE_EVERY, _FIGURES_EVERY = 5.0, 60.0  # s, at most so often while points come in
+_MOST_ROUNDS = 3  # a round that leaves points behind (killed jobs) is followed by another
+
+
+@dataclasses.dataclass(frozen=True)
+class ScanOutcome:
+    """What became of a scan.
+
+    Attributes
+    ----------
+    done, failed, missing
+        Distinct points.
+    stopped
+        Ctrl-C, or the reason why it could not go on; None when it came to its end.
+    """
+
+    directory: Path
+    done: int
+    failed: int
+    missing: int
+    stopped: str | None
+
+    @property
+    def data(self) -> ScanData:
+        """The table: a numpy array for each column, by name."""
+        return read_scan(self.directory)
+
+    @property
+    def complete(self) -> bool:
+        """Every point is done."""
+        return not self.failed and not self.missing
+
+
+def run_scan(
+    scan: Scan,
+    directory: str | Path,
+    *,
+    executor: str = "local",
+    profile: Profile | None = None,
+    jobs: int | None = None,
+    resume: bool = False,
+    force: bool = False,
+    progress: bool = False,
+    slowness: float = 1.0,
+) -> ScanOutcome:
+    """Run a scan, and make its table, figures and report.
+
+    Parameters
+    ----------
+    directory
+        Where everything goes.
+    executor
+        ``local`` or ``slurm``.
+    profile
+        Of the cluster, for ``slurm``.
+    jobs
+        At once: cores of this machine, or jobs on the cluster.
+    resume
+        Do only what is missing; points that failed are tried again.
+    force
+        Replace what is there.
+    progress
+        Show a bar (on a terminal) or lines (in a log).
+    slowness
+        Measured over planned time of a point.
+
+    Raises
+    ------
+    InputError
+        The directory holds results, another scan or is in use; the engine is missing. Nothing was run.
+    RunError
+        The engine failed.
+    """
+    directory = Path(directory).absolute()
+    check_installed(executor)
+    if executor == SLURM:
+        queue.check_slurm()
+        profile = profile or Profile()
+    else:
+        profile = None
+    decide(scan, directory, resume=resume, force=force)
+    with held(directory), _StopRequest() as stop:
+        if force:
+            clear(directory)
+        _prepare(scan, directory, on_cluster=profile is not None)
+        run = _ScanRun(scan, directory, profile, jobs or default_jobs(profile), stop, progress, slowness)
+        run.work()
+        return run.outcome()
+
+
+def default_jobs(profile: Profile | None) -> int:
+    """Jobs at once: the cores of this machine, or what the profile says."""
+    return profile.jobs if profile else len(os.sched_getaffinity(0))
+
+
+# ---------------------------------------------------------------------- the directory
+
+
+def decide(scan: Scan, directory: Path, *, resume: bool, force: bool) -> None:
+    """May the scan be run in ``directory``? Changes nothing.
+
+    Raises
+    ------
+    InputError
+        It holds results and neither resume nor force was given, or holds something else.
+    """
+    if resume and force:
+        raise InputError(
+            "--resume and --force exclude each other: one goes on with what is there, the other replaces it"
+        )
+    if directory.exists() and not directory.is_dir():
+        raise InputError(f"{directory}: is a file, expected a directory; choose another with -o")
+    if results_in(directory) and not is_scan(directory) and not (directory / layout.WORK).exists():
+        raise InputError(f"{directory}: holds a run, expected a scan or nothing; choose another with -o")
+    found = [name for name in layout.RESULTS if (directory / name).exists()]
+    if found and not resume and not force:
+        raise InputError(
+            f"{directory}: already holds results ({', '.join(found[:3])}{', ...' if len(found) > 3 else ''}); "
+            "--resume does what is missing, --force replaces them, or choose another directory with -o"
+        )
+    if resume and is_scan(directory):
+        there = ScanResult(directory)
+        if there.name != scan.name and not {point.id for point in there.points} & set(scan.distinct):
+            raise InputError(
+                f"{directory}: holds another scan ({there.name}), without a point of {scan.name}; "
+                "--force replaces it, or choose another directory with -o"
+            )
+    place = next(path for path in (directory, *directory.parents) if path.exists())
+    free = shutil.disk_usage(place).free
+    needed = sum(p.plan.disk for p in scan.distinct.values() if force or not layout.is_done(directory, p.id))
+    if needed > free:
+        raise InputError(
+            f"{directory}: the points need about {needed / 1e9:.2f} GB, {free / 1e9:.2f} GB are free there; "
+            "choose another directory with -o, or fewer run.frames"
+        )
+
+
+def clear(directory: Path) -> None:
+    """Remove the results of a scan, and nothing else."""
+    for name in layout.RESULTS:
+        path = directory / name
+        shutil.rmtree(path) if path.is_dir() else path.unlink(missing_ok=True)
+
+
+def _prepare(scan: Scan, directory: Path, *, on_cluster: bool) -> None:
+    for name in (layout.BATCHES, layout.DONE, layout.LOGS):
+        (directory / name).mkdir(parents=True, exist_ok=True)
+    (directory / layout.STOP).unlink(missing_ok=True)
+    (directory / SCAN_FILE).write_text(scan.text, encoding="utf-8")
+    scratch = directory / f".{SCAN_INDEX}"
+    scratch.write_text(json.dumps(scan.index(), indent=1) + "\n", encoding="utf-8")
+    scratch.replace(directory / SCAN_INDEX)
+    for point in scan.distinct:
+        state = layout.state(directory, point)
+        if state.get("state") == layout.FAILED:  # another chance
+            layout.write_state(
+                layout.unfinished(directory, point), **{**state, "state": layout.INTERRUPTED, "attempts": 0}
+            )
+
+
+# ---------------------------------------------------------------------- the rounds
+
+
+class _ScanRun:
+    def __init__(
+        self,
+        scan: Scan,
+        directory: Path,
+        profile: Profile | None,
+        jobs: int,
+        stop: _StopRequest,
+        show: bool,
+        slowness: float,
+    ) -> None:
+        self.scan, self.directory, self.profile, self.jobs, self.stop = scan, directory, profile, jobs, stop
+        self.show, self.slowness = show, slowness
+        self.open = dict(scan.distinct)  # points of which it is not known that they are done or failed
+        self.result = ScanResult(directory)
+        self.drawn = self.tabled = time.monotonic()
+        self.changed = True
+        self.stopped: str | None = None
+
+    def work(self) -> None:
+        """Rounds of jobs until every point is done or has failed; the table and figures as points come in."""
+        self._take_stock()
+        bar = Progress(len(self.scan.distinct), self.scan.name, enabled=self.show, done=self._closed())
+        self._bar = bar
+        try:
+            for number in range(_MOST_ROUNDS):
+                self._wait_for_adopted()
+                if not self.open or self.stop.wanted or self.stopped:
+                    break
+                self._round(list(self.open.values()), f"{int(time.time()):x}{number}")
+        finally:
+            bar.close()
+        if self.stop.wanted:
+            self.stopped = STOPPED
+        self._publish()
+
+    def _wait_for_adopted(self) -> None:
+        """Jobs that an earlier start of this scan left on the cluster go on: their points are not done twice."""
+        while self.profile and not self.stop.wanted and queue.jobs_of(self.directory):
+            self._look("jobs of an earlier start go on")
+            time.sleep(_QUEUE_POLL)
+        self._take_stock()
+
+    def _round(self, points: Sequence[Point], prefix: str) -> None:
+        batches = make_batches(
+            points,
+            workers=self.jobs,
+            job_start=self.profile.job_start if self.profile else _LOCAL_START,
+            prefix=prefix,
+            slowness=self.slowness,
+        )
+        for batch in batches:
+            launcher = self.profile.launcher_of(batch) if self.profile else []
+            path = self.directory / layout.BATCHES / f"{batch.id}.json"
+            batch.write(path, figures=self.scan.figures, launcher=launcher)
+        engine = Engine(self.scan.name, self.directory, batches, jobs=self.jobs, profile=self.profile)
+        try:
+            self._watch(engine)
+        finally:
+            engine.kill()
+        self._why_stopped()
+        self._take_stock()
+        if not self.stopped and not self.stop.wanted and not any(layout.begun(self.directory, p.id) for p in points):
+            raise RunError(f"Snakemake started no point; see {engine.log}")
+
+    def _watch(self, engine: Engine) -> None:
+        """Until the jobs have ended; on a cluster the engine may learn of it minutes later."""
+        since: float | None = None
+        while engine.running():
+            time.sleep(_POLL)
+            self._look()
+            if self.stop.wanted or (self.directory / layout.STOP).exists():
+                self._stop_jobs(engine)
+                return
+            if self.profile and not self.open:
+                since = since or time.monotonic()
+                if time.monotonic() - since > _QUEUE_POLL and not queue.jobs_of(self.directory):
+                    return
+
+    def _stop_jobs(self, engine: Engine) -> None:
+        """The points in work write checkpoints; those that wait are taken back."""
+        if self.stop.wanted:
+            logger.warning("%s: stopping; the points in work write checkpoints ...", self.scan.name)
+        with contextlib.suppress(OSError):
+            (self.directory / layout.STOP).touch()
+        if not self.profile:
+            while engine.running() and not self.stop.insists:
+                time.sleep(_POLL)
+            return
+        engine.kill()  # so that nothing new is submitted
+        queue.cancel([job for job in queue.jobs_of(self.directory) if job.pending])
+        patience = time.monotonic() + _PATIENCE
+        while queue.jobs_of(self.directory):
+            time.sleep(_QUEUE_POLL)
+            if time.monotonic() > patience or self.stop.insists:
+                queue.cancel(queue.jobs_of(self.directory))
+                return
+
+    def _why_stopped(self) -> None:
+        path = self.directory / layout.STOP
+        if path.exists() and not self.stop.wanted:
+            self.stopped = path.read_text(encoding="utf-8") or "the disk is full"
+
+    # ------------------------------------------------------------------ looking
+
+    def _look(self, note: str = "") -> None:
+        """Move the bar; bring table and figures up to date now and then."""
+        running = self._take_stock()
+        failed = self._failed()
+        parts = [note, f"{failed} failed" if failed else "", f"now {'; '.join(running[:3])}" if running else ""]
+        self._bar.update(self._closed(), ", ".join(part for part in parts if part))
+        now = time.monotonic()
+        if self.changed and now - self.tabled > _TABLE_EVERY:
+            write_scan_table(self.result)
+            self.changed, self.tabled = False, now
+            if now - self.drawn > _FIGURES_EVERY:
+                _draw(self.result, pdf=False)
+                self.drawn = time.monotonic()
+
+    def _take_stock(self) -> list[str]:
+        """Close the points that are done or have failed; returns the labels of those that run."""
+        running = []
+        for name, point in list(self.open.items()):
+            state = {} if layout.is_done(self.directory, name) else layout.state(self.directory, name)
+            if (not state and layout.is_done(self.directory, name)) or state.get("state") == layout.FAILED:
+                del self.open[name]
+                self.changed = True
+            elif state.get("state") == layout.RUNNING:
+                running.append(", ".join(f"{key.split('.')[-1]} {value}" for key, value in point.labels.items()))
+        return running
+
+    def _closed(self) -> int:
+        return len(self.scan.distinct) - len(self.open)
+
+    def _failed(self) -> int:
+        return sum(name not in self.open and not layout.is_done(self.directory, name) for name in self.scan.distinct)
+
+    def _publish(self) -> None:
+        write_scan_table(self.result)
+        if self.stop.wanted:
+            return  # who stops a scan does not want to wait for figures
+        _draw(self.result)
+        from granwave.analysis.report import write_report
+
+        write_report([self.directory], self.directory / "report.html")
+
+    def outcome(self) -> ScanOutcome:
+        """What became of it."""
+        names = self.scan.distinct
+        done = sum(layout.is_done(self.directory, name) for name in names)
+        failed = self._failed()
+        if done == len(names):
+            with contextlib.suppress(OSError):
+                (self.directory / layout.unfinished(self.directory, "")).rmdir()
+        return ScanOutcome(self.directory, done, failed, len(names) - done - failed, self.stopped)
+
+
+def _draw(result: ScanResult, *, pdf: bool = True) -> None:
+    # the drawing library is loaded when the first points are done, not before the first starts
+    from granwave.analysis.scan_figures import draw_scan_figures
+
+    draw_scan_figures(result, pdf=pdf)
+
+
+class _StopRequest:
+    """Ctrl-C and SIGTERM: once to stop in an orderly way, three times to stop at once."""
+
+    def __init__(self) -> None:
+        self._count = 0
+        self._before: dict[int, object] = {}
+
+    def __enter__(self) -> _StopRequest:
+        with contextlib.suppress(ValueError):  # of another thread than the main one nobody asks anything
+            for number in (signal.SIGINT, signal.SIGTERM):
+                self._before[number] = signal.signal(number, self._note)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for number, handler in self._before.items():
+            signal.signal(number, handler)  # type: ignore[arg-type]
+
+    def _note(self, *_: object) -> None:
+        self._count += 1
+
+    @property
+    def wanted(self) -> bool:
+        """Somebody asked to stop."""
+        return self._count > 0
+
+    @property
+    def insists(self) -> bool:
+        """Somebody asked again and again."""
+        return self._count >= 3

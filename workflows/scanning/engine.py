@@ -1,0 +1,102 @@
+"""Snakemake as a subprocess: starts the jobs of a scan, here or on a cluster, and once more those that were killed."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Sequence
+from importlib import util
+from pathlib import Path
+
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.plan import available_memory
+from granwave.workflows import mpi
+from granwave.workflows.scanning import layout, worker
+from granwave.workflows.scanning.batches import Batch
+from granwave.workflows.scanning.profile import Profile
+
+LOCAL, SLURM = "local", "slurm"
+EXECUTORS = (LOCAL, SLURM)
+_SNAKEFILE = Path(__file__).with_name("Snakefile")
+
+
+def check_installed(executor: str) -> None:
+    """Raise InputError where the engine, or what it needs for an executor, is missing."""
+    if util.find_spec("snakemake") is None:
+        raise InputError("granwave scan: Snakemake is not installed; pip install 'granwave[scan]'")
+    if executor == SLURM and util.find_spec("snakemake_executor_plugin_slurm") is None:
+        raise InputError("--executor slurm: Snakemake's plugin is not installed; pip install 'granwave[scan]'")
+
+
+class Engine:
+    """One round of jobs.
+
+    Parameters
+    ----------
+    name, directory
+        Of the scan.
+    jobs
+        How many may run at once (local: cores).
+    profile
+        Of the cluster; None for this machine.
+    """
+
+    def __init__(
+        self, name: str, directory: Path, batches: Sequence[Batch], *, jobs: int, profile: Profile | None
+    ) -> None:
+        self.name, self.directory, self.profile = name, directory, profile
+        round_name = batches[0].id.split("x")[0]
+        plan = directory / layout.WORK / f"jobs-{round_name}.json"
+        plan.write_text(json.dumps(self._plan(batches)), encoding="utf-8")
+        self.log = directory / layout.LOGS / f"snakemake-{round_name}.log"
+        command = [
+            sys.executable, "-m", "snakemake", "--snakefile", str(_SNAKEFILE), "--directory", str(directory),
+            "--config", f"jobs={plan.relative_to(directory)}",
+            "--keep-going", "--retries", "1", "--nolock", "--rerun-incomplete",
+            "--rerun-triggers", "mtime", "--scheduler", "greedy",
+            "--nocolor", "--latency-wait", "30",
+            *self._executor(jobs, batches),
+        ]  # fmt: skip
+        environment = {**mpi.alone(), "OMP_NUM_THREADS": "1"}
+        if profile is None:
+            environment[worker.DRIVER] = str(os.getpid())
+        with self.log.open("ab") as log:
+            # a session of its own: Ctrl-C reaches the driver alone, which stops the jobs in an orderly way
+            self._process = subprocess.Popen(
+                command, env=environment, stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True
+            )
+
+    def running(self) -> bool:
+        """Jobs are running, or still to come."""
+        return self._process.poll() is None
+
+    def kill(self) -> None:
+        """End the engine; jobs on a cluster go on."""
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(self._process.pid, signal.SIGKILL)
+        self._process.wait()
+
+    def _plan(self, batches: Sequence[Batch]) -> dict[str, object]:
+        jobs = {
+            batch.id: {
+                "threads": batch.ranks,
+                "resources": {
+                    "mem_mb": int(batch.memory / 1e6) + 1,
+                    **(self.profile.resources(batch) if self.profile else {}),
+                },
+            }
+            for batch in batches
+        }
+        names = sorted({name for job in jobs.values() for name in job["resources"]})  # type: ignore[attr-defined]
+        before = self.profile.before.replace("{", "{{").replace("}", "}}") + "\n" if self.profile else ""
+        return {"python": sys.executable, "before": before, "resources": names, "jobs": jobs}
+
+    def _executor(self, jobs: int, batches: Sequence[Batch]) -> list[str]:
+        if self.profile is not None:
+            return ["--executor", "slurm", "--jobs", str(jobs), *self.profile.to_snakemake(self.name)]
+        memory = max(available_memory(), max(batch.memory for batch in batches))
+        return ["--cores", str(jobs), "--resources", f"mem_mb={int(memory / 1e6) + 1}"]

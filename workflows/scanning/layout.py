@@ -1,0 +1,69 @@
+"""Where things are in the directory of a scan; what users and reports read is in `granwave.analysis.scan_result`."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+from granwave.analysis.scan_result import POINT_FILE, POINTS, SCAN_FILE, SCAN_INDEX, UNFINISHED, read_point
+from granwave.analysis.summary import SUMMARY_FILE
+
+WORK = ".scan"  # of the engine: batches, marks of finished batches, logs
+BATCHES, DONE, LOGS = f"{WORK}/batches", f"{WORK}/done", f"{WORK}/logs"
+STOP = f"{WORK}/stop"  # its presence asks all workers to stop; its text says why
+RESULTS = (
+    SCAN_FILE,
+    SCAN_INDEX,
+    POINTS,
+    UNFINISHED,
+    "scan.csv",
+    "scan.h5",
+    "scan_mean.csv",
+    "figures",
+    "report.html",
+    WORK,
+)
+
+# states of a point
+RUNNING, INTERRUPTED, FAILED, DONE_STATE = "running", "interrupted", "failed", "done"
+MOST_ATTEMPTS = 2
+
+
+def finished(directory: Path, point: str) -> Path:
+    """The directory of a point that is done."""
+    return directory / POINTS / point
+
+
+def unfinished(directory: Path, point: str) -> Path:
+    """The directory of a point in work."""
+    return directory / UNFINISHED / point
+
+
+def is_done(directory: Path, point: str) -> bool:
+    """The point was run to its end and analysed."""
+    return (finished(directory, point) / SUMMARY_FILE).exists()
+
+
+def state(directory: Path, point: str) -> dict[str, Any]:
+    """The record of a point that is not done; empty if it was never begun."""
+    return read_point(unfinished(directory, point))
+
+
+def begun(directory: Path, point: str) -> bool:
+    """The point was ever started."""
+    return is_done(directory, point) or bool(state(directory, point))
+
+
+def write_state(place: Path, **record: Any) -> None:
+    """Replace the record of a point, all or nothing."""
+    place.mkdir(parents=True, exist_ok=True)
+    scratch = place / f".{POINT_FILE}.{os.getpid()}"
+    scratch.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
+    os.replace(scratch, place / POINT_FILE)
+
+
+def is_final(directory: Path, point: str) -> bool:
+    """The point is done, or has failed as often as it is tried."""
+    return is_done(directory, point) or state(directory, point).get("state") == FAILED

@@ -1,0 +1,112 @@
+"""How to use a cluster: the profile file of ``granwave scan --executor slurm --profile FILE``."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.keys import Faults, Unfit, choice, custom, number, read_table, text, whole
+from granwave.lammps_inputs.toml_files import read_toml
+from granwave.workflows.scanning import layout
+
+if TYPE_CHECKING:
+    from granwave.workflows.scanning.batches import Batch
+
+
+_LEAST_MINUTES = 10  # of a time limit that nobody gave
+_WARNING = 90  # s before the limit, when points write checkpoints
+
+
+def _positive(value: Any) -> int:
+    return whole(value, "a whole number from 1 up")
+
+
+def _lines(value: Any) -> str:
+    if isinstance(value, str):
+        return value
+    if isinstance(value, list) and all(isinstance(line, str) for line in value):
+        return "\n".join(value)
+    raise Unfit("shell commands, a string or a list of strings")
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Profile:
+    """``[slurm]`` of a profile file."""
+
+    partition: str | None = text("partition to submit to", default=None)
+    account: str | None = text("account to charge", default=None)
+    time: int | None = custom(
+        "time limit of a job, minutes; default: thrice the expected time", _positive, default=None
+    )
+    memory: int | None = custom("memory of a job, MB; default: what its points need", _positive, default=None)
+    jobs: int = custom("jobs at once, where --jobs is not given", _positive, default=100)
+    nodes: int = custom("nodes that the ranks of a point are spread over", _positive, default=1)
+    launcher: str = text("starts the ranks of a point", default="srun --mpi=pmi2")
+    before: str = custom("shell commands before each job, such as module load ...", _lines, default="")
+    options: str = text("further options for sbatch, such as --constraint=...", default="")
+    job_start: float = number("time that it takes to start a job, s", above=0, default=15.0)
+    status: Literal["squeue", "sacct"] = choice(
+        "how the state of jobs is asked for; sacct needs an accounting database", ("squeue", "sacct"), default="squeue"
+    )
+
+    def resources(self, batch: Batch) -> dict[str, Any]:
+        """Resources of a job, as Snakemake's Slurm plugin names them."""
+        minutes = self.time or max(_LEAST_MINUTES, math.ceil(3 * batch.wall_time / 60))
+        # a request to stop before the limit, to the steps and not to the shell, which it would end at once
+        warning = min(_WARNING, minutes * 60 // 3)
+        found: dict[str, Any] = {
+            "runtime": minutes,
+            "mem_mb": self.memory or math.ceil(batch.memory / 1e6),
+            "slurm_extra": " ".join([f"--signal=TERM@{warning}", *self.options.split()]),
+        }
+        if batch.ranks > 1:
+            found |= {"mpi": "srun", "tasks": batch.ranks, "nodes": self.nodes_of(batch)}
+        return found
+
+    def nodes_of(self, batch: Batch) -> int:
+        """Nodes that the ranks of a batch are spread over."""
+        return min(self.nodes, batch.ranks)
+
+    def launcher_of(self, batch: Batch) -> list[str]:
+        """What starts the ranks of a point."""
+        words = self.launcher.split()
+        return [*words, "-N", str(self.nodes_of(batch))] if words[0] == "srun" else words
+
+    def to_snakemake(self, name: str) -> list[str]:
+        """Options of Snakemake for this cluster; ``name`` is that of the scan."""
+        defaults = [
+            *([f"slurm_partition={self.partition}"] if self.partition else []),
+            *([f"slurm_account={self.account}"] if self.account else []),
+        ]
+        return [
+            "--slurm-status-command", self.status,
+            "--slurm-init-seconds-before-status-checks", "5",
+            "--seconds-between-status-checks", "5",
+            "--slurm-jobname-prefix", "granwave-" + re.sub(r"[^A-Za-z0-9]", "", name),
+            "--slurm-logdir", str(layout.LOGS),
+            "--slurm-delete-logfiles-older-than", "0",
+            *(["--default-resources", *defaults] if defaults else []),
+        ]  # fmt: skip
+
+
+def load_profile(path: str | Path) -> Profile:
+    """Read a profile file.
+
+    Raises
+    ------
+    InputError
+        The file is wrong; every fault is named.
+    """
+    data = read_toml(path)
+    faults = Faults(str(path))
+    if set(data) != {"slurm"}:
+        faults.add("slurm", f"found {', '.join(data) or 'nothing'}, expected one table [slurm]")
+        raise InputError(faults.lines)
+    profile = read_table(Profile, data["slurm"], "slurm", faults)
+    if profile is None:
+        raise InputError(faults.lines)
+    return profile

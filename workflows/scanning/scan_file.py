@@ -1,0 +1,376 @@
+"""A scan file: one case, what varies, and the points that come of it.
+
+Every point is a whole case, checked before anything runs. Its id is made of the resolved case and of the versions that
+its result depends on, so that equal points are one, in one scan and in the next.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import itertools
+import json
+import logging
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from granwave.analysis.scan_result import Scalar
+from granwave.lammps_inputs.case import Case
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.keys import Faults, Unfit, choice, custom, number, read_table, show, text, whole
+from granwave.lammps_inputs.overrides import apply_overrides, parse_overrides
+from granwave.lammps_inputs.plan import Plan, check_memory, plan
+from granwave.lammps_inputs.toml_files import read_toml
+from granwave.workflows import studies
+from granwave.workflows.versions import versions
+
+_LOG = logging.getLogger("granwave")
+
+SEED = "packing.seed"
+_VERSIONS_THAT_MATTER = ("granwave", "lammps", "plugin_built_for_lammps")
+_MOST_POINTS = 100_000
+_ID_LENGTH = 12
+_SHAPES = ("log", "linear")
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class RanksBySize:
+    """``ranks = {...}``: MPI ranks of a point by the number of its spheres."""
+
+    spheres_per_rank: float = number("spheres for each rank", at_least=1, default=100_000)
+    most: int = custom("most ranks", lambda value: whole(value, "a whole number from 1 up"), default=1)
+
+    def of(self, n_spheres: int) -> int:
+        """Ranks of a packing."""
+        return max(1, min(self.most, math.ceil(n_spheres / self.spheres_per_rank)))
+
+
+_ONE_RANK = RanksBySize()
+
+
+def _parse_ranks(value: Any) -> RanksBySize:
+    expected = "a whole number from 1 up, or {spheres_per_rank = 100000, most = 8}"
+    if not isinstance(value, Mapping):
+        n = whole(value, expected)
+        return RanksBySize(spheres_per_rank=1, most=n)
+    faults = Faults("")
+    read = read_table(RanksBySize, value, "ranks", faults)
+    if read is None:
+        raise Unfit(expected)
+    return read
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class _Header:
+    """What stands at the top of a scan file, beside its tables."""
+
+    name: str = text("name of the scan", default="")
+    case: str = text("a built-in study or a case file")
+    ranks: RanksBySize = custom("MPI ranks of a point", _parse_ranks, default=_ONE_RANK)
+    replicates: int = custom(
+        "runs of each point with seeds 1 to n", lambda value: whole(value, "a whole number from 1 up"), default=1
+    )
+    figures: bool = choice("figures of every point too", (False, True), default=False)
+
+
+@dataclasses.dataclass(frozen=True)
+class Point:
+    """One point of a scan.
+
+    Attributes
+    ----------
+    number
+        From 1, in the order of the scan.
+    id
+        Stands for the resolved case and the versions that matter.
+    labels
+        The values of what varies, by dotted key; lists and tables as text.
+    """
+
+    number: int
+    id: str
+    labels: dict[str, Scalar]
+    case: Case
+    plan: Plan
+    ranks: int
+
+
+@dataclasses.dataclass(frozen=True)
+class Scan:
+    """A scan that can be run.
+
+    Attributes
+    ----------
+    varied
+        Dotted keys, in the order of the file.
+    """
+
+    name: str
+    case_name: str
+    varied: tuple[str, ...]
+    points: tuple[Point, ...]
+    figures: bool
+    text: str
+
+    @property
+    def distinct(self) -> dict[str, Point]:
+        """The points by id: equal ones once."""
+        return {point.id: point for point in reversed(self.points)}
+
+    def index(self) -> dict[str, Any]:
+        """What scan.json holds."""
+        points = [
+            {"number": point.number, "id": point.id, "labels": point.labels, "ranks": point.ranks}
+            for point in self.points
+        ]
+        return {"name": self.name, "case": self.case_name, "varied": list(self.varied), "points": points}
+
+
+def load_scan(scan: str | Path, overrides: Iterable[str] | Mapping[str, Any] = ()) -> Scan:
+    """Read a scan file and make all its points.
+
+    Parameters
+    ----------
+    scan
+        The file, or the name of a built-in scan.
+    overrides
+        Keys of the case that hold for all points, beside and before those of ``[set]``.
+
+    Raises
+    ------
+    InputError
+        The file, an override, or any point is wrong: a line for each invalid point.
+    """
+    path, changes = studies.find(str(scan), studies.SCANS), parse_overrides(overrides)
+    data = read_toml(path)
+    faults = Faults(str(path))
+    tables = {name: data.pop(name) for name in ("set", "grid", "zip", "points") if name in data}
+    header = read_table(_Header, data, "", faults)
+    fixed = _flat(tables.get("set", {}), "set", faults) | changes
+    variations = _variations(tables, header, faults)
+    if faults.lines or header is None:
+        raise InputError(faults.lines)
+    return _build(path, header, fixed, changes, variations)
+
+
+# ---------------------------------------------------------------------- what varies
+
+
+def _variations(tables: Mapping[str, Any], header: _Header | None, faults: Faults) -> list[dict[str, Any]]:
+    """The values of each point, by dotted key."""
+    axes = [
+        [{key: value} for value in values]
+        for key, values in _lists(tables.get("grid", {}), "grid", faults).items()
+        if values
+    ]
+    for n, table in enumerate(_tables(tables.get("zip", []), "zip", faults), start=1):
+        zipped = _lists(table, f"zip {n}", faults)
+        lengths = {key: len(values) for key, values in zipped.items()}
+        if len(set(lengths.values())) > 1:
+            found = ", ".join(f"{key} has {length}" for key, length in lengths.items())
+            faults.add(f"zip {n}", f"found lists of different lengths ({found}), expected one length")
+        elif zipped:
+            axes.append([dict(zip(zipped, values, strict=True)) for values in zip(*zipped.values(), strict=True)])
+    single = [
+        _flat(table, f"points {n}", faults)
+        for n, table in enumerate(_tables(tables.get("points", []), "points", faults), start=1)
+    ]
+    if not axes and not single and not faults.lines:
+        faults.add("grid", "nothing varies: expected [grid], [[zip]] or [[points]] with values")
+    keys = [key for axis in axes for key in axis[0]]
+    for key in {key for key in keys if keys.count(key) > 1}:
+        faults.add(key, "varies twice; let it stand in one of [grid] and [[zip]]")
+    count = math.prod(map(len, axes)) * (header.replicates if header else 1)
+    if count > _MOST_POINTS:
+        faults.add("grid", f"found {count} points, expected at most {_MOST_POINTS}")
+    if faults.lines:
+        return []
+    products = itertools.product(*axes) if axes else []
+    found = [{key: value for part in parts for key, value in part.items()} for parts in products] + single
+    if header and header.replicates > 1:
+        found = [{**values, SEED: seed} for values in found for seed in range(1, header.replicates + 1)]
+    return found
+
+
+def _tables(value: Any, name: str, faults: Faults) -> list[Mapping[str, Any]]:
+    if isinstance(value, Mapping):
+        value = [value]
+    if not isinstance(value, list) or not all(isinstance(table, Mapping) for table in value):
+        faults.add(name, f"found {show(value)}, expected tables [[{name}]]")
+        return []
+    for n, table in enumerate(value, start=1):
+        if not table:
+            faults.add(f"{name} {n}", "found an empty table, expected keys and values")
+    return value
+
+
+def _flat(table: Any, name: str, faults: Faults) -> dict[str, Any]:
+    """Keys and values with dotted keys, whether they were written with quotes or without."""
+    if not isinstance(table, Mapping):
+        faults.add(name, f"found {show(table)}, expected a table of keys and values")
+        return {}
+    flat: dict[str, Any] = {}
+    for key, value in table.items():
+        whole_table = "." in key or (key == "material" and isinstance(value, Mapping) and "preset" in value)
+        if isinstance(value, Mapping) and not whole_table and not set(value) & {*_SHAPES}:
+            flat |= {f"{key}.{inner}": held for inner, held in value.items()}
+        else:
+            flat[key] = value
+    return flat
+
+
+def _lists(table: Any, name: str, faults: Faults) -> dict[str, list[Any]]:
+    lists = {}
+    for key, value in _flat(table, name, faults).items():
+        try:
+            lists[key] = _values(value)
+        except Unfit as unfit:
+            faults.add(f"{name}: {key}", f"found {show(value)}, expected {unfit}")
+    return lists
+
+
+def _values(value: Any) -> list[Any]:
+    """The values that a key takes: a list, or a range.
+
+    Raises
+    ------
+    Unfit
+        It is neither, or empty.
+    """
+    expected = "a list of values such as [1, 2, 5], or {log = [1, 100, 9]} or {linear = [0, 10, 11]}"
+    if isinstance(value, Mapping):
+        if len(value) != 1 or not set(value) <= set(_SHAPES):
+            raise Unfit(expected)
+        ((shape, limits),) = value.items()
+        return _range(shape, limits)
+    if not isinstance(value, list):
+        raise Unfit(f"{expected}; a value that holds for all points belongs under [set]")
+    if not value:
+        raise Unfit("at least one value")
+    return value
+
+
+def _range(shape: str, limits: Any) -> list[float]:
+    expected = f"{{{shape} = [first, last, how many]}}"
+    numbers = limits if isinstance(limits, list) else []
+    if len(numbers) != 3 or not all(isinstance(n, int | float) and not isinstance(n, bool) for n in numbers):
+        raise Unfit(expected)
+    first, last, count = numbers
+    if not isinstance(count, int) or not 2 <= count <= _MOST_POINTS or not math.isfinite(first + last):
+        raise Unfit(f"{expected} with two or more values")
+    shares = [k / (count - 1) for k in range(1, count - 1)]
+    if shape == "linear":
+        return [float(first), *(first + share * (last - first) for share in shares), float(last)]
+    if first <= 0 or last <= 0:
+        raise Unfit(f"{expected} with positive numbers")
+    return [float(first), *(first * (last / first) ** share for share in shares), float(last)]
+
+
+# ---------------------------------------------------------------------- points
+
+
+def _build(
+    path: Path,
+    header: _Header,
+    fixed: Mapping[str, Any],
+    changes: Mapping[str, Any],
+    variations: Sequence[Mapping[str, Any]],
+) -> Scan:
+    varied = tuple(dict.fromkeys(key for values in variations for key in values))
+    twice = [key for key in fixed if key in varied]
+    if twice:
+        raise InputError(
+            f"{'--set' if key in changes else f'{path}: set'}: {key}: varies in the scan, expected a key that does not"
+            for key in twice
+        )
+    base = _find_case(header.case, path)
+    template = {"name": base.stem, **read_toml(base)}
+    stamp = {name: versions()[name] for name in _VERSIONS_THAT_MATTER}
+    if header.replicates > 1:
+        _LOG.warning(
+            "%s: replicates: nothing is random in this packing, so that all %d are equal", path, header.replicates
+        )
+    points: list[Point] = []
+    faults: list[tuple[int, Mapping[str, Any], list[str]]] = []
+    for n, values in enumerate(variations, start=1):
+        try:
+            settings = {**fixed, **values}
+            # whole tables first, then what is set inside them
+            ordered = {key: settings[key] for key in sorted(settings, key=lambda key: key.count("."))}
+            data = apply_overrides(template, ordered)
+            case = Case.from_dict(data, path, overridden=changes, directory=base.parent)
+            points.append(_point(n, values, case, header, varied, stamp))
+        except InputError as error:
+            faults.append((n, values, error.faults))
+    if faults:
+        raise InputError(_fault_lines(path, faults, len(variations)))
+    return Scan(
+        name=header.name or path.stem,
+        case_name=str(template["name"]),
+        varied=varied,
+        points=tuple(points),
+        figures=header.figures,
+        text=path.read_text(encoding="utf-8"),
+    )
+
+
+def _find_case(case: str, path: Path) -> Path:
+    """A case file beside the scan file, or as seen from here, or a built-in study."""
+    beside = path.parent / case
+    try:
+        return beside if beside.is_file() else studies.find(case)
+    except InputError as error:
+        raise InputError(f"{path}: case: {fault}" for fault in error.faults) from None
+
+
+def _point(
+    number: int,
+    values: Mapping[str, Any],
+    case: Case,
+    header: _Header,
+    varied: Sequence[str],
+    stamp: Mapping[str, str],
+) -> Point:
+    try:
+        ranks = header.ranks.of(case.lattice.n_spheres)
+        expected = plan(case, n_ranks=ranks)
+    except ArithmeticError as error:
+        raise InputError(f"no timestep can be found for these values ({error}); are they all in SI units?") from None
+    check_memory(expected)
+    resolved = case.to_dict()
+    key = json.dumps([{**resolved, "name": ""}, stamp], sort_keys=True).encode()
+    labels = {key: _label(key, values[key] if key in values else _look_up(resolved, key)) for key in varied}
+    return Point(number, hashlib.sha256(key).hexdigest()[:_ID_LENGTH], labels, case, expected, ranks)
+
+
+def _look_up(tables: Mapping[str, Any], key: str) -> Any:
+    value: Any = tables
+    for name in key.split("."):
+        value = value.get(name, "") if isinstance(value, Mapping) else ""
+    return value
+
+
+def _label(key: str, value: Any) -> Scalar:
+    if isinstance(value, bool | int | float | str):
+        return value
+    if key == "material" and isinstance(value, Mapping):
+        named = value.get("name") or value.get("preset")
+        if named:
+            others = {k: v for k, v in value.items() if k not in ("name", "preset")} if "preset" in value else {}
+            return " ".join([str(named), *(f"{k}={v}" for k, v in others.items())])
+    return json.dumps(value, ensure_ascii=False)
+
+
+def _fault_lines(path: Path, faults: Sequence[tuple[int, Mapping[str, Any], list[str]]], count: int) -> list[str]:
+    """What is wrong with every point once; otherwise a line for each invalid point."""
+    shared = [fault for fault in faults[0][2] if len(faults) == count and all(fault in f for _, _, f in faults)]
+    lines = list(shared)
+    for n, values, found in faults:
+        own = [fault for fault in found if fault not in shared]
+        if own:
+            labels = ", ".join(f"{key} = {show(value)}" for key, value in values.items())
+            told = "; ".join(fault.removeprefix(f"{path}: ") for fault in own)
+            lines.append(f"{path}: point {n} ({labels}): {told}")
+    return lines

