@@ -71,7 +71,9 @@ def run(options: argparse.Namespace, words: Words) -> int:
                 file=sys.stderr,
             )
         if outcome.state == record.REFUSED:
-            print("granwave: the energy balance was refused; what was computed is kept", file=sys.stderr)
+            error = outcome.summary.get("energy_balance_error")
+            misses = "it is not a number" if error is None else f"it misses by {error:.1e} of the input"
+            print(f"granwave: the energy balance was refused: {misses}; what was computed is kept", file=sys.stderr)
     return {record.FINISHED: 0, record.INTERRUPTED: 130}.get(outcome.state, 1)
 
 

@@ -23,7 +23,7 @@ from granwave.workflows import checkpoint, record
 from granwave.workflows.balance import TOLERANCE, Balance
 from granwave.workflows.directory import ANALYSE, CONTINUE, FINISHED, START, clear, decide, held
 from granwave.workflows.engine import Engine, LonelyError, open_engine
-from granwave.workflows.mpi import StopRequest, abort, on_first, world
+from granwave.workflows.mpi import StopRequest, abort, nodes, on_first, world
 from granwave.workflows.progress import Progress
 from granwave.workflows.record import Record
 from granwave.workflows.versions import versions
@@ -188,7 +188,7 @@ class _Run:
             self.record = dataclasses.replace(
                 self.record, versions=versions(), checkpoint=None, n_steps=0, end_time_s=0.0, wall_time_s=0.0
             )
-        self.record.n_ranks = self.comm.size
+        self.record.n_ranks, self.record.nodes = self.comm.size, nodes(self.comm)
         self.record.timestep_s = deck.schedule.timestep
         return deck
 

@@ -61,6 +61,12 @@ def world() -> Intracomm:
     return comm
 
 
+def nodes(comm: Intracomm) -> list[str]:
+    """Names of the machines that the ranks run on, each once; a collective call."""
+    mine = os.environ.get("SLURMD_NODENAME") or os.uname().nodename
+    return sorted(set(comm.allgather(mine)))
+
+
 def _abort_all(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
     sys.__excepthook__(kind, error, trace)
     sys.stderr.flush()

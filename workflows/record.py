@@ -29,6 +29,8 @@ class Record:
         Why it ended: ``end_time``, ``settled`` (end_time = "auto"), ``longest`` (the same, at its limit), ...
     wall_time_s
         Of the time integration, all sessions of a resumed run together.
+    nodes
+        That the ranks run on, each once.
     attempts
         Timesteps that were tried and dropped because the energy balance did not close: timestep_s and error.
     checkpoint
@@ -44,6 +46,7 @@ class Record:
     reason: str | None = None
     wall_time_s: float = 0.0
     n_ranks: int = 1
+    nodes: list[str] = dataclasses.field(default_factory=list)
     versions: dict[str, str] = dataclasses.field(default_factory=dict)
     attempts: list[dict[str, float]] = dataclasses.field(default_factory=list)
     checkpoint: dict[str, Any] | None = None

@@ -55,7 +55,7 @@ def make_batches(
     """Share the points out, the longest first.
 
     A batch lasts about ``sqrt(2 job_start T / workers)``, which balances the start-up of many jobs against workers that
-    wait for the last one (T: the time of all points together).
+    wait for the last one (T: the time of all points together), and no less than ``job_start``.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def make_batches(
     """
     ordered = sorted(points, key=lambda point: (-expected_time(point, slowness), point.number))
     total = sum(expected_time(point, slowness) for point in ordered)
-    length = min(math.sqrt(2 * job_start * total / workers), _LONGEST)
+    length = min(max(math.sqrt(2 * job_start * total / workers), job_start), _LONGEST)
     groups: list[list[Point]] = []
     lengths: list[float] = []
     for point in ordered:
