@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from granwave.analysis.figures import draw_figures
     from granwave.analysis.law import law_drawing, law_table, write_law
     from granwave.analysis.pipeline import analyse
-    from granwave.analysis.report import write_report
+    from granwave.analysis.reports.report import write_report
     from granwave.analysis.result import Result
     from granwave.analysis.result_file import write_result
     from granwave.analysis.scan_result import ScanResult
@@ -32,7 +32,7 @@ _HOME = {
     "universe": "trajectory",
     "velocity_normalised": "summary",
     "write_law": "law",
-    "write_report": "report",
+    "write_report": "reports.report",
     "write_result": "result_file",
 }
 

@@ -15,8 +15,8 @@ import pytest
 from packaging.version import Version
 
 from granwave.analysis import Result, write_result
-from granwave.analysis.export import FORMATS, export
-from granwave.analysis.export_staging import staged
+from granwave.analysis.exports.export import FORMATS, export
+from granwave.analysis.exports.staging import staged
 from granwave.analysis.scan_table import read_scan
 from granwave.lammps_inputs import write_deck
 from granwave.lammps_inputs.errors import InputError
@@ -151,7 +151,7 @@ def test_csv_of_snapshots(run, tmp_path):
 
 def test_csv_in_parts_is_the_same(run, tmp_path, monkeypatch):
     whole = [path.read_bytes() for path in export(run, "csv", tmp_path / "whole")]
-    monkeypatch.setattr("granwave.analysis.export_csv._ROWS", 7)
+    monkeypatch.setattr("granwave.analysis.exports.to_csv._ROWS", 7)
     assert [path.read_bytes() for path in export(run, "csv", tmp_path / "parts")] == whole
 
 

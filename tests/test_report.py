@@ -17,13 +17,13 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from granwave.analysis import report_balance, report_figures
-from granwave.analysis.report import write_report
-from granwave.analysis.report_content import build_report
-from granwave.analysis.report_inputs import read_inputs
-from granwave.analysis.report_model import Figure, Gallery, Group, Note, Report, Table, cleaned
-from granwave.analysis.report_quantities import MAIN, label_of, named, percent, show
-from granwave.analysis.report_sources import applies, source_values
+from granwave.analysis.reports import balance, figures
+from granwave.analysis.reports.content import build_report
+from granwave.analysis.reports.inputs import read_inputs
+from granwave.analysis.reports.model import Figure, Gallery, Group, Note, Report, Table, cleaned
+from granwave.analysis.reports.quantities import MAIN, label_of, named, percent, show
+from granwave.analysis.reports.report import write_report
+from granwave.analysis.reports.sources import applies, source_values
 from granwave.lammps_inputs import load_case, sphere_contact
 from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.workflows.balance import TOLERANCE
@@ -185,7 +185,7 @@ def test_energy_balance(tmp_path, error, text, tone):
 
 
 def test_limit_of_the_balance_is_the_driver_s():
-    assert report_balance.LIMITS["run"][1] == TOLERANCE
+    assert balance.LIMITS["run"][1] == TOLERANCE
 
 
 def test_contacts_beyond_the_law_are_told(tmp_path):
@@ -318,7 +318,7 @@ def test_figures_of_points_stay_within_a_budget(tmp_path, monkeypatch):
     scan = write_scan(tmp_path / "scan", grid(load__velocity=[1, 2, 3]))
     for point in json.loads((scan / "scan.json").read_text())["points"]:
         draw(scan / "points" / point["id"], "energies")
-    monkeypatch.setattr(report_figures, "POINTS_BUDGET", 1)
+    monkeypatch.setattr(figures, "POINTS_BUDGET", 1)
     report = build([scan], tmp_path)
     assert len([block for block in blocks(report, "figures") if isinstance(block, Gallery)]) == 1
     assert [link.text for link in notes(report, "figures")[-1].links] == ["#2", "#3"]
@@ -431,7 +431,7 @@ def test_same_inputs_same_bytes(runs, tmp_path, suffix):
                 (there / file.relative_to(tmp_path)).parent.mkdir(parents=True, exist_ok=True)
                 shutil.copyfile(file, there / file.relative_to(tmp_path))
     names = [path.name for path in runs]
-    code = f"from granwave.analysis.report import write_report; write_report({names}, 'report.{suffix}')"
+    code = f"from granwave.analysis.reports.report import write_report; write_report({names}, 'report.{suffix}')"
     environment = {**os.environ, "PYTHONHASHSEED": "7"}
     subprocess.run([sys.executable, "-c", code], cwd=there, env=environment, check=True)
     assert (there / f"report.{suffix}").read_bytes() == (tmp_path / f"report.{suffix}").read_bytes()

@@ -133,7 +133,7 @@ def scan(options: argparse.Namespace, _: Words) -> int:
 
 def report(options: argparse.Namespace, _: Words) -> int:
     """granwave report"""
-    from granwave.analysis.report import write_report
+    from granwave.analysis.reports.report import write_report
 
     print(write_report(options.directories, options.output))
     return 0
@@ -141,7 +141,7 @@ def report(options: argparse.Namespace, _: Words) -> int:
 
 def export(options: argparse.Namespace, _: Words) -> int:
     """granwave export"""
-    from granwave.analysis.export import export as export_directory
+    from granwave.analysis.exports.export import export as export_directory
 
     for path in export_directory(options.directory, options.to, options.output):
         print(path)

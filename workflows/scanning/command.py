@@ -26,7 +26,7 @@ _MOST_ROWS = 40
 def scan(options: argparse.Namespace) -> int:
     """Run it; returns the exit status."""
     profile = _executor(options)
-    found = load_scan(options.scan, options.overrides)
+    found = load_scan(options.scan, options.overrides, here=options.executor == LOCAL)
     directory = (options.directory or Path(found.name)).absolute()
     jobs = options.jobs or default_jobs(profile)
     if not options.plan:

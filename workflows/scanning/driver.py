@@ -31,7 +31,8 @@ _LOCAL_START = 2.5  # s, of a job on this machine: Snakemake, Python, libraries
 _POLL, _QUEUE_POLL = 0.3, 2.0  # s, between looks at the directory, and at the cluster
 _PATIENCE = 60.0  # s, in which running jobs end by themselves once they are asked to
 _TABLE_EVERY, _FIGURES_EVERY = 5.0, 60.0  # s, at most so often while points come in
-_MOST_ROUNDS = 3  # a round that leaves points behind (killed jobs) is followed by another
+_MOST_ROUNDS = 20  # a round that leaves points behind (jobs were killed, or met their time limit) is followed by another
+_GONE = 15.0  # s without a job in the queue, after which a round is over, whatever the engine believes
 
 
 @dataclasses.dataclass(frozen=True)
@@ -260,16 +261,23 @@ class _ScanRun:
 
     def _watch(self, engine: Engine) -> None:
         """Until the jobs have ended; on a cluster the engine may learn of it minutes later."""
-        since: float | None = None
+        asked = last_seen = time.monotonic()
+        seen = False
         while engine.running():
             time.sleep(_POLL)
             self._look()
             if self.stop.wanted or (self.directory / layout.STOP).exists():
                 self._stop_jobs(engine)
                 return
-            if self.profile and not self.open:
-                since = since or time.monotonic()
-                if time.monotonic() - since > _QUEUE_POLL and not queue.jobs_of(self.directory):
+            if self.profile and time.monotonic() > asked + _QUEUE_POLL:
+                asked = time.monotonic()
+                try:
+                    live = bool(queue.jobs_of(self.directory))
+                except RunError:
+                    live = True  # nobody knows: the engine may
+                if live:
+                    seen, last_seen = True, asked
+                elif seen and (not self.open or asked > last_seen + _GONE):
                     return
 
     def _stop_jobs(self, engine: Engine) -> None:
@@ -335,7 +343,7 @@ class _ScanRun:
         if self.stop.wanted:
             return  # who stops a scan does not want to wait for figures
         _draw(self.result)
-        from granwave.analysis.report import write_report
+        from granwave.analysis.reports.report import write_report
 
         write_report([self.directory], self.directory / "report.html")
 

@@ -6,13 +6,14 @@ its result depends on, so that equal points are one, in one scan and in the next
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import hashlib
 import itertools
 import json
 import logging
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -24,15 +25,15 @@ from granwave.lammps_inputs.overrides import apply_overrides, parse_overrides
 from granwave.lammps_inputs.plan import Plan, check_memory, plan
 from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows import studies
+from granwave.workflows.scanning.values import MOST_POINTS, SHAPES, values_of
 from granwave.workflows.versions import versions
 
 _LOG = logging.getLogger("granwave")
 
 SEED = "packing.seed"
 _VERSIONS_THAT_MATTER = ("granwave", "lammps", "plugin_built_for_lammps")
-_MOST_POINTS = 100_000
 _ID_LENGTH = 12
-_SHAPES = ("log", "linear")
+_LONGEST_NAME = 200  # bytes
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -58,17 +59,25 @@ def _parse_ranks(value: Any) -> RanksBySize:
     faults = Faults("")
     read = read_table(RanksBySize, value, "ranks", faults)
     if read is None:
-        raise Unfit(expected)
+        raise Unfit(f"{expected} ({'; '.join(line.removeprefix(': ranks.') for line in faults.lines)})")
     return read
+
+
+def _parse_name(value: Any) -> str:
+    """The name of the directory too, so that it must not lead elsewhere."""
+    fits = isinstance(value, str) and value.strip() and value.isprintable() and "/" not in value and value[0] != "."
+    if not fits or len(value.encode()) > _LONGEST_NAME:
+        raise Unfit("a plain name that can be that of a directory")
+    return value
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class _Header:
     """What stands at the top of a scan file, beside its tables."""
 
-    name: str = text("name of the scan", default="")
+    name: str = custom("name of the scan", _parse_name, default="")
     case: str = text("a built-in study or a case file")
-    ranks: RanksBySize = custom("MPI ranks of a point", _parse_ranks, default=_ONE_RANK)
+    ranks: RanksBySize = custom("MPI ranks of a point", _parse_ranks, default=_ONE_RANK)  # noqa: RUF009
     replicates: int = custom(
         "runs of each point with seeds 1 to n", lambda value: whole(value, "a whole number from 1 up"), default=1
     )
@@ -128,7 +137,7 @@ class Scan:
         return {"name": self.name, "case": self.case_name, "varied": list(self.varied), "points": points}
 
 
-def load_scan(scan: str | Path, overrides: Iterable[str] | Mapping[str, Any] = ()) -> Scan:
+def load_scan(scan: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (), *, here: bool = True) -> Scan:
     """Read a scan file and make all its points.
 
     Parameters
@@ -137,6 +146,8 @@ def load_scan(scan: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (
         The file, or the name of a built-in scan.
     overrides
         Keys of the case that hold for all points, beside and before those of ``[set]``.
+    here
+        The points are for this machine, and must fit into its memory; those for a cluster need not.
 
     Raises
     ------
@@ -148,11 +159,15 @@ def load_scan(scan: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (
     faults = Faults(str(path))
     tables = {name: data.pop(name) for name in ("set", "grid", "zip", "points") if name in data}
     header = read_table(_Header, data, "", faults)
-    fixed = _flat(tables.get("set", {}), "set", faults) | changes
+    fixed = {
+        key: value
+        for key, value in _flat(tables.get("set", {}), "set", faults).items()
+        if not any(key.startswith(f"{changed}.") for changed in changes)  # --set material=steel, all of it
+    } | changes
     variations = _variations(tables, header, faults)
     if faults.lines or header is None:
         raise InputError(faults.lines)
-    return _build(path, header, fixed, changes, variations)
+    return _build(path, header, fixed, changes, variations, here)
 
 
 # ---------------------------------------------------------------------- what varies
@@ -180,11 +195,11 @@ def _variations(tables: Mapping[str, Any], header: _Header | None, faults: Fault
     if not axes and not single and not faults.lines:
         faults.add("grid", "nothing varies: expected [grid], [[zip]] or [[points]] with values")
     keys = [key for axis in axes for key in axis[0]]
-    for key in {key for key in keys if keys.count(key) > 1}:
+    for key in dict.fromkeys(key for key in keys if keys.count(key) > 1):
         faults.add(key, "varies twice; let it stand in one of [grid] and [[zip]]")
     count = math.prod(map(len, axes)) * (header.replicates if header else 1)
-    if count > _MOST_POINTS:
-        faults.add("grid", f"found {count} points, expected at most {_MOST_POINTS}")
+    if count > MOST_POINTS:
+        faults.add("grid", f"found {count} points, expected at most {MOST_POINTS}")
     if faults.lines:
         return []
     products = itertools.product(*axes) if axes else []
@@ -213,8 +228,11 @@ def _flat(table: Any, name: str, faults: Faults) -> dict[str, Any]:
         return {}
     flat: dict[str, Any] = {}
     for key, value in table.items():
+        if not all(part.isidentifier() for part in key.split(".")):
+            faults.add(name, f"found the key {show(key)}, expected one such as load.velocity")
+            continue
         whole_table = "." in key or (key == "material" and isinstance(value, Mapping) and "preset" in value)
-        if isinstance(value, Mapping) and not whole_table and not set(value) & {*_SHAPES}:
+        if isinstance(value, Mapping) and not whole_table and not set(value) & {*SHAPES}:
             flat |= {f"{key}.{inner}": held for inner, held in value.items()}
         else:
             flat[key] = value
@@ -225,47 +243,10 @@ def _lists(table: Any, name: str, faults: Faults) -> dict[str, list[Any]]:
     lists = {}
     for key, value in _flat(table, name, faults).items():
         try:
-            lists[key] = _values(value)
+            lists[key] = values_of(value)
         except Unfit as unfit:
             faults.add(f"{name}: {key}", f"found {show(value)}, expected {unfit}")
     return lists
-
-
-def _values(value: Any) -> list[Any]:
-    """The values that a key takes: a list, or a range.
-
-    Raises
-    ------
-    Unfit
-        It is neither, or empty.
-    """
-    expected = "a list of values such as [1, 2, 5], or {log = [1, 100, 9]} or {linear = [0, 10, 11]}"
-    if isinstance(value, Mapping):
-        if len(value) != 1 or not set(value) <= set(_SHAPES):
-            raise Unfit(expected)
-        ((shape, limits),) = value.items()
-        return _range(shape, limits)
-    if not isinstance(value, list):
-        raise Unfit(f"{expected}; a value that holds for all points belongs under [set]")
-    if not value:
-        raise Unfit("at least one value")
-    return value
-
-
-def _range(shape: str, limits: Any) -> list[float]:
-    expected = f"{{{shape} = [first, last, how many]}}"
-    numbers = limits if isinstance(limits, list) else []
-    if len(numbers) != 3 or not all(isinstance(n, int | float) and not isinstance(n, bool) for n in numbers):
-        raise Unfit(expected)
-    first, last, count = numbers
-    if not isinstance(count, int) or not 2 <= count <= _MOST_POINTS or not math.isfinite(first + last):
-        raise Unfit(f"{expected} with two or more values")
-    shares = [k / (count - 1) for k in range(1, count - 1)]
-    if shape == "linear":
-        return [float(first), *(first + share * (last - first) for share in shares), float(last)]
-    if first <= 0 or last <= 0:
-        raise Unfit(f"{expected} with positive numbers")
-    return [float(first), *(first * (last / first) ** share for share in shares), float(last)]
 
 
 # ---------------------------------------------------------------------- points
@@ -277,6 +258,7 @@ def _build(
     fixed: Mapping[str, Any],
     changes: Mapping[str, Any],
     variations: Sequence[Mapping[str, Any]],
+    here: bool,
 ) -> Scan:
     varied = tuple(dict.fromkeys(key for values in variations for key in values))
     twice = [key for key in fixed if key in varied]
@@ -294,16 +276,16 @@ def _build(
         )
     points: list[Point] = []
     faults: list[tuple[int, Mapping[str, Any], list[str]]] = []
-    for n, values in enumerate(variations, start=1):
-        try:
-            settings = {**fixed, **values}
-            # whole tables first, then what is set inside them
-            ordered = {key: settings[key] for key in sorted(settings, key=lambda key: key.count("."))}
-            data = apply_overrides(template, ordered)
-            case = Case.from_dict(data, path, overridden=changes, directory=base.parent)
-            points.append(_point(n, values, case, header, varied, stamp))
-        except InputError as error:
-            faults.append((n, values, error.faults))
+    with _each_warning_once():
+        for n, values in enumerate(variations, start=1):
+            try:
+                data = _with(template, {**fixed, **values}, path, changes)
+                case = Case.from_dict(data, path, overridden=changes, directory=base.parent)
+                points.append(_point(n, values, case, header, varied, stamp))
+                if here:
+                    check_memory(points[-1].plan)
+            except InputError as error:
+                faults.append((n, values, error.faults))
     if faults:
         raise InputError(_fault_lines(path, faults, len(variations)))
     return Scan(
@@ -323,6 +305,40 @@ def _find_case(case: str, path: Path) -> Path:
         return beside if beside.is_file() else studies.find(case)
     except InputError as error:
         raise InputError(f"{path}: case: {fault}" for fault in error.faults) from None
+    except OSError as error:
+        raise InputError(f"{path}: case: found {show(case)}, which cannot be read: {error.strerror}") from None
+
+
+def _with(
+    template: Mapping[str, Any], settings: Mapping[str, Any], path: Path, changes: Mapping[str, Any]
+) -> dict[str, Any]:
+    """The case with some keys set."""
+    # whole tables first, then what is set inside them
+    ordered = {key: settings[key] for key in sorted(settings, key=lambda key: key.count("."))}
+    try:
+        return apply_overrides(template, ordered)
+    except InputError as error:
+        places = [fault.removeprefix("--set: ") for fault in error.faults]
+        raise InputError(
+            f"{'--set' if place.partition(':')[0] in changes else path}: {place}" for place in places
+        ) from None
+
+
+@contextlib.contextmanager
+def _each_warning_once() -> Iterator[None]:
+    """Not once for each of a thousand points."""
+    seen: set[str] = set()
+
+    def unseen(record: logging.LogRecord) -> bool:
+        known = record.getMessage() in seen
+        seen.add(record.getMessage())
+        return not known
+
+    _LOG.addFilter(unseen)
+    try:
+        yield
+    finally:
+        _LOG.removeFilter(unseen)
 
 
 def _point(
@@ -336,9 +352,10 @@ def _point(
     try:
         ranks = header.ranks.of(case.lattice.n_spheres)
         expected = plan(case, n_ranks=ranks)
-    except ArithmeticError as error:
+    except (ArithmeticError, ValueError) as error:
+        if isinstance(error, InputError):
+            raise
         raise InputError(f"no timestep can be found for these values ({error}); are they all in SI units?") from None
-    check_memory(expected)
     resolved = case.to_dict()
     key = json.dumps([{**resolved, "name": ""}, stamp], sort_keys=True).encode()
     labels = {key: _label(key, values[key] if key in values else _look_up(resolved, key)) for key in varied}

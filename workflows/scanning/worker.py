@@ -99,7 +99,12 @@ class _Worker:
                 return
         if layout.is_done(self.directory, point["id"]) or not self._room(point):
             return
-        before = layout.state(self.directory, point["id"]).get("attempts", 0)
+        seen = layout.state(self.directory, point["id"])
+        before = seen.get("attempts", 0)
+        if before >= layout.MOST_ATTEMPTS:  # and nobody was left to say so
+            reason = "its job was killed; was the machine out of memory, or the time limit too short?"
+            layout.write_state(place, **{**seen, "state": layout.FAILED, "reason": seen.get("reason") or reason})
+            return
         note = {"attempts": before + 1, "host": os.uname().nodename, "pid": os.getpid(), "started": time.time()}
         note["job"] = os.environ.get("SLURM_JOB_ID", "")
         layout.write_state(place, state=layout.RUNNING, **note)

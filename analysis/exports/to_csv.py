@@ -21,7 +21,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.export_staging import Staging
+from granwave.analysis.exports.staging import Staging
 from granwave.analysis.h5md import GROUP
 from granwave.analysis.result import Result
 from granwave.analysis.scan_table import ScanData

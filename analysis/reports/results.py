@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from granwave.analysis.report_figures import overlay
-from granwave.analysis.report_inputs import Inputs, Point, Run, Scan
-from granwave.analysis.report_model import Block, Cell, Column, Group, Note, Section, Table, Tone
-from granwave.analysis.report_quantities import (
+from granwave.analysis.reports.figures import overlay
+from granwave.analysis.reports.inputs import Inputs, Point, Run, Scan
+from granwave.analysis.reports.model import Block, Cell, Column, Group, Note, Section, Table, Tone
+from granwave.analysis.reports.quantities import (
     BLANK,
     MAIN,
     case_column,

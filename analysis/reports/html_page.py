@@ -10,7 +10,7 @@ from pathlib import Path
 import jinja2
 from markupsafe import Markup, escape
 
-from granwave.analysis.report_model import Report
+from granwave.analysis.reports.model import Report
 
 _TEMPLATES = Path(__file__).with_name("templates")
 

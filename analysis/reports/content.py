@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from granwave.analysis.report_balance import SLUG as BALANCE
-from granwave.analysis.report_balance import balance_notes, balance_section
-from granwave.analysis.report_figures import figures_section
-from granwave.analysis.report_inputs import Inputs, Run, Scan
-from granwave.analysis.report_model import Block, Cell, Column, Group, Note, Report, Section, Table
-from granwave.analysis.report_quantities import named, show
-from granwave.analysis.report_results import (
+from granwave.analysis.reports.balance import SLUG as BALANCE
+from granwave.analysis.reports.balance import balance_notes, balance_section
+from granwave.analysis.reports.figures import figures_section
+from granwave.analysis.reports.inputs import Inputs, Run, Scan
+from granwave.analysis.reports.model import Block, Cell, Column, Group, Note, Report, Section, Table
+from granwave.analysis.reports.quantities import named, show
+from granwave.analysis.reports.results import (
     failures_section,
     results_section,
     settings_blocks,
     status_cell,
 )
-from granwave.analysis.report_sources import sources_section
+from granwave.analysis.reports.sources import sources_section
 
 _KIND = {"run": "granular run", "continuum": "continuum run"}
 _IN_TITLE = 3  # names

@@ -11,7 +11,7 @@ from typing import Any, Literal
 from urllib.parse import quote
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
-from granwave.analysis.report_model import Link
+from granwave.analysis.reports.model import Link
 from granwave.analysis.scan_result import POINTS, SCAN_INDEX, PointResult, ScanResult, is_scan
 from granwave.analysis.summary import SUMMARY_FILE
 from granwave.lammps_inputs.errors import InputError

@@ -1,6 +1,6 @@
 """What a report says, apart from how it is written: sections of tables, figures and notes.
 
-The content is built once (`granwave.analysis.report_content`); HTML, Markdown and PDF are three writers of this model.
+The content is built once (`granwave.analysis.reports.content`); HTML, Markdown and PDF are three writers of this model.
 All texts are plain: a writer escapes what its format needs.
 """
 

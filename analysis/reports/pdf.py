@@ -19,7 +19,7 @@ from reportlab.pdfgen.canvas import Canvas
 from reportlab.platypus import CondPageBreak, Flowable, Image, KeepTogether, Paragraph, SimpleDocTemplate, Spacer
 from reportlab.platypus import Table as Grid
 
-from granwave.analysis.report_model import Block, Cell, Column, Figure, Gallery, Group, Note, Report, Table
+from granwave.analysis.reports.model import Block, Cell, Column, Figure, Gallery, Group, Note, Report, Table
 
 _REGULAR, _BOLD = "GranwaveSans", "GranwaveSans-Bold"
 _FILES = {_REGULAR: "DejaVuSans.ttf", _BOLD: "DejaVuSans-Bold.ttf"}  # come with matplotlib

@@ -11,9 +11,9 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
-from granwave.analysis.report_content import build_report
-from granwave.analysis.report_inputs import read_inputs
-from granwave.analysis.report_model import Report, cleaned
+from granwave.analysis.reports.content import build_report
+from granwave.analysis.reports.inputs import read_inputs
+from granwave.analysis.reports.model import Report, cleaned
 from granwave.lammps_inputs.errors import InputError, RunError
 
 SUFFIXES = (".html", ".pdf", ".md")
@@ -82,15 +82,15 @@ def _folder(output: Path) -> Path:
 def _write(report: Report, output: Path) -> None:
     suffix = output.suffix.lower()
     if suffix == ".html":
-        from granwave.analysis.report_html import html_page
+        from granwave.analysis.reports.html_page import html_page
 
         _replace(output, html_page(report).encode("utf-8"))
     elif suffix == ".pdf":
-        from granwave.analysis.report_pdf import pdf_file
+        from granwave.analysis.reports.pdf import pdf_file
 
         _replace(output, pdf_file(report))
     else:
-        from granwave.analysis.report_markdown import markdown
+        from granwave.analysis.reports.markdown import markdown
 
         folder = _folder(output)
         text, pictures = markdown(report, folder.name)

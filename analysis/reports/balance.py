@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from granwave.analysis.report_inputs import Inputs, Run
-from granwave.analysis.report_model import Cell, Column, Note, Section, Table, Tone
-from granwave.analysis.report_quantities import named, value_cell, value_column
+from granwave.analysis.reports.inputs import Inputs, Run
+from granwave.analysis.reports.model import Cell, Column, Note, Section, Table, Tone
+from granwave.analysis.reports.quantities import named, value_cell, value_column
 
 SLUG = "balance"
 #: Largest error of the balance, over the input, that is worth a note, and that is poor: by kind of run.

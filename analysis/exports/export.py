@@ -7,9 +7,9 @@ import json
 import os
 from pathlib import Path
 
-from granwave.analysis import export_csv, export_netcdf, export_vtp, ovito_scene
 from granwave.analysis.errors import MissingOutputError
-from granwave.analysis.export_staging import staged
+from granwave.analysis.exports import ovito_scene, to_csv, to_netcdf, to_vtp
+from granwave.analysis.exports.staging import staged
 from granwave.analysis.result import Result
 from granwave.analysis.result_file import RESULT_FILE
 from granwave.analysis.scan_result import is_scan
@@ -26,9 +26,9 @@ FORMATS = {
     "ovito": f"{OVITO_SCRIPT}, which opens spheres and contacts together",
     "vtp": "spheres.pvd and contacts.pvd (ParaView)",
 }
-_RUN_WRITERS = {"csv": export_csv.export_run, "netcdf": export_netcdf.export_run, "vtp": export_vtp.export_run}
-_SCAN_WRITERS = {"csv": export_csv.export_scan, "netcdf": export_netcdf.export_scan}
-_OUTDATED = {"csv": export_csv.OUTDATED, "vtp": export_vtp.OUTDATED}
+_RUN_WRITERS = {"csv": to_csv.export_run, "netcdf": to_netcdf.export_run, "vtp": to_vtp.export_run}
+_SCAN_WRITERS = {"csv": to_csv.export_scan, "netcdf": to_netcdf.export_scan}
+_OUTDATED = {"csv": to_csv.OUTDATED, "vtp": to_vtp.OUTDATED}
 _NOTHING = r"(?!)"
 
 

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator, Mapping
 from urllib.parse import quote
 
-from granwave.analysis.report_model import Block, Cell, Column, Figure, Gallery, Group, Link, Note, Report, Table
+from granwave.analysis.reports.model import Block, Cell, Column, Figure, Gallery, Group, Link, Note, Report, Table
 
 _SPECIAL = re.compile(r"([\\`*_\[\]|~#$])")
 _LINE_START = re.compile(r"^(\s*)([-+>]|\d+(?=[.)]))")

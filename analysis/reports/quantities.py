@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from granwave.analysis.report_model import Cell, Column
+from granwave.analysis.reports.model import Cell, Column
 from granwave.lammps_inputs.case import unit_of
 
 BLANK = "\u2013"  # a value that does not apply

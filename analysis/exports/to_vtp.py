@@ -20,7 +20,7 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.export_staging import Staging
+from granwave.analysis.exports.staging import Staging
 from granwave.analysis.h5md import GROUP
 from granwave.analysis.result import Result
 from granwave.lammps_inputs.errors import InputError

@@ -1,0 +1,39 @@
+"""The Python and the case and scan files of the README, run as they stand there."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from granwave.lammps_inputs import load_case
+from granwave.workflows import load_profile, load_scan
+from tests.conftest import PLAIN
+
+README = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
+
+
+def blocks(language: str) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```", README, flags=re.MULTILINE | re.DOTALL)
+
+
+def test_python(tmp_path):
+    pytest.importorskip("snakemake")
+    (tmp_path / "readme.py").write_text("\n".join(blocks("python")))
+    done = subprocess.run(
+        [sys.executable, "readme.py"], cwd=tmp_path, env=PLAIN, capture_output=True, text=True, timeout=300
+    )
+    assert done.returncode == 0, done.stderr
+    assert len(done.stdout.split()) >= 27
+
+
+def test_files(tmp_path):
+    case, scan, profile = blocks("toml")
+    for name, text in (("case", case), ("scan", scan), ("profile", profile)):
+        (tmp_path / f"{name}.toml").write_text(text)
+    assert load_case(tmp_path / "case.toml").name == "mine"
+    assert len(load_scan(tmp_path / "scan.toml").points) == 7 * 3 * 2 + 1
+    assert load_profile(tmp_path / "profile.toml").nodes == 1
