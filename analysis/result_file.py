@@ -87,6 +87,8 @@ def write_result(directory: str | Path) -> Path:
     """
     directory = Path(directory)
     path = directory / RESULT_FILE
+    for left in directory.glob(f".{RESULT_FILE}.*"):
+        left.unlink(missing_ok=True)  # of an analysis that was killed
     scratch = directory / f".{RESULT_FILE}.{os.getpid()}"
     try:
         with h5py.File(scratch, "w", libver="v110") as file:

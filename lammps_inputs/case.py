@@ -128,6 +128,9 @@ def load_case(path: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (
         The file or an override is wrong; every fault is named.
     """
     changes = parse_overrides(overrides)
+    record = [key for key in changes if key.split(".")[0] == _RECORD]
+    if record:
+        raise InputError(f"--set: {key}: [{_RECORD}] is a record of a run, it cannot be set" for key in record)
     data = apply_overrides(read_toml(path), changes)
     return Case.from_dict(data, path, overridden=changes, directory=Path(path).parent)
 

@@ -25,6 +25,7 @@ BLOCK_THRESHOLD = 1e-4  # of the input energy: a block that dissipates less is t
 _LEDGER_ROWS = 500  # aimed at, of a run with an end time
 _LEDGER_ROWS_IN_BLOCK = 250  # the run may end after one block, and a balance over fewer instants is no balance
 _AUTO_PROBE_STEPS = 5
+_WALL_STEPS = 10  # some 0.3 us of the reference; LAMMPS adds up all energies whenever anything is recorded
 _MOST_STEPS = 2e9
 _AUTO_FRAME_SPAN = 1e-3  # s, over which `frames` snapshots are spread when the end is not known
 
@@ -92,7 +93,7 @@ def make_schedule(case: Case, timestep: float | None = None) -> Schedule:
         n_steps=n_steps,
         block_steps=0,
         ledger_every=ledger_every,
-        wall_every=_wall_every(n_steps),
+        wall_every=_divisor(n_steps, _WALL_STEPS),
         probe_every=_probe_every(case, dt, n_steps),
         frame_every=even,
         frame_steps=() if even else steps,
@@ -110,7 +111,7 @@ def _in_blocks(case: Case, given: float | str) -> Schedule:
         n_steps=n_steps,
         block_steps=block_steps,
         ledger_every=ledger_every,
-        wall_every=_wall_every(block_steps),
+        wall_every=_divisor(block_steps, _WALL_STEPS),
         probe_every=_probe_every(case, dt, block_steps),
         frame_every=every,
         frame_steps=_frame_steps(case, dt, n_steps) if listed else (),
@@ -134,14 +135,15 @@ def _fit(case: Case, given: float | str, duration: float, rows: int) -> tuple[fl
     return given, n_steps + -n_steps % ledger_every, ledger_every
 
 
-def _wall_every(n_steps: int) -> int:
-    return max(every for every in range(1, _AUTO_PROBE_STEPS + 1) if n_steps % every == 0)
+def _divisor(n_steps: int, most: int) -> int:
+    """The largest number of steps, of at most so many, that fits into the run a whole number of times."""
+    return max(every for every in range(1, most + 1) if n_steps % every == 0)
 
 
 def _probe_every(case: Case, dt: float, n_steps: int) -> int:
     interval = case.output.probe_interval
     if isinstance(interval, str):
-        return _wall_every(n_steps)
+        return _divisor(n_steps, _AUTO_PROBE_STEPS)
     return max(1, round(interval / dt))
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import argparse
 import logging
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from granwave import __version__
@@ -36,9 +36,30 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _set_up_logging() -> None:
-    """Our own messages from INFO on; of the libraries (fonts, file formats) only what went wrong."""
-    logging.basicConfig(level=logging.ERROR, format="%(message)s", stream=sys.stderr)
+    """Our own messages from INFO on, warnings marked as such and given once; of the libraries only what went wrong."""
+    handler = logging.StreamHandler(sys.stderr)
+    handler.setFormatter(_Messages())
+    handler.addFilter(_once())
+    logging.basicConfig(level=logging.ERROR, handlers=[handler])
     logging.getLogger("granwave").setLevel(logging.INFO)
+
+
+class _Messages(logging.Formatter):
+    def format(self, record: logging.LogRecord) -> str:
+        text = super().format(record)
+        return f"granwave: warning: {text}" if record.levelno == logging.WARNING else text
+
+
+def _once() -> Callable[[logging.LogRecord], bool]:
+    seen: set[str] = set()
+
+    def fresh(record: logging.LogRecord) -> bool:
+        if record.levelno != logging.WARNING:
+            return True
+        text = record.getMessage()
+        return not (text in seen or seen.add(text))  # type: ignore[func-returns-value]
+
+    return fresh
 
 
 def _report(lines: Sequence[str], status: int) -> int:

@@ -108,7 +108,7 @@ def _check_machine(case: Case, directory: Path, n_ranks: int) -> None:
     free = shutil.disk_usage(place).free
     if expected.disk > free:
         raise InputError(
-            f"{directory}: the results need about {expected.disk / 1e9:.1f} GB, {free / 1e9:.1f} GB are free there; "
+            f"{directory}: the results need about {expected.disk / 1e9:.3g} GB, {free / 1e9:.3g} GB are free there; "
             "choose another directory with -o, or fewer run.frames"
         )
 

@@ -62,7 +62,7 @@ def plan_table(case: Case, plan: Plan) -> str:
             ("spheres", f"{plan.n_spheres}"),
             ("contacts", f"{plan.n_contacts}"),
             ("memory", f"about {plan.memory / 2**30:.2f} GiB"),
-            ("disk", f"about {plan.disk / 1e9:.2f} GB"),
+            ("disk", f"about {plan.disk / 1e9:.3g} GB"),
             ("timestep", f"{schedule.timestep:.4g} s"),
             ("steps", f"{at_most}{schedule.n_steps}, to {schedule.end_time:.4g} s"),
             ("snapshots", f"{at_most}{schedule.n_frames}"),

@@ -118,7 +118,7 @@ def plan_text(scan: Scan, directory: Path, jobs: int, slowness: float | None, *,
 def outcome_text(outcome: ScanOutcome) -> str:
     """The main values of each point, and where everything is."""
     result = ScanResult(outcome.directory)
-    points = result.points
+    points = [point for point in result.points if point.status != "missing"]
     head = ["", *result.varied, "dissipated", "plastic spheres", "peak force (N)", ""]
     table = [head]
     for point in points[:_MOST_ROWS]:
@@ -138,9 +138,11 @@ def outcome_text(outcome: ScanOutcome) -> str:
     )
     if len(points) > _MOST_ROWS:
         text += f"\n... {len(points) - _MOST_ROWS} more in scan.csv"
+    text = f"{text}\n\n" if points else ""
     counts = ", ".join(
         f"{value} {field.name}"
         for field in dataclasses.fields(outcome)
         if field.name in ("done", "failed", "missing") and (value := getattr(outcome, field.name)) is not None
     )
-    return f"{text}\n\n{counts}; table, figures and report.html in {outcome.directory}"
+    there = "table, figures and report.html" if (outcome.directory / "report.html").exists() else "the table"
+    return f"{text}{counts}; {there} in {outcome.directory}"

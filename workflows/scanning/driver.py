@@ -163,7 +163,7 @@ def decide(scan: Scan, directory: Path, *, resume: bool, force: bool) -> None:
     needed = sum(p.plan.disk for p in scan.distinct.values() if force or not layout.is_done(directory, p.id))
     if needed > free:
         raise InputError(
-            f"{directory}: the points need about {needed / 1e9:.2f} GB, {free / 1e9:.2f} GB are free there; "
+            f"{directory}: the points need about {needed / 1e9:.3g} GB, {free / 1e9:.3g} GB are free there; "
             "choose another directory with -o, or fewer run.frames"
         )
 

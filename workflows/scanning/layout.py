@@ -43,7 +43,11 @@ def unfinished(directory: Path, point: str) -> Path:
 
 def is_done(directory: Path, point: str) -> bool:
     """The point was run to its end and analysed."""
-    return (finished(directory, point) / SUMMARY_FILE).exists()
+    try:
+        # an empty file is what a machine may leave that went down
+        return (finished(directory, point) / SUMMARY_FILE).stat().st_size > 0
+    except OSError:
+        return False
 
 
 def state(directory: Path, point: str) -> dict[str, Any]:

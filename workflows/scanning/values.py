@@ -48,5 +48,5 @@ def _range(shape: str, limits: Any) -> list[float]:
         raise Unfit(f"{expected} with numbers that are closer to each other")
     shares = [k / (count - 1) for k in range(1, count - 1)]
     inner = [first + share * span if shape == "linear" else first * span**share for share in shares]
-    # 15 digits: 0.3 shall be the number that a list holds as 0.3, and one point with it
-    return [first, *(float(f"{value:.15g}") for value in inner), last]
+    # 14 digits: 0.3 shall be the number that a list holds as 0.3, and one point with it
+    return [first, *(float(f"{value:.14g}") for value in inner), last]

@@ -12,6 +12,7 @@ Exit status: 0 when every point is done, or has failed as often as it is tried; 
 from __future__ import annotations
 
 import contextlib
+import errno
 import json
 import os
 import shutil
@@ -26,14 +27,18 @@ from typing import Any
 
 import tomli_w
 
-from granwave.workflows import mpi
-from granwave.workflows.directory import busy
+from granwave.lammps_inputs.case import load_case
+from granwave.lammps_inputs.deck import CASE_FILE
+from granwave.lammps_inputs.errors import InputError
+from granwave.workflows import mpi, record
+from granwave.workflows.directory import busy, clear
 from granwave.workflows.scanning import layout
 
 DRIVER = "GRANWAVE_SCAN_DRIVER"  # variable: process of the driver, on this machine, without which the job ends
 _POLL = 0.5  # s
 _LEAST_FREE = 50e6  # bytes of disk, beside what the point is expected to write
 _LOG = "point.log"
+_DISK_IS_FULL = (errno.ENOSPC, errno.EDQUOT)
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -59,15 +64,20 @@ class _Worker:
             signal.signal(number, lambda *_: self.stop())
         for name in set(os.environ) - set(mpi.alone()):
             del os.environ[name]  # the points are no ranks of whatever started this job
-        if self.batch["ranks"] == 1:
-            _load()
         if self._unwanted():
             self.stop()
+        elif self.batch["ranks"] == 1:
+            _load()
         threading.Thread(target=self._watch, daemon=True).start()
         points = self.batch["points"]
         for point in points:
             while not self.stopping.is_set() and not layout.is_final(self.directory, point["id"]):
-                self._attempt(point)
+                try:
+                    self._attempt(point)
+                except OSError as error:
+                    if error.errno not in _DISK_IS_FULL:
+                        raise
+                    self._halt("")
         return sum(not layout.is_final(self.directory, point["id"]) for point in points)
 
     # ------------------------------------------------------------------ stopping
@@ -101,7 +111,9 @@ class _Worker:
             return
         seen = layout.state(self.directory, point["id"])
         before = seen.get("attempts", 0)
-        if before >= layout.MOST_ATTEMPTS:  # and nobody was left to say so
+        begun = record.read(place)
+        ended = begun is not None and begun.state == record.FINISHED  # by a process whose worker was killed
+        if before >= layout.MOST_ATTEMPTS and not ended:  # and nobody was left to say so
             reason = "its job was killed; was the machine out of memory, or the time limit too short?"
             layout.write_state(place, **{**seen, "state": layout.FAILED, "reason": seen.get("reason") or reason})
             return
@@ -115,7 +127,7 @@ class _Worker:
         if status == 0:
             layout.write_state(place, state=layout.DONE_STATE, **note)
             os.replace(place, _emptied(layout.finished(self.directory, point["id"])))
-        elif status == 130 or (status < 0 and self.stopping.is_set()):
+        elif status == 130 or (status < 0 and self.stopping.is_set()) or not self._room(point):
             note["attempts"] = before
             layout.write_state(place, state=layout.INTERRUPTED, **note)
             self.stopping.set()
@@ -128,18 +140,22 @@ class _Worker:
         free = shutil.disk_usage(self.directory).free
         if free > point["disk"] + _LEAST_FREE:
             return True
+        self._halt(f"{free / 1e9:.2f} GB are free on the disk; the next point may need more")
+        return False
+
+    def _halt(self, reason: str) -> None:
+        """End the whole scan."""
         stop = self.directory / layout.STOP
         if not stop.exists():
             with contextlib.suppress(OSError):  # the file's presence says it all where not a byte is left
                 stop.touch()
-                stop.write_text(f"{free / 1e9:.2f} GB are free on the disk; the next point may need more", "utf-8")
+                stop.write_text(reason, encoding="utf-8")
         self.stopping.set()
-        return False
 
     def _run(self, point: dict[str, Any], place: Path) -> int:
         """The exit status of the point's process; negative if a signal killed it."""
         case = place / "point.toml"
-        case.write_text(tomli_w.dumps(point["case"]), encoding="utf-8")
+        case.write_text(tomli_w.dumps({**point["case"], "name": _name(point, place)}), encoding="utf-8")
         words = ["run", str(case), "-o", str(place), "--resume", *(() if self.batch["figures"] else ["--no-figures"])]
         with (place / _LOG).open("ab") as log:
             if self.batch["ranks"] > 1:
@@ -226,6 +242,16 @@ def _alive(process: int) -> bool:
     return True
 
 
+def _name(point: dict[str, Any], place: Path) -> str:
+    """The name that the point's case was begun with; one that cannot be read is begun anew."""
+    try:
+        if (place / CASE_FILE).exists():
+            return load_case(place / CASE_FILE).name
+    except InputError:  # the machine went down while it was written
+        clear(place)
+    return str(point["case"]["name"])
+
+
 def _emptied(target: Path) -> Path:
     """A place for a finished point: what lies there is not finished."""
     if target.exists():
@@ -246,7 +272,7 @@ def _reason(status: int, log: Path, begin: int) -> str:
         if lines and status > 0:
             return lines[-1]
     if status < 0:
-        return f"killed by {signal.Signals(-status).name}; was the machine out of memory?"
+        return f"killed by signal {-status} ({signal.strsignal(-status)}); was the machine out of memory?"
     return f"ended with status {status}"
 
 
