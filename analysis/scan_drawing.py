@@ -141,7 +141,10 @@ def draw_bars(
     axes.set_xlim(-0.6, len(ticks) - 0.4)
     axes.xaxis.set_minor_locator(NullLocator())
     axes.tick_params(axis="x", which="both", length=0)
-    axes.set_xticks(range(len(ticks)), ticks, **({"rotation": 35, "ha": "right"} if rotated else {}))
+    axes.set_xticks(range(len(ticks)), ticks)
+    if rotated:
+        for label in axes.get_xticklabels():
+            label.set(rotation=35, ha="right")
     if logarithmic:
         axes.set_yscale("log")
         _log_ticks(axes.yaxis)
@@ -178,7 +181,7 @@ def draw_map(
     if annotated:
         for (line, place), value in np.ndenumerate(table):
             if np.isfinite(value):
-                bright = mesh.norm(value) > 0.6
+                bright = (value - low) / (high - low or 1.0) > 0.6
                 axes.text(
                     place, line, f"{value:.3g}", ha="center", va="center", fontsize=6.5,
                     color="black" if bright else "white",

@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 from granwave.analysis.scan_result import ScanResult
-from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.workflows.scanning import driver, layout
 from granwave.workflows.scanning.batches import expected_time
 from granwave.workflows.scanning.calibrate import slowness_of
@@ -37,17 +37,21 @@ def scan(options: argparse.Namespace) -> int:
     if options.plan:
         return 0
     sys.stdout.flush()
-    outcome = run_scan(
-        found,
-        directory,
-        executor=options.executor,
-        profile=profile,
-        jobs=options.jobs,
-        resume=options.resume,
-        force=options.force,
-        progress=True,
-        slowness=slowness or 1.0,
-    )
+    try:
+        outcome = run_scan(
+            found,
+            directory,
+            executor=options.executor,
+            profile=profile,
+            jobs=options.jobs,
+            resume=options.resume,
+            force=options.force,
+            progress=True,
+            slowness=slowness or 1.0,
+        )
+    except OSError as error:  # a full disk, above all
+        reason = error.strerror or error
+        raise RunError(f"{directory}: {reason}; mend that, then the same command with --resume goes on") from error
     print(outcome_text(outcome))
     if outcome.stopped == driver.STOPPED:
         print("granwave: stopped before its end; the same command with --resume goes on", file=sys.stderr)

@@ -31,7 +31,9 @@ _LOCAL_START = 2.5  # s, of a job on this machine: Snakemake, Python, libraries
 _POLL, _QUEUE_POLL = 0.3, 2.0  # s, between looks at the directory, and at the cluster
 _PATIENCE = 60.0  # s, in which running jobs end by themselves once they are asked to
 _TABLE_EVERY, _FIGURES_EVERY = 5.0, 60.0  # s, at most so often while points come in
-_MOST_ROUNDS = 20  # a round that leaves points behind (jobs were killed, or met their time limit) is followed by another
+_MOST_ROUNDS = (
+    20  # a round that leaves points behind (jobs were killed, or met their time limit) is followed by another
+)
 _GONE = 15.0  # s without a job in the queue, after which a round is over, whatever the engine believes
 
 

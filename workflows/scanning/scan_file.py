@@ -157,7 +157,7 @@ def load_scan(scan: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (
     path, changes = studies.find(str(scan), studies.SCANS), parse_overrides(overrides)
     data = read_toml(path)
     faults = Faults(str(path))
-    tables = {name: data.pop(name) for name in ("set", "grid", "zip", "points") if name in data}
+    tables: dict[str, Any] = {name: data.pop(name) for name in ("set", "grid", "zip", "points") if name in data}
     header = read_table(_Header, data, "", faults)
     fixed = {
         key: value
@@ -203,10 +203,10 @@ def _variations(tables: Mapping[str, Any], header: _Header | None, faults: Fault
     if faults.lines:
         return []
     products = itertools.product(*axes) if axes else []
-    found = [{key: value for part in parts for key, value in part.items()} for parts in products] + single
+    points = [{key: value for part in parts for key, value in part.items()} for parts in products] + single
     if header and header.replicates > 1:
-        found = [{**values, SEED: seed} for values in found for seed in range(1, header.replicates + 1)]
-    return found
+        points = [{**values, SEED: seed} for values in points for seed in range(1, header.replicates + 1)]
+    return points
 
 
 def _tables(value: Any, name: str, faults: Faults) -> list[Mapping[str, Any]]:
