@@ -17,7 +17,7 @@ import dataclasses
 import itertools
 import math
 from collections.abc import Callable, Iterator
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -212,28 +212,35 @@ class Lattice:
         return 1 + i + nx * (j + ny * k), exists
 
     def _offsets(self, j: int, k: int) -> list[Offset]:
-        return self._offset_table[k % self.rule.layer_period, j % self.rule.row_period]
+        table = _offset_table(self.kind, tuple(n > 1 for n in self.shape))
+        return table[k % self.rule.layer_period, j % self.rule.row_period]
 
-    @cached_property
-    def _offset_table(self) -> dict[tuple[int, int], list[Offset]]:
-        """Steps in (i, j, k) to the touching spheres, for each place in the stacking and kind of row."""
-        rule, nx_ny_nz = self.rule, self.shape
-        movable = [n > 1 for n in nx_ny_nz]
-        steps = [
+
+@cache
+def _offset_table(kind: str, movable: tuple[bool, ...]) -> dict[tuple[int, int], list[Offset]]:
+    """Steps in (i, j, k) to the touching spheres, for each place in the stacking and kind of row.
+
+    Parameters
+    ----------
+    movable
+        Along which axes there is more than one sphere.
+    """
+    rule = KINDS[kind]
+    steps = [
+        offset
+        for offset in itertools.product(*_REACH)
+        if any(offset) and all(free or step == 0 for free, step in zip(movable, offset, strict=True))
+    ]
+    table = {}
+    for k, j in itertools.product(range(rule.layer_period), range(rule.row_period)):
+        base = (6, 6 + j, 6 + k)  # well inside, so that every step stays in the same stacking
+        here = np.array(rule.site(*map(np.asarray, base)))
+        table[k, j] = [
             offset
-            for offset in itertools.product(*_REACH)
-            if any(offset) and all(free or step == 0 for free, step in zip(movable, offset, strict=True))
+            for offset in steps
+            if abs(math.dist(here, rule.site(*map(np.asarray, np.add(base, offset)))) - 1.0) <= TOUCHING
         ]
-        table = {}
-        for k, j in itertools.product(range(rule.layer_period), range(rule.row_period)):
-            base = (6, 6 + j, 6 + k)  # well inside, so that every step stays in the same stacking
-            here = np.array(rule.site(*map(np.asarray, base)))
-            table[k, j] = [
-                offset
-                for offset in steps
-                if abs(math.dist(here, rule.site(*map(np.asarray, np.add(base, offset)))) - 1.0) <= TOUCHING
-            ]
-        return table
+    return table
 
 
 def _ends(n: int, period: int) -> NDArray[np.int64]:

@@ -38,6 +38,14 @@ def _parse_frames(value: Any) -> int | tuple[float, ...]:
     return times
 
 
+def _parse_seed(value: Any) -> int:
+    expected = f"a whole number from 0 to {LARGEST_ID}"
+    seed = whole(value, expected, at_least=0)
+    if seed > LARGEST_ID:
+        raise Unfit(expected)
+    return seed
+
+
 def _parse_probes(value: Any) -> tuple[Probe, ...]:
     if not isinstance(value, list | tuple):
         raise Unfit(_PROBE_FORM)
@@ -82,7 +90,7 @@ class PackingSection:
     diameter: float = number("diameter of the spheres", unit="m", above=0)
     seed: int | None = custom(
         "of what is random in the packing",
-        lambda value: whole(value, "a whole number from 0 up", at_least=0),
+        _parse_seed,
         default=None,
     )
 

@@ -37,7 +37,7 @@ def read_toml(path: str | Path) -> dict[str, Any]:
         ) from None
     try:
         return tomllib.loads(content)
-    except tomllib.TOMLDecodeError as error:
+    except (ValueError, RecursionError) as error:  # of TOML, of a number's length, of nesting
         raise InputError(f"{path}: not valid TOML: {error}") from None
 
 

@@ -44,8 +44,8 @@ def test_reference_study(granwave, tmp_path):
 
 
 def test_same_bits_on_any_number_of_ranks(granwave, tmp_path):
-    """A third of a millisecond of a large packing: every field of every contact, sphere and snapshot."""
-    words = ["--set", "packing.size=[24,24,12]", "--set", "run.end_time=3e-4"]
+    """A whole impact: every field of every contact, sphere and snapshot."""
+    words = ["--set", "packing.size=[16,16,10]", "--set", "run.end_time=2e-4"]
     for ranks in (1, 2, 3, 4):
         done = granwave("run", "fcc-impact", *words, "--np", ranks, "-o", tmp_path / str(ranks), timeout=900)
         assert done.returncode == 0, done.stderr
@@ -54,7 +54,8 @@ def test_same_bits_on_any_number_of_ranks(granwave, tmp_path):
         for ranks in (2, 3, 4):
             with Result(tmp_path / str(ranks)) as other:
                 for name in fields:
-                    assert np.array_equal(one[name], other[name], equal_nan=True), (ranks, name)
+                    floats = one[name].dtype.kind == "f"
+                    assert np.array_equal(one[name], other[name], equal_nan=floats), (ranks, name)
                 for frame in range(one.n_frames):
                     for name in ("displacement", "velocity", "contact_force"):
                         assert np.array_equal(one.frame(frame, name), other.frame(frame, name)), (ranks, frame, name)

@@ -1,5 +1,6 @@
 """``python -m granwave.workflows`` and the ``granwave`` command: start-up, in which Ctrl-C is heard at once."""
 
+import os
 import sys
 
 
@@ -10,8 +11,8 @@ def run() -> int:
 
         return main()
     except KeyboardInterrupt:
-        print("granwave: stopped", file=sys.stderr)
-        return 130
+        print("granwave: stopped", file=sys.stderr, flush=True)
+        os._exit(130)  # what was half imported cannot be used any more, not even to leave
 
 
 if __name__ == "__main__":

@@ -31,7 +31,10 @@ def scan(options: argparse.Namespace) -> int:
     jobs = options.jobs or default_jobs(profile)
     if not options.plan:
         check_installed(options.executor)
-        driver.decide(found, directory, resume=options.resume, force=options.force)
+        try:
+            driver.decide(found, directory, resume=options.resume, force=options.force)
+        except OSError as error:  # it cannot be looked into
+            raise InputError(f"{directory}: {error.strerror or error}; choose another directory with -o") from None
     slowness = _slowness(found, directory, options, jobs)
     print(plan_text(found, directory, jobs, slowness, fresh=options.force))
     if options.plan:

@@ -13,6 +13,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
+from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.scan_result import SCAN_FILE, SCAN_INDEX, ScanResult, is_scan
 from granwave.analysis.scan_table import ScanData, read_scan, write_scan_table
 from granwave.lammps_inputs.errors import InputError, RunError
@@ -154,8 +155,8 @@ def decide(scan: Scan, directory: Path, *, resume: bool, force: bool) -> None:
             "--resume does what is missing, --force replaces them, or choose another directory with -o"
         )
     if resume and is_scan(directory):
-        there = ScanResult(directory)
-        if there.name != scan.name and not {point.id for point in there.points} & set(scan.distinct):
+        there = _index(directory)
+        if there and there.name != scan.name and not {point.id for point in there.points} & set(scan.distinct):
             raise InputError(
                 f"{directory}: holds another scan ({there.name}), without a point of {scan.name}; "
                 "--force replaces it, or choose another directory with -o"
@@ -163,11 +164,19 @@ def decide(scan: Scan, directory: Path, *, resume: bool, force: bool) -> None:
     place = next(path for path in (directory, *directory.parents) if path.exists())
     free = shutil.disk_usage(place).free
     needed = sum(p.plan.disk for p in scan.distinct.values() if force or not layout.is_done(directory, p.id))
-    if needed > free:
+    if needed and needed + layout.LEAST_FREE > free:
         raise InputError(
             f"{directory}: the points need about {needed / 1e9:.3g} GB, {free / 1e9:.3g} GB are free there; "
             "choose another directory with -o, or fewer run.frames"
         )
+
+
+def _index(directory: Path) -> ScanResult | None:
+    """The scan that is there; None where its index is damaged, which is written anew."""
+    try:
+        return ScanResult(directory)
+    except OutputFormatError:
+        return None
 
 
 def clear(directory: Path) -> None:
@@ -185,9 +194,10 @@ def _prepare(scan: Scan, directory: Path, *, on_cluster: bool) -> None:
     scratch = directory / f".{SCAN_INDEX}"
     scratch.write_text(json.dumps(scan.index(), indent=1) + "\n", encoding="utf-8")
     scratch.replace(directory / SCAN_INDEX)
+    adopted = {name for job in queue.jobs_of(directory) for name in job.points} if on_cluster else set()
     for point in scan.distinct:
         state = layout.state(directory, point)
-        if state.get("state") == layout.FAILED:  # another chance
+        if state.get("attempts") and point not in adopted:  # it failed, or was killed with its job: another chance
             layout.write_state(
                 layout.unfinished(directory, point), **{**state, "state": layout.INTERRUPTED, "attempts": 0}
             )
@@ -289,6 +299,7 @@ class _ScanRun:
         with contextlib.suppress(OSError):
             (self.directory / layout.STOP).touch()
         if not self.profile:
+            engine.drain()
             while engine.running() and not self.stop.insists:
                 time.sleep(_POLL)
             return

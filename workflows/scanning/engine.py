@@ -74,6 +74,11 @@ class Engine:
         """Jobs are running, or still to come."""
         return self._process.poll() is None
 
+    def drain(self) -> None:
+        """Start no further job; the engine ends when those that run have ended."""
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(self._process.pid, signal.SIGTERM)
+
     def kill(self) -> None:
         """End the engine; jobs on a cluster go on."""
         with contextlib.suppress(ProcessLookupError):

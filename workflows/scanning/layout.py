@@ -30,6 +30,8 @@ RESULTS = (
 RUNNING, INTERRUPTED, FAILED, DONE_STATE = "running", "interrupted", "failed", "done"
 MOST_ATTEMPTS = 2
 
+LEAST_FREE = 50e6  # bytes of disk, beside what a point is expected to write
+
 
 def finished(directory: Path, point: str) -> Path:
     """The directory of a point that is done."""

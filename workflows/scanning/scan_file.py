@@ -154,7 +154,11 @@ def load_scan(scan: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (
     InputError
         The file, an override, or any point is wrong: a line for each invalid point.
     """
-    path, changes = studies.find(str(scan), studies.SCANS), parse_overrides(overrides)
+    changes = parse_overrides(overrides)
+    try:
+        path = studies.find(str(scan), studies.SCANS)
+    except OSError as error:
+        raise InputError(f"{scan}: cannot be read: {error.strerror}") from None
     data = read_toml(path)
     faults = Faults(str(path))
     tables: dict[str, Any] = {name: data.pop(name) for name in ("set", "grid", "zip", "points") if name in data}

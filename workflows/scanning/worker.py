@@ -15,6 +15,7 @@ import contextlib
 import errno
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -36,8 +37,8 @@ from granwave.workflows.scanning import layout
 
 DRIVER = "GRANWAVE_SCAN_DRIVER"  # variable: process of the driver, on this machine, without which the job ends
 _POLL = 0.5  # s
-_LEAST_FREE = 50e6  # bytes of disk, beside what the point is expected to write
 _LOG = "point.log"
+_RANK_DIED = re.compile(r"(?:EXIT STRING: |^srun: error: .*: tasks? [^:]+: )(.+)")  # as MPICH and Slurm put it
 _DISK_IS_FULL = (errno.ENOSPC, errno.EDQUOT)
 
 
@@ -138,7 +139,7 @@ class _Worker:
 
     def _room(self, point: dict[str, Any]) -> bool:
         free = shutil.disk_usage(self.directory).free
-        if free > point["disk"] + _LEAST_FREE:
+        if free > point["disk"] + layout.LEAST_FREE:
             return True
         self._halt(f"{free / 1e9:.2f} GB are free on the disk; the next point may need more")
         return False
@@ -266,9 +267,13 @@ def _reason(status: int, log: Path, begin: int) -> str:
         with log.open("rb") as stream:
             stream.seek(begin)
             lines = stream.read().decode("utf-8", "replace").strip().splitlines()
-        complaints = [line.removeprefix("granwave: ") for line in lines if line.startswith("granwave: ")]
+        said = [line.removeprefix("granwave: ") for line in lines if line.startswith("granwave: ")]
+        complaints = [line for line in said if not line.startswith("warning: ")]
         if complaints:
             return complaints[-1]
+        died = [match[1] for line in lines if (match := _RANK_DIED.search(line))]
+        if died:
+            return f"a rank died: {died[-1]}; was the machine out of memory?"
         if lines and status > 0:
             return lines[-1]
     if status < 0:

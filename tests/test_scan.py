@@ -1,0 +1,358 @@
+"""Scans on this machine as a user meets them: what they leave, exit statuses, failures, kills, resume."""
+
+from __future__ import annotations
+
+import contextlib
+import csv
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from granwave.analysis.scan_table import read_scan
+from tests.conftest import PLAIN
+
+HEAD = """
+case = "fcc-small"
+ranks = {spheres_per_rank = 200, most = 2}
+[set]
+run.end_time = 5e-5
+run.frames = 2
+"""
+#: Two good points, one of them twice; one that LAMMPS refuses at once; one on two ranks.
+POINTS = """
+[[points]]
+packing.size = [6, 6, 4]
+load.velocity = 1
+[[points]]
+packing.size = [6, 6, 4]
+load.velocity = 2
+[[points]]
+packing.size = [6, 6, 4]
+load.velocity = 1000
+[[points]]
+packing.size = [6, 6, 4]
+load.velocity = 2.0
+[[points]]
+packing.size = [8, 8, 4]
+load.velocity = 1
+"""
+#: One point of seconds, beside some of a fraction of one.
+LONG = """
+case = "fcc-small"
+[set]
+run.frames = 2
+[[points]]
+packing.size = [12, 12, 6]
+run.end_time = %g
+""" + "".join(f"[[points]]\npacking.size = [8, 8, 5]\nrun.end_time = 3e-4\nload.velocity = {v}\n" for v in range(1, 5))
+TINY = 'case = "two-spheres"\n[[points]]\nload.velocity = 3\n'
+SCAN = [sys.executable, "-m", "granwave.workflows", "scan"]
+
+Start = Callable[..., subprocess.Popen[str]]
+
+
+@pytest.fixture
+def start(tmp_path: Path) -> Iterator[Start]:
+    """Start a scan of this text in the directory "out"; what still runs at the end of the test is killed."""
+    started: list[subprocess.Popen[str]] = []
+
+    def run(text: str, *words: str) -> subprocess.Popen[str]:
+        (tmp_path / "my.toml").write_text(text, encoding="utf-8")
+        process = subprocess.Popen(
+            [*SCAN, "my.toml", "-o", "out", "--jobs", "2", *words],
+            cwd=tmp_path, env=PLAIN, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        )  # fmt: skip
+        started.append(process)
+        return process
+
+    yield run
+    for process in started:
+        process.kill()
+        process.communicate()
+    with contextlib.suppress(TimeoutError):
+        wait_for(lambda: not (tmp_path / "out" / "unfinished").exists() or not any(map(alive, workers(tmp_path))), 30)
+
+
+def wait_for(condition: Callable[[], object], limit: float = 120, *, beside: subprocess.Popen[str] | None = None):
+    """Poll until the condition holds; returns what it gave."""
+    end = time.monotonic() + limit
+    while not (found := condition()):
+        if beside is not None:
+            assert beside.poll() is None, beside.communicate()
+        if time.monotonic() > end:
+            raise TimeoutError
+        time.sleep(0.02)
+    return found
+
+
+def rows(directory: Path) -> list[dict[str, str]]:
+    with (directory / "scan.csv").open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def record(place: Path) -> dict:
+    with contextlib.suppress(OSError, ValueError):
+        return json.loads((place / "point.json").read_text())
+    return {}
+
+
+def marks(directory: Path) -> dict[str, tuple[int, int]]:
+    """Which files the finished points have, so that a point done again is seen."""
+    return {
+        str(path.relative_to(directory)): (path.stat().st_ino, path.stat().st_mtime_ns)
+        for path in (directory / "points").glob("*/*")
+    }
+
+
+def tree(directory: Path) -> dict[str, int]:
+    return {str(path): path.stat().st_mtime_ns for path in directory.rglob("*")}
+
+
+def children(process: int) -> list[int]:
+    found = []
+    for path in Path("/proc").glob("[0-9]*/stat"):
+        with contextlib.suppress(OSError):
+            if int(path.read_text().rpartition(")")[2].split()[1]) == process:
+                found.append(int(path.parent.name))
+    return found
+
+
+def workers(tmp_path: Path) -> set[int]:
+    """Processes of the workers that have a point in work."""
+    return {record(path.parent)["pid"] for path in tmp_path.glob("out/unfinished/*/point.json") if record(path.parent)}
+
+
+def alive(process: int) -> bool:
+    with contextlib.suppress(OSError):
+        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    return False
+
+
+def growing(place: Path, since: int = 20_000) -> bool:
+    """The present attempt at this point has come beyond so many bytes of its ledger."""
+    with contextlib.suppress(OSError):
+        ledger, noted = (place / "dumps" / "energy.txt").stat(), record(place)
+        return noted.get("state") == "running" and ledger.st_mtime > noted["started"] and ledger.st_size > since
+    return False
+
+
+# ---------------------------------------------------------------------- what a scan leaves
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory) -> tuple[Path, subprocess.CompletedProcess[str]]:
+    """A scan whose third point fails, in a directory with awkward letters in its name."""
+    directory = tmp_path_factory.mktemp("scans") / "my {scan} Nö 1"
+    directory.mkdir()
+    (directory / "notes.txt").write_text("mine")
+    (directory.parent / "my.toml").write_text(HEAD + POINTS, encoding="utf-8")
+    command = [*SCAN, "my.toml", "-o", directory.name]
+    return directory, subprocess.run(
+        command, cwd=directory.parent, capture_output=True, text=True, timeout=300, env=PLAIN
+    )
+
+
+def test_a_scan_leaves_everything(finished) -> None:
+    directory, done = finished
+    assert done.returncode == 1, done.stderr
+    for name in ("scan.toml", "scan.json", "scan.csv", "scan.h5", "report.html", "figures", "points", "notes.txt"):
+        assert (directory / name).exists(), name
+    table = rows(directory)
+    assert [row["load.velocity"] for row in table] == ["1", "2", "1000", "2.0", "1"]
+    assert [row["packing.size"] for row in table] == ["[6, 6, 4]"] * 4 + ["[8, 8, 4]"]
+    assert [row["status"] for row in table] == ["done", "done", "failed", "done", "done"]
+    assert [row["n_ranks"] for row in table] == ["1", "1", "", "1", "2"]
+    for row in table:
+        place = directory / row["directory"]
+        assert (place / "summary.json").exists() == (row["status"] == "done")
+        assert (place / "case.toml").exists() and (place / "point.log").exists()
+    velocities = [json.loads((directory / row["directory"] / "summary.json").read_text()) for row in table[:2]]
+    assert velocities[0]["energy_input_J"] * 4 == pytest.approx(velocities[1]["energy_input_J"])
+    assert float(table[0]["dissipated_fraction"]) == velocities[0]["dissipated_fraction"]
+    data = read_scan(directory)
+    assert data.n_points == 5 and data["peak_force_N"][1] == float(table[1]["peak_force_N"])
+    assert list((directory / "figures").glob("*.png")) and "1000" in (directory / "report.html").read_text()
+
+
+def test_equal_points_are_run_once(finished) -> None:
+    directory, _ = finished
+    table = rows(directory)
+    assert table[1]["directory"] == table[3]["directory"] and table[1]["attempts"] == "1"
+    assert len(list((directory / "points").iterdir())) == 3
+
+
+def test_a_point_that_fails_is_tried_twice_and_kept_with_its_reason(finished) -> None:
+    directory, done = finished
+    row = rows(directory)[2]
+    assert row["attempts"] == "2" and "overlap by" in row["reason"] and row["peak_force_N"] == ""
+    log = (directory / row["directory"] / "point.log").read_text()
+    assert row["directory"].startswith("unfinished/") and log.count("overlap by") >= 2
+    assert "overlap by" in done.stdout and "3 done, 1 failed, 0 missing" in done.stdout
+    (line,) = [line for line in done.stderr.splitlines() if line.startswith("granwave: ")]
+    assert "1 failed" in line and "scan.csv" in line and "--resume" in line
+
+
+def test_a_directory_with_results_is_refused(finished, granwave) -> None:
+    directory, _ = finished
+    before = tree(directory)
+    again = granwave("scan", "my.toml", "-o", directory, cwd=directory.parent)
+    assert again.returncode == 2 and "already holds results" in again.stderr and "--resume" in again.stderr
+    other = granwave("scan", "restitution", "-o", directory, "--resume")
+    assert other.returncode == 2 and "another scan (my)" in other.stderr and "--force" in other.stderr
+    run = granwave(
+        "scan", "my.toml", "-o", directory / rows(directory)[0]["directory"], "--force", cwd=directory.parent
+    )
+    assert run.returncode == 2 and "holds a run" in run.stderr
+    assert all(len(done.stderr.splitlines()) == 1 for done in (again, other, run))
+    assert tree(directory) == before
+
+
+def test_resume_does_what_is_missing_and_force_replaces_all(finished, granwave, tmp_path) -> None:
+    out = tmp_path / "out"
+    shutil.copytree(finished[0], out)
+    # the machine went down: a summary and a case without a byte
+    places = [out / row["directory"] for row in rows(out)]
+    (places[0] / "summary.json").write_text("")
+    (places[1] / "case.toml").write_text("")
+    places[1].rename(out / "unfinished" / places[1].name)
+    before = {name: mark for name, mark in marks(out).items() if places[4].name in name}
+    good = POINTS.replace("1000", "3") + "[[points]]\npacking.size = [8, 8, 4]\nload.velocity = 2\n"
+    (tmp_path / "my.toml").write_text(HEAD + good)
+    words = ("scan", "my.toml", "-o", "out")
+
+    extended = granwave(*words, "--resume", cwd=tmp_path)
+    assert extended.returncode == 0, extended.stderr
+    assert "6, 5 of them different, 1 done already" in extended.stdout
+    after = marks(out)
+    assert {name: after[name] for name in before} == before and len(after) > len(before)
+    assert [row["status"] for row in rows(out)] == ["done"] * 6
+
+    nothing = granwave(*words, "--resume", cwd=tmp_path)
+    assert nothing.returncode == 0, nothing.stderr
+    assert marks(out) == after
+
+    (tmp_path / "my.toml").write_text(TINY)
+    replaced = granwave(*words, "--force", cwd=tmp_path)
+    assert replaced.returncode == 0, replaced.stderr
+    assert [row["load.velocity"] for row in rows(out)] == ["3"]
+    assert len(list((out / "points").iterdir())) == 1
+    assert (out / "notes.txt").read_text() == "mine"
+
+
+# ---------------------------------------------------------------------- what goes wrong on the way
+
+
+def test_ctrl_c_and_kills_lose_nothing(start: Start, granwave, tmp_path: Path) -> None:
+    directory, text = tmp_path / "out", LONG % 4e-3
+    process = start(text)
+    wait_for((directory / "scan.json").exists, beside=process)
+    first = json.loads((directory / "scan.json").read_text())["points"][0]["id"]
+    long = directory / "unfinished" / first
+    busy = granwave("scan", "my.toml", "-o", "out", "--resume", cwd=tmp_path)
+    assert busy.returncode == 2 and "at work there" in busy.stderr
+
+    # a point's process is killed: it is tried once more
+    wait_for(lambda: growing(long), beside=process)
+    (point,) = children(record(long)["pid"])
+    os.kill(point, signal.SIGKILL)
+    wait_for(lambda: record(long).get("attempts") == 2, beside=process)
+
+    # Ctrl-C
+    wait_for(lambda: growing(long) and list(directory.glob("points/*/summary.json")), beside=process)
+    process.send_signal(signal.SIGINT)
+    said, errors = process.communicate(timeout=120)
+    assert process.returncode == 130, errors
+    assert "--resume" in errors and "Traceback" not in errors and "missing" in said
+    assert list(long.glob("checkpoint-*.restart")) and record(long)["state"] == "interrupted"
+    assert {row["status"] for row in rows(directory)} == {"done", "missing"}
+    before, size = marks(directory), (long / "dumps" / "energy.txt").stat().st_size
+
+    # the driver is killed: what it started ends by itself
+    process = start(text, "--resume")
+    wait_for(lambda: growing(long, size), beside=process)
+    process.kill()
+    process.communicate()
+
+    done = granwave("scan", "my.toml", "-o", "out", "--resume", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    table = rows(directory)
+    assert [row["status"] for row in table] == ["done"] * 5 and not (directory / "unfinished").exists()
+    assert float(table[0]["energy_balance_error"]) < 1e-5
+    after = marks(directory)
+    assert {name: after[name] for name in before} == before
+    # it went on from its checkpoint each time, and nothing of it is there twice
+    log = (directory / "points" / first / "log.lammps").read_text()
+    assert log.count("Reading restart file") == 2 and log.count("Reading data file") == 1
+    ledger = (directory / "points" / first / "dumps" / "energy.txt").read_text().splitlines()
+    steps = [int(line.split()[0]) for line in ledger if not line.startswith("#")]
+    assert steps == sorted(set(steps))
+
+
+def test_a_scan_survives_its_engine_and_a_worker(start: Start, tmp_path: Path) -> None:
+    directory = tmp_path / "out"
+    process = start(LONG % 3e-3)
+    wait_for((directory / "scan.json").exists, beside=process)
+    long = directory / "unfinished" / json.loads((directory / "scan.json").read_text())["points"][0]["id"]
+    wait_for(lambda: growing(long), beside=process)
+    engine = [child for child in children(process.pid) if "snakemake" in Path(f"/proc/{child}/cmdline").read_text()]
+    os.kill(engine[0], signal.SIGKILL)
+
+    # the driver starts another one; a worker is killed: its point comes to an end all the same, and counts
+    wait_for(lambda: record(long).get("attempts") == 2 and growing(long), beside=process)
+    os.kill(record(long)["pid"], signal.SIGKILL)
+    _, errors = process.communicate(timeout=200)
+    assert process.returncode == 0, errors
+    assert [row["status"] for row in rows(directory)] == ["done"] * 5
+
+
+# ---------------------------------------------------------------------- bad input
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (["velocity-fc"], ["velocity-fc", "did you mean velocity-fcc"]),
+        (["restitution", "--executor", "slrum"], ["--executor", "slrum", "did you mean slurm"]),
+        (["restitution", "--profile", "p.toml"], ["--profile", "--executor slurm"]),
+        (["restitution", "--executor", "slurm"], ["--executor slurm"]),
+        (["restitution", "--set", "load.velocity=1"], ["load.velocity", "varies in the scan"]),
+        (["restitution", "--resume", "--force"], ["not allowed with"]),
+        (["restitution", "-o", "notes.txt"], ["is a file"]),
+        (["bad.toml"], ["bad.toml: point 2 (load.velocity = -1)"]),
+        (["outside.toml"], ["outside.toml: name"]),
+    ],
+)
+def test_bad_input_writes_nothing(tmp_path: Path, words: list[str], expected: list[str]) -> None:
+    (tmp_path / "notes.txt").write_text("mine")
+    (tmp_path / "bad.toml").write_text('case = "two-spheres"\n[grid]\nload.velocity = [1, -1, 2]\n')
+    (tmp_path / "outside.toml").write_text('name = "../x"\n' + TINY)
+    before = tree(tmp_path)
+    empty = {**PLAIN, "PATH": str(tmp_path)}  # no Slurm here, whatever the machine has
+    done = subprocess.run([*SCAN, *words], cwd=tmp_path, env=empty, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 2, done.stderr
+    assert all(word in done.stderr for word in expected) and "Traceback" not in done.stderr
+    assert tree(tmp_path) == before and not (tmp_path.parent / "x").exists()
+
+
+def test_a_plan_runs_nothing(granwave, tmp_path: Path) -> None:
+    done = granwave("scan", "restitution", "--plan", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    for words in ("points         26", "load.velocity (13), packing.size (2)", "memory", "disk", "expected time"):
+        assert words in done.stdout
+    assert not list(tmp_path.iterdir())
+
+
+def test_scans_and_cases_are_told_apart(granwave) -> None:
+    listed = granwave("cases").stdout.splitlines()
+    assert any(line.startswith("scan  velocity-fcc ") for line in listed)
+    assert any(line.startswith("case  fcc-small ") for line in listed)
+    done = granwave("run", "velocity-fcc")
+    assert done.returncode == 2 and "is a scan" in done.stderr and "granwave scan velocity-fcc" in done.stderr
