@@ -164,7 +164,7 @@ def _read_section(section: type, table: Any, name: str, faults: Faults) -> Any:
 def _refuse_others(data: Mapping[str, Any], faults: Faults) -> None:
     for name in _OF_CONTINUUM:
         if name in data:
-            faults.add(name, "belongs to a continuum case, which this version does not run")
+            faults.add(name, "belongs to a continuum case: granwave continuum runs it")
     rest = {name: value for name, value in data.items() if name not in (*_OF_CONTINUUM, _RECORD)}
     refuse_unknown(rest, _KNOWN, "", faults, _LATER)
 

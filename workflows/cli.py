@@ -114,6 +114,16 @@ def _parser() -> argparse.ArgumentParser:
     scan.add_argument("--plan", action="store_true", help="say what the scan would be, and run nothing")
     _again(scan)
 
+    continuum = _verb(
+        verbs, "continuum", commands.continuum, "the continuum reference: a rigid punch on an elastic-plastic block"
+    )
+    _case(continuum)
+    continuum.add_argument(
+        "-o", dest="directory", type=Path, metavar="DIR", help="where everything goes (default: ./NAME)"
+    )
+    _figures(continuum)
+    _again(continuum)
+
     report = _verb(verbs, "report", commands.report, "a page that compares any number of runs and scans")
     report.add_argument("directories", nargs="+", type=Path, metavar="DIR")
     report.add_argument(

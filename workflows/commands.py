@@ -131,6 +131,27 @@ def scan(options: argparse.Namespace, _: Words) -> int:
     return run(options)
 
 
+def continuum(options: argparse.Namespace, _: Words) -> int:
+    """granwave continuum"""
+    from granwave.analysis.continuum import load_continuum_case, run_continuum
+    from granwave.workflows.directory import clear, held
+    from granwave.workflows.tables import continuum_table
+
+    case = load_continuum_case(studies.find(options.case), options.overrides)
+    directory = (options.directory or Path(case.name)).absolute()
+    if options.resume and options.force:
+        raise InputError("--resume and --force exclude each other")
+    with held(directory):
+        if options.force:
+            clear(directory)
+        summary = run_continuum(
+            case, directory, progress=True, force=options.force, resume=options.resume, figures=options.figures
+        )
+    print(continuum_table(summary))
+    print(f"\nresults in {directory}")
+    return 0
+
+
 def report(options: argparse.Namespace, _: Words) -> int:
     """granwave report"""
     from granwave.analysis.reports.report import write_report

@@ -47,6 +47,36 @@ def summary_table(summary: Mapping[str, Any]) -> str:
     return lines([("case", str(summary["name"])), *rows])
 
 
+_CONTINUUM = {
+    "n_elements": ("elements", "{:d}"),
+    "end_time_s": ("simulated", "{:.4g} s"),
+    "end_reason": ("ended", "{}"),
+    "n_steps": ("steps", "{:d}"),
+    "energy_input_J": ("energy in", "{:.6g} J"),
+    "energy_input_normalised": ("normalised", "{:.4g} sigma_y^2 D^3/E"),
+    "dissipated_fraction": ("dissipated", "{:.5f} of it, plastically"),
+    "energy_balance_error": ("balance error", "{:.1e} of it"),
+    "plastic_zone_volume_m3": ("plastic zone", "{:.4g} m3 at one instant"),
+    "plastic_zone_volume_ever_m3": ("", "{:.4g} m3 that ever yielded"),
+    "plastic_zone_depth_m": ("its depth", "{:.4g} m"),
+    "plastic_zone_radius_m": ("its radius", "{:.4g} m"),
+    "wall_time_s": ("wall time", "{:.1f} s"),
+    "element_steps_per_s": ("speed", "{:.3g} element-steps/s"),
+}
+
+
+def continuum_table(summary: Mapping[str, Any]) -> str:
+    """The main values of the summary of a continuum run."""
+    return lines(
+        [("case", str(summary["name"]))]
+        + [
+            (label, form.format(summary[key]))
+            for key, (label, form) in _CONTINUUM.items()
+            if summary.get(key) is not None
+        ]
+    )
+
+
 def plan_table(case: Case, plan: Plan) -> str:
     """What a run would be."""
     schedule = plan.schedule

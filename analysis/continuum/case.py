@@ -1,0 +1,203 @@
+"""The case of a continuum run: a block, a punch, a material, as read from a TOML file."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any, Literal
+
+import tomli_w
+
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.keys import Faults, custom, number, read_table, refuse_unknown, show, whole
+from granwave.lammps_inputs.materials import Material, read_material
+from granwave.lammps_inputs.overrides import apply_overrides, parse_overrides
+from granwave.lammps_inputs.plan import available_memory
+from granwave.lammps_inputs.toml_files import read_toml
+
+AUTO_END_TIME = 5e-3  # s, the longest that `end_time = "auto"` goes on
+_MEMORY_BASE = 350e6  # bytes; the interpreter with numba and the drawing library
+_MEMORY_PER_ELEMENT = 2500.0  # measured, setting up included, rounded up
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Block:
+    """``[block]``: a cylinder, its bottom fixed, its other surfaces free."""
+
+    diameter: float = number("diameter of the block", unit="m", above=0, default=0.10)
+    height: float = number("height of the block", unit="m", above=0, default=0.10)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Punch:
+    """``[punch]``: rigid, flat, frictionless, edge rounded over ``taper``."""
+
+    diameter: float = number("diameter of the punch", unit="m", above=0, default=0.010)
+    mass: float = number("mass of the punch", unit="kg", above=0, default=0.10)
+    velocity: float = number("of the punch, into the block", unit="m/s", above=0, default=10.0)
+    taper: float = number("radius of the rounded edge", unit="m", at_least=0, default=1e-4)
+
+    @property
+    def energy(self) -> float:
+        """Kinetic energy of the punch at the start: all the input there is, J."""
+        return 0.5 * self.mass * self.velocity**2
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class ContinuumRun:
+    """``[run]``: how long, on how fine a mesh, in what steps."""
+
+    end_time: float | Literal["auto"] = number(
+        "when the run ends; auto: when the punch has left and 10 us add less than 1e-4 of the input to dissipation",
+        unit="s",
+        above=0,
+        word="auto",
+        default="auto",
+    )
+    elements: int = custom(
+        "about how many elements the mesh has",
+        lambda value: whole(value, "a whole number from 100 up", at_least=100),
+        default=62_500,
+    )
+    timestep: float | Literal["auto"] = number(
+        "auto: just below the limit of stability", unit="s", above=0, word="auto", default="auto"
+    )
+    edge_size: float | Literal["auto"] = number(
+        "width of the elements at the punch's edge; auto: half the taper, or half the general size if that is more",
+        unit="m",
+        above=0,
+        word="auto",
+        default="auto",
+    )
+    frame_interval: float = number(
+        "time between snapshots of the fields; doubled whenever there are more than 64", unit="s", above=0, default=2e-6
+    )
+
+    @property
+    def longest(self) -> float:
+        """The latest time the run can reach, s."""
+        return AUTO_END_TIME if isinstance(self.end_time, str) else self.end_time
+
+
+_SECTIONS: dict[str, type] = {"block": Block, "punch": Punch, "run": ContinuumRun}
+_KNOWN = ("name", "material", *_SECTIONS)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class ContinuumCase:
+    """One impact of a punch on a block; see `load_continuum_case`."""
+
+    name: str
+    material: Material
+    block: Block = dataclasses.field(default_factory=Block)
+    punch: Punch = dataclasses.field(default_factory=Punch)
+    run: ContinuumRun = dataclasses.field(default_factory=ContinuumRun)
+
+    @classmethod
+    def from_dict(
+        cls,
+        data: Mapping[str, Any],
+        source: str | Path = "case",
+        overridden: Iterable[str] = (),
+        directory: Path | None = None,
+    ) -> ContinuumCase:
+        """Check the nested mapping of a case file and make a case of it; parameters as of `Case.from_dict`.
+
+        Raises
+        ------
+        InputError
+            With every fault there is.
+        """
+        faults = Faults(str(source), tuple(overridden))
+        refuse_unknown(data, _KNOWN, "", faults)
+        parts: dict[str, Any] = {"name": _read_name(data, source, faults)}
+        if "material" in data:
+            parts["material"] = read_material(data["material"], faults, directory)
+        else:
+            faults.add("material", "missing; a case needs [material]")
+        for name, section in _SECTIONS.items():
+            parts[name] = read_table(section, data.get(name, {}), name, faults)
+        _check_together(parts, faults)
+        if faults.lines:
+            raise InputError(faults.lines)
+        return cls(**parts)
+
+    @property
+    def energy_unit(self) -> float:
+        """sigma_y^2 D^3/E with the diameter of the punch, J (thesis 5.30)."""
+        material = self.material
+        assert material.yield_strength is not None  # checked when read
+        return material.yield_strength**2 * self.punch.diameter**3 / material.youngs_modulus
+
+    @property
+    def memory(self) -> float:
+        """Bytes that a run needs, an estimate."""
+        return _MEMORY_BASE + _MEMORY_PER_ELEMENT * self.run.elements
+
+    def to_dict(self) -> dict[str, Any]:
+        """The case as nested tables, all defaults filled in, as TOML writes them."""
+        tables = dataclasses.asdict(self)
+        tables["material"] = {key: value for key, value in tables["material"].items() if value is not None}
+        return tables
+
+    def to_toml(self) -> str:
+        """The case as a TOML file."""
+        return tomli_w.dumps(self.to_dict())
+
+
+def load_continuum_case(path: str | Path, overrides: Iterable[str] | Mapping[str, Any] = ()) -> ContinuumCase:
+    """Read a continuum case file; ``overrides`` as of `granwave.lammps_inputs.load_case`.
+
+    Raises
+    ------
+    InputError
+        The file or an override is wrong; every fault is named.
+    """
+    changes = parse_overrides(overrides)
+    data = apply_overrides(read_toml(path), changes)
+    return ContinuumCase.from_dict(data, path, overridden=changes, directory=Path(path).parent)
+
+
+def check_memory(case: ContinuumCase, available: float | None = None) -> None:
+    """Refuse a mesh that does not fit into memory (``available`` bytes; by default what is free now).
+
+    Raises
+    ------
+    InputError
+        The run needs more than there is.
+    """
+    available = available_memory() if available is None else available
+    if case.memory > available:
+        raise InputError(
+            f"{case.name}: run.elements: {case.run.elements} elements need about {case.memory / 2**30:.1f} GiB of "
+            f"memory, there is {available / 2**30:.1f} GiB; take fewer elements or change machine"
+        )
+
+
+def _read_name(data: Mapping[str, Any], source: str | Path, faults: Faults) -> str:
+    name = data.get("name", Path(source).stem)
+    if not isinstance(name, str) or not name.strip() or name.startswith(".") or not name.isprintable() or "/" in name:
+        faults.add("name", f"found {show(name)}, expected a plain name that can be that of a directory")
+    return name
+
+
+def _check_together(parts: Mapping[str, Any], faults: Faults) -> None:
+    block: Block | None = parts["block"]
+    punch: Punch | None = parts["punch"]
+    run: ContinuumRun | None = parts["run"]
+    material: Material | None = parts.get("material")
+    if material is not None and material.yield_strength is None:
+        faults.add("material.yield_strength", "missing; a continuum case needs it: give a number in Pa")
+    if punch is not None and 2 * punch.taper > punch.diameter:
+        faults.add(
+            "punch.taper", f"found {punch.taper:g} m, expected at most the punch's radius, {punch.diameter / 2:g} m"
+        )
+    if block is not None and punch is not None and punch.diameter >= block.diameter:
+        faults.add(
+            "punch.diameter",
+            f"found {punch.diameter:g} m, expected less than block.diameter, {block.diameter:g} m; "
+            "make the punch narrower or the block wider",
+        )
+    if run is not None and not isinstance(run.timestep, str) and run.timestep > run.longest:
+        faults.add("run.timestep", f"found {run.timestep:g} s, expected at most run.end_time, {run.longest:g} s")
