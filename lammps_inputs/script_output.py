@@ -155,6 +155,7 @@ def thermo(schedule: Schedule) -> list[str]:
         "thermo_style    custom step v_time c_kinetic v_elastic v_dissipated c_contact[2] v_struck_velocity",
         "thermo_modify   lost error norm no flush yes",
         f"thermo          {every}",
+        "uncompute       thermo_press        # nobody looks at the pressure, and it costs",
     ]
 
 

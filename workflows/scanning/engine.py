@@ -59,6 +59,8 @@ class Engine:
             "--keep-going", "--retries", "1", "--nolock", "--rerun-incomplete",
             "--rerun-triggers", "mtime", "--scheduler", "greedy",
             "--nocolor", "--latency-wait", "30",
+            # the longest first, as far as Snakemake knows a first: so that no worker waits long for the last one
+            "--prioritize", *(f"{layout.DONE}/{batch.id}" for batch in batches[: min(len(batches) // 2 + 1, 500)]),
             *self._executor(jobs, batches),
         ]  # fmt: skip
         environment = {**mpi.alone(), "OMP_NUM_THREADS": "1"}
