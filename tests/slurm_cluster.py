@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import fcntl
 import subprocess
+import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 
 import pytest
 
@@ -24,14 +27,16 @@ class Slurm:
         subprocess.run(["scancel", f"--partition={self.partition}"], check=True)
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture
 def slurm() -> Iterator[Slurm]:
-    """Start the cluster, or use the one of ours that is up and leave it so; skip where there can be none."""
-    was_up = cluster.is_up()
-    try:
-        cluster.start()
-    except cluster.CannotError as reason:
-        pytest.skip(str(reason))
-    yield Slurm()
-    if not was_up:
-        cluster.stop()
+    """A cluster for one test, or the one of ours that is up; skip where there can be none. Tests take turns."""
+    with (Path(tempfile.gettempdir()) / "granwave-test-slurm.turn").open("w") as turn:
+        fcntl.flock(turn, fcntl.LOCK_EX)
+        was_up = cluster.is_up()
+        try:
+            cluster.start()
+        except cluster.CannotError as reason:
+            pytest.skip(str(reason))
+        yield Slurm()
+        if not was_up:
+            cluster.stop()

@@ -16,7 +16,7 @@ import pytest
 from tests.conftest import PLAIN
 from tests.slurm_cluster import slurm  # noqa: F401 (a fixture)
 
-pytestmark = [pytest.mark.xdist_group("slurm"), pytest.mark.usefixtures("slurm")]
+pytestmark = pytest.mark.usefixtures("slurm")
 
 PROFILE = """
 [slurm]
@@ -50,7 +50,7 @@ load.velocity = [5, 6]
 
 
 @pytest.fixture
-def scan(tmp_path):
+def scan(slurm, tmp_path):  # noqa: F811
     """Start `granwave scan` on the cluster; killed at the end of the test, with its jobs."""
     (tmp_path / "profile.toml").write_text(PROFILE)
     started = []
