@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
+from granwave.analysis.result_file import RECORD_FILE
 from granwave.analysis.tables import read_energy, read_walls
 from granwave.lammps_inputs.deck import read_deck
 from granwave.lammps_inputs.walls import walls
@@ -46,7 +47,7 @@ def check_complete(directory: Path) -> None:
 
 def _recorded_steps(directory: Path) -> int | None:
     """Steps that the driver did, or None for a deck that was run by hand."""
-    path = directory / "run.json"
+    path = directory / RECORD_FILE
     if not path.exists():
         return None
     try:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +18,7 @@ from numpy.typing import ArrayLike
 
 WIDTH = 3.4  # inches: one column of a journal
 RESOLUTION = 300  # dots per inch
+SUFFIXES = (".png", ".pdf", ".csv")
 
 # Okabe and Ito's colours, which stay apart for colour-blind readers
 BLUE, ORANGE, GREEN, PURPLE, SKY, GREY = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#767676"
@@ -85,28 +88,38 @@ def new_figure(height: float, width: float = WIDTH) -> Figure:
     return figure
 
 
-def save(drawing: Drawing, path: Path) -> None:
+def save(drawing: Drawing, path: Path, *, pdf: bool = True) -> None:
     """Save a drawing as path.png, path.pdf and path.csv.
 
     Parameters
     ----------
     path
         Without a suffix; its directory must exist.
+    pdf
+        False: without a PDF, which takes two thirds of the time; an older one is removed.
     """
+    if not pdf:
+        path.with_suffix(".pdf").unlink(missing_ok=True)
     drawing.figure.savefig(path.with_suffix(".png"))
-    drawing.figure.set_layout_engine("none")  # the parts have their places now
-    drawing.figure.savefig(path.with_suffix(".pdf"), metadata={"CreationDate": None})
+    if pdf:
+        drawing.figure.set_layout_engine("none")  # the parts have their places now
+        drawing.figure.savefig(path.with_suffix(".pdf"), metadata={"CreationDate": None})
     write_csv(drawing.columns, path.with_suffix(".csv"))
+
+
+def remove(path: Path) -> None:
+    """Remove what `save` leaves."""
+    for suffix in SUFFIXES:
+        path.with_suffix(suffix).unlink(missing_ok=True)
 
 
 def write_csv(columns: Columns, path: Path) -> None:
     """Write columns as CSV with a header; columns may differ in length."""
     texts = [_texts(values) for values in columns.values()]
-    longest = max((len(column) for column in texts), default=0)
-    texts = [column + [""] * (longest - len(column)) for column in texts]
-    with open(path, "w", encoding="utf-8", newline="\n") as file:
-        file.write(",".join(columns) + "\n")
-        file.writelines(",".join(row) + "\n" for row in zip(*texts, strict=True))
+    with open(path, "w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(columns)
+        writer.writerows(zip_longest(*texts, fillvalue=""))
 
 
 def _texts(values: ArrayLike) -> list[str]:

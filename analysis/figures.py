@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 
 from granwave.analysis import figures_dissipation, figures_history, figures_packing, figures_planes
-from granwave.analysis.figure_style import Drawing, save, style
+from granwave.analysis.figure_style import Drawing, remove, save, style
 from granwave.analysis.result import Result
 
 FIGURES_DIRECTORY = "figures"
@@ -67,8 +67,7 @@ def draw_figures(
                 progress(name)
             drawing = FIGURES[name](result)
             if drawing is None:
-                for suffix in (".png", ".pdf", ".csv"):
-                    (folder / f"{name}{suffix}").unlink(missing_ok=True)
+                remove(folder / name)
                 continue
             save(drawing, folder / name)
             written.append(folder / f"{name}.png")

@@ -14,7 +14,6 @@ The root carries ``name``, ``case`` (TOML), ``run`` and ``versions`` (JSON) as a
 from __future__ import annotations
 
 import json
-import os
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
@@ -32,10 +31,12 @@ from granwave.analysis.h5md import COMPRESSION, write_metadata, write_trajectory
 from granwave.analysis.plasticity import yields_from
 from granwave.analysis.tables import Table, read_energy, read_probes, read_walls
 from granwave.lammps_inputs.case import Case, load_case
+from granwave.lammps_inputs.files import replacing
 from granwave.lammps_inputs.laws import sphere_contact
 from granwave.lammps_inputs.packings import build_packing
+from granwave.lammps_inputs.script_output import WALL_COLUMNS
 
-RESULT_FILE = "result.h5"
+RESULT_FILE, RECORD_FILE = "result.h5", "run.json"
 _COMPRESSED_FROM = 4096  # values; smaller data sets are kept plain
 
 _UNITS = {
@@ -89,19 +90,14 @@ def write_result(directory: str | Path) -> Path:
     path = directory / RESULT_FILE
     for left in directory.glob(f".{RESULT_FILE}.*"):
         left.unlink(missing_ok=True)  # of an analysis that was killed
-    scratch = directory / f".{RESULT_FILE}.{os.getpid()}"
-    try:
-        with h5py.File(scratch, "w", libver="v110") as file:
-            _write(file, directory)
-        os.replace(scratch, path)
-    finally:
-        scratch.unlink(missing_ok=True)
+    with replacing(path) as scratch, h5py.File(scratch, "w", libver="v110") as file:
+        _write(file, directory)
     return path
 
 
 def read_record(directory: str | Path) -> dict[str, Any]:
     """What the driver noted of the run (``run.json``); empty when there is nothing."""
-    path = Path(directory) / "run.json"
+    path = Path(directory) / RECORD_FILE
     return json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
 
 
@@ -173,25 +169,15 @@ def _write_contacts(file: h5py.File, case: Case, start: Frame, dents: Frame, wal
 def _wall_contacts(walls: Mapping[str, Frame]) -> Contacts:
     """The wall contacts as one table; times in s (NaN: never)."""
     names = {"dissipated": "dissipated_energy"}
-    columns = (
-        "overlap",
-        "force",
-        "peak_overlap",
-        "peak_force",
-        "dissipated",
-        "time_first",
-        "time_peak",
-        "time_yield",
-    )
-    parts = [frame.vector(*columns) for frame in walls.values()]
-    values = np.concatenate([np.empty((0, len(columns))), *parts])
+    parts = [frame.vector(*WALL_COLUMNS) for frame in walls.values()]
+    values = np.concatenate([np.empty((0, len(WALL_COLUMNS))), *parts])
     table: Contacts = {
         "wall": np.array([name for name, frame in walls.items() for _ in range(len(frame))], dtype=object),
         "id": np.concatenate(
             [np.empty(0, dtype=np.int64), *(frame["id"].astype(np.int64) for frame in walls.values())]
         ),
     }
-    for n, name in enumerate(columns):
+    for n, name in enumerate(WALL_COLUMNS):
         column = values[:, n]
         table[names.get(name, name)] = np.where(column < 0, np.nan, column) if name.startswith("time") else column
     return table

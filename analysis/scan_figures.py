@@ -14,12 +14,12 @@ from typing import Any
 
 import numpy as np
 
-from granwave.analysis.figure_style import Drawing, save, style, write_csv
+from granwave.analysis.figure_style import SUFFIXES, Drawing, save, style
 from granwave.analysis.figures import FIGURES_DIRECTORY
 from granwave.analysis.scan_drawing import Series, draw_bars, draw_curves, draw_map
 from granwave.analysis.scan_keys import Key, key_of
-from granwave.analysis.scan_result import PointResult, ScanResult
-from granwave.analysis.scan_table import SEED, determines, independent_keys
+from granwave.analysis.scan_result import SEED, PointResult, ScanResult
+from granwave.analysis.scan_table import determines, independent_keys
 from granwave.lammps_inputs.case import load_case
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.laws import sphere_contact
@@ -76,16 +76,11 @@ def draw_scan_figures(scan: str | Path | ScanResult, *, pdf: bool = True) -> lis
         if drawings:
             folder.mkdir(exist_ok=True)
         for name, drawing in drawings.items():
-            if pdf:
-                save(drawing, folder / name)
-            else:
-                (folder / f"{name}.pdf").unlink(missing_ok=True)
-                drawing.figure.savefig(folder / f"{name}.png")
-                write_csv(drawing.columns, folder / f"{name}.csv")
+            save(drawing, folder / name, pdf=pdf)
             written.append(folder / f"{name}.png")
     kept = set(drawings)
     for path in [*folder.glob("*_vs_*"), *folder.glob("collapse_*"), *folder.glob("*_map.*")]:
-        if path.suffix in (".png", ".pdf", ".csv") and path.stem not in kept:
+        if path.suffix in SUFFIXES and path.stem not in kept:
             path.unlink(missing_ok=True)
     return written
 
@@ -147,6 +142,12 @@ def _quantities(units: _Units, done: Sequence[PointResult]) -> list[Quantity]:
             "plastic_zone_depth_mm",
             lambda point: 1e3 * _number(point, "plastic_zone_depth_m"),
         )
+    zone = Quantity(  # of a continuum run
+        "plastic_zone_volume",
+        r"Plastic zone $V_\mathrm{p}$ (mm³)",
+        "plastic_zone_volume_mm3",
+        lambda point: 1e9 * _number(point, "plastic_zone_volume_m3"),
+    )
     rebound = Quantity("restitution", r"Coefficient of restitution $e$", "restitution", _summary("restitution"))
     return [
         *([rebound] if all(math.isfinite(rebound.value(point)) for point in done) else []),
@@ -157,6 +158,7 @@ def _quantities(units: _Units, done: Sequence[PointResult]) -> list[Quantity]:
             _summary("dissipated_fraction"),
         ),
         depth,
+        *([zone] if any(math.isfinite(_number(point, "plastic_zone_volume_ever_m3")) for point in done) else []),
         Quantity("plastic_spheres", r"Plastic spheres $N_\mathrm{p}$", "n_plastic_spheres", _plastic_spheres),
         force,
         Quantity("wave_speed", r"Wave speed $c$ (m/s)", "wave_speed_m_s", _summary("wave_speed_m_s")),

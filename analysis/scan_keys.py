@@ -8,7 +8,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from granwave.lammps_inputs.case import unit_of
+from granwave.analysis.units import unit_of
 
 
 @dataclasses.dataclass(frozen=True)
@@ -38,6 +38,12 @@ _NAMES: Mapping[str, Naming] = {
     "boundary.bottom": Naming("Bottom"),
     "boundary.sides": Naming("Sides"),
     "boundary.forget_gap": Naming("Forgetting gap / diameter"),
+    "punch.velocity": Naming("Velocity of the punch", r"$v_0$", "m/s"),
+    "punch.mass": Naming("Mass of the punch", r"$m$", "kg"),
+    "punch.diameter": Naming("Diameter of the punch", r"$D$", "mm", 1e-3),
+    "punch.taper": Naming("Taper of the punch", unit="mm", scale=1e-3),
+    "run.elements": Naming("Elements"),
+    "run.edge_size": Naming("Elements at the edge", unit="mm", scale=1e-3),
     "run.end_time": Naming("End time", unit="µs", scale=1e-6),
     "run.timestep": Naming("Timestep", unit="ns", scale=1e-9),
 }

@@ -14,10 +14,13 @@ from typing import Any, Literal
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.summary import SUMMARY_FILE
-from granwave.lammps_inputs.case import unit_of
+from granwave.analysis.units import unit_of
+from granwave.lammps_inputs.files import read_json
 
 SCAN_FILE, SCAN_INDEX, POINT_FILE = "scan.toml", "scan.json", "point.json"
+SUITE_INDEX = "suite.json"  # of a directory that holds the directories of several scans
 POINTS, UNFINISHED = "points", "unfinished"
+SEED = "packing.seed"  # points that differ in it alone are replicates of one
 
 Scalar = bool | int | float | str
 Status = Literal["done", "failed", "missing"]
@@ -118,10 +121,10 @@ class ScanResult:
 
     def _summary(self, name: str, directory: Path) -> dict[str, Any]:
         if name not in self._summaries:
-            try:
-                self._summaries[name] = json.loads((directory / SUMMARY_FILE).read_text(encoding="utf-8"))
-            except (OSError, ValueError):
+            summary = read_json(directory / SUMMARY_FILE)
+            if summary is None:
                 return {}
+            self._summaries[name] = summary
         return self._summaries[name]
 
 
@@ -132,7 +135,4 @@ def is_scan(directory: str | Path) -> bool:
 
 def read_point(directory: Path) -> dict[str, Any]:
     """The record of a point: ``state``, ``attempts``, ``reason``; empty where there is none."""
-    try:
-        return dict(json.loads((directory / POINT_FILE).read_text(encoding="utf-8")))
-    except (OSError, ValueError, TypeError):
-        return {}
+    return read_json(directory / POINT_FILE) or {}

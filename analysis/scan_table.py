@@ -6,7 +6,6 @@ varies, the points that differ in nothing else are summed up in a second table o
 
 from __future__ import annotations
 
-import contextlib
 import csv
 import dataclasses
 import itertools
@@ -20,8 +19,9 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.scan_result import PointResult, ScanResult
-from granwave.lammps_inputs.case import unit_of
+from granwave.analysis.scan_result import SEED, PointResult, ScanResult
+from granwave.analysis.units import unit_of
+from granwave.lammps_inputs.files import replacing
 
 if TYPE_CHECKING:
     import pandas
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 
 SCAN_TABLE, SCAN_MEANS, SCAN_DATA = "scan.csv", "scan_mean.csv", "scan.h5"
 MEAN_GROUP = "mean"
-SEED = "packing.seed"
 STATE_COLUMNS = ("status", "reason", "directory", "attempts")
 MEAN, DEVIATION, COUNT = ".mean", ".std", "n"
 
@@ -127,7 +126,7 @@ def write_scan_table(scan: str | Path | ScanResult) -> Path:
         _write_csv(means, result.directory / SCAN_MEANS)
     else:
         (result.directory / SCAN_MEANS).unlink(missing_ok=True)
-    with _replacing(result.directory / SCAN_DATA) as scratch, h5py.File(scratch, "w") as file:
+    with replacing(result.directory / SCAN_DATA) as scratch, h5py.File(scratch, "w") as file:
         file.attrs["name"], file.attrs["case"] = result.name, result.case_name
         _write_group(file, table)
         if means:
@@ -346,20 +345,9 @@ def _array(column: Sequence[Any]) -> NDArray:
     return np.array([math.nan if value is None else value for value in column], dtype=np.float64)
 
 
-@contextlib.contextmanager
-def _replacing(path: Path) -> Iterator[Path]:
-    """A scratch file that takes the place of ``path`` once it is complete."""
-    scratch = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        yield scratch
-        os.replace(scratch, path)
-    finally:
-        scratch.unlink(missing_ok=True)
-
-
 def _write_csv(table: Columns, path: Path) -> None:
     columns = [[value if _is_number(value) else _text(value) for value in column] for column in table.values()]
-    with _replacing(path) as scratch, open(scratch, "w", encoding="utf-8", newline="") as file:
+    with replacing(path) as scratch, open(scratch, "w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(table)
         writer.writerows(zip(*columns, strict=True))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import os
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 
 from granwave.analysis.plasticity import HALF_LAW_LIMIT, LAW_LIMIT, PlasticZone, plastic_zone
 from granwave.analysis.result import Result
+from granwave.lammps_inputs.files import plain, replace_text
 
 SUMMARY_FILE = "summary.json"
 Summary = dict[str, Any]
@@ -38,10 +38,8 @@ def summarise(directory: str | Path) -> Summary:
     directory = Path(directory)
     with Result(directory) as result:
         summary = summary_of(result)
-    text = json.dumps({key: _plain(value) for key, value in summary.items()}, indent=2, allow_nan=False)
-    scratch = directory / f".{SUMMARY_FILE}.{os.getpid()}"
-    scratch.write_text(text + "\n", encoding="utf-8")
-    os.replace(scratch, directory / SUMMARY_FILE)
+    text = json.dumps(plain(summary), indent=2, allow_nan=False)
+    replace_text(directory / SUMMARY_FILE, text + "\n")
     return json.loads(text)
 
 
@@ -230,8 +228,3 @@ def _bottom(result: Result) -> Summary:
         "wall_peak_force_N": float(np.max(force, initial=0.0)),
         "wall_impulse_Ns": float(np.trapezoid(force, time)),
     }
-
-
-def _plain(value: Any) -> Any:
-    """NaN and infinity as null, which JSON has."""
-    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -12,7 +12,7 @@ import tomli_w
 
 from granwave.lammps_inputs.checks import check_together, warn_about
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.keys import Faults, read_table, refuse_unknown, show
+from granwave.lammps_inputs.keys import Faults, read_name, read_table, refuse_unknown, show
 from granwave.lammps_inputs.lattices import Lattice
 from granwave.lammps_inputs.materials import Material, read_material, sphere_mass
 from granwave.lammps_inputs.overrides import apply_overrides, parse_overrides
@@ -75,15 +75,7 @@ class Case:
         """
         faults = Faults(str(source), tuple(overridden))
         _refuse_others(data, faults)
-        parts: dict[str, Any] = {"name": _read_name(data, source, faults)}
-        for name in _REQUIRED:
-            if name not in data:
-                faults.add(name, f"missing; a case needs [{name}]")
-        if "material" in data:
-            parts["material"] = read_material(data["material"], faults, directory)
-        for name, section in _SECTIONS.items():
-            if name in data or name not in _REQUIRED:
-                parts[name] = _read_section(section, data.get(name, {}), name, faults)
+        parts = read_parts(data, source, faults, directory, sections=_SECTIONS, required=_REQUIRED, read=_read_section)
         check_together(parts, faults)
         if faults.lines:
             raise InputError(faults.lines)
@@ -135,19 +127,52 @@ def load_case(path: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (
     return Case.from_dict(data, path, overridden=changes, directory=Path(path).parent)
 
 
+def read_parts(
+    data: Mapping[str, Any],
+    source: str | Path,
+    faults: Faults,
+    directory: Path | None,
+    *,
+    sections: Mapping[str, type],
+    required: Collection[str] = ("material",),
+    read: Callable[[type, Any, str, Faults], Any] = read_table,
+) -> dict[str, Any]:
+    """The name, the material and the sections of a case of any kind; what is missing or wrong is added to ``faults``.
+
+    Parameters
+    ----------
+    source, directory
+        As of `Case.from_dict`.
+    sections
+        The dataclass of each table; one that is not in ``data`` has its defaults, unless it is required.
+    required
+        Tables that the case cannot do without.
+    read
+        Reads one section.
+
+    Returns
+    -------
+    dict
+        By name; None for a part that is wrong.
+    """
+    parts: dict[str, Any] = {"name": read_name(data, source, faults)}
+    for name in required:
+        if name not in data:
+            faults.add(name, f"missing; a case needs [{name}]")
+    if "material" in data:
+        parts["material"] = read_material(data["material"], faults, directory)
+    for name, section in sections.items():
+        if name in data or name not in required:
+            parts[name] = read(section, data.get(name, {}), name, faults)
+    return parts
+
+
 def unit_of(key: str) -> str:
     """Unit of a dotted key, such as ``load.velocity``; empty where it has none."""
     table, _, name = key.partition(".")
     section = {**_SECTIONS, "material": Material}.get(table)
     fields = {field.name: field for field in dataclasses.fields(section)} if section else {}
     return (fields[name].metadata["unit"] or "") if name in fields else ""
-
-
-def _read_name(data: Mapping[str, Any], source: str | Path, faults: Faults) -> str:
-    name = data.get("name", Path(source).stem)
-    if not isinstance(name, str) or not name.strip() or name.startswith(".") or not name.isprintable() or "/" in name:
-        faults.add("name", f"found {show(name)}, expected a plain name that can be that of a directory")
-    return name
 
 
 def _read_section(section: type, table: Any, name: str, faults: Faults) -> Any:

@@ -12,6 +12,7 @@ import dataclasses
 import difflib
 import math
 from collections.abc import Callable, Collection, Mapping
+from pathlib import Path
 from typing import Any, TypeVar
 
 Section = TypeVar("Section")
@@ -19,6 +20,7 @@ Parse = Callable[[Any], Any]
 
 REQUIRED: Any = dataclasses.MISSING
 _SHOWN_CHARACTERS = 60
+_LONGEST_NAME = 200  # bytes; file systems end at 255, and endings come on top
 
 
 class Unfit(Exception):
@@ -122,6 +124,24 @@ def whole(value: Any, expected: str, *, at_least: int = 1) -> int:
     if isinstance(value, bool) or not isinstance(value, int) or value < at_least:
         raise Unfit(expected)
     return value
+
+
+def plain_name(value: Any) -> str:
+    """``value`` as a name that can be that of a directory too, and leads nowhere else."""
+    fits = isinstance(value, str) and value.strip() and value.isprintable() and "/" not in value and value[0] != "."
+    if not fits or len(value.encode()) > _LONGEST_NAME:
+        raise Unfit("a plain name that can be that of a directory")
+    return value
+
+
+def read_name(data: Mapping[str, Any], source: str | Path, faults: Faults) -> str:
+    """The ``name`` of a case; without one the stem of its file."""
+    name = data.get("name", Path(source).stem)
+    try:
+        return plain_name(name)
+    except Unfit as unfit:
+        faults.add("name", f"found {show(name)}, expected {unfit}")
+        return str(name)
 
 
 def show(value: Any) -> str:

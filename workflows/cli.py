@@ -8,12 +8,13 @@ from __future__ import annotations
 import argparse
 import logging
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from granwave import __version__
 from granwave.lammps_inputs.errors import GranwaveError, InputError
 from granwave.workflows import commands, mpi
+from granwave.workflows.messages import each_warning_once
 
 DONE, FAILED, WRONG_INPUT, STOPPED = 0, 1, 2, 130
 
@@ -39,7 +40,7 @@ def _set_up_logging() -> None:
     """Our own messages from INFO on, warnings marked as such and given once; of the libraries only what went wrong."""
     handler = logging.StreamHandler(sys.stderr)
     handler.setFormatter(_Messages())
-    handler.addFilter(_once())
+    handler.addFilter(each_warning_once())
     logging.basicConfig(level=logging.ERROR, handlers=[handler])
     logging.getLogger("granwave").setLevel(logging.INFO)
 
@@ -48,18 +49,6 @@ class _Messages(logging.Formatter):
     def format(self, record: logging.LogRecord) -> str:
         text = super().format(record)
         return f"granwave: warning: {text}" if record.levelno == logging.WARNING else text
-
-
-def _once() -> Callable[[logging.LogRecord], bool]:
-    seen: set[str] = set()
-
-    def fresh(record: logging.LogRecord) -> bool:
-        if record.levelno != logging.WARNING:
-            return True
-        text = record.getMessage()
-        return not (text in seen or seen.add(text))  # type: ignore[func-returns-value]
-
-    return fresh
 
 
 def _report(lines: Sequence[str], status: int) -> int:

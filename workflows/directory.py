@@ -1,14 +1,14 @@
-"""What may be done in an output directory: start, go on, or leave it alone. Nothing is ever overwritten unasked."""
+"""The directory of a run: whether to start, go on, or leave it alone, by the rules of `lammps_inputs.directories`."""
 
 from __future__ import annotations
 
 import contextlib
 import fcntl
-import shutil
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from granwave.lammps_inputs import directories
 from granwave.lammps_inputs.case import Case, load_case
 from granwave.lammps_inputs.deck import CASE_FILE, DATA_FILE, DUMPS, SCRIPT_FILE
 from granwave.lammps_inputs.errors import InputError
@@ -38,17 +38,12 @@ _LOCK = ".granwave-lock"
 
 def results_in(directory: Path) -> list[str]:
     """Names of the results that a directory holds."""
-    return [name for name in _RESULTS if (directory / name).exists()]
+    return directories.results_in(directory, _RESULTS)
 
 
-def refuse_results(directory: Path) -> None:
-    """Raise InputError where a directory holds results."""
-    found = results_in(directory)
-    if found:
-        raise InputError(
-            f"{directory}: already holds results ({', '.join(found[:3])}{', ...' if len(found) > 3 else ''}); "
-            "--resume goes on with them, --force replaces them, or choose another directory with -o"
-        )
+def refuse_results(directory: Path, ways: str) -> None:
+    """Raise InputError where a directory holds results; ``ways`` are those that lead on."""
+    directories.refuse_results(directory, _RESULTS, ways)
 
 
 def decide(case: Case, directory: Path, *, resume: bool, force: bool, n_ranks: int) -> str:
@@ -61,14 +56,7 @@ def decide(case: Case, directory: Path, *, resume: bool, force: bool, n_ranks: i
     InputError
         It holds results and neither resume nor force was given, holds another case, or the machine is too small.
     """
-    if resume and force:
-        raise InputError(
-            "--resume and --force exclude each other: one goes on with what is there, the other replaces it"
-        )
-    if directory.exists() and not directory.is_dir():
-        raise InputError(f"{directory}: is a file, expected a directory; choose another with -o")
-    if resume and (directory / CASE_FILE).exists():
-        _same_case(case, directory)
+    if directories.decide(directory, _RESULTS, resume=resume, force=force, case=case.to_dict(), read=_case_there):
         seen = record.read(directory)
         if seen and seen.state == record.FINISHED:
             return FINISHED if (directory / "summary.json").exists() else ANALYSE
@@ -76,41 +64,20 @@ def decide(case: Case, directory: Path, *, resume: bool, force: bool, n_ranks: i
             return ANALYSE
         if seen and checkpoint.usable(directory, seen.checkpoint):
             return CONTINUE
-    elif not force:
-        refuse_results(directory)
-    _check_machine(case, directory, n_ranks)
+    expected = plan(case, n_ranks=n_ranks)
+    check_memory(expected)
+    directories.check_disk(directory, expected.disk)
     return START
 
 
 def clear(directory: Path) -> None:
     """Remove the results that a directory holds, and nothing else."""
-    for name in results_in(directory):
-        path = directory / name
-        shutil.rmtree(path) if path.is_dir() else path.unlink()
+    directories.clear(directory, _RESULTS)
     checkpoint.keep_only(directory, None)
 
 
-def _same_case(case: Case, directory: Path) -> None:
-    there = load_case(directory / CASE_FILE).to_dict()
-    here = case.to_dict()
-    if there != here:
-        keys = sorted(name for name in {*there, *here} if there.get(name) != here.get(name))
-        raise InputError(
-            f"{directory}: holds another case (different: {', '.join(keys)}); --force replaces it, or choose another "
-            "directory with -o"
-        )
-
-
-def _check_machine(case: Case, directory: Path, n_ranks: int) -> None:
-    expected = plan(case, n_ranks=n_ranks)
-    check_memory(expected)
-    place = next(path for path in (directory, *directory.parents) if path.exists())
-    free = shutil.disk_usage(place).free
-    if expected.disk > free:
-        raise InputError(
-            f"{directory}: the results need about {expected.disk / 1e9:.3g} GB, {free / 1e9:.3g} GB are free there; "
-            "choose another directory with -o, or fewer run.frames"
-        )
+def _case_there(path: Path) -> dict[str, Any]:
+    return load_case(path).to_dict()
 
 
 def busy(directory: Path) -> bool:

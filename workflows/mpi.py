@@ -6,7 +6,6 @@ Without MPI in sight (one process, not started by a launcher) nothing here impor
 from __future__ import annotations
 
 import os
-import signal
 import subprocess
 import sys
 import tempfile
@@ -16,6 +15,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, NoReturn, TypeVar
 
 from granwave.lammps_inputs.errors import InputError, RunError
+from granwave.workflows.interrupts import Interrupts
 
 if TYPE_CHECKING:
     from mpi4py.MPI import Intracomm
@@ -150,42 +150,23 @@ def launch(n_ranks: int, arguments: Sequence[str]) -> int:
         stop = Path(scratch) / "stop"
         environment = {**os.environ, STOP_FILE: str(stop), EXPECTED_RANKS: str(n_ranks)}
         ranks = subprocess.Popen(words, env=environment, start_new_session=True)
-        forwarded = {
-            number: signal.signal(number, lambda *_: stop.touch()) for number in (signal.SIGINT, signal.SIGTERM)
-        }
-        try:
+        with Interrupts(stop.touch):
             status = ranks.wait()
-            if status not in (0, 1, 2, 130):
-                print(f"granwave: the ranks were killed (status {status}); go on with --resume", file=sys.stderr)
-                return 1
-            return status
-        finally:
-            for number, handler in forwarded.items():
-                signal.signal(number, handler)
+    if status not in (0, 1, 2, 130):
+        print(f"granwave: the ranks were killed (status {status}); go on with --resume", file=sys.stderr)
+        return 1
+    return status
 
 
-class StopRequest:
+class StopRequest(Interrupts):
     """Ctrl-C and SIGTERM as a question that is asked between pieces of work, the same answer on all ranks."""
 
     def __init__(self, comm: Intracomm) -> None:
+        super().__init__()
         self._comm = comm
-        self._wanted = False
         self._file = os.environ.get(STOP_FILE)
-        self._handlers: dict[int, object] = {}
-
-    def __enter__(self) -> StopRequest:
-        for number in (signal.SIGINT, signal.SIGTERM):
-            self._handlers[number] = signal.signal(number, self._note)
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        for number, handler in self._handlers.items():
-            signal.signal(number, handler)  # type: ignore[arg-type]
-
-    def _note(self, *_: object) -> None:
-        self._wanted = True
 
     def wanted(self) -> bool:
         """Somebody asked to stop; a collective call."""
-        mine = self._wanted or bool(self._file and os.path.exists(self._file))
+        mine = self.count > 0 or bool(self._file and os.path.exists(self._file))
         return mine if self._comm.size == 1 else bool(self._comm.allreduce(int(mine)))

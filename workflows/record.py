@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import dataclasses
 import json
-import os
 from pathlib import Path
 from typing import Any
+
+from granwave.lammps_inputs.files import read_json, replace_text
 
 FILE = "run.json"
 
@@ -53,14 +54,13 @@ class Record:
 
     def write(self, directory: Path) -> None:
         """Replace the record in ``directory``, all or nothing."""
-        scratch = directory / f".{FILE}"
-        scratch.write_text(json.dumps(dataclasses.asdict(self), indent=2) + "\n", encoding="utf-8")
-        os.replace(scratch, directory / FILE)
+        replace_text(directory / FILE, json.dumps(dataclasses.asdict(self), indent=2) + "\n")
 
 
 def read(directory: Path) -> Record | None:
     """The record in ``directory``, or None where there is none that can be read."""
+    content = read_json(directory / FILE)
     try:
-        return Record(**json.loads((directory / FILE).read_text(encoding="utf-8")))
-    except (OSError, ValueError, TypeError):
+        return None if content is None else Record(**content)
+    except TypeError:  # keys of another version
         return None

@@ -9,11 +9,12 @@ from typing import Any, Literal
 
 import tomli_w
 
+from granwave.lammps_inputs.case import read_parts
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.keys import Faults, custom, number, read_table, refuse_unknown, show, whole
-from granwave.lammps_inputs.materials import Material, read_material
+from granwave.lammps_inputs.keys import Faults, custom, number, refuse_unknown, whole
+from granwave.lammps_inputs.materials import Material
 from granwave.lammps_inputs.overrides import apply_overrides, parse_overrides
-from granwave.lammps_inputs.plan import available_memory
+from granwave.lammps_inputs.plan import refuse_too_large
 from granwave.lammps_inputs.toml_files import read_toml
 
 AUTO_END_TIME = 5e-3  # s, the longest that `end_time = "auto"` goes on
@@ -111,13 +112,7 @@ class ContinuumCase:
         """
         faults = Faults(str(source), tuple(overridden))
         refuse_unknown(data, _KNOWN, "", faults)
-        parts: dict[str, Any] = {"name": _read_name(data, source, faults)}
-        if "material" in data:
-            parts["material"] = read_material(data["material"], faults, directory)
-        else:
-            faults.add("material", "missing; a case needs [material]")
-        for name, section in _SECTIONS.items():
-            parts[name] = read_table(section, data.get(name, {}), name, faults)
+        parts = read_parts(data, source, faults, directory, sections=_SECTIONS)
         _check_together(parts, faults)
         if faults.lines:
             raise InputError(faults.lines)
@@ -167,19 +162,8 @@ def check_memory(case: ContinuumCase, available: float | None = None) -> None:
     InputError
         The run needs more than there is.
     """
-    available = available_memory() if available is None else available
-    if case.memory > available:
-        raise InputError(
-            f"{case.name}: run.elements: {case.run.elements} elements need about {case.memory / 2**30:.1f} GiB of "
-            f"memory, there is {available / 2**30:.1f} GiB; take fewer elements or change machine"
-        )
-
-
-def _read_name(data: Mapping[str, Any], source: str | Path, faults: Faults) -> str:
-    name = data.get("name", Path(source).stem)
-    if not isinstance(name, str) or not name.strip() or name.startswith(".") or not name.isprintable() or "/" in name:
-        faults.add("name", f"found {show(name)}, expected a plain name that can be that of a directory")
-    return name
+    what = f"{case.name}: run.elements: {case.run.elements} elements"
+    refuse_too_large(what, case.memory, "take fewer elements", available)
 
 
 def _check_together(parts: Mapping[str, Any], faults: Faults) -> None:

@@ -15,7 +15,6 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import ListedColormap, Normalize
 from numpy.typing import NDArray
 
-from granwave.analysis.continuum.output import RESULT_FILE
 from granwave.analysis.continuum.solver import AT_YIELD
 from granwave.analysis.errors import MissingOutputError
 from granwave.analysis.figure_style import (
@@ -32,6 +31,7 @@ from granwave.analysis.figure_style import (
     save,
     style,
 )
+from granwave.analysis.result_file import RESULT_FILE
 
 _MICRO, _MILLI, _MEGA = 1e6, 1e3, 1e-6
 _SHOWN = 1.5  # punch diameters in depth, and to either side, that a section shows at least

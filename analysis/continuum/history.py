@@ -13,7 +13,7 @@ from granwave.analysis.continuum import kernels
 from granwave.analysis.continuum.case import ContinuumCase
 from granwave.analysis.continuum.contact import punch_gap
 from granwave.analysis.continuum.material import Elastoplastic
-from granwave.analysis.continuum.mesh import block_mesh
+from granwave.analysis.continuum.mesh import Mesh, block_mesh
 from granwave.analysis.continuum.solver import Instant, Solver
 
 SAMPLED = 2e-7  # s, the longest time between two instants of the ledger
@@ -55,18 +55,22 @@ class History:
         return np.array([getattr(instant, name) for instant in self.instants])
 
 
-def make_solver(case: ContinuumCase) -> Solver:
-    """The solver of a case, at its start."""
+def mesh_of(case: ContinuumCase) -> Mesh:
+    """The mesh of a case."""
     punch, run = case.punch, case.run
     edge = None if isinstance(run.edge_size, str) else run.edge_size
-    radius = punch.diameter / 2
-    mesh = block_mesh(
-        case.block.diameter / 2, case.block.height, radius, run.elements, taper=punch.taper, edge_size=edge
+    return block_mesh(
+        case.block.diameter / 2, case.block.height, punch.diameter / 2, run.elements, taper=punch.taper, edge_size=edge
     )
+
+
+def make_solver(case: ContinuumCase) -> Solver:
+    """The solver of a case, at its start."""
+    mesh, punch, run = mesh_of(case), case.punch, case.run
     return Solver(
         mesh,
         Elastoplastic.of(case.material),
-        gap=punch_gap(mesh, radius, punch.taper),
+        gap=punch_gap(mesh, punch.diameter / 2, punch.taper),
         punch_mass=punch.mass,
         punch_velocity=punch.velocity,
         timestep=None if isinstance(run.timestep, str) else run.timestep,

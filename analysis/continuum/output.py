@@ -14,8 +14,6 @@
 from __future__ import annotations
 
 import json
-import math
-import os
 from pathlib import Path
 from typing import Any
 
@@ -28,8 +26,10 @@ from granwave.analysis.continuum.case import ContinuumCase
 from granwave.analysis.continuum.history import History
 from granwave.analysis.continuum.solver import Solver
 from granwave.analysis.h5md import COMPRESSION
+from granwave.analysis.result_file import RESULT_FILE
+from granwave.analysis.summary import SUMMARY_FILE
+from granwave.lammps_inputs.files import replace_text, replacing
 
-RESULT_FILE, SUMMARY_FILE, CASE_FILE = "result.h5", "summary.json", "case.toml"
 _ENERGIES = ("kinetic", "elastic", "plastic", "viscous", "hourglass", "contact", "punch")
 _COMPRESSED_FROM = 4096  # values; smaller data sets are kept plain
 
@@ -39,41 +39,19 @@ def write_result(
 ) -> Path:
     """Write ``result.h5`` into ``directory``."""
     path = directory / RESULT_FILE
-    scratch = directory / f".{RESULT_FILE}.{os.getpid()}"
-    try:
-        with h5py.File(scratch, "w", libver="v110") as file:
-            _write(file, case, solver, history)
-            file.attrs["kind"] = "continuum"
-            file.attrs["name"] = case.name
-            file.attrs["case"] = case.to_toml()
-            file.attrs["summary"] = json.dumps(summary)
-            file.attrs["versions"] = json.dumps(summary["versions"])
-        os.replace(scratch, path)
-    finally:
-        scratch.unlink(missing_ok=True)
+    with replacing(path) as scratch, h5py.File(scratch, "w", libver="v110") as file:
+        _write(file, case, solver, history)
+        file.attrs["kind"] = "continuum"
+        file.attrs["name"] = case.name
+        file.attrs["case"] = case.to_toml()
+        file.attrs["summary"] = json.dumps(summary)
+        file.attrs["versions"] = json.dumps(summary["versions"])
     return path
 
 
 def write_summary(directory: Path, summary: dict[str, Any]) -> None:
     """Write ``summary.json`` into ``directory``."""
-    write_text(directory / SUMMARY_FILE, json.dumps(summary, indent=2, allow_nan=False) + "\n")
-
-
-def write_text(path: Path, text: str) -> None:
-    """Replace a file whole or not at all."""
-    scratch = path.with_name(f".{path.name}.{os.getpid()}")
-    scratch.write_text(text, encoding="utf-8")
-    os.replace(scratch, path)
-
-
-def plain(summary: dict[str, Any]) -> dict[str, Any]:
-    """Numbers as JSON has them: plain, and null for what is not a number."""
-
-    def convert(value: Any) -> Any:
-        value = value.item() if isinstance(value, np.generic) else value
-        return None if isinstance(value, float) and not math.isfinite(value) else value
-
-    return {key: convert(value) for key, value in summary.items()}
+    replace_text(directory / SUMMARY_FILE, json.dumps(summary, indent=2, allow_nan=False) + "\n")
 
 
 def _write(file: h5py.File, case: ContinuumCase, solver: Solver, history: History) -> None:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import json
 import logging
-import shutil
 import time
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -15,12 +14,17 @@ from granwave.analysis.continuum import output
 from granwave.analysis.continuum.case import ContinuumCase, check_memory, load_continuum_case
 from granwave.analysis.continuum.history import TOLERANCE, History, integrate, make_solver
 from granwave.analysis.continuum.summary import LARGE_STRAIN, summarise
+from granwave.analysis.result_file import RESULT_FILE
+from granwave.analysis.summary import SUMMARY_FILE
+from granwave.lammps_inputs.deck import CASE_FILE
+from granwave.lammps_inputs.directories import clear, decide
 from granwave.lammps_inputs.errors import InputError, RunError
+from granwave.lammps_inputs.files import plain, read_json, replace_text
 
 logger = logging.getLogger("granwave")
 
 FIGURES_DIRECTORY = "figures"
-_RESULTS = (output.CASE_FILE, output.RESULT_FILE, output.SUMMARY_FILE, FIGURES_DIRECTORY)
+_RESULTS = (CASE_FILE, RESULT_FILE, SUMMARY_FILE, FIGURES_DIRECTORY)
 _FINISHED = ("end_time", "settled", "longest")
 
 
@@ -57,13 +61,14 @@ def run_continuum(
         The energy balance was refused; what was computed is kept.
     """
     directory = Path(directory)
-    finished = _decide(case, directory, force=force, resume=resume)
-    if finished is not None:
-        return finished
+    if decide(directory, _RESULTS, resume=resume, force=force, case=case.to_dict(), read=_case_there):
+        there = read_json(directory / SUMMARY_FILE) or {}
+        if there.get("end_reason") in _FINISHED:
+            return there
     check_memory(case)
-    _clear(directory)
+    clear(directory, _RESULTS)
     directory.mkdir(parents=True, exist_ok=True)
-    output.write_text(directory / output.CASE_FILE, case.to_toml())
+    replace_text(directory / CASE_FILE, case.to_toml())
     solver, history = make_solver(case), History()
     begin = time.perf_counter()
     try:
@@ -71,7 +76,7 @@ def run_continuum(
             integrate(case, solver, history, bar.show)
     finally:
         if history.instants:
-            summary = output.plain(summarise(case, solver, history, time.perf_counter() - begin))
+            summary = plain(summarise(case, solver, history, time.perf_counter() - begin))
             output.write_result(directory, case, solver, history, summary)
             output.write_summary(directory, summary)
     if summary["plastic_zone_strain"] > LARGE_STRAIN:
@@ -98,55 +103,11 @@ def run_continuum(
     return summary
 
 
-def _decide(case: ContinuumCase, directory: Path, *, force: bool, resume: bool) -> dict[str, Any] | None:
-    """The finished summary if there is one to be kept, else None: run."""
-    if resume and force:
-        raise InputError(
-            "--resume and --force exclude each other: one goes on with what is there, the other replaces it"
-        )
-    if directory.exists() and not directory.is_dir():
-        raise InputError(f"{directory}: is a file, expected a directory; choose another with -o")
-    found = [name for name in _RESULTS if (directory / name).exists()]
-    if resume and (directory / output.CASE_FILE).exists():
-        _same_case(case, directory)
-        return _finished_summary(directory)
-    if found and not force:
-        raise InputError(
-            f"{directory}: already holds results ({', '.join(found[:3])}{', ...' if len(found) > 3 else ''}); "
-            "--resume goes on with them, --force replaces them, or choose another directory with -o"
-        )
-    return None
-
-
-def _same_case(case: ContinuumCase, directory: Path) -> None:
+def _case_there(path: Path) -> Mapping[str, Any]:
     try:
-        there = load_continuum_case(directory / output.CASE_FILE).to_dict()
+        return load_continuum_case(path).to_dict()
     except InputError:
-        there = {}  # of a granular run, or damaged: another case in any event
-    here = case.to_dict()
-    if there != here:
-        keys = sorted(name for name in {*there, *here} if there.get(name) != here.get(name))
-        raise InputError(
-            f"{directory}: holds another case (different: {', '.join(keys)}); --force replaces it, or choose another "
-            "directory with -o"
-        )
-
-
-def _finished_summary(directory: Path) -> dict[str, Any] | None:
-    try:
-        summary = json.loads((directory / output.SUMMARY_FILE).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return None
-    return summary if summary.get("end_reason") in _FINISHED else None
-
-
-def _clear(directory: Path) -> None:
-    for name in _RESULTS:
-        path = directory / name
-        if path.is_dir():
-            shutil.rmtree(path)
-        else:
-            path.unlink(missing_ok=True)
+        return {}  # of a granular run, or damaged: another case in any event
 
 
 class _Bar:

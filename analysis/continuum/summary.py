@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import platform
-from importlib import metadata
 from typing import Any
 
 import numpy as np
 
-import granwave
 from granwave.analysis.continuum.case import ContinuumCase
 from granwave.analysis.continuum.history import History, equivalent_strain
 from granwave.analysis.continuum.solver import Solver
+from granwave.analysis.versions import versions_of
 
 _PACKAGES = ("numpy", "numba", "scikit-fem", "h5py", "matplotlib")
 _RARE = 0.01  # of the plastic zone: the strain that more than this part exceeds is called that of the zone
@@ -62,7 +60,7 @@ def summarise(case: ContinuumCase, solver: Solver, history: History, wall_time: 
         "wall_time_s": wall_time,
         "element_steps_per_s": solver.mesh.n_elements * solver.n_steps / wall_time,
         "n_ranks": 1,
-        "versions": versions(),
+        "versions": versions_of(_PACKAGES),
     }
 
 
@@ -77,12 +75,6 @@ def zone_strain(solver: Solver) -> float:
     order = np.argsort(strain)[::-1]
     reached = np.cumsum(volume[order]) >= _RARE * volume.sum()
     return float(strain[order][reached.argmax()])
-
-
-def versions() -> dict[str, str]:
-    """Name and version of what takes part."""
-    found = {"granwave": granwave.__version__, "python": platform.python_version()}
-    return found | {name: metadata.version(name) for name in _PACKAGES}
 
 
 def _extent(solver: Solver) -> tuple[float, float]:

@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from granwave.analysis.figure_style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, new_figure, style
-from granwave.analysis.reports.inputs import RESULT_FILE, Inputs, Run, Scan
+from granwave.analysis.reports.inputs import Inputs, Run, Scan
 from granwave.analysis.reports.model import Block, Figure, Gallery, Group, Note, Section
 from granwave.analysis.reports.quantities import readable
+from granwave.analysis.result_file import RESULT_FILE
 
 SLUG = "figures"
 WIDTH, POINT_WIDTH = 900, 600  # pixels, at most, of pictures of runs and scans, and of points of scans

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import json
 import os
 from collections.abc import Iterator, Mapping, Sequence
@@ -12,12 +13,14 @@ from urllib.parse import quote
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.reports.model import Link
-from granwave.analysis.scan_result import POINTS, SCAN_INDEX, PointResult, ScanResult, is_scan
+from granwave.analysis.result_file import RECORD_FILE, RESULT_FILE
+from granwave.analysis.scan_result import POINTS, SCAN_INDEX, SUITE_INDEX, PointResult, ScanResult, is_scan
 from granwave.analysis.summary import SUMMARY_FILE
+from granwave.lammps_inputs.deck import CASE_FILE
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import read_json
 from granwave.lammps_inputs.toml_files import read_toml
 
-CASE_FILE, RECORD_FILE, RESULT_FILE = "case.toml", "run.json", "result.h5"
 _OF_A_RUN = (CASE_FILE, SUMMARY_FILE, RECORD_FILE, RESULT_FILE)
 _UNFINISHED = ("running", "interrupted", "failed")  # states of run.json with nothing to report
 _MOST_NAMED = 5  # files that a message names
@@ -146,7 +149,7 @@ def read_inputs(directories: Sequence[str | Path], base: Path) -> Inputs:
     Parameters
     ----------
     directories
-        Of runs and scans, in any mix; one that is given twice counts once.
+        Of runs and scans, in any mix, and of suites, which stand for their scans; one that is given twice counts once.
     base
         Directory of the report.
 
@@ -157,7 +160,7 @@ def read_inputs(directories: Sequence[str | Path], base: Path) -> Inputs:
     """
     faults: list[str] = []
     unique: dict[Path, Path] = {}
-    for directory in map(Path, directories):
+    for directory in itertools.chain.from_iterable(map(_parts, map(Path, directories))):
         unique.setdefault(directory.resolve(), directory)
     paths = list(unique.values())
     if not paths:
@@ -171,6 +174,14 @@ def read_inputs(directories: Sequence[str | Path], base: Path) -> Inputs:
     if faults:
         raise InputError(faults)
     return Inputs(tuple(items), base)
+
+
+def _parts(directory: Path) -> list[Path]:
+    """The scans of a suite, as far as they were begun; of anything else itself."""
+    index = read_json(directory / SUITE_INDEX)
+    names = index.get("scans") if index else None
+    begun = [directory / str(name) for name in names if is_scan(directory / str(name))] if names else []
+    return begun or [directory]
 
 
 def _labels(paths: Sequence[Path], base: Path) -> list[str]:
@@ -192,16 +203,15 @@ def _read(path: Path, label: str) -> Run | Scan:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
     if not any(name in found for name in _OF_A_RUN):
         raise InputError(_neither(path, found))
-    record = _record(path)
     if SUMMARY_FILE not in found:
-        state = record.get("state")
+        state = _record(path).get("state")
         if state in _UNFINISHED:
             raise InputError(
                 f"{path}: the run is not finished (state {state}), so there is no {SUMMARY_FILE}; "
                 "go on with  granwave run CASE -o DIR --resume"
             )
         raise InputError(f"{path}: a run without {SUMMARY_FILE}; make it with  granwave analyse {path}")
-    return _read_run(path, label, _summary(path), record)
+    return _read_run(path, label, _summary(path))
 
 
 def _neither(path: Path, found: Sequence[str]) -> str:
@@ -231,16 +241,8 @@ def _summary(path: Path) -> dict[str, Any]:
     return summary
 
 
-def _record(path: Path) -> dict[str, Any]:
-    try:
-        record = json.loads((path / RECORD_FILE).read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError):
-        return {}
-    return record if isinstance(record, dict) else {}
-
-
-def _read_run(path: Path, label: str, summary: Mapping[str, Any], record: Mapping[str, Any]) -> Run:
-    case = _case(path)
+def _read_run(path: Path, label: str, summary: Mapping[str, Any]) -> Run:
+    case, record = _case(path), _record(path)
     continuum = "n_elements" in summary or any(key.startswith(("punch.", "block.")) for key in case)
     return Run(
         label=label,
@@ -251,6 +253,10 @@ def _read_run(path: Path, label: str, summary: Mapping[str, Any], record: Mappin
         case=case,
         record=record,
     )
+
+
+def _record(path: Path) -> dict[str, Any]:
+    return read_json(path / RECORD_FILE) or {}
 
 
 def _case(path: Path) -> dict[str, Any]:
@@ -283,10 +289,10 @@ def _read_scan(path: Path, label: str) -> Scan:
     points = []
     for result in results:
         run = None
-        if result.status == "done" and result.directory is not None and isinstance(result.summary, dict):
+        if result.status == "done" and result.directory is not None:
             if result.id not in runs:
                 place = result.directory
-                runs[result.id] = _read_run(place, f"{label} #{result.number}", result.summary, _record(place))
+                runs[result.id] = _read_run(place, f"{label} #{result.number}", result.summary)
             run = runs[result.id]
         points.append(_point(result, path, run))
     return Scan(label, source, tuple(points))

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from granwave.analysis.reports.model import Cell, Column
-from granwave.lammps_inputs.case import unit_of
+from granwave.analysis.units import unit_of
 
 BLANK = "\u2013"  # a value that does not apply
 _DIGITS = 5

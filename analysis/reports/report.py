@@ -6,7 +6,6 @@ paths are shown as seen from the report.
 
 from __future__ import annotations
 
-import contextlib
 import os
 from collections.abc import Sequence
 from pathlib import Path
@@ -15,6 +14,7 @@ from granwave.analysis.reports.content import build_report
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.model import Report, cleaned
 from granwave.lammps_inputs.errors import InputError, RunError
+from granwave.lammps_inputs.files import replace_bytes, replace_text
 
 SUFFIXES = (".html", ".pdf", ".md")
 
@@ -84,11 +84,11 @@ def _write(report: Report, output: Path) -> None:
     if suffix == ".html":
         from granwave.analysis.reports.html_page import html_page
 
-        _replace(output, html_page(report).encode("utf-8"))
+        replace_text(output, html_page(report))
     elif suffix == ".pdf":
         from granwave.analysis.reports.pdf import pdf_file
 
-        _replace(output, pdf_file(report))
+        replace_bytes(output, pdf_file(report))
     else:
         from granwave.analysis.reports.markdown import markdown
 
@@ -97,17 +97,5 @@ def _write(report: Report, output: Path) -> None:
         if pictures:
             folder.mkdir(exist_ok=True)
         for name, png in pictures.items():
-            _replace(folder / name, png)
-        _replace(output, text.encode("utf-8"))
-
-
-def _replace(path: Path, content: bytes) -> None:
-    """Write a file whole or not at all."""
-    scratch = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        scratch.write_bytes(content)
-        os.replace(scratch, path)
-    except BaseException:
-        with contextlib.suppress(OSError):
-            scratch.unlink(missing_ok=True)
-        raise
+            replace_bytes(folder / name, png)
+        replace_text(output, text)

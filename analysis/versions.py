@@ -1,0 +1,26 @@
+"""Versions of what a result depends on."""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Iterable
+from importlib import metadata
+
+from granwave import __version__
+
+
+def versions_of(packages: Iterable[str], **others: str) -> dict[str, str]:
+    """Name and version of granwave, Python, the ``others`` and the packages; "not installed" where one is missing."""
+    return {
+        "granwave": __version__,
+        "python": platform.python_version(),
+        **others,
+        **{name: _version(name) for name in packages},
+    }
+
+
+def _version(package: str) -> str:
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return "not installed"

@@ -1,0 +1,55 @@
+"""Files that are replaced whole or not at all, and JSON that may be missing, damaged or not a number."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import math
+import os
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+
+@contextlib.contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """A hidden scratch file beside ``path`` that takes its place at the end; on an error the old file stays."""
+    scratch = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        yield scratch
+        os.replace(scratch, path)
+    finally:
+        with contextlib.suppress(OSError):  # what went wrong before is what matters
+            scratch.unlink(missing_ok=True)
+
+
+def replace_text(path: Path, text: str) -> None:
+    """Replace a text file (UTF-8) whole or not at all."""
+    replace_bytes(path, text.encode("utf-8"))
+
+
+def replace_bytes(path: Path, content: bytes) -> None:
+    """Replace a file whole or not at all."""
+    with replacing(path) as scratch:
+        scratch.write_bytes(content)
+
+
+def read_json(path: Path) -> dict[str, Any] | None:
+    """The JSON table in a file; None where there is none, or none that can be read."""
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):  # the last of brackets nested without end
+        return None
+    return content if isinstance(content, dict) else None
+
+
+def plain(value: Any) -> Any:
+    """Tables, lists and numbers as JSON has them: numpy's as plain ones, NaN and infinity as null."""
+    if isinstance(value, Mapping):
+        return {key: plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    value = value.item() if isinstance(value, np.generic) else value
+    return None if isinstance(value, float) and not math.isfinite(value) else value
