@@ -13,7 +13,9 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.laws import contact_of, rigid_wall_contact_of
 from granwave.lammps_inputs.materials import Material, material, sphere_mass
 from granwave.lammps_inputs.plan import check_memory, plan
+from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows import mpi, record, studies
+from granwave.workflows.kinds import SPHERE_CONTACT, kind_of
 from granwave.workflows.tables import plan_table, summary_table
 
 Words = Sequence[str]
@@ -89,16 +91,12 @@ def _without_ranks(words: Words) -> list[str]:
 
 def write(options: argparse.Namespace, _: Words) -> int:
     """granwave write"""
-    from granwave.workflows.directory import clear, held, results_in
+    from granwave.workflows.directory import clear, held, refuse_results
 
     case = _case(options)
     check_memory(plan(case))
-    found = results_in(options.directory)
-    if found and not options.force:
-        raise InputError(
-            f"{options.directory}: already holds results ({', '.join(found[:3])}); --force removes them all, "
-            "or choose another directory with -o"
-        )
+    if not options.force:
+        refuse_results(options.directory, "--force removes them all")
     with held(options.directory.absolute(), mpi.world()):
         clear(options.directory)
         deck = write_deck(case, options.directory)
@@ -133,18 +131,25 @@ def scan(options: argparse.Namespace, _: Words) -> int:
 
 def continuum(options: argparse.Namespace, _: Words) -> int:
     """granwave continuum"""
-    from granwave.analysis.continuum import load_continuum_case, run_continuum
     from granwave.workflows.directory import clear, held
     from granwave.workflows.tables import continuum_table
 
-    case = load_continuum_case(studies.find(options.case), options.overrides)
+    path = studies.find(options.case)
+    kind = kind_of(read_toml(path))
+    if kind is SPHERE_CONTACT:
+        from granwave.analysis.sphere_contact import load_sphere_contact_case as load
+        from granwave.analysis.sphere_contact import run_sphere_contact as run_it
+    else:
+        from granwave.analysis.continuum import load_continuum_case as load  # type: ignore[assignment]
+        from granwave.analysis.continuum import run_continuum as run_it  # type: ignore[assignment]
+
+    case = load(path, options.overrides)
     directory = (options.directory or Path(case.name)).absolute()
-    if options.resume and options.force:
-        raise InputError("--resume and --force exclude each other")
+    kind.check_memory(case, None)
     with held(directory):
         if options.force:
-            clear(directory)
-        summary = run_continuum(
+            clear(directory)  # of another kind, perhaps
+        summary = run_it(
             case, directory, progress=True, force=options.force, resume=options.resume, figures=options.figures
         )
     print(continuum_table(summary))

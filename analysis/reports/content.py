@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from granwave.analysis.reports.balance import SLUG as BALANCE
 from granwave.analysis.reports.balance import balance_notes, balance_section
+from granwave.analysis.reports.comparison import comparison_section
 from granwave.analysis.reports.figures import figures_section
 from granwave.analysis.reports.inputs import Inputs, Run, Scan
 from granwave.analysis.reports.model import Block, Cell, Column, Group, Note, Report, Section, Table
@@ -31,6 +32,7 @@ def build_report(inputs: Inputs) -> Report:
         _attention(inputs, failures.slug),
         _what_was_run(inputs),
         results_section(inputs),
+        comparison_section(inputs),
         sources_section(inputs),
         balance_section(inputs),
         failures,

@@ -38,7 +38,7 @@ class Batch:
     def write(self, path: Path, **settings: Any) -> None:
         """Write what the worker needs."""
         points = [
-            {"id": point.id, "case": point.case.to_dict(), "labels": point.labels, "disk": point.plan.disk}
+            {"id": point.id, "verb": point.kind.verb, "case": point.case.to_dict(), "disk": point.plan.disk}
             for point in self.points
         ]
         path.write_text(json.dumps({"points": points, "ranks": self.ranks, **settings}), encoding="utf-8")

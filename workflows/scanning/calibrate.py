@@ -12,8 +12,10 @@ from pathlib import Path
 
 import tomli_w
 
+from granwave.lammps_inputs.plan import SECONDS_PER_SPHERE_STEP
 from granwave.workflows import mpi
 from granwave.workflows.engine import Engine, open_engine
+from granwave.workflows.kinds import GRANULAR
 from granwave.workflows.scanning.scan_file import Point
 
 _WARM, _SPAN = 1.5, 1.0  # s of wall time: until contacts are loaded, and timed
@@ -21,10 +23,12 @@ _LONGEST = 60.0  # s, after which the measurement is given up
 
 
 def slowness_of(point: Point) -> float | None:
-    """Measured over planned wall time of a point; None where it could not be measured.
+    """Measured over planned wall time of a granular point; None where it could not be measured.
 
-    The first part of the impact is timed, when fewer contacts are loaded than later: the whole takes somewhat longer.
+    The first part of the impact is timed, when nearly all contacts are elastic.
     """
+    if point.kind is not GRANULAR:
+        return None
     document = tomli_w.dumps(point.case.to_dict())
     command = [sys.executable, "-m", "granwave.workflows.scanning.calibrate"]
     try:
@@ -34,7 +38,7 @@ def slowness_of(point: Point) -> float | None:
         seconds_a_step = float(json.loads(done.stdout.splitlines()[-1]))
     except (subprocess.SubprocessError, OSError, ValueError, IndexError):
         return None
-    return seconds_a_step * point.plan.schedule.n_steps / point.ranks / point.plan.wall_time
+    return seconds_a_step / (point.size * SECONDS_PER_SPHERE_STEP)
 
 
 def _measure(document: str) -> float:

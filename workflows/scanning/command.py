@@ -6,7 +6,9 @@ import argparse
 import dataclasses
 import difflib
 import sys
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from granwave.analysis.scan_result import ScanResult
 from granwave.lammps_inputs.errors import InputError, RunError
@@ -16,58 +18,116 @@ from granwave.workflows.scanning.calibrate import slowness_of
 from granwave.workflows.scanning.driver import ScanOutcome, default_jobs, run_scan
 from granwave.workflows.scanning.engine import EXECUTORS, LOCAL, SLURM, check_installed
 from granwave.workflows.scanning.profile import Profile, load_profile
-from granwave.workflows.scanning.scan_file import Scan, load_scan
+from granwave.workflows.scanning.scan_file import Point, Scan, load_scan
+from granwave.workflows.scanning.suite import REPORT, is_suite, load_suite, run_suite
 from granwave.workflows.tables import duration, lines
 
 _WORTH_MEASURING = 20.0  # s of expected time, beyond which the speed of this machine is measured first
 _MOST_ROWS = 40
+_COLUMNS = {  # of the table at the end
+    "dissipated_fraction": ("dissipated", "{:.5f}"),
+    "n_plastic_spheres": ("plastic spheres", "{}"),
+    "plastic_zone_volume_m3": ("plastic zone (m3)", "{:.4g}"),
+    "peak_force_N": ("peak force (N)", "{:.5g}"),
+}
 
 
 def scan(options: argparse.Namespace) -> int:
     """Run it; returns the exit status."""
     profile = _executor(options)
+    jobs = options.jobs or default_jobs(profile)
+    try:
+        if is_suite(options.scan):
+            return _suite(options, profile, jobs)
+        return _scan(options, profile, jobs)
+    except OSError as error:  # a full disk, above all
+        place = options.directory or error.filename or options.scan
+        reason = error.strerror or error
+        raise RunError(f"{place}: {reason}; mend that, then the same command with --resume goes on") from error
+
+
+def _scan(options: argparse.Namespace, profile: Profile | None, jobs: int) -> int:
     found = load_scan(options.scan, options.overrides, here=options.executor == LOCAL)
     directory = (options.directory or Path(found.name)).absolute()
-    jobs = options.jobs or default_jobs(profile)
     if not options.plan:
-        check_installed(options.executor)
-        try:
-            driver.decide(found, directory, resume=options.resume, force=options.force)
-        except OSError as error:  # it cannot be looked into
-            raise InputError(f"{directory}: {error.strerror or error}; choose another directory with -o") from None
+        _check_directory(found, directory, options)
     slowness = _slowness(found, directory, options, jobs)
     print(plan_text(found, directory, jobs, slowness, fresh=options.force))
     if options.plan:
         return 0
     sys.stdout.flush()
-    try:
-        outcome = run_scan(
-            found,
-            directory,
-            executor=options.executor,
-            profile=profile,
-            jobs=options.jobs,
-            resume=options.resume,
-            force=options.force,
-            progress=True,
-            slowness=slowness or 1.0,
-        )
-    except OSError as error:  # a full disk, above all
-        reason = error.strerror or error
-        raise RunError(f"{directory}: {reason}; mend that, then the same command with --resume goes on") from error
+    outcome = run_scan(found, directory, slowness=slowness or 1.0, **_how(options, profile))
     print(outcome_text(outcome))
-    if outcome.stopped == driver.STOPPED:
+    return _status(outcome.stopped, [outcome])
+
+
+def _suite(options: argparse.Namespace, profile: Profile | None, jobs: int) -> int:
+    if options.overrides:
+        raise InputError(
+            f"--set: {options.scan} is a suite of scans, which have different cases; set keys in its scan files"
+        )
+    found = load_suite(options.scan, here=options.executor == LOCAL)
+    directory = (options.directory or Path(found.name)).absolute()
+    if not options.plan:
+        for part in found.scans:
+            _check_directory(part, directory / part.name, options)
+    slowness: dict[str, float] = {}
+    for part in found.scans:
+        place = directory / part.name
+        measured = _slowness(part, place, options, jobs)
+        slowness[part.name] = measured or 1.0
+        print(plan_text(part, place, jobs, measured, fresh=options.force) + "\n")
+    total = sum(
+        _time(_left(part, directory / part.name, fresh=options.force), jobs, slowness[part.name])
+        for part in found.scans
+    )
+    print(f"suite {found.name}: {len(found.scans)} scans, about {duration(total)} in all\n")
+    if options.plan:
+        return 0
+    sys.stdout.flush()
+    outcome = run_suite(found, directory, slowness=slowness, **_how(options, profile))
+    for part in outcome.scans:
+        print(f"{outcome_text(part)}\n")
+    if not outcome.stopped:
+        print(f"report of all: {directory / REPORT}")
+    return _status(outcome.stopped, outcome.scans)
+
+
+def _how(options: argparse.Namespace, profile: Profile | None) -> dict[str, Any]:
+    return {
+        "executor": options.executor,
+        "profile": profile,
+        "jobs": options.jobs,
+        "resume": options.resume,
+        "force": options.force,
+        "progress": True,
+    }
+
+
+def _check_directory(scan: Scan, directory: Path, options: argparse.Namespace) -> None:
+    check_installed(options.executor)
+    try:
+        driver.decide(scan, directory, resume=options.resume, force=options.force)
+    except OSError as error:  # it cannot be looked into
+        raise InputError(f"{directory}: {error.strerror or error}; choose another directory with -o") from None
+
+
+def _status(stopped: str | None, outcomes: Sequence[ScanOutcome]) -> int:
+    """Say what is left to do; returns the exit status."""
+    if stopped == driver.STOPPED:
         print("granwave: stopped before its end; the same command with --resume goes on", file=sys.stderr)
         return 130
-    if outcome.stopped:
-        print(f"granwave: {outcome.stopped}; make room, then the same command with --resume goes on", file=sys.stderr)
-    elif not outcome.complete:
+    if stopped:
+        print(f"granwave: {stopped}; make room, then the same command with --resume goes on", file=sys.stderr)
+        return 1
+    for outcome in outcomes:
         left = " and ".join(
             f"{n} {what}" for n, what in ((outcome.failed, "failed"), (outcome.missing, "missing")) if n
         )
-        print(f"granwave: {left} of the points; the reasons are in {directory / 'scan.csv'}; "
-              "the same command with --resume tries them again", file=sys.stderr)  # fmt: skip
-    return 0 if outcome.complete else 1
+        if left:
+            print(f"granwave: {left} of the points; the reasons are in {outcome.directory / 'scan.csv'}; "
+                  "the same command with --resume tries them again", file=sys.stderr)  # fmt: skip
+    return 0 if all(outcome.complete for outcome in outcomes) else 1
 
 
 def _executor(options: argparse.Namespace) -> Profile | None:
@@ -84,19 +144,28 @@ def _executor(options: argparse.Namespace) -> Profile | None:
 
 def _slowness(scan: Scan, directory: Path, options: argparse.Namespace, jobs: int) -> float | None:
     """How much longer a point takes here than planned; None where it was not worth measuring."""
-    left = [p for p in scan.distinct.values() if options.force or not layout.is_done(directory, p.id)]
+    left = _left(scan, directory, fresh=options.force)
     if options.executor == SLURM or sum(map(expected_time, left)) / jobs < _WORTH_MEASURING:
         return None
     typical = sorted(left, key=expected_time)[len(left) // 2]
     return slowness_of(typical)
 
 
+def _left(scan: Scan, directory: Path, *, fresh: bool) -> list[Point]:
+    """The points that are still to be run."""
+    return [p for p in scan.distinct.values() if fresh or not layout.is_done(directory, p.id)]
+
+
+def _time(points: Sequence[Point], jobs: int, slowness: float) -> float:
+    """Expected wall time, s."""
+    times = [expected_time(point, slowness) for point in points]
+    return max(sum(times) / jobs, max(times, default=0.0))
+
+
 def plan_text(scan: Scan, directory: Path, jobs: int, slowness: float | None, *, fresh: bool = False) -> str:
     """What the scan would be."""
     points = scan.distinct.values()
-    left = [p for p in points if fresh or not layout.is_done(directory, p.id)]
-    total = sum(expected_time(p, slowness or 1.0) for p in left)
-    longest = max((expected_time(p, slowness or 1.0) for p in left), default=0.0)
+    left = _left(scan, directory, fresh=fresh)
     counts = f"{len(scan.points)}"
     if len(points) < len(scan.points):
         counts += f", {len(points)} of them different"
@@ -104,16 +173,17 @@ def plan_text(scan: Scan, directory: Path, jobs: int, slowness: float | None, *,
         counts += f", {len(points) - len(left)} done already"
     kinds = ", ".join(f"{key} ({len({str(p.labels[key]) for p in scan.points})})" for key in scan.varied)
     at_once = sorted((p.plan.memory for p in left), reverse=True)[:jobs]
-    spheres = [p.plan.n_spheres for p in points]
+    sizes = [p.size for p in points]
     rows = [
         ("scan", scan.name),
         ("points", counts),
         ("varies", kinds),
-        ("spheres", f"{min(spheres)}" if min(spheres) == max(spheres) else f"{min(spheres)} to {max(spheres)}"),
+        (scan.points[0].kind.parts, f"{min(sizes)}" + (f" to {max(sizes)}" if max(sizes) > min(sizes) else "")),
         ("jobs at once", f"{jobs}"),
         (
             "expected time",
-            f"about {duration(max(total / jobs, longest))}" + (", from the speed measured here" if slowness else ""),
+            f"about {duration(_time(left, jobs, slowness or 1.0))}"
+            + (", from the speed measured here" if slowness else ""),
         ),
         ("memory", f"about {sum(at_once) / 2**30:.2f} GiB"),
         ("disk", f"about {sum(p.plan.disk for p in left) / 1e9:.3g} GB"),
@@ -126,15 +196,12 @@ def outcome_text(outcome: ScanOutcome) -> str:
     """The main values of each point, and where everything is."""
     result = ScanResult(outcome.directory)
     points = [point for point in result.points if point.status != "missing"]
-    head = ["", *result.varied, "dissipated", "plastic spheres", "peak force (N)", ""]
+    shown = [key for key in _COLUMNS if any(point.summary.get(key) is not None for point in points)]
+    head = ["", *result.varied, *(_COLUMNS[key][0] for key in shown), ""]
     table = [head]
     for point in points[:_MOST_ROWS]:
         summary = point.summary
-        values = [
-            f"{summary['dissipated_fraction']:.5f}" if summary.get("dissipated_fraction") is not None else "",
-            f"{summary['n_plastic_spheres']}" if summary else "",
-            f"{summary['peak_force_N']:.5g}" if summary else "",
-        ]
+        values = [_COLUMNS[key][1].format(summary[key]) if summary.get(key) is not None else "" for key in shown]
         labels = [f"{value:.5g}" if isinstance(value, float) else str(value) for value in point.labels.values()]
         ending = "" if point.status == "done" else f"{point.status}: {point.reason}".rstrip(": ")
         table.append([str(point.number), *labels, *values, ending])

@@ -7,8 +7,6 @@ import dataclasses
 import json
 import logging
 import os
-import shutil
-import signal
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -16,8 +14,11 @@ from pathlib import Path
 from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.scan_result import SCAN_FILE, SCAN_INDEX, ScanResult, is_scan
 from granwave.analysis.scan_table import ScanData, read_scan, write_scan_table
+from granwave.lammps_inputs.directories import check_directory, check_disk, clear, refuse_results
 from granwave.lammps_inputs.errors import InputError, RunError
+from granwave.lammps_inputs.files import replace_text
 from granwave.workflows.directory import held, results_in
+from granwave.workflows.interrupts import Interrupts
 from granwave.workflows.progress import Progress
 from granwave.workflows.scanning import layout, queue
 from granwave.workflows.scanning.batches import make_batches
@@ -32,9 +33,9 @@ _LOCAL_START = 2.5  # s, of a job on this machine: Snakemake, Python, libraries
 _POLL, _QUEUE_POLL = 0.3, 2.0  # s, between looks at the directory, and at the cluster
 _PATIENCE = 60.0  # s, in which running jobs end by themselves once they are asked to
 _TABLE_EVERY, _FIGURES_EVERY = 5.0, 60.0  # s, at most so often while points come in
-_MOST_ROUNDS = (
-    20  # a round that leaves points behind (jobs were killed, or met their time limit) is followed by another
-)
+# a round that leaves points behind (jobs were killed, or met their time limit) is followed by another
+_MOST_ROUNDS = 20
+_MOST_LABELS = 3  # of a point that runs, beside the bar
 _GONE = 15.0  # s without a job in the queue, after which a round is over, whatever the engine believes
 
 
@@ -117,7 +118,7 @@ def run_scan(
     decide(scan, directory, resume=resume, force=force)
     with held(directory), _StopRequest() as stop:
         if force:
-            clear(directory)
+            clear(directory, layout.RESULTS)
         _prepare(scan, directory, on_cluster=profile is not None)
         run = _ScanRun(scan, directory, profile, jobs or default_jobs(profile), stop, progress, slowness)
         run.work()
@@ -140,20 +141,11 @@ def decide(scan: Scan, directory: Path, *, resume: bool, force: bool) -> None:
     InputError
         It holds results and neither resume nor force was given, or holds something else.
     """
-    if resume and force:
-        raise InputError(
-            "--resume and --force exclude each other: one goes on with what is there, the other replaces it"
-        )
-    if directory.exists() and not directory.is_dir():
-        raise InputError(f"{directory}: is a file, expected a directory; choose another with -o")
+    check_directory(directory, resume=resume, force=force)
     if results_in(directory) and not is_scan(directory) and not (directory / layout.WORK).exists():
         raise InputError(f"{directory}: holds a run, expected a scan or nothing; choose another with -o")
-    found = [name for name in layout.RESULTS if (directory / name).exists()]
-    if found and not resume and not force:
-        raise InputError(
-            f"{directory}: already holds results ({', '.join(found[:3])}{', ...' if len(found) > 3 else ''}); "
-            "--resume does what is missing, --force replaces them, or choose another directory with -o"
-        )
+    if not resume and not force:
+        refuse_results(directory, layout.RESULTS, "--resume does what is missing, --force replaces them")
     if resume and is_scan(directory):
         there = _index(directory)
         if there and there.name != scan.name and not {point.id for point in there.points} & set(scan.distinct):
@@ -161,14 +153,8 @@ def decide(scan: Scan, directory: Path, *, resume: bool, force: bool) -> None:
                 f"{directory}: holds another scan ({there.name}), without a point of {scan.name}; "
                 "--force replaces it, or choose another directory with -o"
             )
-    place = next(path for path in (directory, *directory.parents) if path.exists())
-    free = shutil.disk_usage(place).free
     needed = sum(p.plan.disk for p in scan.distinct.values() if force or not layout.is_done(directory, p.id))
-    if needed and needed + layout.LEAST_FREE > free:
-        raise InputError(
-            f"{directory}: the points need about {needed / 1e9:.3g} GB, {free / 1e9:.3g} GB are free there; "
-            "choose another directory with -o, or fewer run.frames"
-        )
+    check_disk(directory, needed, what="the points", spare=layout.LEAST_FREE)
 
 
 def _index(directory: Path) -> ScanResult | None:
@@ -179,21 +165,12 @@ def _index(directory: Path) -> ScanResult | None:
         return None
 
 
-def clear(directory: Path) -> None:
-    """Remove the results of a scan, and nothing else."""
-    for name in layout.RESULTS:
-        path = directory / name
-        shutil.rmtree(path) if path.is_dir() else path.unlink(missing_ok=True)
-
-
 def _prepare(scan: Scan, directory: Path, *, on_cluster: bool) -> None:
     for name in (layout.BATCHES, layout.DONE, layout.LOGS):
         (directory / name).mkdir(parents=True, exist_ok=True)
     (directory / layout.STOP).unlink(missing_ok=True)
     (directory / SCAN_FILE).write_text(scan.text, encoding="utf-8")
-    scratch = directory / f".{SCAN_INDEX}"
-    scratch.write_text(json.dumps(scan.index(), indent=1) + "\n", encoding="utf-8")
-    scratch.replace(directory / SCAN_INDEX)
+    replace_text(directory / SCAN_INDEX, json.dumps(scan.index(), indent=1) + "\n")
     adopted = {name for job in queue.jobs_of(directory) for name in job.points} if on_cluster else set()
     for point in scan.distinct:
         state = layout.state(directory, point)
@@ -337,12 +314,13 @@ class _ScanRun:
         """Close the points that are done or have failed; returns the labels of those that run."""
         running = []
         for name, point in list(self.open.items()):
-            state = {} if layout.is_done(self.directory, name) else layout.state(self.directory, name)
-            if (not state and layout.is_done(self.directory, name)) or state.get("state") == layout.FAILED:
+            done = layout.is_done(self.directory, name)
+            state = {} if done else layout.state(self.directory, name)
+            if done or state.get("state") == layout.FAILED:
                 del self.open[name]
                 self.changed = True
             elif state.get("state") == layout.RUNNING:
-                running.append(", ".join(f"{key.split('.')[-1]} {value}" for key, value in point.labels.items()))
+                running.append(_short(point))
         return running
 
     def _closed(self) -> int:
@@ -378,32 +356,24 @@ def _draw(result: ScanResult, *, pdf: bool = True) -> None:
     draw_scan_figures(result, pdf=pdf)
 
 
-class _StopRequest:
-    """Ctrl-C and SIGTERM: once to stop in an orderly way, three times to stop at once."""
+def _short(point: Point) -> str:
+    """A point in a few words."""
+    shown = [
+        f"{key.split('.')[-1]} {value:.4g}" if isinstance(value, float) else f"{key.split('.')[-1]} {value}"
+        for key, value in point.labels.items()
+    ]
+    return f"{point.number}: {', '.join(shown[:_MOST_LABELS])}"
 
-    def __init__(self) -> None:
-        self._count = 0
-        self._before: dict[int, object] = {}
 
-    def __enter__(self) -> _StopRequest:
-        with contextlib.suppress(ValueError):  # of another thread than the main one nobody asks anything
-            for number in (signal.SIGINT, signal.SIGTERM):
-                self._before[number] = signal.signal(number, self._note)
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        for number, handler in self._before.items():
-            signal.signal(number, handler)  # type: ignore[arg-type]
-
-    def _note(self, *_: object) -> None:
-        self._count += 1
+class _StopRequest(Interrupts):
+    """Once to stop in an orderly way, three times to stop at once."""
 
     @property
     def wanted(self) -> bool:
         """Somebody asked to stop."""
-        return self._count > 0
+        return self.count > 0
 
     @property
     def insists(self) -> bool:
         """Somebody asked again and again."""
-        return self._count >= 3
+        return self.count >= 3

@@ -98,9 +98,8 @@ class Engine:
             }
             for batch in batches
         }
-        names = sorted({name for job in jobs.values() for name in job["resources"]})  # type: ignore[attr-defined]
         before = self.profile.before.replace("{", "{{").replace("}", "}}") + "\n" if self.profile else ""
-        return {"python": sys.executable, "before": before, "resources": names, "jobs": jobs}
+        return {"python": sys.executable, "before": before, "jobs": jobs}
 
     def _executor(self, jobs: int, batches: Sequence[Batch]) -> list[str]:
         if self.profile is not None:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import json
-import os
 from pathlib import Path
 from typing import Any
 
 from granwave.analysis.scan_result import POINT_FILE, POINTS, SCAN_FILE, SCAN_INDEX, UNFINISHED, read_point
 from granwave.analysis.summary import SUMMARY_FILE
+from granwave.lammps_inputs.files import replace_text
 
 WORK = ".scan"  # of the engine: batches, marks of finished batches, logs
 BATCHES, DONE, LOGS = f"{WORK}/batches", f"{WORK}/done", f"{WORK}/logs"
@@ -65,9 +65,7 @@ def begun(directory: Path, point: str) -> bool:
 def write_state(place: Path, **record: Any) -> None:
     """Replace the record of a point, all or nothing."""
     place.mkdir(parents=True, exist_ok=True)
-    scratch = place / f".{POINT_FILE}.{os.getpid()}"
-    scratch.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
-    os.replace(scratch, place / POINT_FILE)
+    replace_text(place / POINT_FILE, json.dumps(record, indent=1) + "\n")
 
 
 def is_final(directory: Path, point: str) -> bool:

@@ -17,23 +17,31 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from granwave.analysis.scan_result import Scalar
-from granwave.lammps_inputs.case import Case
+from granwave.analysis.scan_result import SEED, Scalar
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.keys import Faults, Unfit, choice, custom, number, read_table, show, text, whole
+from granwave.lammps_inputs.keys import (
+    Faults,
+    Unfit,
+    choice,
+    custom,
+    number,
+    plain_name,
+    read_table,
+    show,
+    text,
+    whole,
+)
 from granwave.lammps_inputs.overrides import apply_overrides, parse_overrides
-from granwave.lammps_inputs.plan import Plan, check_memory, plan
 from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows import studies
+from granwave.workflows.kinds import AnyCase, Cost, Kind, kind_of
+from granwave.workflows.messages import each_warning_once
 from granwave.workflows.scanning.values import MOST_POINTS, SHAPES, values_of
 from granwave.workflows.versions import versions
 
 _LOG = logging.getLogger("granwave")
 
-SEED = "packing.seed"
-_VERSIONS_THAT_MATTER = ("granwave", "lammps", "plugin_built_for_lammps")
 _ID_LENGTH = 12
-_LONGEST_NAME = 200  # bytes
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -63,19 +71,11 @@ def _parse_ranks(value: Any) -> RanksBySize:
     return read
 
 
-def _parse_name(value: Any) -> str:
-    """The name of the directory too, so that it must not lead elsewhere."""
-    fits = isinstance(value, str) and value.strip() and value.isprintable() and "/" not in value and value[0] != "."
-    if not fits or len(value.encode()) > _LONGEST_NAME:
-        raise Unfit("a plain name that can be that of a directory")
-    return value
-
-
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class _Header:
     """What stands at the top of a scan file, beside its tables."""
 
-    name: str = custom("name of the scan", _parse_name, default="")
+    name: str = custom("name of the scan", plain_name, default="")
     case: str = text("a built-in study or a case file")
     ranks: RanksBySize = custom("MPI ranks of a point", _parse_ranks, default=_ONE_RANK)  # noqa: RUF009
     replicates: int = custom(
@@ -101,9 +101,15 @@ class Point:
     number: int
     id: str
     labels: dict[str, Scalar]
-    case: Case
-    plan: Plan
+    case: AnyCase
+    kind: Kind
+    plan: Cost
     ranks: int
+
+    @property
+    def size(self) -> int:
+        """Spheres or elements."""
+        return self.kind.size(self.case)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -160,6 +166,8 @@ def load_scan(scan: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (
     except OSError as error:
         raise InputError(f"{scan}: cannot be read: {error.strerror}") from None
     data = read_toml(path)
+    if "scans" in data:
+        raise InputError(f"{path}: is a suite of scans, expected one scan: one of {', '.join(map(str, data['scans']))}")
     faults = Faults(str(path))
     tables: dict[str, Any] = {name: data.pop(name) for name in ("set", "grid", "zip", "points") if name in data}
     header = read_table(_Header, data, "", faults)
@@ -273,7 +281,7 @@ def _build(
         )
     base = _find_case(header.case, path)
     template = {"name": base.stem, **read_toml(base)}
-    stamp = {name: versions()[name] for name in _VERSIONS_THAT_MATTER}
+    kind = kind_of(template)
     if header.replicates > 1:
         _LOG.warning(
             "%s: replicates: nothing is random in this packing, so that all %d are equal", path, header.replicates
@@ -284,10 +292,10 @@ def _build(
         for n, values in enumerate(variations, start=1):
             try:
                 data = _with(template, {**fixed, **values}, path, changes)
-                case = Case.from_dict(data, path, overridden=changes, directory=base.parent)
-                points.append(_point(n, values, case, header, varied, stamp))
+                case = kind.read(data, path, overridden=changes, directory=base.parent)
+                points.append(_point(n, values, case, kind, header, varied))
                 if here:
-                    check_memory(points[-1].plan)
+                    kind.check_memory(case, points[-1].plan)
             except InputError as error:
                 faults.append((n, values, error.faults))
     if faults:
@@ -331,39 +339,34 @@ def _with(
 @contextlib.contextmanager
 def _each_warning_once() -> Iterator[None]:
     """Not once for each of a thousand points."""
-    seen: set[str] = set()
-
-    def unseen(record: logging.LogRecord) -> bool:
-        known = record.getMessage() in seen
-        seen.add(record.getMessage())
-        return not known
-
-    _LOG.addFilter(unseen)
+    fresh = each_warning_once()
+    _LOG.addFilter(fresh)
     try:
         yield
     finally:
-        _LOG.removeFilter(unseen)
+        _LOG.removeFilter(fresh)
 
 
 def _point(
     number: int,
     values: Mapping[str, Any],
-    case: Case,
+    case: AnyCase,
+    kind: Kind,
     header: _Header,
     varied: Sequence[str],
-    stamp: Mapping[str, str],
 ) -> Point:
     try:
-        ranks = header.ranks.of(case.lattice.n_spheres)
-        expected = plan(case, n_ranks=ranks)
+        ranks = header.ranks.of(kind.size(case)) if kind.parallel else 1
+        expected = kind.cost(case, ranks)
     except (ArithmeticError, ValueError) as error:
         if isinstance(error, InputError):
             raise
         raise InputError(f"no timestep can be found for these values ({error}); are they all in SI units?") from None
     resolved = case.to_dict()
+    stamp = {name: versions()[name] for name in kind.versions}
     key = json.dumps([{**resolved, "name": ""}, stamp], sort_keys=True).encode()
     labels = {key: _label(key, values[key] if key in values else _look_up(resolved, key)) for key in varied}
-    return Point(number, hashlib.sha256(key).hexdigest()[:_ID_LENGTH], labels, case, expected, ranks)
+    return Point(number, hashlib.sha256(key).hexdigest()[:_ID_LENGTH], labels, case, kind, expected, ranks)
 
 
 def _look_up(tables: Mapping[str, Any], key: str) -> Any:

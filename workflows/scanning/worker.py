@@ -22,17 +22,19 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 import tomli_w
 
-from granwave.lammps_inputs.case import load_case
+from granwave.analysis.summary import SUMMARY_FILE
 from granwave.lammps_inputs.deck import CASE_FILE
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows import mpi, record
 from granwave.workflows.directory import busy, clear
+from granwave.workflows.kinds import GRANULAR, kind_of
 from granwave.workflows.scanning import layout
 
 DRIVER = "GRANWAVE_SCAN_DRIVER"  # variable: process of the driver, on this machine, without which the job ends
@@ -68,7 +70,7 @@ class _Worker:
         if self._unwanted():
             self.stop()
         elif self.batch["ranks"] == 1:
-            _load()
+            _load(self.batch["points"][0]["verb"])
         threading.Thread(target=self._watch, daemon=True).start()
         points = self.batch["points"]
         for point in points:
@@ -113,7 +115,8 @@ class _Worker:
         seen = layout.state(self.directory, point["id"])
         before = seen.get("attempts", 0)
         begun = record.read(place)
-        ended = begun is not None and begun.state == record.FINISHED  # by a process whose worker was killed
+        # by a process whose worker was killed
+        ended = (begun is not None and begun.state == record.FINISHED) or (place / SUMMARY_FILE).exists()
         if before >= layout.MOST_ATTEMPTS and not ended:  # and nobody was left to say so
             reason = "its job was killed; was the machine out of memory, or the time limit too short?"
             layout.write_state(place, **{**seen, "state": layout.FAILED, "reason": seen.get("reason") or reason})
@@ -157,7 +160,8 @@ class _Worker:
         """The exit status of the point's process; negative if a signal killed it."""
         case = place / "point.toml"
         case.write_text(tomli_w.dumps({**point["case"], "name": _name(point, place)}), encoding="utf-8")
-        words = ["run", str(case), "-o", str(place), "--resume", *(() if self.batch["figures"] else ["--no-figures"])]
+        words = [point["verb"], str(case), "-o", str(place), "--resume"]
+        words += [] if self.batch["figures"] else ["--no-figures"]
         with (place / _LOG).open("ab") as log:
             if self.batch["ranks"] > 1:
                 return self._launch(words, place, log.fileno())
@@ -183,8 +187,14 @@ class _Worker:
         return status
 
 
-def _load() -> None:
+def _load(verb: str) -> None:
     """Load what every point needs, but do not start MPI: each point starts its own."""
+    import granwave.workflows.cli
+
+    if verb != GRANULAR.verb:
+        import granwave.analysis.continuum.run
+
+        return
     import mpi4py
 
     mpi4py.rc.initialize = mpi4py.rc.finalize = False
@@ -192,7 +202,6 @@ def _load() -> None:
     from mpi4py import MPI  # noqa: F401
 
     import granwave.analysis.pipeline
-    import granwave.workflows.cli
     import granwave.workflows.driver  # noqa: F401
 
 
@@ -201,9 +210,8 @@ def _fork(words: Sequence[str], log: int) -> int:
     sys.stdout.flush()
     sys.stderr.flush()
     ours = {signal.SIGTERM, signal.SIGINT}
-    signal.pthread_sigmask(
-        signal.SIG_BLOCK, ours
-    )  # a request to stop must not meet this process's handlers in the copy
+    # a request to stop must not meet this process's handlers in the copy
+    signal.pthread_sigmask(signal.SIG_BLOCK, ours)
     process = os.fork()
     if process:
         signal.pthread_sigmask(signal.SIG_UNBLOCK, ours)
@@ -215,13 +223,10 @@ def _fork(words: Sequence[str], log: int) -> int:
         signal.pthread_sigmask(signal.SIG_UNBLOCK, ours)
         os.dup2(log, 1)
         os.dup2(log, 2)
-        from mpi4py import MPI
-
         from granwave.workflows.cli import main as granwave
 
-        MPI.Init()
-        status = granwave(words)
-        MPI.Finalize()
+        with _own_mpi() if words[0] == GRANULAR.verb else contextlib.nullcontext():
+            status = granwave(words)
     except BaseException:
         import traceback
 
@@ -231,6 +236,15 @@ def _fork(words: Sequence[str], log: int) -> int:
             sys.stdout.flush()
             sys.stderr.flush()
         os._exit(status)
+
+
+@contextlib.contextmanager
+def _own_mpi() -> Iterator[None]:
+    from mpi4py import MPI
+
+    MPI.Init()
+    yield
+    MPI.Finalize()
 
 
 def _alive(process: int) -> bool:
@@ -247,7 +261,8 @@ def _name(point: dict[str, Any], place: Path) -> str:
     """The name that the point's case was begun with; one that cannot be read is begun anew."""
     try:
         if (place / CASE_FILE).exists():
-            return load_case(place / CASE_FILE).name
+            tables = read_toml(place / CASE_FILE)
+            return str(kind_of(tables).read(tables, place / CASE_FILE).name)
     except InputError:  # the machine went down while it was written
         clear(place)
     return str(point["case"]["name"])

@@ -1,0 +1,229 @@
+"""Granular against continuum: a small suite is run once; what the comparison says of it, and how a suite behaves."""
+
+from __future__ import annotations
+
+import csv
+import dataclasses
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from granwave.analysis.comparison import both, continuum, forces, granular
+from granwave.analysis.comparison.impacts import Impacts, collect
+from granwave.analysis.reports.comparison import impacts_of
+from granwave.analysis.reports.inputs import read_inputs
+from granwave.analysis.reports.report import write_report
+from granwave.lammps_inputs.errors import InputError
+from granwave.workflows import load_scan, studies
+from granwave.workflows.cli import main
+from granwave.workflows.scanning.suite import load_suite, run_suite
+
+#: The reference, and the same normalised velocities with E doubled (v/4) and with D halved (time/2).
+GRANULAR = """
+case = "fcc-impact"
+[set]
+packing.size = [8, 8, 6]
+run.frames = 2
+[[zip]]
+load.velocity = [1, 2, 4, 8, 16, 32, 1, 8, 0.25, 2]
+material.youngs_modulus = [115e9, 115e9, 115e9, 115e9, 115e9, 115e9, 115e9, 115e9, 230e9, 230e9]
+packing.diameter = [0.01, 0.01, 0.01, 0.01, 0.01, 0.01, 0.005, 0.005, 0.01, 0.01]
+run.end_time = [2e-4, 2e-4, 2e-4, 2e-4, 2e-4, 2e-4, 1e-4, 1e-4, 2e-4, 2e-4]
+[[points]]
+load.velocity = 4.618802
+load.spheres = 3
+run.end_time = 2e-4
+"""
+CONTINUUM = """
+case = "half-space"
+[set]
+run.elements = 1500
+[[zip]]
+punch.mass = [0.1, 0.1, 0.1, 0.01, 0.1]
+punch.velocity = [8, 12, 16, 37.94733, 11.31371]
+material.youngs_modulus = [115e9, 115e9, 115e9, 115e9, 230e9]
+"""
+SUITE = 'name = "small"\nscans = ["granular.toml", "continuum.toml"]\n'
+
+
+@pytest.fixture(scope="module")
+def suite(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The directory of a suite that ran to its end."""
+    files = tmp_path_factory.mktemp("suite")
+    for name, text in (("granular", GRANULAR), ("continuum", CONTINUUM), ("suite", SUITE)):
+        (files / f"{name}.toml").write_text(text, encoding="utf-8")
+    assert main(["scan", str(files / "suite.toml"), "-o", str(files / "out")]) == 0
+    return files / "out"
+
+
+@pytest.fixture(scope="module")
+def impacts(suite: Path) -> Impacts:
+    return impacts_of(read_inputs([suite], suite))
+
+
+def test_both_kinds_are_collected(impacts: Impacts) -> None:
+    assert (len(impacts.granular), len(impacts.continuum)) == (11, 5)
+    assert [run.case.load.velocity for run in impacts.reference] == [1, 2, 4, 8, 16, 32]
+    assert [run.case.punch.velocity for run in impacts.continuum_reference] == [8, 12, 16]
+
+
+def test_granular_fractions_collapse_on_normalised_axes(impacts: Impacts) -> None:
+    found = {row.name: row for row in granular.collapse(impacts)}
+    assert set(found) == {"modulus 230 GPa", "diameter 5 mm"}
+    for row in found.values():
+        assert row.n == 2
+        assert row.largest < 5e-4  # the equations are the same; steps differ
+
+
+def test_continuum_fractions_collapse_on_normalised_axes(impacts: Impacts) -> None:
+    (row,) = continuum.collapse(impacts)
+    assert (row.name, row.n) == ("modulus 230 GPa", 1)
+    assert row.fraction < 1e-3
+    assert row.volume < 0.03  # sampled every 0.2 us, whatever the material
+
+
+def test_masses_are_compared_at_equal_energy(impacts: Impacts) -> None:
+    light, heavy = (dict(continuum.masses(impacts))[name] for name in ("m = 0.01 kg", "m = 0.1 kg"))
+    assert light[0].energy_normalised == pytest.approx(heavy[1].energy_normalised, rel=1e-6)
+    assert light[0].fraction == pytest.approx(heavy[1].fraction, rel=0.5)
+
+
+def test_loading_area_is_compared_at_equal_energy(impacts: Impacts) -> None:
+    ((energy, fractions),) = granular.area_table(impacts)
+    assert set(fractions) == {1, 3}
+    run = next(run for run in impacts.reference if run.case.load.velocity == 8)
+    assert energy == pytest.approx(run.energy_normalised)
+    assert fractions[1] == run.fraction
+
+
+def test_quadratic_law_is_found_in_made_up_runs(impacts: Impacts) -> None:
+    constants = (-40.0, 300.0, 4500.0)
+    made = []
+    for run in impacts.reference:
+        v = run.velocity_normalised
+        lost = np.polynomial.polynomial.polyval(v / 100, constants)
+        made.append(dataclasses.replace(run, summary={**run.summary, "dissipated_fraction": lost / (0.5 * v**2)}))
+    fit = granular.quadratic_fit(Impacts(tuple(made), ()))
+    assert fit is None  # too few from a tenth of the largest velocity on
+    more = [
+        dataclasses.replace(
+            made[-1],
+            summary={
+                **made[-1].summary,
+                "velocity_normalised": v,
+                "energy_input_J": made[-1].energy * (v / made[-1].velocity_normalised) ** 2,
+                "dissipated_fraction": np.polynomial.polynomial.polyval(v / 100, constants) / (0.5 * v**2),
+            },
+        )
+        for v in np.linspace(60, 290, 8)
+    ]
+    fit = granular.quadratic_fit(Impacts((*made, *more), ()))
+    assert fit is not None
+    np.testing.assert_allclose(fit.constants, constants, rtol=1e-8)
+    assert fit.misfit < 1e-10
+
+
+def test_involved_material_did_the_dissipation(impacts: Impacts) -> None:
+    for run in (impacts.reference[-1], impacts.continuum_reference[-1]):
+        found = both.involved(run)
+        assert found is not None
+        assert found.fraction[-1] == pytest.approx(run.fraction, rel=1e-3)
+        assert np.all(np.diff(np.diff(found.fraction) / np.diff(found.volume)) <= 1e-6 * found.fraction[0])
+        assert 0.9 <= found.energy / (run.fraction * run.energy) <= 1.0
+    spheres = both.involved(impacts.reference[-1])
+    assert spheres is not None
+    assert spheres.bulk / (spheres.mass / 8500) == pytest.approx(math.sqrt(18) / math.pi)
+
+
+def test_peak_forces_grow_about_as_the_impulse(impacts: Impacts) -> None:
+    found = forces.linearity(impacts, lowest=40)
+    assert found is not None
+    assert np.median(found.exponent) == pytest.approx(1, abs=0.15)
+    assert found.ray.shape[1] == len(found.velocity)
+    assert np.all(np.diff(found.ray[0]) > 0)
+
+
+def test_front_loses_its_peak(impacts: Impacts) -> None:
+    found = forces.fronts(impacts)
+    assert len(found) == 4
+    for front in found:
+        assert front.depth[0] == 0
+        assert np.all(np.diff(front.largest[1:4]) < 0)
+        assert np.all((front.uniformity > 0) & (front.uniformity <= 1))
+
+
+def test_suite_leaves_one_report_and_its_figures(suite: Path) -> None:
+    assert (suite / "granular" / "scan.csv").is_file()
+    page = (suite / "report.html").read_text(encoding="utf-8")
+    for text in ("Comparison", "Granular scaling", "Loading area", "modulus 230 GPa"):
+        assert text in page
+    names = {path.stem for path in (suite / "figures").glob("*.png")}
+    assert {"dissipated_fraction", "plastic_volume", "granular_scaling", "loading_area", "continuum_mass"} <= names
+    with (suite / "figures" / "dissipated_fraction.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert {row["curve"] for row in rows} >= {"granular, D = 10 mm", "granular, D = 5 mm", "continuum, m = 0.1 kg"}
+
+
+def test_suite_directory_stands_for_its_scans(suite: Path, tmp_path: Path) -> None:
+    first = write_report([suite], tmp_path / "a.md").read_text(encoding="utf-8")
+    second = write_report([suite / "granular", suite / "continuum"], tmp_path / "b.md").read_text(encoding="utf-8")
+    assert first.splitlines()[0] == second.splitlines()[0]
+    assert "Comparison" in first
+
+
+def test_finished_suite_is_not_computed_again(suite: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    before = {path: path.stat().st_mtime_ns for path in suite.glob("*/points/*/summary.json")}
+    assert main(["scan", str(suite.parent / "suite.toml"), "-o", str(suite)]) == 2
+    assert "already holds results" in capfd.readouterr().err
+    assert main(["scan", str(suite.parent / "suite.toml"), "-o", str(suite), "--resume"]) == 0
+    assert before == {path: path.stat().st_mtime_ns for path in suite.glob("*/points/*/summary.json")}
+    assert json.loads((suite / "suite.json").read_text(encoding="utf-8"))["scans"] == ["granular", "continuum"]
+
+
+def test_runs_that_cannot_be_compared_are_left_out(impacts: Impacts, tmp_path: Path) -> None:
+    run = impacts.reference[0]
+    assert collect([("x", tmp_path, run.summary), ("y", run.directory, {})]) == Impacts((), ())
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('scans = []', "scans: found [], expected a list of names"),
+        ('scans = "granular"', "expected a list of names"),
+        ('scans = ["velocity-fcx"]', "did you mean velocity-fcc?"),
+        ('scans = ["restitution", "restitution"]', "two scans of the name restitution"),
+        ('scans = ["restitution"]\nranks = 2', "ranks"),
+        ('scans = ["restitution"]\nname = "../up"', "a plain name"),
+    ],
+)  # fmt: skip
+def test_wrong_suites_are_refused(text: str, message: str, tmp_path: Path) -> None:
+    (tmp_path / "s.toml").write_text(text, encoding="utf-8")
+    with pytest.raises(InputError) as caught:
+        load_suite(tmp_path / "s.toml")
+    assert message in "\n".join(caught.value.faults)
+
+
+def test_keys_of_a_suite_are_set_in_its_scans(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    assert main(["scan", "granular-continuum", "-o", str(tmp_path / "out"), "--set", "load.velocity=1"]) == 2
+    assert "is a suite of scans" in capfd.readouterr().err
+    with pytest.raises(InputError, match="is a suite of scans"):
+        load_scan("granular-continuum")
+
+
+def test_nothing_runs_where_one_directory_is_taken(suite: Path, tmp_path: Path) -> None:
+    small = load_suite(suite.parent / "suite.toml")
+    taken = tmp_path / "continuum"
+    taken.mkdir()
+    (taken / "case.toml").write_text("", encoding="utf-8")
+    with pytest.raises(InputError, match="holds a run"):
+        run_suite(small, tmp_path)
+    assert not (tmp_path / "granular").exists()
+
+
+def test_built_in_suite_is_sound() -> None:
+    names = {scan.name for scan in load_suite("granular-continuum").scans}
+    assert names <= set(studies.names(studies.SCANS))
+    assert len(names) == 5

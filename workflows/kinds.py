@@ -1,0 +1,145 @@
+"""What a case can be: a packing that LAMMPS runs, or a continuum problem. Its tables tell which."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, Protocol
+
+from granwave.lammps_inputs.case import Case
+from granwave.lammps_inputs.plan import check_memory, plan
+
+_OF_CONTINUUM, _OF_SPHERE_CONTACT = ("block", "punch"), ("sphere", "partner")
+
+
+class AnyCase(Protocol):
+    """A case of any kind."""
+
+    @property
+    def name(self) -> str:
+        """Of the case."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """As nested tables, all defaults filled in."""
+
+
+class Cost(Protocol):
+    """What a run will need: bytes and seconds, estimates."""
+
+    @property
+    def memory(self) -> float:
+        """Bytes."""
+
+    @property
+    def disk(self) -> float:
+        """Bytes."""
+
+    @property
+    def wall_time(self) -> float:
+        """On as many ranks as were asked for, s."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Kind:
+    """How cases of one kind are read and run.
+
+    Attributes
+    ----------
+    verb
+        Word of the command line that runs them.
+    parts
+        What their size counts.
+    versions
+        Names, in `granwave.workflows.versions`, of what their results depend on.
+    read
+        As `Case.from_dict`.
+    size
+        How many parts a case has.
+    cost
+        Of a case on a number of ranks.
+    check_memory
+        Raises InputError where a case of this cost does not fit into this machine.
+    """
+
+    verb: str
+    parts: str
+    versions: tuple[str, ...]
+    read: Callable[..., Any]
+    size: Callable[[Any], int]
+    cost: Callable[[Any, int], Any]
+    check_memory: Callable[[Any, Any], None]
+    parallel: bool = False
+
+
+def kind_of(tables: Mapping[str, Any]) -> Kind:
+    """The kind of a case from its tables."""
+    if any(name in tables for name in _OF_SPHERE_CONTACT):
+        return SPHERE_CONTACT
+    return CONTINUUM if any(name in tables for name in _OF_CONTINUUM) else GRANULAR
+
+
+def _read_continuum(data: Mapping[str, Any], source: str | Path, **options: Any) -> Any:
+    from granwave.analysis.continuum.case import ContinuumCase
+
+    return ContinuumCase.from_dict(data, source, **options)
+
+
+def _plan_continuum(case: Any, _: int) -> Any:
+    from granwave.analysis.continuum.plan import plan as plan_continuum
+
+    return plan_continuum(case)
+
+
+def _check_continuum(case: Any, _: Any) -> None:
+    from granwave.analysis.continuum.case import check_memory as check
+
+    check(case)
+
+
+def _read_sphere_contact(data: Mapping[str, Any], source: str | Path, **options: Any) -> Any:
+    from granwave.analysis.sphere_contact.case import SphereContactCase
+
+    return SphereContactCase.from_dict(data, source, **options)
+
+
+def _plan_sphere_contact(case: Any, _: int) -> Any:
+    from granwave.analysis.sphere_contact.plan import plan as plan_sphere_contact
+
+    return plan_sphere_contact(case)
+
+
+def _check_sphere_contact(case: Any, _: Any) -> None:
+    from granwave.analysis.sphere_contact.case import check_memory as check
+
+    check(case)
+
+
+GRANULAR = Kind(
+    verb="run",
+    parts="spheres",
+    versions=("granwave", "lammps", "plugin_built_for_lammps"),
+    read=Case.from_dict,
+    size=lambda case: case.lattice.n_spheres,
+    cost=lambda case, n_ranks: plan(case, n_ranks=n_ranks),
+    check_memory=lambda _, expected: check_memory(expected),
+    parallel=True,
+)
+CONTINUUM = Kind(
+    verb="continuum",
+    parts="elements",
+    versions=("granwave",),
+    read=_read_continuum,
+    size=lambda case: case.run.elements,
+    cost=_plan_continuum,
+    check_memory=_check_continuum,
+)
+SPHERE_CONTACT = Kind(
+    verb="continuum",
+    parts="elements",
+    versions=("granwave",),
+    read=_read_sphere_contact,
+    size=lambda case: case.run.elements,
+    cost=_plan_sphere_contact,
+    check_memory=_check_sphere_contact,
+)

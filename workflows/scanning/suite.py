@@ -1,0 +1,169 @@
+"""A suite: several scans that belong together, one after the other into one directory, and one report of all.
+
+name = "granular-continuum"
+scans = ["granular-velocity", "continuum-mass"]     # built-in scans, or scan files
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from granwave.analysis.scan_result import SCAN_FILE, SUITE_INDEX
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import replace_text
+from granwave.lammps_inputs.keys import Faults, Unfit, custom, plain_name, read_table
+from granwave.lammps_inputs.toml_files import read_toml
+from granwave.workflows import studies
+from granwave.workflows.scanning.driver import ScanOutcome, decide, run_scan
+from granwave.workflows.scanning.scan_file import Scan, load_scan
+
+REPORT = "report.html"
+_SCANS = "scans"
+
+
+def _parse_scans(value: Any) -> tuple[str, ...]:
+    if not isinstance(value, list) or not value or not all(isinstance(name, str) and name for name in value):
+        raise Unfit("a list of names of built-in scans and of scan files")
+    return tuple(value)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class _File:
+    """What a suite file holds."""
+
+    name: str = custom("name of the suite", plain_name, default="")
+    scans: tuple[str, ...] = custom("built-in scans, or scan files as seen from this file", _parse_scans)
+
+
+@dataclasses.dataclass(frozen=True)
+class Suite:
+    """Scans that belong together; each runs in a directory of its name."""
+
+    name: str
+    scans: tuple[Scan, ...]
+    text: str
+
+
+@dataclasses.dataclass(frozen=True)
+class SuiteOutcome:
+    """What became of a suite; scans that were not begun have no outcome."""
+
+    directory: Path
+    scans: tuple[ScanOutcome, ...]
+    complete: bool
+    stopped: str | None
+
+
+def is_suite(file: str | Path) -> bool:
+    """The file, or built-in study, is a suite of scans.
+
+    Raises
+    ------
+    InputError
+        There is no such scan.
+    """
+    return _SCANS in read_toml(studies.find(str(file), studies.SCANS))
+
+
+def load_suite(file: str | Path, *, here: bool = True) -> Suite:
+    """Read a suite and all its scans.
+
+    Parameters
+    ----------
+    file
+        The file, or the name of a built-in suite.
+    here
+        As of `load_scan`.
+
+    Raises
+    ------
+    InputError
+        The file, or any of its scans, is wrong; every fault is named.
+    """
+    path = studies.find(str(file), studies.SCANS)
+    data = read_toml(path)
+    faults = Faults(str(path))
+    header = read_table(_File, data, "", faults)
+    if header is None or faults.lines:
+        raise InputError(faults.lines)
+    scans: list[Scan] = []
+    for entry in header.scans:
+        try:
+            scans.append(load_scan(_beside(path, entry), here=here))
+        except InputError as error:
+            faults.lines += [f"{path}: {_SCANS}: {entry}: {fault}" for fault in error.faults]
+    names = [scan.name for scan in scans]
+    for twice in sorted({name for name in names if names.count(name) > 1}):
+        faults.add(_SCANS, f"found two scans of the name {twice}, expected different names: each has its directory")
+    if faults.lines:
+        raise InputError(faults.lines)
+    return Suite(header.name or path.stem, tuple(scans), path.read_text(encoding="utf-8"))
+
+
+def _beside(path: Path, scan: str) -> str:
+    beside = path.parent / scan
+    return str(beside) if beside.is_file() else scan
+
+
+def run_suite(
+    suite: Suite,
+    directory: str | Path,
+    *,
+    resume: bool = False,
+    force: bool = False,
+    slowness: Mapping[str, float] | None = None,
+    **options: Any,
+) -> SuiteOutcome:
+    """Run all scans of a suite, and make the report of all.
+
+    Parameters
+    ----------
+    directory
+        Each scan gets a directory of its name in it.
+    resume, force
+        As of `run_scan`, for every scan.
+    slowness
+        Of each scan by name, as of `run_scan`.
+    options
+        Further ones of `run_scan`.
+
+    Raises
+    ------
+    InputError, RunError
+        As of `run_scan`; no scan was run if any directory holds something else.
+    """
+    directory = Path(directory).absolute()
+    for scan in suite.scans:
+        decide(scan, directory / scan.name, resume=resume, force=force)
+    directory.mkdir(parents=True, exist_ok=True)
+    (directory / SCAN_FILE).write_text(suite.text, encoding="utf-8")
+    index = {"name": suite.name, "scans": [scan.name for scan in suite.scans]}
+    replace_text(directory / SUITE_INDEX, json.dumps(index, indent=1) + "\n")
+    outcomes: list[ScanOutcome] = []
+    for scan in suite.scans:
+        slow = (slowness or {}).get(scan.name, 1.0)
+        outcomes.append(run_scan(scan, directory / scan.name, resume=resume, force=force, slowness=slow, **options))
+        if outcomes[-1].stopped:
+            break
+    stopped = outcomes[-1].stopped
+    if not stopped:
+        _publish(directory)
+    complete = len(outcomes) == len(suite.scans) and all(outcome.complete for outcome in outcomes)
+    return SuiteOutcome(directory, tuple(outcomes), complete, stopped)
+
+
+def _publish(directory: Path) -> None:
+    """Figures of the comparison with their data, and the report."""
+    # the drawing library is loaded when all points are done
+    from granwave.analysis.comparison.drawings import draw_comparison
+    from granwave.analysis.figures import FIGURES_DIRECTORY
+    from granwave.analysis.reports.comparison import impacts_of
+    from granwave.analysis.reports.inputs import read_inputs
+    from granwave.analysis.reports.report import write_report
+
+    draw_comparison(impacts_of(read_inputs([directory], directory)), directory / FIGURES_DIRECTORY)
+    write_report([directory], directory / REPORT)
