@@ -157,7 +157,7 @@ def draw_bars(
     elif shown:
         _place_legend(figure, [mpl.patches.Patch(color=_COLOURS[m % len(_COLOURS)]) for m in range(len(shown))], shown)
     names = np.concatenate([[ticks[int(place)] for place in curve.x] for curve in series])
-    return Drawing(figure, _columns(series, others, columns, quoted(names)))
+    return Drawing(figure, _columns(series, others, columns, names))
 
 
 def draw_map(
@@ -203,19 +203,14 @@ def draw_map(
     )
 
 
-def quoted(texts: ArrayLike) -> NDArray:
-    """Texts as CSV wants them where they hold a comma or a quote."""
-    plain = [str(text) for text in np.asarray(texts, dtype=object).tolist()]
-    return np.array(['"' + text.replace('"', '""') + '"' if set(text) & set(',"\n') else text for text in plain])
-
-
 def _columns(series: Sequence[Series], others: Sequence[Key], columns: Titles, x: NDArray) -> dict[str, ArrayLike]:
     counts = [len(curve.x) for curve in series]
     table: dict[str, ArrayLike] = {columns[0]: x}
     for key in others:
         labels = [key.labels[curve.row] for curve in series]
         number = all(isinstance(label, int | float) and not isinstance(label, bool) for label in labels)
-        table[key.column if number else key.name] = np.repeat(np.array(labels) if number else quoted(labels), counts)
+        values = np.array(labels if number else [str(label) for label in labels])
+        table[key.column if number else key.name] = np.repeat(values, counts)
     table[columns[1]] = np.concatenate([curve.mean for curve in series])
     if any(np.any(curve.count > 1) for curve in series):
         table["standard_deviation"] = np.concatenate([curve.deviation for curve in series])

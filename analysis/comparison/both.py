@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from typing import Any
 
 import h5py
 import numpy as np
@@ -39,7 +40,7 @@ def dissipated_fraction(impacts: Impacts) -> Drawing | None:
     axes = figure.subplots()
     columns: dict[str, list] = {"curve": [], "energy_normalised": [], "dissipated_fraction": []}
 
-    def add(name: str, energy: list[float], fraction: list[float], **style: object) -> None:
+    def add(name: str, energy: list[float], fraction: list[float], **style: Any) -> None:
         axes.plot(energy, fraction, label=name, markersize=4, linewidth=0.8, **style)
         columns["curve"] += [name] * len(energy)
         columns["energy_normalised"] += energy
@@ -53,8 +54,8 @@ def dissipated_fraction(impacts: Impacts) -> Drawing | None:
             energy, fraction = [run.energy / unit for run in runs], [run.fraction for run in runs]
             add(name, energy, fraction, color=(BLUE, SKY, "black")[shown % 3], marker="os^"[shown % 3])
             shown += 1
-    for n, (name, runs) in enumerate(masses(impacts)):
-        energy, fraction = [run.energy_normalised for run in runs], [run.fraction for run in runs]
+    for n, (name, group) in enumerate(masses(impacts)):
+        energy, fraction = [run.energy_normalised for run in group], [run.fraction for run in group]
         add(
             f"continuum, {name}", energy, fraction, color=ORANGE, marker="vD*"[n % 3], linestyle=("-", "--", ":")[n % 3]
         )
@@ -96,7 +97,7 @@ def involved(run: Granular | Continuum) -> Involved | None:
             with Result(run.directory) as result:
                 fraction, count = cumulated(result["spheres/dissipated_energy"], run.energy)
             each = math.pi * run.case.packing.diameter**3 / 6
-            volume, solid = count * each, _SOLIDS.get(run.case.packing.kind, 1.0)
+            volume, solid = each * count.astype(np.float64), _SOLIDS.get(run.case.packing.kind, 1.0)
         else:
             fraction, volume, solid = *_of_elements(run), 1.0
     except (GranwaveError, OSError, KeyError):
@@ -175,7 +176,8 @@ class Specific:
 def specific(impacts: Impacts) -> list[Specific]:
     """Dissipation per mass and per volume of the material involved, over the reference runs of both."""
     rows = []
-    for run in (*_granular_shown(impacts, most=6), *impacts.continuum_reference):
+    runs: list[Granular | Continuum] = [*_granular_shown(impacts, most=6), *impacts.continuum_reference]
+    for run in runs:
         found = involved(run)
         if found is not None:
             what = "granular" if isinstance(run, Granular) else "continuum"

@@ -185,7 +185,7 @@ def _in_cone(result: Result) -> NDArray[np.bool_]:
     offset = result["spheres/position"] - result.origin
     if len(directions) != 3:
         return np.ones(len(offset), dtype=bool)
-    return (offset @ np.linalg.inv(directions) > _INSIDE * case.packing.diameter).all(axis=1)
+    return np.all(offset @ np.linalg.inv(directions) > _INSIDE * case.packing.diameter, axis=1)
 
 
 def front_by_depth(found: Sequence[Front]) -> Drawing:

@@ -108,7 +108,7 @@ class QuadraticFit:
 
     def __call__(self, velocity: NDArray[np.float64]) -> NDArray[np.float64]:
         """Dissipation at normalised velocities."""
-        return np.polynomial.polynomial.polyval(velocity / _HUNDRED, self.constants)
+        return np.asarray(np.polynomial.polynomial.polyval(velocity / _HUNDRED, self.constants), dtype=np.float64)
 
 
 def quadratic_fit(impacts: Impacts) -> QuadraticFit | None:
@@ -184,8 +184,8 @@ def by_area(impacts: Impacts) -> dict[int, tuple[Granular, ...]]:
     if not impacts.reference:
         return {}
     same = [run for run in impacts.like_reference if substance(run) == substance(impacts.reference[0])]
-    groups = grouped(same, lambda run: run.case.load.spheres)
-    return {int(w): distinct(groups[w], lambda run: run.energy) for w in sorted(groups)}  # type: ignore[type-var]
+    counts = sorted({int(run.case.load.spheres) for run in same})
+    return {w: distinct([run for run in same if run.case.load.spheres == w], lambda run: run.energy) for w in counts}
 
 
 def area_table(impacts: Impacts) -> list[tuple[float, dict[int, float]]]:

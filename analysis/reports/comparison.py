@@ -61,10 +61,9 @@ def _lead(impacts: Impacts) -> str:
             f"{first.material.name or 'one material'}, {first.run.elements} elements; energies are normalised by "
             f"sigma_y^2 D^3/E = {show(first.energy_unit)} J."
         )
-    seconds = sum(float(run.summary.get("wall_time_s") or 0) for run in (*impacts.granular, *impacts.continuum))
-    parts.append(
-        f"All {len(impacts.granular) + len(impacts.continuum)} runs took {show(round(seconds))} s of computing."
-    )
+    summaries = [run.summary for run in impacts.granular] + [run.summary for run in impacts.continuum]
+    seconds = sum(float(summary.get("wall_time_s") or 0) for summary in summaries)
+    parts.append(f"All {len(summaries)} runs took {show(round(seconds))} s of computing.")
     return " ".join(parts)
 
 

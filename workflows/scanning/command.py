@@ -86,8 +86,8 @@ def _suite(options: argparse.Namespace, profile: Profile | None, jobs: int) -> i
         return 0
     sys.stdout.flush()
     outcome = run_suite(found, directory, slowness=slowness, **_how(options, profile))
-    for part in outcome.scans:
-        print(f"{outcome_text(part)}\n")
+    for done in outcome.scans:
+        print(f"{outcome_text(done)}\n")
     if not outcome.stopped:
         print(f"report of all: {directory / REPORT}")
     return _status(outcome.stopped, outcome.scans)
