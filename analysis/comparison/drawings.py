@@ -9,7 +9,7 @@ from granwave.analysis.comparison import both, continuum, forces, granular
 from granwave.analysis.comparison.impacts import Impacts
 from granwave.analysis.figure_style import Drawing, save, style
 
-_LOWEST = 0.01  # of the largest velocity: from where on peak forces are compared
+_LOWEST = 0.1  # of the largest velocity: from where on peak forces are compared
 
 
 def drawings(impacts: Impacts) -> Iterator[tuple[str, str, Drawing]]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +25,7 @@ _WEAK = 1.0  # of F_y: contacts that stay below at the largest velocity are left
 _ON_RAY = (1, 2, 4, 8, 12)  # contacts of a preferred direction, from the struck sphere, that are drawn
 _INSIDE = -1e-6  # of a coordinate along a preferred direction: within the cone that these span
 _MOST_FRONTS = 4
+_BANDS = 5  # of depth
 _MILLI = 1e3
 
 
@@ -93,6 +95,30 @@ def linearity(impacts: Impacts, *, lowest: float) -> Linearity | None:
     )
 
 
+@dataclasses.dataclass(frozen=True)
+class Exponents:
+    """Exponents of peak force against impulse of the contacts between two depths (m): how many, and quantiles."""
+
+    top: float
+    bottom: float
+    n: int
+    low: float
+    median: float
+    high: float
+
+
+def exponents_by_depth(found: Linearity) -> list[Exponents]:
+    """Over fifths of the depth; the quantiles are 5 %, 50 % and 95 %."""
+    edges = np.linspace(0, float(found.depth.max()), _BANDS + 1)
+    rows = []
+    for top, bottom in pairwise(edges):
+        inside = (found.depth >= top) & (found.depth <= bottom)
+        if inside.any():
+            low, middle, high = np.quantile(found.exponent[inside], (0.05, 0.5, 0.95))
+            rows.append(Exponents(float(top), float(bottom), int(inside.sum()), float(low), float(middle), float(high)))
+    return rows
+
+
 def peak_force_against_impulse(found: Linearity) -> Drawing:
     """Force against velocity along a preferred direction, and the exponent of every contact against depth."""
     figure = new_figure(2.6, 7.0)
@@ -112,7 +138,7 @@ def peak_force_against_impulse(found: Linearity) -> Drawing:
     left.set_xlabel(r"Impact velocity $\bar v_0$, as impulse")
     left.set_ylabel(r"Peak force $F_\mathrm{max}/F_\mathrm{y}$")
     left.set_ylim(top=30 * float(np.nanmax(found.ray)))
-    left.legend(title="lines: proportional", alignment="left", ncols=3, loc="upper left")
+    left.legend(title="lines: proportional", alignment="left", ncols=3, loc="upper left", fontsize=7, columnspacing=1)
     right.plot(found.depth * _MILLI, found.exponent, ".", color=BLUE, markersize=1.5, rasterized=True)
     right.axhline(1, color=ORANGE, linewidth=0.8)
     right.set_xlabel("Depth of the contact (mm)")

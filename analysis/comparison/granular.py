@@ -14,7 +14,7 @@ from granwave.analysis.figure_style import BLUE, GREEN, GREY, ORANGE, PURPLE, SK
 COLOURS = ("black", BLUE, ORANGE, GREEN, PURPLE, SKY, GREY)
 MARKERS = "os^DvP*"
 SOURCE_FIT = (9.45e3, -3.04e3, 5.00e3)  # D0, D1, D2 as thesis 5.17 prints them
-_HUNDRED = 100.0  # what the fit's velocity counts
+SOURCE_FIT_RIGHT = (9.45, -3.04, 0.500)  # in units in which the input is v0^2/2, as the thesis has it
 _FEWEST_FITTED = 5
 _FEWEST_CURVES = 2
 
@@ -87,9 +87,7 @@ def collapse(impacts: Impacts) -> list[Deviation]:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class QuadraticFit:
-    """``e_dis = D0 + D1 w + D2 w^2`` (thesis 5.17), w = v0/100, in units in which the input is ``v0^2/2``.
-
-    v0 is the normalised velocity; in hundreds, because the D2 = 5.00e3 that the source prints is then the input's.
+    """``e_dis = D0 + D1 v0 + D2 v0^2`` (thesis 5.17) in units in which the input is ``v0^2/2``; v0 is normalised.
 
     Attributes
     ----------
@@ -108,7 +106,7 @@ class QuadraticFit:
 
     def __call__(self, velocity: NDArray[np.float64]) -> NDArray[np.float64]:
         """Dissipation at normalised velocities."""
-        return np.asarray(np.polynomial.polynomial.polyval(velocity / _HUNDRED, self.constants), dtype=np.float64)
+        return np.asarray(np.polynomial.polynomial.polyval(velocity, self.constants), dtype=np.float64)
 
 
 def quadratic_fit(impacts: Impacts) -> QuadraticFit | None:
@@ -120,14 +118,14 @@ def quadratic_fit(impacts: Impacts) -> QuadraticFit | None:
     fitted = [run for run in runs if run.velocity_normalised >= 0.1 * runs[-1].velocity_normalised * (1 - SAME)]
     if len(fitted) < _FEWEST_FITTED:
         return None
-    v = np.array([run.velocity_normalised for run in fitted]) / _HUNDRED
+    v = np.array([run.velocity_normalised for run in fitted])
     lost = np.array([_dissipation(run) for run in fitted])
     matrix = np.stack([np.ones_like(v), v, v**2], axis=1) / lost[:, None]
     constants, *_ = np.linalg.lstsq(matrix, np.ones_like(v))
     residual = matrix @ constants - 1
     scatter = residual @ residual / (len(v) - len(constants))
     deviations = np.sqrt(scatter * np.diag(np.linalg.inv(matrix.T @ matrix)))
-    return QuadraticFit(constants, deviations, float(np.abs(residual).max()), _HUNDRED * float(v.min()))
+    return QuadraticFit(constants, deviations, float(np.abs(residual).max()), float(v.min()))
 
 
 def dissipation_against_velocity(impacts: Impacts) -> Drawing | None:

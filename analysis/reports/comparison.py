@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 from collections.abc import Iterable
 
-import numpy as np
 from PIL import Image
 
 from granwave.analysis.comparison import both, continuum, forces, granular
@@ -21,9 +20,9 @@ SLUG = "comparison"
 _RESOLUTION = 150  # dots per inch
 _LAYERS = (1, 4, 8, 16)  # below the struck one, whose uniformity is told
 _FIT_REMARK = (
-    "The source's constants belong to no axis of its figure: at a normalised velocity of 94.9 they give more "
-    "dissipation than there is input. Its D2 is exactly that of the input, v0^2/2; ours is smaller by what is not "
-    "dissipated."
+    "The constants that the source prints cannot be those of its figure: at a normalised velocity of 94.9 they give "
+    "more dissipation than there is input. With powers of ten that fit its units they are 9.45, -3.04 and 0.500; the "
+    "last is the input itself, v0^2/2."
 )
 
 
@@ -122,14 +121,20 @@ def _quadratic(impacts: Impacts) -> Iterable[Block]:
     if fit is None:
         return
     columns = (
-        Column("Constant", key=True), Column("Source", numeric=True), Column("Ours", numeric=True),
+        Column("Constant", key=True),
+        Column("Source, as printed", numeric=True),
+        Column("Source, powers of ten put right", numeric=True),
+        Column("Ours", numeric=True),
         Column("Standard deviation", numeric=True),
-    )  # fmt: skip
-    rows = tuple(
-        (Cell(f"D{n}"), value_cell(theirs), value_cell(float(ours)), value_cell(float(f"{spread:.2g}")))
-        for n, (theirs, ours, spread) in enumerate(zip(granular.SOURCE_FIT, fit.constants, fit.deviations, strict=True))
     )
-    yield Table("Quadratic law of dissipation: D0 + D1 w + D2 w², w = v0/100 (thesis 5.17)", columns, rows)
+    values = zip(granular.SOURCE_FIT, granular.SOURCE_FIT_RIGHT, fit.constants, fit.deviations, strict=True)
+    rows = tuple(
+        (Cell(f"D{n}"), value_cell(printed), value_cell(right), value_cell(float(ours)), value_cell(float(f"{sd:.2g}")))
+        for n, (printed, right, ours, sd) in enumerate(values)
+    )
+    yield Table(
+        "Quadratic law of dissipation: D0 + D1 v0 + D2 v0² where the input is v0²/2 (thesis 5.17)", columns, rows
+    )
     yield Note(
         f"Fitted from a normalised velocity of {show(fit.lowest)} on, with equal relative weights; the largest misfit "
         f"there is {percent(100 * fit.misfit).lstrip('+')}. {_FIT_REMARK}"
@@ -166,16 +171,27 @@ def _areas(impacts: Impacts) -> Table | None:
     return Table("Loading area: dissipated fraction at equal input energy", columns, rows) if rows else None
 
 
-def _linear(impacts: Impacts) -> Note | None:
+def _linear(impacts: Impacts) -> Table | None:
     found = forces.linearity(impacts, lowest=lowest_velocity(impacts))
     if found is None:
         return None
-    low, middle, high = np.quantile(found.exponent, (0.05, 0.5, 0.95))
-    return Note(
-        f"Peak force against impulse: over normalised velocities from {show(float(found.velocity[0]))} to "
-        f"{show(float(found.velocity[-1]))}, {len(found.exponent)} contacts that reach F_y have the exponent "
-        f"{middle:.3f} in the median, {low:.3f} to {high:.3f} for nine in ten (1 is proportional, 6/5 a Hertz contact)."
+    columns = (
+        Column("Depth from", "mm", numeric=True, key=True),
+        Column("to", "mm", numeric=True),
+        Column("Contacts", numeric=True),
+        Column("5 %", numeric=True),
+        Column("Median", numeric=True),
+        Column("95 %", numeric=True),
     )
+    rows = tuple(
+        tuple(map(value_cell, (1e3 * row.top, 1e3 * row.bottom, row.n, row.low, row.median, row.high)))
+        for row in forces.exponents_by_depth(found)
+    )
+    title = (
+        f"Peak force against impulse: exponent over normalised velocities from {show(float(found.velocity[0]))} to "
+        f"{show(float(found.velocity[-1]))} (1: proportional, as the thesis has it)"
+    )
+    return Table(title, columns, rows)
 
 
 def _fronts(impacts: Impacts) -> Table | None:
