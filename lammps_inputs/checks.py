@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from granwave.lammps_inputs.keys import Faults, show
 from granwave.lammps_inputs.lattices import KINDS, Lattice
+from granwave.lammps_inputs.laws import fault_of_constants
 from granwave.lammps_inputs.materials import Material
 from granwave.lammps_inputs.sections import Boundary, Contact, Load, Output, PackingSection, Run
 from granwave.lammps_inputs.struck import struck_spheres
@@ -27,6 +28,7 @@ def check_together(parts: Mapping[str, Any], faults: Faults) -> None:
     run: Run | None = parts.get("run")
     output: Output | None = parts.get("output")
     _check_yield(parts.get("material"), parts.get("contact"), faults)
+    _check_constants(parts.get("contact"), faults)
     if run is not None:
         _check_times(run, output, faults)
     if packing is None or not _size_fits(packing, faults):
@@ -64,6 +66,20 @@ def _check_yield(material: Material | None, contact: Contact | None, faults: Fau
             "material.yield_strength",
             f'missing; the {contact.law} law needs it: give a number in Pa, or set contact.law = "hertz"',
         )
+
+
+def _check_constants(contact: Contact | None, faults: Faults) -> None:
+    if contact is None or not contact.constants:
+        return
+    if (contact.law, contact.variant) != ("elastoplastic", "continuous"):
+        for name in contact.constants:
+            faults.add(
+                f"contact.{name}",
+                f"belongs to law elastoplastic, variant continuous; found {contact.law}, {contact.variant}",
+            )
+        return
+    if fault := fault_of_constants(contact):
+        faults.add("contact", f"{', '.join(contact.constants)}: no passive law: {fault}")
 
 
 def _check_times(run: Run, output: Output | None, faults: Faults) -> None:

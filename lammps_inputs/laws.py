@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from granwave._contact_laws import ContactLaw
@@ -12,6 +12,7 @@ from granwave.lammps_inputs.errors import InputError
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case import Case
     from granwave.lammps_inputs.materials import Material
+    from granwave.lammps_inputs.sections import Contact
 
 
 def sphere_contact(case: Case) -> ContactLaw:
@@ -26,18 +27,50 @@ def wall_contact(case: Case) -> ContactLaw:
     return _law(case, math.inf, case.material.poisson_ratio, math.inf, math.inf)
 
 
+def fault_of_constants(contact: Contact) -> str:
+    """Why the constants given for the elasto-plastic law make no passive law; empty if they do."""
+    try:
+        ContactLaw(
+            youngs_modulus=(1.0, 1.0), poisson_ratio=(0.0, 0.0), yield_strength=(1.0, 1.0), radius=(1.0, 1.0),
+            yield_factor=contact.yield_factor, constants=contact.constants,
+        )  # fmt: skip
+    except ValueError as error:
+        return str(error)
+    return ""
+
+
 def contact_of(
-    materials: Sequence[Material], radii: Sequence[float], law: str = "elastoplastic", variant: str = "continuous"
+    materials: Sequence[Material],
+    radii: Sequence[float],
+    law: str = "elastoplastic",
+    variant: str = "continuous",
+    constants: Mapping[str, float] | None = None,
+    *,
+    checked: bool = True,
 ) -> ContactLaw:
     """The law between two spheres of one or two materials and one or two radii (m).
+
+    Parameters
+    ----------
+    constants
+        Of the elasto-plastic law, where they are not the published ones.
+    checked
+        Refuse constants that make no passive law.
 
     Raises
     ------
     InputError
         A material lacks the yield strength that the law needs.
+    ValueError
+        The constants make no passive law.
     """
     return _contact(
-        (_constants(materials[0], law), _constants(materials[-1], law)), (radii[0], radii[-1]), law, variant
+        (_elastic(materials[0], law), _elastic(materials[-1], law)),
+        (radii[0], radii[-1]),
+        law,
+        variant,
+        constants,
+        checked,
     )
 
 
@@ -45,21 +78,33 @@ def rigid_wall_contact_of(
     material: Material, radius: float, law: str = "elastoplastic", variant: str = "continuous"
 ) -> ContactLaw:
     """The law between a sphere and a rigid plane; raises as `contact_of`."""
-    return _contact((_constants(material, law), (math.inf, 0.0, math.inf)), (radius, math.inf), law, variant)
+    return _contact((_elastic(material, law), (math.inf, 0.0, math.inf)), (radius, math.inf), law, variant)
 
 
-def _constants(material: Material, law: str) -> tuple[float, float, float]:
+def _elastic(material: Material, law: str) -> tuple[float, float, float]:
     if law != "hertz" and material.yield_strength is None:
         raise InputError(f"material {material.name}: yield_strength: missing; law {law} needs it")
     return material.youngs_modulus, material.poisson_ratio, material.yield_strength or math.inf
 
 
 def _contact(
-    bodies: Sequence[tuple[float, float, float]], radii: tuple[float, float], law: str, variant: str
+    bodies: Sequence[tuple[float, float, float]],
+    radii: tuple[float, float],
+    law: str,
+    variant: str,
+    constants: Mapping[str, float] | None = None,
+    checked: bool = True,
 ) -> ContactLaw:
     moduli, ratios, strengths = zip(*bodies, strict=True)
     return ContactLaw(
-        law, youngs_modulus=moduli, poisson_ratio=ratios, yield_strength=strengths, radius=radii, variant=variant
+        law,
+        youngs_modulus=moduli,
+        poisson_ratio=ratios,
+        yield_strength=strengths,
+        radius=radii,
+        variant=variant,
+        constants=constants or {},
+        checked=checked,
     )
 
 
@@ -74,6 +119,7 @@ def _law(case: Case, modulus: float, ratio: float, strength: float, radius: floa
         variant=contact.variant,
         yield_factor=contact.yield_factor,
         beta=contact.beta,
+        constants=contact.constants,
     )
 
 

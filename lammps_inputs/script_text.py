@@ -43,6 +43,7 @@ def law_coefficients(case: Case) -> str:
         words.append(num(material.yield_strength))
     if contact.law == "elastoplastic":
         words += ["variant", contact.variant, "yield_factor", num(contact.yield_factor)]
+        words += [word for name, value in contact.constants.items() for word in (name, num(value))]
     if contact.law == "bilinear":
         words += ["beta", num(contact.beta)]
     return joined(words)

@@ -14,6 +14,11 @@ from granwave.lammps_inputs.yield_factor import DEFAULT_YIELD_FACTOR
 
 LAWS = ("elastoplastic", "hertz", "bilinear", "thornton")
 AUTO_END_TIME = 5e-3  # s, the longest that `end_time = "auto"` goes on
+LAW_CONSTANTS = (
+    "pressure_limit", "pressure_rate", "area_switch", "area_slope", "area_offset",
+    "residual_slope", "residual_offset", "residual_rate", "unloading_exponent",
+)  # fmt: skip
+_CONSTANT: dict[str, Any] = {"above": 0, "default": None}
 LARGEST_ID = 2**31 - 1  # LAMMPS numbers atoms with 32 bits in its usual build
 
 
@@ -111,6 +116,30 @@ class Contact:
         "C = p_y / sigma_y, contact pressure at first yield", above=0, default=DEFAULT_YIELD_FACTOR
     )
     beta: float = number("bilinear law: residual overlap over the largest overlap", at_least=0, below=1, default=0.8)
+
+    # constants of the elasto-plastic law, for materials whose curve is not the published one (None: as published);
+    # a = alpha/alpha_y, and the pressure is in units of sigma_y, the area in units of pi R* alpha_y
+    pressure_limit: float | None = number("c1 of p = c1 - (c1 - 2C/3) exp(-c2 (a-1)); 2.48 (thesis 2.8)", **_CONSTANT)
+    pressure_rate: float | None = number("c2 of the same; 0.098 (thesis 2.8)", at_least=1e-4, at_most=10, default=None)
+    area_switch: float | None = number(
+        "a from which the area is A = c4 a - c5, a power of a below; 177.6 (thesis 2.10)", above=1, default=None
+    )
+    area_slope: float | None = number("c4 of the area; 2.37 (thesis 2.10)", **_CONSTANT)
+    area_offset: float | None = number("c5 of the area; 59.96 (thesis 2.10)", default=None)
+    residual_slope: float | None = number(
+        "c6 of a_R = c6 a_max - c7 + (c7 - c6) exp(-c8 (a_max - 1)); 0.95 (thesis 2.13)", **_CONSTANT
+    )
+    residual_offset: float | None = number("c7 of the same; 25.94 (thesis 2.13)", default=None)
+    residual_rate: float | None = number("c8 of the same; 0.015 (thesis 2.13)", **_CONSTANT)
+    unloading_exponent: float | None = number(
+        "n of f = f_max ((a - a_R)/(a_max - a_R))^n; 1.35 (thesis 2.12)", at_least=1, default=None
+    )
+
+    @property
+    def constants(self) -> dict[str, float]:
+        """The constants of the elasto-plastic law that were given, by name."""
+        given = {name: getattr(self, name) for name in LAW_CONSTANTS}
+        return {name: value for name, value in given.items() if value is not None}
 
     @property
     def yields(self) -> bool:

@@ -41,7 +41,7 @@ FixWallGranHysteretic::FixWallGranHysteretic(LAMMPS *lmp, int narg, char **arg) 
   if (!(plane[0] < plane[1])) error->all(FLERR, "Illegal fix {}: LO must be below HI, found {} {}", STYLE, arg[4], arg[5]);
   try {
     const granwave::LawArguments args = granwave::parse_law(std::vector<std::string>(arg + 6, arg + narg));
-    law = args.contact(args.second.value_or(granwave::Material{INFINITE, 0.0, INFINITE}));
+    law = args.contact(args.first, args.second.value_or(granwave::Material{INFINITE, 0.0, INFINITE}));
   } catch (const std::invalid_argument &fault) {
     error->all(FLERR, "Illegal fix {}: {}", STYLE, fault.what());
   }

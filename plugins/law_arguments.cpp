@@ -17,18 +17,23 @@ bool is_number(const std::string &word)
   return !word.empty() && *end == '\0';
 }
 
-double positive(const std::string &word, const char *what)
+double number(const std::string &word, const std::string &what)
 {
-  if (!is_number(word)) refuse(std::string(what) + " must be a number, found '" + word + "'");
-  const double value = std::strtod(word.c_str(), nullptr);
-  if (!(value > 0.0) || !std::isfinite(value)) refuse(std::string(what) + " must be positive, found '" + word + "'");
+  const double value = is_number(word) ? std::strtod(word.c_str(), nullptr) : INFINITE;
+  if (!std::isfinite(value)) refuse(what + " must be a number, found '" + word + "'");
+  return value;
+}
+
+double positive(const std::string &word, const std::string &what)
+{
+  const double value = number(word, what);
+  if (!(value > 0.0)) refuse(what + " must be positive, found '" + word + "'");
   return value;
 }
 
 double poisson(const std::string &word)
 {
-  if (!is_number(word)) refuse("Poisson's ratio must be a number, found '" + word + "'");
-  const double value = std::strtod(word.c_str(), nullptr);
+  const double value = number(word, "Poisson's ratio");
   if (!(value > -1.0 && value <= 0.5)) refuse("Poisson's ratio must lie in (-1, 0.5], found '" + word + "'");
   return value;
 }
@@ -37,10 +42,18 @@ double poisson(const std::string &word)
 
 const char *law_name(Law law) { return NAMES[static_cast<int>(law)]; }
 
+double LawConstants::*law_constant(const std::string &name)
+{
+  for (const auto &[known, member] : LAW_CONSTANTS)
+    if (name == known) return member;
+  return nullptr;
+}
+
 LawArguments parse_law(const std::vector<std::string> &words)
 {
   const std::string usage = "expected: hertz E nu [E2 nu2], or elastoplastic|bilinear|thornton E nu sigma_y "
-                            "[E2 nu2 sigma_y2], then [variant continuous|published] [yield_factor C] [beta b]";
+                            "[E2 nu2 sigma_y2], then [variant continuous|published] [yield_factor C] [beta b], and for "
+                            "elastoplastic its constants [pressure_limit x] [pressure_rate x] ...";
   if (words.empty()) refuse("no contact law; " + usage);
   LawArguments args;
   int law = 0;
@@ -60,6 +73,7 @@ LawArguments parse_law(const std::vector<std::string> &words)
   args.first = material(1);
   if (numbers == 2 * each) args.second = material(1 + each);
 
+  bool given = false;    // any of the law's constants
   for (std::size_t k = 1 + numbers; k < words.size(); k += 2) {
     const std::string &key = words[k];
     if (k + 1 == words.size()) refuse("'" + key + "' has no value; " + usage);
@@ -73,10 +87,16 @@ LawArguments parse_law(const std::vector<std::string> &words)
     } else if (key == "beta" && args.law == Law::bilinear) {
       args.beta = is_number(value) ? std::strtod(value.c_str(), nullptr) : -1.0;
       if (!(args.beta >= 0.0 && args.beta < 1.0)) refuse("beta must lie in [0, 1), found '" + value + "'");
+    } else if (const auto constant = law_constant(key); constant && args.law == Law::elastoplastic) {
+      args.constants.*constant = number(value, key);
+      given = true;
     } else {
       refuse("'" + key + "' is no option of law '" + words[0] + "'; " + usage);
     }
   }
+  if (given && args.variant == Variant::published) refuse("variant published has constants of its own: take one or the other");
+  if (const std::string fault = given ? args.contact(args.first, args.first).fault() : ""; !fault.empty())
+    refuse("these constants make no passive law: " + fault);
   return args;
 }
 

@@ -2,7 +2,7 @@
 
      hertz E nu [E2 nu2]
      elastoplastic | bilinear | thornton  E nu sigma_y [E2 nu2 sigma_y2]
-     keywords: variant continuous|published, yield_factor C (elastoplastic), beta b (bilinear)  */
+     keywords: variant continuous|published, yield_factor C, any of LAW_CONSTANTS (elastoplastic), beta b (bilinear)  */
 
 #ifndef GRANWAVE_LAW_ARGUMENTS_H
 #define GRANWAVE_LAW_ARGUMENTS_H
@@ -22,10 +22,17 @@ struct LawArguments {
   std::optional<Material> second;
   Variant variant = Variant::continuous;
   double yield_factor = 1.6, beta = 0.8;
+  LawConstants constants;
 
-  ContactLaw contact(const Material &partner) const
+  bool same_options(const LawArguments &other) const
   {
-    return ContactLaw(law, first, partner, variant, yield_factor, beta);
+    return law == other.law && variant == other.variant && yield_factor == other.yield_factor && beta == other.beta &&
+        constants == other.constants;
+  }
+
+  ContactLaw contact(const Material &m1, const Material &m2) const
+  {
+    return ContactLaw(law, m1, m2, variant, yield_factor, beta, constants);
   }
 };
 
@@ -33,6 +40,9 @@ struct LawArguments {
 LawArguments parse_law(const std::vector<std::string> &words);
 
 const char *law_name(Law law);
+
+/* The member that a name of LAW_CONSTANTS stands for; null if it is none. */
+double LawConstants::*law_constant(const std::string &name);
 
 }    // namespace granwave
 

@@ -141,13 +141,14 @@ double PairGranHysteretic::init_one(int i, int j)
     if (!setflag[i][i] || !setflag[j][j])
       error->all(FLERR, "All pair coeffs are not set: gran/hysteretic has none for types {} and {}", i, j);
     const LawArguments &a = given[i * n + i], &b = given[j * n + j];
-    if (a.law != b.law || a.variant != b.variant || a.yield_factor != b.yield_factor || a.beta != b.beta)
+    if (!a.same_options(b))
       error->all(FLERR, "Types {} and {} have different laws or options for like spheres: give pair_coeff {} {}", i, j, i, j);
     args = a;
     args.second = b.first;
   }
-  law(i, j) = args.contact(args.second.value_or(args.first));
-  law(j, i) = ContactLaw(args.law, args.second.value_or(args.first), args.first, args.variant, args.yield_factor, args.beta);
+  const granwave::Material second = args.second.value_or(args.first);
+  law(i, j) = args.contact(args.first, second);
+  law(j, i) = args.contact(second, args.first);
   given[j * n + i] = args;
   return largest_radius[i] + largest_radius[j] + gap;
 }

@@ -116,6 +116,7 @@ class PairGranHysteretic : public Pair {
 
   double gap = 0.0;
   int atom_types = 0;
+  int restart_format = 1;    // of the file that is written or read
   std::vector<granwave::ContactLaw> laws;
   std::vector<granwave::LawArguments> given;    // as set by pair_coeff, to mix from and for restarts
   std::vector<double> largest_radius;

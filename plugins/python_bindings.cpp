@@ -7,6 +7,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <map>
 #include <string>
 #include <utility>
 
@@ -22,11 +23,18 @@ namespace {
 
 using Two = std::pair<double, double>;
 
+py::dict by_name(const granwave::LawConstants &constants)
+{
+  py::dict found;
+  for (const auto &[name, member] : granwave::LAW_CONSTANTS) found[name] = constants.*member;
+  return found;
+}
+
 /* A law at one contact: what ContactLaw says in normalised units, in physical ones. */
 class BoundLaw {
  public:
   BoundLaw(const std::string &name, Two modulus, Two poisson, Two yield, Two radius, const std::string &variant,
-           double yield_factor, double beta)
+           double yield_factor, double beta, const std::map<std::string, double> &own, bool checked)
   {
     int index = 0;
     while (index < 4 && name != granwave::law_name(static_cast<Law>(index))) index++;
@@ -39,9 +47,19 @@ class BoundLaw {
       if (!(value > -1.0 && value <= 0.5)) throw py::value_error("Poisson's ratio must lie in (-1, 0.5]");
     if (!(yield_factor > 0.0)) throw py::value_error("yield_factor must be positive");
     if (!(beta >= 0.0 && beta < 1.0)) throw py::value_error("beta must lie in [0, 1)");
+    granwave::LawConstants constants;
+    for (const auto &[key, value] : own) {
+      const auto member = granwave::law_constant(key);
+      if (!member) throw py::value_error("constants: '" + key + "' is none of LAW_CONSTANTS");
+      if (!std::isfinite(value)) throw py::value_error("constants must be finite numbers, found " + key);
+      constants.*member = value;
+    }
+    if (!own.empty() && (name != "elastoplastic" || variant != "continuous"))
+      throw py::value_error("constants belong to law elastoplastic, variant continuous");
     const Material first{modulus.first, poisson.first, yield.first}, second{modulus.second, poisson.second, yield.second};
     law = ContactLaw(static_cast<Law>(index), first, second, variant == "published" ? Variant::published : Variant::continuous,
-                     yield_factor, beta);
+                     yield_factor, beta, constants);
+    if (const std::string fault = law.fault(); checked && !own.empty() && !fault.empty()) throw py::value_error(fault);
     effective_radius = granwave::effective_radius(radius.first, radius.second);
     scale = law.scale(effective_radius);
     if (law.plastic() && !std::isfinite(scale.overlap)) throw py::value_error("law '" + name + "' needs a yield strength");
@@ -112,15 +130,20 @@ PYBIND11_MODULE(_contact_laws, module)
 {
   module.doc() = "Force-overlap laws of a contact: the functions that the LAMMPS pair style uses, for numpy arrays in SI units.";
   module.attr("LAMMPS_RELEASE") = GRANWAVE_LAMMPS_RELEASE;
+  module.attr("LAW_CONSTANTS") = by_name({});
   py::class_<BoundLaw>(module, "ContactLaw",
                        "Contact of two spheres, or of a sphere and a plane (radius inf), rigid where the modulus is inf.\n\n"
                        "Every pair of arguments is (first, second) body. Overlaps in m, forces in N, energies in J.\n"
-                       "Raises ValueError for constants without meaning.")
-      .def(py::init<const std::string &, Two, Two, Two, Two, const std::string &, double, double>(),
+                       "The elasto-plastic law takes other constants than those of LAW_CONSTANTS, by name.\n"
+                       "Raises ValueError for constants without meaning, or (unless checked is False) that make no passive law.")
+      .def(py::init<const std::string &, Two, Two, Two, Two, const std::string &, double, double,
+                    const std::map<std::string, double> &, bool>(),
            py::arg("law") = "elastoplastic", py::kw_only(), py::arg("youngs_modulus"), py::arg("poisson_ratio"),
            py::arg("yield_strength"), py::arg("radius"), py::arg("variant") = "continuous", py::arg("yield_factor") = 1.6,
-           py::arg("beta") = 0.8)
+           py::arg("beta") = 0.8, py::arg("constants") = std::map<std::string, double>(), py::arg("checked") = true)
       .def_property_readonly("name", [](const BoundLaw &b) { return std::string(granwave::law_name(b.law.law())); })
+      .def_property_readonly("constants", [](const BoundLaw &b) { return by_name(b.law.constants()); },
+                             "of the elasto-plastic law, by name")
       .def_property_readonly("effective_radius", [](const BoundLaw &b) { return b.effective_radius; }, "R*, m")
       .def_property_readonly("effective_modulus", [](const BoundLaw &b) { return b.law.modulus(); }, "E*, Pa")
       .def_property_readonly("yield_strength", [](const BoundLaw &b) { return b.law.yield_strength(); }, "of the softer body, Pa")

@@ -7,37 +7,45 @@ from itertools import pairwise
 import numpy as np
 from scipy.integrate import quad
 
+CONSTANTS = (
+    "pressure_limit", "pressure_rate", "area_switch", "area_slope", "area_offset",
+    "residual_slope", "residual_offset", "residual_rate", "unloading_exponent",
+)  # fmt: skip
+PRINTED = (2.48, 0.098, 177.6, 2.37, 59.96, 0.95, 25.94, 0.015, 1.35)
+
 
 class LawTwin:
     """The elasto-plastic law in normalised units, written from the equations (thesis 2.8 to 2.17), not from the header."""
 
-    def __init__(self, variant: str = "continuous", factor: float = 1.6) -> None:
+    def __init__(self, variant: str = "continuous", factor: float = 1.6, **constants: float) -> None:
         self.K = 1.5 / factor
         self.continuous = variant == "continuous"
+        self.c = dict(zip(CONSTANTS, PRINTED, strict=True)) | constants
+        self.c1, self.c2, self.joint, self.c4, self.c5, self.c6, self.c7, self.c8, self.n = self.c.values()
         self.cy = 2 * factor / 3 if self.continuous else 1.07
-        self.c3 = np.log(2.37 * 177.6 - 59.96) / np.log(177.6) if self.continuous else 1.14
+        self.c3 = np.log(self.c4 * self.joint - self.c5) / np.log(self.joint) if self.continuous else 1.14
 
     def loading(self, a: float) -> float:
         if a <= 0:
             return 0.0
         if a <= 1:
             return a**1.5
-        area = a**self.c3 if a < 177.6 else 2.37 * a - 59.96
-        return self.K * (2.48 - (2.48 - self.cy) * np.exp(-0.098 * (a - 1))) * area
+        area = a**self.c3 if a < self.joint else self.c4 * a - self.c5
+        return self.K * (self.c1 - (self.c1 - self.cy) * np.exp(-self.c2 * (a - 1))) * area
 
     def work(self, a: float) -> float:
-        parts = [0.0, *(x for x in (1.0, 177.6) if x < a), a]
+        parts = [0.0, *(x for x in (1.0, self.joint) if x < a), a]
         return sum(quad(self.loading, lo, hi, epsabs=0, epsrel=1e-12, limit=200)[0] for lo, hi in pairwise(parts))
 
     def residual(self, peak: float) -> float:
-        return 0.0 if peak <= 1 else 0.95 * peak - 25.94 + 24.99 * np.exp(-0.015 * (peak - 1))
+        return 0.0 if peak <= 1 else self.c6 * peak - self.c7 + (self.c7 - self.c6) * np.exp(-self.c8 * (peak - 1))
 
     def exponent(self, peak: float) -> float:
         if peak <= 1:
             return 1.5
         if not self.continuous:
-            return 1.35
-        return max(1.35, self.loading(peak) * (peak - self.residual(peak)) / self.work(peak) - 1)
+            return self.n
+        return max(self.n, self.loading(peak) * (peak - self.residual(peak)) / self.work(peak) - 1)
 
     def force(self, a: float, peak: float) -> float:
         if a >= peak:
@@ -69,11 +77,11 @@ class Network:
         (n_pairs, 2), indices from 0.
     """
 
-    def __init__(self, positions, pairs, radius, density=8500.0, floor=None, fixed_normals=False, **material):
+    def __init__(self, positions, pairs, radius, density=8500.0, floor=None, fixed_normals=False, law=None, **material):
         self.x, self.pairs, self.radius = np.array(positions, float), np.asarray(pairs), radius
         self.v = np.zeros_like(self.x)
         self.mass = density * 4 / 3 * np.pi * radius**3
-        self.law = LawTwin()
+        self.law = law or LawTwin()
         self.alpha_y, self.force_y = scales(radius, **material)
         self.peak = np.zeros(len(self.pairs))
         self.start, self.fixed = self.x.copy(), fixed_normals

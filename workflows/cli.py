@@ -161,6 +161,22 @@ def _parser() -> argparse.ArgumentParser:
         "-o", dest="output", type=Path, metavar="FILE", help=".png, .pdf or .csv (default: law.png, restitution.png)"
     )
 
+    fit = _verb(verbs, "fit", commands.fit, "fit the contact law's constants to a measured or computed curve")
+    fit.add_argument("curve", type=Path, metavar="CURVE.csv", help="columns overlap_m, force_N, perhaps branch")
+    fit.add_argument(
+        "--material", nargs="+", default=["brass"], metavar="M", help="one or two: a name, or FILE.toml:NAME"
+    )
+    fit.add_argument(
+        "--radius", nargs="+", type=float, default=[0.005], metavar="R",
+        help="one radius or two, m; the second may be inf, a plane (default: 0.005)",
+    )  # fmt: skip
+    fit.add_argument(
+        "--free", nargs="+", metavar="NAME", help="constants to fit (default: all that the curve can tell)"
+    )
+    fit.add_argument("--fit-yield", action="store_true", help="fit the yield strength too")
+    fit.add_argument("-o", dest="directory", type=Path, metavar="DIR", help="where everything goes (default: ./fit)")
+    fit.add_argument("--force", action="store_true", help="replace the fit that is there")
+
     bench = _verb(verbs, "bench", commands.bench, "speed beside LAMMPS's own granular styles, on this machine")
     bench.add_argument("--json", type=Path, metavar="FILE", help="write the results there too")
     bench.add_argument("--repeats", type=_positive, default=5, metavar="N", help="timings of each (default: 5)")

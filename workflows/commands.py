@@ -236,6 +236,13 @@ def _write_restitution(options: argparse.Namespace, materials: Sequence[Material
     )
 
 
+def fit(options: argparse.Namespace, _: Words) -> int:
+    """granwave fit"""
+    from granwave.workflows.fitting import fit as run_fit
+
+    return run_fit(options)
+
+
 def bench(options: argparse.Namespace, _: Words) -> int:
     """granwave bench"""
     import json

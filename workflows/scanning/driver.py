@@ -10,6 +10,7 @@ import os
 import time
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.scan_result import SCAN_FILE, SCAN_INDEX, ScanResult, is_scan
@@ -238,6 +239,7 @@ class _ScanRun:
             launcher = self.profile.launcher_of(batch) if self.profile else []
             path = self.directory / layout.BATCHES / f"{batch.id}.json"
             batch.write(path, figures=self.scan.figures, launcher=launcher)
+        before = self._states(points)
         engine = Engine(self.scan.name, self.directory, batches, jobs=self.jobs, profile=self.profile)
         try:
             self._watch(engine)
@@ -245,8 +247,11 @@ class _ScanRun:
             engine.kill()
         self._why_stopped()
         self._take_stock()
-        if not self.stopped and not self.stop.wanted and not any(layout.begun(self.directory, p.id) for p in points):
+        if not self.stopped and not self.stop.wanted and self._states(points) == before:
             raise RunError(f"Snakemake started no point; see {engine.log}")
+
+    def _states(self, points: Sequence[Point]) -> list[tuple[bool, dict[str, Any]]]:
+        return [(layout.is_done(self.directory, p.id), layout.state(self.directory, p.id)) for p in points]
 
     def _watch(self, engine: Engine) -> None:
         """Until the jobs have ended; on a cluster the engine may learn of it minutes later."""

@@ -57,11 +57,6 @@ def state(directory: Path, point: str) -> dict[str, Any]:
     return read_point(unfinished(directory, point))
 
 
-def begun(directory: Path, point: str) -> bool:
-    """The point was ever started."""
-    return is_done(directory, point) or bool(state(directory, point))
-
-
 def write_state(place: Path, **record: Any) -> None:
     """Replace the record of a point, all or nothing."""
     place.mkdir(parents=True, exist_ok=True)

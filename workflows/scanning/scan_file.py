@@ -120,6 +120,8 @@ class Scan:
     ----------
     varied
         Dotted keys, in the order of the file.
+    text
+        The file; what was set from outside stands above it as comments.
     """
 
     name: str
@@ -306,7 +308,8 @@ def _build(
         varied=varied,
         points=tuple(points),
         figures=header.figures,
-        text=path.read_text(encoding="utf-8"),
+        text="".join(f"# --set {key}={show(value)}\n" for key, value in changes.items())
+        + path.read_text(encoding="utf-8"),
     )
 
 

@@ -1,0 +1,153 @@
+"""The search for the values that fit best, and their uncertainties: Huber's loss, several starts.
+
+Values are relative to where the search begins.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from granwave._contact_laws import LAW_CONSTANTS as PUBLISHED
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.bool_]
+Residuals = Callable[[Array], Array]
+
+_WIDTHS = 0.05, 1e-3  # of the residual from which on rows count linearly: at first, and at least
+_OUTLIER = 3.0  # the same in standard deviations
+_STEP = 1e-5  # of derivatives, relative
+_SINGULAR = 1e-10
+_ROUGH, _FINE = 1e-5, 1e-9  # tolerances of the search
+_FIRST_JOINT, _JOINTS, _RELEASED = 20.0, 10, 3  # smallest area_switch tried; how many; how many of them are let go
+_NEAR = 25.0  # variances by which another fit may be worse and still count for the uncertainties
+_OF_UNLOADING = ("residual_", "unloading_")
+
+
+class Search:
+    """Least squares over some of the values and some of the rows.
+
+    Parameters
+    ----------
+    residuals
+        Of values, (n_rows,).
+    bounds
+        (n_values, 2).
+    loading
+        (n_rows,): which of the residuals are of loading.
+    largest
+        Overlap of the curve, in that at first yield.
+
+    Attributes
+    ----------
+    width
+        The residual from which on rows count linearly only.
+    """
+
+    def __init__(
+        self, residuals: Residuals, bounds: Array, names: Sequence[str], loading: Rows, largest: float
+    ) -> None:
+        self.residuals, self.bounds, self.names, self.loading = residuals, bounds, names, loading
+        self.width = _WIDTHS[0]
+        self.joint = names.index("area_switch") if "area_switch" in names else None
+        self.joints = _joints(names, largest) if self.joint is not None else []
+
+    def best(self) -> Array:
+        """The best values: first those of loading, then those of unloading, then all together."""
+        every, dents = np.arange(len(self.names)), np.array([name.startswith(_OF_UNLOADING) for name in self.names])
+        tried = [(0.0, np.ones(every.size))]
+        if (
+            self.joint is not None
+        ):  # a row that changes sides of the joint makes a minimum of its own: try several places
+            others = every[~dents & (every != self.joint)]
+            tried = sorted((self.solve(x, others, self.loading, rough=True) for x in self.joints), key=_cost)
+        released = [self.solve(x, every[~dents], self.loading) for _, x in tried[:_RELEASED]]
+        _, x = self.solve(min(released, key=_cost)[1], every[dents], ~self.loading)
+        for _ in range(3):
+            _, x = self.solve(x, every)
+            self.width = max(_OUTLIER * _scatter(self.residuals(x)), _WIDTHS[1])
+        return x
+
+    def alternatives(self, x: Array) -> list[tuple[float, Array]]:
+        """Cost and values of the best fits with the joint held elsewhere."""
+        if self.joint is None:
+            return []
+        others = np.flatnonzero(np.arange(x.size) != self.joint)
+        return [self.solve(_replaced(x, [self.joint], start[self.joint]), others, rough=True) for start in self.joints]
+
+    def solve(
+        self, x: Array, moving: NDArray[np.int_], rows: Rows | slice = slice(None), *, rough: bool = False
+    ) -> tuple[float, Array]:
+        """Cost and values after moving some of them to fit some of the rows."""
+        if moving.size == 0:
+            return 0.0, x
+        tolerance = _ROUGH if rough else _FINE
+        found = least_squares(
+            lambda y: self.residuals(_replaced(x, moving, y))[rows], x[moving], bounds=self.bounds[moving].T,
+            loss="huber", f_scale=self.width, x_scale="jac", diff_step=_STEP,
+            ftol=tolerance, xtol=tolerance, gtol=1e-14, max_nfev=60 if rough else 200,
+        )  # fmt: skip
+        return float(found.cost), _replaced(x, moving, found.x)
+
+    def cost(self, x: Array) -> float:
+        """As `solve` gives it."""
+        r = np.abs(self.residuals(x))
+        return float(np.sum(np.where(r < self.width, 0.5 * r**2, self.width * (r - 0.5 * self.width))))
+
+
+def _cost(entry: tuple[float, Array]) -> float:
+    return entry[0]
+
+
+def _replaced(x: Array, which: Sequence[int] | NDArray[np.int_], values: Array | float) -> Array:
+    changed = x.copy()
+    changed[which] = values
+    return changed
+
+
+def _scatter(residuals: Array) -> float:
+    """Standard deviation, from the median."""
+    return 1.4826 * float(np.median(np.abs(residuals)))
+
+
+def _joints(names: Sequence[str], largest: float) -> list[Array]:
+    """Starts of the search: the published values, with the joint of the area's two curves in several places."""
+    published = PUBLISHED["area_switch"]
+    return [
+        np.array([joint / published if name in ("area_switch", "area_offset") else 1.0 for name in names])
+        for joint in np.geomspace(_FIRST_JOINT, max(largest, 2 * _FIRST_JOINT), _JOINTS)
+    ]
+
+
+def uncertainties(search: Search, x: Array, held: Rows) -> Array:
+    """(n_values,): standard uncertainties of the values; infinite where the rows do not tell, and at a bound.
+
+    A fit with another joint whose sum of squares is larger by d variances, and which differs by e in a value, says that
+    the value's uncertainty is e/sqrt(d) or more.
+    """
+    residuals, bounds = search.residuals, search.bounds
+    r = residuals(x)
+    weight = np.minimum(1.0, search.width / np.maximum(np.abs(r), 1e-300))
+    jacobian = np.empty((r.size, x.size))
+    for k in range(x.size):
+        step = _STEP * max(abs(x[k]), 1e-3)
+        high, low = _replaced(x, [k], min(x[k] + step, bounds[k, 1])), _replaced(x, [k], max(x[k] - step, bounds[k, 0]))
+        jacobian[:, k] = (residuals(high) - residuals(low)) / (high[k] - low[k])
+    spread = np.full(x.size, np.inf)
+    inner = np.flatnonzero(~held)
+    variance = float(np.sum(weight * r**2)) / max(r.size - inner.size, 1)
+    _, singular, rows = np.linalg.svd(np.sqrt(weight)[:, None] * jacobian[:, inner], full_matrices=False)
+    known = singular > _SINGULAR * singular.max(initial=0.0)
+    covariance = (rows[known].T / singular[known] ** 2) @ rows[known]
+    spread[inner] = np.sqrt(variance * np.diag(covariance))
+    spread[inner[np.any(np.abs(rows[~known]) > 1e-3, axis=0)]] = np.inf
+    least = search.cost(x)
+    for cost, other in search.alternatives(x):
+        excess = 2 * (cost - least) / variance if variance > 0 else np.inf
+        if excess < _NEAR:
+            spread = np.maximum(spread, np.abs(other - x) / math.sqrt(max(excess, 1.0)))
+    return spread
