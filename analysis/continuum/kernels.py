@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numba import njit
@@ -30,7 +31,7 @@ N_TALLY = 10
 
 def _compiled(function: Callable) -> Callable:
     """Compile at the first call, keeping the code on disk for the next process where that is possible."""
-    options = {"fastmath": {"contract"}, "error_model": "numpy"}
+    options: dict[str, Any] = {"fastmath": {"contract"}, "error_model": "numpy"}
     try:
         return njit(cache=True, **options)(function)
     except RuntimeError:  # neither the package's directory nor the user's cache can be written to
