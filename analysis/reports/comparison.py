@@ -214,14 +214,16 @@ def _fronts(impacts: Impacts) -> Table | None:
 
 def _continuum_scaling(impacts: Impacts) -> Table | None:
     rows = tuple(
-        (Cell(row.name, row.name), value_cell(row.n), _percent(row.fraction), _percent(row.volume))
+        (Cell(row.name, row.name), value_cell(row.energy), _percent(row.fraction), _percent(row.volume))
         for row in continuum.collapse(impacts)
     )
     columns = (
-        Column("Differs from the reference in", key=True), Column("Points", numeric=True),
-        Column("Largest difference in fraction", numeric=True), Column("Largest difference in volume", numeric=True),
-    )  # fmt: skip
-    return Table("Continuum scaling: at equal normalised energy", columns, rows) if rows else None
+        Column("Differs from the reference in", key=True),
+        Column("Input over sigma_y^2 D^3/E", numeric=True, key=True),
+        Column("Difference in fraction", numeric=True),
+        Column("Difference in volume", numeric=True),
+    )
+    return Table("Continuum scaling: at equal normalised energy", columns, rows, sortable=True) if rows else None
 
 
 def _tapers(impacts: Impacts) -> Table | None:
@@ -245,4 +247,4 @@ def _tapers(impacts: Impacts) -> Table | None:
 
 
 def _percent(share: float) -> Cell:
-    return Cell(percent(100 * share).lstrip("+"), share)
+    return Cell(percent(100 * share), share)
