@@ -161,6 +161,14 @@ def _quantities(units: _Units, done: Sequence[PointResult]) -> list[Quantity]:
         *([zone] if any(math.isfinite(_number(point, "plastic_zone_volume_ever_m3")) for point in done) else []),
         Quantity("plastic_spheres", r"Plastic spheres $N_\mathrm{p}$", "n_plastic_spheres", _plastic_spheres),
         force,
+        # of the static contact of two spheres
+        Quantity("max_force", r"Force at the largest overlap (N)", "max_force_N", _summary("max_force_N")),
+        Quantity(
+            "force_deviation",
+            "Force less the law (%, rms)",
+            "force_deviation_rms_percent",
+            _summary("force_deviation_rms_percent"),
+        ),
         Quantity("wave_speed", r"Wave speed $c$ (m/s)", "wave_speed_m_s", _summary("wave_speed_m_s")),
     ]
 

@@ -12,11 +12,12 @@ from granwave.lammps_inputs.deck import write_deck
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.laws import contact_of, rigid_wall_contact_of
 from granwave.lammps_inputs.materials import Material, material, sphere_mass
+from granwave.lammps_inputs.overrides import apply_overrides, parse_overrides
 from granwave.lammps_inputs.plan import check_memory, plan
 from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows import mpi, record, studies
-from granwave.workflows.kinds import SPHERE_CONTACT, kind_of
-from granwave.workflows.tables import plan_table, summary_table
+from granwave.workflows.kinds import GRANULAR, SPHERE_CONTACT, kind_of
+from granwave.workflows.tables import continuum_plan_table, plan_table, summary_table
 
 Words = Sequence[str]
 
@@ -176,6 +177,14 @@ def export(options: argparse.Namespace, _: Words) -> int:
 
 def check(options: argparse.Namespace, _: Words) -> int:
     """granwave check"""
+    path = studies.find(options.case)
+    kind = kind_of(read_toml(path))
+    if kind is not GRANULAR:
+        data = apply_overrides(read_toml(path), parse_overrides(options.overrides))
+        other = kind.read(data, path, overridden=parse_overrides(options.overrides), directory=path.parent)
+        print(continuum_plan_table(other.name, kind.size(other), kind.cost(other, 1)))
+        kind.check_memory(other, None)
+        return 0
     case = _case(options)
     expected = plan(case, n_ranks=options.np)
     print(plan_table(case, expected))

@@ -7,6 +7,7 @@ from typing import Any
 
 from granwave.lammps_inputs.case import Case
 from granwave.lammps_inputs.plan import Plan
+from granwave.workflows.kinds import Cost
 
 _SUMMARY = {
     "n_spheres": ("spheres", "{:d}"),
@@ -60,6 +61,14 @@ _CONTINUUM = {
     "plastic_zone_volume_ever_m3": ("", "{:.4g} m3 that ever yielded"),
     "plastic_zone_depth_m": ("its depth", "{:.4g} m"),
     "plastic_zone_radius_m": ("its radius", "{:.4g} m"),
+    "max_overlap_m": ("largest overlap", "{:.4g} m"),
+    "max_force_N": ("force there", "{:.5g} N"),
+    "contact_radius_m": ("contact radius", "{:.4g} m"),
+    "force_deviation_max_percent": ("force less the law", "{:+.1f} % at most"),
+    "force_deviation_rms_percent": ("", "{:.1f} % rms"),
+    "unloading_exponent_min": ("unloading exponents", "from {:.2f}"),
+    "unloading_exponent_max": ("", "to {:.2f}"),
+    "kinetic_share_max": ("kinetic energy", "{:.1e} of the internal, at most"),
     "wall_time_s": ("wall time", "{:.1f} s"),
     "element_steps_per_s": ("speed", "{:.3g} element-steps/s"),
 }
@@ -98,6 +107,19 @@ def plan_table(case: Case, plan: Plan) -> str:
             ("snapshots", f"{at_most}{schedule.n_frames}"),
             ("expected time", f"{at_most}{duration(plan.wall_time)}"),
             ("largest overlap", f"up to {overlap}"),
+        ]
+    )
+
+
+def continuum_plan_table(name: str, n_elements: int, cost: Cost) -> str:
+    """What a continuum run would be."""
+    return lines(
+        [
+            ("case", name),
+            ("elements", f"about {n_elements}"),
+            ("memory", f"about {cost.memory / 2**30:.2f} GiB"),
+            ("disk", f"about {cost.disk / 1e9:.3g} GB"),
+            ("expected time", duration(cost.wall_time)),
         ]
     )
 

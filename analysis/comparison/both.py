@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from granwave.analysis.comparison.continuum import masses
 from granwave.analysis.comparison.granular import MARKERS, variants
-from granwave.analysis.comparison.impacts import Continuum, Granular, Impacts, energy_unit
+from granwave.analysis.comparison.impacts import Continuum, Granular, Impacts, constants, energy_unit
 from granwave.analysis.continuum.output import RESULT_FILE
 from granwave.analysis.fields import cumulated
 from granwave.analysis.figure_style import BLUE, ORANGE, SKY, Drawing, new_figure
@@ -48,7 +48,7 @@ def dissipated_fraction(impacts: Impacts) -> Drawing | None:
 
     shown = 0
     for _, runs in variants(impacts):
-        if runs[0].case.material == reference:
+        if constants(runs[0]) == constants(impacts.reference[0]):
             unit = energy_unit(reference, diameter)
             name = f"granular, D = {1e3 * runs[0].case.packing.diameter:.4g} mm"
             energy, fraction = [run.energy / unit for run in runs], [run.fraction for run in runs]
@@ -63,7 +63,7 @@ def dissipated_fraction(impacts: Impacts) -> Drawing | None:
     axes.set_ylim(0, 1)
     axes.set_xlabel(r"Input energy $e_\mathrm{in} E/(\sigma_\mathrm{y}^2 D_\mathrm{punch}^3)$")
     axes.set_ylabel("Dissipation / input energy")
-    axes.legend(loc="center left", fontsize=7)
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 0.03), fontsize=6)
     return Drawing(figure, columns)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 
-from granwave.analysis.comparison.granular import COLOURS, MARKERS
+from granwave.analysis.comparison.granular import COLOURS, MARKERS, reference_and_marks
 from granwave.analysis.comparison.impacts import (
     SAME,
     Continuum,
@@ -84,8 +84,9 @@ def scaling(impacts: Impacts) -> Drawing | None:
     columns: dict[str, list] = {"curve": [], "energy_J": [], "energy_normalised": [], "dissipated_fraction": []}
     for n, (name, runs) in enumerate(curves):
         fraction = [run.fraction for run in runs]
-        left.plot([run.energy for run in runs], fraction, label=name, **_style(n))
-        right.plot([run.energy_normalised for run in runs], fraction, **_style(n))
+        style = reference_and_marks(n)
+        left.plot([run.energy for run in runs], fraction, label=name, **style)
+        right.plot([run.energy_normalised for run in runs], fraction, **style)
         columns["curve"] += [name] * len(runs)
         columns["energy_J"] += [run.energy for run in runs]
         columns["energy_normalised"] += [run.energy_normalised for run in runs]
@@ -94,7 +95,7 @@ def scaling(impacts: Impacts) -> Drawing | None:
     right.set_xlabel(r"Input energy $e_\mathrm{in} E/(\sigma_\mathrm{y}^2 D^3)$")
     left.set_ylabel("Dissipation / input energy")
     left.set_ylim(bottom=0)
-    left.legend()
+    left.legend(fontsize=6, loc="lower right")
     for axes in (left, right):
         axes.set_xlim(left=0)
     return Drawing(figure, columns)

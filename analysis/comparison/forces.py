@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
+from matplotlib.ticker import NullFormatter
 from numpy.typing import NDArray
 
 from granwave.analysis.comparison.granular import COLOURS, MARKERS
@@ -137,6 +138,7 @@ def peak_force_against_impulse(found: Linearity) -> Drawing:
     left.set_yscale("log")
     left.set_xlabel(r"Impact velocity $\bar v_0$, as impulse")
     left.set_ylabel(r"Peak force $F_\mathrm{max}/F_\mathrm{y}$")
+    left.xaxis.set_minor_formatter(NullFormatter())
     left.set_ylim(top=30 * float(np.nanmax(found.ray)))
     left.legend(title="lines: proportional", alignment="left", ncols=3, loc="upper left", fontsize=7, columnspacing=1)
     right.plot(found.depth * _MILLI, found.exponent, ".", color=BLUE, markersize=1.5, rasterized=True)

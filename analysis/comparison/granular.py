@@ -43,7 +43,7 @@ def scaling(impacts: Impacts) -> Drawing | None:
     left, right = figure.subplots(1, 2, sharey=True)
     columns: dict[str, list] = {"curve": [], "energy_J": [], "energy_normalised": [], "dissipated_fraction": []}
     for n, (name, runs) in enumerate(curves):
-        style = _style(n)
+        style = reference_and_marks(n)
         fraction = [run.fraction for run in runs]
         left.plot([run.energy for run in runs], fraction, label=name, **style)
         right.plot([run.energy_normalised for run in runs], fraction, **style)
@@ -168,7 +168,7 @@ def loading_area(impacts: Impacts) -> Drawing | None:
     columns: dict[str, list] = {"struck_spheres": [], "energy_normalised": [], "dissipated_fraction": []}
     for n, (spheres, runs) in enumerate(curves.items()):
         energy, fraction = [run.energy_normalised for run in runs], [run.fraction for run in runs]
-        axes.plot(energy, fraction, label=f"W = {spheres}", **_style(n))
+        axes.plot(energy, fraction, label=f"W = {spheres}", **reference_and_marks(n))
         columns["struck_spheres"] += [spheres] * len(runs)
         columns["energy_normalised"] += energy
         columns["dissipated_fraction"] += fraction
@@ -217,7 +217,7 @@ def _energy_axes(axes: Axes) -> None:
     axes.set_ylabel("Dissipation / input energy")
 
 
-def _style(n: int) -> dict:
+def reference_and_marks(n: int) -> dict:
     """The reference as a line with points, the others as open marks."""
     if n == 0:
         return {"color": COLOURS[0], "marker": ".", "linewidth": 0.8}

@@ -164,11 +164,15 @@ def packing(run: Granular) -> Hashable:
 
 def substance(run: Granular | Continuum) -> Hashable:
     """Material, and for spheres their size and law."""
-    material = run.case.material
-    values = (material.youngs_modulus, material.poisson_ratio, material.density, material.yield_strength)
     if isinstance(run, Granular):
-        return *values, run.case.packing.diameter, run.case.contact
-    return values
+        return constants(run), run.case.packing.diameter, run.case.contact
+    return constants(run)
+
+
+def constants(run: Granular | Continuum) -> Hashable:
+    """Of the material, whatever it is called."""
+    material = run.case.material
+    return material.youngs_modulus, material.poisson_ratio, material.density, material.yield_strength
 
 
 def punch(run: Continuum) -> Hashable:

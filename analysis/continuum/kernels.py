@@ -29,7 +29,7 @@ PUNCH_Z, PUNCH_V, VISCOUS, HOURGLASS, CONTACT, KINETIC, PUNCH_KINETIC, CONTACT_N
 N_TALLY = 10
 
 
-def _compiled(function: Callable) -> Callable:
+def compiled(function: Callable) -> Callable:
     """Compile at the first call, keeping the code on disk for the next process where that is possible."""
     options: dict[str, Any] = {"fastmath": {"contract"}, "error_model": "numpy"}
     try:
@@ -38,7 +38,7 @@ def _compiled(function: Callable) -> Callable:
         return njit(**options)(function)
 
 
-@_compiled
+@compiled
 def _stress(vr, vz, fr, fz, state, br, bz, bt, area, height, length, hourglass, constants, dt):
     """Bring the elements to the end of a step; ``fr``, ``fz`` get the internal forces.
 
@@ -116,7 +116,7 @@ def _stress(vr, vz, fr, fz, state, br, bz, bt, area, height, length, hourglass, 
     return viscous, artificial
 
 
-@_compiled
+@compiled
 def _touch(u, v, before, mass, gap, tally, punch_mass, dt):
     """Keep the nodes of the top out of the punch: exact, by the smallest impulses; see `contact`."""
     free = tally[PUNCH_Z] + dt * tally[PUNCH_V]
@@ -151,7 +151,7 @@ def _touch(u, v, before, mass, gap, tally, punch_mass, dt):
     tally[PUNCH_Z], tally[PUNCH_V] = place, speed
 
 
-@_compiled
+@compiled
 def advance(n_steps, motion, mass, mobility, gap, punch_mass, tally, state, tables, fields, constants, dt):
     """Take ``n_steps`` central-difference steps; the kinetic energies of ``tally`` are those at the first instant.
 
@@ -200,7 +200,7 @@ def advance(n_steps, motion, mass, mobility, gap, punch_mass, tally, state, tabl
     tally[PUNCH_KINETIC], tally[CONTACT_NOW] = punch_kinetic, contact
 
 
-@_compiled
+@compiled
 def measure(state, tables, constants, tolerance, ever):
     """Energies stored and lost in the elements now, and what is at yield.
 

@@ -82,6 +82,11 @@ class Figure:
     size: tuple[int, int]
     data: Link | None = None
 
+    @property
+    def wide(self) -> bool:
+        """Of two panels side by side: more than twice as wide as high."""
+        return self.size[0] > 2 * self.size[1]
+
 
 @dataclasses.dataclass(frozen=True)
 class Gallery:

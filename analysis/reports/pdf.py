@@ -204,7 +204,13 @@ def _aligned(column: Column) -> ParagraphStyle:
 
 
 def _gallery(figures: Sequence[Figure]) -> Iterator[Flowable]:
-    across = min(_ACROSS, max(len(figures), 2))
+    """Pictures side by side, wide ones after the others and in fewer columns."""
+    yield from _rows([figure for figure in figures if not figure.wide], _ACROSS)
+    yield from _rows([figure for figure in figures if figure.wide], _ACROSS - 1)
+
+
+def _rows(figures: Sequence[Figure], most: int) -> Iterator[Flowable]:
+    across = min(most, max(len(figures), 2))
     width = (_WIDTH - (across - 1) * _GAP) / across
     for start in range(0, len(figures), across):
         row = figures[start : start + across]

@@ -29,6 +29,8 @@ _COLUMNS = {  # of the table at the end
     "n_plastic_spheres": ("plastic spheres", "{}"),
     "plastic_zone_volume_m3": ("plastic zone (m3)", "{:.4g}"),
     "peak_force_N": ("peak force (N)", "{:.5g}"),
+    "max_force_N": ("largest force (N)", "{:.5g}"),
+    "force_deviation_rms_percent": ("less the law (%, rms)", "{:.2f}"),
 }
 
 

@@ -1,0 +1,206 @@
+"""The case of a contact of two spheres: radii, materials, how far, as read from a TOML file."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Iterable, Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import tomli_w
+
+from granwave.lammps_inputs.case import read_parts
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.keys import Faults, custom, number, read_table, refuse_unknown, whole
+from granwave.lammps_inputs.materials import Material, read_material
+from granwave.lammps_inputs.overrides import apply_overrides, parse_overrides
+from granwave.lammps_inputs.plan import refuse_too_large
+from granwave.lammps_inputs.toml_files import read_toml
+
+if TYPE_CHECKING:
+    from granwave._contact_laws import ContactLaw
+
+_MEMORY_BASE = 350e6  # bytes; the interpreter with numba and the drawing library
+_MEMORY_PER_ELEMENT = 2500.0
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Sphere:
+    """``[sphere]``: the first sphere, of the case's material."""
+
+    radius: float = number("radius of the sphere", unit="m", above=0)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Partner:
+    """``[partner]``: the second sphere where it differs from the first."""
+
+    radius: float
+    material: Material
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class SphereContactRun:
+    """``[run]``: how far, how often back, how fine and how slowly."""
+
+    max_overlap: float = number("largest overlap, over R*", above=0, at_most=0.3, default=0.2)
+    unloadings: int = custom(
+        "unload-reload cycles, the last from the largest overlap",
+        lambda value: whole(value, "a whole number from 0 up", at_least=0),
+        default=10,
+    )
+    elements: int = custom(
+        "about how many elements the mesh has, both spheres together",
+        lambda value: whole(value, "a whole number from 100 up", at_least=100),
+        default=6000,
+    )
+    speed: float = number("1: as usual; 0.5: half as fast, twice the steps", above=0, at_most=10, default=1.0)
+
+
+_SECTIONS: dict[str, type] = {"sphere": Sphere, "run": SphereContactRun}
+_KNOWN = ("name", "material", "partner", *_SECTIONS)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class SphereContactCase:
+    """Two spheres that are pressed together; see `load_sphere_contact_case`."""
+
+    name: str
+    material: Material
+    sphere: Sphere
+    partner: Partner | None = None
+    run: SphereContactRun = dataclasses.field(default_factory=SphereContactRun)
+
+    @classmethod
+    def from_dict(
+        cls,
+        data: Mapping[str, Any],
+        source: str | Path = "case",
+        overridden: Iterable[str] = (),
+        directory: Path | None = None,
+    ) -> SphereContactCase:
+        """Check the nested mapping of a case file and make a case of it; parameters as of `Case.from_dict`.
+
+        Raises
+        ------
+        InputError
+            With every fault there is.
+        """
+        faults = Faults(str(source), tuple(overridden))
+        refuse_unknown(data, _KNOWN, "", faults)
+        parts = read_parts(data, source, faults, directory, sections=_SECTIONS, required=("material", "sphere"))
+        if "partner" in data:
+            parts["partner"] = _read_partner(data["partner"], parts, faults, directory)
+        if faults.lines:
+            raise InputError(faults.lines)
+        return cls(**parts)
+
+    @property
+    def radii(self) -> tuple[float, float]:
+        """Of the first and the second sphere, m."""
+        return self.sphere.radius, self.sphere.radius if self.partner is None else self.partner.radius
+
+    @property
+    def materials(self) -> tuple[Material, Material]:
+        """Of the first and the second sphere."""
+        return self.material, self.material if self.partner is None else self.partner.material
+
+    @property
+    def identical(self) -> bool:
+        """Both spheres are alike: one of them on the plane of symmetry tells all."""
+        first, second = (_constants(material) for material in self.materials)
+        return self.radii[0] == self.radii[1] and first == second
+
+    @property
+    def yields(self) -> bool:
+        """At least one sphere can yield."""
+        return any(material.yield_strength is not None for material in self.materials)
+
+    @cached_property
+    def law(self) -> ContactLaw:
+        """The project's contact law of this pair; Hertz's where neither sphere can yield."""
+        return self.contact_law("elastoplastic" if self.yields else "hertz")
+
+    def contact_law(self, name: str) -> ContactLaw:
+        """Any law of this pair; a sphere without a yield strength stays elastic."""
+        from granwave.lammps_inputs.laws import contact_of
+
+        return contact_of([_or_elastic(material) for material in self.materials], self.radii, name)
+
+    @property
+    def max_overlap(self) -> float:
+        """Largest overlap, m."""
+        return self.run.max_overlap * self.law.effective_radius
+
+    @property
+    def memory(self) -> float:
+        """Bytes that a run needs, an estimate."""
+        return _MEMORY_BASE + _MEMORY_PER_ELEMENT * self.run.elements
+
+    def to_dict(self) -> dict[str, Any]:
+        """The case as nested tables, all defaults filled in, as TOML writes them."""
+        return _without_none(dataclasses.asdict(self))
+
+    def to_toml(self) -> str:
+        """The case as a TOML file."""
+        return tomli_w.dumps(self.to_dict())
+
+
+def load_sphere_contact_case(path: str | Path, overrides: Iterable[str] | Mapping[str, Any] = ()) -> SphereContactCase:
+    """Read the case file of a sphere contact; ``overrides`` as of `granwave.lammps_inputs.load_case`.
+
+    Raises
+    ------
+    InputError
+        The file or an override is wrong; every fault is named.
+    """
+    changes = parse_overrides(overrides)
+    data = apply_overrides(read_toml(path), changes)
+    return SphereContactCase.from_dict(data, path, overridden=changes, directory=Path(path).parent)
+
+
+def check_memory(case: SphereContactCase, available: float | None = None) -> None:
+    """Refuse a mesh that does not fit into memory (``available`` bytes; by default what is free now).
+
+    Raises
+    ------
+    InputError
+        The run needs more than there is.
+    """
+    what = f"{case.name}: run.elements: {case.run.elements} elements"
+    refuse_too_large(what, case.memory, "take fewer elements", available)
+
+
+def _read_partner(table: Any, parts: Mapping[str, Any], faults: Faults, directory: Path | None) -> Partner | None:
+    """The partner; what it leaves out is as of the first sphere."""
+    own = {key: value for key, value in table.items() if key != "material"} if isinstance(table, Mapping) else table
+    sphere: Sphere | None = parts.get("sphere")
+    if isinstance(own, Mapping) and "radius" not in own and sphere is not None:
+        own = {**own, "radius": sphere.radius}
+    body = read_table(Sphere, own, "partner", faults)
+    material: Material | None = parts.get("material")
+    if isinstance(table, Mapping) and "material" in table:
+        apart = Faults("")
+        material = read_material(table["material"], apart, directory)
+        for line in apart.lines:
+            key, _, message = line.removeprefix(": ").partition(": ")
+            faults.add(f"partner.{key}", message)
+    return None if body is None or material is None else Partner(radius=body.radius, material=material)
+
+
+def _constants(material: Material) -> tuple[float, float, float | None]:
+    return material.youngs_modulus, material.poisson_ratio, material.yield_strength
+
+
+def _or_elastic(material: Material) -> Material:
+    return dataclasses.replace(material, yield_strength=material.yield_strength or math.inf)
+
+
+def _without_none(tables: dict[str, Any]) -> dict[str, Any]:
+    return {
+        key: _without_none(value) if isinstance(value, dict) else value
+        for key, value in tables.items()
+        if value is not None
+    }

@@ -1,0 +1,130 @@
+"""The mesh of a half-sphere: squares at the contact point, rings around them that grow with distance.
+
+A block of ``n`` by ``n`` equal squares covers the first contact. Around it lie rings of ``2 n`` elements, each ring
+thicker by the same share, so that elements stay about square and the contact is resolved by the same number of elements
+(``4 n/pi`` on its radius) however large it has become. The last ring ends at the flat face.
+
+Coordinates: r from the axis, z from the contact point (0) to the flat face (R). With ``phi`` the arc from the contact
+point over R and ``theta`` the angle from the surface (0) to the axis (pi/2),
+
+    r = R sin(phi) c      z = S + (A - S) s      S = R (1 - cos phi)      A = R (phi + k phi^2),  A(pi/2) = R
+
+with ``c, s`` from cos, sin near the contact to straight lines at the face: theta = 0 is the sphere, exactly.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+_QUARTER = math.pi / 2
+_CLOSING = (1 - _QUARTER) / _QUARTER**2  # k above
+_ROUNDING = math.log(4.0)  # rings turn from squares to circles within a factor of 4 of the distance
+_FAR = 1.0  # of R: beyond it rings grow faster than elements are wide
+_SAMPLES = 4000
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class HalfSphere:
+    """Quadrilaterals of a half-sphere, in the (r, z) plane.
+
+    Attributes
+    ----------
+    radius
+        m.
+    nodes
+        (n_nodes, 2), m.
+    elements
+        (n_elements, 4): nodes in turn, anticlockwise.
+    surface
+        Nodes of the curved surface, from the contact point to the rim.
+    axis, face
+        Nodes with r = 0, and with z = R.
+    """
+
+    radius: float
+    nodes: Array
+    elements: Indices
+    surface: Indices
+    axis: Indices
+    face: Indices
+
+
+def half_sphere(radius: float, core: float, n: int) -> HalfSphere:
+    """The mesh with ``n`` squares on the length ``core`` (m) at the contact point."""
+    ticks = np.arange(n + 1)
+    x, y = np.meshgrid(ticks * core / n, ticks * core / n, indexing="ij")
+    nodes = [_place(radius, x.ravel(), y.ravel())]
+    around = np.arange(2 * n + 1)
+    right = around <= n
+    square = np.where(right, [np.ones_like(around), around / n], [(2 * n - around) / n, np.ones_like(around)])
+    angle = around * _QUARTER / (2 * n)
+    circle = np.array([np.cos(angle), np.sin(angle)])
+    circle[1, 0] = circle[0, -1] = 0.0
+    distances = _rings(radius, core, n)
+    rings = [np.where(right, n * (n + 1) + around, (2 * n - around) * (n + 1) + n)]
+    for distance in distances[1:]:
+        share = np.clip(math.log(distance / core) / _ROUNDING, 0, 1)
+        share = share * share * (3 - 2 * share)
+        ring = distance * ((1 - share) * square + share * circle)
+        rings.append(sum(len(part) for part in nodes) + around)
+        nodes.append(_place(radius, *ring))
+    corner = (ticks[:-1, None] * (n + 1) + ticks[:-1]).ravel()
+    elements = [np.column_stack([corner, corner + n + 1, corner + n + 2, corner + 1])]
+    for inner, outer in itertools.pairwise(rings):
+        elements.append(np.column_stack([inner[:-1], outer[:-1], outer[1:], inner[1:]]))
+    return HalfSphere(
+        radius=radius,
+        nodes=np.concatenate(nodes),
+        elements=np.concatenate(elements),
+        surface=np.concatenate([ticks * (n + 1), [ring[0] for ring in rings[1:]]]),
+        axis=np.concatenate([ticks, [ring[-1] for ring in rings[1:]]]),
+        face=rings[-1],
+    )
+
+
+def squares_for(elements: int, radii: tuple[float, ...], core: float) -> int:
+    """``n`` for about that many elements in half-spheres of these radii (m), at least 4."""
+    n = 4
+    while sum((n + 1) ** 2 + 2 * (n + 1) * _n_rings(radius, core, n + 1) for radius in radii) <= elements:
+        n += 1
+    return n
+
+
+def _place(radius: float, x: Array, y: Array) -> Array:
+    """Points (r, z) of points at x along the surface and y into depth, as if the surface were flat."""
+    phi, theta = np.hypot(x, y) / radius, np.arctan2(y, x)
+    straight = (phi / _QUARTER) ** 2
+    part = theta / _QUARTER
+    across = (1 - straight) * np.cos(theta) + straight * (1 - part)
+    inward = (1 - straight) * np.sin(theta) + straight * part
+    surface = 1 - np.cos(phi)
+    r = np.where(x == 0, 0.0, np.sin(phi) * across)
+    return radius * np.column_stack([r, surface + (phi + _CLOSING * phi**2 - surface) * inward])
+
+
+def _counted(radius: float, core: float, n: int) -> tuple[Array, Array]:
+    """Distances from the core to the rim along the surface, and how many rings there are up to each."""
+    distance = np.geomspace(core, _QUARTER * radius, _SAMPLES)
+    density = 2 * n / _QUARTER / (1 + (distance / (_FAR * radius)) ** 2)  # rings per unit of ln(distance)
+    steps = 0.5 * (density[1:] + density[:-1]) * np.diff(np.log(distance))
+    return distance, np.concatenate([[0.0], np.cumsum(steps)])
+
+
+def _n_rings(radius: float, core: float, n: int) -> int:
+    return max(1, round(_counted(radius, core, n)[1][-1]))
+
+
+def _rings(radius: float, core: float, n: int) -> Array:
+    distance, count = _counted(radius, core, n)
+    number = _n_rings(radius, core, n)
+    rings = np.interp(np.arange(number + 1) * count[-1] / number, count, distance)
+    rings[0], rings[-1] = core, _QUARTER * radius
+    return rings

@@ -1,0 +1,352 @@
+"""The static contact of two spheres: patch tests, Hertz, energy, the contact law; then its input and output."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+import shutil
+import subprocess
+
+import h5py
+import numpy as np
+import pytest
+
+from granwave.analysis.continuum.kernels import N_STATE, RR, RZ, TT, ZZ
+from granwave.analysis.continuum.material import Elastoplastic
+from granwave.analysis.continuum.mesh import Mesh
+from granwave.analysis.law import law_table
+from granwave.analysis.sphere_contact import SphereContactCase, kernels, load_sphere_contact_case, run_sphere_contact
+from granwave.analysis.sphere_contact import study as study_module
+from granwave.analysis.sphere_contact.case import check_memory
+from granwave.analysis.sphere_contact.deviations import compare_cycles, compare_loading
+from granwave.analysis.sphere_contact.figures import FIGURES
+from granwave.analysis.sphere_contact.mesh import half_sphere
+from granwave.analysis.sphere_contact.study import History, core_size, integrate, make_solver, peaks
+from granwave.analysis.sphere_contact.summary import summarise
+from granwave.lammps_inputs import InputError, RunError
+
+BRASS = {"youngs_modulus": 115e9, "poisson_ratio": 0.30, "density": 8500.0}
+YIELD = 550e6
+ELASTIC = Elastoplastic(115e9, 0.30, 8500.0, math.inf)
+RADIUS = 0.00476
+SMALL = {
+    "name": "small",
+    "material": "brass",
+    "sphere": {"radius": RADIUS},
+    "run": {"elements": 800, "unloadings": 3},
+}
+
+
+def case_of(changes=None, **run):
+    tables = SMALL | (changes or {})
+    return SphereContactCase.from_dict(tables | {"run": tables["run"] | run})
+
+
+def values_of(case):
+    """Case, history and summary; nothing written."""
+    solver, history = make_solver(case), History()
+    integrate(case, solver, history)
+    return history, summarise(case, solver, history, 1.0)
+
+
+def strain(nodes, elements, displacement, *, steps=1, material=ELASTIC):
+    """State and nodal forces after ``displacement(positions)``, in equal parts, from no stress."""
+    constants = np.array([[*material.lame, material.yield_strength, 0.0]])
+    kind, state = np.zeros(len(elements), dtype=np.int64), np.zeros((len(elements), N_STATE))
+    x, force = nodes.copy(), np.zeros_like(nodes)
+    stiffness = np.full(len(elements), 1e9)
+    move = displacement(nodes) / steps
+    for _ in range(steps):
+        x += move
+        kernels.stress(x, move, elements, kind, constants, stiffness, state, force)
+    return x, state, force
+
+
+# --- elements
+
+
+def test_linear_motion_gives_uniform_stress_on_any_mesh():
+    mesh = half_sphere(1.0, 0.2, 5)
+    eps_r, eps_z, shear = 1e-8, -3e-8, 2e-8
+    move = lambda x: np.column_stack([eps_r * x[:, 0], eps_z * x[:, 1] + shear * x[:, 0]])  # noqa: E731
+    _, state, _ = strain(mesh.nodes, mesh.elements, move)
+    lam, mu = ELASTIC.lame
+    volume = lam * (2 * eps_r + eps_z)
+    expected = {RR: volume + 2 * mu * eps_r, TT: volume + 2 * mu * eps_r, ZZ: volume + 2 * mu * eps_z, RZ: mu * shear}
+    for component, value in expected.items():
+        np.testing.assert_allclose(state[:, component], value, rtol=1e-6)
+
+
+def test_uniform_stress_is_in_equilibrium():
+    mesh = Mesh(np.array([0, 1, 2.5, 3, 4.0]), np.array([0, 0.5, 2, 2.5, 4.0]))
+    move = lambda x: np.column_stack([1e-6 * x[:, 0], -3e-6 * x[:, 1]])  # noqa: E731
+    _, _, force = strain(mesh.nodes, mesh.elements, move)
+    inner = (mesh.nodes > 0).all(axis=1) & (mesh.nodes < 4).all(axis=1)
+    assert np.abs(force[inner]).max() < 1e-9 * np.abs(force).max()
+
+
+def test_rotation_leaves_the_stress_of_an_element_alone():
+    """Far from the axis, where turning in the plane strains nothing; the stress turns with the element."""
+    rng = np.random.default_rng(3)
+    mesh = Mesh(np.linspace(0, 1, 4), np.linspace(0, 1, 4))
+    away = np.array([1e7, 0.0])
+    nodes = mesh.nodes + 0.1 * rng.uniform(-1, 1, mesh.nodes.shape) + away
+    constants = np.array([[*ELASTIC.lame, math.inf, 0.0]])
+    kind, state = np.zeros(9, dtype=np.int64), np.zeros((9, N_STATE))
+    force, stiffness = np.zeros_like(nodes), np.full(9, 1e9)
+    state[:, [RR, ZZ, TT, RZ]] = [3e8, -1e8, 2e8, 1.5e8]
+    before = kernels.von_mises(state)
+    steps = 90
+    for step in range(steps):
+        angles = math.pi / 2 * np.array([step, step + 1]) / steps
+        places = [(nodes - away) @ np.array([[math.cos(a), math.sin(a)], [-math.sin(a), math.cos(a)]]) for a in angles]
+        kernels.stress(places[1] + away, places[1] - places[0], mesh.elements, kind, constants, stiffness, state, force)
+    np.testing.assert_allclose(kernels.von_mises(state), before, rtol=1e-3)
+    np.testing.assert_allclose(state[:, RR], -1e8, rtol=2e-3)
+    np.testing.assert_allclose(state[:, ZZ], 3e8, rtol=2e-3)
+    np.testing.assert_allclose(state[:, RZ], -1.5e8, rtol=2e-3)
+
+
+def test_yield_limits_the_mises_stress():
+    mesh = half_sphere(1.0, 0.2, 4)
+    material = Elastoplastic(115e9, 0.30, 8500.0, YIELD)
+    squeeze = lambda x: np.column_stack([0.01 * x[:, 0], -0.02 * x[:, 1]])  # noqa: E731
+    _, state, _ = strain(mesh.nodes, mesh.elements, squeeze, steps=100, material=material)
+    np.testing.assert_allclose(kernels.von_mises(state), YIELD, rtol=1e-9)
+
+
+def test_mesh_is_that_of_a_half_sphere():
+    mesh = half_sphere(2.0, 0.05, 12)
+    r, z = mesh.nodes[mesh.elements].transpose(2, 0, 1)
+    area = 0.5 * ((r[:, 0] - r[:, 2]) * (z[:, 1] - z[:, 3]) - (r[:, 1] - r[:, 3]) * (z[:, 0] - z[:, 2]))
+    assert area.min() > 0
+    volume = (2 * math.pi * r.mean(axis=1) * area).sum()
+    assert volume == pytest.approx(2 / 3 * math.pi * 8, rel=0.01)
+    on_sphere = mesh.nodes[mesh.surface]
+    np.testing.assert_allclose(np.hypot(on_sphere[:, 0], on_sphere[:, 1] - 2.0), 2.0, rtol=1e-12)
+    np.testing.assert_allclose(mesh.nodes[mesh.axis, 0], 0, atol=1e-15)
+    np.testing.assert_allclose(mesh.nodes[mesh.face, 1], 2.0, rtol=1e-12)
+    assert len(np.unique(mesh.nodes.round(12), axis=0)) == len(mesh.nodes)
+
+
+# --- contact
+
+
+@pytest.mark.parametrize("partner", [None, {"radius": 2.5 * RADIUS, "material": {**BRASS, "youngs_modulus": 210e9}}])
+def test_elastic_spheres_are_hertzian(partner):
+    """From half the largest overlap on; half-spheres are up to 1 % stiffer at this contact radius, 0.02 R."""
+    tables = {"material": BRASS} | ({"partner": partner} if partner else {})
+    case = case_of(tables, elements=2000 if partner else 1000, max_overlap=2e-3, unloadings=1)
+    history, summary = values_of(case)
+    loading = compare_loading(case, history)
+    late = loading.overlap > 0.5 * case.max_overlap
+    assert case.law.name == "hertz"
+    assert loading.deviations["force"][late] == pytest.approx(0.6, abs=1.0)
+    assert np.abs(loading.deviations["contact_radius"][late]).max() < 6
+    assert summary["energy_balance_error"] < 0.005
+    cycle = compare_cycles(case, history)[0]
+    assert cycle.exponent == pytest.approx(1.5, abs=0.03)
+    assert abs(cycle.residual_overlap) < 0.02 * cycle.peak_overlap
+
+
+@pytest.fixture(scope="module")
+def brass(tmp_path_factory):
+    """A coarse study of brass, with everything that it leaves."""
+    directory = tmp_path_factory.mktemp("brass")
+    summary = run_sphere_contact(case_of(), directory)
+    return directory, summary
+
+
+def test_energy_is_balanced_and_nothing_moves(brass):
+    _, summary = brass
+    assert summary["energy_balance_error"] < 0.01
+    assert summary["kinetic_share_max"] < 2e-3
+    assert summary["hourglass_share"] < 0.01
+    assert summary["face_force_difference_rms_percent"] < 1.5
+    assert summary["penetration_share_max"] < 0.01
+    assert summary["max_overlap_m"] == pytest.approx(0.1 * RADIUS, rel=2e-3)
+
+
+def test_law_is_met(brass):
+    """Beyond the transition from Hertz; within it the law is up to 16 % low, and so it is on fine meshes."""
+    _, summary = brass
+    assert abs(summary["force_deviation_elastic_rms_percent"]) < 2.5
+    assert 10 < summary["force_deviation_1_to_10_max_percent"] < 20
+    for label in ("10_to_50", "50_to_178", "beyond_178"):
+        assert abs(summary[f"force_deviation_{label}_rms_percent"]) < 7
+        assert abs(summary[f"contact_radius_deviation_{label}_rms_percent"]) < 6
+
+
+def test_unloading_is_elastic(brass):
+    _, summary = brass
+    assert summary["reloading_difference_percent"] < 2.5
+    assert summary["unloading_plastic_share"] < 0.05
+    assert 1.28 < summary["unloading_exponent_min"] < summary["unloading_exponent_max"] < 1.48
+
+
+def test_files(brass):
+    directory, summary = brass
+    case = load_sphere_contact_case(directory / "case.toml")
+    assert case == case_of()
+    assert json.loads((directory / "summary.json").read_text()) == summary
+    with open(directory / "contact.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    columns = list(law_table(case.law))
+    assert list(rows[0])[: len(columns)] == columns
+    branches = dict.fromkeys(row["branch"] for row in rows)
+    cycles = [f"{name}_{n}" for n in (1, 2, 3) for name in ("unloading", "reloading")]
+    assert list(branches) == ["loading", *cycles]
+    with h5py.File(directory / "result.h5") as file:
+        file.visititems(lambda _, item: item.attrs["unit"] if isinstance(item, h5py.Dataset) else None)
+        assert file.attrs["kind"] == "sphere-contact"
+        assert len(file["cycles/exponent"]) == 3
+        yielded = file["fields/von_mises"][()]
+    assert yielded.max() == pytest.approx(YIELD, rel=1e-6)
+    drawn = {path.name for path in (directory / "figures").iterdir()}
+    assert {f"{name}.{ending}" for name in FIGURES for ending in ("png", "pdf", "csv")} == drawn
+
+
+def test_two_bodies_are_as_one_on_the_plane_of_symmetry():
+    run = {"max_overlap": 0.03, "unloadings": 1}
+    one, two = case_of(elements=600, **run), case_of({"partner": {"radius": RADIUS * (1 + 1e-6)}}, elements=1200, **run)
+    assert one.identical and not two.identical
+    found = []
+    for case in (one, two):
+        history, summary = values_of(case)
+        assert summary["n_bodies"] == len(found) + 1
+        loading = compare_loading(case, history)
+        found.append(np.interp(np.linspace(2e-3, 0.029, 50) * 0.5 * RADIUS, loading.overlap, loading.force))
+    assert np.sqrt(np.mean((found[1] / found[0] - 1) ** 2)) < 0.015
+    assert found[1].mean() == pytest.approx(found[0].mean(), rel=0.01)
+
+
+def test_softer_sphere_takes_the_deformation():
+    case = case_of({"partner": {"material": {**BRASS, "youngs_modulus": 210e9}}}, max_overlap=0.02, unloadings=1)
+    solver, history = make_solver(case), History()
+    integrate(case, solver, history)
+    strains = [solver.state[solver.kind == body, study_module.STRAIN].max() for body in (0, 1)]
+    assert strains[0] > 0.01 and strains[1] == 0.0
+    contact = solver.contact()
+    ring = 2 * math.pi * contact.radius * contact.pressure
+    found = np.sum(0.5 * (ring[1:] + ring[:-1]) * np.diff(contact.radius))
+    assert found == pytest.approx(solver.force, rel=0.05)
+    assert abs(compare_loading(case, history).worst()["force_deviation_10_to_50_rms_percent"]) < 8
+
+
+def test_speed_does_not_matter():
+    found = []
+    for speed in (1.0, 0.5):
+        case = case_of(elements=500, max_overlap=0.01, unloadings=0, speed=speed)
+        loading = compare_loading(case, values_of(case)[0])
+        found.append(np.interp(np.geomspace(5e-4, 9.5e-3, 60) * 0.5 * RADIUS, loading.overlap, loading.force))
+    assert np.abs(found[0] / found[1] - 1).max() < 0.005
+
+
+@pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX (ccx) is not installed")
+def test_calculix_finds_the_same_force(tmp_path):
+    """An implicit solver with fully integrated elements and its own contact, on the same kind of mesh."""
+    case = case_of(elements=800, max_overlap=4.8e-3, unloadings=0)  # 10 alpha_y, across the transition from Hertz
+    mesh = half_sphere(1e3 * RADIUS, 1e3 * core_size(case), 6)  # mm, N, MPa
+    (tmp_path / "job.inp").write_text(calculix_deck(mesh, 1e3 * case.max_overlap / 2))
+    subprocess.run(["ccx", "job"], cwd=tmp_path, check=True, capture_output=True, timeout=120)
+    lines = (tmp_path / "job.dat").read_text().splitlines()
+    heads = [n for n, line in enumerate(lines) if "total force" in line]
+    overlap = np.array([float(lines[n].split()[-1]) for n in heads]) * case.max_overlap
+    force = np.array([-180 * float(lines[n + 2].split()[1]) for n in heads])  # of a wedge of 2 degrees
+    loading = compare_loading(case, values_of(case)[0])
+    late = overlap > case.law.yield_overlap
+    ratio = np.interp(overlap[late], loading.overlap, loading.force) / force[late]
+    assert len(ratio) > 10
+    assert np.mean(ratio) == pytest.approx(1, abs=0.02)
+    assert np.abs(ratio - 1).max() < 0.05
+
+
+def calculix_deck(mesh, displacement):
+    """Half of the overlap, against a held block that stands for the rigid plane; brass."""
+    nodes = [*mesh.nodes.tolist(), [0, -1], [2, -1], [2, 0], [0, 0]]
+    n, last = len(mesh.nodes), len(mesh.elements) + 1
+    starts = set(mesh.surface[:-1][mesh.nodes[mesh.surface[1:], 0] < 1.5].tolist())
+    slaves = [f"{e},S1" for e, corners in enumerate(mesh.elements, 1) if corners[0] in starts]
+    rows = lambda ids: [f"{node + 1}," for node in ids]  # noqa: E731
+    lines = ["*NODE,NSET=ALL", *(f"{i},{r:.12g},{z:.12g},0" for i, (r, z) in enumerate(nodes, 1))]
+    lines += ["*ELEMENT,TYPE=CAX4,ELSET=BODY"]
+    lines += [f"{e}," + ",".join(str(node + 1) for node in corners) for e, corners in enumerate(mesh.elements, 1)]
+    lines += ["*ELEMENT,TYPE=CAX4,ELSET=PLANE", f"{last},{n + 1},{n + 2},{n + 3},{n + 4}"]
+    lines += ["*NSET,NSET=AXIS", *rows(mesh.axis), "*NSET,NSET=FACE", *rows(mesh.face)]
+    lines += ["*NSET,NSET=HELD", *rows(range(n, n + 4))]
+    lines += ["*SURFACE,NAME=SLAVE,TYPE=ELEMENT", *slaves, "*SURFACE,NAME=MASTER,TYPE=ELEMENT", f"{last},S3"]
+    lines += ["*MATERIAL,NAME=BRASS", "*ELASTIC", "115000,0.3", "*PLASTIC", "550.,0.", "550.01,10."]
+    lines += ["*MATERIAL,NAME=RIGID", "*ELASTIC", "1e6,0.3"]
+    lines += [f"*SOLID SECTION,ELSET={part},MATERIAL={of}" for part, of in (("BODY", "BRASS"), ("PLANE", "RIGID"))]
+    lines += ["*SURFACE INTERACTION,NAME=C", "*SURFACE BEHAVIOR,PRESSURE-OVERCLOSURE=LINEAR", "2.4e7,1.0"]
+    lines += ["*CONTACT PAIR,INTERACTION=C,TYPE=NODE TO SURFACE", "SLAVE,MASTER"]
+    lines += ["*BOUNDARY", "HELD,1,2", "AXIS,1,1", "*STEP,NLGEOM,INC=1000", "*STATIC", "0.02,1.,1e-6,0.05"]
+    lines += ["*BOUNDARY", f"FACE,2,2,{-displacement:.10g}", "*NODE PRINT,NSET=FACE,TOTALS=ONLY", "RF", "*END STEP"]
+    return "\n".join(lines) + "\n"
+
+
+# --- input
+
+
+def test_peaks_cover_small_overlaps():
+    case = case_of(unloadings=5)
+    found = peaks(case) / case.law.yield_overlap
+    assert found[0] == pytest.approx(4) and found[-1] == pytest.approx(case.max_overlap / case.law.yield_overlap)
+    assert len(peaks(case_of(unloadings=0))) == 0
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"sphere": {}}, "sphere.radius: missing"),
+        ({"sphere": {"radius": -1.0}}, "sphere.radius: found -1.0, expected a number above 0 (m)"),
+        ({"run": {"max_overlap": 0.5}}, "run.max_overlap"),
+        ({"run": {"elements": 10}}, "run.elements"),
+        ({"run": {"unloading": 3}}, "did you mean unloadings"),
+        ({"partner": {"radius": "big"}}, "partner.radius"),
+        ({"partner": {"material": "bras"}}, 'partner.material: found "bras"'),
+        ({"partner": {"material": {"preset": "brass", "yield_strength": -1.0}}}, "partner.material.yield_strength"),
+        ({"partner": 3}, "partner"),
+        ({"punch": {}}, "punch: unknown key"),
+    ],
+)
+def test_faults_are_named(changes, words):
+    with pytest.raises(InputError) as error:
+        SphereContactCase.from_dict(SMALL | changes)
+    assert words in str(error.value)
+
+
+def test_sphere_is_required():
+    with pytest.raises(InputError, match="sphere: missing"):
+        SphereContactCase.from_dict({"name": "a", "material": "brass"})
+
+
+def test_partner_defaults_to_the_sphere():
+    case = case_of({"partner": {"material": "steel"}})
+    assert case.radii == (RADIUS, RADIUS) and not case.identical
+    assert case_of({"partner": {}}).identical
+    again = SphereContactCase.from_dict(case.to_dict())
+    assert again.to_dict() == case.to_dict()
+
+
+def test_memory_is_checked():
+    with pytest.raises(InputError, match="800 elements need about"):
+        check_memory(case_of(), available=1e6)
+
+
+def test_directory_manners(brass, tmp_path):
+    directory, summary = brass
+    with pytest.raises(InputError, match="already holds results"):
+        run_sphere_contact(case_of(), directory)
+    with pytest.raises(InputError, match="another case"):
+        run_sphere_contact(case_of(elements=500), directory, resume=True)
+    assert run_sphere_contact(case_of(), directory, resume=True) == summary
+
+
+def test_bad_balance_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(study_module, "TOLERANCE", 1e-6)
+    with pytest.raises(RunError, match="energy balance is off"):
+        run_sphere_contact(case_of(elements=500, max_overlap=0.005), tmp_path, figures=False)
+    assert json.loads((tmp_path / "summary.json").read_text())["end_reason"] == "refused"
+    assert (tmp_path / "contact.csv").exists()
