@@ -79,7 +79,7 @@ def ledger(case: Case, schedule: Schedule) -> list[str]:
     return [
         "# Energies, J. Their sum must stay equal to the input.",
         "compute         kinetic all ke",
-        "compute         contact all pair gran/hysteretic",
+        "compute         contact all gran/hysteretic/energy",
         "variable        time equal step*dt",
         f"variable        elastic_wall equal {stored}",
         f"variable        dissipated_wall equal {lost}",
@@ -155,7 +155,9 @@ def thermo(schedule: Schedule) -> list[str]:
         "thermo_style    custom step v_time c_kinetic v_elastic v_dissipated c_contact[2] v_struck_velocity",
         "thermo_modify   lost error norm no flush yes",
         f"thermo          {every}",
-        "uncompute       thermo_press        # nobody looks at the pressure, and it costs",
+        "# Nobody looks at these, and each is computed at every step at which any fix above is due.",
+        "uncompute       thermo_press",
+        "uncompute       thermo_pe",
     ]
 
 

@@ -48,4 +48,5 @@ extern "C" __attribute__((visibility("default"))) void granwave_add_styles(void 
   add("compute", ComputeGranHystereticAtom::STYLE, &create_named<Compute, ComputeGranHystereticAtom>, computes);
   add("compute", ComputeGranHystereticLocal::STYLE, &create_named<Compute, ComputeGranHystereticLocal>, computes);
   add("compute", ComputeGranHystereticContact::STYLE, &create_named<Compute, ComputeGranHystereticContact>, computes);
+  add("compute", ComputeGranHystereticEnergy::STYLE, &create_named<Compute, ComputeGranHystereticEnergy>, computes);
 }

@@ -153,3 +153,43 @@ void ComputeGranHystereticContact::compute_vector()
   MPI_Allreduce(mine, sum, N_CONTACT + 1, MPI_DOUBLE, MPI_SUM, world);
   for (int k = 0; k < N_CONTACT; k++) vector[k] = sum[N_CONTACT] > 0.0 ? sum[k] / sum[N_CONTACT] : 0.0;
 }
+
+/* ---------------------------------------------------------------------- all contacts */
+
+ComputeGranHystereticEnergy::ComputeGranHystereticEnergy(LAMMPS *lmp, int narg, char **arg) :
+    ComputeGranHysteretic(lmp, narg, arg)
+{
+  if (narg != 3) error->all(FLERR, "Illegal compute {}: it takes no arguments", style);
+  scalar_flag = vector_flag = 1;
+  extscalar = extvector = 0;    // sums over contacts, not over atoms
+  size_vector = PairGranHysteretic::N_TOTALS;
+  vector = new double[PairGranHysteretic::N_TOTALS]();
+}
+
+ComputeGranHystereticEnergy::~ComputeGranHystereticEnergy() { delete[] vector; }
+
+double ComputeGranHystereticEnergy::compute_scalar()
+{
+  invoked_scalar = update->ntimestep;
+  sum_up();
+  return scalar;
+}
+
+void ComputeGranHystereticEnergy::compute_vector()
+{
+  invoked_vector = update->ntimestep;
+  sum_up();
+}
+
+void ComputeGranHystereticEnergy::sum_up()
+{
+  if (summed == update->ntimestep && update->whichflag != 0) return;    // between runs positions may be changed by hand
+  summed = update->ntimestep;
+  constexpr int N = PairGranHysteretic::N_TOTALS;
+  double mine[N + 1], sum[N + 1];
+  mine[N] = pair->tally_totals();
+  std::copy_n(pair->pvector, N, mine);
+  MPI_Allreduce(mine, sum, N + 1, MPI_DOUBLE, MPI_SUM, world);
+  std::copy_n(sum, N, vector);
+  scalar = sum[N];
+}

@@ -2,7 +2,8 @@
 
    compute ID group gran/hysteretic/atom            per sphere
    compute ID group gran/hysteretic/local           per contact, forgotten dents included
-   compute ID group gran/hysteretic/contact I J     the contact of two spheres, as a global vector  */
+   compute ID group gran/hysteretic/contact I J     the contact of two spheres, as a global vector
+   compute ID group gran/hysteretic/energy          of all contacts: a global scalar and vector, summed when asked for  */
 
 #ifndef LMP_COMPUTE_GRAN_HYSTERETIC_H
 #define LMP_COMPUTE_GRAN_HYSTERETIC_H
@@ -57,6 +58,21 @@ class ComputeGranHystereticContact : public ComputeGranHysteretic {
 
  private:
   tagint first, second;
+};
+
+/* What compute pair gives, summed when somebody looks at it. LAMMPS flags a compute of its own at every step at which any
+   fix with averages is due, so that the pair style has to sum up energies that nobody reads. */
+class ComputeGranHystereticEnergy : public ComputeGranHysteretic {
+ public:
+  static constexpr const char *STYLE = "gran/hysteretic/energy";
+  ComputeGranHystereticEnergy(LAMMPS *, int, char **);
+  ~ComputeGranHystereticEnergy() override;
+  double compute_scalar() override;
+  void compute_vector() override;
+
+ private:
+  void sum_up();
+  bigint summed = -1;    // step
 };
 
 }    // namespace LAMMPS_NS

@@ -327,7 +327,7 @@ void PairGranHysteretic::compute(int eflag, int vflag)
     else
       uniform ? forces<true, Tally::EACH_PAIR>() : forces<false, Tally::EACH_PAIR>();
   }
-  if (eflag_global) tally_totals();
+  if (eflag_global) eng_vdwl = tally_totals();
 }
 
 void PairGranHysteretic::overlap_error(int i, int j, double overlap)

@@ -60,6 +60,12 @@ class PairGranHysteretic : public Pair {
      a forgotten dent by the owner of each sphere. Needs a current list (after setup or during a run). */
   void for_each_dent(const std::function<void(const Report &)> &);
 
+  enum { DISSIPATED, YIELDED, BEYOND_LAW, BEYOND_HALF, LARGEST_FORCE, N_TOTALS };    // in pvector
+
+  /* Sum up this processor's part of the totals, of which LARGEST_FORCE is the first one's alone; returns the stored
+     energy. A collective call. Needs a current list. */
+  double tally_totals();
+
   /* The same for the one pair of these ids, where this processor has it in reach. */
   void visit_pair(tagint, tagint, const std::function<void(const Report &)> &);
 
@@ -68,7 +74,6 @@ class PairGranHysteretic : public Pair {
   // the distance are that noise: the force that they would give is below 1e-12 F_y.
   static constexpr double ROUNDING = 5e-13;
 
-  enum { DISSIPATED, YIELDED, BEYOND_LAW, BEYOND_HALF, LARGEST_FORCE, N_TOTALS };                      // of compute pair
   enum { OVERLAP, PEAK_OVERLAP, PEAK_FORCE, LOST, TIME_FIRST, TIME_PEAK, TIME_YIELD, N_SINGLE };    // of compute pair/local
 
   /* Pairs of spheres within reach, row by row as in LAMMPS's half list. */
@@ -110,7 +115,6 @@ class PairGranHysteretic : public Pair {
   double yielding_force(int k, double overlap, const granwave::ContactLaw &, const granwave::ContactScale &, bool raised);
   int turning_of(int k, double peak, const granwave::ContactLaw &);
   void forget(int row, int k);
-  void tally_totals();
   Report describe(int i, int j, int k, double rsq);
   [[noreturn]] void overlap_error(int i, int j, double overlap);
 

@@ -16,10 +16,11 @@ using granwave::ContactScale;
 using granwave::DentRecord;
 using granwave::Turning;
 
-/* Stored energy (eng_vdwl) and the extra totals of compute pair; a pair shared with another processor counts half. */
+/* A pair shared with another processor counts half. */
 
-void PairGranHysteretic::tally_totals()
+double PairGranHysteretic::tally_totals()
 {
+  require_contacts();
   double elastic = 0.0, largest_force = 0.0;
   std::fill_n(pvector, static_cast<int>(N_TOTALS), 0.0);
   const double *const *x = atom->x;
@@ -28,8 +29,8 @@ void PairGranHysteretic::tally_totals()
   const int nlocal = atom->nlocal;
   Contacts &c = contacts;
 
-  const auto count = [&](const ContactLaw &contact_law, const ContactScale &scale, double peak, double dissipated,
-                         double effective_radius, double weight) {
+  const auto count = [&](const ContactLaw &contact_law, const ContactScale &scale, double peak, double peak_force,
+                         double dissipated, double effective_radius, double weight) {
     if (peak > scale.elastic_limit) {
       pvector[YIELDED] += weight;
       pvector[DISSIPATED] += weight * dissipated;
@@ -37,7 +38,7 @@ void PairGranHysteretic::tally_totals()
         pvector[BEYOND_HALF] += weight;
         if (peak > 0.2 * effective_radius) pvector[BEYOND_LAW] += weight;
       }
-      largest_force = std::max(largest_force, scale.force * contact_law.loading(peak / scale.overlap));
+      largest_force = std::max(largest_force, peak_force);
     } else {
       largest_force = std::max(largest_force, scale.hertz * peak * std::sqrt(peak));
     }
@@ -56,17 +57,18 @@ void PairGranHysteretic::tally_totals()
       const ContactLaw &contact_law = law(type[i], type[j]);
       const double dx = x[i][0] - x[j][0], dy = x[i][1] - x[j][1], dz = x[i][2] - x[j][2];
       const double overlap = g.sum_radii - std::sqrt(dx * dx + dy * dy + dz * dz);
-      double dissipated = 0.0;
+      double dissipated = 0.0, peak_force = 0.0;
       if (peak > g.scale.elastic_limit) {
         const int t = turning_of(k, peak / g.scale.overlap, contact_law);
         const double unit = g.scale.force * g.scale.overlap;
         if (c.work_lost[t] == -1.0) c.work_lost[t] = contact_law.dissipated_energy(c.turnings[t]);
         dissipated = unit * c.work_lost[t];
+        peak_force = g.scale.force * c.turnings[t].force;
         if (overlap > 0.0) elastic += weight * unit * ContactLaw::elastic_energy(overlap / g.scale.overlap, c.turnings[t]);
       } else if (overlap > 0.0) {
         elastic += weight * 0.4 * g.scale.hertz * overlap * overlap * std::sqrt(overlap);
       }
-      count(contact_law, g.scale, peak, dissipated, uniform ? 0.5 * radius[0] : radius[i] * radius[j] / g.sum_radii, weight);
+      count(contact_law, g.scale, peak, peak_force, dissipated, uniform ? 0.5 * radius[0] : radius[i] * radius[j] / g.sum_radii, weight);
     }
   }
 
@@ -79,20 +81,23 @@ void PairGranHysteretic::tally_totals()
         const double effective_radius = granwave::effective_radius(radius[i], record->partner_radius);
         const ContactLaw &contact_law = law(type[i], record->partner_type);
         const ContactScale scale = contact_law.scale(effective_radius);
-        const double lost = record->dent.peak > scale.elastic_limit
-            ? scale.force * scale.overlap * contact_law.dissipated_energy(contact_law.turning(record->dent.peak / scale.overlap))
-            : 0.0;
-        count(contact_law, scale, record->dent.peak, lost, effective_radius, 0.5);
+        double lost = 0.0, peak_force = 0.0;
+        if (record->dent.peak > scale.elastic_limit) {
+          const Turning turning = contact_law.turning(record->dent.peak / scale.overlap);
+          lost = scale.force * scale.overlap * contact_law.dissipated_energy(turning);
+          peak_force = scale.force * turning.force;
+        }
+        count(contact_law, scale, record->dent.peak, peak_force, lost, effective_radius, 0.5);
       }
     }
 
   double all_largest = 0.0;
   MPI_Allreduce(&largest_force, &all_largest, 1, MPI_DOUBLE, MPI_MAX, world);
   pvector[LARGEST_FORCE] = comm->me == 0 ? all_largest : 0.0;    // compute pair adds up over processors
-  eng_vdwl = elastic;
   if (!std::isfinite(elastic + pvector[DISSIPATED]))
     error->one(FLERR, "Pair style gran/hysteretic: the energy of the contacts is not a number: positions or velocities "
                       "are wrong, or the timestep is far too large");
+  return elastic;
 }
 
 PairGranHysteretic::Report PairGranHysteretic::describe(int i, int j, int k, double rsq)

@@ -17,6 +17,7 @@ STYLES = (
     "compute_gran_hysteretic_atom",
     "compute_gran_hysteretic_local",
     "compute_gran_hysteretic_contact",
+    "compute_gran_hysteretic_energy",
 )
 SECTIONS = ("Syntax", "Examples", "Description", "Restrictions", "Related commands", "Default")
 
@@ -181,3 +182,10 @@ def test_loop_area_is_the_dissipated_energy(example, tmp_path):
     assert area == pytest.approx(lost[-1], rel=1e-4)
     assert lost[-1] == pytest.approx(run["c_lost[1]"][-1], rel=1e-12) and stored[-1] == 0
     assert peak[-1] == overlap.max() and force[overlap <= 0].max() == 0
+
+
+def test_energies_summed_when_asked_for_are_those_of_the_tally(example):
+    run = example("energy").runs[0]
+    for number in ("", *(f"[{n}]" for n in range(1, 6))):
+        assert run[f"c_now{number}"].tolist() == run[f"c_tallied{number}"].tolist()
+    assert run["c_now[1]"][-1] > 0
