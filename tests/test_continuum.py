@@ -400,5 +400,8 @@ def test_command_line(granwave, tmp_path):
     assert granwave(*words, "--resume", cwd=tmp_path).returncode == 0
     assert granwave("continuum", "fcc-small", cwd=tmp_path).returncode == 2
     assert granwave("run", "half-space", cwd=tmp_path).returncode == 2
+    checked = granwave("check", "half-space", "--set", "run.elements=500", cwd=tmp_path)
+    assert checked.returncode == 0 and "elements" in checked.stdout, checked.stderr
+    assert granwave("check", "half-space", "--set", "punch.velocity=-1", cwd=tmp_path).returncode == 2
     assert granwave("report", "out", "-o", "page.md", cwd=tmp_path).returncode == 0
     assert sorted(path.name for path in tmp_path.iterdir()) == ["out", "page.md"] or (tmp_path / "page_files").is_dir()

@@ -145,6 +145,20 @@ class Scan:
         return {"name": self.name, "case": self.case_name, "varied": list(self.varied), "points": points}
 
 
+def find_scan(scan: str | Path) -> Path:
+    """The file of a scan or a suite, or of the built-in one of that name.
+
+    Raises
+    ------
+    InputError
+        There is none, or it cannot be read.
+    """
+    try:
+        return studies.find(str(scan), studies.SCANS)
+    except OSError as error:
+        raise InputError(f"{scan}: cannot be read: {error.strerror}") from None
+
+
 def load_scan(scan: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (), *, here: bool = True) -> Scan:
     """Read a scan file and make all its points.
 
@@ -163,10 +177,7 @@ def load_scan(scan: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (
         The file, an override, or any point is wrong: a line for each invalid point.
     """
     changes = parse_overrides(overrides)
-    try:
-        path = studies.find(str(scan), studies.SCANS)
-    except OSError as error:
-        raise InputError(f"{scan}: cannot be read: {error.strerror}") from None
+    path = find_scan(scan)
     data = read_toml(path)
     if "scans" in data:
         raise InputError(f"{path}: is a suite of scans, expected one scan: one of {', '.join(map(str, data['scans']))}")

@@ -17,9 +17,8 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import replace_text
 from granwave.lammps_inputs.keys import Faults, Unfit, custom, plain_name, read_table
 from granwave.lammps_inputs.toml_files import read_toml
-from granwave.workflows import studies
 from granwave.workflows.scanning.driver import ScanOutcome, decide, run_scan
-from granwave.workflows.scanning.scan_file import Scan, load_scan
+from granwave.workflows.scanning.scan_file import Scan, find_scan, load_scan
 
 REPORT = "report.html"
 _SCANS = "scans"
@@ -66,7 +65,7 @@ def is_suite(file: str | Path) -> bool:
     InputError
         There is no such scan.
     """
-    return _SCANS in read_toml(studies.find(str(file), studies.SCANS))
+    return _SCANS in read_toml(find_scan(file))
 
 
 def load_suite(file: str | Path, *, here: bool = True) -> Suite:
@@ -84,7 +83,7 @@ def load_suite(file: str | Path, *, here: bool = True) -> Suite:
     InputError
         The file, or any of its scans, is wrong; every fault is named.
     """
-    path = studies.find(str(file), studies.SCANS)
+    path = find_scan(file)
     data = read_toml(path)
     faults = Faults(str(path))
     header = read_table(_File, data, "", faults)
