@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.comparison.continuum import masses
-from granwave.analysis.comparison.granular import MARKERS, variants
+from granwave.analysis.comparison.granular import variants
 from granwave.analysis.comparison.impacts import Continuum, Granular, Impacts, constants, energy_unit
+from granwave.analysis.comparison.scaling import FRACTION, MARKERS
 from granwave.analysis.continuum.output import RESULT_FILE
 from granwave.analysis.fields import cumulated
 from granwave.analysis.figure_style import BLUE, ORANGE, SKY, Drawing, new_figure
@@ -62,8 +63,8 @@ def dissipated_fraction(impacts: Impacts) -> Drawing | None:
     axes.set_xscale("log")
     axes.set_ylim(0, 1)
     axes.set_xlabel(r"Input energy $e_\mathrm{in} E/(\sigma_\mathrm{y}^2 D_\mathrm{punch}^3)$")
-    axes.set_ylabel("Dissipation / input energy")
-    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 0.03), fontsize=6)
+    axes.set_ylabel(FRACTION)
+    axes.legend(loc="lower center", bbox_to_anchor=(0.58, 0.03), fontsize=6)
     return Drawing(figure, columns)
 
 
@@ -152,7 +153,7 @@ def plastic_volume(impacts: Impacts) -> Drawing | None:
         note(f"{name}, ever", [one.fraction], [one.volume(ever=True)])
     axes.set_xlim(0, 1)
     axes.set_yscale("log")
-    axes.set_xlabel("Dissipation / input energy")
+    axes.set_xlabel(FRACTION)
     axes.set_ylabel(r"Volume $/(\pi D_\mathrm{punch}^3/6)$")
     axes.set_title("open marks: volume that ever yielded", fontsize=7)
     axes.legend(fontsize=6, ncols=2, loc="lower right")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 
-from granwave.analysis.comparison.granular import COLOURS, MARKERS, reference_and_marks
 from granwave.analysis.comparison.impacts import (
     SAME,
     Continuum,
@@ -15,6 +14,7 @@ from granwave.analysis.comparison.impacts import (
     punch,
     substance,
 )
+from granwave.analysis.comparison.scaling import COLOURS, CONTINUUM_ENERGY, FRACTION, MARKERS, draw_scaling
 from granwave.analysis.figure_style import Drawing, new_figure
 
 _FEWEST_CURVES = 2
@@ -76,29 +76,7 @@ def tapers(impacts: Impacts) -> list[tuple[float, Continuum]]:
 
 def scaling(impacts: Impacts) -> Drawing | None:
     """Dissipated fraction against input energy by material, in J and normalised (thesis Fig. 5.10)."""
-    curves = materials(impacts)
-    if len(curves) < _FEWEST_CURVES:
-        return None
-    figure = new_figure(2.6, 7.0)
-    left, right = figure.subplots(1, 2, sharey=True)
-    columns: dict[str, list] = {"curve": [], "energy_J": [], "energy_normalised": [], "dissipated_fraction": []}
-    for n, (name, runs) in enumerate(curves):
-        fraction = [run.fraction for run in runs]
-        style = reference_and_marks(n)
-        left.plot([run.energy for run in runs], fraction, label=name, **style)
-        right.plot([run.energy_normalised for run in runs], fraction, **style)
-        columns["curve"] += [name] * len(runs)
-        columns["energy_J"] += [run.energy for run in runs]
-        columns["energy_normalised"] += [run.energy_normalised for run in runs]
-        columns["dissipated_fraction"] += fraction
-    left.set_xlabel("Input energy (J)")
-    right.set_xlabel(r"Input energy $e_\mathrm{in} E/(\sigma_\mathrm{y}^2 D^3)$")
-    left.set_ylabel("Dissipation / input energy")
-    left.set_ylim(bottom=0)
-    left.legend(fontsize=6, loc="lower right")
-    for axes in (left, right):
-        axes.set_xlim(left=0)
-    return Drawing(figure, columns)
+    return draw_scaling(materials(impacts), CONTINUUM_ENERGY, "linear")
 
 
 def by_mass(impacts: Impacts) -> Drawing | None:
@@ -125,13 +103,13 @@ def by_mass(impacts: Impacts) -> Drawing | None:
     left.set_xscale("log")
     left.set_ylim(bottom=0)
     left.legend()
-    left.set_ylabel("Dissipation / input energy")
+    left.set_ylabel(FRACTION)
     right.set_xlim(left=0)
     right.set_ylim(bottom=0)
     right.set_ylabel(r"Plastic volume $/(\pi D^3/6)$")
     right.set_title("full: largest at one instant, dotted: that ever yielded", fontsize=7)
     for axes in (left, right):
-        axes.set_xlabel(r"Input energy $e_\mathrm{in} E/(\sigma_\mathrm{y}^2 D^3)$")
+        axes.set_xlabel(CONTINUUM_ENERGY)
     return Drawing(figure, columns)
 
 

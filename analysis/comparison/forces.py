@@ -13,8 +13,8 @@ import numpy as np
 from matplotlib.ticker import NullFormatter
 from numpy.typing import NDArray
 
-from granwave.analysis.comparison.granular import COLOURS, MARKERS
 from granwave.analysis.comparison.impacts import Granular, Impacts
+from granwave.analysis.comparison.scaling import COLOURS, MARKERS
 from granwave.analysis.fields import rays
 from granwave.analysis.figure_style import BLUE, GREY, ORANGE, Drawing, new_figure
 from granwave.analysis.planes import preferred_directions

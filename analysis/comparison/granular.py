@@ -5,14 +5,12 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
-from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from granwave.analysis.comparison.impacts import SAME, Granular, Impacts, differences, distinct, grouped, substance
-from granwave.analysis.figure_style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing, new_figure
+from granwave.analysis.comparison.scaling import FRACTION, GRANULAR_ENERGY, draw_scaling, reference_and_marks
+from granwave.analysis.figure_style import BLUE, ORANGE, Drawing, new_figure
 
-COLOURS = ("black", BLUE, ORANGE, GREEN, PURPLE, SKY, GREY)
-MARKERS = "os^DvP*"
 SOURCE_FIT = (9.45e3, -3.04e3, 5.00e3)  # D0, D1, D2 as thesis 5.17 prints them
 SOURCE_FIT_RIGHT = (9.45, -3.04, 0.500)  # in units in which the input is v0^2/2, as the thesis has it
 _FEWEST_FITTED = 5
@@ -36,29 +34,7 @@ def variants(impacts: Impacts) -> list[Curve]:
 
 def scaling(impacts: Impacts) -> Drawing | None:
     """Dissipated fraction against input energy, in J and normalised (thesis Fig. 5.5)."""
-    curves = variants(impacts)
-    if len(curves) < _FEWEST_CURVES:
-        return None
-    figure = new_figure(2.6, 7.0)
-    left, right = figure.subplots(1, 2, sharey=True)
-    columns: dict[str, list] = {"curve": [], "energy_J": [], "energy_normalised": [], "dissipated_fraction": []}
-    for n, (name, runs) in enumerate(curves):
-        style = reference_and_marks(n)
-        fraction = [run.fraction for run in runs]
-        left.plot([run.energy for run in runs], fraction, label=name, **style)
-        right.plot([run.energy_normalised for run in runs], fraction, **style)
-        columns["curve"] += [name] * len(runs)
-        columns["energy_J"] += [run.energy for run in runs]
-        columns["energy_normalised"] += [run.energy_normalised for run in runs]
-        columns["dissipated_fraction"] += fraction
-    left.set_xlabel("Input energy (J)")
-    right.set_xlabel(r"Input energy $e_\mathrm{in}/(F_\mathrm{y}\,\alpha_\mathrm{y})$")
-    left.set_ylabel("Dissipation / input energy")
-    left.legend()
-    for axes in (left, right):
-        axes.set_xscale("log")
-    left.set_ylim(0, 1)
-    return Drawing(figure, columns)
+    return draw_scaling(variants(impacts), GRANULAR_ENERGY, "log")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -152,7 +128,7 @@ def dissipation_against_velocity(impacts: Impacts) -> Drawing | None:
     right.set_xscale("log")
     right.set_ylim(0, 1)
     right.set_xlabel(r"Input energy $\bar e_\mathrm{in} = \bar v_0^2/2$")
-    right.set_ylabel("Dissipation / input energy")
+    right.set_ylabel(FRACTION)
     columns = {"velocity_normalised": v, "dissipation_normalised": lost, "dissipated_fraction": lost / _input(v)}
     inside = v >= fit.lowest * (1 - SAME)
     return Drawing(figure, columns | {"quadratic_law": np.where(inside, fit(v), np.nan)})
@@ -172,7 +148,10 @@ def loading_area(impacts: Impacts) -> Drawing | None:
         columns["struck_spheres"] += [spheres] * len(runs)
         columns["energy_normalised"] += energy
         columns["dissipated_fraction"] += fraction
-    _energy_axes(axes)
+    axes.set_xscale("log")
+    axes.set_ylim(0, 1)
+    axes.set_xlabel(GRANULAR_ENERGY)
+    axes.set_ylabel(FRACTION)
     axes.legend()
     return Drawing(figure, columns)
 
@@ -208,23 +187,3 @@ def _input(velocity: NDArray[np.float64]) -> NDArray[np.float64]:
 def _dissipation(run: Granular) -> float:
     """In units in which the input is v0^2/2."""
     return run.fraction * 0.5 * run.velocity_normalised**2
-
-
-def _energy_axes(axes: Axes) -> None:
-    axes.set_xscale("log")
-    axes.set_ylim(0, 1)
-    axes.set_xlabel(r"Input energy $e_\mathrm{in}/(F_\mathrm{y}\,\alpha_\mathrm{y})$")
-    axes.set_ylabel("Dissipation / input energy")
-
-
-def reference_and_marks(n: int) -> dict:
-    """The reference as a line with points, the others as open marks."""
-    if n == 0:
-        return {"color": COLOURS[0], "marker": ".", "linewidth": 0.8}
-    return {
-        "color": COLOURS[n % len(COLOURS)],
-        "marker": MARKERS[n % len(MARKERS)],
-        "markerfacecolor": "none",
-        "linestyle": "none",
-        "markersize": 5,
-    }
