@@ -241,9 +241,8 @@ def _tapers(impacts: Impacts) -> Table | None:
         )
         for taper, run in found
     )
-    return (
-        Table("Continuum: taper of the punch's edge, two elements across it", columns, rows) if len(rows) > 1 else None
-    )
+    title = "Continuum: taper of the punch's edge, two elements or more across it"
+    return Table(title, columns, rows) if len(rows) > 1 else None
 
 
 def _percent(share: float) -> Cell:
