@@ -29,7 +29,7 @@ demo: setup
 	@echo "Figures: $(DEMO)/figures   summary: $(DEMO)/summary.json   fields: $(DEMO)/result.h5"
 
 test: setup
-	$(BIN)/python -m pytest -n $(RANKS)
+	$(BIN)/python -m pytest -n $(RANKS) --dist loadgroup
 
 validate: setup
 	$(BIN)/python -m pytest -m validation

@@ -44,6 +44,7 @@ punch.mass = [0.1, 0.1, 0.1, 0.01, 0.1]
 punch.velocity = [8, 12, 16, 37.94733, 11.31371]
 material.youngs_modulus = [115e9, 115e9, 115e9, 115e9, 230e9]
 """
+pytestmark = pytest.mark.xdist_group("comparison")  # one process makes the suite, not each
 SUITE = 'name = "small"\nscans = ["granular.toml", "continuum.toml"]\n'
 
 
@@ -170,11 +171,11 @@ def test_suite_directory_stands_for_its_scans(suite: Path, tmp_path: Path) -> No
     assert "Comparison" in first
 
 
-def test_finished_suite_is_not_computed_again(suite: Path, capfd: pytest.CaptureFixture[str]) -> None:
+def test_finished_scan_of_a_suite_is_not_computed_again(suite: Path, capfd: pytest.CaptureFixture[str]) -> None:
     before = {path: path.stat().st_mtime_ns for path in suite.glob("*/points/*/summary.json")}
     assert main(["scan", str(suite.parent / "suite.toml"), "-o", str(suite)]) == 2
     assert "already holds results" in capfd.readouterr().err
-    assert main(["scan", str(suite.parent / "suite.toml"), "-o", str(suite), "--resume"]) == 0
+    assert main(["scan", str(suite.parent / "continuum.toml"), "-o", str(suite / "continuum"), "--resume"]) == 0
     assert before == {path: path.stat().st_mtime_ns for path in suite.glob("*/points/*/summary.json")}
     assert json.loads((suite / "suite.json").read_text(encoding="utf-8"))["scans"] == ["granular", "continuum"]
 

@@ -15,6 +15,8 @@ from granwave.analysis.exports.export import export
 from tests import synthetic
 from tests.export_inputs import equal, write_periodic_run, write_walled_run
 
+pytestmark = pytest.mark.xdist_group("export_scenes")  # its fixtures are made once
+
 
 @pytest.fixture(scope="module")
 def run(tmp_path_factory):

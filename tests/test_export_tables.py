@@ -25,6 +25,8 @@ EXACT = (
 )
 TIMES = np.array([0, 250, 500, 1000]) * synthetic.TIMESTEP
 
+pytestmark = pytest.mark.xdist_group("export_tables")  # its fixtures are made once
+
 
 @pytest.fixture(scope="module")
 def run(tmp_path_factory):

@@ -16,7 +16,7 @@ import pytest
 from tests.conftest import PLAIN
 from tests.slurm_cluster import slurm  # noqa: F401 (a fixture)
 
-pytestmark = pytest.mark.usefixtures("slurm")
+pytestmark = [pytest.mark.usefixtures("slurm"), pytest.mark.xdist_group("slurm")]
 
 PROFILE = """
 [slurm]

@@ -26,6 +26,8 @@ from granwave.analysis.sphere_contact.study import History, core_size, integrate
 from granwave.analysis.sphere_contact.summary import summarise
 from granwave.lammps_inputs import InputError, RunError
 
+pytestmark = pytest.mark.xdist_group("sphere_contact")  # its fixtures are made once
+
 BRASS = {"youngs_modulus": 115e9, "poisson_ratio": 0.30, "density": 8500.0}
 YIELD = 550e6
 ELASTIC = Elastoplastic(115e9, 0.30, 8500.0, math.inf)
