@@ -110,3 +110,8 @@ def script_of(
 def spheres():
     """The text of a LAMMPS script of a few spheres."""
     return script_of
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Those that take longest come first, so that no process ends minutes after the other."""
+    items.sort(key=lambda item: "test_scan_slurm" not in item.nodeid)
