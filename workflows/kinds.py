@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
+import importlib
 from collections.abc import Callable, Mapping
-from pathlib import Path
 from typing import Any, Protocol
 
 from granwave.lammps_inputs.case import Case
@@ -79,40 +79,21 @@ def kind_of(tables: Mapping[str, Any]) -> Kind:
     return CONTINUUM if any(name in tables for name in _OF_CONTINUUM) else GRANULAR
 
 
-def _read_continuum(data: Mapping[str, Any], source: str | Path, **options: Any) -> Any:
-    from granwave.analysis.continuum.case import ContinuumCase
+def _continuum_kind(package: str, case: str) -> Kind:
+    """A kind whose modules are loaded when a case of it is met; ``case`` is its class."""
 
-    return ContinuumCase.from_dict(data, source, **options)
+    def part(module: str, name: str) -> Any:
+        return getattr(importlib.import_module(f"granwave.analysis.{package}.{module}"), name)
 
-
-def _plan_continuum(case: Any, _: int) -> Any:
-    from granwave.analysis.continuum.plan import plan as plan_continuum
-
-    return plan_continuum(case)
-
-
-def _check_continuum(case: Any, _: Any) -> None:
-    from granwave.analysis.continuum.case import check_memory as check
-
-    check(case)
-
-
-def _read_sphere_contact(data: Mapping[str, Any], source: str | Path, **options: Any) -> Any:
-    from granwave.analysis.sphere_contact.case import SphereContactCase
-
-    return SphereContactCase.from_dict(data, source, **options)
-
-
-def _plan_sphere_contact(case: Any, _: int) -> Any:
-    from granwave.analysis.sphere_contact.plan import plan as plan_sphere_contact
-
-    return plan_sphere_contact(case)
-
-
-def _check_sphere_contact(case: Any, _: Any) -> None:
-    from granwave.analysis.sphere_contact.case import check_memory as check
-
-    check(case)
+    return Kind(
+        verb="continuum",
+        parts="elements",
+        versions=("granwave",),
+        read=lambda data, source, **options: part("case", case).from_dict(data, source, **options),
+        size=lambda found: found.run.elements,
+        cost=lambda found, _: part("plan", "plan")(found),
+        check_memory=lambda found, _: part("case", "check_memory")(found),
+    )
 
 
 GRANULAR = Kind(
@@ -125,21 +106,5 @@ GRANULAR = Kind(
     check_memory=lambda _, expected: check_memory(expected),
     parallel=True,
 )
-CONTINUUM = Kind(
-    verb="continuum",
-    parts="elements",
-    versions=("granwave",),
-    read=_read_continuum,
-    size=lambda case: case.run.elements,
-    cost=_plan_continuum,
-    check_memory=_check_continuum,
-)
-SPHERE_CONTACT = Kind(
-    verb="continuum",
-    parts="elements",
-    versions=("granwave",),
-    read=_read_sphere_contact,
-    size=lambda case: case.run.elements,
-    cost=_plan_sphere_contact,
-    check_memory=_check_sphere_contact,
-)
+CONTINUUM = _continuum_kind("continuum", "ContinuumCase")
+SPHERE_CONTACT = _continuum_kind("sphere_contact", "SphereContactCase")
