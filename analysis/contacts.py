@@ -57,7 +57,9 @@ def merge_dents(dents: Frame) -> Contacts:
     }
 
 
-def list_contacts(merged: Contacts, touching: NDArray[np.int64], yield_overlap: float) -> Contacts:
+def list_contacts(
+    merged: Contacts, touching: NDArray[np.int64], yield_overlap: float | NDArray[np.float64]
+) -> Contacts:
     """The pairs of ``/contacts``: those that touch at the start, and those pressed beyond `LISTED_FROM`.
 
     Parameters
@@ -67,7 +69,7 @@ def list_contacts(merged: Contacts, touching: NDArray[np.int64], yield_overlap: 
     touching
         Pairs of ids that touch at the start, i < j: (n, 2).
     yield_overlap
-        alpha_y, m; when it is not finite every pair that was ever loaded is listed.
+        alpha_y, of all pairs or of each of ``merged``, m; where it is not finite, all pairs ever loaded are listed.
 
     Returns
     -------
@@ -78,7 +80,7 @@ def list_contacts(merged: Contacts, touching: NDArray[np.int64], yield_overlap: 
     stride = 1 + max(touching.max(initial=0), merged["j"].max(initial=0))
     dented = merged["i"] * stride + merged["j"]
     at_start = np.unique(touching[:, 0] * stride + touching[:, 1]).astype(np.int64)
-    threshold = LISTED_FROM * yield_overlap if np.isfinite(yield_overlap) else 0.0
+    threshold = np.where(np.isfinite(yield_overlap), LISTED_FROM * np.asarray(yield_overlap), 0.0)
     keys = np.union1d(at_start, dented[merged["peak_overlap"] > threshold])
     target = np.searchsorted(keys, dented)
     known = target < len(keys)
@@ -92,11 +94,10 @@ def list_contacts(merged: Contacts, touching: NDArray[np.int64], yield_overlap: 
     return result
 
 
-def sphere_values(n_spheres: int, contacts: Contacts, yielded: NDArray[np.bool_]) -> dict[str, NDArray]:
+def sphere_values(
+    n_spheres: int, contacts: Contacts, yielded: NDArray[np.bool_], share: float | NDArray[np.float64] = 0.5
+) -> dict[str, NDArray]:
     """What the contacts mean to each sphere, rows by id.
-
-    Each sphere of a contact gets half of its dissipated energy: all spheres of a packing have one yield
-    strength.
 
     Parameters
     ----------
@@ -104,6 +105,8 @@ def sphere_values(n_spheres: int, contacts: Contacts, yielded: NDArray[np.bool_]
         Of `list_contacts`.
     yielded
         Which of them have yielded: (n_contacts,).
+    share
+        Of the dissipated energy of a contact that its first sphere gets; (n_contacts,) or one for all.
 
     Returns
     -------
@@ -127,10 +130,11 @@ def sphere_values(n_spheres: int, contacts: Contacts, yielded: NDArray[np.bool_]
         return np.bincount(ends[both(mask)], minlength=n_spheres)
 
     times = {name: extreme(np.minimum, name, np.inf) for name in ("time_first", "time_yield")}
+    lost = np.concatenate([part * contacts["dissipated_energy"] for part in (share, 1 - share)])
     return {
         "peak_force": extreme(np.maximum, "peak_force", 0.0),
         "peak_overlap": extreme(np.maximum, "peak_overlap", 0.0),
-        "dissipated_energy": np.bincount(ends, both(0.5 * contacts["dissipated_energy"]), minlength=n_spheres),
+        "dissipated_energy": np.bincount(ends, lost, minlength=n_spheres),
         "contacts_yielded": count(yielded),
         "coordination": count(contacts["touching"]),
         **{name: np.where(np.isfinite(time), time, np.nan) for name, time in times.items()},

@@ -6,6 +6,7 @@ Snapshots are read one at a time.
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 import logging
 from collections.abc import Iterator
@@ -21,6 +22,7 @@ from granwave.lammps_inputs import script_output
 from granwave.lammps_inputs.script_output import CONTACT_COLUMNS, FRAME_COLUMNS
 
 SPHERE_COLUMNS = tuple(FRAME_COLUMNS)
+HISTORY_COLUMNS = tuple(script_output.HISTORY_COLUMNS)
 WALL_COLUMNS = ("id", *script_output.WALL_COLUMNS)
 DATA_COLUMNS = ("id", "type", "diameter", "density", "x", "y", "z")
 
@@ -55,6 +57,11 @@ class Frame:
         """One column: (n_rows,)."""
         return self.values[:, self.columns.index(name)]
 
+    def up_to(self, number: int) -> Frame:
+        """The rows of ids up to ``number``, of a frame sorted by id."""
+        n = int(np.searchsorted(self["id"], number, side="right"))
+        return self if n == len(self) else Frame(self.step, self.box, self.columns, self.values[:n])
+
     def vector(self, *names: str) -> NDArray[np.float64]:
         """Several columns side by side: (n_rows, len(names))."""
         return self.values[:, [self.columns.index(name) for name in names]]
@@ -83,11 +90,17 @@ def read_frames(directory: str | Path) -> Iterator[Frame]:
     OutputFormatError
         It lacks a column, a snapshot in its middle is damaged, or it holds no complete one.
     """
-    last_step = -1
-    for frame in _frames(_dump(directory, "spheres.dump"), SPHERE_COLUMNS, sort_by="id"):
-        if frame.step > last_step:
-            last_step = frame.step
-            yield frame
+    yield from _rising(_frames(_dump(directory, "spheres.dump"), SPHERE_COLUMNS, sort_by="id"))
+
+
+def read_history(directory: str | Path) -> Iterator[Frame]:
+    """Instants of ``dumps/history.dump`` in turn, `HISTORY_COLUMNS`, rows sorted by id; raises as `read_frames`."""
+    yield from _rising(_frames(_dump(directory, "history.dump"), HISTORY_COLUMNS, sort_by="id"))
+
+
+def read_forces(directory: str | Path) -> Iterator[Frame]:
+    """Contacts at the same instants (``dumps/forces.dump``), columns i, j, force; raises as `read_frames`."""
+    yield from _rising(_frames(_dump(directory, "forces.dump"), ("i", "j", "force")))
 
 
 def read_contacts(directory: str | Path) -> Frame:
@@ -104,12 +117,21 @@ def read_wall_contacts(directory: str | Path) -> dict[str, Frame]:
 
     Empty when there is no plane.
     """
-    paths = sorted((Path(directory) / "dumps").glob("wall_*.dump"))
-    return {path.stem.removeprefix("wall_"): _only_frame(path, WALL_COLUMNS, sort_by="id") for path in paths}
+    found: dict[str, list[Frame]] = {}
+    for path in sorted(
+        (Path(directory) / "dumps").glob("wall_*.dump")
+    ):  # wall_NAME, and wall_NAME_2 of further materials
+        found.setdefault(path.stem.split("_")[1], []).append(_only_frame(path, WALL_COLUMNS, sort_by="id"))
+    return {
+        name: _sorted(dataclasses.replace(parts[0], values=np.concatenate([part.values for part in parts])), "id")
+        for name, parts in found.items()
+    }
 
 
 def read_data(directory: str | Path) -> Frame:
-    """The spheres at the start (``data.granwave``), `DATA_COLUMNS` in m and kg/m^3, rows sorted by id.
+    """The particles at the start (``data.granwave``), `DATA_COLUMNS` in m and kg/m^3, rows sorted by id.
+
+    The nodes of bars come last: their diameter is 0, and their density is their mass in kg.
 
     Raises
     ------
@@ -122,6 +144,7 @@ def read_data(directory: str | Path) -> Frame:
     if not path.exists():
         raise MissingOutputError(f"{path} is missing: write the deck again (granwave write CASE -o {directory})")
     n_spheres = 0
+    columns: tuple[str, ...] = DATA_COLUMNS
     box = np.zeros((3, 2))
     with open(path, encoding="ascii") as file:
         file.readline()  # the title
@@ -132,12 +155,23 @@ def read_data(directory: str | Path) -> Frame:
             elif len(words) == 4 and words[3] in ("xhi", "yhi", "zhi"):
                 box["xyz".index(words[3][0])] = float(words[0]), float(words[1])
             elif words and words[0] == "Atoms":
+                columns = tuple(line.partition(":")[2].split()) or DATA_COLUMNS
                 break
         file.readline()
-        values = _numbers(list(itertools.islice(file, n_spheres)), n_spheres, len(DATA_COLUMNS))
+        values = _numbers(list(itertools.islice(file, n_spheres)), n_spheres, len(columns))
     if values is None or not n_spheres:
-        raise OutputFormatError(f"{path}: expected {n_spheres} rows of {' '.join(DATA_COLUMNS)} under Atoms")
-    return _sorted(Frame(0, box, DATA_COLUMNS, values), "id")
+        raise OutputFormatError(f"{path}: expected {n_spheres} rows of {' '.join(columns)} under Atoms")
+    frame = Frame(0, box, columns, values)
+    return _sorted(Frame(0, box, DATA_COLUMNS, np.ascontiguousarray(frame.vector(*DATA_COLUMNS))), "id")
+
+
+def _rising(frames: Iterator[Frame]) -> Iterator[Frame]:
+    """Each step once: of one that is there twice (a resumed run) the first counts."""
+    last_step = -1
+    for frame in frames:
+        if frame.step > last_step:
+            last_step = frame.step
+            yield frame
 
 
 def _dump(directory: str | Path, name: str) -> Path:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-from granwave.analysis import figures_dissipation, figures_history, figures_packing, figures_planes
+from granwave.analysis import figures_chain, figures_dissipation, figures_history, figures_packing, figures_planes
 from granwave.analysis.figure_style import Drawing, remove, save, style
 from granwave.analysis.result import Result
 
@@ -29,6 +29,12 @@ FIGURES: dict[str, Callable[[Result], Drawing | None]] = {
     "packing_3d": figures_packing.packing_3d,
     "packing_3d_dissipation": figures_packing.packing_3d_dissipation,
     "probes": figures_history.probes,
+    "force_map": figures_chain.force_map,
+    "force_histories": figures_chain.force_histories,
+    "along_chain": figures_chain.along_chain,
+    "bead_velocities": figures_chain.bead_velocities,
+    "bars": figures_chain.bars,
+    "sensors": figures_chain.sensors,
 }
 
 

@@ -100,7 +100,7 @@ def plastic_zone_growth(result: Result) -> Drawing | None:
 def peak_force_depth(result: Result) -> Drawing | None:
     """Decay of the peak force: the largest of each layer, and along the preferred directions."""
     depth, force = peak_force_by_depth(result)
-    if len(depth) < 2 or not np.any(force > 0):
+    if len(depth) < 2 or not np.any(force > 0) or "chain" in result:  # a chain has a figure of its own
         return None
     scale, label, name = force_scale(result)
     along = rays(result)

@@ -39,8 +39,8 @@ class PlasticZone:
     radius: float
 
 
-def yields_from(law: str, yield_overlap: float) -> float:
-    """The largest overlap beyond which a contact has yielded, m."""
+def yields_from(law: str, yield_overlap: NDArray[np.float64]) -> float | NDArray[np.float64]:
+    """The largest overlap beyond which a contact has yielded, m; ``yield_overlap`` by contact: (n_contacts,), m."""
     return {"hertz": math.inf, "bilinear": 0.0}.get(law, yield_overlap)
 
 

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.h5md import GROUP
 from granwave.analysis.result_file import RESULT_FILE
+from granwave.lammps_inputs.assembly import struck_of
 from granwave.lammps_inputs.case import Case
 from granwave.lammps_inputs.laws import sphere_contact
-from granwave.lammps_inputs.struck import struck_spheres
 
 if TYPE_CHECKING:
     from granwave._contact_laws import ContactLaw
@@ -126,13 +126,16 @@ class Result:
 
     @cached_property
     def struck(self) -> tuple[int, ...]:
-        """Ids of the struck spheres, the central one first."""
-        return struck_spheres(self.case.lattice, self.case.load.spheres)
+        """Ids of the spheres that the load acts on, the central one first; of strikers alone those that move."""
+        return struck_of(self.case)
 
     @property
     def origin(self) -> NDArray[np.float64]:
-        """Centre of the struck sphere at the start: (3,), m."""
-        return self["spheres/position"][self.struck[0] - 1]
+        """Centre of the struck sphere of the packing at the start: (3,), m."""
+        sphere = self.struck[0] if self.struck else 1
+        while sphere > self.case.lattice.n_spheres:  # a striker: what it strikes
+            sphere = self.case.striker[sphere - self.case.lattice.n_spheres - 1].touches[0]
+        return self["spheres/position"][sphere - 1]
 
     @property
     def n_spheres(self) -> int:

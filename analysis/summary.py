@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 
 from granwave.analysis.plasticity import HALF_LAW_LIMIT, LAW_LIMIT, PlasticZone, plastic_zone
 from granwave.analysis.result import Result
+from granwave.analysis.sensors import sensor_forces
+from granwave.lammps_inputs.assembly import BAR
 from granwave.lammps_inputs.files import plain, replace_text
 
 SUMMARY_FILE = "summary.json"
@@ -61,6 +63,8 @@ def summary_of(result: Result) -> Summary:
         **_plasticity(result),
         **_normalised(result),
         **_bottom(result),
+        **_bars(result),
+        **_sensors(result),
         "wave_speed_m_s": wave_speed_of(result),
         "impactor_velocity_m_s": float(result["energy/struck_velocity"][-1]),
         "restitution": restitution(result),
@@ -145,6 +149,8 @@ def restitution(result: Result) -> float | None:
     -e. None for every other packing.
     """
     case = result.case
+    if case.load.kind != "impact" or not case.assembly.plain or case.boundary.bottom_material is not None:
+        return None
     left = float(result["energy/struck_velocity"][-1]) / case.load.velocity
     if result.n_spheres == 2 and case.packing.kind == "chain" and case.boundary.bottom == "free":
         return 1 - 2 * left
@@ -180,7 +186,7 @@ def _energies(result: Result) -> Summary:
 
 
 def _contacts(result: Result) -> Summary:
-    limit = result.law.effective_radius
+    limit = result["contacts/effective_radius"]
     overlaps = result["contacts/peak_overlap"]
 
     def beyond(share: float) -> int | None:
@@ -211,20 +217,34 @@ def _normalised(result: Result) -> Summary:
     law, case = result.law, result.case
     if not result.yields:
         return {"velocity_normalised": None, "energy_input_normalised": None}
-    strength = law.yield_strength
+    strength, velocity = law.yield_strength, case.load.velocity
     return {
-        "velocity_normalised": velocity_normalised(
-            case.load.velocity, law.effective_modulus, case.material.density, strength
-        ),
+        "velocity_normalised": velocity_normalised(velocity, law.effective_modulus, case.material.density, strength)
+        if case.load.kind == "impact"
+        else None,
         "energy_input_normalised": result.energy_input / (law.yield_force * law.yield_overlap),
     }
 
 
 def _bottom(result: Result) -> Summary:
-    if "walls/bottom" not in result:
+    name = next((name for name in ("bottom", BAR) if f"walls/{name}" in result), None)
+    if name is None:
         return {"wall_peak_force_N": None, "wall_impulse_Ns": None}
-    time, force = result["walls/bottom/time"], result["walls/bottom/force"]
+    time, force = result[f"walls/{name}/time"], result[f"walls/{name}/force"]
     return {
         "wall_peak_force_N": float(np.max(force, initial=0.0)),
         "wall_impulse_Ns": float(np.trapezoid(force, time)),
     }
+
+
+def _bars(result: Result) -> Summary:
+    """Energy in each bar at the end, kinetic and elastic."""
+    names = [bar.name for bar in result.case.assembly.bars]
+    return {f"energy_{name}_J": float(result[f"energy/{name}"][-1]) for name in names}
+
+
+def _sensors(result: Result) -> Summary:
+    """Largest force at each sensor of a chain."""
+    if "chain" not in result:
+        return {}
+    return {f"sensor_{name}_peak_force_N": float(force.max()) for name, force in sensor_forces(result).items()}

@@ -4,7 +4,7 @@ from granwave.lammps_inputs.case import Case, load_case
 from granwave.lammps_inputs.deck import Deck, write_deck
 from granwave.lammps_inputs.errors import GranwaveError, InputError, RunError
 from granwave.lammps_inputs.lattices import Lattice
-from granwave.lammps_inputs.laws import sphere_contact, wall_contact
+from granwave.lammps_inputs.laws import flat_contact, pair_contact, sphere_contact
 from granwave.lammps_inputs.materials import Material, load_materials, material, presets
 from granwave.lammps_inputs.packings import Packing, build_packing
 from granwave.lammps_inputs.plan import Plan, check_memory, plan
@@ -30,16 +30,17 @@ __all__ = [
     "build_packing",
     "check_memory",
     "expected_peak_overlap",
+    "flat_contact",
     "hertz_von_mises_yield_factor",
     "load_case",
     "load_materials",
     "make_schedule",
     "material",
+    "pair_contact",
     "plan",
     "presets",
     "sphere_contact",
     "struck_spheres",
-    "wall_contact",
     "walls",
     "write_deck",
 ]

@@ -10,13 +10,16 @@ from typing import Any
 
 import tomli_w
 
-from granwave.lammps_inputs.checks import check_together, warn_about
+from granwave.lammps_inputs.assembly import Assembly, assemble
+from granwave.lammps_inputs.bodies import Bar, Replace, Sensor, Striker, read_body, read_list
+from granwave.lammps_inputs.checks import check_case, check_together, warn_about
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.keys import Faults, read_name, read_table, refuse_unknown, show
 from granwave.lammps_inputs.lattices import Lattice
+from granwave.lammps_inputs.loads import Load, read_load
 from granwave.lammps_inputs.materials import Material, read_material, sphere_mass
 from granwave.lammps_inputs.overrides import apply_overrides, parse_overrides
-from granwave.lammps_inputs.sections import Boundary, Contact, Load, Output, PackingSection, Run
+from granwave.lammps_inputs.sections import Boundary, Contact, Output, PackingSection, Run
 from granwave.lammps_inputs.toml_files import read_toml
 
 _SECTIONS: dict[str, type] = {
@@ -27,13 +30,14 @@ _SECTIONS: dict[str, type] = {
     "run": Run,
     "output": Output,
 }
+_LISTS: dict[str, type] = {"replace": Replace, "striker": Striker, "sensor": Sensor}
+_BARS = ("bar", "incident_bar")
 _REQUIRED = ("packing", "material")
-_KNOWN = ("name", "material", *_SECTIONS)
+_KNOWN = ("name", "material", *_SECTIONS, *_LISTS, *_BARS)
 _RECORD = "resolved"  # written beside a deck for people and programs, ignored when read
-_LATER = ("replace", "striker", "bar", "sensor")
-_LATER_KEYS = {"load": ("shape", "amplitude", "duration", "file")}
-_LATER_VALUES = {("load", "kind"): "force"}
 _OF_CONTINUUM = ("block", "punch")
+_HISTORY, _LEAST_HISTORY = 1000, 5  # instants; beads of a chain from which on they are recorded by themselves
+_HISTORY_VALUES, _LEAST_ROWS = 1e6, 250  # instants times particles, nodes of bars among them; fewest instants
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -48,6 +52,11 @@ class Case:
     boundary: Boundary = dataclasses.field(default_factory=Boundary)
     run: Run = dataclasses.field(default_factory=Run)
     output: Output = dataclasses.field(default_factory=Output)
+    replace: tuple[Replace, ...] = ()
+    striker: tuple[Striker, ...] = ()
+    sensor: tuple[Sensor, ...] = ()
+    bar: Bar | None = None
+    incident_bar: Bar | None = None
 
     @classmethod
     def from_dict(
@@ -75,11 +84,23 @@ class Case:
         """
         faults = Faults(str(source), tuple(overridden))
         _refuse_others(data, faults)
-        parts = read_parts(data, source, faults, directory, sections=_SECTIONS, required=_REQUIRED, read=_read_section)
+        data = _with_implied(data)
+
+        def read(section: type, table: Any, name: str, faults: Faults) -> Any:
+            return _read_section(section, table, name, faults, directory)
+
+        parts = read_parts(data, source, faults, directory, sections=_SECTIONS, required=_REQUIRED, read=read)
+        for name, section in _LISTS.items():
+            parts[name] = read_list(section, data.get(name, ()), name, faults, directory)
+        for name in _BARS:
+            parts[name] = read_body(Bar, data[name], name, faults, directory) if name in data else None
         check_together(parts, faults)
         if faults.lines:
             raise InputError(faults.lines)
         case = cls(**parts)
+        check_case(case, faults)
+        if faults.lines:
+            raise InputError(faults.lines)
         warn_about(case, chose_yield_factor="yield_factor" in data.get("contact", {}))
         return case
 
@@ -88,9 +109,23 @@ class Case:
         """The lattice of the packing."""
         return Lattice(self.packing.kind, self.packing.size, self.packing.diameter, self.boundary.sides == "periodic")
 
+    @cached_property
+    def assembly(self) -> Assembly:
+        """All its bodies: spheres, strikers and bars."""
+        return assemble(self)
+
+    @property
+    def history(self) -> int:
+        """Instants at which a chain's velocities and forces are recorded; 0: none."""
+        if self.output.history != "auto":
+            return self.output.history
+        if self.packing.kind != "chain" or self.packing.size[0] < _LEAST_HISTORY:
+            return 0
+        return int(min(_HISTORY, max(_LEAST_ROWS, _HISTORY_VALUES / self.assembly.n_particles)))
+
     @property
     def sphere_mass(self) -> float:
-        """Mass of one sphere, kg."""
+        """Mass of one sphere of the packing, kg."""
         return sphere_mass(self.material, self.packing.diameter / 2)
 
     def to_dict(self) -> dict[str, Any]:
@@ -98,7 +133,11 @@ class Case:
         tables = _plain(self)
         if len(self.packing.size) == 1:
             tables["packing"]["size"] = self.packing.size[0]
-        return tables
+        tables["load"] = _plain(self.load.keys())
+        bottom = tables["boundary"].pop("bottom_material", None)
+        if bottom is not None:
+            tables["boundary"]["bottom"] = {"material": bottom}
+        return {name: table for name, table in tables.items() if table != []}
 
     def to_toml(self, resolved: Mapping[str, Any] | None = None) -> str:
         """The case as a TOML file, followed by the table ``[resolved]`` if there is one."""
@@ -169,21 +208,39 @@ def read_parts(
 
 def unit_of(key: str) -> str:
     """Unit of a dotted key, such as ``load.velocity``; empty where it has none."""
-    table, _, name = key.partition(".")
-    section = {**_SECTIONS, "material": Material}.get(table)
+    table, *between, name = [*key.split("."), ""] if "." not in key else key.split(".")
+    sections = {**_SECTIONS, **_LISTS, **dict.fromkeys(_BARS, Bar), "material": Material}
+    section = Material if "material" in between else sections.get(table)
     fields = {field.name: field for field in dataclasses.fields(section)} if section else {}
     return (fields[name].metadata["unit"] or "") if name in fields else ""
 
 
-def _read_section(section: type, table: Any, name: str, faults: Faults) -> Any:
-    if isinstance(table, Mapping):
-        later = {key for (part, key), value in _LATER_VALUES.items() if part == name and table.get(key) == value}
-        if name == "boundary" and isinstance(table.get("bottom"), Mapping):
-            later.add("bottom")
-        for key in later:
-            faults.add(f"{name}.{key}", f"{show(table[key])} is not available in this version")
-        table = {key: value for key, value in table.items() if key not in later}
-    return read_table(section, table, name, faults, _LATER_KEYS.get(name, ()))
+def _read_section(section: type, table: Any, name: str, faults: Faults, directory: Path | None) -> Any:
+    if section is Load:
+        return read_load(table, faults, directory)
+    bottom = table.get("bottom") if section is Boundary and isinstance(table, Mapping) else None
+    if not isinstance(bottom, Mapping):
+        return read_table(section, table, name, faults)
+    refuse_unknown(bottom, ("material",), "boundary.bottom", faults)
+    if not bottom:
+        faults.add("boundary.bottom", f'found {show(bottom)}, expected a word, or {{material = "..."}} for a wall')
+        return None
+    if "material" not in bottom:
+        return None
+    material = read_material(bottom["material"], faults, directory, "boundary.bottom.material")
+    boundary = read_table(Boundary, {**table, "bottom": "wall"}, name, faults)
+    return None if boundary is None else dataclasses.replace(boundary, bottom_material=material)
+
+
+def _with_implied(data: Mapping[str, Any]) -> dict[str, Any]:
+    """The tables of a case, with the words that others make plain: a striker is the load, a bar the bottom."""
+    data = dict(data)
+    if "striker" in data and "load" not in data:
+        data["load"] = {"kind": "striker"}
+    boundary = data.get("boundary", {})
+    if "bar" in data and isinstance(boundary, Mapping) and "bottom" not in boundary:
+        data["boundary"] = {**boundary, "bottom": "free"}
+    return data
 
 
 def _refuse_others(data: Mapping[str, Any], faults: Faults) -> None:
@@ -191,7 +248,7 @@ def _refuse_others(data: Mapping[str, Any], faults: Faults) -> None:
         if name in data:
             faults.add(name, "belongs to a continuum case: granwave continuum runs it")
     rest = {name: value for name, value in data.items() if name not in (*_OF_CONTINUUM, _RECORD)}
-    refuse_unknown(rest, _KNOWN, "", faults, _LATER)
+    refuse_unknown(rest, _KNOWN, "", faults)
 
 
 def _plain(value: Any) -> Any:

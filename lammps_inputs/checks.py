@@ -6,11 +6,14 @@ import logging
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from granwave.lammps_inputs.assembly import BAR, INCIDENT_BAR
+from granwave.lammps_inputs.bodies import Bar, Replace, Sensor, Striker
 from granwave.lammps_inputs.keys import Faults, show
 from granwave.lammps_inputs.lattices import KINDS, Lattice
 from granwave.lammps_inputs.laws import fault_of_constants
+from granwave.lammps_inputs.loads import Load
 from granwave.lammps_inputs.materials import Material
-from granwave.lammps_inputs.sections import Boundary, Contact, Load, Output, PackingSection, Run
+from granwave.lammps_inputs.sections import Boundary, Contact, Output, PackingSection, Run
 from granwave.lammps_inputs.struck import struck_spheres
 from granwave.lammps_inputs.yield_factor import FITTED_POISSON_RATIO, hertz_von_mises_yield_factor
 
@@ -27,16 +30,35 @@ def check_together(parts: Mapping[str, Any], faults: Faults) -> None:
     boundary: Boundary | None = parts.get("boundary")
     run: Run | None = parts.get("run")
     output: Output | None = parts.get("output")
-    _check_yield(parts.get("material"), parts.get("contact"), faults)
+    _check_yields(parts, faults)
     _check_constants(parts.get("contact"), faults)
     if run is not None:
         _check_times(run, output, faults)
     if packing is None or not _size_fits(packing, faults):
         return
+    n_spheres = Lattice(packing.kind, packing.size, packing.diameter).n_spheres
+    replaced, strikers, sensors = parts.get("replace", ()), parts.get("striker", ()), parts.get("sensor", ())
+    _check_replaced(replaced, packing, n_spheres, faults)
+    _check_strikers(strikers, n_spheres, faults)
+    n_spheres += len(strikers)
+    _check_sensors(sensors, packing, n_spheres, faults)
     if output is not None:
-        _check_probes(output, Lattice(packing.kind, packing.size, packing.diameter).n_spheres, faults)
+        _check_probes(output, n_spheres, faults)
+        if output.history not in (0, "auto") and packing.kind != "chain":
+            faults.add("output.history", f"found {output.history} for {packing.kind}, expected 0: only chains have one")
     if boundary is not None and _boundary_fits(packing, boundary, faults):
         _check_load(parts.get("load"), packing, boundary, faults)
+        _check_bars(parts, packing, boundary, faults)
+
+
+def check_case(case: Case, faults: Faults) -> None:
+    """Check what takes the whole case: the places of strikers."""
+    if not case.striker:
+        return
+    try:
+        case.assembly  # noqa: B018
+    except ValueError as error:
+        faults.add("striker", str(error))
 
 
 def warn_about(case: Case, *, chose_yield_factor: bool) -> None:
@@ -54,18 +76,89 @@ def warn_about(case: Case, *, chose_yield_factor: bool) -> None:
             case.contact.yield_factor,
         )
     for probe in case.output.probes:
-        if probe.contact is not None and probe.contact[1] not in case.lattice.neighbours(probe.contact[0]):
+        if probe.contact is not None and not _touch(case, *probe.contact):
             _LOG.warning("%s: the spheres of the probed contact %s do not touch at the start", case.name, probe.contact)
+    for bar in case.assembly.bars:
+        crossing = 2 * bar.section.length / bar.wave_speed
+        if case.run.longest > crossing:
+            _LOG.warning(
+                "%s: a wave crosses the %s and comes back in %.3g s, the run lasts %.3g s: its end may be felt; "
+                "make the bar longer, or the run shorter",
+                case.name,
+                bar.name,
+                crossing,
+                case.run.longest,
+            )
     if case.run.end_time == "auto" and not case.contact.yields:
         _LOG.warning('%s: a Hertz packing dissipates nothing, so run.end_time = "auto" ends after 50 us', case.name)
 
 
-def _check_yield(material: Material | None, contact: Contact | None, faults: Faults) -> None:
-    if material is not None and contact is not None and contact.yields and material.yield_strength is None:
+def _check_yields(parts: Mapping[str, Any], faults: Faults) -> None:
+    """Every sphere needs a yield strength if the law yields; walls and bars without one are elastic."""
+    contact: Contact | None = parts.get("contact")
+    if contact is None or not contact.yields:
+        return
+    materials: dict[str, Material | None] = {"material": parts.get("material")}
+    for name in ("replace", "striker"):
+        materials |= {f"{name}.{n}.material": body.material for n, body in enumerate(parts.get(name, ()), start=1)}
+    for key, material in materials.items():
+        if material is not None and material.yield_strength is None:
+            faults.add(
+                f"{key}.yield_strength",
+                f'missing; the {contact.law} law needs it: give a number in Pa, or set contact.law = "hertz"',
+            )
+
+
+def _check_replaced(replaced: tuple[Replace, ...], packing: PackingSection, n_spheres: int, faults: Faults) -> None:
+    for n, entry in enumerate(replaced, start=1):
+        beyond = [sphere for sphere in entry.index if sphere > n_spheres]
+        if beyond:
+            faults.add(
+                f"replace.{n}.index", f"found {beyond[0]}, expected an id from 1 to {n_spheres}, the end of the packing"
+            )
+        if entry.diameter is not None and entry.diameter != packing.diameter and packing.kind != "chain":
+            faults.add(f"replace.{n}.diameter", f"found {entry.diameter:g} in {packing.kind}; only chains take others")
+        if entry.diameter is None and entry.material is None:
+            faults.add(f"replace.{n}", "changes nothing; give a material, or a diameter")
+
+
+def _check_strikers(strikers: tuple[Striker, ...], n_spheres: int, faults: Faults) -> None:
+    for n, striker in enumerate(strikers, start=1):
+        known = n_spheres + n - 1
+        beyond = [sphere for sphere in striker.touches if sphere > known]
+        if beyond:
+            faults.add(
+                f"striker.{n}.touches",
+                f"found {beyond[0]}, expected ids from 1 to {known}: spheres of the packing, and earlier strikers",
+            )
+
+
+def _check_sensors(sensors: tuple[Sensor, ...], packing: PackingSection, n_spheres: int, faults: Faults) -> None:
+    for n, sensor in enumerate(sensors, start=1):
+        if packing.kind != "chain":
+            faults.add(f"sensor.{n}", f"found in {packing.kind}, expected a chain; use output.probes")
+        if sensor.id > n_spheres:
+            faults.add(f"sensor.{n}.id", f"found {sensor.id}, expected an id from 1 to {n_spheres}")
+        if sensor.name in [other.name for other in sensors[: n - 1]]:
+            faults.add(f"sensor.{n}.name", f"found {show(sensor.name)} twice, expected a name of its own")
+
+
+def _check_bars(parts: Mapping[str, Any], packing: PackingSection, boundary: Boundary, faults: Faults) -> None:
+    bars: dict[str, Bar | None] = {name: parts.get(name) for name in (BAR, INCIDENT_BAR)}
+    for name, bar in bars.items():
+        if bar is not None and packing.kind != "chain":
+            faults.add(name, f"found with packing.kind = {show(packing.kind)}, expected a chain")
+    if bars[BAR] is not None and boundary.bottom != "free":
         faults.add(
-            "material.yield_strength",
-            f'missing; the {contact.law} law needs it: give a number in Pa, or set contact.law = "hertz"',
+            "boundary.bottom", f'found {show(boundary.bottom)} beside [bar], expected "free": the bar is what is below'
         )
+    load: Load | None = parts.get("load")
+    if bars[INCIDENT_BAR] is not None and load is not None and load.kind != "force":
+        faults.add(
+            "load.kind", f"found {show(load.kind)}, expected a force: it acts on the free end of the incident_bar"
+        )
+    if bars[INCIDENT_BAR] is not None and parts.get("striker"):
+        faults.add("striker", "found beside [incident_bar]; take one of them out")
 
 
 def _check_constants(contact: Contact | None, faults: Faults) -> None:
@@ -134,10 +227,19 @@ def _boundary_fits(packing: PackingSection, boundary: Boundary, faults: Faults) 
 
 
 def _check_load(load: Load | None, packing: PackingSection, boundary: Boundary, faults: Faults) -> None:
-    if load is None:
+    if load is None or load.kind == "striker":
         return
     lattice = Lattice(packing.kind, packing.size, packing.diameter, boundary.sides == "periodic")
     try:
         struck_spheres(lattice, load.spheres)
     except ValueError as error:
         faults.add("load.spheres", f"found {load.spheres}, but {error}; use 1, or another packing")
+
+
+def _touch(case: Case, first: int, second: int) -> bool:
+    """Two spheres touch at the start."""
+    low, high = sorted((first, second))
+    n = case.lattice.n_spheres
+    if high > n:
+        return low in case.striker[high - n - 1].touches
+    return high in case.lattice.neighbours(low)

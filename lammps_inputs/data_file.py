@@ -2,39 +2,88 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
+from granwave.lammps_inputs.assembly import Assembly, PlacedBar, Species
 from granwave.lammps_inputs.case import Case
-from granwave.lammps_inputs.lattices import Lattice
+from granwave.lammps_inputs.materials import Material
 
 _BATCH = 100_000  # spheres formatted at once
 _PERIODIC_LOW = -0.1  # in diameters; no plane of centres coincides with the faces of the periodic box
+_PLAIN_TITLE = "Atoms # sphere: id type diameter density x y z"
+_BAR_TITLE = "Atoms # hybrid: id type x y z diameter density molecule"
 
 
 def write_data(case: Case, path: Path) -> None:
-    """Write the spheres as a LAMMPS data file of ``atom_style sphere``, 17 significant digits."""
-    lattice = case.lattice
+    """Write the spheres as a LAMMPS data file of ``atom_style sphere``, 17 significant digits.
+
+    With a bar it is ``atom_style hybrid sphere bond``; a node has no diameter, and its mass in the column of densities.
+    """
+    assembly = case.assembly
     with path.open("w", encoding="ascii", newline="\n") as file:
-        file.write(_header(case, lattice))
-        diameter, density = (f"{value:.17g}" for value in (case.packing.diameter, case.material.density))
-        row = f"%d 1 {diameter} {density} %.17g %.17g %.17g\n"
-        for first in range(1, lattice.n_spheres + 1, _BATCH):
-            last = min(first + _BATCH - 1, lattice.n_spheres)
-            columns = lattice.positions(first, last).T.tolist()
-            file.write("".join([row % line for line in zip(range(first, last + 1), *columns, strict=True)]))
+        file.write(_header(assembly))
+        for rows in _sphere_rows(assembly):
+            file.write("".join(rows))
+        for bar in assembly.bars:
+            file.write("".join(_node_rows(assembly, bar)))
+        if assembly.bars:
+            file.write("\nBonds\n\n" + "".join(_bonds(assembly)))
 
 
-def _header(case: Case, lattice: Lattice) -> str:
-    low, high = lattice.bounds()
-    low, high = low - lattice.diameter, high + lattice.diameter
+def _sphere_rows(assembly: Assembly) -> Iterator[list[str]]:
+    n = assembly.lattice.n_spheres
+    plain = _row(assembly, assembly.material, assembly.lattice.diameter)
+    odd = {
+        sphere: _row(assembly, assembly.material_of(sphere), assembly.diameter_of(sphere))
+        for sphere in {*assembly.diameters, *assembly.materials, *range(n + 1, assembly.n_spheres + 1)}
+    }
+    for first in range(1, n + 1, _BATCH):
+        last = min(first + _BATCH - 1, n)
+        columns = assembly.lattice_positions(first, last).T.tolist()
+        lines = zip(range(first, last + 1), *columns, strict=True)
+        yield [odd.get(line[0], plain) % line for line in lines] if odd else [plain % line for line in lines]
+    yield [odd[number] % (number, *centre) for number, (_, centre) in enumerate(assembly.strikers, start=n + 1)]
+
+
+def _row(assembly: Assembly, material: Material, diameter: float) -> str:
+    """The row of a sphere, but for its id, x, y and z."""
+    kind, constants = assembly.type_of(material), f"{diameter:.17g} {material.density:.17g}"
+    if assembly.bars:
+        return f"%d {kind} %.17g %.17g %.17g {constants} 0\n"
+    return f"%d {kind} {constants} %.17g %.17g %.17g\n"
+
+
+def _node_rows(assembly: Assembly, bar: PlacedBar) -> list[str]:
+    node, face = (1 + assembly.species.index(Species(bar.material, role, bar.name)) for role in ("node", "face"))
+    return [
+        f"{number} {face if number == bar.face else node} 0 0 {z:.17g} 0 {mass:.17g} 0\n"
+        for number, z, mass in zip(range(bar.first, bar.last + 1), bar.position, bar.mass, strict=True)
+    ]
+
+
+def _bonds(assembly: Assembly) -> list[str]:
+    rows: list[str] = []
+    for kind, bar in enumerate(assembly.bars, start=1):
+        rows += [f"{len(rows) + n} {kind} {a} {a + 1}\n" for n, a in enumerate(range(bar.first, bar.last), start=1)]
+    return rows
+
+
+def _header(assembly: Assembly) -> str:
+    lattice = assembly.lattice
+    low, high = assembly.bounds()
+    low, high = low - lattice.diameter / 2, high + lattice.diameter / 2
     if lattice.periodic:
         low[:2] = _PERIODIC_LOW * lattice.diameter
         high[:2] = low[:2] + np.array(lattice.lengths)
     box = "".join(f"{a:.17g} {b:.17g} {x}lo {x}hi\n" for a, b, x in zip(low, high, "xyz", strict=True))
+    bars = assembly.bars
+    n_bonds = sum(bar.section.elements for bar in bars)
+    bonds = f"{n_bonds} bonds\n{len(bars)} bond types\n2 extra bond per atom\n" if bars else ""
     return (
         f"granwave: {lattice.kind} packing, SI units, struck layer at z = 0\n\n"
-        f"{lattice.n_spheres} atoms\n1 atom types\n\n{box}\n"
-        "Atoms # sphere: id type diameter density x y z\n\n"
+        f"{assembly.n_particles} atoms\n{len(assembly.species)} atom types\n{bonds}\n{box}\n"
+        f"{_BAR_TITLE if bars else _PLAIN_TITLE}\n\n"
     )

@@ -9,12 +9,12 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
+from granwave.lammps_inputs.assembly import struck_of
 from granwave.lammps_inputs.case import Case, load_case
 from granwave.lammps_inputs.data_file import write_data
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.schedule import Schedule, make_schedule
-from granwave.lammps_inputs.script import input_script
-from granwave.lammps_inputs.struck import struck_spheres
+from granwave.lammps_inputs.script import LOAD_FILE, input_script
 from granwave.lammps_inputs.toml_files import read_toml
 from granwave.lammps_inputs.walls import walls
 
@@ -37,7 +37,7 @@ class Deck:
     schedule
         When things happen in it.
     struck
-        Ids of the spheres that get the velocity, the struck sphere first.
+        Ids of the spheres that the load acts on, the struck sphere first.
     """
 
     directory: Path
@@ -78,7 +78,7 @@ def write_deck(case: Case, directory: str | Path, *, timestep: float | None = No
         The directory cannot be written to.
     """
     directory = Path(directory)
-    deck = Deck(directory, case, make_schedule(case, timestep), struck_spheres(case.lattice, case.load.spheres))
+    deck = Deck(directory, case, make_schedule(case, timestep), struck_of(case))
     try:
         directory.mkdir(parents=True, exist_ok=True)
         scratch = Path(tempfile.mkdtemp(prefix=".deck-", dir=directory))
@@ -87,9 +87,14 @@ def write_deck(case: Case, directory: str | Path, *, timestep: float | None = No
     try:
         (scratch / CASE_FILE).write_text(case.to_toml(resolved=resolved(deck)), encoding="utf-8")
         write_data(case, scratch / DATA_FILE)
-        (scratch / SCRIPT_FILE).write_text(input_script(case, deck.schedule, deck.struck), encoding="utf-8")
+        (scratch / SCRIPT_FILE).write_text(input_script(case, deck.schedule), encoding="utf-8")
         deck.dumps.mkdir(exist_ok=True)
-        for name in (CASE_FILE, DATA_FILE, SCRIPT_FILE):
+        files = [CASE_FILE, DATA_FILE, SCRIPT_FILE]
+        if case.load.table:
+            rows = "".join(f"{time!r} {value!r}\n" for time, value in case.load.table)
+            (scratch / LOAD_FILE).write_text(f"# time (s), {case.load.kind}, SI units\n{rows}", encoding="ascii")
+            files.insert(0, LOAD_FILE)
+        for name in files:
             os.replace(scratch / name, directory / name)
     finally:
         shutil.rmtree(scratch, ignore_errors=True)
@@ -108,6 +113,7 @@ def read_deck(directory: str | Path) -> Deck:
     path = directory / CASE_FILE
     case, table = load_case(path), read_toml(path).get("resolved", {})
     try:
+        table = {"history_every": 0} | table  # decks of version 0.1 have none
         values = {field.name: table[field.name] for field in dataclasses.fields(Schedule)}
         schedule = Schedule(**values | {"frame_steps": tuple(values["frame_steps"])})
         return Deck(directory, case, schedule, tuple(table["struck"]))
@@ -117,10 +123,10 @@ def read_deck(directory: str | Path) -> Deck:
 
 def resolved(deck: Deck) -> dict[str, Any]:
     """What follows from the case: the table ``[resolved]`` of case.toml."""
-    case, lattice = deck.case, deck.case.lattice
+    case, assembly = deck.case, deck.case.assembly
     return {
-        "n_spheres": lattice.n_spheres,
-        "n_contacts": lattice.n_contacts,
+        "n_spheres": assembly.n_spheres,
+        "n_contacts": assembly.n_contacts,
         "struck": deck.struck,
         "walls": [wall.name for wall in walls(case)],
         "forget_gap_m": case.boundary.forget_gap * case.packing.diameter,

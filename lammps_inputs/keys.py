@@ -159,24 +159,22 @@ def show(value: Any) -> str:
     return shown if len(shown) <= _SHOWN_CHARACTERS else shown[: _SHOWN_CHARACTERS - 3] + "..."
 
 
-def read_table(
-    section: type[Section], table: Any, prefix: str, faults: Faults, later: Collection[str] = ()
-) -> Section | None:
+def read_table(section: type[Section], table: Any, prefix: str, faults: Faults) -> Section | None:
     """Read one TOML table into ``section``, or return None after recording every fault.
+
+    Fields that are not made by the functions above are left at their defaults.
 
     Parameters
     ----------
     prefix
         Dotted name of the table, as in the file; empty for the file itself.
-    later
-        Keys that belong to a later version and are refused by name.
     """
     if not isinstance(table, Mapping):
         faults.add(prefix, f"found {show(table)}, expected a table [{prefix}] of keys and values")
         return None
     before = len(faults.lines)
-    fields = {field.name: field for field in dataclasses.fields(section)}  # type: ignore[arg-type]
-    refuse_unknown(table, list(fields), prefix, faults, later)
+    fields = {field.name: field for field in dataclasses.fields(section) if field.metadata}  # type: ignore[arg-type]
+    refuse_unknown(table, list(fields), prefix, faults)
     values: dict[str, Any] = {}
     for name, field in fields.items():
         key = f"{prefix}.{name}" if prefix else name
@@ -191,15 +189,11 @@ def read_table(
     return section(**values) if len(faults.lines) == before else None
 
 
-def refuse_unknown(
-    table: Mapping[str, Any], known: Collection[str], prefix: str, faults: Faults, later: Collection[str] = ()
-) -> None:
+def refuse_unknown(table: Mapping[str, Any], known: Collection[str], prefix: str, faults: Faults) -> None:
     """Record a fault for each key of ``table`` that is not ``known``, naming the nearest one that is."""
     for name in table:
         key = f"{prefix}.{name}" if prefix else name
-        if name in later:
-            faults.add(key, "not available in this version; take it out")
-        elif name not in known:
+        if name not in known:
             near = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
             hint = f"did you mean {near[0]}?" if near else "known here: " + ", ".join(known)
             faults.add(key, f"unknown key; {hint}")

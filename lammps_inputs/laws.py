@@ -1,4 +1,4 @@
-"""The compiled contact law of a case: between two of its spheres, and between a sphere and a rigid wall."""
+"""The compiled contact law of a case: between two of its spheres, and between a sphere and a wall or a bar."""
 
 from __future__ import annotations
 
@@ -14,17 +14,51 @@ if TYPE_CHECKING:
     from granwave.lammps_inputs.materials import Material
     from granwave.lammps_inputs.sections import Contact
 
+_RIGID = (math.inf, 0.0, math.inf)  # Young's modulus, Poisson's ratio, yield strength
+
 
 def sphere_contact(case: Case) -> ContactLaw:
-    """The law between two spheres of the case."""
+    """The law between two spheres of the packing that are not replaced."""
     radius = case.packing.diameter / 2
-    material = case.material
-    return _law(case, material.youngs_modulus, material.poisson_ratio, _strength(case), radius)
+    return law_between(case.contact, (case.material, case.material), (radius, radius))
 
 
-def wall_contact(case: Case) -> ContactLaw:
-    """The law between a sphere of the case and a rigid flat wall."""
-    return _law(case, math.inf, case.material.poisson_ratio, math.inf, math.inf)
+def pair_contact(case: Case, first: int, second: int) -> ContactLaw:
+    """The law between the two spheres with these ids."""
+    assembly = case.assembly
+    return law_between(
+        case.contact,
+        (assembly.material_of(first), assembly.material_of(second)),
+        (assembly.diameter_of(first) / 2, assembly.diameter_of(second) / 2),
+    )
+
+
+def flat_contact(case: Case, sphere: int, partner: Material | None = None) -> ContactLaw:
+    """The law between a sphere and a flat: a wall or a bar of a material, or a rigid wall (None)."""
+    assembly = case.assembly
+    return law_between(
+        case.contact, (assembly.material_of(sphere), partner), (assembly.diameter_of(sphere) / 2, math.inf)
+    )
+
+
+def law_between(
+    contact: Contact, materials: tuple[Material, Material | None], radii: tuple[float, float]
+) -> ContactLaw:
+    """The law of ``[contact]`` between bodies of two materials (None: rigid) and radii (m; infinite: flat)."""
+    bodies = [(one.youngs_modulus, one.poisson_ratio, one.yield_strength or math.inf) if one else _RIGID
+              for one in materials]  # fmt: skip
+    moduli, ratios, strengths = zip(*bodies, strict=True)
+    return ContactLaw(
+        youngs_modulus=moduli,
+        poisson_ratio=ratios,
+        yield_strength=strengths,
+        radius=radii,
+        law=contact.law,
+        variant=contact.variant,
+        yield_factor=contact.yield_factor,
+        beta=contact.beta,
+        constants=contact.constants,
+    )
 
 
 def fault_of_constants(contact: Contact) -> str:
@@ -78,7 +112,7 @@ def rigid_wall_contact_of(
     material: Material, radius: float, law: str = "elastoplastic", variant: str = "continuous"
 ) -> ContactLaw:
     """The law between a sphere and a rigid plane; raises as `contact_of`."""
-    return _contact((_elastic(material, law), (math.inf, 0.0, math.inf)), (radius, math.inf), law, variant)
+    return _contact((_elastic(material, law), _RIGID), (radius, math.inf), law, variant)
 
 
 def _elastic(material: Material, law: str) -> tuple[float, float, float]:
@@ -106,23 +140,3 @@ def _contact(
         constants=constants or {},
         checked=checked,
     )
-
-
-def _law(case: Case, modulus: float, ratio: float, strength: float, radius: float) -> ContactLaw:
-    material, contact = case.material, case.contact
-    return ContactLaw(
-        youngs_modulus=(material.youngs_modulus, modulus),
-        poisson_ratio=(material.poisson_ratio, ratio),
-        yield_strength=(_strength(case), strength),
-        radius=(case.packing.diameter / 2, radius),
-        law=contact.law,
-        variant=contact.variant,
-        yield_factor=contact.yield_factor,
-        beta=contact.beta,
-        constants=contact.constants,
-    )
-
-
-def _strength(case: Case) -> float:
-    strength = case.material.yield_strength
-    return math.inf if strength is None else strength

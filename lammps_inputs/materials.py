@@ -79,48 +79,49 @@ def load_materials(path: str | Path) -> dict[str, Material]:
     return {name: entry for name, entry in read.items() if entry is not None}
 
 
-def read_material(table: Any, faults: Faults, directory: Path | None) -> Material | None:
-    """Read ``material`` of a case: a preset's name, or a table of values and, perhaps, ``preset`` and
-    ``file``.
+def read_material(table: Any, faults: Faults, directory: Path | None, key: str = "material") -> Material | None:
+    """Read a material of a case: a preset's name, or a table of values and, perhaps, ``preset`` and ``file``.
 
     Parameters
     ----------
     directory
         Where a relative ``file`` starts from: the directory of the case file.
+    key
+        Dotted name of the table, for faults.
     """
     if isinstance(table, str):
-        return _select(table, presets(), "material", faults)
+        return _select(table, presets(), key, faults)
     if not isinstance(table, Mapping):
-        faults.add("material", f'found {show(table)}, expected a name ("brass") or a table [material]')
+        faults.add(key, f'found {show(table)}, expected a name ("brass") or a table [{key}]')
         return None
-    own = {key: value for key, value in table.items() if key not in _SELECTORS}
+    own = {name: value for name, value in table.items() if name not in _SELECTORS}
     if "preset" not in table:
         if "file" in table:
-            faults.add("material.preset", "missing; name the material to take from material.file")
+            faults.add(f"{key}.preset", f"missing; name the material to take from {key}.file")
             return None
-        return read_table(Material, own, "material", faults)
-    known = _library(table.get("file"), directory, faults)
-    base = None if known is None else _select(table["preset"], known, "material.preset", faults)
+        return read_table(Material, own, key, faults)
+    known = _library(table.get("file"), directory, faults, f"{key}.file")
+    base = None if known is None else _select(table["preset"], known, f"{key}.preset", faults)
     if base is None:
-        refuse_unknown(own, [field.name for field in dataclasses.fields(Material)], "material", faults)
+        refuse_unknown(own, [field.name for field in dataclasses.fields(Material)], key, faults)
         return None
-    values = {key: value for key, value in dataclasses.asdict(base).items() if value is not None}
+    values = {name: value for name, value in dataclasses.asdict(base).items() if value is not None}
     if own.keys() - {"name"}:
         values.pop("source", None)  # the source does not vouch for a changed value
-    return read_table(Material, {**values, **own}, "material", faults)
+    return read_table(Material, {**values, **own}, key, faults)
 
 
-def _library(file: Any, directory: Path | None, faults: Faults) -> dict[str, Material] | None:
+def _library(file: Any, directory: Path | None, faults: Faults, key: str) -> dict[str, Material] | None:
     if file is None:
         return presets()
     if not isinstance(file, str) or not file:
-        faults.add("material.file", f"found {show(file)}, expected the path of a TOML file of materials")
+        faults.add(key, f"found {show(file)}, expected the path of a TOML file of materials")
         return None
     try:
         return load_materials((directory or Path()) / file)
     except InputError as error:
         for line in error.faults:
-            faults.add("material.file", line)
+            faults.add(key, line)
         return None
 
 

@@ -1,7 +1,8 @@
 """Overrides of a case from the command line or a scan: ``KEY=VALUE`` with dotted keys and TOML values.
 
 Bare words are strings: ``packing.kind=hcp``, ``material=steel``. Only the named key changes, except that a
-whole table can be replaced by naming it: ``material=steel`` drops the keys of an earlier ``[material]``.
+whole table can be replaced by naming it: ``material=steel`` drops the keys of an earlier ``[material]``. Entries of an
+array of tables go by number, from 1: ``replace.2.index=8``.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ import copy
 import re
 import tomllib
 from collections.abc import Iterable, Mapping
+from itertools import pairwise
 from typing import Any
 
 from granwave.lammps_inputs.errors import InputError
@@ -75,16 +77,36 @@ def apply_overrides(data: Mapping[str, Any], overrides: Mapping[str, Any]) -> di
     for key, value in overrides.items():
         *path, last = key.split(".")
         table = result
-        for name in path:
+        for name, following in pairwise([*path, last]):
             inner = table.setdefault(name, {})
-            if name == "material" and table is result and isinstance(inner, str):
+            if name == "material" and isinstance(inner, str):
                 inner = table[name] = {"preset": inner}
+            if isinstance(inner, list) and following.isdigit():
+                inner = table[name] = _Numbered(inner)
             if not isinstance(inner, dict):
                 faults.append(f"--set: {key}: found {name} = {show(inner)}, expected a table [{name}]")
+                break
+            if isinstance(inner, _Numbered) and following not in inner:
+                faults.append(f"--set: {key}: found {len(inner)} [[{name}]] tables, expected {following} or more")
                 break
             table = inner
         else:
             table[last] = copy.deepcopy(value)
     if faults:
         raise InputError(faults)
-    return result
+    return _with_lists(result)
+
+
+class _Numbered(dict[str, Any]):
+    """An array of tables by number, from 1, as a dotted key names its entries."""
+
+    def __init__(self, entries: list[Any]) -> None:
+        super().__init__({str(n): entry for n, entry in enumerate(entries, start=1)})
+
+
+def _with_lists(value: Any) -> Any:
+    if isinstance(value, _Numbered):
+        return [_with_lists(item) for item in value.values()]
+    if isinstance(value, dict):
+        return {name: _with_lists(item) for name, item in value.items()}
+    return value

@@ -10,6 +10,7 @@ import ase
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave.lammps_inputs.assembly import Assembly
 from granwave.lammps_inputs.lattices import TOUCHING, Lattice
 from granwave.lammps_inputs.walls import Wall, walls
 
@@ -19,11 +20,11 @@ if TYPE_CHECKING:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Packing:
-    """Identical spheres on a lattice, the struck layer at z = 0 and depth along +z.
+    """Spheres on a lattice, and strikers, the struck layer at z = 0 and depth along +z.
 
     Attributes
     ----------
-    lattice
+    assembly
         The rule behind the positions.
     atoms
         The spheres in the order of their ids, with the array ``diameters`` (n,), m; positions in m (not
@@ -32,14 +33,19 @@ class Packing:
         The planes around the packing.
     """
 
-    lattice: Lattice
+    assembly: Assembly
     atoms: ase.Atoms
     walls: tuple[Wall, ...] = ()
 
     @property
     def n_spheres(self) -> int:
         """How many spheres there are."""
-        return self.lattice.n_spheres
+        return self.assembly.n_spheres
+
+    @property
+    def lattice(self) -> Lattice:
+        """Of the spheres but for strikers."""
+        return self.assembly.lattice
 
     @property
     def n_layers(self) -> int:
@@ -65,7 +71,7 @@ class Packing:
         RuntimeError
             A pair that should touch does not within 1e-6 D: the positions were changed.
         """
-        pairs = np.concatenate(list(self.lattice.pairs()) or [np.empty((0, 2), dtype=np.int64)])
+        pairs = self.assembly.contacts()
         pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
         gaps = self.gaps(pairs)
         if gaps.size and np.abs(gaps).max() > TOUCHING * self.lattice.diameter:
@@ -86,9 +92,9 @@ class Packing:
             should.
         """
         result = np.zeros(self.n_spheres, dtype=np.int8)
-        for pairs in self.lattice.pairs():
-            for column in range(2):
-                np.add.at(result, pairs[:, column] - 1, 1)
+        np.add.at(result, self.assembly.contacts().ravel() - 1, 1)
+        if self.assembly.strikers:
+            return result
         expected = self.lattice.rule.coordination
         found = int(result.max())
         if found > expected or (found < expected and self._has_inside()):
@@ -97,14 +103,15 @@ class Packing:
 
     def gaps(self, pairs: NDArray[np.int64]) -> NDArray[np.float64]:
         """Distance between the surfaces of each pair (n, 2) of ids, the nearest image counting: (n,), m."""
-        result = np.empty(len(pairs))
+        result, radii = np.empty(len(pairs)), self.atoms.get_array("diameters") / 2
         for start in range(0, len(pairs), 1_000_000):
             part = slice(start, start + 1_000_000)
             step = self.positions[pairs[part, 1] - 1] - self.positions[pairs[part, 0] - 1]
             if self.lattice.periodic:
                 for axis, length in enumerate(self.lattice.lengths):
                     step[:, axis] -= length * np.round(step[:, axis] / length)
-            result[part] = np.sqrt(np.einsum("ij,ij->i", step, step)) - self.lattice.diameter
+            reach = radii[pairs[part, 0] - 1] + radii[pairs[part, 1] - 1]
+            result[part] = np.sqrt(np.einsum("ij,ij->i", step, step)) - reach
         return result
 
     def _has_inside(self) -> bool:
@@ -115,13 +122,20 @@ class Packing:
 
 def build_packing(case: Case) -> Packing:
     """The packing of a case, with its walls."""
-    lattice = case.lattice
-    low, high = lattice.bounds()
+    assembly, lattice = case.assembly, case.lattice
+    low, high = assembly.lattice_bounds()
     atoms = ase.Atoms(
-        numbers=np.zeros(lattice.n_spheres, dtype=np.int8),
-        positions=lattice.positions(1, lattice.n_spheres),
+        numbers=np.zeros(assembly.n_spheres, dtype=np.int8),
+        positions=assembly.positions(),
         cell=np.append(lattice.lengths, high[2] - low[2] + lattice.diameter),
         pbc=(lattice.periodic, lattice.periodic, False),
     )
-    atoms.set_array("diameters", np.full(lattice.n_spheres, lattice.diameter))
-    return Packing(lattice, atoms, walls(case))
+    atoms.set_array("diameters", _diameters(assembly))
+    return Packing(assembly, atoms, walls(case))
+
+
+def _diameters(assembly: Assembly) -> NDArray[np.float64]:
+    result = np.full(assembly.n_spheres, assembly.lattice.diameter)
+    for sphere in {*assembly.diameters, *range(assembly.lattice.n_spheres + 1, assembly.n_spheres + 1)}:
+        result[sphere - 1] = assembly.diameter_of(sphere)
+    return result

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.laws import sphere_contact
 from granwave.lammps_inputs.schedule import Schedule, make_schedule
-from granwave.lammps_inputs.timestep import expected_peak_overlap
+from granwave.lammps_inputs.timestep import expected_energy, expected_peak_overlap
 
 if TYPE_CHECKING:
     from granwave._contact_laws import ContactLaw
@@ -24,6 +24,7 @@ _DISK_DATA_PER_SPHERE = 75.0
 _DISK_FRAME_PER_SPHERE = 130.0  # the text dump and its copy in result.h5
 _DISK_PER_CONTACT = 110.0
 _DISK_PER_ROW = 400.0
+_ROWS_PER_PARTICLE = 0.25  # what a particle costs at an instant of a chain's history
 SECONDS_PER_SPHERE_STEP = 50e-9  # on one core, output included, as long as contacts are elastic
 # With a share y of the contacts yielded a step takes 1 + 2.5 y times as long; y = 1/(1 + (e/20)^-0.55) for an input of
 # e F_y alpha_y a contact. Both measured over 24 impacts on fcc, e from 2e-3 to 350; within a quarter.
@@ -63,24 +64,26 @@ class Plan:
 
 def plan(case: Case, *, n_ranks: int = 1) -> Plan:
     """What the run of a case would be."""
-    schedule, law, lattice = make_schedule(case), sphere_contact(case), case.lattice
+    schedule, law, assembly = make_schedule(case), sphere_contact(case), case.assembly
     overlap = expected_peak_overlap(case)
     rows = schedule.n_steps / schedule.ledger_every + schedule.n_steps / schedule.probe_every
+    if schedule.history_every:
+        rows += _ROWS_PER_PARTICLE * assembly.n_particles * schedule.n_steps / schedule.history_every
     return Plan(
         name=case.name,
-        n_spheres=lattice.n_spheres,
-        n_contacts=lattice.n_contacts,
+        n_spheres=assembly.n_spheres,
+        n_contacts=assembly.n_contacts,
         schedule=schedule,
         memory=n_ranks * _MEMORY_BASE
-        + lattice.n_spheres * _MEMORY_PER_SPHERE
-        + lattice.n_contacts * _MEMORY_PER_CONTACT,
-        disk=lattice.n_spheres * (_DISK_DATA_PER_SPHERE + schedule.n_frames * _DISK_FRAME_PER_SPHERE)
-        + lattice.n_contacts * _DISK_PER_CONTACT
+        + assembly.n_particles * _MEMORY_PER_SPHERE
+        + assembly.n_contacts * _MEMORY_PER_CONTACT,
+        disk=assembly.n_particles * (_DISK_DATA_PER_SPHERE + schedule.n_frames * _DISK_FRAME_PER_SPHERE)
+        + assembly.n_contacts * _DISK_PER_CONTACT
         + rows * _DISK_PER_ROW,
         peak_overlap=overlap,
         peak_overlap_yield=overlap / law.yield_overlap if case.contact.yields else None,
         peak_overlap_radius=overlap / law.effective_radius,
-        wall_time=lattice.n_spheres * schedule.n_steps * SECONDS_PER_SPHERE_STEP * _yielding(case, law) / n_ranks,
+        wall_time=assembly.n_particles * schedule.n_steps * SECONDS_PER_SPHERE_STEP * _yielding(case, law) / n_ranks,
     )
 
 
@@ -88,8 +91,8 @@ def _yielding(case: Case, law: ContactLaw) -> float:
     """How much longer a step takes on the average of the run because contacts yield."""
     if not case.contact.yields:
         return 1.0
-    energy = 0.5 * case.load.spheres * case.sphere_mass * case.load.velocity**2
-    each = energy / (law.yield_force * law.yield_overlap) / max(case.lattice.n_contacts, 1)
+    energy = expected_energy(case)
+    each = energy / (law.yield_force * law.yield_overlap) / max(case.assembly.n_contacts, 1)
     return 1 + _YIELDED_COST / (1 + (each / _ENERGY_OF_HALF) ** -_ENERGY_POWER) if each > 0 else 1.0
 
 

@@ -52,6 +52,8 @@ class Schedule:
         Steps between snapshots if they are evenly spaced, else 0.
     frame_steps
         Steps of the snapshots after the first, at step 0, if they are not evenly spaced.
+    history_every
+        Steps between the instants at which a whole chain is recorded; 0: never.
     """
 
     timestep: float
@@ -62,6 +64,7 @@ class Schedule:
     probe_every: int
     frame_every: int
     frame_steps: tuple[int, ...] = ()
+    history_every: int = 0
 
     @property
     def end_time(self) -> float:
@@ -97,6 +100,7 @@ def make_schedule(case: Case, timestep: float | None = None) -> Schedule:
         probe_every=_probe_every(case, dt, n_steps),
         frame_every=even,
         frame_steps=() if even else steps,
+        history_every=_history_every(case, n_steps),
     )
 
 
@@ -115,6 +119,7 @@ def _in_blocks(case: Case, given: float | str) -> Schedule:
         probe_every=_probe_every(case, dt, block_steps),
         frame_every=every,
         frame_steps=_frame_steps(case, dt, n_steps) if listed else (),
+        history_every=_history_every(case, round(_AUTO_FRAME_SPAN / dt)),
     )
 
 
@@ -138,6 +143,10 @@ def _fit(case: Case, given: float | str, duration: float, rows: int) -> tuple[fl
 def _divisor(n_steps: int, most: int) -> int:
     """The largest number of steps, of at most so many, that fits into the run a whole number of times."""
     return max(every for every in range(1, most + 1) if n_steps % every == 0)
+
+
+def _history_every(case: Case, n_steps: int) -> int:
+    return max(1, round(n_steps / case.history)) if case.history else 0
 
 
 def _probe_every(case: Case, dt: float, n_steps: int) -> int:

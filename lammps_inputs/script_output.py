@@ -6,9 +6,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from granwave.lammps_inputs.script_text import command, joined
-from granwave.lammps_inputs.walls import Wall, walls
+from granwave.lammps_inputs.walls import Wall, wall_fixes, walls
 
 if TYPE_CHECKING:
+    from granwave.lammps_inputs.assembly import PlacedBar
     from granwave.lammps_inputs.case import Case
     from granwave.lammps_inputs.schedule import Schedule
 
@@ -44,6 +45,7 @@ FRAME_COLUMNS = {
     "peak_overlap": "c_sphere[3]",
     "dissipated": "c_sphere[4]",
 }
+HISTORY_COLUMNS = {"id": "id", "uz": "c_displacement[3]", "vz": "vz"}
 CONTACT_COLUMNS = (
     "i",
     "j",
@@ -73,32 +75,52 @@ _FRAME_FORMAT = "%d %d" + " %.9g" + 3 * " %.10g" + 3 * " %.17g" + 7 * " %.9g"
 
 def ledger(case: Case, schedule: Schedule) -> list[str]:
     """The energy ledger: where the energy is, and how many contacts have yielded."""
-    planes = [wall.name for wall in walls(case) if not wall.held_layer]
-    stored = "+".join(f"f_{name}[4]" for name in planes) or "0.0"
-    lost = "+".join(f"f_{name}[5]" for name in planes) or "0.0"
+    planes = [name for wall in walls(case) if not wall.held_layer for name, _, _ in wall_fixes(case, wall)]
+    bars = [bar.name for bar in case.assembly.bars]
+    columns = LEDGER_COLUMNS | {name: f"v_energy_{name}" for name in bars}
+    # contacts with the faces of bars are among those of the pair style
+    stored, lost = ([f"f_{name}[{n}]" for name in planes] for n in (4, 5))
+    at_bars = [[f"c_on_{name}[{n}]" for name in bars] for n in (4, 5)]
     return [
         "# Energies, J. Their sum must stay equal to the input.",
         "compute         kinetic all ke",
         "compute         contact all gran/hysteretic/energy",
         "variable        time equal step*dt",
-        f"variable        elastic_wall equal {stored}",
-        f"variable        dissipated_wall equal {lost}",
-        "variable        elastic equal c_contact+v_elastic_wall",
-        "variable        dissipated equal c_contact[1]+v_dissipated_wall",
+        *(line for bar in case.assembly.bars for line in _bar_energy(bar)),
+        f"variable        elastic_wall equal {_sum(stored + at_bars[0])}",
+        f"variable        dissipated_wall equal {_sum(lost + at_bars[1])}",
+        f"variable        elastic equal {_sum(['c_contact', *stored, *(f'c_elastic_{name}' for name in bars)])}",
+        f"variable        dissipated equal {_sum(['c_contact[1]', *lost])}",
         "variable        struck_velocity equal vcm(struck,z)",
-        *_series("ledger", schedule.ledger_every, "dumps/energy.txt", "energy ledger, SI units", LEDGER_COLUMNS),
+        *_series("ledger", schedule.ledger_every, "dumps/energy.txt", "energy ledger, SI units", columns),
+    ]
+
+
+def _sum(terms: list[str]) -> str:
+    return "+".join(terms) or "0.0"
+
+
+def _bar_energy(bar: PlacedBar) -> list[str]:
+    """The energy in a bar, kinetic and elastic, and its contact with the chain."""
+    name = bar.name
+    return [
+        f"compute         on_{name} all gran/hysteretic/contact {bar.touches} {bar.face}",
+        f"compute         bonds_{name} {name} pe/atom bond",
+        f"compute         elastic_{name} {name} reduce sum c_bonds_{name}",
+        f"compute         kinetic_{name} {name} ke",
+        f"variable        energy_{name} equal c_kinetic_{name}+c_elastic_{name}",
     ]
 
 
 def wall_forces(case: Case, schedule: Schedule) -> list[str]:
     """The force on every wall, positive if the spheres push it outwards."""
-    found = walls(case)
-    if not found:
+    found, bars = walls(case), case.assembly.bars
+    if not found and not bars:
         return []
-    columns = {wall.name: f"v_{wall.name}" for wall in found}
+    columns = {wall.name: f"v_{wall.name}" for wall in found} | {bar.name: f"c_on_{bar.name}[2]" for bar in bars}
     return [
-        "# Force of the spheres on each wall, N, positive outwards.",
-        *(f"variable        {wall.name} equal {_outward_force(wall)}" for wall in found),
+        "# Force of the spheres on each wall and bar, N, positive outwards.",
+        *(f"variable        {wall.name} equal {_outward_force(case, wall)}" for wall in found),
         *_series("walls", schedule.wall_every, "dumps/walls.txt", "wall forces, N", {"time": "v_time"} | columns),
     ]
 
@@ -147,6 +169,23 @@ def frames(schedule: Schedule) -> list[str]:
     ]
 
 
+def history(case: Case, schedule: Schedule) -> list[str]:
+    """The whole chain at many instants: displacement and velocity of every particle, force of every contact."""
+    every = schedule.history_every
+    if not every:
+        return []
+    names = {source: name for name, source in HISTORY_COLUMNS.items() if name != source}
+    return [
+        "# The chain in time.",
+        *command(f"dump            history all custom {every} dumps/history.dump", *HISTORY_COLUMNS.values()),
+        'dump_modify     history first yes sort id format line "%d %.17g %.17g"',
+        *(f"dump_modify     history colname {source} {name}" for source, name in names.items()),
+        f"dump            forces all local {every} dumps/forces.dump c_contacts[1] c_contacts[2] c_contacts[4]",
+        'dump_modify     forces first yes format line "%.9g %.9g %.17g"',
+        *(f"dump_modify     forces colname c_contacts[{n}] {name}" for n, name in ((1, "i"), (2, "j"), (4, "force"))),
+    ]
+
+
 def thermo(schedule: Schedule) -> list[str]:
     """What the log shows."""
     every = schedule.block_steps or max(1, schedule.n_steps // schedule.ledger_every // 20) * schedule.ledger_every
@@ -181,14 +220,15 @@ def dumps_at_end(case: Case) -> list[str]:
     for wall in walls(case):
         if wall.held_layer:
             continue
-        columns = {name: f"f_{wall.name}[{n}]" for n, name in enumerate(WALL_COLUMNS, start=1)}
-        lines += command(
-            f"write_dump      all custom dumps/wall_{wall.name}.dump id",
-            *columns.values(),
-            f"modify sort id thresh {columns['peak_overlap']} > 0.0 format line",
-            f'"%d {joined(["%.17g"] * len(columns))}"',
-            *_names(columns),
-        )
+        for fix, _, _ in wall_fixes(case, wall):
+            columns = {name: f"f_{fix}[{n}]" for n, name in enumerate(WALL_COLUMNS, start=1)}
+            lines += command(
+                f"write_dump      all custom dumps/wall_{fix}.dump id",
+                *columns.values(),
+                f"modify sort id thresh {columns['peak_overlap']} > 0.0 format line",
+                f'"%d {joined(["%.17g"] * len(columns))}"',
+                *_names(columns),
+            )
     return lines
 
 
@@ -206,9 +246,10 @@ def _names(columns: dict[str, str]) -> list[str]:
     return [f"colname {source} {name}" for name, source in columns.items() if name != source]
 
 
-def _outward_force(wall: Wall) -> str:
-    source = "held" if wall.held_layer else wall.name
-    return f"{'-' if wall.outward < 0 else ''}f_{source}[{wall.axis + 1}]"
+def _outward_force(case: Case, wall: Wall) -> str:
+    sources = ["held"] if wall.held_layer else [name for name, _, _ in wall_fixes(case, wall)]
+    sign = "-" if wall.outward < 0 else "+"
+    return "".join(f"{sign}f_{source}[{wall.axis + 1}]" for source in sources).removeprefix("+")
 
 
 def _sphere_probe(sphere: int) -> dict[str, str]:

@@ -7,7 +7,8 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from granwave.lammps_inputs.case import Case
+    from granwave.lammps_inputs.materials import Material
+    from granwave.lammps_inputs.sections import Contact
 
 _WIDTH = 110
 
@@ -35,12 +36,14 @@ def command(*words: str) -> list[str]:
     return lines
 
 
-def law_coefficients(case: Case) -> str:
-    """The contact law with its material, as pair_coeff and the wall take it."""
-    material, contact = case.material, case.contact
-    words = [contact.law, num(material.youngs_modulus), num(material.poisson_ratio)]
-    if contact.yields and material.yield_strength is not None:
-        words.append(num(material.yield_strength))
+def law_coefficients(contact: Contact, first: Material, second: Material | None = None) -> str:
+    """The contact law with the material of a sphere, and that of its partner if it has another, as pair_coeff and the
+    wall take it; a partner without a yield strength stays elastic."""
+    words: list[str] = [contact.law]
+    for material in (first,) if second is None else (first, second):
+        words += [num(material.youngs_modulus), num(material.poisson_ratio)]
+        if contact.yields:
+            words.append("INF" if material.yield_strength is None else num(material.yield_strength))
     if contact.law == "elastoplastic":
         words += ["variant", contact.variant, "yield_factor", num(contact.yield_factor)]
         words += [word for name, value in contact.constants.items() for word in (name, num(value))]

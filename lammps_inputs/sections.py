@@ -10,8 +10,10 @@ from typing import Any, Literal
 
 from granwave.lammps_inputs.keys import Unfit, choice, custom, finite, number, whole
 from granwave.lammps_inputs.lattices import KINDS
+from granwave.lammps_inputs.materials import Material
 from granwave.lammps_inputs.yield_factor import DEFAULT_YIELD_FACTOR
 
+BOTTOMS = ("wall", "fixed", "free")
 LAWS = ("elastoplastic", "hertz", "bilinear", "thornton")
 AUTO_END_TIME = 5e-3  # s, the longest that `end_time = "auto"` goes on
 LAW_CONSTANTS = (
@@ -49,6 +51,10 @@ def _parse_seed(value: Any) -> int:
     if seed > LARGEST_ID:
         raise Unfit(expected)
     return seed
+
+
+def _parse_history(value: Any) -> int | str:
+    return value if value == "auto" else whole(value, 'a whole number from 0 up or "auto"', at_least=0)
 
 
 def _parse_probes(value: Any) -> tuple[Probe, ...]:
@@ -148,23 +154,13 @@ class Contact:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class Load:
-    """``[load]``: what sets the packing in motion."""
-
-    kind: Literal["impact"] = choice("an initial velocity of struck spheres", ("impact",), default="impact")
-    velocity: float = number("of the struck spheres, along +z into the packing", unit="m/s", above=0, default=5.0)
-    spheres: Literal[1, 3, 7] = choice("how many spheres are struck", (1, 3, 7), default=1)
-
-
-@dataclasses.dataclass(frozen=True, kw_only=True)
 class Boundary:
     """``[boundary]``: what is around the packing; the struck top is always free."""
 
     bottom: Literal["wall", "fixed", "free"] = choice(
-        "below the last layer: a rigid plane, the layer held in place, or nothing",
-        ("wall", "fixed", "free"),
-        default="wall",
+        "below the last layer: a plane, the layer held in place, or nothing", BOTTOMS, default="wall"
     )
+    bottom_material: Material | None = None  # of the plane, given as bottom = {material = ...}; rigid without one
     sides: Literal["free", "wall", "periodic"] = choice(
         "at the sides: nothing, rigid planes, or the packing again",
         ("free", "wall", "periodic"),
@@ -213,5 +209,11 @@ class Output:
         unit="s",
         above=0,
         word="auto",
+        default="auto",
+    )
+    history: int | Literal["auto"] = custom(
+        "instants at which the velocity of every bead of a chain and the force of every contact are recorded; "
+        "auto: 1000 (fewer with long bars) for chains of five beads and more",
+        _parse_history,
         default="auto",
     )

@@ -1,4 +1,4 @@
-"""The timestep, from the stiffest contact that the impact can make.
+"""The timestep, from the stiffest contact that the load can make.
 
 The hardest encounter bounds every overlap of the run. Candidates, each a collision of effective mass m_eff at
 the normal velocity v_n, so that the contact takes up at most W = m_eff v_n^2 / 2 on loading:
@@ -6,8 +6,12 @@ the normal velocity v_n, so that the contact takes up at most W = m_eff v_n^2 / 
 * the struck sphere against one resting sphere, head on: m_eff = m/2, v_n = v;
 * the struck sphere against the spheres it rests on, symmetrically (n of them at the angle theta to the
   impact): m_eff = m / (1 + n cos^2 theta), v_n = v cos theta (for fcc and hcp n = 3, cos^2 theta = 2/3);
-* a sphere against a rigid wall: m_eff = m, v_n = v if a line of contacts carries the pulse there undivided
+* a sphere against a wall: m_eff = m, v_n = v if a line of contacts carries the pulse there undivided
   (chain, simple cubic), else v halved with each layer on the way.
+
+Where bodies differ, every kind of touching pair is a candidate for the whole energy that the load brings in, of which
+a pair of masses m1 < m2 takes up at most m2/(m1 + m2). A force F that lasts brings at most the energy of its
+impulse J in a free sphere, J^2/2m, and no contact beyond some 2.5 F (thesis 4.1: 2.3 F in a chain).
 
 The timestep dt is chosen for the energy balance; stability (dt < 2/omega) would allow some fifty times more. The
 error of velocity Verlet is proportional to dt^2 and largest in the first collisions, where few contacts hold all the
@@ -19,7 +23,7 @@ steeper slope of unloading, so that the stiffness that counts is
 With it the largest error, over the input, is c k dt^2 / m with one c: 0.105 to 0.135 over 24 impacts on fcc packings
 (brass, steel, aluminium; 0.5 to 40 m/s), less on the other lattices, 0.15 for Hertz and Thornton contacts, 0.2 for
 bilinear ones. dt is set so that `_ERROR` k dt^2 / m is `_TOLERANCE`: 29 ns for brass spheres of 10 mm struck at 5 m/s
-in fcc.
+in fcc. m is twice the effective mass of the pair. A bar limits dt to half the time that a wave takes for an element.
 
 It is rounded down to two significant digits. At one velocity it is proportional to the diameter, as every
 time is.
@@ -34,17 +38,24 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.optimize import brentq
 
-from granwave.lammps_inputs.laws import sphere_contact, wall_contact
+from granwave.lammps_inputs.assembly import INCIDENT_BAR, struck_of, velocities_of
+from granwave.lammps_inputs.laws import flat_contact, pair_contact, sphere_contact
 
 if TYPE_CHECKING:
     from granwave._contact_laws import ContactLaw
     from granwave.lammps_inputs.case import Case
+    from granwave.lammps_inputs.loads import Load
+    from granwave.lammps_inputs.materials import Material
 
 _TOLERANCE = 1e-6  # of the input: error of the energy balance at any instant
 _ERROR = 0.135
 _SUPPORTS = {"fcc": (3, 2 / 3), "hcp": (3, 2 / 3), "bcc": (4, 1 / 3), "sc": (1, 1.0), "chain": (1, 1.0)}
 _SLOPE_SPAN = 1e-6  # of the overlap, over which a slope is taken
 _UNDIVIDED = ("chain", "sc", "square")  # the pulse reaches the wall along a line of contacts, or at once
+_LARGEST_FORCE = 2.5  # of the force that drives a chain: no contact is pressed harder by it
+_OF_ELEMENT = 0.5  # of the time that a wave takes for an element of a bar
+_OF_LOAD = 0.01  # of the duration or period of a load
+_OF_LOAD_ON_BAR = 5e-4  # where a bar carries it: its energy balance has an error of some (pi dt/T)^2
 _LARGEST_OVERLAP = 2.0  # in effective radii; brackets the search, far beyond every law
 
 
@@ -58,13 +69,16 @@ class Encounter:
         Of the contact.
     energy
         That the contact takes up on loading, J.
-    bonds
-        Spheres that the contact moves: 2, or 1 against a wall.
+    mass
+        Twice the effective mass: of one of two like spheres, or twice that of a sphere against a wall, kg.
+    against_wall
+        There is no second sphere.
     """
 
     law: ContactLaw
     energy: float
-    bonds: int
+    mass: float
+    against_wall: bool = False
 
     @property
     def overlap(self) -> float:
@@ -94,26 +108,131 @@ class Encounter:
 
 def expected_peak_overlap(case: Case) -> float:
     """A bound on the largest overlap of two spheres in the run, m."""
-    return max(encounter.overlap for encounter in _encounters(case) if encounter.bonds == 2)
+    between = [encounter.overlap for encounter in _encounters(case) if not encounter.against_wall]
+    return max(between, default=0.0)
 
 
 def auto_timestep(case: Case) -> float:
     """The timestep for ``run.timestep = "auto"``, s."""
-    stiffness = max(encounter.stiffness * encounter.bonds / 2 for encounter in _encounters(case))
-    return _round_down(math.sqrt(_TOLERANCE * case.sphere_mass / (_ERROR * stiffness)))
+    slowest = min(encounter.mass / encounter.stiffness for encounter in _encounters(case))
+    limits = [math.sqrt(_TOLERANCE / _ERROR * slowest)]
+    limits += [_OF_ELEMENT * bar.pitch / bar.wave_speed for bar in case.assembly.bars]
+    limits += [(_OF_LOAD_ON_BAR if case.incident_bar else _OF_LOAD) * time for time in _times_of_load(case.load)]
+    return _round_down(min(limits))
+
+
+def expected_energy(case: Case) -> float:
+    """The energy that the load brings in, of a force a bound, J."""
+    energy = sum(0.5 * case.assembly.mass_of(k) * math.hypot(*v) ** 2 for k, v in velocities_of(case).items())
+    return energy + (_energy_of_force(case) if case.load.kind == "force" else 0.0)
+
+
+def fastest(case: Case) -> float:
+    """A bound on the velocity of any sphere, m/s."""
+    given = max((math.hypot(*velocity) for velocity in velocities_of(case).values()), default=0.0)
+    if case.load.kind == "force":
+        given = max(given, math.sqrt(2 * _energy_of_force(case) / _least_mass(case)))
+    elif case.load.kind == "displacement":
+        given = max(given, case.load.fastest)
+    return given
 
 
 def _encounters(case: Case) -> list[Encounter]:
+    plain = case.assembly.plain and case.boundary.bottom_material is None and case.load.kind == "impact"
+    found = _of_impact(case) if plain else _of_any(case)
+    return [encounter for encounter in found if encounter.energy > 0]
+
+
+def _of_impact(case: Case) -> list[Encounter]:
+    """Like spheres, some of which have a velocity."""
     kind, mass, velocity = case.packing.kind, case.sphere_mass, case.load.velocity
     law = sphere_contact(case)
-    found = [Encounter(law, mass * velocity**2 / 4, 2)]
+    found = [Encounter(law, mass * velocity**2 / 4, mass)]
     if kind in _SUPPORTS:
         n, cosine_squared = _SUPPORTS[kind]
-        found.append(Encounter(law, mass * velocity**2 * cosine_squared / (1 + n * cosine_squared) / 2, 2))
+        found.append(Encounter(law, mass * velocity**2 * cosine_squared / (1 + n * cosine_squared) / 2, mass))
     if case.boundary.bottom == "wall":
         halvings = 0 if kind in _UNDIVIDED else case.lattice.shape[2] - 1
-        found.append(Encounter(wall_contact(case), mass * (velocity * 0.5**halvings) ** 2 / 2, 1))
-    return [encounter for encounter in found if encounter.energy > 0]
+        energy = mass * (velocity * 0.5**halvings) ** 2 / 2
+        found.append(Encounter(flat_contact(case, 1), energy, 2 * mass, against_wall=True))
+    return found
+
+
+def _of_any(case: Case) -> list[Encounter]:
+    """Every kind of touching pair, for the whole energy that the load brings in."""
+    assembly, energy = case.assembly, expected_energy(case)
+    found = []
+    for first, second in _kinds_of_pairs(case):
+        masses = assembly.mass_of(first), assembly.mass_of(second)
+        law, effective = pair_contact(case, first, second), math.prod(masses) / sum(masses)
+        found.append(Encounter(law, _limited(case, law, energy * max(masses) / sum(masses)), 2 * effective))
+    flats: list[tuple[int, Material | None]] = [(bar.touches, bar.material) for bar in assembly.bars]
+    if case.boundary.bottom == "wall":
+        flats.append((case.lattice.n_spheres, case.boundary.bottom_material))
+    for sphere, material in flats:
+        law = flat_contact(case, sphere, material)
+        found.append(Encounter(law, _limited(case, law, energy), 2 * assembly.mass_of(sphere), against_wall=True))
+    return found
+
+
+def _limited(case: Case, law: ContactLaw, energy: float) -> float:
+    """The energy that a contact takes up, where the size of the load sets a limit too, J."""
+    load = case.load
+    if load.kind == "displacement":
+        return energy + _work(law, 2 * load.largest) + case.sphere_mass * (2 * load.fastest) ** 2
+    if load.kind != "force" or velocities_of(case):
+        return energy
+    bound = _work_to_force(law, _LARGEST_FORCE * load.largest)
+    return bound if load.shape == "harmonic" else min(energy, bound)
+
+
+def _energy_of_force(case: Case) -> float:
+    """The energy that the force brings in, J: that of its impulse in what it acts on, or of the wave in the bar."""
+    load, assembly = case.load, case.assembly
+    for bar in assembly.bars:
+        if bar.name == INCIDENT_BAR:
+            impedance = bar.section.area * math.sqrt(bar.material.youngs_modulus * bar.material.density)
+            return load.largest * load.impulse / impedance
+    masses = [assembly.mass_of(sphere) for sphere in struck_of(case)]
+    return load.impulse**2 / (2 * sum(masses))
+
+
+def _least_mass(case: Case) -> float:
+    assembly = case.assembly
+    odd = {1, *assembly.diameters, *assembly.materials, *range(case.lattice.n_spheres + 1, assembly.n_spheres + 1)}
+    return min(assembly.mass_of(sphere) for sphere in odd)
+
+
+def _kinds_of_pairs(case: Case) -> list[tuple[int, int]]:
+    """One touching pair of each kind: of two materials and two diameters."""
+    assembly = case.assembly
+    odd = {*assembly.diameters, *assembly.materials}
+    pairs = [
+        (sphere, other) for sphere in odd for other in case.lattice.neighbours(sphere)
+    ]  # and one of like spheres, wherever there is one
+    plain = next((k for k in range(1, case.lattice.n_spheres + 1) if k not in odd), None)
+    if plain is not None and case.lattice.n_spheres > len(odd) + 1:
+        pairs.append((plain, plain))
+    for number, (striker, _) in enumerate(assembly.strikers, start=case.lattice.n_spheres + 1):
+        pairs += [(number, touched) for touched in striker.touches]
+    kinds = {frozenset((assembly.material_of(k), assembly.diameter_of(k)) for k in pair): pair for pair in pairs}
+    return list(kinds.values())
+
+
+def _times_of_load(load: Load) -> list[float]:
+    """Times within which the load changes, s."""
+    if load.shape == "harmonic" and load.frequency:
+        return [1 / load.frequency]
+    return [load.duration] if load.duration else []
+
+
+def _work_to_force(law: ContactLaw, force: float) -> float:
+    """The work of loading up to a force, J."""
+    low, high = 0.0, _LARGEST_OVERLAP * law.effective_radius
+    if float(law.loading_force(np.array([high]))[0]) <= force:
+        return _work(law, high)
+    overlap = brentq(lambda a: float(law.loading_force(np.array([a]))[0]) - force, low, high, xtol=1e-16, rtol=1e-10)
+    return _work(law, overlap)
 
 
 def _work(law: ContactLaw, overlap: float) -> float:

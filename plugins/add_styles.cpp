@@ -2,6 +2,7 @@
 
 #include "compute_gran_hysteretic.h"
 #include "fix_gran_hysteretic_history.h"
+#include "fix_gran_load.h"
 #include "fix_wall_gran_hysteretic.h"
 #include "force.h"
 #include "lammps.h"
@@ -45,6 +46,7 @@ extern "C" __attribute__((visibility("default"))) void granwave_add_styles(void 
   add("pair", PairGranHysteretic::STYLE, &create<PairGranHysteretic>, pairs);
   add("fix", FixGranHystereticHistory::STYLE, &create_named<Fix, FixGranHystereticHistory>, fixes);
   add("fix", FixWallGranHysteretic::STYLE, &create_named<Fix, FixWallGranHysteretic>, fixes);
+  add("fix", FixGranLoad::STYLE, &create_named<Fix, FixGranLoad>, fixes);
   add("compute", ComputeGranHystereticAtom::STYLE, &create_named<Compute, ComputeGranHystereticAtom>, computes);
   add("compute", ComputeGranHystereticLocal::STYLE, &create_named<Compute, ComputeGranHystereticLocal>, computes);
   add("compute", ComputeGranHystereticContact::STYLE, &create_named<Compute, ComputeGranHystereticContact>, computes);

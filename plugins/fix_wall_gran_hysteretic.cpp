@@ -96,7 +96,7 @@ void FixWallGranHysteretic::post_force(int)
   std::fill_n(wall_force, 3, 0.0);
   tallied = -1;
   for (int i = 0; i < atom->nlocal; i++) {
-    if (!(atom->mask[i] & groupbit)) continue;
+    if (!(atom->mask[i] & groupbit) || radius[i] == 0.0) continue;    // a flat face meets no wall
     const double depth[2] = {plane[0] + radius[i] - x[i][axis], x[i][axis] + radius[i] - plane[1]};
     double *state = array_atom[i];
     bool reset = true;    // the report of what is now starts from nothing, once

@@ -31,6 +31,12 @@ double positive(const std::string &word, const std::string &what)
   return value;
 }
 
+/* INF: never yields. */
+double strength(const std::string &word)
+{
+  return word == "INF" ? INFINITE : positive(word, "yield strength");
+}
+
 double poisson(const std::string &word)
 {
   const double value = number(word, "Poisson's ratio");
@@ -68,10 +74,12 @@ LawArguments parse_law(const std::vector<std::string> &words)
     refuse("law '" + words[0] + "' has " + std::to_string(numbers) + " material constants; " + usage);
   const auto material = [&](std::size_t at) {
     return Material{positive(words[at], "Young's modulus"), poisson(words[at + 1]),
-                    each == 3 ? positive(words[at + 2], "yield strength") : INFINITE};
+                    each == 3 ? strength(words[at + 2]) : INFINITE};
   };
   args.first = material(1);
   if (numbers == 2 * each) args.second = material(1 + each);
+  if (each == 3 && !std::isfinite(std::min(args.first.yield_strength, args.second.value_or(args.first).yield_strength)))
+    refuse("law '" + words[0] + "' needs a yield strength for one of the two bodies; if none yields, take law hertz");
 
   bool given = false;    // any of the law's constants
   for (std::size_t k = 1 + numbers; k < words.size(); k += 2) {

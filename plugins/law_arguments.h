@@ -1,7 +1,7 @@
 /* Words of an input script -> contact law; the one syntax that the pair style and the wall fix share:
 
      hertz E nu [E2 nu2]
-     elastoplastic | bilinear | thornton  E nu sigma_y [E2 nu2 sigma_y2]
+     elastoplastic | bilinear | thornton  E nu sigma_y [E2 nu2 sigma_y2]      (INF for one sigma_y: that body never yields)
      keywords: variant continuous|published, yield_factor C, any of LAW_CONSTANTS (elastoplastic), beta b (bilinear)  */
 
 #ifndef GRANWAVE_LAW_ARGUMENTS_H

@@ -159,7 +159,7 @@ PairGranHysteretic::Geometry PairGranHysteretic::geometry(int itype, int jtype, 
   g.sum_radii = ri + rj;
   const double touch = g.sum_radii * (1.0 - ROUNDING);
   g.touch_sq = touch * touch;
-  g.scale = law(itype, jtype).scale(ri * rj / g.sum_radii);
+  g.scale = law(itype, jtype).scale(effective_radius(ri, rj));
   return g;
 }
 
@@ -252,8 +252,8 @@ template <bool UNIFORM, PairGranHysteretic::Tally TALLY> void PairGranHysteretic
         continue;
       }
       if (!UNIFORM) {
-        g.scale = law(type[i], type[j]).scale(radius[i] * radius[j] / g.sum_radii);
-        largest = std::min(radius[i], radius[j]);
+        g.scale = law(type[i], type[j]).scale(effective_radius(radius[i], radius[j]));
+        largest = largest_overlap(radius[i], radius[j]);
       }
       const double distance = std::sqrt(rsq);
       const double overlap = g.sum_radii - distance;
@@ -332,8 +332,10 @@ void PairGranHysteretic::compute(int eflag, int vflag)
 
 void PairGranHysteretic::overlap_error(int i, int j, double overlap)
 {
-  error->one(FLERR, fmt::format("Spheres {} and {} overlap by {:.3g}, more than the radius of the smaller one: they were "
-                                "placed into each other, or the timestep is far too large", atom->tag[i], atom->tag[j], overlap));
+  const bool face = atom->radius[i] == 0.0 || atom->radius[j] == 0.0;
+  error->one(FLERR, fmt::format("Spheres {} and {} overlap by {:.3g}, more than {}: they were placed into each other, or the "
+                                "timestep is far too large", atom->tag[i], atom->tag[j], overlap,
+                                face ? "half the radius of the one that meets a flat face" : "the radius of the smaller one"));
 }
 
 double PairGranHysteretic::memory_usage()

@@ -5,7 +5,10 @@
 
    A contact's dent stays when the spheres part, until the gap between them exceeds `gap`. The pairs near enough to
    touch are kept as flat arrays beside LAMMPS's list, from one reneighbouring to the next; in between
-   (FixGranHystereticHistory) the dents travel with the spheres. */
+   (FixGranHystereticHistory) the dents travel with the spheres.
+
+   A particle of radius 0 is the flat face of a larger body, such as the end node of an elastic bar: it touches a sphere
+   where the distance is the sphere's radius, with R* that of the sphere. Two faces never touch. */
 
 #ifndef LMP_PAIR_GRAN_HYSTERETIC_H
 #define LMP_PAIR_GRAN_HYSTERETIC_H
@@ -102,6 +105,12 @@ class PairGranHysteretic : public Pair {
     double sum_radii, touch_sq;
     granwave::ContactScale scale;
   };
+
+  /* R* of two spheres, or of a sphere and a flat face (radius 0). */
+  static double effective_radius(double ri, double rj) { return ri > 0.0 && rj > 0.0 ? ri * rj / (ri + rj) : ri + rj; }
+
+  /* Overlaps beyond this are an error: a sphere's centre is near the other surface, or the face near the sphere's centre. */
+  static double largest_overlap(double ri, double rj) { return ri > 0.0 && rj > 0.0 ? (ri < rj ? ri : rj) : 0.5 * (ri + rj); }
 
   void allocate();
   granwave::ContactLaw &law(int itype, int jtype) { return laws[itype * (atom_types + 1) + jtype]; }

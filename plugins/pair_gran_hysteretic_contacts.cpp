@@ -58,6 +58,7 @@ void PairGranHysteretic::build_contacts()
       if (force->special_lj[sbmask(jlist[jj])] == 0.0) continue;
       const int j = jlist[jj] & NEIGHMASK;
       const double dx = x[i][0] - x[j][0], dy = x[i][1] - x[j][1], dz = x[i][2] - x[j][2];
+      if (radius[i] == 0.0 && radius[j] == 0.0) continue;    // two faces
       const double far = radius[i] + radius[j] + reach;
       if (dx * dx + dy * dy + dz * dz >= far * far) continue;
       c.partner.push_back(j);
@@ -97,17 +98,22 @@ void PairGranHysteretic::build_contacts()
   c.published = false;
 }
 
-/* A sphere that moves by much of its radius in one step would pass through others unseen. */
+/* A sphere that moves by much of its radius in one step would pass through others unseen; so would a face that moves by
+   much of theirs. */
 
 void PairGranHysteretic::refuse_leaps()
 {
   constexpr double LARGEST = 0.5;    // of the radius
   const double *const *v = atom->v;
+  const double largest = *std::max_element(largest_radius.begin(), largest_radius.end());
   for (int i = 0; i < atom->nlocal; i++) {
+    const double radius = atom->radius[i] > 0.0 ? atom->radius[i] : largest;
+    if (radius == 0.0) continue;    // nodes alone
     const double leap = std::sqrt(v[i][0] * v[i][0] + v[i][1] * v[i][1] + v[i][2] * v[i][2]) * update->dt;
-    if (!(leap <= LARGEST * atom->radius[i]))
-      error->one(FLERR, "Sphere {} moves by {:.3g} of its radius in one timestep: the timestep is far too large for its "
-                        "velocity, or the run is unstable", atom->tag[i], leap / atom->radius[i]);
+    if (!(leap <= LARGEST * radius))
+      error->one(FLERR, "Sphere {} moves by {:.3g} of {} radius in one timestep: the timestep is far too large for its "
+                        "velocity, or the run is unstable", atom->tag[i], leap / radius,
+                 atom->radius[i] > 0.0 ? "its" : "the largest sphere's");
   }
 }
 

@@ -30,13 +30,13 @@ double PairGranHysteretic::tally_totals()
   Contacts &c = contacts;
 
   const auto count = [&](const ContactLaw &contact_law, const ContactScale &scale, double peak, double peak_force,
-                         double dissipated, double effective_radius, double weight) {
+                         double dissipated, double between, double weight) {
     if (peak > scale.elastic_limit) {
       pvector[YIELDED] += weight;
       pvector[DISSIPATED] += weight * dissipated;
-      if (contact_law.fitted() && peak > 0.1 * effective_radius) {
+      if (contact_law.fitted() && peak > 0.1 * between) {
         pvector[BEYOND_HALF] += weight;
-        if (peak > 0.2 * effective_radius) pvector[BEYOND_LAW] += weight;
+        if (peak > 0.2 * between) pvector[BEYOND_LAW] += weight;
       }
       largest_force = std::max(largest_force, peak_force);
     } else {
@@ -68,7 +68,7 @@ double PairGranHysteretic::tally_totals()
       } else if (overlap > 0.0) {
         elastic += weight * 0.4 * g.scale.hertz * overlap * overlap * std::sqrt(overlap);
       }
-      count(contact_law, g.scale, peak, peak_force, dissipated, uniform ? 0.5 * radius[0] : radius[i] * radius[j] / g.sum_radii, weight);
+      count(contact_law, g.scale, peak, peak_force, dissipated, uniform ? 0.5 * radius[0] : effective_radius(radius[i], radius[j]), weight);
     }
   }
 
@@ -78,16 +78,16 @@ double PairGranHysteretic::tally_totals()
       const DentRecord *record = history.records(i);
       for (int m = 0; m < history.count(i); m++, record++) {
         if (record->live) continue;
-        const double effective_radius = granwave::effective_radius(radius[i], record->partner_radius);
+        const double between = effective_radius(radius[i], record->partner_radius);
         const ContactLaw &contact_law = law(type[i], record->partner_type);
-        const ContactScale scale = contact_law.scale(effective_radius);
+        const ContactScale scale = contact_law.scale(between);
         double lost = 0.0, peak_force = 0.0;
         if (record->dent.peak > scale.elastic_limit) {
           const Turning turning = contact_law.turning(record->dent.peak / scale.overlap);
           lost = scale.force * scale.overlap * contact_law.dissipated_energy(turning);
           peak_force = scale.force * turning.force;
         }
-        count(contact_law, scale, record->dent.peak, peak_force, lost, effective_radius, 0.5);
+        count(contact_law, scale, record->dent.peak, peak_force, lost, between, 0.5);
       }
     }
 
@@ -112,7 +112,7 @@ PairGranHysteretic::Report PairGranHysteretic::describe(int i, int j, int k, dou
   report.tag_j = atom->tag[j];
   report.live = true;
   report.share_i = contact_law.share_of_first();
-  report.effective_radius = atom->radius[i] * atom->radius[j] / g.sum_radii;
+  report.effective_radius = effective_radius(atom->radius[i], atom->radius[j]);
   report.overlap = g.sum_radii - std::sqrt(rsq);
   if (k >= 0) report.dent = {c.peak[k], c.time_first[k], c.time_peak[k], c.time_yield[k]};
   const double peak = report.dent.peak, overlap = report.overlap > ROUNDING * g.sum_radii ? report.overlap : 0.0;
@@ -159,7 +159,7 @@ void PairGranHysteretic::for_each_dent(const std::function<void(const Report &)>
       report.tag_i = atom->tag[i];
       report.tag_j = static_cast<tagint>(record->partner);
       report.share_i = contact_law.share_of_first();
-      report.effective_radius = granwave::effective_radius(atom->radius[i], record->partner_radius);
+      report.effective_radius = effective_radius(atom->radius[i], record->partner_radius);
       report.dent = record->dent;
       report.overlap = -gap;
       const ContactScale scale = contact_law.scale(report.effective_radius);

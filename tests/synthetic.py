@@ -37,6 +37,7 @@ def make_case(kind: str = "fcc", size: Sequence[int] | int = (6, 6, 4), law: str
             "material": BRASS,
             "contact": {"law": law},
             "run": {"end_time": STEPS * TIMESTEP, "timestep": TIMESTEP, "frames": 5},
+            "output": {"history": 0},
             **tables,
         }
     )

@@ -24,6 +24,10 @@ def changed(**changes: Any) -> dict[str, Any]:
     return apply_overrides(MINIMAL, {key.replace("__", "."): value for key, value in changes.items()})
 
 
+FORCE = {"kind": "force", "shape": "half-sine", "amplitude": 1.0, "duration": 1.0}
+TABLE = {"kind": "force", "shape": "table"}
+
+
 def faults_of(**changes: Any) -> list[str]:
     with pytest.raises(InputError) as caught:
         Case.from_dict(changed(**changes), "my.toml")
@@ -172,13 +176,48 @@ class TestOverrides:
             "load.spheres: found 7, but the struck sphere has",
         ),
         ({"load__spheres": 3, "packing__kind": "bcc"}, "load.spheres: found 3, but 3 spheres need hexagonal"),
-        ({"load__kind": "force"}, 'load.kind: "force" is not available in this version'),
-        ({"load__duration": 1.0}, "load.duration: not available in this version"),
-        ({"replace": [{"index": 3}]}, "replace: not available in this version"),
-        ({"striker": []}, "striker: not available in this version"),
-        ({"bar": {}}, "bar: not available in this version"),
-        ({"sensor": []}, "sensor: not available in this version"),
-        ({"boundary__bottom": {"material": "steel"}}, "boundary.bottom: {material"),
+        ({"load__kind": "force"}, "load.shape: missing; a force needs one of"),
+        ({"load__kind": "forse"}, 'load.kind: found "forse", expected one of'),
+        ({"load__duration": 1.0}, 'load.duration: belongs to a load of kind "force" or "displacement"'),
+        ({"load": FORCE | {"duration": 0.0}}, "load.duration: found 0.0, expected a number above 0 (s)"),
+        ({"load": FORCE | {"velocity": 1.0}}, 'load.velocity: belongs to a load of kind "impact"'),
+        ({"load": FORCE | {"frequency": 1.0}}, 'load.frequency: does not belong to shape "half-sine"'),
+        ({"load": TABLE}, 'load.table: missing; shape "table" needs it (or load.file)'),
+        ({"load": TABLE | {"table": [[0, 1], [0, 2]]}}, "load.table: found [[0, 1], [0, 2]], expected rows"),
+        (
+            {"load": TABLE | {"table": [[0, 0], [1, 0]]}},
+            "load.table: found [[0, 0], [1, 0]], expected a value other than",
+        ),
+        ({"load": TABLE | {"file": "no.txt"}}, "load.file: no.txt: cannot be read: "),
+        (
+            {"load": FORCE | {"kind": "displacement"}},
+            'load.shape: found "half-sine"; a displacement needs one of "harmonic"',
+        ),
+        ({"replace": [{"index": 3}]}, "replace.1: changes nothing; give a material, or a diameter"),
+        (
+            {"replace": [{"index": 1000, "material": "steel"}]},
+            "replace.1.index: found 1000, expected an id from 1 to",
+        ),
+        ({"replace": [{"index": 0, "material": "steel"}]}, "replace.1.index: found 0, expected an id from 1 up"),
+        ({"replace": [{"index": 1, "diameter": 0.02}]}, "replace.1.diameter: found 0.02 in fcc; only chains"),
+        ({"replace": [{"index": 1, "material": "bras"}]}, 'replace.1.material: found "bras", expected one of'),
+        (
+            {"replace": [{"index": 1, "material": "ptfe"}]},
+            "replace.1.material.yield_strength: missing; the elastoplastic",
+        ),
+        ({"replace": {"index": 1}}, "replace: found {index = 1}, expected one or more [[replace]] tables"),
+        ({"striker": [{"touches": 1000}]}, "striker.1.touches: found 1000, expected ids from 1 to"),
+        (
+            {"striker": [{"touches": [1, 144]}]},
+            "striker: striker 1: found no place where it touches [1, 144] all at once",
+        ),
+        ({"striker": [{"touches": 1, "velocity": 3}]}, "striker.1.velocity: found 3, expected [x, y, z] in m/s"),
+        ({"bar": {"length": 1, "area": 1e-4}}, 'bar: found with packing.kind = "fcc", expected a chain'),
+        ({"bar": {"length": 1, "area": 0}}, "bar.area: found 0, expected a number above 0 (m^2)"),
+        ({"sensor": [{"name": "A", "id": 1}]}, "sensor.1: found in fcc, expected a chain; use output.probes"),
+        ({"output__history": 10}, "output.history: found 10 for fcc, expected 0: only chains have one"),
+        ({"boundary__bottom": {"matter": "steel"}}, "boundary.bottom.matter: unknown key; did you mean material?"),
+        ({"boundary__bottom": {"material": "stele"}}, 'boundary.bottom.material: found "stele", expected one of'),
         ({"boundary__bottom": "soft"}, "boundary.bottom: found"),
         (
             {"boundary__bottom": "fixed", "packing__size": [12, 12, 1]},

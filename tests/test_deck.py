@@ -13,7 +13,7 @@ import pytest
 from granwave.lammps_inputs.case import Case, load_case
 from granwave.lammps_inputs.deck import write_deck
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.laws import sphere_contact, wall_contact
+from granwave.lammps_inputs.laws import flat_contact, sphere_contact
 from granwave.lammps_inputs.packings import build_packing
 from granwave.lammps_inputs.plan import check_memory, plan
 from granwave.lammps_inputs.schedule import make_schedule
@@ -62,7 +62,7 @@ class TestTimestep:
         assert auto_timestep(make((3, 3, 1))) < auto_timestep(make((3, 3, 1), boundary={"bottom": "free"}))
 
     def test_wall_contact_is_rigid(self) -> None:
-        spheres, wall = sphere_contact(make()), wall_contact(make())
+        spheres, wall = sphere_contact(make()), flat_contact(make(), 1)
         assert wall.effective_modulus == pytest.approx(2 * spheres.effective_modulus)
         assert wall.effective_radius == pytest.approx(2 * spheres.effective_radius)
 

@@ -14,6 +14,7 @@ NAME = re.compile(r"# Complete example: (\w+)\n")
 STYLES = (
     "pair_gran_hysteretic",
     "fix_wall_gran_hysteretic",
+    "fix_gran_load",
     "compute_gran_hysteretic_atom",
     "compute_gran_hysteretic_local",
     "compute_gran_hysteretic_contact",

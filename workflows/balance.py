@@ -16,11 +16,13 @@ class Balance:
     Attributes
     ----------
     error
-        Largest |kinetic + elastic + dissipated - input| / input so far; NaN if an energy is not a number.
+        Largest |kinetic + elastic + dissipated - input| so far over the largest input; NaN if one is not a number.
     """
 
     path: Path
     error: float = 0.0
+    _missed: float = 0.0
+    _input: float = 0.0
     row: dict[str, float] = dataclasses.field(default_factory=dict)
     _offset: int = 0
     _columns: tuple[str, ...] = ()
@@ -46,8 +48,11 @@ class Balance:
             return
         self.row = dict(zip(self._columns, map(float, line.split()), strict=True))
         row = self.row
-        error = abs(row["kinetic"] + row["elastic"] + row["dissipated"] - row["input"]) / row["input"]
-        self.error = error if math.isnan(error) else max(self.error, error)
+        missed = abs(row["kinetic"] + row["elastic"] + row["dissipated"] - row["input"])
+        self._missed = missed if math.isnan(missed) else max(self._missed, missed)
+        self._input = max(self._input, abs(row["input"]))
+        if self._missed != 0:  # NaN too
+            self.error = self._missed / self._input if self._input else math.inf
 
     @property
     def closed(self) -> bool:

@@ -102,7 +102,7 @@ def write(options: argparse.Namespace, _: Words) -> int:
         clear(options.directory)
         deck = write_deck(case, options.directory)
     print(
-        f"{deck.directory}: {deck.case.lattice.n_spheres} spheres, "
+        f"{deck.directory}: {deck.case.assembly.n_spheres} spheres, "
         f"{deck.schedule.n_steps} steps of {deck.schedule.timestep:.3g} s"
     )
     print(f"run it by hand:  cd {deck.directory} && lmp -in {deck.script.name}")

@@ -101,7 +101,7 @@ GRANULAR = Kind(
     parts="spheres",
     versions=("granwave", "lammps", "plugin_built_for_lammps"),
     read=Case.from_dict,
-    size=lambda case: case.lattice.n_spheres,
+    size=lambda case: case.assembly.n_spheres,
     cost=lambda case, n_ranks: plan(case, n_ranks=n_ranks),
     check_memory=lambda _, expected: check_memory(expected),
     parallel=True,

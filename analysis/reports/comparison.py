@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Iterable
-
-from PIL import Image
 
 from granwave.analysis.comparison import both, continuum, forces, granular
 from granwave.analysis.comparison.drawings import drawings, lowest_velocity
 from granwave.analysis.comparison.impacts import Impacts, collect
-from granwave.analysis.figure_style import Drawing, style
+from granwave.analysis.figure_style import style
 from granwave.analysis.figures import FIGURES_DIRECTORY
 from granwave.analysis.reports.inputs import Inputs
 from granwave.analysis.reports.model import Block, Cell, Column, Figure, Gallery, Note, Section, Table
+from granwave.analysis.reports.pictures import png_of
 from granwave.analysis.reports.quantities import BLANK, percent, show, value_cell
 
 SLUG = "comparison"
-_RESOLUTION = 150  # dots per inch
 _LAYERS = (1, 4, 8, 16)  # below the struck one, whose uniformity is told
 _FIT_REMARK = (
     "The constants that the source prints cannot be those of its figure: at a normalised velocity of 94.9 they give "
@@ -69,17 +66,9 @@ def _lead(impacts: Impacts) -> str:
 def _pictures(impacts: Impacts, inputs: Inputs) -> Iterable[Figure]:
     with style():
         for name, caption, drawing in drawings(impacts):
-            png, size = _png(drawing)
             data = inputs.base / FIGURES_DIRECTORY / f"{name}.csv"
             link = inputs.link(data, f"{FIGURES_DIRECTORY}/{data.name}") if data.is_file() else None
-            yield Figure(f"comparison-{name.replace('_', '-')}", caption, caption, png, size, link)
-
-
-def _png(drawing: Drawing) -> tuple[bytes, tuple[int, int]]:
-    stream = io.BytesIO()
-    drawing.figure.savefig(stream, format="png", dpi=_RESOLUTION, metadata={"Software": None})
-    with Image.open(io.BytesIO(stream.getvalue())) as image:
-        return stream.getvalue(), image.size
+            yield Figure(f"comparison-{name.replace('_', '-')}", caption, caption, *png_of(drawing), link)
 
 
 def _tables(impacts: Impacts) -> Iterable[Block | None]:

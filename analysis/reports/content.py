@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from granwave.analysis.reports.balance import SLUG as BALANCE
 from granwave.analysis.reports.balance import balance_notes, balance_section
+from granwave.analysis.reports.chains import chains_section
 from granwave.analysis.reports.comparison import comparison_section
 from granwave.analysis.reports.figures import figures_section
 from granwave.analysis.reports.inputs import Inputs, Run, Scan
@@ -33,6 +34,7 @@ def build_report(inputs: Inputs) -> Report:
         _what_was_run(inputs),
         results_section(inputs),
         comparison_section(inputs),
+        chains_section(inputs),
         sources_section(inputs),
         balance_section(inputs),
         failures,

@@ -43,6 +43,12 @@ _CAPTIONS = {
     "packing_3d_dissipation": "Packing cut open, dissipation",
     "probes": "Probes",
     "wave_front": "Wave front",
+    "force_map": "Contact force in place and time",
+    "force_histories": "Forces of single contacts",
+    "along_chain": "Peak force and dissipation along the chain",
+    "bead_velocities": "Velocities along the chain",
+    "bars": "Bars: contact force and energy",
+    "sensors": "Sensors",
 }
 
 

@@ -253,7 +253,7 @@ def _flat(table: Any, name: str, faults: Faults) -> dict[str, Any]:
         return {}
     flat: dict[str, Any] = {}
     for key, value in table.items():
-        if not all(part.isidentifier() for part in key.split(".")):
+        if not all(part.isidentifier() or part.isdigit() for part in key.split(".")):
             faults.add(name, f"found the key {show(key)}, expected one such as load.velocity")
             continue
         whole_table = "." in key or (key == "material" and isinstance(value, Mapping) and "preset" in value)

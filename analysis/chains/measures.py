@@ -1,0 +1,103 @@
+"""What is measured on a chain: peaks, arrivals, speeds, widths, and powers."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import stats
+
+Array = NDArray[np.float64]
+
+
+def first_peak(time: Array, signal: Array, *, floor: float = 0.01) -> tuple[float, float]:
+    """Time and height of the first maximum of a signal above ``floor`` of its largest, by a parabola through samples.
+
+    Parameters
+    ----------
+    time, signal
+        (n_times,).
+
+    Returns
+    -------
+    tuple
+        (NaN, NaN) of a signal that never rises.
+    """
+    largest = float(signal.max(initial=0.0))
+    if not largest > 0:
+        return np.nan, np.nan
+    inner = (signal[1:-1] >= signal[:-2]) & (signal[1:-1] > signal[2:]) & (signal[1:-1] > floor * largest)
+    places = np.flatnonzero(inner)
+    k = int(places[0]) + 1 if len(places) else int(signal.argmax())
+    if not 0 < k < len(signal) - 1:
+        return float(time[k]), float(signal[k])
+    return _vertex(time[k - 1 : k + 2], signal[k - 1 : k + 2])
+
+
+def arrival(time: Array, signal: Array, level: float) -> float:
+    """When a signal first passes a level, between samples by a straight line, s; NaN: never."""
+    above = np.flatnonzero(signal >= level)
+    if not len(above):
+        return np.nan
+    k = int(above[0])
+    if k == 0:
+        return float(time[0])
+    part = (level - signal[k - 1]) / (signal[k] - signal[k - 1])
+    return float(time[k - 1] + part * (time[k] - time[k - 1]))
+
+
+def width(x: Array, signal: Array, share: float = 0.5) -> float:
+    """Full width of the largest peak of a signal at a share of its height, in units of x; NaN if it is cut off."""
+    k, level = int(signal.argmax()), share * float(signal.max())
+    left, right = np.flatnonzero(signal[:k] < level), np.flatnonzero(signal[k:] < level)
+    if not len(left) or not len(right):
+        return np.nan
+    a, b = int(left[-1]), k + int(right[0])
+    start = x[a] + (level - signal[a]) / (signal[a + 1] - signal[a]) * (x[a + 1] - x[a])
+    end = x[b - 1] + (level - signal[b - 1]) / (signal[b] - signal[b - 1]) * (x[b] - x[b - 1])
+    return float(end - start)
+
+
+@dataclasses.dataclass(frozen=True)
+class Power:
+    """A law y = factor x^exponent, fitted to logarithms.
+
+    Attributes
+    ----------
+    margin
+        Half the 95 % confidence interval of the exponent; NaN from two points.
+    """
+
+    factor: float
+    exponent: float
+    margin: float
+
+    def __call__(self, x: Array) -> Array:
+        """Values of the law."""
+        return self.factor * x**self.exponent
+
+
+def power(x: Array, y: Array) -> Power:
+    """The power law through points (n_points,), positive ones alone.
+
+    Raises
+    ------
+    ValueError
+        There are fewer than two.
+    """
+    chosen = (x > 0) & (y > 0) & np.isfinite(x) & np.isfinite(y)
+    if np.count_nonzero(chosen) < 2:
+        raise ValueError(f"found {np.count_nonzero(chosen)} points, expected two or more for a power law")
+    fit = stats.linregress(np.log(x[chosen]), np.log(y[chosen]))
+    n = int(np.count_nonzero(chosen))
+    margin = float(stats.t.ppf(0.975, n - 2) * fit.stderr) if n > 2 else np.nan
+    return Power(float(np.exp(fit.intercept)), float(fit.slope), margin)
+
+
+def _vertex(time: Array, signal: Array) -> tuple[float, float]:
+    """Of the parabola through three points."""
+    a, b, c = np.polyfit(time - time[1], signal, 2)
+    if not a < 0:
+        return float(time[1]), float(signal[1])
+    return float(time[1] - b / (2 * a)), float(c - b * b / (4 * a))

@@ -1,0 +1,79 @@
+"""A study of a source beside ours: rows of one table, and figures."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from granwave.analysis.figure_style import Drawing
+
+
+@dataclasses.dataclass(frozen=True)
+class Row:
+    """One quantity, as a source gives it and as we find it.
+
+    Attributes
+    ----------
+    quantity
+        What it is, with where and how it was measured.
+    unit
+        Of both; empty for a number.
+    source
+        The source's value; None where it gives none, and ours stands alone.
+    ours
+        From the runs.
+    where
+        Source and place: ``thesis 4.1.3``.
+    remark
+        Why the two differ, where they do by more than a few per cent.
+    expected
+        From theory, where that is closer than the source's value.
+    """
+
+    quantity: str
+    unit: str
+    source: float | None
+    ours: float
+    where: str
+    remark: str = ""
+    expected: float | None = None
+
+    @property
+    def deviation(self) -> float | None:
+        """Ours over the source's, less 1."""
+        return self.ours / self.source - 1 if self.source else None
+
+
+@dataclasses.dataclass(frozen=True)
+class Picture:
+    """A figure of a study."""
+
+    name: str
+    caption: str
+    drawing: Drawing
+
+
+@dataclasses.dataclass(frozen=True)
+class Study:
+    """What a study found.
+
+    Attributes
+    ----------
+    name
+        Short, for links and files.
+    title
+        Of its part of the report.
+    text
+        What was run, in a few sentences.
+    rows
+        Of the table "source against ours".
+    pictures
+        In the order of the report.
+    """
+
+    name: str
+    title: str
+    text: str
+    rows: tuple[Row, ...] = ()
+    pictures: tuple[Picture, ...] = ()

@@ -1,0 +1,66 @@
+"""Chains: the studies of the sources beside ours."""
+
+from __future__ import annotations
+
+from granwave.analysis.chains.runs import collect
+from granwave.analysis.chains.studies import studies
+from granwave.analysis.chains.study import Row, Study
+from granwave.analysis.figures import FIGURES_DIRECTORY
+from granwave.analysis.reports.inputs import Inputs
+from granwave.analysis.reports.model import Cell, Column, Figure, Gallery, Group, Note, Section, Table
+from granwave.analysis.reports.pictures import png_of
+from granwave.analysis.reports.quantities import BLANK, percent, value_cell
+
+SLUG = "chains"
+_COLUMNS = (
+    Column("Quantity", key=True),
+    Column("Unit"),
+    Column("Source", numeric=True),
+    Column("Ours", numeric=True),
+    Column("Difference", numeric=True),
+    Column("Theory", numeric=True),
+    Column("Where"),
+    Column("Remark"),
+)
+
+
+def chains_section(inputs: Inputs) -> Section:
+    """The section of the report; without blocks where there is no study."""
+    found = studies_of(inputs)
+    return Section("Chains: source against ours", SLUG, tuple(_group(study, inputs) for study in found))
+
+
+def studies_of(inputs: Inputs) -> list[Study]:
+    """The studies that a report's runs belong to."""
+    return studies(collect((run.label, run.directory, run.summary) for run in inputs.results() if run.kind == "run"))
+
+
+def _group(study: Study, inputs: Inputs) -> Group:
+    blocks: list[Table | Gallery | Note] = [Note(study.text)]
+    if study.rows:
+        blocks.append(
+            Table(f"{study.title}: source against ours", _COLUMNS, tuple(map(_cells, study.rows)), sortable=True)
+        )
+    figures = []
+    for picture in study.pictures:
+        data = inputs.base / FIGURES_DIRECTORY / f"{picture.name}.csv"
+        link = inputs.link(data, f"{FIGURES_DIRECTORY}/{data.name}") if data.is_file() else None
+        slug = f"chains-{picture.name.replace('_', '-')}"
+        figures.append(Figure(slug, picture.caption, picture.caption, *png_of(picture.drawing), link))
+    if figures:
+        blocks.append(Gallery(tuple(figures)))
+    return Group(study.title, tuple(blocks))
+
+
+def _cells(row: Row) -> tuple[Cell, ...]:
+    deviation = row.deviation
+    return (
+        Cell(row.quantity, row.quantity),
+        Cell(row.unit),
+        value_cell(row.source) if row.source is not None else Cell(BLANK),
+        value_cell(row.ours),
+        Cell(percent(100 * deviation), deviation) if deviation is not None else Cell(BLANK),
+        value_cell(row.expected) if row.expected is not None else Cell(BLANK),
+        Cell(row.where, row.where),
+        Cell(row.remark, row.remark),
+    )

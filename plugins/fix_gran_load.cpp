@@ -1,0 +1,264 @@
+#include "fix_gran_load.h"
+
+#include "atom.h"
+#include "comm.h"
+#include "error.h"
+#include "group.h"
+#include "modify.h"
+#include "simulated_time.h"
+#include "update.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+using namespace LAMMPS_NS;
+using granwave::LoadShape;
+
+namespace {
+
+constexpr int RESTART_FORMAT = 1;
+constexpr const char *USAGE = "expected x|y|z, then force half-sine|rectangle AMPLITUDE DURATION, or force|displacement harmonic "
+                              "AMPLITUDE FREQUENCY, or force|displacement table FILE";
+
+}    // namespace
+
+FixGranLoad::FixGranLoad(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg)
+{
+  if (narg < 7) error->all(FLERR, "Illegal fix {}: {}", STYLE, USAGE);
+  const std::string along = arg[3], kind = arg[4], form = arg[5];
+  if (along != "x" && along != "y" && along != "z") error->all(FLERR, "Illegal fix {}: '{}' is no direction; {}", STYLE, along, USAGE);
+  axis = along[0] - 'x';
+  if (kind != "force" && kind != "displacement")
+    error->all(FLERR, "Illegal fix {}: '{}' is neither force nor displacement; {}", STYLE, kind, USAGE);
+  moves = kind == "displacement";
+  const bool pulse = form == "half-sine" || form == "rectangle";
+  if (!(form == "table" || form == "harmonic" || (pulse && !moves)))
+    error->all(FLERR, "Illegal fix {}: '{}' is no shape of a {}; {}", STYLE, form, kind, USAGE);
+  if (narg != (form == "table" ? 7 : 8)) error->all(FLERR, "Illegal fix {}: {} words after '{}'; {}", STYLE, narg - 6, form, USAGE);
+  if (form == "table") {
+    read_table(arg[6]);
+  } else {
+    const double amplitude = utils::numeric(FLERR, arg[6], false, lmp), other = utils::numeric(FLERR, arg[7], false, lmp);
+    const char *const name = pulse ? "duration" : "frequency";
+    if (!(amplitude > 0.0) || !std::isfinite(amplitude))
+      error->all(FLERR, "Illegal fix {}: the amplitude must be positive, found {}", STYLE, arg[6]);
+    if (!(other > 0.0) || !std::isfinite(other)) error->all(FLERR, "Illegal fix {}: the {} must be positive, found {}", STYLE, name, arg[7]);
+    const auto known = form == "half-sine" ? LoadShape::Form::half_sine : pulse ? LoadShape::Form::rectangle : LoadShape::Form::harmonic;
+    shape = LoadShape(known, amplitude, pulse ? other : 1.0 / other);
+  }
+
+  restart_global = 1;
+  time_integrate = moves ? 1 : 0;
+  scalar_flag = vector_flag = 1;
+  size_vector = N_GIVEN - 1;
+  global_freq = 1;
+  extscalar = 1;
+  extvector = -1;
+  extlist = extensive;
+}
+
+/* Two columns, read by the first processor. */
+
+void FixGranLoad::read_table(const char *file)
+{
+  LoadShape::Rows rows;
+  if (comm->me == 0) {
+    std::ifstream in(file);
+    if (!in) error->one(FLERR, "Illegal fix {}: cannot read the table {}", STYLE, file);
+    int count = 0;
+    for (std::string line; std::getline(in, line);) {
+      count++;
+      std::istringstream words(line.substr(0, line.find('#')));
+      std::string first, second, third;
+      if (!(words >> first)) continue;
+      words >> second >> third;
+      char *end[2];
+      const double time = std::strtod(first.c_str(), &end[0]), value = std::strtod(second.c_str(), &end[1]);
+      if (second.empty() || !third.empty() || *end[0] || *end[1] || !std::isfinite(time) || !std::isfinite(value))
+        error->one(FLERR, "Illegal fix {}: line {} of table {} must be two numbers, found '{}'", STYLE, count, file, line);
+      rows.emplace_back(time, value);
+    }
+    try {
+      LoadShape{rows};
+    } catch (const std::invalid_argument &fault) {
+      error->one(FLERR, "Illegal fix {}: table {} cannot be used: {}", STYLE, file, fault.what());
+    }
+  }
+  int count = static_cast<int>(rows.size());
+  MPI_Bcast(&count, 1, MPI_INT, 0, world);
+  rows.resize(count);
+  static_assert(sizeof(LoadShape::Rows::value_type) == 2 * sizeof(double));
+  MPI_Bcast(rows.data(), 2 * count, MPI_DOUBLE, 0, world);
+  shape = LoadShape(rows);
+}
+
+int FixGranLoad::setmask() { return moves ? FixConst::INITIAL_INTEGRATE | FixConst::FINAL_INTEGRATE : FixConst::POST_FORCE; }
+
+void FixGranLoad::init()
+{
+  if (std::strncmp(update->integrate_style, "respa", 5) == 0) error->all(FLERR, "Fix {} does not work with run_style respa", STYLE);
+  if (update->whichflag == 2) error->all(FLERR, "Fix {} does not work with minimize: its load is a function of time", STYLE);
+  atoms = static_cast<double>(group->count(igroup));
+  if (atoms == 0.0) error->all(FLERR, "Fix {} {}: its group {} has no atoms", STYLE, id, group->names[igroup]);
+  if (!moves) return;
+  mass = group->mass(igroup);
+  for (const auto *other : modify->get_fix_list()) {
+    if (other == this || !other->time_integrate) continue;
+    int shared = 0, any = 0;
+    for (int i = 0; i < atom->nlocal; i++)
+      if ((atom->mask[i] & groupbit) && (atom->mask[i] & other->groupbit)) shared = 1;
+    MPI_Allreduce(&shared, &any, 1, MPI_INT, MPI_MAX, world);
+    if (any)
+      error->all(FLERR, "Fix {} {} prescribes the motion of atoms that fix {} {} integrates: leave them out of the group of that one",
+                 STYLE, id, other->style, other->id);
+  }
+}
+
+/* Of the same time and state as the end of the last run, so that nothing is given twice. */
+
+void FixGranLoad::setup(int)
+{
+  const double now = granwave::simulated_time(*update);
+  if (!moves) {
+    force = (shape.integral(now + 0.5 * update->dt) - shape.integral(now - 0.5 * update->dt)) / update->dt;
+    give_force();
+  } else {
+    if (!started)    // what the atoms had of themselves was not given
+      for (int i = 0; i < atom->nlocal; i++) {
+        if (!(atom->mask[i] & groupbit)) continue;
+        const double *const v = atom->v[i];
+        given[WORK] -= 0.5 * mass_of(i) * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+        given[IMPULSE] -= mass_of(i) * v[axis];
+      }
+    place = shape.value(now);
+    velocity = shape.slope(now);
+    set_velocity(velocity);
+  }
+  started = true;
+}
+
+double FixGranLoad::mass_of(int i) const { return atom->rmass ? atom->rmass[i] : atom->mass[atom->type[i]]; }
+
+/* ---------------------------------------------------------------------- a force */
+
+void FixGranLoad::give_force()
+{
+  const double share = force / atoms;
+  if (share == 0.0) return;
+  for (int i = 0; i < atom->nlocal; i++)
+    if (atom->mask[i] & groupbit) atom->f[i][axis] += share;
+}
+
+/* Here velocities are those in the middle of the step, which moved the atoms by v dt. */
+
+void FixGranLoad::post_force(int)
+{
+  const double dt = update->dt, now = granwave::simulated_time(*update), before = force;
+  force = (shape.integral(now + 0.5 * dt) - shape.integral(now - 0.5 * dt)) / dt;
+  double speeds = 0.0;
+  for (int i = 0; i < atom->nlocal; i++)
+    if (atom->mask[i] & groupbit) speeds += atom->v[i][axis];
+  const double moved = speeds / atoms * dt, mean = 0.5 * (before + force);
+  given[WORK] += mean * moved;
+  given[DISPLACEMENT] += moved;
+  if (comm->me == 0) given[IMPULSE] += mean * dt;
+  give_force();
+}
+
+/* ---------------------------------------------------------------------- a displacement */
+
+void FixGranLoad::set_velocity(double along)
+{
+  for (int i = 0; i < atom->nlocal; i++) {
+    if (!(atom->mask[i] & groupbit)) continue;
+    std::fill_n(atom->v[i], 3, 0.0);
+    atom->v[i][axis] = along;
+  }
+}
+
+double FixGranLoad::force_on_group() const
+{
+  double sum = 0.0;
+  for (int i = 0; i < atom->nlocal; i++)
+    if (atom->mask[i] & groupbit) sum += atom->f[i][axis];
+  return sum;
+}
+
+void FixGranLoad::initial_integrate(int)
+{
+  resistance = force_on_group();    // here all other fixes have added theirs
+  const double before = place;
+  place = shape.value(granwave::simulated_time(*update));
+  moved = place - before;
+  for (int i = 0; i < atom->nlocal; i++)
+    if (atom->mask[i] & groupbit) atom->x[i][axis] += moved;
+  set_velocity(moved / update->dt);
+  if (comm->me == 0) given[DISPLACEMENT] += moved;
+}
+
+void FixGranLoad::final_integrate()
+{
+  const double mean = 0.5 * (resistance + force_on_group());
+  given[WORK] -= mean * moved;
+  given[IMPULSE] -= mean * update->dt;
+  velocity = shape.slope(granwave::simulated_time(*update));
+  set_velocity(velocity);
+}
+
+/* ---------------------------------------------------------------------- output and restart */
+
+void FixGranLoad::totals(double (&sum)[N_GIVEN]) const
+{
+  double mine[N_GIVEN] = {given[WORK], given[IMPULSE], given[DISPLACEMENT], 0.0};
+  if (moves) mine[FORCE] = -force_on_group();
+  if (comm->me == 0) {
+    if (!moves) mine[FORCE] = force;
+    if (moves && started) {
+      mine[WORK] += 0.5 * mass * velocity * velocity;
+      mine[IMPULSE] += mass * velocity;
+    }
+  }
+  MPI_Allreduce(mine, sum, N_GIVEN, MPI_DOUBLE, MPI_SUM, world);
+}
+
+double FixGranLoad::compute_scalar()
+{
+  double sum[N_GIVEN];
+  totals(sum);
+  return sum[WORK];
+}
+
+double FixGranLoad::compute_vector(int n)
+{
+  constexpr int ORDER[] = {FORCE, IMPULSE, DISPLACEMENT};
+  double sum[N_GIVEN];
+  totals(sum);
+  return sum[ORDER[n]];
+}
+
+/* What was given without the motion that the atoms have now: setup() finds that again. */
+
+void FixGranLoad::write_restart(FILE *fp)
+{
+  double state[N_GIVEN + 2] = {double(RESTART_FORMAT), double(started), double(moves)};
+  MPI_Reduce(given, state + 3, N_GIVEN - 1, MPI_DOUBLE, MPI_SUM, 0, world);
+  if (comm->me != 0) return;
+  const int size = sizeof(state);
+  fwrite(&size, sizeof(int), 1, fp);
+  fwrite(state, sizeof(double), N_GIVEN + 2, fp);
+}
+
+void FixGranLoad::restart(char *buffer)
+{
+  const auto *const state = reinterpret_cast<const double *>(buffer);
+  if (state[0] != RESTART_FORMAT)
+    error->all(FLERR, "Restart file holds format {} of fix {}; this version reads format {}", state[0], STYLE, RESTART_FORMAT);
+  if ((state[2] != 0.0) != moves)
+    error->all(FLERR, "Restart file holds fix {} {} with a {}: give it again as it was", STYLE, id, moves ? "force" : "displacement");
+  started = state[1] != 0.0;
+  if (comm->me == 0) std::copy_n(state + 3, N_GIVEN - 1, given);
+}
