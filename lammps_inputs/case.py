@@ -32,6 +32,7 @@ _SECTIONS: dict[str, type] = {
 }
 _LISTS: dict[str, type] = {"replace": Replace, "striker": Striker, "sensor": Sensor}
 _BARS = ("bar", "incident_bar")
+_WALLS = ("bottom", "sides")  # keys of [boundary] that take a material
 _REQUIRED = ("packing", "material")
 _KNOWN = ("name", "material", *_SECTIONS, *_LISTS, *_BARS)
 _RECORD = "resolved"  # written beside a deck for people and programs, ignored when read
@@ -134,9 +135,10 @@ class Case:
         if len(self.packing.size) == 1:
             tables["packing"]["size"] = self.packing.size[0]
         tables["load"] = _plain(self.load.keys())
-        bottom = tables["boundary"].pop("bottom_material", None)
-        if bottom is not None:
-            tables["boundary"]["bottom"] = {"material": bottom}
+        for key in _WALLS:
+            wall = tables["boundary"].pop(f"{key}_material", None)
+            if wall is not None:
+                tables["boundary"][key] = {"material": wall}
         return {name: table for name, table in tables.items() if table != []}
 
     def to_toml(self, resolved: Mapping[str, Any] | None = None) -> str:
@@ -218,18 +220,27 @@ def unit_of(key: str) -> str:
 def _read_section(section: type, table: Any, name: str, faults: Faults, directory: Path | None) -> Any:
     if section is Load:
         return read_load(table, faults, directory)
-    bottom = table.get("bottom") if section is Boundary and isinstance(table, Mapping) else None
-    if not isinstance(bottom, Mapping):
+    if section is not Boundary or not isinstance(table, Mapping):
         return read_table(section, table, name, faults)
-    refuse_unknown(bottom, ("material",), "boundary.bottom", faults)
-    if not bottom:
-        faults.add("boundary.bottom", f'found {show(bottom)}, expected a word, or {{material = "..."}} for a wall')
+    before, plain = len(faults.lines), dict(table)
+    materials: dict[str, Any] = {}
+    for key in _WALLS:
+        if isinstance(table.get(key), Mapping):
+            plain[key] = "wall"
+            materials[f"{key}_material"] = _read_wall(table[key], f"boundary.{key}", faults, directory)
+    boundary = read_table(Boundary, plain, name, faults)
+    if boundary is None or len(faults.lines) > before:
         return None
-    if "material" not in bottom:
+    return dataclasses.replace(boundary, **materials)
+
+
+def _read_wall(table: Mapping[str, Any], key: str, faults: Faults, directory: Path | None) -> Material | None:
+    refuse_unknown(table, ("material",), key, faults)
+    if not table:
+        faults.add(key, f'found {show(table)}, expected a word, or {{material = "..."}} for a wall')
+    if "material" not in table:
         return None
-    material = read_material(bottom["material"], faults, directory, "boundary.bottom.material")
-    boundary = read_table(Boundary, {**table, "bottom": "wall"}, name, faults)
-    return None if boundary is None else dataclasses.replace(boundary, bottom_material=material)
+    return read_material(table["material"], faults, directory, f"{key}.material")
 
 
 def _with_implied(data: Mapping[str, Any]) -> dict[str, Any]:

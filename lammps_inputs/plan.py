@@ -83,7 +83,11 @@ def plan(case: Case, *, n_ranks: int = 1) -> Plan:
         peak_overlap=overlap,
         peak_overlap_yield=overlap / law.yield_overlap if case.contact.yields else None,
         peak_overlap_radius=overlap / law.effective_radius,
-        wall_time=assembly.n_particles * schedule.n_steps * SECONDS_PER_SPHERE_STEP * _yielding(case, law) / n_ranks,
+        wall_time=(2 * assembly.n_particles - assembly.n_spheres)  # a node of a bar takes twice the time of a sphere
+        * schedule.n_steps
+        * SECONDS_PER_SPHERE_STEP
+        * _yielding(case, law)
+        / n_ranks,
     )
 
 

@@ -162,10 +162,11 @@ class Boundary:
     )
     bottom_material: Material | None = None  # of the plane, given as bottom = {material = ...}; rigid without one
     sides: Literal["free", "wall", "periodic"] = choice(
-        "at the sides: nothing, rigid planes, or the packing again",
+        "at the sides: nothing, planes, or the packing again",
         ("free", "wall", "periodic"),
         default="free",
     )
+    sides_material: Material | None = None  # of all side planes, given as sides = {material = ...}
     forget_gap: float = number(
         "a dent is forgotten when the gap exceeds it, never sooner",
         unit="diameters",

@@ -49,8 +49,9 @@ def walls(case: Case) -> tuple[Wall, ...]:
         low, high = assembly.lattice_bounds()
         radius = max([case.packing.diameter, *assembly.diameters.values()]) / 2
         for axis, letter in enumerate("xy"):
-            found.append(Wall(f"{letter}lo", axis, -1, float(low[axis]) - radius))
-            found.append(Wall(f"{letter}hi", axis, 1, float(high[axis]) + radius))
+            material = case.boundary.sides_material
+            found.append(Wall(f"{letter}lo", axis, -1, float(low[axis]) - radius, material=material))
+            found.append(Wall(f"{letter}hi", axis, 1, float(high[axis]) + radius, material=material))
     return tuple(found)
 
 

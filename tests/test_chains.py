@@ -178,7 +178,7 @@ def test_case_round_trip() -> None:
     case = case_of(
         load={"kind": "force", "shape": "table", "table": [[0, 0], [1e-5, 5.0], [2e-5, 0]]},
         replace=[{"index": 3, "material": SOFT}, {"index": [1, 2], "diameter": 5e-3}],
-        boundary={"bottom": {"material": HARD}},
+        boundary={"bottom": {"material": HARD}, "sides": {"material": SOFT}},
         sensor=[{"name": "A", "id": 2}],
         incident_bar={"length": 1.0, "area": 1e-4},
     )
