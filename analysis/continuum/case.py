@@ -65,7 +65,7 @@ class ContinuumRun:
         "auto: just below the limit of stability", unit="s", above=0, word="auto", default="auto"
     )
     edge_size: float | Literal["auto"] = number(
-        "width of the elements at the punch's edge; auto: follows from elements (37 um for 62500 and a punch of 10 mm)",
+        "width of the elements at the punch's edge; auto: follows from elements (32 um for 62500 and a punch of 10 mm)",
         unit="m",
         above=0,
         word="auto",

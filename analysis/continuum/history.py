@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from granwave.analysis.continuum import kernels
 from granwave.analysis.continuum.case import ContinuumCase
-from granwave.analysis.continuum.contact import punch_gap
+from granwave.analysis.continuum.contact import contact_end, punch_gap
 from granwave.analysis.continuum.material import Elastoplastic
 from granwave.analysis.continuum.mesh import Mesh, block_mesh
 from granwave.analysis.continuum.solver import Instant, Solver
@@ -59,9 +59,9 @@ def mesh_of(case: ContinuumCase) -> Mesh:
     """The mesh of a case."""
     punch, run = case.punch, case.run
     edge = None if isinstance(run.edge_size, str) else run.edge_size
-    return block_mesh(
-        case.block.diameter / 2, case.block.height, punch.diameter / 2, run.elements, taper=punch.taper, edge_size=edge
-    )
+    material = Elastoplastic.of(case.material)
+    end = contact_end(punch.diameter / 2, punch.taper, material.yield_strength / material.youngs_modulus)
+    return block_mesh(case.block.diameter / 2, case.block.height, end, run.elements, edge_size=edge)
 
 
 def make_solver(case: ContinuumCase) -> Solver:

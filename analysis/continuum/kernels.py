@@ -31,7 +31,7 @@ N_TALLY = 10
 
 def compiled(function: Callable) -> Callable:
     """Compile at the first call, keeping the code on disk for the next process where that is possible."""
-    options: dict[str, Any] = {"fastmath": {"contract"}, "error_model": "numpy"}
+    options: dict[str, Any] = {"fastmath": {"contract", "arcp", "nsz", "reassoc"}, "error_model": "numpy"}
     try:
         return njit(cache=True, **options)(function)
     except RuntimeError:  # neither the package's directory nor the user's cache can be written to

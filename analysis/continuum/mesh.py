@@ -2,29 +2,36 @@
 
     h_r = s (L + |r - a|)        h_z = s (k L + z)        s = sqrt(I_r I_z / elements)
 
-with L = `NEAR` of the punch's radius, k = `ASPECT` and ``I`` the integrals of ``s dx/h``: one number, ``elements``,
+with L = `NEAR` of the radius a, k = `ASPECT` and ``I`` the integrals of ``s dx/h``: one number, ``elements``,
 refines the whole mesh without changing its shape. The plastic zone begins at the edge and grows from there, and waves
 are as long as the contact lasts, so the same share of elements goes to every scale. With an edge size given, L follows
 from it instead.
 
-The place a = radius - `EDGE_AT` taper lies midway between two nodes, as the contact ends half an element beyond the
-last node that touches. Near the onset of yield the punch touches 0.4 to 0.5 of its rounded edge and the dissipated
-share falls by 3 % when that end is 9 um further out (0.1 kg at 6 m/s, taper 0.1 mm): there the place of the nodes
-counts.
-The default has elements of 37 um at the edge; finer ones cost timesteps. Brass, D = 10 mm, taper 0.1 mm:
+The place a, where contact ends (`granwave.analysis.continuum.contact.contact_end`), lies midway between two nodes, as
+the contact of a mesh ends half an element beyond the last node that touches. On the rounded edge it moves out as the
+load grows, on fine meshes by 26 um at 4 m/s and 60 um at 8 m/s (0.1 kg, taper 0.1 mm), on coarse ones a node at a time.
+The stress under the edge needs elements finer than that, not another contact: forces spread over the segments between
+nodes (penalty, 1 to 8 points each) leave the same scatter. Of the dissipated share, with the nodes moved by parts of an
+element:
 
-    kg, m/s     input    fraction dissipated        plastic volume (mm^3)      against
+    elements at the edge (um)      37      25      18
+    0.1 kg, 8 m/s, scatter (%)     3.3     2.3     1.5
+    0.1 kg, 4 m/s                  19      14      7
+
+The default has elements of 32 um there; finer ones cost timesteps. Brass, D = 10 mm, taper 0.1 mm, against 62 500
+elements with 8 um at the edge:
+
+    kg, m/s     input    fraction dissipated        plastic volume (mm^3)
                          default  finer             default  finer
-    0.1,  3      0.17    0.0060   0.0082  -27 %        1.33    1.60  -17 %    125 000, 13 um at the edge
-    0.1,  6      0.68    0.0417   0.0415  0.4 %        31.4    30.1    4 %    125 000, 13 um
-    0.01, 20     0.76    0.0706   0.0718   -2 %        73.7    71.2    4 %    125 000, 13 um
-    0.2,  6      1.37    0.139    0.143    -3 %        247     246   0.4 %    62 500, 19 um
-    0.1, 10      1.90    0.204    0.205  -0.5 %        377     376   0.3 %    62 500, 19 um
-    0.1, 16      4.87    0.433    0.435  -0.5 %       1035    1031   0.3 %    125 000, 13 um
+    0.1,  4      0.30    0.0142   0.0151  -6 %          5.2     5.0    5 %
+    0.1,  6      0.68    0.0425   0.0421  0.9 %       30.8    30.2    2 %
+    0.1,  8      1.22    0.0982   0.1003  -2 %          157     157    0 %
+    0.2,  6      1.37    0.142    0.143  -0.9 %         247     245  0.5 %
+    0.1, 12      2.74    0.296    0.298  -0.6 %         580     577  0.6 %
+    0.1, 20      7.60    0.532    0.533  -0.2 %        1550    1505    3 %
 
-The finer values scatter themselves, by 8 % of the fraction at 3 m/s and 1 % at 6 m/s, with where the nodes are. With
-16 000 elements, half and twice the hourglass stiffness change the fraction by 1 and -1.5 %, the volume by -2 and 3 %;
-half and twice the bulk viscosity change the fraction by up to 1.4 and -0.4 %, the volume by -3 and 0.6 %.
+With 16 000 elements, half and twice the hourglass stiffness change the fraction by 1 and -1.5 %, the volume by -2 and
+3 %; half and twice the bulk viscosity change the fraction by up to 1.4 and -0.4 %, the volume by -3 and 0.6 %.
 """
 
 from __future__ import annotations
@@ -37,9 +44,8 @@ from numpy.typing import NDArray
 
 Line = NDArray[np.float64]
 
-NEAR = 0.58  # of the punch's radius
+NEAR = 0.455  # of the radius of contact
 ASPECT = 2.5  # of the smallest elements, depth over width
-EDGE_AT = 0.6  # of the taper, from the punch's radius inwards
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -84,25 +90,20 @@ class Mesh:
         return (self.r[1:] + self.r[:-1]) / 2, (self.z[1:] + self.z[:-1]) / 2
 
 
-def block_mesh(
-    radius: float, height: float, punch_radius: float, elements: int, *, taper: float, edge_size: float | None = None
-) -> Mesh:
+def block_mesh(radius: float, height: float, edge: float, elements: int, *, edge_size: float | None = None) -> Mesh:
     """The mesh of a block under a punch.
 
     Parameters
     ----------
     radius, height
         Of the block, m.
-    punch_radius
-        m.
+    edge
+        Radius at which contact ends, m; midway between two nodes.
     elements
         About how many.
-    taper
-        Of the punch, m.
     edge_size
-        Width of the elements at the punch's edge, m, if not that of the rule; what is too large gives equal elements.
+        Width of the elements there, m, if not that of the rule; what is too large gives equal elements.
     """
-    edge = punch_radius - EDGE_AT * taper
 
     def counts(near: float) -> tuple[float, float, float]:
         return math.log1p(edge / near), math.log1p((radius - edge) / near), math.log1p(height / (ASPECT * near))
@@ -111,7 +112,7 @@ def block_mesh(
         inner, outer, deep = counts(near)
         return math.sqrt((inner + outer) * deep / elements)
 
-    near = NEAR * punch_radius
+    near = NEAR * edge
     if edge_size is not None:
         low, high = 1e-9 * radius, 1e3 * radius
         for _ in range(100):
