@@ -21,7 +21,7 @@ from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.lammps_inputs import script_output
 from granwave.lammps_inputs.script_output import CONTACT_COLUMNS, FRAME_COLUMNS
 
-SPHERE_COLUMNS = tuple(FRAME_COLUMNS)
+SPHERE_COLUMNS = tuple(name for name in FRAME_COLUMNS if name != "elastic")  # which older runs lack
 HISTORY_COLUMNS = tuple(script_output.HISTORY_COLUMNS)
 WALL_COLUMNS = ("id", *script_output.WALL_COLUMNS)
 DATA_COLUMNS = ("id", "type", "diameter", "density", "x", "y", "z")

@@ -6,7 +6,14 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-from granwave.analysis import figures_chain, figures_dissipation, figures_history, figures_packing, figures_planes
+from granwave.analysis import (
+    figures_chain,
+    figures_directions,
+    figures_dissipation,
+    figures_history,
+    figures_packing,
+    figures_planes,
+)
 from granwave.analysis.figure_style import Drawing, remove, save, style
 from granwave.analysis.result import Result
 
@@ -35,6 +42,8 @@ FIGURES: dict[str, Callable[[Result], Drawing | None]] = {
     "bead_velocities": figures_chain.bead_velocities,
     "bars": figures_chain.bars,
     "sensors": figures_chain.sensors,
+    "accelerations": figures_history.sensors,
+    "directions": figures_directions.directions,
 }
 
 

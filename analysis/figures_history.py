@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from granwave.analysis.figure_style import BLUE, GREEN, GREY, ORANGE, PURPLE, Drawing, new_figure
 from granwave.analysis.result import Result
+from granwave.analysis.sensors import sensor_accelerations, sensor_velocities
 
 _MICRO = 1e6  # microseconds in a second
 _MOST_POINTS = 20_000  # drawn of one curve; the CSV file has all
@@ -22,6 +23,7 @@ _QUANTITIES = {
     "force": ("Contact force (N)", 1.0),
 }
 _COLOURS = (BLUE, ORANGE, GREEN, PURPLE, GREY)
+_IN_PANEL = 4  # sensors
 
 
 def energies(result: Result) -> Drawing | None:
@@ -85,11 +87,13 @@ def impactor_velocity(result: Result) -> Drawing | None:
 
 def probes(result: Result) -> Drawing | None:
     """What the probes recorded: a panel for each quantity."""
-    if "probes" not in result:
+    wanted = {f"sphere_{probe.sphere}" for probe in result.case.output.probes if probe.sphere is not None}
+    wanted |= {"contact_{}_{}".format(*probe.contact) for probe in result.case.output.probes if probe.contact}
+    if "probes" not in result or not wanted:
         return None
     time = result["probes/time"]
     panels: dict[str, list[tuple[str, NDArray]]] = {}
-    names = [name for name in result.names("probes") if name not in ("step", "time")]
+    names = [name for name in result.names("probes") if name.rsplit("_", 1)[0] in wanted]  # sensors aside
     for name in names:
         found = _PROBE.fullmatch(name)
         if found:
@@ -119,6 +123,31 @@ def probes(result: Result) -> Drawing | None:
     _time_axis(stack[-1], time)
     units = {name: result.unit(f"probes/{name}").replace(" ", "_").replace("-", "") for name in names}
     return Drawing(figure, {"time_s": time} | {f"{name}_{units[name]}": result[f"probes/{name}"] for name in names})
+
+
+def sensors(result: Result) -> Drawing | None:
+    """Accelerations of the spheres that carry a sensor, each along the direction in which it moves fastest."""
+    found = sensor_accelerations(result)
+    if not found:
+        return None
+    time, velocities = result["probes/time"], sensor_velocities(result)
+    names = list(found)
+    groups = [names[n : n + _IN_PANEL] for n in range(0, len(names), _IN_PANEL)]
+    figure = new_figure(0.5 + 1.5 * len(groups))
+    stack = figure.subplots(len(groups), 1, sharex=True, squeeze=False)[:, 0]
+    for axes, group in zip(stack, groups, strict=True):
+        for name, colour in zip(group, _COLOURS, strict=False):
+            velocity = velocities[name]
+            fastest = velocity[np.argmax(np.linalg.norm(velocity, axis=1))]
+            along = found[name] @ fastest / (np.linalg.norm(fastest) or 1.0)
+            shown = _thinned(along)
+            line = "--" if len(axes.lines) % 2 else "-"  # neighbours often coincide
+            axes.plot(time[shown] * _MICRO, along[shown], line, color=colour, label=name, linewidth=0.9)
+        axes.set_ylabel("Acceleration (m/s²)")
+        axes.legend(ncols=1, fontsize=8, handlelength=1.2, loc="upper left")
+    _time_axis(stack[-1], time)
+    columns = {f"{name}_a{axis}_m_s2": values[:, n] for name, values in found.items() for n, axis in enumerate("xyz")}
+    return Drawing(figure, {"time_s": time} | columns)
 
 
 def _time_axis(axes: Axes, time: NDArray[np.float64]) -> None:

@@ -1,10 +1,11 @@
 """The trajectory of a run in H5MD form (version 1.1, P. de Buyl et al., doi:10.1016/j.cpc.2014.01.018).
 
 ``/particles/spheres`` holds ``position``, ``displacement``, ``velocity``, ``contact_force`` (the largest
-force of a single contact now), ``peak_force`` and ``dissipated_energy``, each as ``value``, ``step`` and
-``time`` of every snapshot; ``id``, ``species``, ``radius`` and ``mass`` do not change. Positions are start
-plus displacement: a sphere that crosses a periodic side is not wrapped back. All values are float64; overlaps
-come from the displacements, which keep 17 digits however far from the origin a sphere is.
+force of a single contact now), ``peak_force``, ``dissipated_energy`` and ``elastic_energy`` (half of what is stored in
+each contact with a sphere now; NaN in runs that did not record it), each as ``value``, ``step`` and ``time`` of every
+snapshot; ``id``, ``species``, ``radius`` and ``mass`` do not change. Positions are start plus displacement: a sphere
+that crosses a periodic side is not wrapped back. All values are float64; overlaps come from the displacements, which
+keep 17 digits however far from the origin a sphere is.
 """
 
 from __future__ import annotations
@@ -26,7 +27,9 @@ _SCALARS = {
     "contact_force": ("force", "N"),
     "peak_force": ("peak_force", "N"),
     "dissipated_energy": ("dissipated", "J"),
+    "elastic_energy": ("elastic", "J"),
 }
+QUANTITIES = (*_VECTORS, *_SCALARS)
 
 
 def write_metadata(file: h5py.File, version: str) -> None:
@@ -82,6 +85,7 @@ def write_trajectory(
     for name, (values, unit) in fixed.items():
         group.create_dataset(name, data=values, **COMPRESSION).attrs["unit"] = unit
     elements = _elements(group, n_spheres)
+    unknown = np.full(n_spheres, np.nan)
     frame = start
     for number, frame in enumerate(frames):
         if not np.array_equal(frame["id"], start["id"]):
@@ -91,7 +95,8 @@ def write_trajectory(
             )
         values = {"position": origin + frame.displacement, "displacement": frame.displacement}
         values["velocity"] = frame.velocity
-        values |= {name: frame[column] for name, (column, _) in _SCALARS.items()}
+        for name, (column, _) in _SCALARS.items():
+            values[name] = frame[column] if column in frame.columns else unknown
         for name, element in elements.items():
             element.resize(number + 1, axis=0)
             element[number] = values[name]

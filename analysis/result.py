@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
-from granwave.analysis.h5md import GROUP
+from granwave.analysis.h5md import GROUP, QUANTITIES
 from granwave.analysis.result_file import RESULT_FILE
 from granwave.lammps_inputs.assembly import struck_of
 from granwave.lammps_inputs.case import Case
@@ -156,6 +156,11 @@ class Result:
     def frame_times(self) -> NDArray[np.float64]:
         """Times of the snapshots: (n_frames,), s."""
         return self[f"{GROUP}/position/time"]
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """What a snapshot holds, see `frame`; results of older versions lack ``elastic_energy``."""
+        return tuple(name for name in QUANTITIES if name in self.file[GROUP])
 
     def frame(self, number: int, quantity: str) -> NDArray[np.float64]:
         """One quantity of one snapshot, such as ``displacement``: (n_spheres,) or (n_spheres, 3), SI."""

@@ -42,6 +42,7 @@ from granwave.lammps_inputs.script_output import WALL_COLUMNS
 from granwave.lammps_inputs.walls import walls
 
 RESULT_FILE, RECORD_FILE = "result.h5", "run.json"
+BALANCE_REFUSED = "energy balance refused"  # end_reason of a run whose energies do not add up
 _COMPRESSED_FROM = 4096  # values; smaller data sets are kept plain
 
 _UNITS = {

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from granwave.analysis.plasticity import HALF_LAW_LIMIT, LAW_LIMIT, PlasticZone, plastic_zone
 from granwave.analysis.result import Result
-from granwave.analysis.sensors import sensor_forces
+from granwave.analysis.sensors import sensor_accelerations, sensor_forces, sensor_velocities
 from granwave.lammps_inputs.assembly import BAR
 from granwave.lammps_inputs.files import plain, replace_text
 
@@ -244,7 +244,12 @@ def _bars(result: Result) -> Summary:
 
 
 def _sensors(result: Result) -> Summary:
-    """Largest force at each sensor of a chain."""
+    """Largest force at each sensor of a chain; largest acceleration and speed at each of another packing."""
     if "chain" not in result:
-        return {}
+        found = {"peak_acceleration_m_s2": sensor_accelerations(result), "peak_velocity_m_s": sensor_velocities(result)}
+        return {
+            f"sensor_{name}_{quantity}": float(np.linalg.norm(values, axis=1).max())
+            for quantity, sensors in found.items()
+            for name, values in sensors.items()
+        }
     return {f"sensor_{name}_peak_force_N": float(force.max()) for name, force in sensor_forces(result).items()}

@@ -211,6 +211,16 @@ class Assembly:
             bounds[1, 2] = self._stacked[-1]
         return bounds
 
+    def echoes(self) -> dict[str, float]:
+        """When an echo of the far end of each bar can first reach the chain, by name of the bar, s."""
+        found, arrival = {}, 0.0
+        for bar in self.bars:
+            crossing = bar.section.length / bar.wave_speed
+            if bar.name == INCIDENT_BAR:
+                arrival = crossing  # of the load at the chain
+            found[bar.name] = arrival + 2 * crossing
+        return found
+
     def bottom(self) -> float:
         """Where a plane below the packing touches the spheres of its last layer, m."""
         return float(self.lattice_bounds()[1, 2]) + self.diameter_of(self.lattice.n_spheres) / 2

@@ -3,7 +3,7 @@
     [[replace]]                  spheres of another material; in a chain of another diameter too
     [[striker]]                  a sphere placed against given spheres, resting or moving
     [bar], [incident_bar]        elastic bars at the far and at the struck end of a chain (thesis 3.2)
-    [[sensor]]                   a sphere whose mean contact force is recorded
+    [[sensor]]                   a sphere whose mean contact force (chains) or acceleration is recorded
 
 Spheres of a chain count from the struck end, from 1; strikers come after the spheres of the packing, in the order of
 the file.
@@ -82,7 +82,10 @@ class Bar:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Sensor:
-    """``[[sensor]]``: records the mean of the two contact forces of a bead, as a transducer cast into it does."""
+    """``[[sensor]]``: records a sphere, as a transducer in it does.
+
+    In a chain the mean of its two contact forces; in other packings its acceleration.
+    """
 
     name: str = custom("of the sensor", plain_name)
     id: int = custom("of its sphere", lambda value: whole(value, "an id from 1 up"))

@@ -19,7 +19,7 @@ from granwave.lammps_inputs.lattices import Lattice
 from granwave.lammps_inputs.loads import Load, read_load
 from granwave.lammps_inputs.materials import Material, read_material, sphere_mass
 from granwave.lammps_inputs.overrides import apply_overrides, parse_overrides
-from granwave.lammps_inputs.sections import Boundary, Contact, Output, PackingSection, Run
+from granwave.lammps_inputs.sections import Boundary, Contact, Output, PackingSection, Probe, Run
 from granwave.lammps_inputs.toml_files import read_toml
 
 _SECTIONS: dict[str, type] = {
@@ -125,6 +125,13 @@ class Case:
         return int(min(_HISTORY, max(_LEAST_ROWS, _HISTORY_VALUES / self.assembly.n_particles)))
 
     @property
+    def probes(self) -> tuple[Probe, ...]:
+        """What is recorded at the probes' rate: ``output.probes``, and the sensors of what is no chain."""
+        if self.packing.kind == "chain":
+            return self.output.probes
+        return tuple(dict.fromkeys([*self.output.probes, *(Probe(sphere=sensor.id) for sensor in self.sensor)]))
+
+    @property
     def sphere_mass(self) -> float:
         """Mass of one sphere of the packing, kg."""
         return sphere_mass(self.material, self.packing.diameter / 2)
@@ -214,7 +221,7 @@ def unit_of(key: str) -> str:
     sections = {**_SECTIONS, **_LISTS, **dict.fromkeys(_BARS, Bar), "material": Material}
     section = Material if "material" in between else sections.get(table)
     fields = {field.name: field for field in dataclasses.fields(section)} if section else {}
-    return (fields[name].metadata["unit"] or "") if name in fields else ""
+    return (fields[name].metadata.get("unit") or "") if name in fields else ""
 
 
 def _read_section(section: type, table: Any, name: str, faults: Faults, directory: Path | None) -> Any:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
     from granwave.lammps_inputs.case import Case
 
 _LOG = logging.getLogger("granwave")
+_OVERLAP = 1e-6  # diameters: how far a striker may reach into what it is not said to touch
+_LONGEST_ELEMENT = 10  # of a bar, in diameters of the beads
 _LEAST_PERIODIC = 3  # fewer spheres would touch their own images, or one neighbour twice
 
 
@@ -41,7 +44,7 @@ def check_together(parts: Mapping[str, Any], faults: Faults) -> None:
     _check_replaced(replaced, packing, n_spheres, faults)
     _check_strikers(strikers, n_spheres, faults)
     n_spheres += len(strikers)
-    _check_sensors(sensors, packing, n_spheres, faults)
+    _check_sensors(sensors, n_spheres, faults)
     if output is not None:
         _check_probes(output, n_spheres, faults)
         if output.history not in (0, "auto") and packing.kind != "chain":
@@ -59,6 +62,19 @@ def check_case(case: Case, faults: Faults) -> None:
         case.assembly  # noqa: B018
     except ValueError as error:
         faults.add("striker", str(error))
+        return
+    if case.packing.kind == "chain" and (case.boundary.bottom == "wall" or case.bar is not None):
+        _check_below(case, faults)
+
+
+def _check_below(case: Case, faults: Faults) -> None:
+    """Below a chain there is no room for a striker if a wall or a bar is there; those of other packings let it pass."""
+    bottom = case.assembly.bottom()
+    what = "bar" if case.bar is not None else "wall at the bottom"
+    for n, (_, centre) in enumerate(case.assembly.strikers, start=1):
+        beyond = centre[2] + case.assembly.diameter_of(case.lattice.n_spheres + n) / 2 - bottom
+        if beyond > _OVERLAP * case.packing.diameter:
+            faults.add(f"striker.{n}", f"the {what} cuts through it, {beyond:.3g} m deep; take one of them away")
 
 
 def warn_about(case: Case, *, chose_yield_factor: bool) -> None:
@@ -78,15 +94,14 @@ def warn_about(case: Case, *, chose_yield_factor: bool) -> None:
     for probe in case.output.probes:
         if probe.contact is not None and not _touch(case, *probe.contact):
             _LOG.warning("%s: the spheres of the probed contact %s do not touch at the start", case.name, probe.contact)
-    for bar in case.assembly.bars:
-        crossing = 2 * bar.section.length / bar.wave_speed
-        if case.run.longest > crossing:
+    for name, echo in case.assembly.echoes().items():
+        if case.run.longest > echo:
             _LOG.warning(
-                "%s: a wave crosses the %s and comes back in %.3g s, the run lasts %.3g s: its end may be felt; "
+                "%s: an echo of the end of the %s can reach the chain after %.3g s, the run lasts %.3g s: "
                 "make the bar longer, or the run shorter",
                 case.name,
-                bar.name,
-                crossing,
+                name,
+                echo,
                 case.run.longest,
             )
     if case.run.end_time == "auto" and not case.contact.yields:
@@ -133,10 +148,8 @@ def _check_strikers(strikers: tuple[Striker, ...], n_spheres: int, faults: Fault
             )
 
 
-def _check_sensors(sensors: tuple[Sensor, ...], packing: PackingSection, n_spheres: int, faults: Faults) -> None:
+def _check_sensors(sensors: tuple[Sensor, ...], n_spheres: int, faults: Faults) -> None:
     for n, sensor in enumerate(sensors, start=1):
-        if packing.kind != "chain":
-            faults.add(f"sensor.{n}", f"found in {packing.kind}, expected a chain; use output.probes")
         if sensor.id > n_spheres:
             faults.add(f"sensor.{n}.id", f"found {sensor.id}, expected an id from 1 to {n_spheres}")
         if sensor.name in [other.name for other in sensors[: n - 1]]:
@@ -148,6 +161,13 @@ def _check_bars(parts: Mapping[str, Any], packing: PackingSection, boundary: Bou
     for name, bar in bars.items():
         if bar is not None and packing.kind != "chain":
             faults.add(name, f"found with packing.kind = {show(packing.kind)}, expected a chain")
+        elif bar is not None and bar.length > _LONGEST_ELEMENT * packing.diameter * bar.elements:
+            least = math.ceil(bar.length / (_LONGEST_ELEMENT * packing.diameter))
+            faults.add(
+                f"{name}.elements",
+                f"found {bar.elements} in {bar.length:g} m, expected {least} or more: "
+                f"elements of at most {_LONGEST_ELEMENT} bead diameters, or they cannot carry a chain's pulses",
+            )
     if bars[BAR] is not None and boundary.bottom != "free":
         faults.add(
             "boundary.bottom", f'found {show(boundary.bottom)} beside [bar], expected "free": the bar is what is below'

@@ -25,7 +25,8 @@ _DISK_FRAME_PER_SPHERE = 130.0  # the text dump and its copy in result.h5
 _DISK_PER_CONTACT = 110.0
 _DISK_PER_ROW = 400.0
 _ROWS_PER_PARTICLE = 0.25  # what a particle costs at an instant of a chain's history
-SECONDS_PER_SPHERE_STEP = 50e-9  # on one core, output included, as long as contacts are elastic
+_SECONDS_PER_SPHERE_STEP = 50e-9  # on one core, output included, as long as contacts are elastic
+_SECONDS_PER_STEP = 4e-6  # of LAMMPS itself, whatever the number of spheres
 # With a share y of the contacts yielded a step takes 1 + 2.5 y times as long; y = 1/(1 + (e/20)^-0.55) for an input of
 # e F_y alpha_y a contact. Both measured over 24 impacts on fcc, e from 2e-3 to 350; within a quarter.
 _YIELDED_COST = 2.5
@@ -83,12 +84,15 @@ def plan(case: Case, *, n_ranks: int = 1) -> Plan:
         peak_overlap=overlap,
         peak_overlap_yield=overlap / law.yield_overlap if case.contact.yields else None,
         peak_overlap_radius=overlap / law.effective_radius,
-        wall_time=(2 * assembly.n_particles - assembly.n_spheres)  # a node of a bar takes twice the time of a sphere
-        * schedule.n_steps
-        * SECONDS_PER_SPHERE_STEP
-        * _yielding(case, law)
-        / n_ranks,
+        wall_time=seconds_per_step(case) * schedule.n_steps * _yielding(case, law) / n_ranks,
     )
+
+
+def seconds_per_step(case: Case) -> float:
+    """Time of a step on one core as long as contacts are elastic, s; a node of a bar takes twice that of a sphere."""
+    assembly = case.assembly
+    bodies = 2 * assembly.n_particles - assembly.n_spheres
+    return _SECONDS_PER_STEP + bodies * _SECONDS_PER_SPHERE_STEP
 
 
 def _yielding(case: Case, law: ContactLaw) -> float:

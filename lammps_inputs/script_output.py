@@ -44,6 +44,7 @@ FRAME_COLUMNS = {
     "peak_force": "c_sphere[2]",
     "peak_overlap": "c_sphere[3]",
     "dissipated": "c_sphere[4]",
+    "elastic": "c_sphere[10]",
 }
 HISTORY_COLUMNS = {"id": "id", "uz": "c_displacement[3]", "vz": "vz"}
 CONTACT_COLUMNS = (
@@ -70,7 +71,7 @@ WALL_COLUMNS = (
     "time_peak",
     "time_yield",
 )
-_FRAME_FORMAT = "%d %d" + " %.9g" + 3 * " %.10g" + 3 * " %.17g" + 7 * " %.9g"
+_FRAME_FORMAT = "%d %d" + " %.9g" + 3 * " %.10g" + 3 * " %.17g" + 8 * " %.9g"
 
 
 def ledger(case: Case, schedule: Schedule) -> list[str]:
@@ -127,15 +128,15 @@ def wall_forces(case: Case, schedule: Schedule) -> list[str]:
 
 def probes(case: Case, schedule: Schedule) -> list[str]:
     """Spheres and contacts that are recorded at their own rate."""
-    spheres = [probe.sphere for probe in case.output.probes if probe.sphere is not None]
-    if not case.output.probes:
+    spheres = [probe.sphere for probe in case.probes if probe.sphere is not None]
+    if not case.probes:
         return []
     lines = ["# Probes: displacement, velocity and force of spheres; overlap and force of contacts."]
     if spheres:
         lines.append(f"group           probes id {joined(dict.fromkeys(spheres))}")
         lines.append("compute         probed probes displace/atom")
     columns = {"time": "v_time"}
-    for n, probe in enumerate(case.output.probes, start=1):
+    for n, probe in enumerate(case.probes, start=1):
         if probe.contact is not None:
             lines.append(f"compute         probe{n} all gran/hysteretic/contact {joined(probe.contact)}")
             label = "contact_{}_{}".format(*probe.contact)

@@ -24,7 +24,7 @@ void ComputeGranHysteretic::init()
 /* ---------------------------------------------------------------------- per sphere */
 
 namespace {
-enum { FORCE, PEAK_FORCE, PEAK_OVERLAP, DISSIPATED, YIELDED, COORDINATION, FIRST, PEAK, YIELD, N_ATOM };
+enum { FORCE, PEAK_FORCE, PEAK_OVERLAP, DISSIPATED, YIELDED, COORDINATION, FIRST, PEAK, YIELD, ELASTIC, N_ATOM };
 
 void earliest(double &time, double other)
 {
@@ -52,8 +52,8 @@ void ComputeGranHystereticAtom::compute_peratom()
     memory->create(array_atom, nmax, static_cast<int>(N_ATOM), "gran/hysteretic/atom:array_atom");
   }
   for (int i = 0; i < nlocal; i++) {
-    std::fill_n(array_atom[i], static_cast<int>(FIRST), 0.0);
-    std::fill_n(array_atom[i] + FIRST, static_cast<int>(N_ATOM - FIRST), -1.0);
+    std::fill_n(array_atom[i], static_cast<int>(N_ATOM), 0.0);
+    std::fill_n(array_atom[i] + FIRST, static_cast<int>(ELASTIC - FIRST), -1.0);
   }
   const auto add = [&](int i, double share, const Report &report) {
     double *row = array_atom[i];
@@ -64,6 +64,7 @@ void ComputeGranHystereticAtom::compute_peratom()
     }
     row[PEAK_OVERLAP] = std::max(row[PEAK_OVERLAP], report.dent.peak);
     row[DISSIPATED] += share * report.dissipated;
+    row[ELASTIC] += 0.5 * report.elastic;
     if (report.yielded) row[YIELDED] += 1.0;
     if (report.force > 0.0) row[COORDINATION] += 1.0;
     earliest(row[FIRST], report.dent.time_first);

@@ -126,6 +126,7 @@ void FixGranLoad::setup(int)
   if (!moves) {
     force = (shape.integral(now + 0.5 * update->dt) - shape.integral(now - 0.5 * update->dt)) / update->dt;
     give_force();
+    if (!started) given[WORK] -= in_half_kick();
   } else {
     if (!started)    // what the atoms had of themselves was not given
       for (int i = 0; i < atom->nlocal; i++) {
@@ -151,6 +152,19 @@ void FixGranLoad::give_force()
   if (share == 0.0) return;
   for (int i = 0; i < atom->nlocal; i++)
     if (atom->mask[i] & groupbit) atom->f[i][axis] += share;
+}
+
+/* A half kick of velocity Verlet does the work F dt/2 times the mean of the velocities before and after it, which differ by
+   f dt/2m with the whole force f. Taken with the velocity in the middle of the step instead, as below, the sum over steps
+   misses the difference of this between the last one and the first. */
+
+double FixGranLoad::in_half_kick() const
+{
+  const double share = force / atoms, dt = update->dt;
+  double sum = 0.0;
+  for (int i = 0; i < atom->nlocal; i++)
+    if (atom->mask[i] & groupbit) sum += share * atom->f[i][axis] * dt * dt / (8.0 * mass_of(i));
+  return sum;
 }
 
 /* Here velocities are those in the middle of the step, which moved the atoms by v dt. */
@@ -215,6 +229,7 @@ void FixGranLoad::totals(double (&sum)[N_GIVEN]) const
 {
   double mine[N_GIVEN] = {given[WORK], given[IMPULSE], given[DISPLACEMENT], 0.0};
   if (moves) mine[FORCE] = -force_on_group();
+  else if (started) mine[WORK] += in_half_kick();
   if (comm->me == 0) {
     if (!moves) mine[FORCE] = force;
     if (moves && started) {

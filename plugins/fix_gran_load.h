@@ -39,6 +39,7 @@ class FixGranLoad : public Fix {
   void give_force();
   void set_velocity(double along);
   double force_on_group() const;
+  double in_half_kick() const;
   void totals(double (&sum)[N_GIVEN]) const;
   double mass_of(int i) const;
 

@@ -19,7 +19,7 @@ DENT = 40.0  # alpha_y, of the deepest dent
 REACH = 1.2  # diameters, over which dents get shallower by e
 BOTTOM_FORCE = 100.0  # N, amplitude of the half sine that hits the bottom
 BALANCE = 3e-7  # error of the ledger's balance
-FRAME_COLUMNS = "id type radius x y z ux uy uz vx vy vz force peak_force peak_overlap dissipated"
+FRAME_COLUMNS = "id type radius x y z ux uy uz vx vy vz force peak_force peak_overlap dissipated elastic"
 CONTACT_COLUMNS = "i j overlap force peak_overlap peak_force elastic dissipated time_first time_peak time_yield live"
 WALL_COLUMNS = "id overlap force peak_overlap peak_force dissipated time_first time_peak time_yield"
 
@@ -107,7 +107,7 @@ def write_frames(path: Path, positions: np.ndarray, contacts: np.ndarray, steps:
         grown = min(step / STEPS * 2, 1.0)
         rows = np.column_stack(
             [ids, np.ones(n), np.full(n, DIAMETER / 2), positions + shift, shift, shift * 1e6,
-             0.1 * peak_force * (m > 0), grown * peak_force, grown * peak_overlap, grown * lost]
+             0.1 * peak_force * (m > 0), grown * peak_force, grown * peak_overlap, grown * lost, 0.1 * lost * (m > 0)]
         )  # fmt: skip
         write_custom(path, FRAME_COLUMNS, rows[::-1], step, append=True)
 

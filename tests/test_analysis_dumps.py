@@ -90,7 +90,7 @@ def test_damage_in_the_middle_is_an_error(run):
     lines = path.read_text().splitlines(keepends=True)
     lines[20] = "1 2 oops\n"
     path.write_text("".join(lines))
-    with pytest.raises(OutputFormatError, match="snapshot 0 does not hold 144 rows of 16"):
+    with pytest.raises(OutputFormatError, match="snapshot 0 does not hold 144 rows of 17"):
         list(read_frames(run))
 
 
@@ -109,7 +109,7 @@ def test_wall_without_contacts(run):
 
 def test_reading_is_fast_enough(tmp_path):
     """155 520 spheres in 20 snapshots in about 10 s: this is a fiftieth of them, with all digits in use."""
-    numbers = np.random.default_rng(1).standard_normal((62_208, 13)) * 1e-6
+    numbers = np.random.default_rng(1).standard_normal((62_208, 14)) * 1e-6
     n = len(numbers)
     rows = np.column_stack([np.arange(1, n + 1), np.ones(n), np.full(n, 0.005), numbers])
     (tmp_path / "dumps").mkdir()

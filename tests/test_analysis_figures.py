@@ -20,7 +20,7 @@ from granwave.lammps_inputs import struck_spheres
 from tests import synthetic
 
 MOVING = {"energies", "bottom_force", "impactor_velocity"}
-PLANES = {"peak_force_principal", "peak_force_orthogonal", "wave_front", "packing_3d"}
+PLANES = {"peak_force_principal", "peak_force_orthogonal", "wave_front", "packing_3d", "directions"}
 LOST = {"dissipation_ranked", "dissipation_cumulated", "plastic_zone_growth"}
 LOST_PLANES = {"dissipation_principal", "dissipation_orthogonal", "packing_3d_dissipation"}
 

@@ -258,7 +258,7 @@ class TestPlan:
         assert (found.n_spheres, found.n_contacts, found.schedule.n_steps) == (155_520, 902_165, 10_000)
         assert found.peak_overlap_yield == pytest.approx(48.9, abs=0.1)
         hertz = plan(make((72, 72, 30), run={"timestep": 1e-7}, contact={"law": "hertz"}))
-        assert hertz.wall_time == pytest.approx(155_520 * 10_000 * 50e-9)
+        assert hertz.wall_time == pytest.approx(155_520 * 10_000 * 50e-9, rel=1e-3)
         assert 1.01 < found.wall_time / hertz.wall_time < 1.5  # some contacts yield
         assert hertz.peak_overlap_yield is None
 

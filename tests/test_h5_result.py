@@ -8,6 +8,7 @@ import pytest
 
 from granwave.analysis import MissingOutputError, OutputFormatError, Result, write_result
 from granwave.analysis.contacts import LISTED_FROM, list_contacts, merge_dents
+from granwave.analysis.directions import energy_of_spheres
 from granwave.analysis.dumps import read_contacts
 from granwave.analysis.fields import dissipation_mismatch
 from granwave.lammps_inputs import build_packing
@@ -134,9 +135,24 @@ def test_trajectory_is_h5md(result):
     spheres = file["particles/spheres"]
     assert spheres["box"].attrs["dimension"] == 3
     assert list(spheres["box"].attrs["boundary"]) == ["none"] * 3
-    for name in ("position", "displacement", "velocity", "contact_force"):
+    for name in ("position", "displacement", "velocity", "contact_force", "elastic_energy"):
         assert len(spheres[name]["value"]) == len(spheres[name]["step"]) == len(spheres[name]["time"]) == 4
     assert np.allclose(spheres["position/time"], np.array([0, 250, 500, 1000]) * synthetic.TIMESTEP, rtol=1e-14)
+
+
+def test_runs_from_before_elastic_energy_was_recorded(run):
+    path = run / "dumps" / "spheres.dump"
+    lines = path.read_text().splitlines()
+    shorter = [line.rsplit(maxsplit=1)[0] if len(line.split()) >= 17 else line for line in lines]
+    path.write_text("\n".join(shorter) + "\n")
+    with Result(write_result(run)) as result:
+        assert np.isnan(result.frame(1, "elastic_energy")).all()
+        assert np.isfinite(energy_of_spheres(result, 1)).all()
+    with h5py.File(run / "result.h5", "a") as file:
+        del file["particles/spheres/elastic_energy"]
+    with Result(run) as result:
+        assert "elastic_energy" not in result.quantities and "velocity" in result.quantities
+        assert np.isfinite(energy_of_spheres(result, 1)).all()
 
 
 def test_displacements_keep_every_bit(result):

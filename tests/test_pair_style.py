@@ -143,15 +143,16 @@ def test_reports_agree_with_each_other(lammps):
 compute dents all gran/hysteretic/local
 compute single all pair/local dist eng force p1 p2 p3 p4
 compute one all gran/hysteretic/contact 2 1
-compute lost all reduce sum c_atoms[4]
+compute lost all reduce sum c_atoms[4] c_atoms[10]
 compute lost_local all reduce sum c_dents[8] c_single[7] c_dents[7] inputs local
-thermo_style custom step c_ke pe c_ep[1] c_ep[2] c_lost c_lost_local[1] c_lost_local[2] c_lost_local[3] c_one[2]
+thermo_style custom step c_ke pe c_ep[1] c_ep[2] c_lost[1] c_lost[2] c_lost_local[1] c_lost_local[2] c_lost_local[3] c_one[2]
 thermo 100"""
     lmp.commands_string(script_of(places, velocities=[(0, 0, 6.0)], extra=extra))
     lmp.command("run 4000")
-    for formula in ("c_lost", "c_lost_local[1]", "c_lost_local[2]"):
+    for formula in ("c_lost[1]", "c_lost_local[1]", "c_lost_local[2]"):
         assert value(lmp, formula) == pytest.approx(value(lmp, "c_ep[1]"), rel=1e-12)
     assert value(lmp, "c_lost_local[3]") == pytest.approx(value(lmp, "pe"), rel=1e-12)
+    assert value(lmp, "c_lost[2]") == pytest.approx(value(lmp, "pe"), rel=1e-12)
     atoms = lmp.numpy.extract_compute("atoms", 1, 2)[:4]
     dents = lmp.numpy.extract_compute("dents", 2, 2)
     order = np.argsort(dents[:, 0])

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from granwave.analysis import analyse
+from granwave.analysis.result_file import BALANCE_REFUSED
 from granwave.lammps_inputs.case import Case
 from granwave.lammps_inputs.deck import Deck, read_deck, write_deck
 from granwave.lammps_inputs.errors import RunError
@@ -34,7 +35,6 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 MOST_ATTEMPTS = 4  # timesteps tried when the balance does not close, each half of the one before
-BALANCE_REFUSED = "energy balance refused"
 _PIECE = 1.0  # s of wall time between looks at the balance
 
 

@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 
 from granwave.analysis.chain_history import along
 from granwave.analysis.result import Result
+from granwave.analysis.result_file import BALANCE_REFUSED
+from granwave.analysis.sensors import sensor_forces
 from granwave.lammps_inputs.assembly import BAR, INCIDENT_BAR
 from granwave.lammps_inputs.case import Case, load_case
 from granwave.lammps_inputs.deck import CASE_FILE
@@ -58,7 +60,7 @@ class ChainRun:
                   "contact_position", "contact_force"]  # fmt: skip
         with Result(self.directory) as result:
             arrays = {name: result[f"chain/{name}"] for name in wanted if f"chain/{name}" in result}
-            for table in ("contacts", "wall_contacts", "spheres", "energy"):
+            for table in ("contacts", "wall_contacts", "spheres", "energy", "probes"):
                 arrays |= {f"{table}/{name}": result[f"{table}/{name}"] for name in result.names(table)}
             for bar in self.case.assembly.bars:
                 arrays |= {f"{bar.name}/{name}": result[f"bars/{bar.name}/{name}"]
@@ -108,6 +110,12 @@ class ChainRun:
         with Result(self.directory) as result:
             return along(result, name)
 
+    @cached_property
+    def sensors(self) -> dict[str, NDArray[np.float64]]:
+        """Force of every sensor at the instants of ``time``, by its name: (n_times,), N."""
+        with Result(self.directory) as result:
+            return sensor_forces(result)
+
     @property
     def transmitted(self) -> float | None:
         """Energy in the bar at the end, J."""
@@ -120,9 +128,12 @@ class ChainRun:
 
 
 def collect(found: Iterable[tuple[str, Path, Mapping[str, Any]]]) -> tuple[ChainRun, ...]:
-    """Of finished runs, given by label, directory and summary, those of chains of two beads and more."""
+    """Of finished runs, given by label, directory and summary, those of chains of two beads and more; none whose energy
+    balance was refused."""
     runs = []
     for label, directory, summary in found:
+        if summary.get("end_reason") == BALANCE_REFUSED:
+            continue
         try:
             case = load_case(directory / CASE_FILE)
         except GranwaveError:

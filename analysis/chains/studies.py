@@ -5,12 +5,37 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
+from granwave.analysis.chains.bar import bars
+from granwave.analysis.chains.bilinear_long import long_loads
+from granwave.analysis.chains.bilinear_short import short_pulses
+from granwave.analysis.chains.composite_study import composite_chain
+from granwave.analysis.chains.elastic import long_load, solitary
+from granwave.analysis.chains.elastic_pulses import master_curve, wave_train
+from granwave.analysis.chains.elastoplastic_study import elastoplastic_pulses
+from granwave.analysis.chains.homogeneous import homogeneous_chain
+from granwave.analysis.chains.intruder import intruder
 from granwave.analysis.chains.runs import ChainRun
+from granwave.analysis.chains.split_hopkinson import split_hopkinson
 from granwave.analysis.chains.study import Study
+from granwave.analysis.chains.unlike import unlike_spheres
 from granwave.analysis.figure_style import save, style
 
 #: Each finds its runs among all, and yields nothing where there are none.
-STUDIES: tuple[Callable[[Sequence[ChainRun]], Iterator[Study]], ...] = ()
+STUDIES: tuple[Callable[[Sequence[ChainRun]], Iterator[Study]], ...] = (
+    solitary,
+    long_load,
+    wave_train,
+    master_curve,
+    elastoplastic_pulses,
+    short_pulses,
+    long_loads,
+    unlike_spheres,
+    homogeneous_chain,
+    composite_chain,
+    bars,
+    intruder,
+    split_hopkinson,
+)
 
 
 def studies(runs: Sequence[ChainRun]) -> list[Study]:

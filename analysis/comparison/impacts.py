@@ -132,8 +132,8 @@ def collect(runs: Iterable[tuple[str, Path, Mapping[str, Any]]]) -> Impacts:
                 continuum.append(Continuum(label, directory, load_continuum_case(directory / CASE_FILE), summary))
             elif "n_spheres" in summary:
                 case = load_case(directory / CASE_FILE)
-                struck = case.load.kind == "impact" and case.assembly.plain and summary.get("energy_input_J")
-                if struck and case.contact.law == "elastoplastic":
+                struck = case.load.kind == "impact" and case.assembly.plain and case.packing.kind != "chain"
+                if struck and case.contact.law == "elastoplastic" and summary.get("energy_input_J"):
                     granular.append(Granular(label, directory, case, summary))
         except (GranwaveError, OSError):
             continue  # a summary without a case of ours: the report says so elsewhere

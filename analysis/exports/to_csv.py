@@ -28,7 +28,6 @@ from granwave.analysis.scan_table import ScanData
 
 OUTDATED = r"snapshot_\d{4,}\.csv|walls_(bottom|[xy]lo|[xy]hi)\.csv|probes\.csv"
 _TABLES = ("spheres", "contacts", "wall_contacts", "energy", "probes")
-_OF_SNAPSHOT = ("position", "displacement", "velocity", "contact_force", "peak_force", "dissipated_energy")
 #: Columns in this order, and then the others by name.
 _FIRST = ("id", "i", "j", "wall", "step", "time", "position", "radius", "mass")
 _ROWS = 65_536  # at a time: text takes many times the memory of the numbers
@@ -43,9 +42,9 @@ def export_run(result: Result, staging: Staging) -> None:
         columns = {column: result.file[group][column] for column in names}
         _write(staging.path(f"{name}.csv"), columns, {column: result.unit(f"{group}/{column}") for column in columns})
     files = [f"snapshot_{number:04d}.csv" for number in range(result.n_frames)]
-    units = {"id": "1"} | {name: result.unit(f"{GROUP}/{name}/value") for name in _OF_SNAPSHOT}
+    units = {"id": "1"} | {name: result.unit(f"{GROUP}/{name}/value") for name in result.quantities}
     for number, name in enumerate(files):
-        values = {quantity: result.frame(number, quantity) for quantity in _OF_SNAPSHOT}
+        values = {quantity: result.frame(number, quantity) for quantity in result.quantities}
         _write(staging.path(name), {"id": result["spheres/id"], **values}, units)
     snapshots = {
         "frame": np.arange(result.n_frames),

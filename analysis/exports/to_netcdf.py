@@ -42,7 +42,6 @@ _TABLES = {
     "energy": ("time", "energy", "of the packing", ("time",)),
     "probes": ("probe_time", "probe", "probed", ("time",)),
 }
-_OF_SNAPSHOT = ("displacement", "velocity", "contact_force", "peak_force", "dissipated_energy")
 
 
 def export_run(result: Result, staging: Staging) -> None:
@@ -105,7 +104,9 @@ def _add_snapshots(file: h5netcdf.File, result: Result) -> None:
     _add(file, "frame", ("frame",), np.arange(result.n_frames), long_name="number of the snapshot")
     _add(file, "frame_time", ("frame",), result.frame_times, "s", "time of the snapshot")
     _add(file, "frame_step", ("frame",), result[f"{GROUP}/position/step"], long_name="time step of the snapshot")
-    for name in _OF_SNAPSHOT:
+    for name in result.quantities:
+        if name == "position":
+            continue  # start and displacement give it
         source = result.file[f"{GROUP}/{name}/value"]
         variable = file.create_variable(
             f"frame_{name}",

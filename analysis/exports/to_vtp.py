@@ -1,7 +1,7 @@
 """A run as VTK PolyData, for ParaView: open ``spheres.pvd`` and ``contacts.pvd``, whose times are seconds.
 
     spheres_NNNN.vtp    a point a sphere, where it is at the snapshot; id, radius, displacement, velocity,
-                        contact_force, peak_force, dissipated_energy and contacts_yielded, all as they are then
+                        contact_force, peak_force, dissipated_energy, elastic_energy, contacts_yielded, as they are then
     contacts_NNNN.vtp   a line between the centres of each pair of ``/contacts``; i, j, overlap (of the spheres as they
                         are then; negative: a gap), loaded and yielded (1: by then), and of the whole run peak_overlap,
                         peak_force, dissipated_energy
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from vtkmodules.vtkCommonDataModel import vtkPolyData
 
 OUTDATED = r"(spheres|contacts)_\d{4,}\.vtp"
-_OF_SNAPSHOT = ("displacement", "velocity", "contact_force", "peak_force", "dissipated_energy")
 _OF_RUN = ("peak_overlap", "peak_force", "dissipated_energy")
 
 Arrays = Mapping[str, NDArray]
@@ -46,7 +45,8 @@ def export_run(result: Result, staging: Staging) -> None:
     times = result.frame_times.tolist()
     for number, time in enumerate(times):
         positions = result.frame(number, "position")
-        values: dict[str, NDArray] = {name: result.frame(number, name) for name in _OF_SNAPSHOT}
+        quantities = [name for name in result.quantities if name != "position"]
+        values: dict[str, NDArray] = {name: result.frame(number, name) for name in quantities}
         values["contacts_yielded"] = _contacts_yielded(result, time)
         spheres = {"id": result["spheres/id"], "radius": radius, **values}
         vertices = np.arange(len(positions)).reshape(-1, 1)

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 from granwave.analysis.reports.balance import SLUG as BALANCE
 from granwave.analysis.reports.balance import balance_notes, balance_section
-from granwave.analysis.reports.chains import chains_section
 from granwave.analysis.reports.comparison import comparison_section
 from granwave.analysis.reports.figures import figures_section
 from granwave.analysis.reports.inputs import Inputs, Run, Scan
@@ -19,6 +18,7 @@ from granwave.analysis.reports.results import (
     status_cell,
 )
 from granwave.analysis.reports.sources import sources_section
+from granwave.analysis.reports.studies import studies_section
 
 _KIND = {"run": "granular run", "continuum": "continuum run"}
 _IN_TITLE = 3  # names
@@ -34,7 +34,7 @@ def build_report(inputs: Inputs) -> Report:
         _what_was_run(inputs),
         results_section(inputs),
         comparison_section(inputs),
-        chains_section(inputs),
+        studies_section(inputs),
         sources_section(inputs),
         balance_section(inputs),
         failures,
@@ -110,7 +110,7 @@ def _input_row(item: Run | Scan, inputs: Inputs) -> tuple[Cell, ...]:
         Cell(item.label, item.label),
         Cell("scan"),
         Cell(str(item.source.case_name)),
-        Cell("varied: " + ", ".join(item.source.varied)),
+        Cell("varied: " + ", ".join(item.source.varied) if item.source.varied else "one point"),
         Cell(status, done, "good" if complete else "bad" if failed else "note"),
         where,
     )

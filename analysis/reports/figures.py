@@ -49,6 +49,8 @@ _CAPTIONS = {
     "bead_velocities": "Velocities along the chain",
     "bars": "Bars: contact force and energy",
     "sensors": "Sensors",
+    "accelerations": "Accelerations of the sensors",
+    "directions": "Energy and dissipation by direction from the impact point",
 }
 
 

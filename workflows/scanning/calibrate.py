@@ -9,10 +9,12 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+from typing import cast
 
 import tomli_w
 
-from granwave.lammps_inputs.plan import SECONDS_PER_SPHERE_STEP
+from granwave.lammps_inputs.case import Case
+from granwave.lammps_inputs.plan import seconds_per_step
 from granwave.workflows import mpi
 from granwave.workflows.engine import Engine, open_engine
 from granwave.workflows.kinds import GRANULAR
@@ -38,7 +40,7 @@ def slowness_of(point: Point) -> float | None:
         seconds_a_step = float(json.loads(done.stdout.splitlines()[-1]))
     except (subprocess.SubprocessError, OSError, ValueError, IndexError):
         return None
-    return seconds_a_step / (point.size * SECONDS_PER_SPHERE_STEP)
+    return seconds_a_step / seconds_per_step(cast(Case, point.case))
 
 
 def _measure(document: str) -> float:

@@ -192,7 +192,20 @@ def load_scan(scan: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (
     variations = _variations(tables, header, faults)
     if faults.lines or header is None:
         raise InputError(faults.lines)
-    return _build(path, header, fixed, changes, variations, here)
+    return _build(path, header, fixed, changes, variations, here, path.read_text(encoding="utf-8"))
+
+
+def scan_of_case(case: str, beside: Path, *, here: bool = True) -> Scan:
+    """One case as a scan of a single point, with its figures; raises as `load_scan`.
+
+    Parameters
+    ----------
+    case
+        A built-in study, or a case file as seen from the file ``beside``.
+    """
+    text = f'case = "{case}"\nfigures = true\n'
+    header = _Header(name=Path(case).stem, case=case, figures=True)
+    return _build(beside, header, {}, {}, [{}], here, text)
 
 
 # ---------------------------------------------------------------------- what varies
@@ -284,6 +297,7 @@ def _build(
     changes: Mapping[str, Any],
     variations: Sequence[Mapping[str, Any]],
     here: bool,
+    text: str,
 ) -> Scan:
     varied = tuple(dict.fromkeys(key for values in variations for key in values))
     twice = [key for key in fixed if key in varied]
@@ -319,8 +333,7 @@ def _build(
         varied=varied,
         points=tuple(points),
         figures=header.figures,
-        text="".join(f"# --set {key}={show(value)}\n" for key, value in changes.items())
-        + path.read_text(encoding="utf-8"),
+        text="".join(f"# --set {key}={show(value)}\n" for key, value in changes.items()) + text,
     )
 
 

@@ -2,6 +2,7 @@
 
 name = "granular-continuum"
 scans = ["granular-velocity", "continuum-mass"]     # built-in scans, or scan files
+cases = ["half-space"]                              # single runs, each as a scan of one point
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from granwave.lammps_inputs.files import replace_text
 from granwave.lammps_inputs.keys import Faults, Unfit, custom, plain_name, read_table
 from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows.scanning.driver import ScanOutcome, decide, run_scan
-from granwave.workflows.scanning.scan_file import Scan, find_scan, load_scan
+from granwave.workflows.scanning.scan_file import Scan, find_scan, load_scan, scan_of_case
 
 REPORT = "report.html"
 _SCANS = "scans"
@@ -26,7 +27,7 @@ _SCANS = "scans"
 
 def _parse_scans(value: Any) -> tuple[str, ...]:
     if not isinstance(value, list) or not value or not all(isinstance(name, str) and name for name in value):
-        raise Unfit("a list of names of built-in scans and of scan files")
+        raise Unfit("a list of names of built-in studies and of files")
     return tuple(value)
 
 
@@ -36,6 +37,7 @@ class _File:
 
     name: str = custom("name of the suite", plain_name, default="")
     scans: tuple[str, ...] = custom("built-in scans, or scan files as seen from this file", _parse_scans)
+    cases: tuple[str, ...] = custom("built-in studies, or case files as seen from this file", _parse_scans, default=())
 
 
 @dataclasses.dataclass(frozen=True)
@@ -95,6 +97,11 @@ def load_suite(file: str | Path, *, here: bool = True) -> Suite:
             scans.append(load_scan(_beside(path, entry), here=here))
         except InputError as error:
             faults.lines += [f"{path}: {_SCANS}: {entry}: {fault}" for fault in error.faults]
+    for entry in header.cases:
+        try:
+            scans.append(scan_of_case(entry, path, here=here))
+        except InputError as error:
+            faults.lines += [f"{path}: cases: {entry}: {fault}" for fault in error.faults]
     names = [scan.name for scan in scans]
     for twice in sorted({name for name in names if names.count(name) > 1}):
         faults.add(_SCANS, f"found two scans of the name {twice}, expected different names: each has its directory")
@@ -161,10 +168,10 @@ def _publish(directory: Path) -> None:
     from granwave.analysis.chains.studies import draw_studies
     from granwave.analysis.comparison.drawings import draw_comparison
     from granwave.analysis.figures import FIGURES_DIRECTORY
-    from granwave.analysis.reports.chains import studies_of
     from granwave.analysis.reports.comparison import impacts_of
     from granwave.analysis.reports.inputs import read_inputs
     from granwave.analysis.reports.report import write_report
+    from granwave.analysis.reports.studies import studies_of
 
     inputs = read_inputs([directory], directory)
     draw_comparison(impacts_of(inputs), directory / FIGURES_DIRECTORY)

@@ -1,4 +1,4 @@
-"""Chains: the studies of the sources beside ours."""
+"""The studies of the sources beside ours: chains, and packings that strikers hit."""
 
 from __future__ import annotations
 
@@ -10,11 +10,12 @@ from granwave.analysis.reports.inputs import Inputs
 from granwave.analysis.reports.model import Cell, Column, Figure, Gallery, Group, Note, Section, Table
 from granwave.analysis.reports.pictures import png_of
 from granwave.analysis.reports.quantities import BLANK, percent, value_cell
+from granwave.analysis.square.runs import collect as collect_packings
+from granwave.analysis.square.studies import studies as packing_studies
 
-SLUG = "chains"
+SLUG = "studies"
 _COLUMNS = (
     Column("Quantity", key=True),
-    Column("Unit"),
     Column("Source", numeric=True),
     Column("Ours", numeric=True),
     Column("Difference", numeric=True),
@@ -24,15 +25,17 @@ _COLUMNS = (
 )
 
 
-def chains_section(inputs: Inputs) -> Section:
+def studies_section(inputs: Inputs) -> Section:
     """The section of the report; without blocks where there is no study."""
     found = studies_of(inputs)
-    return Section("Chains: source against ours", SLUG, tuple(_group(study, inputs) for study in found))
+    return Section("Studies: source against ours", SLUG, tuple(_group(study, inputs) for study in found))
 
 
 def studies_of(inputs: Inputs) -> list[Study]:
     """The studies that a report's runs belong to."""
-    return studies(collect((run.label, run.directory, run.summary) for run in inputs.results() if run.kind == "run"))
+    found = [(run.label, run.directory, run.summary) for run in inputs.results() if run.kind == "run"]
+    chains = collect(found)
+    return studies(chains) + packing_studies(collect_packings(found), chains)
 
 
 def _group(study: Study, inputs: Inputs) -> Group:
@@ -45,7 +48,7 @@ def _group(study: Study, inputs: Inputs) -> Group:
     for picture in study.pictures:
         data = inputs.base / FIGURES_DIRECTORY / f"{picture.name}.csv"
         link = inputs.link(data, f"{FIGURES_DIRECTORY}/{data.name}") if data.is_file() else None
-        slug = f"chains-{picture.name.replace('_', '-')}"
+        slug = f"studies-{picture.name.replace('_', '-')}"
         figures.append(Figure(slug, picture.caption, picture.caption, *png_of(picture.drawing), link))
     if figures:
         blocks.append(Gallery(tuple(figures)))
@@ -54,9 +57,9 @@ def _group(study: Study, inputs: Inputs) -> Group:
 
 def _cells(row: Row) -> tuple[Cell, ...]:
     deviation = row.deviation
+    name = f"{row.quantity} ({row.unit})" if row.unit else row.quantity
     return (
-        Cell(row.quantity, row.quantity),
-        Cell(row.unit),
+        Cell(name, name),
         value_cell(row.source) if row.source is not None else Cell(BLANK),
         value_cell(row.ours),
         Cell(percent(100 * deviation), deviation) if deviation is not None else Cell(BLANK),

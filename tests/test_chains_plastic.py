@@ -1,0 +1,254 @@
+"""Elasto-plastic and bilinear chains: the studies' measures and models, on short chains."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+from granwave.analysis.chains.bilinear import (
+    LeadingWave,
+    Spring,
+    bead_velocity,
+    contact_force,
+    first_coefficients,
+    leading_wave,
+    long_load,
+)
+from granwave.analysis.chains.bilinear_long import long_loads
+from granwave.analysis.chains.bilinear_short import short_pulses
+from granwave.analysis.chains.elastoplastic import Pulses, collect_pulses
+from granwave.analysis.chains.elastoplastic_model import (
+    QUADRATIC,
+    dissipation_at,
+    elastic_peak,
+    integrated_dissipation,
+    model_dissipation,
+    model_force,
+    quadratic_of,
+)
+from granwave.analysis.chains.elastoplastic_study import elastoplastic_pulses
+from granwave.analysis.chains.runs import ChainRun, collect
+from granwave.analysis.chains.studies import draw_studies, studies
+from granwave.analysis.chains.study import Row, Study
+from granwave.analysis.figure_style import style
+from granwave.lammps_inputs.laws import sphere_contact
+from granwave.workflows import run_case
+from granwave.workflows.studies import load_case
+
+SPRING = Spring(2.42165e7, 0.8, 3.839975e-3, 9.52e-3)  # brass of R = 4.76 mm
+
+
+def run(case: str, directory: Path, **overrides: Any) -> ChainRun:
+    changed = load_case(case, {name.replace("__", "."): value for name, value in overrides.items()})
+    outcome = run_case(changed, directory, figures=False)
+    assert outcome.summary["energy_balance_error"] < 1e-5
+    return collect([(directory.name, directory, outcome.summary)])[0]
+
+
+def one(found: Any) -> Study:
+    with style():
+        (study,) = found
+    return study
+
+
+def row(study: Study, *words: str) -> Row:
+    found = [one for one in study.rows if all(word in one.quantity for word in words)]
+    assert len(found) == 1, [one.quantity for one in found]
+    return found[0]
+
+
+# the linear chain and the models of the bilinear one
+
+
+def test_the_linear_chain_in_closed_form():
+    """Momentum stays that of the impulse; the force is what accelerates all beads behind it; k alpha is the force."""
+    phase = np.array([0.7, 1.15, 3.0])
+    assert sum(bead_velocity(n, phase) for n in range(1, 40)) == pytest.approx(np.ones(3), abs=1e-12)
+    for contact in (1, 2, 5):
+        overlap = [quad(lambda s: float(bead_velocity(contact, s) - bead_velocity(contact + 1, s)), 0, p)[0]  # noqa: B023
+                   for p in phase]  # fmt: skip
+        assert contact_force(contact, phase) == pytest.approx(overlap, abs=1e-10)
+    assert first_coefficients() == pytest.approx((0.46949, 0.71985, 0.19336), abs=1e-5)
+
+
+@pytest.mark.parametrize("beta, decay, crossing", [(0.7, 0.2116, 9), (0.8, 0.2590, 6), (0.9, 0.3221, 3)])
+def test_the_leading_wave_of_the_source(beta, decay, crossing):
+    wave = leading_wave(beta)
+    assert wave.decay == pytest.approx(decay, abs=1e-4)
+    assert np.ceil(wave.transition) == crossing
+    assert wave.discrete(np.array([1.0, 2.0])) == pytest.approx([1, wave.ratio])
+    assert wave.printed(np.array([1.0, 2.0])) == pytest.approx([1, np.exp(-decay)], abs=1e-4)
+
+
+def test_a_wave_that_leaves_no_velocity_is_never_overtaken():
+    assert LeadingWave(0.27, 0.66, -0.1, 0.1).transition is None
+    assert leading_wave(0.99).transition == 1.0
+
+
+def test_the_closed_forms_of_a_long_load():
+    theory = long_load(SPRING, 8e3, 2.5e-3)
+    assert (theory.velocity, theory.trailing, theory.later) == pytest.approx((26.234, 14.502, 10.021), rel=1e-4)
+    assert (theory.later_force, theory.meeting) == pytest.approx((3055.7, 3.419), rel=1e-4)
+    # the two meet: the leading front from 0 at c, the trailing one from T at c_u
+    assert theory.meeting / 9.52e-3 == pytest.approx(SPRING.unloading_rate * (theory.meeting_time - 2.5e-3))
+    assert long_load(Spring(1e7, 0.0, 1e-3, 1e-2), 1.0, 1.0).meeting_time == np.inf
+
+
+# bilinear chains
+
+
+@pytest.fixture(scope="module")
+def short(tmp_path_factory) -> list[ChainRun]:
+    folder = tmp_path_factory.mktemp("short")
+    size = {"packing__size": 40, "run__end_time": 2.4e-4, "output__history": 1200}
+    return [run("bilinear-pulse", folder / f"{beta}", contact__beta=beta, **size) for beta in (0.7, 0.8, 0.9)]
+
+
+def test_a_short_pulse_on_bilinear_chains(short):
+    study = one(short_pulses(short))
+    for name, theory in zip(("4.19", "4.20", "4.21"), first_coefficients(), strict=True):
+        found = row(study, f"({name})")
+        assert found.expected == pytest.approx(theory)
+        assert found.ours == pytest.approx(theory, rel=2e-3)
+    for beta, transition in ((0.7, 9), (0.8, 5), (0.9, 3)):
+        assert row(study, "Transition", f"beta {beta}").ours == transition
+        assert row(study, "Factor", f"beta {beta}").ours == pytest.approx(0.599, rel=0.015)
+        decay = row(study, "Decay of the leading peak", f"beta {beta}")
+        assert decay.source < decay.ours
+        assert decay.ours == pytest.approx(decay.expected, rel=0.15)
+
+
+def test_other_beads_and_an_impact_give_the_same_numbers(short, tmp_path):
+    """In units of I/m and sqrt(k/m) I the chain has no scale but beta."""
+    other = run("bilinear-pulse", tmp_path / "steel", material="steel", packing__size=30, packing__diameter=6e-3,
+                load={"kind": "impact", "velocity": 12.0}, run__end_time=1.5e-4, run__timestep=2e-8,
+                output__history=1500)  # fmt: skip
+    theirs, ours = one(short_pulses(short)), one(short_pulses([other]))
+    for words in (("4.19",), ("4.20",), ("4.21",), ("Factor", "beta 0.8"), ("Transition", "beta 0.8")):
+        assert row(ours, *words).ours == pytest.approx(row(theirs, *words).ours, rel=3e-3)
+
+
+def test_a_long_load_on_a_bilinear_chain(tmp_path):
+    found = run("bilinear-long-load", tmp_path / "long", packing__size=145, load__duration=7e-4,
+                run__end_time=1.5e-3, output__history=400)  # fmt: skip
+    study = one(long_loads([found]))
+    for name, tolerance in (("v1,", 0.02), ("vt,", 0.02), ("v2,", 0.03), ("F2,", 0.02), ("xt,", 0.05), ("F1,", 0.02)):
+        measured = row(study, name)
+        assert measured.ours == pytest.approx(measured.expected, rel=tolerance)
+        assert measured.source is None  # not the source's case
+    assert not list(long_loads([])) and not list(short_pulses([found]))
+
+
+# elasto-plastic chains
+
+
+@pytest.fixture(scope="module")
+def plastic(tmp_path_factory) -> list[ChainRun]:
+    folder = tmp_path_factory.mktemp("plastic")
+    size = {"packing__size": 60, "run__end_time": 9e-4, "output__history": 450}
+    loads = [(20e3, 1e-5, "elastoplastic"), (40e3, 5e-6, "elastoplastic"), (2e3, 1e-5, "elastoplastic"),
+             (20e3, 1e-5, "hertz")]  # fmt: skip
+    return [
+        run("elastoplastic-pulse", folder / str(n), load__amplitude=p, load__duration=t, contact__law=law, **size)
+        for n, (p, t, law) in enumerate(loads)
+    ]
+
+
+def pulses_of(runs: list[ChainRun]) -> Pulses:
+    found = collect_pulses(runs)
+    assert found is not None
+    return found
+
+
+def test_chains_are_grouped_by_impulse(plastic):
+    pulses = pulses_of(plastic)
+    assert [len(group) for group in pulses.groups] == [2, 1]
+    assert [wave.impulse for wave in pulses.chosen] == pytest.approx([0.4598, 0.04598], rel=1e-3)
+    assert pulses.elastic is not None and pulses.elastic[0].run.case.contact.law == "hertz"
+    assert pulses.elastic[1] is pulses.chosen[0] and pulses.from_source
+
+
+def test_decay_and_collapse_of_elastoplastic_chains(plastic):
+    """Peak forces of an independent solver at contacts 1, 3, 5, 9; runs of one impulse agree; the wave is overtaken."""
+    pulses = pulses_of(plastic)
+    strong, weak = pulses.chosen
+    assert strong.largest[[0, 2, 4, 8]] == pytest.approx([6989, 3229, 2002, 1306], rel=2e-3)
+    assert weak.largest[[0, 2, 4, 8]] == pytest.approx([624, 382, 257, 124], rel=5e-3)
+    same = next(wave for wave in pulses.groups[0] if wave is not strong)
+    assert same.largest[:10] == pytest.approx(strong.largest[:10], rel=0.03)
+    assert (strong.transition, weak.transition) == (4, 10)
+    assert weak.normalised[0] == pytest.approx(0.0374, rel=0.02)
+
+
+def test_inverse_regime_speed_and_dissipation(plastic):
+    pulses = pulses_of(plastic)
+    for wave in pulses.chosen:
+        last = wave.contacts
+        assert wave.inverse_constant(8, last) == pytest.approx(0.268, rel=0.15)
+        assert wave.force_power(8, last).exponent == pytest.approx(-1, abs=0.2)
+        total = float(np.sum(wave.run.of_contacts("dissipated_energy")))
+        assert wave.dissipated[-1] <= total
+        assert total == pytest.approx(wave.run.summary["energy_dissipated_J"], rel=1e-6)
+    strong = pulses.chosen[0]
+    assert [fit.exponent for fit in strong.speed_powers(8, strong.contacts)] == pytest.approx([-0.18, 0.18], abs=0.03)
+    contact = np.arange(15.0, pulses.contacts - 5)
+    assert pulses.impulse_power(contact).exponent == pytest.approx(1 / 6, abs=0.03)
+
+
+def test_the_study_of_elastoplastic_chains(plastic, tmp_path):
+    study = one(elastoplastic_pulses(plastic))
+    elastic = row(study, "Elastic chain")
+    assert elastic.ours == pytest.approx(elastic.expected, rel=0.03)
+    assert row(study, "a: ").source == 0.0374
+    assert row(study, "d2").deviation == pytest.approx(0, abs=0.02)
+    assert row(study, "Dissipated up to", "0.46").deviation == pytest.approx(0, abs=0.06)
+    assert len(study.pictures) == 5 and all(picture.drawing.columns for picture in study.pictures)
+    (file,) = draw_studies([dataclasses.replace(study, pictures=study.pictures[-1:])], tmp_path / "figures")
+    assert file.is_file() and file.with_suffix(".csv").stat().st_size > 1000
+
+
+def test_other_beads_stand_alone(tmp_path):
+    """The source's constants are those of its brass: no source values beside another material."""
+    found = run("elastoplastic-pulse", tmp_path / "soft", material="aluminium", packing__size=60, run__end_time=2e-3,
+                output__history=400)  # fmt: skip
+    study = one(elastoplastic_pulses([found]))
+    assert study.rows and all(row.source is None and not row.remark for row in study.rows)
+    assert [picture.name.split("_")[1] for picture in study.pictures] == ["peaks", "speed", "dissipation"]
+    assert list(elastoplastic_pulses([])) == []
+
+
+def test_the_studies_are_found_among_all_runs(plastic, short):
+    names = [study.name for study in studies([*plastic, *short])]
+    assert {"elastoplastic-pulse", "bilinear-pulse"} <= set(names)
+    assert collect_pulses(short) is None
+
+
+def test_the_models_of_dissipation():
+    """The sum has the source's peak forces; its integral is that of the same curve over contacts."""
+    n = np.arange(1.0, 88)
+    peak = 0.4598 * 357915.4
+    d0, d1, d2 = QUADRATIC
+    forces = peak * model_force(n)
+    assert model_dissipation(87, peak)[-1] == pytest.approx(np.sum(d0 + d1 * forces + d2 * forces**2))
+    parts = [quad(lambda x: d0 + d1 * peak * float(model_force(np.array(x))) + d2 * (peak * float(model_force(np.array(x)))) ** 2,
+                  a, b, limit=200)[0] for a, b in ((1, 7), (7 + 1e-9, 87))]  # fmt: skip
+    assert integrated_dissipation(87, peak)[-1] == pytest.approx(sum(parts), rel=1e-6)
+    assert integrated_dissipation(87, peak)[0] == pytest.approx(0, abs=1e-12)
+
+
+def test_the_quadratic_of_the_law():
+    law = sphere_contact(load_case("elastoplastic-pulse"))
+    assert quadratic_of(law) == pytest.approx((1.10e-4, -7.7e-7, 1.840e-8), rel=0.01)
+    overlap = np.array([50.0]) * law.yield_overlap
+    assert dissipation_at(law, law.loading_force(overlap)) == pytest.approx(law.dissipated_energy(overlap), rel=1e-5)
+
+
+def test_the_elastic_peak_of_an_impulse():
+    """Thesis 4.5 in its own units: 0.0298 for the impulse of Fig. 2.11."""
+    assert elastic_peak(0.4598) == pytest.approx(0.0298, abs=1e-4)
+    assert elastic_peak(2.0) / elastic_peak(1.0) == pytest.approx(2**1.2)
