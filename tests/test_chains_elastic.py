@@ -14,8 +14,8 @@ from granwave.analysis.chains.elastic_pulses import TRAIN_LIMIT, master_curve, w
 from granwave.analysis.chains.measures import width
 from granwave.analysis.chains.runs import ChainRun, collect
 from granwave.analysis.chains.scales import ChainScales, discrete_speed, from_thesis, passed, undisturbed
-from granwave.analysis.chains.study import Row, Study
 from granwave.analysis.figure_style import style
+from granwave.analysis.study import Row, Study
 from granwave.workflows import load_case, load_scan, run_case
 from tests.chain_twin import Bead, Chain
 

@@ -33,9 +33,9 @@ from granwave.analysis.chains.elastoplastic_model import (
 )
 from granwave.analysis.chains.elastoplastic_study import elastoplastic_pulses
 from granwave.analysis.chains.runs import ChainRun, collect
-from granwave.analysis.chains.studies import draw_studies, studies
-from granwave.analysis.chains.study import Row, Study
+from granwave.analysis.chains.studies import studies
 from granwave.analysis.figure_style import style
+from granwave.analysis.study import Row, Study, draw_studies
 from granwave.lammps_inputs.laws import sphere_contact
 from granwave.workflows import run_case
 from granwave.workflows.studies import load_case

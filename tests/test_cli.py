@@ -14,6 +14,7 @@ import pytest
 from tests.conftest import PLAIN
 
 TINY = ["--set", "packing.size=[4,4,3]", "--set", "run.end_time=4e-5", "--set", "run.frames=3"]
+QUICK = [*TINY, "--no-figures"]
 
 
 def summary(directory):
@@ -60,32 +61,32 @@ def test_results_are_never_overwritten_unasked(finished, granwave):
 
 def test_resume_of_a_finished_run_computes_nothing(finished, granwave):
     before = (finished / "result.h5").stat().st_mtime_ns
-    done = granwave("run", "fcc-small", "-o", finished, *TINY, "--resume")
+    done = granwave("run", "fcc-small", "-o", finished, *QUICK, "--resume")
     assert done.returncode == 0, done.stderr
     assert (finished / "result.h5").stat().st_mtime_ns == before
 
 
 def test_resume_of_another_case_is_refused(finished, granwave):
-    done = granwave("run", "fcc-small", "-o", finished, *TINY, "--set", "load.velocity=6", "--resume")
+    done = granwave("run", "fcc-small", "-o", finished, *QUICK, "--set", "load.velocity=6", "--resume")
     assert done.returncode == 2 and "another case" in done.stderr and "load" in done.stderr
 
 
 def test_resume_where_nothing_is_starts(granwave, tmp_path):
-    assert granwave("run", "fcc-small", "-o", tmp_path / "new", *TINY, "--resume").returncode == 0
+    assert granwave("run", "fcc-small", "-o", tmp_path / "new", *QUICK, "--resume").returncode == 0
 
 
 def test_force_replaces_results_and_nothing_else(granwave, tmp_path):
     directory = tmp_path / "r"
-    assert granwave("run", "fcc-small", "-o", directory, *TINY).returncode == 0
+    assert granwave("run", "fcc-small", "-o", directory, *QUICK).returncode == 0
     (directory / "notes.txt").write_text("mine")
-    done = granwave("run", "fcc-small", "-o", directory, *TINY, "--set", "load.velocity=6", "--force")
+    done = granwave("run", "fcc-small", "-o", directory, *QUICK, "--set", "load.velocity=6", "--force")
     assert done.returncode == 0, done.stderr
     assert (directory / "notes.txt").read_text() == "mine"
     assert summary(directory)["velocity_normalised"] == pytest.approx(6 / 5 * 47.426, rel=1e-3)
 
 
 def test_two_ranks_agree_with_one(finished, granwave, tmp_path):
-    done = granwave("run", "fcc-small", "-o", tmp_path / "two", *TINY, "--np", "2")
+    done = granwave("run", "fcc-small", "-o", tmp_path / "two", *QUICK, "--np", "2")
     assert done.returncode == 0, done.stderr
     one, two = without_clock(finished), without_clock(tmp_path / "two")
     assert summary(tmp_path / "two")["n_ranks"] == 2
@@ -100,7 +101,18 @@ LONG = ["--set", "packing.size=[14,14,8]", "--set", "run.end_time=4e-4", "--set"
 
 
 def start(directory, *arguments):
-    command = [sys.executable, "-m", "granwave.workflows", "run", "fcc-small", "-o", str(directory), *LONG, *arguments]
+    command = [
+        sys.executable,
+        "-m",
+        "granwave.workflows",
+        "run",
+        "fcc-small",
+        "-o",
+        str(directory),
+        *LONG,
+        "--no-figures",
+        *arguments,
+    ]
     return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=PLAIN)
 
 
@@ -149,7 +161,7 @@ def test_killed_run_goes_on_from_its_checkpoint(uninterrupted, granwave, tmp_pat
         subprocess.run(["pkill", "-KILL", "-f", f"granwave.workflows run fcc-small -o {directory}"], check=False)
     process.wait(60)
     assert not (directory / "summary.json").exists()
-    done = granwave("run", "fcc-small", "-o", directory, *LONG, "--resume", "--np", ranks)
+    done = granwave("run", "fcc-small", "-o", directory, *LONG, "--no-figures", "--resume", "--np", ranks)
     assert done.returncode == 0, done.stderr
     compare(uninterrupted, directory)
     assert not list(directory.glob("checkpoint-*"))
@@ -169,13 +181,13 @@ def test_ctrl_c_leaves_what_there_is_and_can_go_on(uninterrupted, granwave, tmp_
     assert process.returncode == 130, errors
     assert "--resume" in errors
     assert summary(directory)["end_reason"] == "interrupted" and (directory / "result.h5").exists()
-    done = granwave("run", "fcc-small", "-o", directory, *LONG, "--resume")
+    done = granwave("run", "fcc-small", "-o", directory, *LONG, "--no-figures", "--resume")
     assert done.returncode == 0, done.stderr
     compare(uninterrupted, directory)
 
 
 def test_balance_that_does_not_close_is_refused(granwave, tmp_path):
-    done = granwave("run", "fcc-small", "-o", tmp_path / "r", *TINY, "--set", "run.timestep=1e-6")
+    done = granwave("run", "fcc-small", "-o", tmp_path / "r", *QUICK, "--set", "run.timestep=1e-6")
     assert done.returncode == 1 and "energy balance" in done.stderr
     assert summary(tmp_path / "r")["end_reason"] == "energy balance refused"
 
@@ -186,7 +198,7 @@ def test_published_variant_is_never_refused(granwave, tmp_path):
         "fcc-small",
         "-o",
         tmp_path / "r",
-        *TINY,
+        *QUICK,
         "--set",
         "contact.variant=published",
         "--set",
@@ -198,7 +210,7 @@ def test_published_variant_is_never_refused(granwave, tmp_path):
 
 def test_end_time_auto_settles(granwave, lmp, tmp_path):
     sets = ["--set", "packing.size=[5,5,4]", "--set", "run.end_time=auto", "--set", "run.frames=3"]
-    done = granwave("run", "fcc-small", "-o", tmp_path / "r", *sets)
+    done = granwave("run", "fcc-small", "-o", tmp_path / "r", *sets, "--no-figures")
     assert done.returncode == 0, done.stderr
     values = summary(tmp_path / "r")
     assert values["end_reason"] == "settled" and values["end_time_s"] < 5e-3
@@ -224,7 +236,7 @@ def test_end_time_auto_settles(granwave, lmp, tmp_path):
 )
 def test_bad_input_is_refused_before_anything_happens(granwave, tmp_path, overrides, words):
     sets = [word for override in overrides for word in ("--set", override)]
-    done = granwave("run", "fcc-small", "-o", tmp_path / "r", *sets)
+    done = granwave("run", "fcc-small", "-o", tmp_path / "r", *sets, "--no-figures")
     assert done.returncode == 2, done.stderr
     assert not (tmp_path / "r").exists()
     for word in words:
@@ -259,7 +271,7 @@ def test_wrong_words_are_refused(granwave, tmp_path, arguments, words):
 
 
 def test_velocity_beyond_the_law_runs_and_counts(granwave, tmp_path):
-    done = granwave("run", "fcc-small", "-o", tmp_path / "r", *TINY, "--set", "load.velocity=120")
+    done = granwave("run", "fcc-small", "-o", tmp_path / "r", *QUICK, "--set", "load.velocity=120")
     assert done.returncode == 0, done.stderr
     assert summary(tmp_path / "r")["contacts_beyond_law"] > 0
     assert "0.2 R*" in done.stderr
@@ -306,16 +318,26 @@ def test_plain_lmp_finds_the_plugin_by_itself(granwave, lmp, tmp_path):
 def test_automatic_end_is_the_same_after_a_stop(granwave, tmp_path):
     """A block that was cut by a checkpoint still counts from its own start."""
     sets = ["--set", "packing.size=[12,12,6]", "--set", "run.end_time=auto", "--set", "run.frames=3"]
-    whole = granwave("run", "fcc-small", "-o", tmp_path / "whole", *sets)
+    whole = granwave("run", "fcc-small", "-o", tmp_path / "whole", *sets, "--no-figures")
     assert whole.returncode == 0, whole.stderr
-    command = [sys.executable, "-m", "granwave.workflows", "run", "fcc-small", "-o", str(tmp_path / "cut"), *sets]
+    command = [
+        sys.executable,
+        "-m",
+        "granwave.workflows",
+        "run",
+        "fcc-small",
+        "-o",
+        str(tmp_path / "cut"),
+        *sets,
+        "--no-figures",
+    ]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=PLAIN)
     ledger = tmp_path / "cut" / "dumps" / "energy.txt"
     wait_for(lambda: ledger.exists() and ledger.stat().st_size > 30000, process)
     process.send_signal(signal.SIGINT)
     process.communicate(timeout=120)
     assert process.returncode == 130
-    assert granwave("run", "fcc-small", "-o", tmp_path / "cut", *sets, "--resume").returncode == 0
+    assert granwave("run", "fcc-small", "-o", tmp_path / "cut", *sets, "--no-figures", "--resume").returncode == 0
     compare(tmp_path / "whole", tmp_path / "cut")
 
 
@@ -339,20 +361,20 @@ def test_error_on_one_rank_ends_all(granwave, tmp_path):
 def test_a_lost_summary_is_made_again_without_a_run(finished, granwave):
     before = summary(finished)
     (finished / "summary.json").unlink()
-    assert granwave("run", "fcc-small", "-o", finished, *TINY, "--resume").returncode == 0
+    assert granwave("run", "fcc-small", "-o", finished, *QUICK, "--resume").returncode == 0
     assert summary(finished) == before
 
 
 def test_a_new_deck_does_not_inherit_results(granwave, tmp_path):
     directory = tmp_path / "r"
-    assert granwave("run", "fcc-small", "-o", directory, *TINY).returncode == 0
+    assert granwave("run", "fcc-small", "-o", directory, *QUICK).returncode == 0
     assert granwave("write", "fcc-small", "-o", directory, *TINY).returncode == 2
     assert granwave("write", "fcc-small", "-o", directory, *TINY, "--set", "load.velocity=6", "--force").returncode == 0
     assert not (directory / "summary.json").exists() and not (directory / "run.json").exists()
 
 
 def test_forces_on_the_bottom_do_not_depend_on_the_probes(finished, granwave, tmp_path):
-    done = granwave("run", "fcc-small", "-o", tmp_path / "r", *TINY, "--set", "output.probe_interval=1e-5")
+    done = granwave("run", "fcc-small", "-o", tmp_path / "r", *QUICK, "--set", "output.probe_interval=1e-5")
     assert done.returncode == 0, done.stderr
     for key in ("wall_peak_force_N", "wall_impulse_Ns"):
         assert summary(tmp_path / "r")[key] == summary(finished)[key]

@@ -17,7 +17,7 @@ from granwave.lammps_inputs import sections
 from granwave.lammps_inputs.case import Case, load_case
 from granwave.lammps_inputs.deck import write_deck
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.laws import sphere_contact, wall_contact
+from granwave.lammps_inputs.laws import flat_contact, sphere_contact
 from tests.conftest import script_of
 from tests.test_pair_style import PAIR, R, collide, restitution, value
 from tests.twin import CONSTANTS, PRINTED, LawTwin, Network
@@ -168,7 +168,7 @@ def test_wall(lammps):
     wall = f"fix floor all wall/gran/hysteretic zplane NULL {R:.17g} {STYLE}\nthermo_style custom step f_floor[4] f_floor[5] c_ke\n"
     lmp.commands_string(script_of([(0, 0, 0)], velocities=[(0, 0, 2.0)], box=[-0.1, 0.1] * 3, extra=wall))
     lmp.command("run 20000")
-    rigid = wall_contact(case(**OTHER))
+    rigid = flat_contact(case(**OTHER), 1)
     peak = lmp.numpy.extract_fix("floor", 1, 2)[0, 2]
     mass = 8500 * 4 / 3 * np.pi * R**3
     assert rigid.loading_work(peak) == pytest.approx(0.5 * mass * 4, rel=1e-5)

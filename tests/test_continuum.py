@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 from skfem import LinearForm
 
-from granwave.analysis.continuum import ContinuumCase, kernels, load_continuum_case, run_continuum
-from granwave.analysis.continuum.case import check_memory
+from granwave.analysis.continuum import ContinuumCase, kernels, run_continuum
 from granwave.analysis.continuum.contact import contact_end, punch_gap
 from granwave.analysis.continuum.history import History, integrate, make_solver
 from granwave.analysis.continuum.material import Elastoplastic
@@ -20,6 +19,7 @@ from granwave.analysis.continuum.mesh import Mesh, block_mesh
 from granwave.analysis.continuum.operators import library_basis
 from granwave.analysis.continuum.solver import Solver
 from granwave.analysis.continuum.summary import summarise
+from granwave.analysis.finite_elements import check_memory
 from granwave.lammps_inputs import InputError, RunError
 
 BRASS = Elastoplastic(115e9, 0.30, 8500.0, 550e6)
@@ -291,7 +291,7 @@ def test_every_fault_is_named(tmp_path):
         '[material]\npreset = "brass"\nyield_strength = -1\n[run]\nelements = 5\n'
     )
     with pytest.raises(InputError) as caught:
-        load_continuum_case(path, ["run.end_time=soon"])
+        ContinuumCase.load(path, ["run.end_time=soon"])
     text = "\n".join(caught.value.faults)
     for words in ("punch.width: unknown", "material.yield_strength", "run.elements", "--set: run.end_time"):
         assert words in text

@@ -15,10 +15,10 @@ import pytest
 from granwave.analysis.continuum.kernels import N_STATE, RR, RZ, TT, ZZ
 from granwave.analysis.continuum.material import Elastoplastic
 from granwave.analysis.continuum.mesh import Mesh
+from granwave.analysis.finite_elements import check_memory
 from granwave.analysis.law import law_table
-from granwave.analysis.sphere_contact import SphereContactCase, kernels, load_sphere_contact_case, run_sphere_contact
+from granwave.analysis.sphere_contact import SphereContactCase, kernels, run_sphere_contact
 from granwave.analysis.sphere_contact import study as study_module
-from granwave.analysis.sphere_contact.case import check_memory
 from granwave.analysis.sphere_contact.deviations import compare_cycles, compare_loading
 from granwave.analysis.sphere_contact.figures import FIGURES
 from granwave.analysis.sphere_contact.mesh import half_sphere
@@ -189,7 +189,7 @@ def test_unloading_is_elastic(brass):
 
 def test_files(brass):
     directory, summary = brass
-    case = load_sphere_contact_case(directory / "case.toml")
+    case = SphereContactCase.load(directory / "case.toml")
     assert case == case_of()
     assert json.loads((directory / "summary.json").read_text()) == summary
     with open(directory / "contact.csv", newline="") as file:

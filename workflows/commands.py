@@ -138,13 +138,13 @@ def continuum(options: argparse.Namespace, _: Words) -> int:
     path = studies.find(options.case)
     kind = kind_of(read_toml(path))
     if kind is SPHERE_CONTACT:
-        from granwave.analysis.sphere_contact import load_sphere_contact_case as load
+        from granwave.analysis.sphere_contact import SphereContactCase as OwnCase
         from granwave.analysis.sphere_contact import run_sphere_contact as run_it
     else:
-        from granwave.analysis.continuum import load_continuum_case as load  # type: ignore[assignment]
+        from granwave.analysis.continuum import ContinuumCase as OwnCase  # type: ignore[assignment]
         from granwave.analysis.continuum import run_continuum as run_it  # type: ignore[assignment]
 
-    case = load(path, options.overrides)
+    case = OwnCase.load(path, options.overrides)
     directory = (options.directory or Path(case.name)).absolute()
     kind.check_memory(case, None)
     with held(directory):

@@ -79,6 +79,12 @@ def kind_of(tables: Mapping[str, Any]) -> Kind:
     return CONTINUUM if any(name in tables for name in _OF_CONTINUUM) else GRANULAR
 
 
+def _check_mesh(case: Any) -> None:
+    from granwave.analysis.finite_elements import check_memory as check
+
+    check(case)
+
+
 def _continuum_kind(package: str, case: str) -> Kind:
     """A kind whose modules are loaded when a case of it is met; ``case`` is its class."""
 
@@ -92,7 +98,7 @@ def _continuum_kind(package: str, case: str) -> Kind:
         read=lambda data, source, **options: part("case", case).from_dict(data, source, **options),
         size=lambda found: found.run.elements,
         cost=lambda found, _: part("plan", "plan")(found),
-        check_memory=lambda found, _: part("case", "check_memory")(found),
+        check_memory=lambda found, _: _check_mesh(found),
     )
 
 

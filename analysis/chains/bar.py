@@ -22,8 +22,8 @@ from numpy.typing import NDArray
 
 from granwave.analysis.chains.measures import arrival, power
 from granwave.analysis.chains.runs import ChainRun
-from granwave.analysis.chains.study import Picture, Row, Study
 from granwave.analysis.figure_style import BLUE, GREEN, GREY, ORANGE, PURPLE, Drawing, new_figure
+from granwave.analysis.study import Picture, Row, Study
 from granwave.lammps_inputs.assembly import INCIDENT_BAR, PlacedBar
 from granwave.lammps_inputs.loads import Load
 

@@ -14,8 +14,8 @@ from granwave.analysis.chains.bilinear import LongLoad, Spring, long_load, sprin
 from granwave.analysis.chains.bilinear_figures import COLOURS, FORCE, VELOCITY
 from granwave.analysis.chains.runs import ChainRun, uniform
 from granwave.analysis.chains.scales import ChainScales, of_thesis
-from granwave.analysis.chains.study import Picture, Row, Study
 from granwave.analysis.figure_style import Drawing, new_figure
+from granwave.analysis.study import Picture, Row, Study
 
 Array = NDArray[np.float64]
 

@@ -22,7 +22,7 @@ from granwave.analysis.chains.bilinear_figures import far_drawing, histories_dra
 from granwave.analysis.chains.measures import Power, first_peak, power
 from granwave.analysis.chains.runs import ChainRun, uniform
 from granwave.analysis.chains.scales import ChainScales, impulse_of, is_pulse, of_thesis
-from granwave.analysis.chains.study import Picture, Row, Study
+from granwave.analysis.study import Picture, Row, Study
 
 Array = NDArray[np.float64]
 

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from granwave.analysis.chains.composite import Composite, Decay, composites, decay, is_source
 from granwave.analysis.chains.runs import ChainRun
-from granwave.analysis.chains.study import Picture, Row, Study
 from granwave.analysis.figure_style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing, new_figure
+from granwave.analysis.study import Picture, Row, Study
 from granwave.lammps_inputs.materials import Material
 
 _MICRO, _MILLI, _MEGA = 1e6, 1e3, 1e6

@@ -23,8 +23,8 @@ from scipy.interpolate import CubicSpline
 from granwave.analysis.chains.measures import Power, arrival, first_peak, power, width
 from granwave.analysis.chains.runs import ChainRun, by, uniform
 from granwave.analysis.chains.scales import ChainScales, discrete_speed, from_thesis, passed, undisturbed
-from granwave.analysis.chains.study import Picture, Row, Study
 from granwave.analysis.figure_style import BLUE, GREY, ORANGE, Drawing, new_figure
+from granwave.analysis.study import Picture, Row, Study
 
 Array = NDArray[np.float64]
 

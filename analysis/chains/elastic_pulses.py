@@ -21,8 +21,8 @@ from numpy.typing import NDArray
 from granwave.analysis.chains.measures import Power, power
 from granwave.analysis.chains.runs import ChainRun, uniform
 from granwave.analysis.chains.scales import ChainScales, from_thesis, passed, undisturbed
-from granwave.analysis.chains.study import Picture, Row, Study
 from granwave.analysis.figure_style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing, new_figure
+from granwave.analysis.study import Picture, Row, Study
 
 Array = NDArray[np.float64]
 

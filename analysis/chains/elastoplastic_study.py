@@ -23,7 +23,7 @@ from granwave.analysis.chains.elastoplastic_model import (
     quadratic_of,
 )
 from granwave.analysis.chains.runs import ChainRun
-from granwave.analysis.chains.study import Picture, Row, Study
+from granwave.analysis.study import Picture, Row, Study
 
 _FAR = (15, 100)  # contacts of the fits in the inverse regime
 _LEAST_FAR = 45  # the last contact of such a fit at the least

@@ -17,8 +17,8 @@ from granwave.analysis.chains.elastic import IMPULSE_COEFFICIENT
 from granwave.analysis.chains.measures import first_peak
 from granwave.analysis.chains.runs import ChainRun, uniform
 from granwave.analysis.chains.scales import ChainScales, discrete_speed
-from granwave.analysis.chains.study import Picture, Row, Study
 from granwave.analysis.figure_style import BLUE, GREY, ORANGE, Drawing, new_figure
+from granwave.analysis.study import Picture, Row, Study
 from granwave.lammps_inputs.materials import material
 
 _CONTACTS = (4, 9)  # from 0: of beads 5 and 6, 10 and 11, as the source takes them

@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 
 from granwave.analysis.chains.bar import impedance
 from granwave.analysis.chains.runs import ChainRun, by
-from granwave.analysis.chains.study import Picture, Row, Study
 from granwave.analysis.figure_style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing, new_figure
+from granwave.analysis.study import Picture, Row, Study
 from granwave.lammps_inputs.materials import Material
 
 Array = NDArray[np.float64]

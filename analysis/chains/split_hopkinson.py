@@ -7,10 +7,10 @@ from typing import Any
 
 from granwave.analysis.chains.bar import passage
 from granwave.analysis.chains.runs import ChainRun
-from granwave.analysis.chains.study import Picture, Row, Study
 from granwave.analysis.figure_style import BLUE, Drawing, new_figure
 from granwave.analysis.figures_chain import force_map
 from granwave.analysis.result import Result
+from granwave.analysis.study import Picture, Row, Study
 
 _MICRO, _KILO = 1e6, 1e-3
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from pathlib import Path
 
 from granwave.analysis.chains.bar import bars
 from granwave.analysis.chains.bilinear_long import long_loads
@@ -16,9 +15,9 @@ from granwave.analysis.chains.homogeneous import homogeneous_chain
 from granwave.analysis.chains.intruder import intruder
 from granwave.analysis.chains.runs import ChainRun
 from granwave.analysis.chains.split_hopkinson import split_hopkinson
-from granwave.analysis.chains.study import Study
 from granwave.analysis.chains.unlike import unlike_spheres
-from granwave.analysis.figure_style import save, style
+from granwave.analysis.figure_style import style
+from granwave.analysis.study import Study
 
 #: Each finds its runs among all, and yields nothing where there are none.
 STUDIES: tuple[Callable[[Sequence[ChainRun]], Iterator[Study]], ...] = (
@@ -42,15 +41,3 @@ def studies(runs: Sequence[ChainRun]) -> list[Study]:
     """What the runs show of each study."""
     with style():
         return [study for find in STUDIES for study in find(runs)] if runs else []
-
-
-def draw_studies(found: Sequence[Study], folder: Path) -> list[Path]:
-    """Save all figures of studies with their data; returns the PNG files."""
-    written = []
-    with style():
-        for study in found:
-            for picture in study.pictures:
-                folder.mkdir(exist_ok=True)
-                save(picture.drawing, folder / picture.name)
-                written.append(folder / f"{picture.name}.png")
-    return written

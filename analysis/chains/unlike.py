@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.chains.runs import ChainRun, by
-from granwave.analysis.chains.study import Picture, Row, Study
 from granwave.analysis.figure_style import BLUE, GREEN, ORANGE, PURPLE, SKY, Drawing, new_figure
+from granwave.analysis.study import Picture, Row, Study
 from granwave.lammps_inputs.laws import pair_contact
 from granwave.lammps_inputs.materials import Material, material
 

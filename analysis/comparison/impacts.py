@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from granwave._contact_laws import ContactLaw
-from granwave.analysis.continuum.case import ContinuumCase, load_continuum_case
+from granwave.analysis.continuum.case import ContinuumCase
 from granwave.lammps_inputs.case import Case, load_case
 from granwave.lammps_inputs.deck import CASE_FILE
 from granwave.lammps_inputs.errors import GranwaveError
@@ -129,7 +129,7 @@ def collect(runs: Iterable[tuple[str, Path, Mapping[str, Any]]]) -> Impacts:
     for label, directory, summary in runs:
         try:
             if summary.get("kind") == "continuum":
-                continuum.append(Continuum(label, directory, load_continuum_case(directory / CASE_FILE), summary))
+                continuum.append(Continuum(label, directory, ContinuumCase.load(directory / CASE_FILE), summary))
             elif "n_spheres" in summary:
                 case = load_case(directory / CASE_FILE)
                 struck = case.load.kind == "impact" and case.assembly.plain and case.packing.kind != "chain"

@@ -3,7 +3,7 @@
 Axisymmetric, small strains, von Mises plasticity, explicit dynamics. See `granwave.analysis.continuum.solver`.
 """
 
-from granwave.analysis.continuum.case import ContinuumCase, load_continuum_case
+from granwave.analysis.continuum.case import ContinuumCase
 from granwave.analysis.continuum.run import run_continuum
 
-__all__ = ["ContinuumCase", "load_continuum_case", "run_continuum"]
+__all__ = ["ContinuumCase", "run_continuum"]

@@ -7,19 +7,13 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, Literal
 
-import tomli_w
-
+from granwave.analysis.finite_elements import ElementCase
 from granwave.lammps_inputs.case import read_parts
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.keys import Faults, custom, number, refuse_unknown, whole
 from granwave.lammps_inputs.materials import Material
-from granwave.lammps_inputs.overrides import apply_overrides, parse_overrides
-from granwave.lammps_inputs.plan import refuse_too_large
-from granwave.lammps_inputs.toml_files import read_toml
 
 AUTO_END_TIME = 5e-3  # s, the longest that `end_time = "auto"` goes on
-_MEMORY_BASE = 350e6  # bytes; the interpreter with numba and the drawing library
-_MEMORY_PER_ELEMENT = 2500.0  # measured, setting up included, rounded up
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -86,10 +80,9 @@ _KNOWN = ("name", "material", *_SECTIONS)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class ContinuumCase:
-    """One impact of a punch on a block; see `load_continuum_case`."""
+class ContinuumCase(ElementCase):
+    """One impact of a punch on a block."""
 
-    name: str
     material: Material
     block: Block = dataclasses.field(default_factory=Block)
     punch: Punch = dataclasses.field(default_factory=Punch)
@@ -126,44 +119,9 @@ class ContinuumCase:
         return material.yield_strength**2 * self.punch.diameter**3 / material.youngs_modulus
 
     @property
-    def memory(self) -> float:
-        """Bytes that a run needs, an estimate."""
-        return _MEMORY_BASE + _MEMORY_PER_ELEMENT * self.run.elements
-
-    def to_dict(self) -> dict[str, Any]:
-        """The case as nested tables, all defaults filled in, as TOML writes them."""
-        tables = dataclasses.asdict(self)
-        tables["material"] = {key: value for key, value in tables["material"].items() if value is not None}
-        return tables
-
-    def to_toml(self) -> str:
-        """The case as a TOML file."""
-        return tomli_w.dumps(self.to_dict())
-
-
-def load_continuum_case(path: str | Path, overrides: Iterable[str] | Mapping[str, Any] = ()) -> ContinuumCase:
-    """Read a continuum case file; ``overrides`` as of `granwave.lammps_inputs.load_case`.
-
-    Raises
-    ------
-    InputError
-        The file or an override is wrong; every fault is named.
-    """
-    changes = parse_overrides(overrides)
-    data = apply_overrides(read_toml(path), changes)
-    return ContinuumCase.from_dict(data, path, overridden=changes, directory=Path(path).parent)
-
-
-def check_memory(case: ContinuumCase, available: float | None = None) -> None:
-    """Refuse a mesh that does not fit into memory (``available`` bytes; by default what is free now).
-
-    Raises
-    ------
-    InputError
-        The run needs more than there is.
-    """
-    what = f"{case.name}: run.elements: {case.run.elements} elements"
-    refuse_too_large(what, case.memory, "take fewer elements", available)
+    def elements(self) -> int:
+        """About how many elements the mesh has."""
+        return self.run.elements
 
 
 def _check_together(parts: Mapping[str, Any], faults: Faults) -> None:

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import json
 import math
-import tomllib
 from collections.abc import Callable
 from pathlib import Path
 
-import h5py
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
@@ -16,7 +13,6 @@ from matplotlib.colors import ListedColormap, Normalize
 from numpy.typing import NDArray
 
 from granwave.analysis.continuum.solver import AT_YIELD
-from granwave.analysis.errors import MissingOutputError
 from granwave.analysis.figure_style import (
     BLANK,
     BLUE,
@@ -31,7 +27,7 @@ from granwave.analysis.figure_style import (
     save,
     style,
 )
-from granwave.analysis.result_file import RESULT_FILE
+from granwave.analysis.finite_elements import ElementResult
 
 _MICRO, _MILLI, _MEGA = 1e6, 1e3, 1e-6
 _SHOWN = 1.5  # punch diameters in depth, and to either side, that a section shows at least
@@ -39,27 +35,12 @@ _PANELS = 6
 _YIELDED_MAP = ListedColormap([BLANK, SKY, ORANGE])
 
 
-class ContinuumResult:
-    """The ``result.h5`` of a continuum run, with what the figures need of its case.
-
-    Raises
-    ------
-    MissingOutputError
-        There is no result.h5.
-    """
+class ContinuumResult(ElementResult):
+    """The ``result.h5`` of a continuum run, with what the figures need of its mesh; raises as `ElementResult`."""
 
     def __init__(self, directory: str | Path) -> None:
-        path = Path(directory) / RESULT_FILE
-        if not path.exists():
-            raise MissingOutputError(f"{path} is missing: make it with  granwave continuum CASE -o {directory}")
-        with h5py.File(path, "r") as file:
-            self._values = {name: file[name][()] for name in _leaves(file)}
-            self.case = tomllib.loads(str(file.attrs["case"]))
-            self.summary = json.loads(str(file.attrs["summary"]))
+        super().__init__(directory)
         self.r, self.z = np.unique(self["nodes"][:, 0]), np.unique(self["nodes"][:, 1])
-
-    def __getitem__(self, name: str) -> NDArray:
-        return self._values[name]
 
     def grid(self, values: NDArray) -> NDArray:
         """Values of the elements as (n_z, n_r)."""
@@ -97,7 +78,7 @@ def energies(result: ContinuumResult) -> Drawing:
 def plastic_zone_volume(result: ContinuumResult) -> Drawing:
     """Volume at yield now, and volume that ever yielded, over that of a sphere of the punch's diameter."""
     time = result["plastic_zone/time"]
-    sphere = math.pi / 6 * result.case["punch"]["diameter"] ** 3
+    sphere = math.pi / 6 * result.tables["punch"]["diameter"] ** 3
     now, ever = result["plastic_zone/volume"], result["plastic_zone/volume_ever"]
     figure = new_figure(2.3)
     axes = figure.subplots()
@@ -129,7 +110,7 @@ def von_mises(result: ContinuumResult) -> Drawing:
     """Von Mises stress in a section, at the snapshot nearest to when the plastic zone is largest."""
     frame = _frame_of_largest_zone(result)
     stress = result["fields/von_mises"][frame]
-    limit = result.case["material"]["yield_strength"]
+    limit = result.tables["material"]["yield_strength"]
     figure = new_figure(2.6)
     axes = figure.subplots()
     scale = Normalize(0, limit * _MEGA)
@@ -142,7 +123,7 @@ def von_mises(result: ContinuumResult) -> Drawing:
 def plastic_zone(result: ContinuumResult) -> Drawing:
     """What is at yield, and what has been, at times spread over the growth of the zone."""
     times, stresses = result["fields/time"], result["fields/von_mises"]
-    at_yield = stresses >= AT_YIELD * result.case["material"]["yield_strength"]
+    at_yield = stresses >= AT_YIELD * result.tables["material"]["yield_strength"]
     active = np.flatnonzero(at_yield.any(axis=1))
     last = int(active[-1]) if len(active) else len(times) - 1
     frames = np.unique(np.linspace(min(1, last), last, _PANELS).round().astype(int))
@@ -201,12 +182,6 @@ def draw_figures(directory: str | Path) -> list[Path]:
     return [folder / f"{name}.png" for name in FIGURES]
 
 
-def _leaves(file: h5py.File) -> list[str]:
-    names: list[str] = []
-    file.visititems(lambda name, item: names.append(name) if isinstance(item, h5py.Dataset) else None)
-    return names
-
-
 def _frame_of_largest_zone(result: ContinuumResult) -> int:
     when = result["plastic_zone/time"][result["plastic_zone/volume"].argmax()]
     return int(np.abs(result["fields/time"] - when).argmin())
@@ -214,7 +189,7 @@ def _frame_of_largest_zone(result: ContinuumResult) -> int:
 
 def _section(axes: Axes, result: ContinuumResult, values: NDArray, colours: str | ListedColormap, scale) -> None:
     """Both sides of the axis, the punch above them, cropped to what happens."""
-    diameter = result.case["punch"]["diameter"]
+    diameter = result.tables["punch"]["diameter"]
     zone = max(result.summary["plastic_zone_depth_m"], result.summary["plastic_zone_radius_m"])
     reach = max(_SHOWN * diameter / 2, 1.3 * zone)
     columns, rows = (int(np.searchsorted(line, reach)) + 1 for line in (result.r, result.z))

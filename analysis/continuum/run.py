@@ -4,26 +4,24 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from tqdm import tqdm
 
 from granwave.analysis.continuum import output
-from granwave.analysis.continuum.case import ContinuumCase, check_memory, load_continuum_case
+from granwave.analysis.continuum.case import ContinuumCase
 from granwave.analysis.continuum.history import TOLERANCE, History, integrate, make_solver
 from granwave.analysis.continuum.summary import LARGE_STRAIN, summarise
+from granwave.analysis.finite_elements import FIGURES_DIRECTORY, begin
 from granwave.analysis.result_file import RESULT_FILE
 from granwave.analysis.summary import SUMMARY_FILE
 from granwave.lammps_inputs.deck import CASE_FILE
-from granwave.lammps_inputs.directories import clear, decide
-from granwave.lammps_inputs.errors import InputError, RunError
-from granwave.lammps_inputs.files import plain, read_json, replace_text
+from granwave.lammps_inputs.errors import RunError
+from granwave.lammps_inputs.files import plain
 
 logger = logging.getLogger("granwave")
 
-FIGURES_DIRECTORY = "figures"
 _RESULTS = (CASE_FILE, RESULT_FILE, SUMMARY_FILE, FIGURES_DIRECTORY)
 _FINISHED = ("end_time", "settled", "longest")
 
@@ -61,22 +59,17 @@ def run_continuum(
         The energy balance was refused; what was computed is kept.
     """
     directory = Path(directory)
-    if decide(directory, _RESULTS, resume=resume, force=force, case=case.to_dict(), read=_case_there):
-        there = read_json(directory / SUMMARY_FILE) or {}
-        if there.get("end_reason") in _FINISHED:
-            return there
-    check_memory(case)
-    clear(directory, _RESULTS)
-    directory.mkdir(parents=True, exist_ok=True)
-    replace_text(directory / CASE_FILE, case.to_toml())
+    there = begin(case, directory, _RESULTS, _FINISHED, resume=resume, force=force)
+    if there is not None:
+        return there
     solver, history = make_solver(case), History()
-    begin = time.perf_counter()
+    started = time.perf_counter()
     try:
         with _Bar(case, enabled=progress) as bar:
             integrate(case, solver, history, bar.show)
     finally:
         if history.instants:
-            summary = plain(summarise(case, solver, history, time.perf_counter() - begin))
+            summary = plain(summarise(case, solver, history, time.perf_counter() - started))
             output.write_result(directory, case, solver, history, summary)
             output.write_summary(directory, summary)
     if summary["plastic_zone_strain"] > LARGE_STRAIN:
@@ -101,13 +94,6 @@ def run_continuum(
             "run.elements"
         )
     return summary
-
-
-def _case_there(path: Path) -> Mapping[str, Any]:
-    try:
-        return load_continuum_case(path).to_dict()
-    except InputError:
-        return {}  # of a granular run, or damaged: another case in any event
 
 
 class _Bar:

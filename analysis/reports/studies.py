@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from granwave.analysis.chains.runs import collect
 from granwave.analysis.chains.studies import studies
-from granwave.analysis.chains.study import Row, Study
 from granwave.analysis.figures import FIGURES_DIRECTORY
 from granwave.analysis.reports.inputs import Inputs
 from granwave.analysis.reports.model import Cell, Column, Figure, Gallery, Group, Note, Section, Table
@@ -12,6 +11,7 @@ from granwave.analysis.reports.pictures import png_of
 from granwave.analysis.reports.quantities import BLANK, percent, value_cell
 from granwave.analysis.square.runs import collect as collect_packings
 from granwave.analysis.square.studies import studies as packing_studies
+from granwave.analysis.study import Row, Study
 
 SLUG = "studies"
 _COLUMNS = (

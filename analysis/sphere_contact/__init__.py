@@ -3,7 +3,7 @@
 Axisymmetric, large displacement, von Mises plasticity. See `granwave.analysis.sphere_contact.solver`.
 """
 
-from granwave.analysis.sphere_contact.case import SphereContactCase, load_sphere_contact_case
+from granwave.analysis.sphere_contact.case import SphereContactCase
 from granwave.analysis.sphere_contact.run import run_sphere_contact
 
-__all__ = ["SphereContactCase", "load_sphere_contact_case", "run_sphere_contact"]
+__all__ = ["SphereContactCase", "run_sphere_contact"]

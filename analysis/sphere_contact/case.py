@@ -9,21 +9,14 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import tomli_w
-
+from granwave.analysis.finite_elements import ElementCase
 from granwave.lammps_inputs.case import read_parts
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.keys import Faults, custom, number, read_table, refuse_unknown, whole
 from granwave.lammps_inputs.materials import Material, read_material
-from granwave.lammps_inputs.overrides import apply_overrides, parse_overrides
-from granwave.lammps_inputs.plan import refuse_too_large
-from granwave.lammps_inputs.toml_files import read_toml
 
 if TYPE_CHECKING:
     from granwave._contact_laws import ContactLaw
-
-_MEMORY_BASE = 350e6  # bytes; the interpreter with numba and the drawing library
-_MEMORY_PER_ELEMENT = 2500.0
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -64,10 +57,9 @@ _KNOWN = ("name", "material", "partner", *_SECTIONS)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class SphereContactCase:
-    """Two spheres that are pressed together; see `load_sphere_contact_case`."""
+class SphereContactCase(ElementCase):
+    """Two spheres that are pressed together."""
 
-    name: str
     material: Material
     sphere: Sphere
     partner: Partner | None = None
@@ -135,42 +127,9 @@ class SphereContactCase:
         return self.run.max_overlap * self.law.effective_radius
 
     @property
-    def memory(self) -> float:
-        """Bytes that a run needs, an estimate."""
-        return _MEMORY_BASE + _MEMORY_PER_ELEMENT * self.run.elements
-
-    def to_dict(self) -> dict[str, Any]:
-        """The case as nested tables, all defaults filled in, as TOML writes them."""
-        return _without_none(dataclasses.asdict(self))
-
-    def to_toml(self) -> str:
-        """The case as a TOML file."""
-        return tomli_w.dumps(self.to_dict())
-
-
-def load_sphere_contact_case(path: str | Path, overrides: Iterable[str] | Mapping[str, Any] = ()) -> SphereContactCase:
-    """Read the case file of a sphere contact; ``overrides`` as of `granwave.lammps_inputs.load_case`.
-
-    Raises
-    ------
-    InputError
-        The file or an override is wrong; every fault is named.
-    """
-    changes = parse_overrides(overrides)
-    data = apply_overrides(read_toml(path), changes)
-    return SphereContactCase.from_dict(data, path, overridden=changes, directory=Path(path).parent)
-
-
-def check_memory(case: SphereContactCase, available: float | None = None) -> None:
-    """Refuse a mesh that does not fit into memory (``available`` bytes; by default what is free now).
-
-    Raises
-    ------
-    InputError
-        The run needs more than there is.
-    """
-    what = f"{case.name}: run.elements: {case.run.elements} elements"
-    refuse_too_large(what, case.memory, "take fewer elements", available)
+    def elements(self) -> int:
+        """About how many elements the mesh has, both spheres together."""
+        return self.run.elements
 
 
 def _read_partner(table: Any, parts: Mapping[str, Any], faults: Faults, directory: Path | None) -> Partner | None:
@@ -196,11 +155,3 @@ def _constants(material: Material) -> tuple[float, float, float | None]:
 
 def _or_elastic(material: Material) -> Material:
     return dataclasses.replace(material, yield_strength=material.yield_strength or math.inf)
-
-
-def _without_none(tables: dict[str, Any]) -> dict[str, Any]:
-    return {
-        key: _without_none(value) if isinstance(value, dict) else value
-        for key, value in tables.items()
-        if value is not None
-    }

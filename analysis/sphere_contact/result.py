@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-import json
 import math
-import tomllib
 from functools import cached_property
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.errors import MissingOutputError
+from granwave.analysis.finite_elements import ElementResult
 from granwave.analysis.sphere_contact.case import SphereContactCase
-from granwave.analysis.sphere_contact.output import RESULT_FILE
 from granwave.analysis.sphere_contact.study import yield_unit
 
 if TYPE_CHECKING:
@@ -26,33 +22,13 @@ Array = NDArray[np.float64]
 _CURVE = 500  # points of a curve of a law
 
 
-class SphereContactResult:
-    """The ``result.h5`` of a study, with what the figures need of its case.
+class SphereContactResult(ElementResult):
+    """The ``result.h5`` of a study, with what the figures need of its case; raises as `ElementResult`."""
 
-    Raises
-    ------
-    MissingOutputError
-        There is no result.h5.
-    """
-
-    def __init__(self, directory: str | Path) -> None:
-        path = Path(directory) / RESULT_FILE
-        if not path.exists():
-            raise MissingOutputError(f"{path} is missing: make it with  granwave continuum CASE -o {directory}")
-        with h5py.File(path, "r") as file:
-            names: list[str] = []
-            file.visititems(lambda name, item: names.append(name) if isinstance(item, h5py.Dataset) else None)
-            self._values: dict[str, NDArray] = {name: file[name][()] for name in names}
-            self.case = SphereContactCase.from_dict(tomllib.loads(str(file.attrs["case"])))
-            self.summary: dict[str, Any] = json.loads(str(file.attrs["summary"]))
-            profiles = sorted(file.get("pressure", {}), key=int)
-            self.profiles = [(float(file[f"pressure/{n}"].attrs["overlap"]), f"pressure/{n}") for n in profiles]
-
-    def __getitem__(self, name: str) -> NDArray:
-        return self._values[name]
-
-    def __contains__(self, name: str) -> bool:
-        return name in self._values
+    def _read_more(self, file: h5py.File) -> None:
+        self.case = SphereContactCase.from_dict(self.tables)
+        profiles = sorted(file.get("pressure", {}), key=int)
+        self.profiles = [(float(file[f"pressure/{n}"].attrs["overlap"]), f"pressure/{n}") for n in profiles]
 
     @cached_property
     def law(self) -> ContactLaw:

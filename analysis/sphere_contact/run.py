@@ -5,26 +5,24 @@ from __future__ import annotations
 import logging
 import math
 import time
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from tqdm import tqdm
 
+from granwave.analysis.finite_elements import FIGURES_DIRECTORY, begin
 from granwave.analysis.sphere_contact import output
-from granwave.analysis.sphere_contact.case import SphereContactCase, check_memory, load_sphere_contact_case
+from granwave.analysis.sphere_contact.case import SphereContactCase
 from granwave.analysis.sphere_contact.study import TOLERANCE, History, integrate, make_solver, yield_unit
 from granwave.analysis.sphere_contact.summary import summarise
 from granwave.lammps_inputs.deck import CASE_FILE
-from granwave.lammps_inputs.directories import clear, decide
-from granwave.lammps_inputs.errors import InputError, RunError
-from granwave.lammps_inputs.files import plain, read_json, replace_text
+from granwave.lammps_inputs.errors import RunError
+from granwave.lammps_inputs.files import plain
 
 logger = logging.getLogger("granwave")
 
-FIGURES_DIRECTORY = "figures"
 _RESULTS = (CASE_FILE, output.RESULT_FILE, output.SUMMARY_FILE, output.TABLE_FILE, FIGURES_DIRECTORY)
-_FINISHED = "done"
+_FINISHED = ("done",)
 _MOST_KINETIC = 0.01  # of the internal energy
 
 
@@ -61,22 +59,17 @@ def run_sphere_contact(
         The energy balance was refused; what was computed is kept.
     """
     directory = Path(directory)
-    if decide(directory, _RESULTS, resume=resume, force=force, case=case.to_dict(), read=_case_there):
-        there = read_json(directory / output.SUMMARY_FILE) or {}
-        if there.get("end_reason") == _FINISHED:
-            return there
-    check_memory(case)
-    clear(directory, _RESULTS)
-    directory.mkdir(parents=True, exist_ok=True)
-    replace_text(directory / CASE_FILE, case.to_toml())
+    there = begin(case, directory, _RESULTS, _FINISHED, resume=resume, force=force)
+    if there is not None:
+        return there
     solver, history = make_solver(case), History()
-    begin = time.perf_counter()
+    started = time.perf_counter()
     try:
         with _Bar(case, enabled=progress) as bar:
             integrate(case, solver, history, bar.show)
     finally:
         if len(history.ledgers) > 1:
-            summary = plain(summarise(case, solver, history, time.perf_counter() - begin))
+            summary = plain(summarise(case, solver, history, time.perf_counter() - started))
             output.write_results(directory, case, solver, history, summary)
     if history.end_reason == "refused":
         last = history.ledgers[-1]
@@ -99,13 +92,6 @@ def run_sphere_contact(
 
         draw_figures(directory)
     return summary
-
-
-def _case_there(path: Path) -> Mapping[str, Any]:
-    try:
-        return load_sphere_contact_case(path).to_dict()
-    except InputError:
-        return {}  # of another kind, or damaged: another case in any event
 
 
 class _Bar:

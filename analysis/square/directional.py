@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from granwave.analysis.chains.study import Row, Study
 from granwave.analysis.directions import AXIS_ANGLE
 from granwave.analysis.square.runs import PackingRun, squares
+from granwave.analysis.study import Row, Study
 
 _WORDS = {"hertz": "elastic", "elastoplastic": "elasto-plastic"}
 

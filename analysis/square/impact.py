@@ -10,11 +10,11 @@ from matplotlib.collections import EllipseCollection
 from matplotlib.colors import Normalize
 from numpy.typing import NDArray
 
-from granwave.analysis.chains.study import Picture, Row, Study
 from granwave.analysis.figure_style import BLUE, FORCE_MAP, GREEN, GREY, ORANGE, PURPLE, SKY, WIDTH, Drawing, new_figure
 from granwave.analysis.square.pulses import MEASURES, lengths, theory
 from granwave.analysis.square.regions import groups, regions, settled
 from granwave.analysis.square.runs import Array, PackingRun, squares
+from granwave.analysis.study import Picture, Row, Study
 
 Measured = dict[str, Array]  # by name of `MEASURES`
 

@@ -7,11 +7,11 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from granwave.analysis.chains.measures import Power, power
-from granwave.analysis.chains.study import Picture, Row, Study
 from granwave.analysis.figure_style import BLUE, GREY, ORANGE, Drawing, new_figure
 from granwave.analysis.square.pulses import peaks, speed_of
 from granwave.analysis.square.regions import groups
 from granwave.analysis.square.runs import Array, PackingRun, squares
+from granwave.analysis.study import Picture, Row, Study
 
 _LEAST = 3  # velocities for a fit
 _WHERE = "square packing, equation 3, Figs 8 to 10"

@@ -8,11 +8,11 @@ import numpy as np
 
 from granwave.analysis.chains.measures import first_peak
 from granwave.analysis.chains.runs import ChainRun
-from granwave.analysis.chains.study import Picture, Row, Study
 from granwave.analysis.figure_style import BLUE, GREY, Drawing, new_figure
 from granwave.analysis.result import Result
 from granwave.analysis.sensors import sensor_velocities
 from granwave.analysis.square.runs import PackingRun
+from granwave.analysis.study import Picture, Row, Study
 
 _WHERE = "square packing, Experimental Setup"
 _BEFORE = 4  # contacts between the lighter sphere and the one at which the reflection is measured

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from granwave.analysis.chains.runs import ChainRun
-from granwave.analysis.chains.study import Study
 from granwave.analysis.figure_style import style
 from granwave.analysis.square.directional import directional
 from granwave.analysis.square.impact import square_impacts
@@ -13,6 +12,7 @@ from granwave.analysis.square.runs import PackingRun
 from granwave.analysis.square.scaling import wave_speeds
 from granwave.analysis.square.sensor_mass import lighter_sphere, sensors_in_square
 from granwave.analysis.square.yielding import yielding
+from granwave.analysis.study import Study
 
 
 def studies(packings: Sequence[PackingRun], chains: Sequence[ChainRun]) -> list[Study]:

@@ -6,10 +6,10 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from granwave.analysis.chains.study import Picture, Row, Study
 from granwave.analysis.figure_style import BLUE, GREEN, ORANGE, PURPLE, Drawing, new_figure
 from granwave.analysis.square.regions import groups, settled
 from granwave.analysis.square.runs import PackingRun, squares
+from granwave.analysis.study import Picture, Row, Study
 from granwave.lammps_inputs.materials import Material
 
 _PLACES = (2, 6)  # spheres of the chain, from the struck one as 1

@@ -339,11 +339,11 @@ class _ScanRun:
         if self.stop.wanted:
             return  # who stops a scan does not want to wait for figures
         _draw(self.result)
-        from granwave.analysis.chains.studies import draw_studies
         from granwave.analysis.figures import FIGURES_DIRECTORY
         from granwave.analysis.reports.inputs import read_inputs
         from granwave.analysis.reports.report import write_report
         from granwave.analysis.reports.studies import studies_of
+        from granwave.analysis.study import draw_studies
 
         found = studies_of(read_inputs([self.directory], self.directory))
         draw_studies(found, self.directory / FIGURES_DIRECTORY)

@@ -165,13 +165,13 @@ def run_suite(
 def _publish(directory: Path) -> None:
     """Figures of the comparison with their data, and the report."""
     # the drawing library is loaded when all points are done
-    from granwave.analysis.chains.studies import draw_studies
     from granwave.analysis.comparison.drawings import draw_comparison
     from granwave.analysis.figures import FIGURES_DIRECTORY
     from granwave.analysis.reports.comparison import impacts_of
     from granwave.analysis.reports.inputs import read_inputs
     from granwave.analysis.reports.report import write_report
     from granwave.analysis.reports.studies import studies_of
+    from granwave.analysis.study import draw_studies
 
     inputs = read_inputs([directory], directory)
     draw_comparison(impacts_of(inputs), directory / FIGURES_DIRECTORY)

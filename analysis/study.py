@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -77,3 +79,17 @@ class Study:
     text: str
     rows: tuple[Row, ...] = ()
     pictures: tuple[Picture, ...] = ()
+
+
+def draw_studies(found: Sequence[Study], folder: Path) -> list[Path]:
+    """Save all figures of studies with their data; returns the PNG files."""
+    from granwave.analysis.figure_style import save, style  # the drawing library takes a second to load
+
+    written = []
+    with style():
+        for study in found:
+            for picture in study.pictures:
+                folder.mkdir(exist_ok=True)
+                save(picture.drawing, folder / picture.name)
+                written.append(folder / f"{picture.name}.png")
+    return written
