@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import abc
 import dataclasses
 import json
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import h5py
 import tomli_w
@@ -16,10 +17,12 @@ from numpy.typing import NDArray
 from granwave.analysis.errors import MissingOutputError
 from granwave.analysis.result_file import RESULT_FILE
 from granwave.analysis.summary import SUMMARY_FILE
+from granwave.lammps_inputs.case import read_parts
 from granwave.lammps_inputs.deck import CASE_FILE
 from granwave.lammps_inputs.directories import clear, decide
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json, replace_text
+from granwave.lammps_inputs.keys import Faults, refuse_unknown
 from granwave.lammps_inputs.overrides import apply_overrides, parse_overrides
 from granwave.lammps_inputs.plan import refuse_too_large
 from granwave.lammps_inputs.toml_files import read_toml
@@ -30,8 +33,19 @@ _MEMORY_PER_ELEMENT = 2500.0  # measured, setting up included, rounded up
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class ElementCase:
-    """A case with a mesh: ``run.elements`` tells how fine."""
+class ElementCase(abc.ABC):
+    """A case with a mesh: ``run.elements`` tells how fine.
+
+    Attributes
+    ----------
+    SECTIONS
+        The dataclass of each table.
+    REQUIRED
+        Tables that the case cannot do without.
+    """
+
+    SECTIONS: ClassVar[Mapping[str, type]]
+    REQUIRED: ClassVar[tuple[str, ...]] = ("material",)
 
     name: str
 
@@ -50,7 +64,18 @@ class ElementCase:
         InputError
             With every fault there is.
         """
-        raise NotImplementedError
+        faults = Faults(str(source), tuple(overridden))
+        refuse_unknown(data, [field.name for field in dataclasses.fields(cls)], "", faults)
+        parts = read_parts(data, source, faults, directory, sections=cls.SECTIONS, required=cls.REQUIRED)
+        cls._complete(parts, data, faults, directory)
+        if faults.lines:
+            raise InputError(faults.lines)
+        return cls(**parts)
+
+    @staticmethod
+    @abc.abstractmethod
+    def _complete(parts: dict[str, Any], data: Mapping[str, Any], faults: Faults, directory: Path | None) -> None:
+        """Read what is no section, and check what concerns several keys; a part that is wrong is None."""
 
     @classmethod
     def load(cls, path: str | Path, overrides: Iterable[str] | Mapping[str, Any] = ()) -> Self:
@@ -66,9 +91,9 @@ class ElementCase:
         return cls.from_dict(data, path, overridden=changes, directory=Path(path).parent)
 
     @property
+    @abc.abstractmethod
     def elements(self) -> int:
         """About how many elements the mesh has."""
-        raise NotImplementedError
 
     @property
     def memory(self) -> float:

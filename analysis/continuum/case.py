@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 from granwave.analysis.finite_elements import ElementCase
-from granwave.lammps_inputs.case import read_parts
-from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.keys import Faults, custom, number, refuse_unknown, whole
+from granwave.lammps_inputs.keys import Faults, custom, number, whole
 from granwave.lammps_inputs.materials import Material
 
 AUTO_END_TIME = 5e-3  # s, the longest that `end_time = "auto"` goes on
@@ -75,41 +73,16 @@ class ContinuumRun:
         return AUTO_END_TIME if isinstance(self.end_time, str) else self.end_time
 
 
-_SECTIONS: dict[str, type] = {"block": Block, "punch": Punch, "run": ContinuumRun}
-_KNOWN = ("name", "material", *_SECTIONS)
-
-
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class ContinuumCase(ElementCase):
     """One impact of a punch on a block."""
+
+    SECTIONS: ClassVar[Mapping[str, type]] = {"block": Block, "punch": Punch, "run": ContinuumRun}
 
     material: Material
     block: Block = dataclasses.field(default_factory=Block)
     punch: Punch = dataclasses.field(default_factory=Punch)
     run: ContinuumRun = dataclasses.field(default_factory=ContinuumRun)
-
-    @classmethod
-    def from_dict(
-        cls,
-        data: Mapping[str, Any],
-        source: str | Path = "case",
-        overridden: Iterable[str] = (),
-        directory: Path | None = None,
-    ) -> ContinuumCase:
-        """Check the nested mapping of a case file and make a case of it; parameters as of `Case.from_dict`.
-
-        Raises
-        ------
-        InputError
-            With every fault there is.
-        """
-        faults = Faults(str(source), tuple(overridden))
-        refuse_unknown(data, _KNOWN, "", faults)
-        parts = read_parts(data, source, faults, directory, sections=_SECTIONS)
-        _check_together(parts, faults)
-        if faults.lines:
-            raise InputError(faults.lines)
-        return cls(**parts)
 
     @property
     def energy_unit(self) -> float:
@@ -123,23 +96,23 @@ class ContinuumCase(ElementCase):
         """About how many elements the mesh has."""
         return self.run.elements
 
-
-def _check_together(parts: Mapping[str, Any], faults: Faults) -> None:
-    block: Block | None = parts["block"]
-    punch: Punch | None = parts["punch"]
-    run: ContinuumRun | None = parts["run"]
-    material: Material | None = parts.get("material")
-    if material is not None and material.yield_strength is None:
-        faults.add("material.yield_strength", "missing; a continuum case needs it: give a number in Pa")
-    if punch is not None and 2 * punch.taper > punch.diameter:
-        faults.add(
-            "punch.taper", f"found {punch.taper:g} m, expected at most the punch's radius, {punch.diameter / 2:g} m"
-        )
-    if block is not None and punch is not None and punch.diameter >= block.diameter:
-        faults.add(
-            "punch.diameter",
-            f"found {punch.diameter:g} m, expected less than block.diameter, {block.diameter:g} m; "
-            "make the punch narrower or the block wider",
-        )
-    if run is not None and not isinstance(run.timestep, str) and run.timestep > run.longest:
-        faults.add("run.timestep", f"found {run.timestep:g} s, expected at most run.end_time, {run.longest:g} s")
+    @staticmethod
+    def _complete(parts: dict[str, Any], data: Mapping[str, Any], faults: Faults, directory: Path | None) -> None:
+        block: Block | None = parts["block"]
+        punch: Punch | None = parts["punch"]
+        run: ContinuumRun | None = parts["run"]
+        material: Material | None = parts.get("material")
+        if material is not None and material.yield_strength is None:
+            faults.add("material.yield_strength", "missing; a continuum case needs it: give a number in Pa")
+        if punch is not None and 2 * punch.taper > punch.diameter:
+            faults.add(
+                "punch.taper", f"found {punch.taper:g} m, expected at most the punch's radius, {punch.diameter / 2:g} m"
+            )
+        if block is not None and punch is not None and punch.diameter >= block.diameter:
+            faults.add(
+                "punch.diameter",
+                f"found {punch.diameter:g} m, expected less than block.diameter, {block.diameter:g} m; "
+                "make the punch narrower or the block wider",
+            )
+        if run is not None and not isinstance(run.timestep, str) and run.timestep > run.longest:
+            faults.add("run.timestep", f"found {run.timestep:g} s, expected at most run.end_time, {run.longest:g} s")

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from granwave.analysis.finite_elements import ElementCase
-from granwave.lammps_inputs.case import read_parts
-from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.keys import Faults, custom, number, read_table, refuse_unknown, whole
+from granwave.lammps_inputs.keys import Faults, custom, number, read_table, whole
 from granwave.lammps_inputs.materials import Material, read_material
 
 if TYPE_CHECKING:
@@ -52,42 +50,22 @@ class SphereContactRun:
     speed: float = number("1: as usual; 0.5: half as fast, twice the steps", above=0, at_most=10, default=1.0)
 
 
-_SECTIONS: dict[str, type] = {"sphere": Sphere, "run": SphereContactRun}
-_KNOWN = ("name", "material", "partner", *_SECTIONS)
-
-
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class SphereContactCase(ElementCase):
     """Two spheres that are pressed together."""
+
+    SECTIONS: ClassVar[Mapping[str, type]] = {"sphere": Sphere, "run": SphereContactRun}
+    REQUIRED: ClassVar[tuple[str, ...]] = ("material", "sphere")
 
     material: Material
     sphere: Sphere
     partner: Partner | None = None
     run: SphereContactRun = dataclasses.field(default_factory=SphereContactRun)
 
-    @classmethod
-    def from_dict(
-        cls,
-        data: Mapping[str, Any],
-        source: str | Path = "case",
-        overridden: Iterable[str] = (),
-        directory: Path | None = None,
-    ) -> SphereContactCase:
-        """Check the nested mapping of a case file and make a case of it; parameters as of `Case.from_dict`.
-
-        Raises
-        ------
-        InputError
-            With every fault there is.
-        """
-        faults = Faults(str(source), tuple(overridden))
-        refuse_unknown(data, _KNOWN, "", faults)
-        parts = read_parts(data, source, faults, directory, sections=_SECTIONS, required=("material", "sphere"))
+    @staticmethod
+    def _complete(parts: dict[str, Any], data: Mapping[str, Any], faults: Faults, directory: Path | None) -> None:
         if "partner" in data:
             parts["partner"] = _read_partner(data["partner"], parts, faults, directory)
-        if faults.lines:
-            raise InputError(faults.lines)
-        return cls(**parts)
 
     @property
     def radii(self) -> tuple[float, float]:
