@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from granwave._contact_laws import ContactLaw
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.sections import LAW_CONSTANTS, Contact
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case import Case
     from granwave.lammps_inputs.materials import Material
-    from granwave.lammps_inputs.sections import Contact
 
 _RIGID = (math.inf, 0.0, math.inf)  # Young's modulus, Poisson's ratio, yield strength
 
@@ -42,9 +42,16 @@ def flat_contact(case: Case, sphere: int, partner: Material | None = None) -> Co
 
 
 def law_between(
-    contact: Contact, materials: tuple[Material, Material | None], radii: tuple[float, float]
+    contact: Contact,
+    materials: tuple[Material, Material | None],
+    radii: tuple[float, float],
+    *,
+    checked: bool = True,
 ) -> ContactLaw:
-    """The law of ``[contact]`` between bodies of two materials (None: rigid) and radii (m; infinite: flat)."""
+    """The law of ``[contact]`` between bodies of two materials (None: rigid) and radii (m; infinite: flat).
+
+    Constants that make no passive law are refused (ValueError), unless they shall not be ``checked``.
+    """
     bodies = [(one.youngs_modulus, one.poisson_ratio, one.yield_strength or math.inf) if one else _RIGID
               for one in materials]  # fmt: skip
     moduli, ratios, strengths = zip(*bodies, strict=True)
@@ -58,6 +65,7 @@ def law_between(
         yield_factor=contact.yield_factor,
         beta=contact.beta,
         constants=contact.constants,
+        checked=checked,
     )
 
 
@@ -98,13 +106,13 @@ def contact_of(
     ValueError
         The constants make no passive law.
     """
-    return _contact(
-        (_elastic(materials[0], law), _elastic(materials[-1], law)),
-        (radii[0], radii[-1]),
-        law,
-        variant,
-        constants,
-        checked,
+    _require_strength(materials, law)
+    given = dict(constants or {})
+    unknown = sorted(given.keys() - set(LAW_CONSTANTS))
+    if unknown:
+        raise ValueError(f"found the constant {unknown[0]}, expected some of {', '.join(LAW_CONSTANTS)}")
+    return law_between(
+        _contact(law, variant, given), (materials[0], materials[-1]), (radii[0], radii[-1]), checked=checked
     )
 
 
@@ -112,31 +120,16 @@ def rigid_wall_contact_of(
     material: Material, radius: float, law: str = "elastoplastic", variant: str = "continuous"
 ) -> ContactLaw:
     """The law between a sphere and a rigid plane; raises as `contact_of`."""
-    return _contact((_elastic(material, law), _RIGID), (radius, math.inf), law, variant)
+    _require_strength([material], law)
+    return law_between(_contact(law, variant, {}), (material, None), (radius, math.inf))
 
 
-def _elastic(material: Material, law: str) -> tuple[float, float, float]:
-    if law != "hertz" and material.yield_strength is None:
-        raise InputError(f"material {material.name}: yield_strength: missing; law {law} needs it")
-    return material.youngs_modulus, material.poisson_ratio, material.yield_strength or math.inf
+def _contact(law: str, variant: str, constants: Mapping[str, float]) -> Contact:
+    words: dict[str, Any] = {"law": law, "variant": variant, **constants}
+    return Contact(**words)
 
 
-def _contact(
-    bodies: Sequence[tuple[float, float, float]],
-    radii: tuple[float, float],
-    law: str,
-    variant: str,
-    constants: Mapping[str, float] | None = None,
-    checked: bool = True,
-) -> ContactLaw:
-    moduli, ratios, strengths = zip(*bodies, strict=True)
-    return ContactLaw(
-        law,
-        youngs_modulus=moduli,
-        poisson_ratio=ratios,
-        yield_strength=strengths,
-        radius=radii,
-        variant=variant,
-        constants=constants or {},
-        checked=checked,
-    )
+def _require_strength(materials: Sequence[Material], law: str) -> None:
+    for material in materials:
+        if law != "hertz" and material.yield_strength is None:
+            raise InputError(f"material {material.name}: yield_strength: missing; law {law} needs it")
