@@ -5,6 +5,8 @@
 #include "fix_gran_load.h"
 #include "fix_wall_gran_hysteretic.h"
 #include "force.h"
+#include "gran_dents.h"
+#include "input.h"
 #include "lammps.h"
 #include "modify.h"
 #include "pair_gran_hysteretic.h"
@@ -25,7 +27,7 @@ struct Registration {
 using Register = void (*)(Registration *, void *);
 std::list<std::string> infos;    // LAMMPS keeps pointers to them
 
-template <class Style> Pair *create(LAMMPS *lmp) { return new Style(lmp); }
+template <class Base, class Style> Base *create(LAMMPS *lmp) { return new Style(lmp); }
 template <class Base, class Style> Base *create_named(LAMMPS *lmp, int narg, char **arg) { return new Style(lmp, narg, arg); }
 
 }    // namespace
@@ -43,7 +45,7 @@ extern "C" __attribute__((visibility("default"))) void granwave_add_styles(void 
   auto &pairs = *lmp->force->pair_map;
   auto &fixes = *lmp->modify->fix_map;
   auto &computes = *lmp->modify->compute_map;
-  add("pair", PairGranHysteretic::STYLE, &create<PairGranHysteretic>, pairs);
+  add("pair", PairGranHysteretic::STYLE, &create<Pair, PairGranHysteretic>, pairs);
   add("fix", FixGranHystereticHistory::STYLE, &create_named<Fix, FixGranHystereticHistory>, fixes);
   add("fix", FixWallGranHysteretic::STYLE, &create_named<Fix, FixWallGranHysteretic>, fixes);
   add("fix", FixGranLoad::STYLE, &create_named<Fix, FixGranLoad>, fixes);
@@ -51,4 +53,6 @@ extern "C" __attribute__((visibility("default"))) void granwave_add_styles(void 
   add("compute", ComputeGranHystereticLocal::STYLE, &create_named<Compute, ComputeGranHystereticLocal>, computes);
   add("compute", ComputeGranHystereticContact::STYLE, &create_named<Compute, ComputeGranHystereticContact>, computes);
   add("compute", ComputeGranHystereticEnergy::STYLE, &create_named<Compute, ComputeGranHystereticEnergy>, computes);
+  // `clear` keeps commands, and the loader, which restores all that it knows, would warn that this one was there
+  lmp->input->command_map->emplace(GranDents::STYLE, &create<Command, GranDents>);
 }

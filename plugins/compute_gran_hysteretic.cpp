@@ -24,7 +24,8 @@ void ComputeGranHysteretic::init()
 /* ---------------------------------------------------------------------- per sphere */
 
 namespace {
-enum { FORCE, PEAK_FORCE, PEAK_OVERLAP, DISSIPATED, YIELDED, COORDINATION, FIRST, PEAK, YIELD, ELASTIC, N_ATOM };
+enum { FORCE, PEAK_FORCE, PEAK_OVERLAP, DISSIPATED, YIELDED, COORDINATION, FIRST, PEAK, YIELD, ELASTIC, TANGENTIAL, FRICTIONAL,
+       N_ATOM };
 
 void earliest(double &time, double other)
 {
@@ -65,6 +66,8 @@ void ComputeGranHystereticAtom::compute_peratom()
     row[PEAK_OVERLAP] = std::max(row[PEAK_OVERLAP], report.dent.peak);
     row[DISSIPATED] += share * report.dissipated;
     row[ELASTIC] += 0.5 * report.elastic;
+    row[TANGENTIAL] += 0.5 * report.tangential_elastic;
+    row[FRICTIONAL] += 0.5 * report.frictional_loss;
     if (report.yielded) row[YIELDED] += 1.0;
     if (report.force > 0.0) row[COORDINATION] += 1.0;
     earliest(row[FIRST], report.dent.time_first);
@@ -83,7 +86,7 @@ double ComputeGranHystereticAtom::memory_usage() { return double(nmax) * N_ATOM 
 /* ---------------------------------------------------------------------- per contact */
 
 namespace {
-constexpr int N_LOCAL = 12;
+constexpr int N_LOCAL = 16;
 }
 
 ComputeGranHystereticLocal::ComputeGranHystereticLocal(LAMMPS *lmp, int narg, char **arg) :
@@ -107,7 +110,8 @@ void ComputeGranHystereticLocal::compute_local()
     const double row[N_LOCAL] = {double(std::min(report.tag_i, report.tag_j)), double(std::max(report.tag_i, report.tag_j)),
                                  report.overlap, report.force, report.dent.peak, report.peak_force, report.elastic,
                                  report.dissipated, report.dent.time_first, report.dent.time_peak, report.dent.time_yield,
-                                 report.live ? 1.0 : 0.0};
+                                 report.live ? 1.0 : 0.0, report.tangential_force, report.tangential_elastic,
+                                 report.frictional_loss, report.initial};
     values.insert(values.end(), row, row + N_LOCAL);
   });
   size_local_rows = static_cast<int>(values.size() / N_LOCAL);
@@ -124,7 +128,7 @@ double ComputeGranHystereticLocal::memory_usage()
 /* ---------------------------------------------------------------------- one contact */
 
 namespace {
-constexpr int N_CONTACT = 5;
+constexpr int N_CONTACT = 7;
 }
 
 ComputeGranHystereticContact::ComputeGranHystereticContact(LAMMPS *lmp, int narg, char **arg) :
@@ -147,7 +151,8 @@ void ComputeGranHystereticContact::compute_vector()
   invoked_vector = update->ntimestep;
   double mine[N_CONTACT + 1] = {};    // the last counts the processors that know the pair
   pair->visit_pair(first, second, [&](const Report &report) {
-    const double row[N_CONTACT + 1] = {report.overlap, report.force, report.dent.peak, report.elastic, report.dissipated, 1.0};
+    const double row[N_CONTACT + 1] = {report.overlap, report.force, report.dent.peak, report.elastic, report.dissipated,
+                                       report.tangential_force, report.frictional_loss, 1.0};
     std::copy_n(row, N_CONTACT + 1, mine);
   });
   double sum[N_CONTACT + 1];

@@ -77,6 +77,15 @@ inline double effective_modulus(const Material &a, const Material &b)
   return 1.0 / (compliance(a) + compliance(b));
 }
 
+/* 1/G* = (2 - nu1)/G1 + (2 - nu2)/G2, G = E/(2 (1 + nu)): Mindlin's, for slip of bodies pressed together. */
+inline double effective_shear_modulus(const Material &a, const Material &b)
+{
+  const auto compliance = [](const Material &m) {
+    return 2.0 * (2.0 - m.poisson_ratio) * (1.0 + m.poisson_ratio) / m.youngs_modulus;
+  };
+  return 1.0 / (compliance(a) + compliance(b));
+}
+
 /* 1/R* = 1/R1 + 1/R2; an infinite radius is a plane. */
 inline double effective_radius(double r1, double r2)
 {
@@ -106,7 +115,8 @@ class ContactLaw {
   ContactLaw(Law law, const Material &m1, const Material &m2, Variant variant, double yield_factor, double beta,
              const LawConstants &constants = {}) :
       law_(law), variant_(variant), yield_factor_(yield_factor), beta_(beta), constants_(constants),
-      modulus_(granwave::effective_modulus(m1, m2)), yield_(std::min(m1.yield_strength, m2.yield_strength)),
+      modulus_(granwave::effective_modulus(m1, m2)), shear_modulus_(granwave::effective_shear_modulus(m1, m2)),
+      yield_(std::min(m1.yield_strength, m2.yield_strength)),
       share1_(m1.yield_strength == m2.yield_strength ? 0.5 : (m1.yield_strength < m2.yield_strength ? 1.0 : 0.0)),
       amplitude_(1.5 / yield_factor)
   {
@@ -138,6 +148,7 @@ class ContactLaw {
   double beta() const { return beta_; }
   const LawConstants &constants() const { return constants_; }
   double modulus() const { return modulus_; }
+  double shear_modulus() const { return shear_modulus_; }
   double yield_strength() const { return yield_; }
   double share_of_first() const { return share1_; }    // of the dissipated energy: all to the softer sphere
   bool plastic() const { return law_ != Law::hertz; }
@@ -229,12 +240,21 @@ class ContactLaw {
     return t.peak > t.residual ? t.exponent * t.force / (t.peak - t.residual) : 0.0;
   }
 
-  /* radius of the contact circle under the peak, squared, in units of R* alpha_y: sets what is one place on a wall */
+  /* Radius of the contact circle, squared, in units of R* alpha_y: on loading, and below a peak whose circle is given. The
+     peak's circle also sets what is one place on a wall. */
   double area(double a) const
   {
     if (a <= 1.0 || law_ != Law::elastoplastic) return a;
     return a < constants_.area_switch ? std::pow(a, area_exponent_) : linear_area(a);
   }
+
+  static double unloading_area(double a, const Turning &t, double area_at_peak)
+  {
+    return a > t.residual ? area_at_peak * ((a - t.residual) / (t.peak - t.residual)) : 0.0;
+  }
+
+  /* k_t = 8 G* a of a contact circle, in physical units */
+  double tangential_stiffness(double circle_squared) const { return 8.0 * shear_modulus_ * std::sqrt(circle_squared); }
 
  private:
   static constexpr double FIRST_STEP = 1e-3, STEP_GROWTH = 1.1, LARGEST_PEAK = 1e5;    // of examine(), in alpha_y
@@ -245,7 +265,7 @@ class ContactLaw {
   Variant variant_ = Variant::continuous;
   double yield_factor_ = 1.6, beta_ = 0.0;
   LawConstants constants_;
-  double modulus_ = 1.0, yield_ = INFINITE, share1_ = 0.5;
+  double modulus_ = 1.0, shear_modulus_ = 1.0, yield_ = INFINITE, share1_ = 0.5;
   double amplitude_ = 0.9375, pressure_at_yield_ = 0.0, area_exponent_ = 0.0, residual_amplitude_ = 0.0;
   double settled_ = INFINITE;    // peak from which on the unloading exponent meets the energy rule by itself
   const char *fault_ = nullptr;

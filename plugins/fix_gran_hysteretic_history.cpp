@@ -6,9 +6,11 @@
 #include "pair_gran_hysteretic.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
 
 using namespace LAMMPS_NS;
+using granwave::ContactPast;
 using granwave::DentRecord;
 
 FixGranHystereticHistory::FixGranHystereticHistory(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg)
@@ -41,7 +43,7 @@ void FixGranHystereticHistory::gather()
   if (pair) pair->release_contacts();
   int most = 0;
   for (int i = 0; i < atom->nlocal; i++) most = std::max(most, history.count(i));
-  maxexchange = 2 + DentRecord::SIZE * most;
+  maxexchange = 2 + record_size() * most;
 }
 
 void FixGranHystereticHistory::setup_pre_exchange() { gather(); }
@@ -65,10 +67,17 @@ void FixGranHystereticHistory::set_arrays(int i)
   history.forget_sphere(i);
 }
 
+int FixGranHystereticHistory::record_size() const
+{
+  return DentRecord::SIZE + (history.wide() ? ContactPast::SIZE : 0);
+}
+
+/* A negative count says that the records are wide. */
+
 int FixGranHystereticHistory::pack(int i, double *buf) const
 {
   int m = 0;
-  buf[m++] = history.count(i);
+  buf[m++] = history.wide() ? -history.count(i) : history.count(i);
   buf[m++] = ubuf(static_cast<int64_t>(history.owner(i))).d;
   const DentRecord *record = history.records(i);
   for (int k = 0; k < history.count(i); k++, record++) {
@@ -80,6 +89,13 @@ int FixGranHystereticHistory::pack(int i, double *buf) const
     buf[m++] = record->dent.time_first;
     buf[m++] = record->dent.time_peak;
     buf[m++] = record->dent.time_yield;
+    if (!history.wide()) continue;
+    const ContactPast past = history.past(i, k);
+    for (int d = 0; d < 3; d++) buf[m++] = past.spring.force[d];
+    buf[m++] = past.spring.stiffness;
+    buf[m++] = past.spring.loss;
+    buf[m++] = past.initial;
+    buf[m++] = past.reached;
   }
   return m;
 }
@@ -88,16 +104,23 @@ int FixGranHystereticHistory::unpack(int i, const double *buf)
 {
   int m = 0;
   history.forget_sphere(i);
-  const int n = static_cast<int>(buf[m++]);
+  const int count = static_cast<int>(buf[m++]), n = std::abs(count);
+  if (count < 0 && !history.wide()) history.widen();
   history.own(i, static_cast<std::int64_t>(ubuf(buf[m++]).i));
-  for (int k = 0; k < n; k++, m += DentRecord::SIZE) {
+  for (int k = 0; k < n; k++) {
     DentRecord record;
     record.partner = static_cast<std::int64_t>(ubuf(buf[m]).i);
     record.partner_radius = buf[m + 1];
     record.partner_type = static_cast<int>(buf[m + 2]);
     record.live = static_cast<int>(buf[m + 3]);
     record.dent = {buf[m + 4], buf[m + 5], buf[m + 6], buf[m + 7]};
-    history.append(i, record);
+    m += DentRecord::SIZE;
+    ContactPast past;
+    if (count < 0) {
+      past = {{{buf[m], buf[m + 1], buf[m + 2]}, buf[m + 3], buf[m + 4]}, buf[m + 5], buf[m + 6]};
+      m += ContactPast::SIZE;
+    }
+    history.append(i, record, past);
   }
   return m;
 }
@@ -132,7 +155,7 @@ void FixGranHystereticHistory::unpack_restart(int nlocal, int nth)
 int FixGranHystereticHistory::size_restart(int i)
 {
   if (pair) pair->publish_contacts();
-  return 3 + DentRecord::SIZE * history.count(i);
+  return 3 + record_size() * history.count(i);
 }
 
 int FixGranHystereticHistory::maxsize_restart()
@@ -140,7 +163,7 @@ int FixGranHystereticHistory::maxsize_restart()
   if (pair) pair->publish_contacts();
   int most = 0;
   for (int i = 0; i < atom->nlocal; i++) most = std::max(most, history.count(i));
-  return 3 + DentRecord::SIZE * most;
+  return 3 + record_size() * most;
 }
 
 double FixGranHystereticHistory::memory_usage() { return history.memory_usage(); }

@@ -40,6 +40,7 @@ class FixGranHystereticHistory : public Fix {
 
  private:
   void gather();
+  int record_size() const;
   int pack(int, double *) const;
   int unpack(int, const double *);
 };

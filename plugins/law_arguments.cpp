@@ -58,8 +58,9 @@ double LawConstants::*law_constant(const std::string &name)
 LawArguments parse_law(const std::vector<std::string> &words)
 {
   const std::string usage = "expected: hertz E nu [E2 nu2], or elastoplastic|bilinear|thornton E nu sigma_y "
-                            "[E2 nu2 sigma_y2], then [variant continuous|published] [yield_factor C] [beta b], and for "
-                            "elastoplastic its constants [pressure_limit x] [pressure_rate x] ...";
+                            "[E2 nu2 sigma_y2], then [friction mu] [tangential mindlin_rescale|mindlin] "
+                            "[variant continuous|published] [yield_factor C] "
+                            "[beta b], and for elastoplastic its constants [pressure_limit x] [pressure_rate x] ...";
   if (words.empty()) refuse("no contact law; " + usage);
   LawArguments args;
   int law = 0;
@@ -86,7 +87,14 @@ LawArguments parse_law(const std::vector<std::string> &words)
     const std::string &key = words[k];
     if (k + 1 == words.size()) refuse("'" + key + "' has no value; " + usage);
     const std::string &value = words[k + 1];
-    if (key == "variant" && args.law == Law::elastoplastic) {
+    if (key == "friction") {
+      args.friction = number(value, "friction");
+      if (args.friction < 0.0) refuse("friction must not be negative, found '" + value + "'");
+    } else if (key == "tangential") {
+      if (value != "mindlin_rescale" && value != "mindlin")
+        refuse("tangential must be mindlin_rescale or mindlin, found '" + value + "'");
+      args.grip = value == "mindlin" ? Grip::KEPT : Grip::RESCALED;
+    } else if (key == "variant" && args.law == Law::elastoplastic) {
       if (value != "continuous" && value != "published")
         refuse("variant must be continuous or published, found '" + value + "'");
       args.variant = value == "published" ? Variant::published : Variant::continuous;

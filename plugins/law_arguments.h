@@ -2,12 +2,14 @@
 
      hertz E nu [E2 nu2]
      elastoplastic | bilinear | thornton  E nu sigma_y [E2 nu2 sigma_y2]      (INF for one sigma_y: that body never yields)
-     keywords: variant continuous|published, yield_factor C, any of LAW_CONSTANTS (elastoplastic), beta b (bilinear)  */
+     keywords: friction mu, tangential mindlin_rescale|mindlin, variant continuous|published, yield_factor C, any of LAW_CONSTANTS (elastoplastic),
+     beta b (bilinear)  */
 
 #ifndef GRANWAVE_LAW_ARGUMENTS_H
 #define GRANWAVE_LAW_ARGUMENTS_H
 
 #include "contact_laws.h"
+#include "tangential.h"
 
 #include <optional>
 #include <stdexcept>
@@ -22,12 +24,14 @@ struct LawArguments {
   std::optional<Material> second;
   Variant variant = Variant::continuous;
   double yield_factor = 1.6, beta = 0.8;
+  double friction = 0.0;    // Coulomb's coefficient
+  Grip grip = Grip::RESCALED;
   LawConstants constants;
 
   bool same_options(const LawArguments &other) const
   {
     return law == other.law && variant == other.variant && yield_factor == other.yield_factor && beta == other.beta &&
-        constants == other.constants;
+        friction == other.friction && grip == other.grip && constants == other.constants;
   }
 
   ContactLaw contact(const Material &m1, const Material &m2) const

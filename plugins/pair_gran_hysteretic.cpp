@@ -1,8 +1,9 @@
-/* Pair style gran/hysteretic: settings and forces. */
+/* Pair style gran/hysteretic: settings, coefficients, what it asks of LAMMPS. */
 
 #include "pair_gran_hysteretic.h"
 
 #include "atom.h"
+#include "comm.h"
 #include "error.h"
 #include "fix.h"
 #include "fix_gran_hysteretic_history.h"
@@ -10,7 +11,6 @@
 #include "memory.h"
 #include "modify.h"
 #include "neighbor.h"
-#include "simulated_time.h"
 #include "update.h"
 
 #include <algorithm>
@@ -19,7 +19,6 @@
 
 using namespace LAMMPS_NS;
 using granwave::ContactLaw;
-using granwave::ContactScale;
 using granwave::LawArguments;
 using granwave::Turning;
 
@@ -111,6 +110,16 @@ void PairGranHysteretic::init_style()
   if (std::strncmp(update->integrate_style, "respa", 5) == 0)
     error->all(FLERR, "Pair style gran/hysteretic does not work with run_style respa");
 
+  bool any = rubbing;
+  for (int i = 1; i <= atom_types; i++)
+    for (int j = i; j <= atom_types; j++) any = any || (setflag[i][j] && friction(i, j) > 0.0);
+  if (any && !rubbing && fix_history) release_contacts();    // that list has no springs
+  rubbing = any;
+  if (rubbing && (!atom->omega_flag || !atom->torque_flag))
+    error->all(FLERR, "Pair style gran/hysteretic with friction requires atom attributes omega and torque (atom_style sphere)");
+  if (rubbing && comm->ghost_velocity == 0)
+    error->all(FLERR, "Pair style gran/hysteretic with friction needs the velocities of ghost atoms: use 'comm_modify vel yes'");
+
   neighbor->add_request(this);
 
   if (!fix_history) {
@@ -120,6 +129,7 @@ void PairGranHysteretic::init_style()
         modify->add_fix(fmt::format("{} all {}", FixGranHystereticHistory::ID, FixGranHystereticHistory::STYLE)));
     fix_history->pair = this;
   }
+  if (rubbing || pasts) fix_history->history.widen();
 
   // largest radius by type sets the cutoff
   std::vector<double> mine(atom_types + 1, 0.0);
@@ -159,192 +169,20 @@ PairGranHysteretic::Geometry PairGranHysteretic::geometry(int itype, int jtype, 
   g.sum_radii = ri + rj;
   const double touch = g.sum_radii * (1.0 - ROUNDING);
   g.touch_sq = touch * touch;
-  g.scale = law(itype, jtype).scale(effective_radius(ri, rj));
+  g.effective_radius = effective_radius(ri, rj);
+  g.scale = law(itype, jtype).scale(g.effective_radius);
   return g;
-}
-
-/* ---------------------------------------------------------------------- forces */
-
-int PairGranHysteretic::turning_of(int k, double peak, const ContactLaw &contact_law)
-{
-  Contacts &c = contacts;
-  if (c.turning[k] < 0) {
-    c.turning[k] = static_cast<int>(c.turnings.size());
-    c.turnings.push_back({-1.0, 0.0, 0.0, 0.0});
-    c.work_lost.push_back(0.0);
-  }
-  const int t = c.turning[k];
-  if (c.turnings[t].peak != peak) {
-    c.turnings[t] = contact_law.turning(peak);
-    c.work_lost[t] = -1.0;
-  }
-  return t;
-}
-
-/* A contact beyond its elastic limit, loading (the peak was raised just now) or below its peak. */
-
-double PairGranHysteretic::yielding_force(int k, double overlap, const ContactLaw &contact_law, const ContactScale &scale,
-                                          bool raised)
-{
-  if (raised) {
-    if (contacts.time_yield[k] < 0.0) contacts.time_yield[k] = now;
-    return scale.force * contact_law.loading(overlap / scale.overlap);
-  }
-  const Turning &turning = contacts.turnings[turning_of(k, contacts.peak[k] / scale.overlap, contact_law)];
-  return scale.force * ContactLaw::unloading(overlap / scale.overlap, turning);
-}
-
-/* The forces on a sphere are added up in whatever order the list has, which differs with the number of processors. Twice
-   the precision makes the sum, once rounded, the same in any order: a run gives the same bits on any number of ranks. */
-
-inline void PairGranHysteretic::Sum::add(const double (&term)[3])
-{
-  for (int d = 0; d < 3; d++) {
-    const double total = high[d] + term[d], rounded = total - high[d];
-    low[d] += (high[d] - (total - rounded)) + (term[d] - rounded);    // Knuth: what the addition lost
-    high[d] = total;
-  }
-}
-
-template <bool UNIFORM, PairGranHysteretic::Tally TALLY> void PairGranHysteretic::forces()
-{
-  const double(*const x)[3] = reinterpret_cast<const double(*)[3]>(atom->x[0]);
-  double(*const f)[3] = reinterpret_cast<double(*)[3]>(atom->f[0]);
-  const double *const radius = atom->radius;
-  const int *const type = atom->type;
-  const int nlocal = atom->nlocal;
-  Contacts &c = contacts;
-  const int rows = static_cast<int>(c.row.size());
-  const int *const partner = c.partner.data();
-  double *const peak = c.peak.data();
-  force_sums.resize(nlocal);    // all zero between force evaluations
-  Sum *const sums = force_sums.data();
-  const auto give = [&](int i) {
-    for (int d = 0; d < 3; d++) f[i][d] += sums[i].high[d] + sums[i].low[d];
-    sums[i] = Sum{};
-  };
-
-  Geometry g{};
-  double forget_sq = 0.0, largest = 0.0, sum[6] = {};
-  if (UNIFORM) {
-    g = geometry(type[0], type[0], radius[0], radius[0]);
-    forget_sq = (g.sum_radii + gap) * (g.sum_radii + gap);
-    largest = radius[0];
-  }
-
-  for (int r = 0; r < rows; r++) {
-    const int i = c.row[r];
-    const double xi = x[i][0], yi = x[i][1], zi = x[i][2];
-    Sum total = sums[i];
-    const int end = c.begin[r + 1];
-    for (int k = c.begin[r]; k < end; k++) {
-      const int j = partner[k];
-      const double dx = xi - x[j][0], dy = yi - x[j][1], dz = zi - x[j][2];
-      const double rsq = dx * dx + dy * dy + dz * dz;
-      if (!UNIFORM) {
-        const double sum = radius[i] + radius[j];
-        g.sum_radii = sum;
-        g.touch_sq = sum * sum * (1.0 - 2.0 * ROUNDING);
-        forget_sq = (sum + gap) * (sum + gap);
-      }
-      if (rsq >= g.touch_sq) {
-        if (rsq > forget_sq && peak[k] > 0.0) forget(r, k);
-        continue;
-      }
-      if (!UNIFORM) {
-        g.scale = law(type[i], type[j]).scale(effective_radius(radius[i], radius[j]));
-        largest = largest_overlap(radius[i], radius[j]);
-      }
-      const double distance = std::sqrt(rsq);
-      const double overlap = g.sum_radii - distance;
-      double peak_overlap = peak[k];
-      const bool raised = overlap > peak_overlap;
-      if (raised) {
-        if (peak_overlap == 0.0) c.time_first[k] = now;
-        peak[k] = peak_overlap = overlap;
-        c.time_peak[k] = now;
-      }
-      double normal_force;
-      if (peak_overlap <= g.scale.elastic_limit) {
-        if (overlap > largest) overlap_error(i, j, overlap);
-        normal_force = g.scale.hertz * overlap * std::sqrt(overlap);
-      } else {
-        if (overlap > largest) overlap_error(i, j, overlap);
-        normal_force = yielding_force(k, overlap, law(type[i], type[j]), g.scale, raised);
-      }
-      const double pair_force = normal_force / distance;
-      const double push[3] = {dx * pair_force, dy * pair_force, dz * pair_force};
-      const double back[3] = {-push[0], -push[1], -push[2]};
-      total.add(push);
-      if (j < nlocal) sums[j].add(back);
-      if (TALLY == Tally::PRESSURE) {
-        const double share = j < nlocal ? pair_force : 0.5 * pair_force;
-        sum[0] += dx * dx * share;
-        sum[1] += dy * dy * share;
-        sum[2] += dz * dz * share;
-        sum[3] += dx * dy * share;
-        sum[4] += dx * dz * share;
-        sum[5] += dy * dz * share;
-      } else if (TALLY == Tally::EACH_PAIR) {
-        double elastic = 0.0;
-        if (eflag_either) {
-          if (peak_overlap <= g.scale.elastic_limit) {
-            elastic = 0.4 * normal_force * overlap;
-          } else {
-            const ContactLaw &contact_law = law(type[i], type[j]);
-            const Turning &turning = c.turnings[turning_of(k, peak_overlap / g.scale.overlap, contact_law)];
-            elastic = g.scale.force * g.scale.overlap * ContactLaw::elastic_energy(overlap / g.scale.overlap, turning);
-          }
-        }
-        ev_tally(i, j, nlocal, 0, elastic, 0.0, pair_force, dx, dy, dz);
-      }
-    }
-    sums[i] = total;
-    if (c.ordered) give(i);
-  }
-  if (!c.ordered)
-    for (int i = 0; i < nlocal; i++) give(i);
-  if (TALLY == Tally::PRESSURE)
-    for (int k = 0; k < 6; k++) virial[k] += sum[k];
-}
-
-void PairGranHysteretic::compute(int eflag, int vflag)
-{
-  ev_init(eflag, vflag);
-  if (!contacts.valid) build_contacts();
-  contacts.published = false;
-  now = granwave::simulated_time(*update);
-
-  // LAMMPS asks for the pressure more often than anybody looks at it: it must cost next to nothing
-  const Tally tally = eflag_atom || vflag_atom || cvflag_atom || num_tally_compute > 0 ? Tally::EACH_PAIR
-      : vflag_global                                                                   ? Tally::PRESSURE
-                                                                                       : Tally::NOTHING;
-  if (atom->nlocal > 0) {
-    if (tally == Tally::NOTHING)
-      uniform ? forces<true, Tally::NOTHING>() : forces<false, Tally::NOTHING>();
-    else if (tally == Tally::PRESSURE)
-      uniform ? forces<true, Tally::PRESSURE>() : forces<false, Tally::PRESSURE>();
-    else
-      uniform ? forces<true, Tally::EACH_PAIR>() : forces<false, Tally::EACH_PAIR>();
-  }
-  if (eflag_global) eng_vdwl = tally_totals();
-}
-
-void PairGranHysteretic::overlap_error(int i, int j, double overlap)
-{
-  const bool face = atom->radius[i] == 0.0 || atom->radius[j] == 0.0;
-  error->one(FLERR, fmt::format("Spheres {} and {} overlap by {:.3g}, more than {}: they were placed into each other, or the "
-                                "timestep is far too large", atom->tag[i], atom->tag[j], overlap,
-                                face ? "half the radius of the one that meets a flat face" : "the radius of the smaller one"));
 }
 
 double PairGranHysteretic::memory_usage()
 {
   const Contacts &c = contacts;
-  double bytes = Pair::memory_usage() + double(force_sums.capacity()) * sizeof(Sum);
+  double bytes = Pair::memory_usage() + double(force_sums.capacity() + torque_sums.capacity()) * sizeof(Sum);
   bytes += double(c.partner.capacity()) * (2 * sizeof(int) + 4 * sizeof(double) + sizeof(tagint));
   bytes += double(c.partner_radius.capacity()) * (sizeof(double) + sizeof(int));
   bytes += double(c.row.capacity()) * (2 * sizeof(int) + sizeof(tagint));
   bytes += double(c.turnings.capacity()) * (sizeof(Turning) + sizeof(double));
+  bytes += double(c.spring.capacity()) * sizeof(granwave::Spring) + double(c.held.capacity());
+  bytes += double(c.circle.capacity() + c.initial.capacity() + c.reached.capacity()) * sizeof(double);
   return bytes;
 }

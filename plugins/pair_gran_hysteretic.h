@@ -1,4 +1,4 @@
-/* Pair style gran/hysteretic: normal contact of spheres with laws that remember their largest overlap.
+/* Pair style gran/hysteretic: contact of spheres with laws that remember their largest overlap, and with friction.
 
    pair_style gran/hysteretic gap
    pair_coeff I J law ...            (law_arguments.h)
@@ -8,7 +8,7 @@
    (FixGranHystereticHistory) the dents travel with the spheres.
 
    A particle of radius 0 is the flat face of a larger body, such as the end node of an elastic bar: it touches a sphere
-   where the distance is the sphere's radius, with R* that of the sphere. Two faces never touch. */
+   where the distance is the sphere's radius, with R* that of the sphere, without friction. Two faces never touch. */
 
 #ifndef LMP_PAIR_GRAN_HYSTERETIC_H
 #define LMP_PAIR_GRAN_HYSTERETIC_H
@@ -35,7 +35,9 @@ class PairGranHysteretic : public Pair {
     tagint tag_i, tag_j;
     double overlap, force;         // now; overlap < 0 is a gap
     double peak_force, elastic, dissipated, share_i;
+    double tangential_force, tangential_elastic, frictional_loss;
     double effective_radius;
+    double initial;                // the dent before this run
     bool live, yielded;
     granwave::Dent dent;
   };
@@ -63,14 +65,22 @@ class PairGranHysteretic : public Pair {
      a forgotten dent by the owner of each sphere. Needs a current list (after setup or during a run). */
   void for_each_dent(const std::function<void(const Report &)> &);
 
-  enum { DISSIPATED, YIELDED, BEYOND_LAW, BEYOND_HALF, LARGEST_FORCE, N_TOTALS };    // in pvector
+  enum { DISSIPATED, YIELDED, BEYOND_LAW, BEYOND_HALF, LARGEST_FORCE, TANGENTIAL, FRICTIONAL, N_TOTALS };    // in pvector
 
-  /* Sum up this processor's part of the totals, of which LARGEST_FORCE is the first one's alone; returns the stored
-     energy. A collective call. Needs a current list. */
+  /* Sum up this processor's part of the totals, of which LARGEST_FORCE is the first one's alone; returns the energy that
+     the normal forces store. A collective call. Needs a current list. */
   double tally_totals();
 
   /* The same for the one pair of these ids, where this processor has it in reach. */
   void visit_pair(tagint, tagint, const std::function<void(const Report &)> &);
+
+  /* Dents from before the run (gran_dents.h). `prepare` comes first, with LAMMPS's own lists built anew: from then on the
+     contacts keep their past. `begin` says that all dents so far are of the past. `set_dents` asks for the dent of each near
+     pair, lower id first (negative: none given) and says back what became of it. All three on all processors. */
+  enum class Given { SET, TOO_DEEP, OUT_OF_REACH };
+  void prepare_pasts();
+  void begin_pasts();
+  void set_dents(const std::function<double(tagint, tagint)> &dent, const std::function<void(tagint, tagint, Given)> &said);
 
  private:
   // Spheres of a lattice that just touch overlap or part by the rounding of their positions. Overlaps below this part of
@@ -91,18 +101,22 @@ class PairGranHysteretic : public Pair {
     std::vector<int> turning;                // index into turnings, or -1 while Hertzian
     std::vector<granwave::Turning> turnings;
     std::vector<double> work_lost;           // normalised dissipated energy at the turning; -1: not yet asked for
+    std::vector<double> circle;              // with friction: normalised area at the turning
+    std::vector<granwave::Spring> spring;    // with friction: of the row's sphere
+    std::vector<char> held;                  // with friction or a past: whether there is a spring now
+    std::vector<double> initial, reached;    // with a past: dent before this run, largest overlap of this run
     std::vector<tagint> row_tag, partner_tag;
     std::vector<double> row_radius, partner_radius;    // the first entry serves all when all spheres are equal
     std::vector<int> row_type, partner_type;
   };
 
-  struct Sum {    // of the forces on a sphere, in twice the precision
+  struct Sum {    // of the forces or torques on a sphere, in twice the precision
     double high[3] = {}, low[3] = {};
     void add(const double (&term)[3]);
   };
 
   struct Geometry {    // what a contact needs besides its law, by pair
-    double sum_radii, touch_sq;
+    double sum_radii, touch_sq, effective_radius;
     granwave::ContactScale scale;
   };
 
@@ -114,16 +128,32 @@ class PairGranHysteretic : public Pair {
 
   void allocate();
   granwave::ContactLaw &law(int itype, int jtype) { return laws[itype * (atom_types + 1) + jtype]; }
+  granwave::Grip grip(int itype, int jtype) const { return given[itype * (atom_types + 1) + jtype].grip; }
+  double friction(int itype, int jtype) const { return given[itype * (atom_types + 1) + jtype].friction; }
   Geometry geometry(int itype, int jtype, double ri, double rj);
   void build_contacts();
   void refuse_leaps();
   void restore_dents();
   void require_contacts();
   enum class Tally { NOTHING, PRESSURE, EACH_PAIR };
-  template <bool UNIFORM, Tally TALLY> void forces();
+  template <bool UNIFORM, Tally TALLY, bool EXTRAS> void forces();    // EXTRAS: friction or a past
+  template <bool EXTRAS> void forces(Tally);
   double yielding_force(int k, double overlap, const granwave::ContactLaw &, const granwave::ContactScale &, bool raised);
+  void rub(int k, int i, int j, double overlap, double distance, const double (&apart)[3], double normal_force,
+           const Geometry &, double (&push)[3]);
+  void let_go(int k);
+  void give_torque(int i);
+  void reach(int k, double overlap);
+  double circle_squared(int k, double overlap, const Geometry &, const granwave::ContactLaw &);
   int turning_of(int k, double peak, const granwave::ContactLaw &);
+  granwave::Dent dent_of(int k) const;
+  granwave::ContactPast past_of(int k, double side) const;
+  void set_fresh(int k, double peak, double initial);
+  double lost_before(double initial, const granwave::ContactScale &, const granwave::ContactLaw &) const;
+  double force_reached(const granwave::ContactPast &, const granwave::Dent &, double overlap, const granwave::ContactScale &,
+                       const granwave::ContactLaw &) const;
   void forget(int row, int k);
+  static void tell_past(const granwave::ContactPast &, Report &);
   Report describe(int i, int j, int k, double rsq);
   [[noreturn]] void overlap_error(int i, int j, double overlap);
 
@@ -134,9 +164,12 @@ class PairGranHysteretic : public Pair {
   std::vector<granwave::LawArguments> given;    // as set by pair_coeff, to mix from and for restarts
   std::vector<double> largest_radius;
   bool uniform = false;
+  bool rubbing = false;    // any friction, ever
+  bool pasts = false;      // dents of earlier runs are told from those of this one
   Contacts contacts;
-  std::vector<Sum> force_sums;
+  std::vector<Sum> force_sums, torque_sums;
   double now = 0.0;    // simulated time of this force evaluation
+  bool slips = false;  // whether time passes in it
   FixGranHystereticHistory *fix_history = nullptr;
 };
 

@@ -15,6 +15,7 @@
 #include <cmath>
 
 using namespace LAMMPS_NS;
+using granwave::ContactPast;
 using granwave::Dent;
 using granwave::DentRecord;
 
@@ -75,6 +76,13 @@ void PairGranHysteretic::build_contacts()
   c.turning.assign(n, -1);
   c.turnings.clear();
   c.work_lost.clear();
+  c.circle.clear();
+  if (rubbing || pasts) c.held.assign(n, 0);
+  if (rubbing) c.spring.assign(n, granwave::Spring());
+  if (pasts) {
+    c.initial.assign(n, 0.0);
+    c.reached.assign(n, 0.0);
+  }
   c.row_tag.resize(c.row.size());
   c.partner_tag.resize(n);
   for (std::size_t r = 0; r < c.row.size(); r++) c.row_tag[r] = atom->tag[c.row[r]];
@@ -140,6 +148,13 @@ void PairGranHysteretic::restore_dents()
         return nullptr;
       };
       DentRecord *record = find(i, c.partner_tag[k]);
+      if (record && history.wide()) {
+        const ContactPast past = history.past(i, static_cast<int>(record - history.records(i)));
+        if (rubbing) c.spring[k] = past.spring;
+        if (rubbing) c.held[k] = past.spring.stiffness > 0.0;
+        if (pasts) c.initial[k] = past.initial;
+        if (pasts) c.reached[k] = past.reached;
+      }
       if (record) {
         c.peak[k] = record->dent.peak;
         c.time_first[k] = record->dent.time_first;
@@ -180,10 +195,10 @@ void PairGranHysteretic::publish_contacts()
     for (int k = c.begin[r]; k < c.begin[r + 1]; k++) {
       if (c.peak[k] <= 0.0) continue;
       const int of_pair = uniform ? 0 : k;
-      const Dent dent{c.peak[k], c.time_first[k], c.time_peak[k], c.time_yield[k]};
-      history.place(c.row[r], {c.partner_tag[k], c.partner_radius[of_pair], c.partner_type[of_pair], 1, dent});
+      const Dent dent = dent_of(k);
+      history.place(c.row[r], {c.partner_tag[k], c.partner_radius[of_pair], c.partner_type[of_pair], 1, dent}, past_of(k, 1.0));
       if (c.partner[k] < c.owned)
-        history.place(c.partner[k], {c.row_tag[r], c.row_radius[of_row], c.row_type[of_row], 1, dent});
+        history.place(c.partner[k], {c.row_tag[r], c.row_radius[of_row], c.row_type[of_row], 1, dent}, past_of(k, -1.0));
     }
   }
   c.published = true;
@@ -195,21 +210,51 @@ void PairGranHysteretic::release_contacts()
   contacts.valid = false;
 }
 
+Dent PairGranHysteretic::dent_of(int k) const
+{
+  const Contacts &c = contacts;
+  return {c.peak[k], c.time_first[k], c.time_peak[k], c.time_yield[k]};
+}
+
+/* The rest of what pair k remembers, as the row's sphere (side 1) or its partner (-1) feels it. */
+
+ContactPast PairGranHysteretic::past_of(int k, double side) const
+{
+  const Contacts &c = contacts;
+  ContactPast past;
+  if (rubbing) past.spring = c.spring[k];
+  for (double &force : past.spring.force) force *= side;
+  if (pasts) past.initial = c.initial[k];
+  if (pasts) past.reached = c.reached[k];
+  return past;
+}
+
+/* Pair k as if it had never met in this run, with a dent from before it. */
+
+void PairGranHysteretic::set_fresh(int k, double peak, double initial)
+{
+  Contacts &c = contacts;
+  c.peak[k] = peak;
+  c.time_first[k] = c.time_peak[k] = c.time_yield[k] = -1.0;
+  if (rubbing) c.spring[k].loss = 0.0;
+  if (pasts) c.initial[k] = initial;
+  if (pasts) c.reached[k] = 0.0;
+}
+
 /* The pair has parted for good: both spheres file the dent, a new one may start. */
 
 void PairGranHysteretic::forget(int row, int k)
 {
   Contacts &c = contacts;
   const int i = c.row[row], j = c.partner[k];
-  const Dent dent{c.peak[k], c.time_first[k], c.time_peak[k], c.time_yield[k]};
+  const Dent dent = dent_of(k);
   granwave::ContactHistory &history = fix_history->history;
   history.own(i, c.row_tag[row]);
   if (j < atom->nlocal) history.own(j, c.partner_tag[k]);
-  history.append(i, {c.partner_tag[k], atom->radius[j], atom->type[j], 0, dent});
+  history.append(i, {c.partner_tag[k], atom->radius[j], atom->type[j], 0, dent}, past_of(k, 1.0));
   if (j < atom->nlocal)
-    history.append(j, {c.row_tag[row], atom->radius[i], atom->type[i], 0, dent});
-  c.peak[k] = 0.0;
-  c.time_first[k] = c.time_peak[k] = c.time_yield[k] = -1.0;
+    history.append(j, {c.row_tag[row], atom->radius[i], atom->type[i], 0, dent}, past_of(k, -1.0));
+  set_fresh(k, 0.0, 0.0);
   c.turning[k] = -1;
 }
 
@@ -218,4 +263,66 @@ void PairGranHysteretic::require_contacts()
   if (!contacts.valid)
     error->one(FLERR, "The contacts of pair style gran/hysteretic are not current: spheres were added, deleted or put into "
                       "another order since the last run; use 'run 0' first");
+}
+
+/* ---------------------------------------------------------------------- dents from before the run */
+
+void PairGranHysteretic::prepare_pasts()
+{
+  release_contacts();
+  pasts = true;
+  fix_history->history.widen();
+  build_contacts();
+}
+
+void PairGranHysteretic::begin_pasts()
+{
+  const double *const *x = atom->x;
+  const double *radius = atom->radius;
+  const Contacts &c = contacts;
+  for (std::size_t r = 0; r < c.row.size(); r++) {
+    const int i = c.row[r];
+    for (int k = c.begin[r]; k < c.begin[r + 1]; k++) {
+      if (c.peak[k] == 0.0) continue;
+      const int j = c.partner[k];
+      const Geometry g = geometry(atom->type[i], atom->type[j], radius[i], radius[j]);
+      const double dx = x[i][0] - x[j][0], dy = x[i][1] - x[j][1], dz = x[i][2] - x[j][2];
+      const double rsq = dx * dx + dy * dy + dz * dz;
+      const bool dented = c.peak[k] > g.scale.elastic_limit;
+      const double touching = rsq < g.touch_sq ? g.sum_radii - std::sqrt(rsq) : 0.0;
+      set_fresh(k, dented ? c.peak[k] : touching, dented ? c.peak[k] : 0.0);
+    }
+  }
+  for (int i = 0; i < atom->nlocal; i++) fix_history->history.forget_sphere(i);
+  contacts.published = false;
+}
+
+void PairGranHysteretic::set_dents(const std::function<double(tagint, tagint)> &dent,
+                                   const std::function<void(tagint, tagint, Given)> &said)
+{
+  const double *const *x = atom->x;
+  const double *radius = atom->radius;
+  const Contacts &c = contacts;
+  for (std::size_t r = 0; r < c.row.size(); r++) {
+    const int i = c.row[r];
+    for (int k = c.begin[r]; k < c.begin[r + 1]; k++) {
+      const tagint lower = std::min(c.row_tag[r], c.partner_tag[k]), higher = std::max(c.row_tag[r], c.partner_tag[k]);
+      const double peak = dent(lower, higher);
+      if (peak < 0.0) continue;
+      const int j = c.partner[k];
+      const double dx = x[i][0] - x[j][0], dy = x[i][1] - x[j][1], dz = x[i][2] - x[j][2];
+      const double reach = radius[i] + radius[j] + gap;
+      const Geometry g = geometry(atom->type[i], atom->type[j], radius[i], radius[j]);
+      const bool lasts = peak > g.scale.elastic_limit;    // a smaller one would leave nothing
+      if (peak > largest_overlap(radius[i], radius[j])) {
+        said(lower, higher, Given::TOO_DEEP);
+      } else if (dx * dx + dy * dy + dz * dz > reach * reach) {
+        said(lower, higher, Given::OUT_OF_REACH);
+      } else {
+        set_fresh(k, lasts ? peak : 0.0, lasts ? peak : 0.0);
+        said(lower, higher, Given::SET);
+      }
+    }
+  }
+  contacts.published = false;
 }

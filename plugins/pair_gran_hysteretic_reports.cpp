@@ -12,9 +12,30 @@
 
 using namespace LAMMPS_NS;
 using granwave::ContactLaw;
+using granwave::ContactPast;
 using granwave::ContactScale;
+using granwave::Dent;
 using granwave::DentRecord;
 using granwave::Turning;
+
+/* What the dent from before the run had cost. */
+
+double PairGranHysteretic::lost_before(double initial, const ContactScale &scale, const ContactLaw &contact_law) const
+{
+  if (initial <= scale.elastic_limit) return 0.0;
+  return scale.force * scale.overlap * contact_law.dissipated_energy(contact_law.turning(initial / scale.overlap));
+}
+
+/* The largest force of this run: at the peak, or below the dent that was there before. */
+
+double PairGranHysteretic::force_reached(const ContactPast &past, const Dent &dent, double overlap, const ContactScale &scale,
+                                         const ContactLaw &contact_law) const
+{
+  const double reached = std::max(past.reached, overlap);
+  if (dent.peak <= scale.elastic_limit) return reached > 0.0 ? scale.hertz * reached * std::sqrt(reached) : 0.0;
+  const double a = reached / scale.overlap, peak = dent.peak / scale.overlap;
+  return scale.force * (a >= peak ? contact_law.loading(a) : ContactLaw::unloading(a, contact_law.turning(peak)));
+}
 
 /* A pair shared with another processor counts half. */
 
@@ -30,17 +51,20 @@ double PairGranHysteretic::tally_totals()
   Contacts &c = contacts;
 
   const auto count = [&](const ContactLaw &contact_law, const ContactScale &scale, double peak, double peak_force,
-                         double dissipated, double between, double weight) {
+                         double dissipated, double between, double weight, const ContactPast &past, double overlap) {
+    pvector[TANGENTIAL] += weight * tangential_energy(past.spring);
+    pvector[FRICTIONAL] += weight * past.spring.loss;
+    if (pasts) peak_force = force_reached(past, {peak}, overlap, scale, contact_law);
     if (peak > scale.elastic_limit) {
-      pvector[YIELDED] += weight;
-      pvector[DISSIPATED] += weight * dissipated;
+      if (peak > past.initial) pvector[YIELDED] += weight;
+      pvector[DISSIPATED] += weight * (peak > past.initial ? dissipated - lost_before(past.initial, scale, contact_law) : 0.0);
       if (contact_law.fitted() && peak > 0.1 * between) {
         pvector[BEYOND_HALF] += weight;
         if (peak > 0.2 * between) pvector[BEYOND_LAW] += weight;
       }
       largest_force = std::max(largest_force, peak_force);
     } else {
-      largest_force = std::max(largest_force, scale.hertz * peak * std::sqrt(peak));
+      largest_force = std::max(largest_force, pasts ? peak_force : scale.hertz * peak * std::sqrt(peak));
     }
   };
 
@@ -68,7 +92,7 @@ double PairGranHysteretic::tally_totals()
       } else if (overlap > 0.0) {
         elastic += weight * 0.4 * g.scale.hertz * overlap * overlap * std::sqrt(overlap);
       }
-      count(contact_law, g.scale, peak, peak_force, dissipated, uniform ? 0.5 * radius[0] : effective_radius(radius[i], radius[j]), weight);
+      count(contact_law, g.scale, peak, peak_force, dissipated, g.effective_radius, weight, past_of(k, 1.0), overlap);
     }
   }
 
@@ -87,22 +111,29 @@ double PairGranHysteretic::tally_totals()
           lost = scale.force * scale.overlap * contact_law.dissipated_energy(turning);
           peak_force = scale.force * turning.force;
         }
-        count(contact_law, scale, record->dent.peak, peak_force, lost, between, 0.5);
+        count(contact_law, scale, record->dent.peak, peak_force, lost, between, 0.5, history.past(i, m), 0.0);
       }
     }
 
   double all_largest = 0.0;
   MPI_Allreduce(&largest_force, &all_largest, 1, MPI_DOUBLE, MPI_MAX, world);
   pvector[LARGEST_FORCE] = comm->me == 0 ? all_largest : 0.0;    // compute pair adds up over processors
-  if (!std::isfinite(elastic + pvector[DISSIPATED]))
+  if (!std::isfinite(elastic + pvector[DISSIPATED] + pvector[TANGENTIAL] + pvector[FRICTIONAL]))
     error->one(FLERR, "Pair style gran/hysteretic: the energy of the contacts is not a number: positions or velocities "
                       "are wrong, or the timestep is far too large");
   return elastic;
 }
 
+void PairGranHysteretic::tell_past(const ContactPast &past, Report &report)
+{
+  report.tangential_force = tangential_force(past.spring);
+  report.tangential_elastic = tangential_energy(past.spring);
+  report.frictional_loss = past.spring.loss;
+  report.initial = past.initial;
+}
+
 PairGranHysteretic::Report PairGranHysteretic::describe(int i, int j, int k, double rsq)
 {
-  Contacts &c = contacts;
   const Geometry g = geometry(atom->type[i], atom->type[j], atom->radius[i], atom->radius[j]);
   const ContactLaw &contact_law = law(atom->type[i], atom->type[j]);
   Report report{};
@@ -112,24 +143,28 @@ PairGranHysteretic::Report PairGranHysteretic::describe(int i, int j, int k, dou
   report.tag_j = atom->tag[j];
   report.live = true;
   report.share_i = contact_law.share_of_first();
-  report.effective_radius = effective_radius(atom->radius[i], atom->radius[j]);
+  report.effective_radius = g.effective_radius;
   report.overlap = g.sum_radii - std::sqrt(rsq);
-  if (k >= 0) report.dent = {c.peak[k], c.time_first[k], c.time_peak[k], c.time_yield[k]};
+  const ContactPast past = k >= 0 ? past_of(k, 1.0) : ContactPast();
+  if (k >= 0) report.dent = dent_of(k);
+  tell_past(past, report);
   const double peak = report.dent.peak, overlap = report.overlap > ROUNDING * g.sum_radii ? report.overlap : 0.0;
   const double reached = std::max(peak, overlap);    // a pair that was moved since the last step may be beyond its peak
   if (reached > g.scale.elastic_limit) {
     const Turning turning = contact_law.turning(reached / g.scale.overlap);
     const double unit = g.scale.force * g.scale.overlap;
-    report.yielded = true;
+    report.yielded = reached > past.initial;
     report.force = g.scale.force * (overlap >= reached ? turning.force : ContactLaw::unloading(overlap / g.scale.overlap, turning));
     report.peak_force = g.scale.force * turning.force;
     report.elastic = unit * ContactLaw::elastic_energy(overlap / g.scale.overlap, turning);
-    report.dissipated = unit * contact_law.dissipated_energy(turning);
+    if (report.yielded)
+      report.dissipated = unit * contact_law.dissipated_energy(turning) - lost_before(past.initial, g.scale, contact_law);
   } else {
     report.force = g.scale.hertz * overlap * std::sqrt(overlap);
     report.peak_force = g.scale.hertz * reached * std::sqrt(reached);
     report.elastic = 0.4 * report.force * overlap;
   }
+  if (pasts) report.peak_force = force_reached(past, {reached}, overlap, g.scale, contact_law);
   return report;
 }
 
@@ -160,17 +195,22 @@ void PairGranHysteretic::for_each_dent(const std::function<void(const Report &)>
       report.tag_j = static_cast<tagint>(record->partner);
       report.share_i = contact_law.share_of_first();
       report.effective_radius = effective_radius(atom->radius[i], record->partner_radius);
+      const ContactPast past = history.past(i, m);
       report.dent = record->dent;
+      tell_past(past, report);
       report.overlap = -gap;
       const ContactScale scale = contact_law.scale(report.effective_radius);
       if (record->dent.peak > scale.elastic_limit) {
         const Turning turning = contact_law.turning(record->dent.peak / scale.overlap);
-        report.yielded = true;
+        report.yielded = record->dent.peak > past.initial;
         report.peak_force = scale.force * turning.force;
-        report.dissipated = scale.force * scale.overlap * contact_law.dissipated_energy(turning);
+        if (report.yielded)
+          report.dissipated = scale.force * scale.overlap * contact_law.dissipated_energy(turning) -
+              lost_before(past.initial, scale, contact_law);
       } else {
         report.peak_force = scale.hertz * record->dent.peak * std::sqrt(record->dent.peak);
       }
+      if (pasts) report.peak_force = force_reached(past, record->dent, 0.0, scale, contact_law);
       visit(report);
     }
   }

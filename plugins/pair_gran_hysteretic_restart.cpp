@@ -15,11 +15,12 @@ using granwave::Material;
 
 namespace {
 
-// A file where all laws have the default constants is of the first format, and so readable by every version.
-enum { DEFAULT_CONSTANTS = 1, OWN_CONSTANTS = 2 };
-constexpr int N_BASIC = 11, N_CONSTANTS = std::size(granwave::LAW_CONSTANTS), N_STORED = N_BASIC + N_CONSTANTS;
+// Each format adds to the one before. A file is of the first that has room for what is in use, and so readable by every
+// version that knows that.
+enum { DEFAULT_CONSTANTS = 1, OWN_CONSTANTS = 2, FRICTION = 3 };    // the third: or dents from before the run
+constexpr int N_BASIC = 11, N_CONSTANTS = std::size(granwave::LAW_CONSTANTS), N_OWN = N_BASIC + N_CONSTANTS, N_STORED = N_OWN + 2;
 
-int stored(int format) { return format == DEFAULT_CONSTANTS ? N_BASIC : N_STORED; }
+int stored(int format) { return format == DEFAULT_CONSTANTS ? N_BASIC : format == OWN_CONSTANTS ? N_OWN : N_STORED; }
 
 void store(const LawArguments &a, double *v)
 {
@@ -29,6 +30,8 @@ void store(const LawArguments &a, double *v)
                                   second.yield_strength, double(a.variant), a.yield_factor, a.beta};
   std::copy_n(values, N_BASIC, v);
   for (int k = 0; k < N_CONSTANTS; k++) v[N_BASIC + k] = a.constants.*granwave::LAW_CONSTANTS[k].second;
+  v[N_OWN] = a.friction;
+  v[N_OWN + 1] = double(a.grip);
 }
 
 LawArguments recall(const double *v, int format)
@@ -40,8 +43,12 @@ LawArguments recall(const double *v, int format)
   a.variant = static_cast<granwave::Variant>(int(v[8]));
   a.yield_factor = v[9];
   a.beta = v[10];
-  for (int k = 0; k < N_CONSTANTS && format == OWN_CONSTANTS; k++)
+  for (int k = 0; k < N_CONSTANTS && format >= OWN_CONSTANTS; k++)
     a.constants.*granwave::LAW_CONSTANTS[k].second = v[N_BASIC + k];
+  if (format >= FRICTION) {
+    a.friction = v[N_OWN];
+    a.grip = static_cast<granwave::Grip>(int(v[N_OWN + 1]));
+  }
   return a;
 }
 
@@ -52,8 +59,11 @@ void PairGranHysteretic::write_restart_settings(FILE *fp)
   restart_format = DEFAULT_CONSTANTS;
   for (const LawArguments &args : given)
     if (args.constants != granwave::LawConstants()) restart_format = OWN_CONSTANTS;
+  if (rubbing || pasts) restart_format = FRICTION;
   fwrite(&restart_format, sizeof(int), 1, fp);
   fwrite(&gap, sizeof(double), 1, fp);
+  const int extras[2] = {rubbing, pasts};
+  if (restart_format == FRICTION) fwrite(extras, sizeof(int), 2, fp);
 }
 
 void PairGranHysteretic::read_restart_settings(FILE *fp)
@@ -64,9 +74,14 @@ void PairGranHysteretic::read_restart_settings(FILE *fp)
   }
   MPI_Bcast(&restart_format, 1, MPI_INT, 0, world);
   MPI_Bcast(&gap, 1, MPI_DOUBLE, 0, world);
-  if (restart_format != DEFAULT_CONSTANTS && restart_format != OWN_CONSTANTS)
-    error->all(FLERR, "Restart file holds format {} of pair style gran/hysteretic; this version reads formats {} and {}",
-               restart_format, int(DEFAULT_CONSTANTS), int(OWN_CONSTANTS));
+  if (restart_format < DEFAULT_CONSTANTS || restart_format > FRICTION)
+    error->all(FLERR, "Restart file holds format {} of pair style gran/hysteretic; this version reads formats {} to {}",
+               restart_format, int(DEFAULT_CONSTANTS), int(FRICTION));
+  int extras[2] = {};
+  if (restart_format == FRICTION && comm->me == 0) utils::sfread(FLERR, extras, sizeof(int), 2, fp, nullptr, error);
+  MPI_Bcast(extras, 2, MPI_INT, 0, world);
+  rubbing = extras[0];
+  pasts = extras[1];
 }
 
 void PairGranHysteretic::write_restart(FILE *fp)

@@ -95,11 +95,9 @@ class BoundLaw {
     if (hertzian(peak)) return peak > 0.0 ? 1.5 * scale.hertz * std::sqrt(peak) : 0.0;
     return scale.force / scale.overlap * law.unloading_slope(turning(peak));
   }
-  double contact_radius(double peak) const
-  {
-    if (peak <= 0.0) return 0.0;
-    return hertzian(peak) ? std::sqrt(effective_radius * peak) : std::sqrt(effective_radius * scale.overlap * law.area(peak / scale.overlap));
-  }
+  double contact_radius(double overlap, double peak) const { return std::sqrt(circle(overlap, peak)); }
+  double peak_contact_radius(double peak) const { return contact_radius(peak, peak); }
+  double tangential_stiffness(double overlap, double peak) const { return law.tangential_stiffness(circle(overlap, peak)); }
 
   ContactLaw law;
   ContactScale scale;
@@ -108,6 +106,13 @@ class BoundLaw {
  private:
   double unit() const { return scale.force * scale.overlap; }
   Turning turning(double peak) const { return law.turning(peak / scale.overlap); }
+  double circle(double overlap, double peak) const
+  {
+    if (overlap <= 0.0) return 0.0;
+    if (hertzian(std::max(overlap, peak))) return effective_radius * overlap;
+    const double a = overlap / scale.overlap, unit = effective_radius * scale.overlap;
+    return unit * (overlap >= peak ? law.area(a) : ContactLaw::unloading_area(a, turning(peak), law.area(peak / scale.overlap)));
+  }
 };
 
 template <auto Method> auto one()
@@ -146,6 +151,8 @@ PYBIND11_MODULE(_contact_laws, module)
                              "of the elasto-plastic law, by name")
       .def_property_readonly("effective_radius", [](const BoundLaw &b) { return b.effective_radius; }, "R*, m")
       .def_property_readonly("effective_modulus", [](const BoundLaw &b) { return b.law.modulus(); }, "E*, Pa")
+      .def_property_readonly("shear_modulus", [](const BoundLaw &b) { return b.law.shear_modulus(); },
+                             "G*, 1/G* = (2 - nu1)/G1 + (2 - nu2)/G2, Pa")
       .def_property_readonly("yield_strength", [](const BoundLaw &b) { return b.law.yield_strength(); }, "of the softer body, Pa")
       .def_property_readonly("yield_overlap", [](const BoundLaw &b) { return b.scale.overlap; }, "alpha_y, m")
       .def_property_readonly("yield_force", [](const BoundLaw &b) { return b.scale.force; }, "F_y, N")
@@ -163,5 +170,9 @@ PYBIND11_MODULE(_contact_laws, module)
       .def("unloading_exponent", one<&BoundLaw::unloading_exponent>(), py::arg("peak_overlap"), "n of the unloading branch.")
       .def("unloading_stiffness", one<&BoundLaw::unloading_stiffness>(), py::arg("peak_overlap"),
            "Slope dF/d(overlap) where unloading starts, N/m.")
-      .def("contact_radius", one<&BoundLaw::contact_radius>(), py::arg("peak_overlap"), "Radius of the contact circle, m.");
+      .def("contact_radius", one<&BoundLaw::peak_contact_radius>(), py::arg("peak_overlap"), "Radius of the contact circle at a peak, m.")
+      .def("contact_radius", two<&BoundLaw::contact_radius>(), py::arg("overlap"), py::arg("peak_overlap"),
+           "Radius of the contact circle at an overlap when the largest so far was peak_overlap, m.")
+      .def("tangential_stiffness", two<&BoundLaw::tangential_stiffness>(), py::arg("overlap"), py::arg("peak_overlap"),
+           "k_t = 8 G* a of that circle, N/m.");
 }

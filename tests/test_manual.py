@@ -19,6 +19,7 @@ STYLES = (
     "compute_gran_hysteretic_local",
     "compute_gran_hysteretic_contact",
     "compute_gran_hysteretic_energy",
+    "gran_dents",
 )
 SECTIONS = ("Syntax", "Examples", "Description", "Restrictions", "Related commands", "Default")
 

@@ -1,0 +1,191 @@
+/* Fix wall/gran/hysteretic: what travels with the spheres, what is set from outside, restart files. */
+
+#include "fix_wall_gran_hysteretic.h"
+
+#include "atom.h"
+#include "comm.h"
+#include "error.h"
+#include "memory.h"
+
+#include <algorithm>
+#include <cmath>
+
+using namespace LAMMPS_NS;
+using granwave::ContactScale;
+using granwave::Spring;
+
+namespace {
+
+// Of the spheres' part. The first one had 8 reported quantities and 5 numbers for each side, and no springs.
+enum { WITHOUT_FRICTION = 1, WITH_FRICTION = 2 };
+constexpr int OLD_REPORTED = 8, OLD_SIDE = 5;
+constexpr int SUPPORT_FORMAT = 1;
+
+template <class Doubles> double *numbers(Doubles *first) { return reinterpret_cast<double *>(first); }
+template <class Doubles> const double *numbers(const Doubles *first) { return reinterpret_cast<const double *>(first); }
+
+}    // namespace
+
+FixWallGranHysteretic::~FixWallGranHysteretic()
+{
+  atom->delete_callback(id, Atom::GROW);
+  atom->delete_callback(id, Atom::RESTART);
+  memory->destroy(array_atom);
+}
+
+/* ---------------------------------------------------------------------- dents from before the run */
+
+void FixWallGranHysteretic::set_dent(int i, double peak)
+{
+  const double radius = atom->radius[i];
+  if (!(atom->mask[i] & groupbit) || radius == 0.0)
+    error->one(FLERR, "Fix {} {}: sphere {} cannot have a dent, it is not of the fix's group or has no radius", STYLE, id, atom->tag[i]);
+  if (!(peak >= 0.0 && peak <= radius))
+    error->one(FLERR, "Fix {} {}: a dent of sphere {} must lie between 0 and its radius {:.4g}, found {:.4g}", STYLE, id,
+               atom->tag[i], radius, peak);
+  const int which = depth(i, 0) > depth(i, 1) ? 0 : 1;
+  Side &side = sides[2 * i + which];
+  side.dent = peak;
+  side.place[0] = atom->x[i][(axis + 1) % 3];
+  side.place[1] = atom->x[i][(axis + 2) % 3];
+  side.initial = peak > law.scale(radius).elastic_limit ? peak : 0.0;
+  side.lost_before = 0.0;
+  report_dents(i);
+}
+
+void FixWallGranHysteretic::begin()
+{
+  for (int i = 0; i < atom->nlocal; i++) {
+    const ContactScale scale = law.scale(atom->radius[i]);
+    double *const state = array_atom[i];
+    state[PEAK_FORCE] = state[FRICTION_LOSS] = 0.0;
+    state[TIME_FIRST] = state[TIME_PEAK] = state[TIME_YIELD] = -1.0;
+    for (int which = 0; which < 2; which++) {
+      Side &side = sides[2 * i + which];
+      const bool yielded = side.dent > scale.elastic_limit;
+      side.initial = yielded ? side.dent : 0.0;
+      if (!yielded) side.dent = side.touching != 0.0 ? std::max(depth(i, which), 0.0) : 0.0;
+      side.lost_before = 0.0;
+      if (friction > 0.0) springs[2 * i + which].loss = 0.0;
+    }
+    report_dents(i);
+  }
+  if (support) support->begin();
+  tallied = -1;
+}
+
+/* The columns that follow from the dents alone. */
+
+void FixWallGranHysteretic::report_dents(int i)
+{
+  const ContactScale scale = law.scale(atom->radius[i]);
+  const Side &low = sides[2 * i], &high = sides[2 * i + 1];
+  array_atom[i][PEAK_OVERLAP] = std::max(low.dent, high.dent);
+  array_atom[i][INITIAL] = std::max(low.initial, high.initial);
+  array_atom[i][DISSIPATED] = lost(low, scale) + lost(high, scale);
+  tallied = -1;
+}
+
+/* ---------------------------------------------------------------------- the state travels with the spheres */
+
+void FixWallGranHysteretic::grow_arrays(int nmax)
+{
+  memory->grow(array_atom, nmax, static_cast<int>(N_REPORTED), "wall/gran/hysteretic:array_atom");
+  near.resize(nmax);
+  sides.resize(2 * static_cast<std::size_t>(nmax));
+  if (friction > 0.0) springs.resize(2 * static_cast<std::size_t>(nmax));
+}
+
+void FixWallGranHysteretic::copy_arrays(int i, int j, int)
+{
+  near[j] = 1;
+  std::copy_n(array_atom[i], static_cast<int>(N_REPORTED), array_atom[j]);
+  std::copy_n(&sides[2 * i], 2, &sides[2 * j]);
+  if (friction > 0.0) std::copy_n(&springs[2 * i], 2, &springs[2 * j]);
+}
+
+void FixWallGranHysteretic::set_arrays(int i)
+{
+  near[i] = 1;
+  std::fill_n(array_atom[i], static_cast<int>(N_REPORTED), 0.0);
+  array_atom[i][TIME_FIRST] = array_atom[i][TIME_PEAK] = array_atom[i][TIME_YIELD] = -1.0;
+  std::fill_n(&sides[2 * i], 2, Side{});
+  if (friction > 0.0) std::fill_n(&springs[2 * i], 2, Spring{});
+}
+
+int FixWallGranHysteretic::pack_exchange(int i, double *buf)
+{
+  buf = std::copy_n(array_atom[i], static_cast<int>(N_REPORTED), buf);
+  buf = std::copy_n(numbers(&sides[2 * i]), 2 * N_SIDE, buf);
+  if (friction > 0.0) std::copy_n(numbers(&springs[2 * i]), 2 * N_SPRING, buf);
+  return n_state();
+}
+
+int FixWallGranHysteretic::unpack_exchange(int i, double *buf)
+{
+  near[i] = 1;
+  std::copy_n(buf, static_cast<int>(N_REPORTED), array_atom[i]);
+  std::copy_n(buf + N_REPORTED, 2 * N_SIDE, numbers(&sides[2 * i]));
+  if (friction > 0.0) std::copy_n(buf + N_REPORTED + 2 * N_SIDE, 2 * N_SPRING, numbers(&springs[2 * i]));
+  return n_state();
+}
+
+int FixWallGranHysteretic::pack_restart(int i, double *buf)
+{
+  buf[0] = n_state() + 2;
+  buf[1] = WITH_FRICTION;
+  pack_exchange(i, buf + 2);
+  return n_state() + 2;
+}
+
+void FixWallGranHysteretic::unpack_restart(int i, int nth)
+{
+  const double *stored = atom->extra[i];
+  for (int k = 0; k < nth; k++) stored += static_cast<int>(stored[0]);
+  const int size = static_cast<int>(stored[0]) - 2;
+  const double format = stored[1];
+  stored += 2;
+  if (format != WITHOUT_FRICTION && format != WITH_FRICTION)
+    error->one(FLERR, "Restart file holds format {} of fix {}; this version reads formats {} and {}", format, STYLE,
+               int(WITHOUT_FRICTION), int(WITH_FRICTION));
+  const bool old = format == WITHOUT_FRICTION;
+  const int reported = old ? OLD_REPORTED : N_REPORTED, each = old ? OLD_SIDE : N_SIDE, behind = reported + 2 * each;
+  FixWallGranHysteretic::set_arrays(i);
+  std::copy_n(stored, reported, array_atom[i]);
+  for (int which = 0; which < 2; which++) std::copy_n(stored + reported + which * each, each, numbers(&sides[2 * i + which]));
+  if (friction > 0.0 && size == behind + 2 * N_SPRING) std::copy_n(stored + behind, 2 * N_SPRING, numbers(&springs[2 * i]));
+}
+
+int FixWallGranHysteretic::size_restart(int) { return n_state() + 2; }
+int FixWallGranHysteretic::maxsize_restart() { return n_state() + 2; }
+
+double FixWallGranHysteretic::memory_usage()
+{
+  const double of_sides = double(sides.capacity()) * sizeof(Side) + double(springs.capacity()) * sizeof(Spring);
+  return double(atom->nmax) * (N_REPORTED * sizeof(double) + 1) + of_sides;
+}
+
+/* ---------------------------------------------------------------------- the plane's state, the same on all processors */
+
+void FixWallGranHysteretic::write_restart(FILE *fp)
+{
+  if (comm->me != 0 || !support) return;
+  const std::vector<double> state = support->state();
+  const double head[2] = {double(SUPPORT_FORMAT), double(state.size())};
+  const int size = static_cast<int>(sizeof(head) + state.size() * sizeof(double));
+  fwrite(&size, sizeof(int), 1, fp);
+  fwrite(head, sizeof(double), 2, fp);
+  fwrite(state.data(), sizeof(double), state.size(), fp);
+}
+
+void FixWallGranHysteretic::restart(char *buffer)
+{
+  const auto *const stored = reinterpret_cast<const double *>(buffer);
+  if (stored[0] != SUPPORT_FORMAT)
+    error->all(FLERR, "Restart file holds format {} of the support of fix {}; this version reads format {}", stored[0], STYLE,
+               SUPPORT_FORMAT);
+  if (!support || stored[1] != double(support->state_size()))
+    error->all(FLERR, "Restart file holds fix {} {} with {}: give it again as it was", STYLE, id,
+               support ? "another number of elements in its support" : "a support");
+  support->restore(stored + 2);
+}

@@ -1,0 +1,162 @@
+#include "gran_dents.h"
+
+#include "atom.h"
+#include "comm.h"
+#include "compute.h"
+#include "domain.h"
+#include "error.h"
+#include "fix_wall_gran_hysteretic.h"
+#include "force.h"
+#include "modify.h"
+#include "neighbor.h"
+#include "pair_gran_hysteretic.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <sstream>
+#include <utility>
+
+using namespace LAMMPS_NS;
+using Given = PairGranHysteretic::Given;
+
+namespace {
+
+enum { FIRST_SEEN = 1, SECOND_SEEN = 2, DONE = 4, TOO_DEEP = 8, OUT_OF_REACH = 16 };    // of a line, by any processor
+
+bool is_id(const std::string &word)
+{
+  return !word.empty() && word.size() < 16 && word.find_first_not_of("0123456789") == std::string::npos;
+}
+
+}    // namespace
+
+void GranDents::command(int narg, char **arg)
+{
+  const std::string word = narg > 0 ? arg[0] : "";
+  if (!(word == "begin" && narg == 1) && !(word == "read" && narg == 2))
+    error->all(FLERR, "Illegal {} command: expected 'read FILE' or 'begin'", STYLE);
+  if (!domain->box_exist) error->all(FLERR, "Command {} before the simulation box is defined", STYLE);
+  pair = dynamic_cast<PairGranHysteretic *>(force->pair_match(PairGranHysteretic::STYLE, 1));
+  if (!pair) error->all(FLERR, "Command {} requires pair style {}", STYLE, PairGranHysteretic::STYLE);
+  build_lists();
+  pair->prepare_pasts();
+  if (word == "read") {
+    set(arg[1], read(arg[1]));
+  } else {
+    pair->begin_pasts();
+    for (auto *fix : modify->get_fix_list())
+      if (auto *wall = dynamic_cast<FixWallGranHysteretic *>(fix)) wall->begin();
+  }
+  for (auto *compute : modify->get_compute_list()) compute->invoked_flag = 0;    // what they told of this step is no longer so
+}
+
+/* Ghosts and neighbour lists as at the start of a run. */
+
+void GranDents::build_lists()
+{
+  lmp->init();
+  modify->setup_pre_exchange();
+  if (domain->triclinic) domain->x2lamda(atom->nlocal);
+  domain->pbc();
+  domain->reset_box();
+  comm->setup();
+  if (neighbor->style) neighbor->setup_bins();
+  comm->exchange();
+  comm->borders();
+  if (domain->triclinic) domain->lamda2x(atom->nlocal + atom->nghost);
+  neighbor->build(1);
+}
+
+std::vector<GranDents::Line> GranDents::read(const std::string &file)
+{
+  std::string text;
+  int length = -1;
+  if (comm->me == 0) {
+    std::ifstream stream(file);
+    std::stringstream whole;
+    if (stream) {
+      whole << stream.rdbuf();
+      text = whole.str();
+      length = static_cast<int>(text.size());
+    }
+  }
+  MPI_Bcast(&length, 1, MPI_INT, 0, world);
+  if (length < 0) error->all(FLERR, "{}: cannot read file {}", STYLE, file);
+  text.resize(length);
+  MPI_Bcast(text.data(), length, MPI_CHAR, 0, world);
+
+  std::vector<Line> lines;
+  std::istringstream stream(text);
+  std::string row;
+  for (int number = 1; std::getline(stream, row); number++) {
+    std::istringstream words(row.substr(0, row.find('#')));
+    const std::vector<std::string> w{std::istream_iterator<std::string>(words), {}};
+    if (w.empty()) continue;
+    const auto wrong = [&](const std::string &what) {
+      error->all(FLERR, "{}: line {} of {}: {}, found '{}'", STYLE, number, file, what, utils::trim(row));
+    };
+    if (w.size() != 3 || !is_id(w[1])) wrong("expected 'i j peak' with the ids of two spheres, or 'FIXID i peak' of a wall");
+    Line line{number, nullptr, 0, static_cast<tagint>(std::stoll(w[1])), 0.0};
+    if (is_id(w[0])) {
+      line.i = static_cast<tagint>(std::stoll(w[0]));
+      if (line.i == line.j) wrong("a sphere has no contact with itself");
+      if (line.i > line.j) std::swap(line.i, line.j);
+    } else {
+      line.wall = dynamic_cast<FixWallGranHysteretic *>(modify->get_fix_by_id(w[0]));
+      if (!line.wall) wrong("there is no fix " + std::string(FixWallGranHysteretic::STYLE) + " with the ID '" + w[0] + "'");
+    }
+    char *end = nullptr;
+    line.peak = std::strtod(w[2].c_str(), &end);
+    if (*end != '\0' || !std::isfinite(line.peak)) wrong("the dent must be a number");
+    if (line.peak < 0.0) wrong("the dent must not be negative");
+    lines.push_back(line);
+  }
+  return lines;
+}
+
+void GranDents::set(const std::string &file, const std::vector<Line> &lines)
+{
+  const auto wrong = [&](const Line &line, const std::string &what) {
+    error->all(FLERR, "{}: line {} of {}: {}", STYLE, line.number, file, what);
+  };
+  std::map<std::pair<tagint, tagint>, int> pairs;    // line of each
+  std::map<std::pair<FixWallGranHysteretic *, tagint>, int> on_walls;
+  std::map<tagint, int> owned;
+  for (int i = 0; i < atom->nlocal; i++) owned[atom->tag[i]] = i;
+  std::vector<int> mine(lines.size(), 0), state(lines.size(), 0);
+  for (int k = 0; k < static_cast<int>(lines.size()); k++) {
+    const Line &line = lines[k];
+    const bool fresh = line.wall ? on_walls.emplace(std::pair(line.wall, line.j), k).second
+                                 : pairs.emplace(std::pair(line.i, line.j), k).second;
+    if (!fresh) wrong(line, "this contact was given before");
+    if (owned.count(line.i)) mine[k] |= FIRST_SEEN;
+    const auto found = owned.find(line.j);
+    if (found == owned.end()) continue;
+    mine[k] |= SECOND_SEEN;
+    if (line.wall && line.peak > atom->radius[found->second]) mine[k] |= TOO_DEEP;
+  }
+  pair->set_dents(
+      [&](tagint i, tagint j) {
+        const auto found = pairs.find({i, j});
+        return found == pairs.end() ? -1.0 : lines[found->second].peak;
+      },
+      [&](tagint i, tagint j, Given given) {
+        mine[pairs.at({i, j})] |= given == Given::SET ? DONE : given == Given::TOO_DEEP ? TOO_DEEP : OUT_OF_REACH;
+      });
+  MPI_Allreduce(mine.data(), state.data(), static_cast<int>(lines.size()), MPI_INT, MPI_BOR, world);
+
+  for (int k = 0; k < static_cast<int>(lines.size()); k++) {
+    const Line &line = lines[k];
+    if (!line.wall && !(state[k] & FIRST_SEEN)) wrong(line, fmt::format("there is no sphere {}", line.i));
+    if (!(state[k] & SECOND_SEEN)) wrong(line, fmt::format("there is no sphere {}", line.j));
+    if (state[k] & TOO_DEEP)
+      wrong(line, fmt::format("the dent, {:.6g}, exceeds the radius of the {}", line.peak, line.wall ? "sphere" : "smaller sphere"));
+    if (!line.wall && !(state[k] & DONE))
+      wrong(line, fmt::format("spheres {} and {} are further apart than the gap beyond which a dent is forgotten", line.i, line.j));
+    if (line.wall && owned.count(line.j)) line.wall->set_dent(owned[line.j], line.peak);
+  }
+}

@@ -1,0 +1,217 @@
+/* What is behind a plane wall that can move: a node, or an elastic bar, along the plane's normal. No LAMMPS types.
+
+     support MASS STIFFNESS DAMPING                  M u" + C u' + K u = F, or with MASS 0  C u' + K u = F
+     support bar ELEMENTS MASS STIFFNESS END         lumped masses joined by springs; END = free | fixed | impedance
+
+   u is the displacement of the plane outward, away from the spheres; F >= 0 what they press with. Both kinds are one chain
+   of nodes, the plane first, of which the last one has a spring and a damper to the ground:
+
+     m_i a_i = k (u_(i-1) - 2 u_i + u_(i+1)),   first: F,   last: - K u - C v
+
+   A bar of N elements has masses M/N, half at its ends; a fixed end is the last element's spring to the ground.
+
+   Velocity Verlet, in step with the spheres': advance() moves the plane to where the forces of this step are evaluated,
+   push() takes their sum, finish() ends the step. The damper's force is in both half kicks, at the velocity before and after
+   the step: second order, and stable for every damper up to the timestep critical without it. Without mass
+   the step is C (u1-u0)/dt + K (u0+u1)/2 = (3 F0 - F(-1))/2 (Adams-Bashforth for the force, which is not yet known at u1). */
+
+#ifndef GRANWAVE_SUPPORT_H
+#define GRANWAVE_SUPPORT_H
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace granwave {
+
+class Support {
+ public:
+  /* From the words behind `support`, of which it takes `used`. Raises std::invalid_argument. */
+  Support(const std::vector<std::string> &words, std::size_t &used)
+  {
+    const bool bar = !words.empty() && words[0] == "bar";
+    used = bar ? 5 : 3;
+    if (words.size() < used) refuse("it has " + std::to_string(words.size()) + " words");
+    if (bar) {
+      const double elements = number(words[1], "ELEMENTS"), total = number(words[2], "MASS");
+      if (elements != std::floor(elements) || elements < 1 || elements > MOST_ELEMENTS)
+        refuse("ELEMENTS must be a whole number from 1 to " + std::to_string(MOST_ELEMENTS) + ", found '" + words[1] + "'");
+      stiffness_ = number(words[3], "STIFFNESS");
+      if (total == 0.0) refuse("MASS of a bar must be positive, found '" + words[2] + "'");
+      if (stiffness_ == 0.0) refuse("STIFFNESS of a bar's element must be positive, found '" + words[3] + "'");
+      const auto n = static_cast<std::size_t>(elements);
+      const bool fixed = words[4] == "fixed";
+      mass_.assign(fixed ? n : n + 1, total / elements);
+      mass_.front() *= 0.5;
+      if (fixed) {
+        ground_stiffness_ = stiffness_;
+      } else {
+        mass_.back() *= 0.5;
+        if (words[4] != "free") ground_damping_ = number(words[4], "END of a bar, unless free or fixed,");
+      }
+    } else {
+      mass_ = {number(words[0], "MASS")};
+      ground_stiffness_ = number(words[1], "STIFFNESS");
+      ground_damping_ = number(words[2], "DAMPING");
+      if (ground_damping_ == 0.0) {
+        if (ground_stiffness_ == 0.0) refuse("STIFFNESS and DAMPING are both 0, nothing holds the plane");
+        if (mass_[0] == 0.0) refuse("MASS is 0 and DAMPING too, which leaves no motion to follow");
+      }
+    }
+    place_.assign(mass_.size(), 0.0);
+    speed_.assign(mass_.size(), 0.0);
+  }
+
+  /* The longest stable timestep; given the stiffness of the contacts with the plane, of plane and contacts. */
+  double critical_timestep(double contacts = 0.0) const
+  {
+    const double ground = mass_.size() == 1 ? ground_stiffness_ : 0.0;
+    if (massless()) return contacts > 0.0 ? ground_damping_ / contacts : INFINITE_TIME;
+    const double spring = mass_.size() == 1 ? 0.0 : stiffness_;
+    const double of_plane = 2.0 * std::sqrt(mass_[0] / (ground + spring + contacts));
+    // a chain of equal masses, halves at its ends: the highest frequency is 2 sqrt(k/m)
+    const double of_chain = mass_.size() > 1 ? std::sqrt(2.0 * mass_[0] / stiffness_) : INFINITE_TIME;
+    return std::min(of_plane, of_chain);
+  }
+
+  /* -------------------------------------------------------------------------- one step */
+
+  void advance(double dt)
+  {
+    before_ = speed_.back();
+    const double first = place_.front(), last = place_.back();
+    if (massless()) {
+      const double ahead = 1.5 * force_ - 0.5 * earlier_, half = 0.5 * ground_stiffness_;
+      place_[0] = (first * (ground_damping_ / dt - half) + ahead) / (ground_damping_ / dt + half);
+    } else {
+      kick(dt);
+      speed_.back() -= 0.5 * dt * ground_damping_ * before_ / mass_.back();
+      for (std::size_t i = 0; i < place_.size(); i++) place_[i] += dt * speed_[i];
+    }
+    earlier_ = force_;
+    plane_moved_ = place_.front() - first;
+    end_moved_ = place_.back() - last;
+  }
+
+  /* The force of the spheres on the plane where it is now. */
+  void push(double force)
+  {
+    if (!started_) earlier_ = force;
+    started_ = true;
+    force_ = force;
+    if (massless()) speed_[0] = (force_ - ground_stiffness_ * place_[0]) / ground_damping_;
+  }
+
+  void finish(double dt)
+  {
+    if (!massless()) {
+      kick(dt);
+      speed_.back() /= 1.0 + 0.5 * dt * ground_damping_ / mass_.back();
+    }
+    work_ += 0.5 * (earlier_ + force_) * plane_moved_;
+    damped_ += 0.5 * ground_damping_ * (before_ + speed_.back()) * end_moved_;
+  }
+
+  /* In a minimisation: a step towards static balance, that of Newton for the spheres where they are. A support without a
+     spring to the ground stays where it is. */
+  void settle(double contacts)
+  {
+    started_ = false;    // a run from here knows of no step before it
+    std::fill(speed_.begin(), speed_.end(), 0.0);
+    if (ground_stiffness_ == 0.0) return;
+    const auto n = static_cast<double>(place_.size());
+    const double whole = ground_stiffness_ / n;    // a bar's springs are all equal, the one to the ground too
+    const double front = place_[0] + (force_ - whole * place_[0]) / (whole + contacts);
+    for (std::size_t i = 0; i < place_.size(); i++) place_[i] = front * (1.0 - static_cast<double>(i) / n);
+  }
+
+  /* -------------------------------------------------------------------------- what it tells */
+
+  double displacement() const { return place_.front(); }
+  double velocity() const { return speed_.front(); }
+  double work() const { return work_; }
+  double damped() const { return damped_; }
+  double force_on_ground() const { return ground_stiffness_ * place_.back() + ground_damping_ * speed_.back(); }
+  double energy() const
+  {
+    double sum = ground_stiffness_ * place_.back() * place_.back();
+    for (std::size_t i = 0; i < place_.size(); i++) sum += mass_[i] * speed_[i] * speed_[i];
+    for (std::size_t i = 0; i + 1 < place_.size(); i++) sum += stiffness_ * (place_[i + 1] - place_[i]) * (place_[i + 1] - place_[i]);
+    return 0.5 * sum;
+  }
+
+  /* Work and damper's loss are counted from now. */
+  void begin() { work_ = damped_ = 0.0; }
+
+  /* -------------------------------------------------------------------------- restart */
+
+  std::vector<double> state() const
+  {
+    std::vector<double> all{started_ ? 1.0 : 0.0, force_, earlier_, work_, damped_};
+    all.insert(all.end(), place_.begin(), place_.end());
+    all.insert(all.end(), speed_.begin(), speed_.end());
+    return all;
+  }
+
+  std::size_t state_size() const { return N_STATE + 2 * place_.size(); }
+
+  void restore(const double *all)
+  {
+    started_ = all[0] != 0.0;
+    force_ = all[1];
+    earlier_ = all[2];
+    work_ = all[3];
+    damped_ = all[4];
+    std::copy_n(all + N_STATE, place_.size(), place_.begin());
+    std::copy_n(all + N_STATE + place_.size(), speed_.size(), speed_.begin());
+  }
+
+  bool massless() const { return mass_[0] == 0.0; }
+
+ private:
+  static constexpr int MOST_ELEMENTS = 1000000;
+  static constexpr std::size_t N_STATE = 5;
+  static constexpr double INFINITE_TIME = std::numeric_limits<double>::infinity();
+
+  std::vector<double> mass_, place_, speed_;    // by node, the plane first; displacement, velocity
+  double stiffness_ = 0.0;                      // of each spring between two nodes
+  double ground_stiffness_ = 0.0, ground_damping_ = 0.0;
+  double force_ = 0.0, earlier_ = 0.0;    // of the spheres, in this evaluation and in that a step before
+  double work_ = 0.0, damped_ = 0.0;
+  bool started_ = false;
+  double before_ = 0.0, plane_moved_ = 0.0, end_moved_ = 0.0;    // in this step
+
+  /* Half a step's acceleration by springs and force, without the damper. */
+  void kick(double dt)
+  {
+    double pull = force_;    // of the node before on this one
+    for (std::size_t i = 0; i < place_.size(); i++) {
+      const bool last = i + 1 == place_.size();
+      const double on = last ? ground_stiffness_ * place_[i] : stiffness_ * (place_[i] - place_[i + 1]);
+      speed_[i] += 0.5 * dt * (pull - on) / mass_[i];
+      pull = on;
+    }
+  }
+
+  [[noreturn]] static void refuse(const std::string &what)
+  {
+    throw std::invalid_argument("support: " + what + "; expected support MASS STIFFNESS DAMPING (MASS may be 0 with DAMPING), or "
+                                "support bar ELEMENTS MASS STIFFNESS free|fixed|IMPEDANCE");
+  }
+
+  static double number(const std::string &word, const std::string &what)
+  {
+    char *end = nullptr;
+    const double value = std::strtod(word.c_str(), &end);
+    if (word.empty() || *end || !std::isfinite(value) || value < 0.0) refuse(what + " must be a number, 0 or more, found '" + word + "'");
+    return value;
+  }
+};
+
+}    // namespace granwave
+
+#endif

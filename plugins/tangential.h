@@ -1,0 +1,107 @@
+/* The tangential spring of a rubbing contact, after Mindlin and Coulomb: the force that friction holds so far, how a step of
+   slip changes it, and what it stores and loses. Used by the pair style and by the walls. No LAMMPS types.
+
+   n is the unit normal towards the first body. In a step with slip s (relative displacement of the surfaces, first minus
+   second, in the tangent plane), the force F on the first body
+
+       turns into the present tangent plane and keeps its length
+       F <- F min(1, k/k_before)     a contact whose circle shrinks lets go of the part of its grip that it leaves; may be left
+                                     out (Grip::KEPT, "mindlin"), for comparison with programs that do so
+       F <- F - k s                  k = 8 G* a, a = radius of the contact circle now
+       |F| <= limit = mu F_n         Coulomb
+
+   Stored is F^2/(2k). Lost is the work against the slip, (F_before + F)/2 . (-s) as velocity Verlet does it, less what the
+   stored energy grew by. Unscaled, a spring stretched under a large circle would pull back more than it took.
+
+   A body's surface meets the other at radius - overlap/2 from its centre. With that lever both for the velocity of the surface
+   and for the torque, power in equals power out, and the two levers add up to the distance: angular momentum stays too. */
+
+#ifndef GRANWAVE_TANGENTIAL_H
+#define GRANWAVE_TANGENTIAL_H
+
+#include <algorithm>
+#include <cmath>
+
+namespace granwave {
+
+enum class Grip { RESCALED, KEPT };    // of a contact whose circle shrinks
+
+/* Its loss outlives the contact; the force does not. */
+struct Spring {
+  double force[3] = {};       // on the first body
+  double stiffness = 0.0;     // at the last step; 0: nothing held
+  double loss = 0.0;          // frictional, since the first contact
+};
+
+inline double dot(const double (&a)[3], const double (&b)[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+inline double tangential_force(const Spring &spring) { return std::sqrt(dot(spring.force, spring.force)); }
+
+inline double tangential_energy(const Spring &spring)
+{
+  return spring.stiffness > 0.0 ? 0.5 * dot(spring.force, spring.force) / spring.stiffness : 0.0;
+}
+
+/* Slip of a step. `velocity` is that of the first body against the second at their centres, `spin` the sum of lever times
+   angular velocity over both (a plane has none). */
+inline void slip_of_step(const double (&velocity)[3], const double (&spin)[3], const double (&n)[3], double dt, double (&slip)[3])
+{
+  const double along = dot(velocity, n);
+  slip[0] = (velocity[0] - along * n[0] - (spin[1] * n[2] - spin[2] * n[1])) * dt;
+  slip[1] = (velocity[1] - along * n[1] - (spin[2] * n[0] - spin[0] * n[2])) * dt;
+  slip[2] = (velocity[2] - along * n[2] - (spin[0] * n[1] - spin[1] * n[0])) * dt;
+}
+
+/* Torque on either body per unit of its lever. */
+inline void torque_per_lever(const double (&n)[3], const double (&force)[3], double (&torque)[3])
+{
+  torque[0] = -(n[1] * force[2] - n[2] * force[1]);
+  torque[1] = -(n[2] * force[0] - n[0] * force[2]);
+  torque[2] = -(n[0] * force[1] - n[1] * force[0]);
+}
+
+inline void rotate(Spring &spring, const double (&n)[3])
+{
+  const double before = dot(spring.force, spring.force), along = dot(spring.force, n);
+  if (before == 0.0) return;
+  for (int d = 0; d < 3; d++) spring.force[d] -= along * n[d];
+  const double after = dot(spring.force, spring.force);
+  if (after == 0.0) return;
+  const double stretch = std::sqrt(before / after);
+  for (int d = 0; d < 3; d++) spring.force[d] *= stretch;
+}
+
+inline void clip(Spring &spring, double limit)
+{
+  const double square = dot(spring.force, spring.force);
+  if (square <= limit * limit) return;
+  const double factor = limit / std::sqrt(square);
+  for (int d = 0; d < 3; d++) spring.force[d] *= factor;
+}
+
+/* One step of a contact that bears a normal force. */
+inline void advance(Spring &spring, const double (&n)[3], const double (&slip)[3], double stiffness, double limit, Grip grip)
+{
+  const double stored = tangential_energy(spring);
+  rotate(spring, n);
+  double work = -0.5 * dot(spring.force, slip);
+  const double kept = grip == Grip::RESCALED && stiffness < spring.stiffness ? stiffness / spring.stiffness : 1.0;
+  for (int d = 0; d < 3; d++) spring.force[d] = kept * spring.force[d] - stiffness * slip[d];
+  spring.stiffness = stiffness;
+  clip(spring, limit);
+  work -= 0.5 * dot(spring.force, slip);
+  const double lost = work - (tangential_energy(spring) - stored);
+  // rescaled it is negative by rounding alone, or where a step's slip is longer than the spring: next to nothing
+  spring.loss += grip == Grip::RESCALED ? std::max(lost, 0.0) : lost;
+}
+
+/* The surfaces have parted: what is stored is lost. */
+inline void release(Spring &spring)
+{
+  spring.loss += tangential_energy(spring);
+  spring = {{0.0, 0.0, 0.0}, 0.0, spring.loss};
+}
+
+}    // namespace granwave
+
+#endif
