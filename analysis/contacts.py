@@ -1,5 +1,7 @@
 """Contacts of a run as a table of pairs: dents of one pair merged, pairs that only touched added.
 
+Which spheres touch at the start is found from their positions and radii, whatever the packing.
+
 A pair can own several dents: one is forgotten when the gap exceeds the set distance, and the next meeting
 starts a new one. Here a pair is one row: the largest of the peaks, the sum of the energies, the earliest of
 the times.
@@ -9,13 +11,16 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
-from granwave.analysis.dumps import Frame
+from granwave.analysis.dumps import Frame, rows_of
 
 LISTED_FROM = 1e-6  # of alpha_y: from this peak on a pair that did not touch at the start is listed
 
 Contacts = dict[str, NDArray]
 _TIMES = ("time_first", "time_peak", "time_yield")
+_FRICTION_COLUMNS = ("tangential_force", "elastic_tangential", "friction")
+_LARGE = 1.5  # median radii: from this size on a sphere's neighbours are searched for it alone
 
 
 def merge_dents(dents: Frame) -> Contacts:
@@ -24,13 +29,14 @@ def merge_dents(dents: Frame) -> Contacts:
     Returns
     -------
     dict
-        ``i``, ``j`` (n_pairs,), i < j; ``overlap``, ``peak_overlap`` m; ``force``, ``peak_force`` N;
-        ``elastic_energy``, ``dissipated_energy`` J; ``time_first``, ``time_peak``, ``time_yield`` s (NaN:
-        never); ``n_dents``.
+        ``i``, ``j`` (n_pairs,), i < j; ``overlap``, ``peak_overlap``, ``initial_overlap`` (dent before the run) m;
+        ``force``, ``peak_force``, ``tangential_force`` N; ``elastic_energy``, ``dissipated_energy`` (of yielding and
+        friction), ``friction_energy`` J; ``time_first``, ``time_peak``, ``time_yield`` s (NaN: never); ``n_dents``;
+        ``grown_overlap``: the deepest dent that grew in this run, m.
     """
     first, second = np.sort(dents.vector("i", "j").astype(np.int64), axis=1).T
     order = np.lexsort((-dents["peak_overlap"], second, first))  # of a pair the deepest dent comes first
-    values = {name: dents[name][order] for name in dents.columns}
+    values = {name: dents.get(name)[order] for name in (*dents.columns, *_FRICTION_COLUMNS, "initial")}
     first, second = first[order], second[order]
     new = np.ones(len(first), dtype=bool)
     new[1:] = (first[1:] != first[:-1]) | (second[1:] != second[:-1])
@@ -40,18 +46,26 @@ def merge_dents(dents: Frame) -> Contacts:
     def reduce(ufunc: np.ufunc, column: NDArray) -> NDArray:
         return ufunc.reduceat(column, starts) if len(starts) else np.empty(0)
 
+    def now(name: str) -> NDArray:
+        return np.where(live, values[name], 0.0)
+
+    peak, initial = values["peak_overlap"], values["initial"]
     never = {name: np.where(values[name] < 0, np.inf, values[name]) for name in _TIMES}
     times = {name: reduce(np.minimum, never[name]) for name in ("time_first", "time_yield")}
     times["time_peak"] = never["time_peak"][starts]
     return {
         "i": first[starts],
         "j": second[starts],
-        "overlap": reduce(np.add, np.where(live, values["overlap"], 0.0)),
-        "force": reduce(np.add, np.where(live, values["force"], 0.0)),
-        "peak_overlap": reduce(np.maximum, values["peak_overlap"]),
+        "overlap": reduce(np.add, now("overlap")),
+        "force": reduce(np.add, now("force")),
+        "tangential_force": reduce(np.add, now("tangential_force")),
+        "peak_overlap": reduce(np.maximum, peak),
+        "initial_overlap": reduce(np.maximum, initial),
+        "grown_overlap": reduce(np.maximum, np.where(peak > initial, peak, 0.0)),
         "peak_force": reduce(np.maximum, values["peak_force"]),
-        "elastic_energy": reduce(np.add, np.where(live, values["elastic"], 0.0)),
-        "dissipated_energy": reduce(np.add, values["dissipated"]),
+        "elastic_energy": reduce(np.add, now("elastic") + now("elastic_tangential")),
+        "dissipated_energy": reduce(np.add, values["dissipated"] + values["friction"]),
+        "friction_energy": reduce(np.add, values["friction"]),
         **{name: np.where(np.isfinite(times[name]), times[name], np.nan) for name in _TIMES},
         "n_dents": np.diff(np.append(starts, len(first))),
     }
@@ -94,28 +108,85 @@ def list_contacts(
     return result
 
 
+def touching_pairs(
+    ids: NDArray[np.int64],
+    positions: NDArray[np.float64],
+    radii: NDArray[np.float64],
+    tolerance: float,
+    periods: tuple[float, float, float] = (0.0, 0.0, 0.0),
+) -> NDArray[np.int64]:
+    """Pairs of spheres that touch, found by ordinary search.
+
+    Parameters
+    ----------
+    ids
+        (n_spheres,), rising.
+    positions
+        (n_spheres, 3), m.
+    radii
+        (n_spheres,), m.
+    tolerance
+        Gap up to which two spheres touch, m; overlapping ones do too.
+    periods
+        Length of the box along the axes along which it goes on, 0 along the others, m.
+
+    Returns
+    -------
+    ndarray
+        Pairs of ids, i < j, sorted: (n_contacts, 2).
+    """
+    lengths = np.array(periods)
+    along = lengths > 0
+    places = positions - positions.min(axis=0, initial=0.0)
+    places[:, along] %= lengths[along]
+    places[:, along] *= places[:, along] < lengths[along]  # a remainder may round up to the length
+    large = np.flatnonzero(radii > _LARGE * np.median(radii))
+    small = np.flatnonzero(radii <= _LARGE * np.median(radii))
+    boxsize = lengths if along.any() else None
+
+    tree = cKDTree(places[small], boxsize=boxsize)
+    found = [small[tree.query_pairs(2 * radii[small].max(initial=0.0) + tolerance, output_type="ndarray")]]
+    if len(large):
+        everyone = cKDTree(places, boxsize=boxsize)
+        near = everyone.query_ball_point(places[large], radii[large] + radii.max() + tolerance)
+        found += [
+            np.stack([np.full(len(others), one), others], axis=1) for one, others in zip(large, near, strict=True)
+        ]
+    pairs = np.sort(np.concatenate(found), axis=1)
+    pairs = np.unique(pairs[pairs[:, 0] < pairs[:, 1]], axis=0) if len(large) else pairs
+    step = places[pairs[:, 1]] - places[pairs[:, 0]]
+    step[:, along] -= lengths[along] * np.round(step[:, along] / lengths[along])
+    gap = np.sqrt(np.einsum("ij,ij->i", step, step)) - radii[pairs].sum(axis=1)
+    touching = ids[pairs[gap <= tolerance]]
+    return touching[np.lexsort((touching[:, 1], touching[:, 0]))]
+
+
 def sphere_values(
-    n_spheres: int, contacts: Contacts, yielded: NDArray[np.bool_], share: float | NDArray[np.float64] = 0.5
+    ids: NDArray[np.int64], contacts: Contacts, yielded: NDArray[np.bool_], share: float | NDArray[np.float64] = 0.5
 ) -> dict[str, NDArray]:
     """What the contacts mean to each sphere, rows by id.
 
     Parameters
     ----------
+    ids
+        Of the spheres, rising: (n_spheres,).
     contacts
         Of `list_contacts`.
     yielded
         Which of them have yielded: (n_contacts,).
     share
-        Of the dissipated energy of a contact that its first sphere gets; (n_contacts,) or one for all.
+        Of the energy that a contact dissipates by yielding, of its first sphere; (n_contacts,) or one for all. What
+        friction takes is halved.
 
     Returns
     -------
     dict
-        ``peak_force`` of the largest single contact, N; ``peak_overlap``, m; ``dissipated_energy``, J;
-        ``contacts_yielded``; ``coordination`` at the start; ``time_first``, ``time_yield``: of the earliest
-        contact, s (NaN: never). Each (n_spheres,).
+        ``peak_force`` of the largest single contact, N; ``peak_overlap``, m; ``dissipated_energy`` and, of that,
+        ``friction_energy``, J; ``contacts_yielded``; ``coordination`` at the start; ``time_first``, ``time_yield``: of
+        the earliest contact, s (NaN: never). Each (n_spheres,).
     """
-    ends = np.concatenate([contacts["i"], contacts["j"]]) - 1
+    n_spheres = len(ids)
+    ends = rows_of(ids, np.concatenate([contacts["i"], contacts["j"]]))
 
     def both(column: NDArray) -> NDArray:
         return np.concatenate([column, column])
@@ -130,11 +201,14 @@ def sphere_values(
         return np.bincount(ends[both(mask)], minlength=n_spheres)
 
     times = {name: extreme(np.minimum, name, np.inf) for name in ("time_first", "time_yield")}
-    lost = np.concatenate([part * contacts["dissipated_energy"] for part in (share, 1 - share)])
+    rubbed = contacts["friction_energy"]
+    plastic = contacts["dissipated_energy"] - rubbed
+    lost = np.concatenate([part * plastic + 0.5 * rubbed for part in (share, 1 - share)])
     return {
         "peak_force": extreme(np.maximum, "peak_force", 0.0),
         "peak_overlap": extreme(np.maximum, "peak_overlap", 0.0),
         "dissipated_energy": np.bincount(ends, lost, minlength=n_spheres),
+        "friction_energy": np.bincount(ends, 0.5 * both(rubbed), minlength=n_spheres),
         "contacts_yielded": count(yielded),
         "coordination": count(contacts["touching"]),
         **{name: np.where(np.isfinite(time), time, np.nan) for name, time in times.items()},

@@ -14,13 +14,14 @@ from scipy.spatial import cKDTree
 
 from granwave.analysis.planes import preferred_directions
 from granwave.analysis.result import Result
-from granwave.lammps_inputs.struck import struck_spheres
+from granwave.lammps_inputs.assembly import struck_of
 
 Array = NDArray[np.float64]
 
 AXIS_ANGLE = 15.0  # degrees around a direction of contacts that count as along it
 LAYER_BINS = 72  # of 5 degrees
 RINGS, PER_RING = 8, 24  # of the half sphere: cells in the angle to the impact axis, and around it
+_ONE_LAYER = 0.1  # diameters that the spheres of a layer may lie above each other
 _REACHED = 0.02  # share of the energy at the outermost spheres from which on the wave has reached them
 
 
@@ -53,8 +54,8 @@ def struck_rows(result: Result) -> NDArray[np.int64]:
     case = result.case
     n = case.lattice.n_spheres
     if case.striker:
-        return np.array(sorted({one - 1 for striker in case.striker for one in striker.touches if one <= n}))
-    return np.array(struck_spheres(case.lattice, case.load.spheres)) - 1
+        return result.rows(np.array(sorted({one for striker in case.striker for one in striker.touches if one <= n})))
+    return result.rows(np.array(struck_of(case)))
 
 
 def directions(result: Result) -> Array:
@@ -63,7 +64,7 @@ def directions(result: Result) -> Array:
     _, nearest = cKDTree(positions[struck]).query(positions)
     offset = positions - positions[struck][nearest]
     offset[struck] = np.nan
-    offset[result.case.lattice.n_spheres :] = np.nan
+    offset[~result.in_packing] = np.nan
     return offset / np.linalg.norm(offset, axis=1, keepdims=True)
 
 
@@ -94,7 +95,7 @@ def spread(result: Result, values: Array) -> Spread | None:
 
 def is_layer(result: Result) -> bool:
     """The packing has one layer."""
-    return bool(np.ptp(result["spheres/position"][: result.case.lattice.n_spheres, 2]) == 0)
+    return bool(np.ptp(result["spheres/position"][result.in_packing, 2]) < _ONE_LAYER * result.case.packing.diameter)
 
 
 def energy_of_spheres(result: Result, frame: int) -> Array:
@@ -110,8 +111,8 @@ def travelling_frame(result: Result) -> int:
     """The last snapshot before the wave reaches the sides or the bottom, or else the first after the start."""
     outer = _outermost(result)
     struck = struck_rows(result)
-    inner = np.ones(result.n_spheres, dtype=bool)
-    inner[struck] = inner[result.case.lattice.n_spheres :] = False
+    inner = result.in_packing
+    inner[struck] = False
     chosen = min(1, result.n_frames - 1)
     for frame in range(chosen, result.n_frames):
         energy = energy_of_spheres(result, frame)
@@ -124,14 +125,14 @@ def travelling_frame(result: Result) -> int:
 
 def _outermost(result: Result) -> NDArray[np.bool_]:
     """Spheres at the sides and the bottom, those apart that are as near to an impact on that side."""
-    n = result.case.lattice.n_spheres
+    inside = result.in_packing
     positions = result["spheres/position"]
-    packing, struck = positions[:n], positions[struck_rows(result)]
+    packing, struck = positions[inside], positions[struck_rows(result)]
     edge = 0.6 * result.case.packing.diameter
     found = np.zeros(len(positions), dtype=bool)
     for axis in (0, 1) if is_layer(result) else (0, 1, 2):
         for sign in (-1, 1):
             limit = (sign * packing[:, axis]).max()
             if (sign * struck[:, axis]).max() < limit - edge:  # the struck side is no end of the wave's way
-                found[:n] |= sign * packing[:, axis] > limit - edge
+                found |= inside & (sign * positions[:, axis] > limit - edge)
     return found

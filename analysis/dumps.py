@@ -15,15 +15,22 @@ from pathlib import Path
 from typing import TextIO
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.lammps_inputs import script_output
-from granwave.lammps_inputs.script_output import CONTACT_COLUMNS, FRAME_COLUMNS
 
-SPHERE_COLUMNS = tuple(name for name in FRAME_COLUMNS if name != "elastic")  # which older runs lack
+# What the readers cannot do without; runs have more or fewer of the others, see `Frame.get`.
+SPHERE_COLUMNS = (
+    "id", "type", "radius", "x", "y", "z", "ux", "uy", "uz", "vx", "vy", "vz",
+    "force", "peak_force", "peak_overlap", "dissipated",
+)  # fmt: skip
+CONTACT_COLUMNS = (
+    "i", "j", "overlap", "force", "peak_overlap", "peak_force", "elastic", "dissipated",
+    "time_first", "time_peak", "time_yield", "live",
+)  # fmt: skip
+WALL_COLUMNS = ("overlap", "force", "peak_overlap", "peak_force", "dissipated", "time_first", "time_peak", "time_yield")
 HISTORY_COLUMNS = tuple(script_output.HISTORY_COLUMNS)
-WALL_COLUMNS = ("id", *script_output.WALL_COLUMNS)
 DATA_COLUMNS = ("id", "type", "diameter", "density", "x", "y", "z")
 
 log = logging.getLogger(__name__)
@@ -57,6 +64,14 @@ class Frame:
         """One column: (n_rows,)."""
         return self.values[:, self.columns.index(name)]
 
+    def get(self, name: str) -> NDArray[np.float64]:
+        """One column, zeros in a run that did not record it: (n_rows,)."""
+        return self[name] if name in self.columns else np.zeros(len(self))
+
+    def rows(self, ids: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Rows of the spheres with these ids, of a frame sorted by id; raises as `rows_of`."""
+        return rows_of(self["id"].astype(np.int64), ids)
+
     def up_to(self, number: int) -> Frame:
         """The rows of ids up to ``number``, of a frame sorted by id."""
         n = int(np.searchsorted(self["id"], number, side="right"))
@@ -75,6 +90,32 @@ class Frame:
     def velocity(self) -> NDArray[np.float64]:
         """Velocities of spheres: (n_rows, 3), m/s."""
         return self.vector("vx", "vy", "vz")
+
+
+def rows_of(ids: NDArray[np.int64], wanted: ArrayLike) -> NDArray[np.int64]:
+    """Where some spheres stand in a table by id: id - 1 unless spheres are missing.
+
+    Parameters
+    ----------
+    ids
+        Of the table, rising: (n,).
+    wanted
+        Ids, of any shape.
+
+    Raises
+    ------
+    KeyError
+        There is no such sphere, such as one that was left out of the packing.
+    """
+    wanted = np.asarray(wanted, dtype=np.int64)
+    if not len(ids) or ids[-1] == len(ids):  # none is missing
+        rows, found = wanted - 1, (wanted >= 1) & (wanted <= len(ids))
+    else:
+        rows = np.minimum(np.searchsorted(ids, wanted), len(ids) - 1)
+        found = ids[rows] == wanted
+    if not np.all(found):
+        raise KeyError(f"there is no sphere {wanted[~found].flat[0]} among the {len(ids)} of the packing")
+    return rows
 
 
 def read_frames(directory: str | Path) -> Iterator[Frame]:
@@ -106,14 +147,17 @@ def read_forces(directory: str | Path) -> Iterator[Frame]:
 def read_contacts(directory: str | Path) -> Frame:
     """Contacts at the end of the run (``dumps/contacts.dump``), forgotten dents as rows of their own.
 
-    Columns `CONTACT_COLUMNS`: overlaps in m, forces in N, energies in J, times in s (-1: never). Raises as
+    Columns `CONTACT_COLUMNS`, and as far as recorded tangential_force, elastic_tangential, friction (loss) and initial
+    (dent before the run): overlaps in m, forces in N, energies in J, times in s (-1: never). Raises as
     `read_frames`.
     """
     return _only_frame(_dump(directory, "contacts.dump"), CONTACT_COLUMNS)
 
 
 def read_wall_contacts(directory: str | Path) -> dict[str, Frame]:
-    """Contacts with each plane at the end of the run (``dumps/wall_NAME.dump``), by its name, `WALL_COLUMNS`.
+    """Contacts with each plane at the end of the run (``dumps/wall_NAME.dump``), by its name.
+
+    Columns id, `WALL_COLUMNS`, and as far as recorded tangential_force, friction and initial.
 
     Empty when there is no plane.
     """
@@ -121,7 +165,7 @@ def read_wall_contacts(directory: str | Path) -> dict[str, Frame]:
     for path in sorted(
         (Path(directory) / "dumps").glob("wall_*.dump")
     ):  # wall_NAME, and wall_NAME_2 of further materials
-        found.setdefault(path.stem.split("_")[1], []).append(_only_frame(path, WALL_COLUMNS, sort_by="id"))
+        found.setdefault(path.stem.split("_")[1], []).append(_only_frame(path, ("id", *WALL_COLUMNS), sort_by="id"))
     return {
         name: _sorted(dataclasses.replace(parts[0], values=np.concatenate([part.values for part in parts])), "id")
         for name, parts in found.items()

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from granwave.analysis.planes import preferred_directions
+from granwave.analysis.planes import layers, preferred_directions
 from granwave.analysis.result import Result
 
-_SAME_PLACE = 1e-3  # diameters
+_ON_RAY = 0.25  # diameters that a sphere may be off its place on a ray
 
 
 def ranked(dissipated: NDArray[np.float64]) -> NDArray[np.int64]:
@@ -20,7 +20,9 @@ def ranked(dissipated: NDArray[np.float64]) -> NDArray[np.int64]:
     return order[: np.count_nonzero(dissipated > 0)]
 
 
-def cumulated(dissipated: NDArray[np.float64], energy_input: float) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+def cumulated(
+    dissipated: NDArray[np.float64], energy_input: float, volume: NDArray[np.float64] | None = None
+) -> tuple[NDArray[np.float64], NDArray]:
     """Dissipated share of the input against the volume of the spheres that did it (thesis Fig. 5.14).
 
     Parameters
@@ -29,16 +31,19 @@ def cumulated(dissipated: NDArray[np.float64], energy_input: float) -> tuple[NDA
         By sphere: (n_spheres,), J.
     energy_input
         J.
+    volume
+        Of each sphere, in units of pi D^3/6: (n_spheres,); 1 if not given.
 
     Returns
     -------
     fraction
         Of the input: (n,).
     volume
-        Of the spheres that dissipated most, in units of pi D^3/6, which is their number: (n,).
+        Of the spheres that dissipated most, in units of pi D^3/6; of like spheres their number: (n,).
     """
-    values = dissipated[ranked(dissipated)]
-    return np.cumsum(values) / energy_input, np.arange(1, len(values) + 1)
+    rows = ranked(dissipated)
+    share = np.cumsum(dissipated[rows]) / energy_input
+    return share, np.arange(1, len(rows) + 1) if volume is None else np.cumsum(volume[rows])
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +73,7 @@ def zone_growth(result: Result) -> ZoneGrowth:
     """Growth of the plastic zone, from the times at which contacts yielded."""
     yielded = result["contacts/yielded"].astype(bool)
     when = result["contacts/time_yield"][yielded]
-    ends = np.stack([result["contacts/i"][yielded], result["contacts/j"][yielded]], axis=1) - 1
+    ends = result.ends[yielded]
     order = np.argsort(when, kind="stable")
     when, ends = when[order], ends[order]
     _, first = np.unique(ends.ravel(), return_index=True)
@@ -92,7 +97,8 @@ class Rays:
     directions
         Unit vectors: (n_directions, 3).
     peak_force
-        Of the n-th contact from the struck sphere: (n_contacts, n_directions), N; NaN beyond the packing.
+        Of the n-th contact from the struck sphere: (n_contacts, n_directions), N; NaN beyond the packing, and where a
+        sphere is missing.
     """
 
     directions: NDArray[np.float64]
@@ -112,10 +118,14 @@ class Rays:
 
 
 def rays(result: Result) -> Rays:
-    """Peak force of every contact along each preferred direction, from the struck sphere on."""
+    """Peak force of every contact along each preferred direction, from the struck sphere on.
+
+    A sphere of the ray is the one nearest to its place in a perfect packing, if it is not farther off than a quarter of
+    a diameter.
+    """
     directions = preferred_directions(result.case.packing.kind)
     diameter = result.case.packing.diameter
-    positions = result["spheres/position"]
+    positions, ids = result["spheres/position"], result["spheres/id"]
     tree = cKDTree(positions)
     reach = int(np.linalg.norm(np.ptp(positions, axis=0)) / diameter) + 2
     force = _force_of_pairs(result)
@@ -123,12 +133,11 @@ def rays(result: Result) -> Rays:
     for direction in directions:
         points = result.origin + np.arange(reach)[:, None] * diameter * direction
         distance, row = tree.query(points)
-        gone = np.flatnonzero(distance > _SAME_PLACE * diameter)
-        on_ray = row[: gone[0] if gone.size else reach]
-        columns.append(force(on_ray[:-1] + 1, on_ray[1:] + 1))
-    longest = max(len(column) for column in columns)
-    table = [np.pad(column, (0, longest - len(column)), constant_values=np.nan) for column in columns]
-    return Rays(directions, np.stack(table, axis=1))
+        found = np.where(distance <= _ON_RAY * diameter, ids[row], 0)
+        columns.append(force(found[:-1], found[1:]))
+    table = np.stack(columns, axis=1)
+    there = np.flatnonzero(np.isfinite(table).any(axis=1))
+    return Rays(directions, table[: there[-1] + 1 if there.size else 0])
 
 
 def peak_force_by_depth(result: Result) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -142,10 +151,10 @@ def peak_force_by_depth(result: Result) -> tuple[NDArray[np.float64], NDArray[np
         (n_layers,), N.
     """
     depth = result["spheres/position"][:, 2] - result.origin[2]
-    layers, layer = np.unique(np.round(depth / result.case.packing.diameter, 6), return_inverse=True)
-    force = np.zeros(len(layers))
+    mean, layer = layers(depth, result["spheres/radius"], result.case.packing.diameter)
+    force = np.zeros(len(mean))
     np.maximum.at(force, layer, result["spheres/peak_force"])
-    return layers * result.case.packing.diameter, force
+    return mean, force
 
 
 def dissipation_mismatch(result: Result) -> float:
@@ -160,8 +169,8 @@ def dissipation_mismatch(result: Result) -> float:
 
 
 def _force_of_pairs(result: Result):
-    """A function from pairs of ids to their peak forces, NaN for a pair that is no contact."""
-    stride = result.n_spheres + 1
+    """A function from pairs of ids to their peak forces, NaN for a pair that is no contact; the id 0 is no sphere."""
+    stride = int(result["spheres/id"][-1]) + 1
     keys = result["contacts/i"] * stride + result["contacts/j"]
     forces = result["contacts/peak_force"]
 

@@ -22,8 +22,10 @@ SUFFIXES = (".png", ".pdf", ".csv")
 
 # Okabe and Ito's colours, which stay apart for colour-blind readers
 BLUE, ORANGE, GREEN, PURPLE, SKY, GREY = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#767676"
+YELLOW = "#F0C000"  # for areas; as a line it is too pale
 FORCE_MAP = "viridis"
 DISSIPATION_MAP = "inferno"
+DENT_MAP = "cividis"
 BLANK = "#dcdcdc"  # spheres without a value
 
 STYLE: dict[Any, Any] = {

@@ -13,6 +13,7 @@ from granwave.analysis import (
     figures_history,
     figures_packing,
     figures_planes,
+    figures_target,
 )
 from granwave.analysis.figure_style import Drawing, remove, save, style
 from granwave.analysis.result import Result
@@ -26,11 +27,16 @@ FIGURES: dict[str, Callable[[Result], Drawing | None]] = {
     "peak_force_depth": figures_dissipation.peak_force_depth,
     "dissipation_principal": partial(figures_planes.dissipation_section, name="principal"),
     "dissipation_orthogonal": partial(figures_planes.dissipation_section, name="orthogonal"),
+    "dissipation_parts_principal": partial(figures_planes.dissipation_parts_section, name="principal"),
+    "dissipation_parts_orthogonal": partial(figures_planes.dissipation_parts_section, name="orthogonal"),
+    "dents_principal": partial(figures_planes.dents_section, name="principal"),
+    "dents_orthogonal": partial(figures_planes.dents_section, name="orthogonal"),
     "dissipation_ranked": figures_dissipation.dissipation_ranked,
     "dissipation_cumulated": figures_dissipation.dissipation_cumulated,
     "plastic_zone_growth": figures_dissipation.plastic_zone_growth,
     "energies": figures_history.energies,
     "bottom_force": figures_history.bottom_force,
+    "target": figures_target.target,
     "impactor_velocity": figures_history.impactor_velocity,
     "wave_front": figures_planes.wave_front,
     "packing_3d": figures_packing.packing_3d,

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
 
 from granwave.analysis.fields import cumulated, peak_force_by_depth, ranked, rays, zone_growth
 from granwave.analysis.figure_style import BLUE, GREEN, ORANGE, Drawing, new_figure
-from granwave.analysis.figures_planes import force_scale
-from granwave.analysis.plasticity import LAW_LIMIT
+from granwave.analysis.figures_planes import force_scale, spheres_beyond_law
 from granwave.analysis.result import Result
 
 _MILLI = 1e3  # mm in a metre
@@ -18,46 +18,70 @@ _RANGE = 1e-10  # of the largest dissipation: what the ranked figure shows
 
 
 def dissipation_ranked(result: Result) -> Drawing | None:
-    """Dissipation of the spheres in descending order (thesis Fig. 5.8); hollow where the law was exceeded."""
+    """Dissipation of the spheres in descending order (thesis Fig. 5.8); hollow where the law was exceeded.
+
+    With friction also that of yielding and of friction, each in descending order by itself.
+    """
     dissipated = result["spheres/dissipated_energy"]
     rows = ranked(dissipated)
     if not len(rows):
         return None
     law = result.law
-    values = dissipated[rows] / (law.yield_force * law.yield_overlap)
+    unit = law.yield_force * law.yield_overlap
+    values = dissipated[rows] / unit
     rank = np.arange(1, len(rows) + 1)
-    beyond = result["spheres/peak_overlap"][rows] > LAW_LIMIT * law.effective_radius
-    beyond &= result.has_law_limit
+    beyond = spheres_beyond_law(result)[rows]
     figure = new_figure(2.4)
     axes = figure.subplots()
-    axes.loglog(rank, values, color=BLUE, linewidth=0.8)
+    parts = _parts(result)
+    axes.loglog(rank, values, color=BLUE, linewidth=0.8, label="both" if parts else None)
     axes.plot(rank[~beyond], values[~beyond], "o", color=BLUE, markersize=2.5, markeredgewidth=0)
     if beyond.any():
         axes.plot(
             rank[beyond], values[beyond], "o", color=BLUE, markersize=4, markerfacecolor="white",
             label=r"contact beyond 0.2 $R^*$",
         )  # fmt: skip
+    columns = {"rank": rank, "id": result["spheres/id"][rows], "dissipated_J": dissipated[rows]}
+    columns |= {"dissipated_over_Fy_alpha_y": values, "beyond_law": beyond.astype(int)}
+    for part, (share, colour, line) in parts.items():
+        own = share[ranked(share)]
+        axes.loglog(np.arange(1, len(own) + 1), own / unit, line, color=colour, linewidth=1.0, label=part)
+        columns[f"{part}_in_descending_order_J"] = own
+    if axes.get_legend_handles_labels()[0]:
         axes.legend(loc="lower left")
     axes.set_ylim(bottom=max(float(values.min()), float(values[0]) * _RANGE) / 2)
     axes.set_xlabel("Number of spheres, in descending order")
     axes.set_ylabel(r"Dissipation $e_\mathrm{dis}/(F_\mathrm{y}\,\alpha_\mathrm{y})$")
-    columns = {"rank": rank, "id": rows + 1, "dissipated_J": dissipated[rows]}
-    columns |= {"dissipated_over_Fy_alpha_y": values, "beyond_law": beyond.astype(int)}
     return Drawing(figure, columns)
 
 
 def dissipation_cumulated(result: Result) -> Drawing | None:
-    """Volume of the spheres that dissipate a given share of the input (thesis Fig. 5.14, granular)."""
+    """Volume of the spheres that dissipate a given share of the input (thesis Fig. 5.14, granular).
+
+    With friction also that of the spheres that yield most, and of those that rub most.
+    """
     if not np.any(result["spheres/dissipated_energy"] > 0):
         return None
-    fraction, volume = cumulated(result["spheres/dissipated_energy"], result.energy_input)
+    volumes = (2 * result["spheres/radius"] / result.case.packing.diameter) ** 3
+    fraction, volume = cumulated(result["spheres/dissipated_energy"], result.energy_input, volumes)
     enough = int(np.searchsorted(fraction, _SHOWN_SHARE * fraction[-1])) + 1
     figure = new_figure(2.4)
     axes = figure.subplots()
-    axes.plot(fraction[:enough], volume[:enough], "-o", color=BLUE, markersize=2.5)
+    parts = _parts(result)
+    axes.plot(fraction[:enough], volume[:enough], "-o", color=BLUE, markersize=2.5, label="both" if parts else None)
     axes.axvline(fraction[-1], color="black", linestyle=":", linewidth=0.8)
+    columns = {"dissipated_over_input": fraction, "volume_over_sphere_volume": volume}
+    top = float(volume[min(enough, len(volume)) - 1])
+    for part, (share, colour, line) in parts.items():
+        own, spheres = cumulated(share, result.energy_input, volumes)
+        last = int(np.searchsorted(own, _SHOWN_SHARE * own[-1])) + 1 if len(own) else 0
+        axes.plot(own[:last], spheres[:last], line, color=colour, label=part)
+        top = max(top, *spheres[:last][-1:])
+        columns |= {f"{part}_over_input": own, f"{part}_volume_over_sphere_volume": spheres}
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(loc="best")
     axes.set_xlim(0, 1)
-    axes.set_ylim(0, max(1.05 * enough, 2))
+    axes.set_ylim(0, max(1.05 * top, 2))
     axes.yaxis.set_major_locator(MaxNLocator(integer=True))
     axes.text(
         fraction[-1] + 0.01, 0.97, f"all {len(volume)} spheres", rotation=90, ha="left", va="top",
@@ -65,7 +89,15 @@ def dissipation_cumulated(result: Result) -> Drawing | None:
     )  # fmt: skip
     axes.set_xlabel("Dissipation / energy input")
     axes.set_ylabel(r"Volume / ($\pi D^3/6$)")
-    return Drawing(figure, {"dissipated_over_input": fraction, "volume_over_sphere_volume": volume})
+    return Drawing(figure, columns)
+
+
+def _parts(result: Result) -> dict[str, tuple[NDArray[np.float64], str, str]]:
+    """Dissipation of each sphere by yielding and by friction, with colour and line; empty without friction."""
+    if not result.has("spheres/friction_energy"):
+        return {}
+    rubbed = result["spheres/friction_energy"]
+    return {"yielding": (result["spheres/dissipated_energy"] - rubbed, ORANGE, "--"), "friction": (rubbed, GREEN, ":")}
 
 
 def plastic_zone_growth(result: Result) -> Drawing | None:

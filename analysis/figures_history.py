@@ -8,7 +8,17 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from granwave.analysis.figure_style import BLUE, GREEN, GREY, ORANGE, PURPLE, Drawing, new_figure
+from granwave.analysis.figure_style import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    SKY,
+    YELLOW,
+    Drawing,
+    new_figure,
+)
 from granwave.analysis.result import Result
 from granwave.analysis.sensors import sensor_accelerations, sensor_velocities
 
@@ -23,6 +33,12 @@ _QUANTITIES = {
     "force": ("Contact force (N)", 1.0),
 }
 _COLOURS = (BLUE, ORANGE, GREEN, PURPLE, GREY)
+#: Parts of the energy from the bottom of the figure up, and their colours.
+_AREAS = {
+    "dissipated": ORANGE, "yielding": ORANGE, "friction": YELLOW, "support's damper": GREY, "support": PURPLE,
+    "elastic": GREEN, "rotation": SKY, "kinetic": BLUE,
+}  # fmt: skip
+_NEGLIGIBLE = 1e-3  # of the input: an energy below zero by less is one of rounding
 _IN_PANEL = 4  # sensors
 
 
@@ -32,23 +48,56 @@ def energies(result: Result) -> Drawing | None:
     if not given:
         return None
     time = result["energy/time"]
-    parts = {name: result[f"energy/{name}"] for name in ("kinetic", "elastic", "dissipated")}
+    parts = _energy_parts(result)
     residual = np.abs(sum(parts.values()) - result["energy/input"]) / given
-    figure = new_figure(3.2)
+    figure = new_figure(3.2 if len(parts) == 3 else 3.6)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
     unit, name = (1e3, "mJ") if given < 1 else (1.0, "J")
-    for (part, values), colour in zip(parts.items(), (BLUE, GREEN, ORANGE), strict=True):
-        upper.plot(time * _MICRO, values * unit, color=colour, label=part)
+    as_areas = len(parts) > 3 and min(float(values.min()) for values in parts.values()) > -_NEGLIGIBLE * given
+    if as_areas:
+        colours = [_AREAS[part] for part in parts]
+        upper.stackplot(
+            time * _MICRO, np.stack(list(parts.values())) * unit, labels=list(parts), colors=colours, linewidth=0
+        )
+    else:
+        for part, values in parts.items():
+            upper.plot(time * _MICRO, values * unit, color=_AREAS[part], label=part)
     upper.plot(time * _MICRO, result["energy/input"] * unit, color="black", linestyle=":", label="input")
     upper.set_ylabel(f"Energy ({name})")
-    upper.set_ylim(0, 1.05 * given * unit)
-    upper.legend(ncols=2, loc="center right")
+    upper.set_ylim(0 if as_areas or len(parts) == 3 else None, 1.05 * given * unit)
+    if as_areas:
+        upper.legend(ncols=3, loc="lower center", bbox_to_anchor=(0.5, 1.0), columnspacing=1.0, handlelength=1.0)
+    else:
+        upper.legend(ncols=2, loc="center right")
     lower.semilogy(time * _MICRO, np.where(residual > 0, residual, np.nan), color=GREY, linewidth=0.8)
     lower.set_ylabel("|Residual|\n/ input")
-    _time_axis(lower, time)
-    columns = {"time_s": time, **{f"{part}_J": values for part, values in parts.items()}}
+    time_axis(lower, time)
+    columns = {"time_s": time, **{f"{_column(part)}_J": values for part, values in parts.items()}}
     columns |= {f"{part}_wall_J": result[f"energy/{part}_wall"] for part in ("elastic", "dissipated")}
     return Drawing(figure, columns | {"input_J": result["energy/input"], "residual_over_input": residual})
+
+
+def _energy_parts(result: Result) -> dict[str, NDArray]:
+    """The energies that add up to the input; rotation, friction and the support stand apart where there are any."""
+    kinetic, elastic, dissipated = (result[f"energy/{name}"] for name in ("kinetic", "elastic", "dissipated"))
+    parts = {"kinetic": kinetic, "elastic": elastic, "dissipated": dissipated}
+    if result.has("energy/rotational"):
+        rotational = result["energy/rotational"]
+        parts = {"kinetic": kinetic - rotational, "rotation": rotational, "elastic": elastic, "dissipated": dissipated}
+    if result.has("energy/support"):
+        parts["elastic"] = elastic - result["energy/support"]
+        parts["support"] = result["energy/support"]
+    for name, source in (("friction", "friction"), ("support's damper", "support_lost")):
+        if result.has(f"energy/{source}"):
+            parts["dissipated"] = parts["dissipated"] - result[f"energy/{source}"]
+            parts[name] = result[f"energy/{source}"]
+    if "friction" in parts or "support's damper" in parts:
+        parts = {"yielding" if name == "dissipated" else name: values for name, values in parts.items()}
+    return dict(sorted(parts.items(), key=lambda item: list(_AREAS).index(item[0])))
+
+
+def _column(part: str) -> str:
+    return part.replace("'s ", "_")
 
 
 def bottom_force(result: Result) -> Drawing | None:
@@ -62,10 +111,10 @@ def bottom_force(result: Result) -> Drawing | None:
     impulse = np.concatenate([[0.0], np.cumsum(steps)])
     figure = new_figure(2.3)
     axes = figure.subplots()
-    shown = _thinned(force)
+    shown = thinned(force)
     axes.plot(time[shown] * _MICRO, force[shown], color=BLUE, linewidth=0.8)
     axes.set_ylabel("Force on the bottom (N)", color=BLUE)
-    _time_axis(axes, time)
+    time_axis(axes, time)
     beside = axes.twinx()
     beside.plot(time * _MICRO, impulse * 1e3, color=ORANGE, linestyle="--")
     beside.set_ylabel("Impulse (mN s)", color=ORANGE)
@@ -81,7 +130,7 @@ def impactor_velocity(result: Result) -> Drawing | None:
     axes.axhline(0, color="black", linewidth=0.5)
     axes.plot(time * _MICRO, velocity, color=BLUE)
     axes.set_ylabel("Velocity of the\nstruck sphere (m/s)")
-    _time_axis(axes, time)
+    time_axis(axes, time)
     return Drawing(figure, {"time_s": time, "velocity_m_s": velocity})
 
 
@@ -108,7 +157,7 @@ def probes(result: Result) -> Drawing | None:
         curves = panels[key]
         label, scale = _QUANTITIES[key]
         for n, (name, values) in enumerate(curves):
-            shown = _thinned(values)
+            shown = thinned(values)
             style = ("-", "--", ":")[n // len(_COLOURS) % 3]
             axes.plot(
                 time[shown] * _MICRO,
@@ -120,7 +169,7 @@ def probes(result: Result) -> Drawing | None:
         axes.set_ylabel(label)
         if len(curves) <= 2 * len(_COLOURS):
             axes.legend(ncols=1, fontsize=8, loc="best", handlelength=1.2)
-    _time_axis(stack[-1], time)
+    time_axis(stack[-1], time)
     units = {name: result.unit(f"probes/{name}").replace(" ", "_").replace("-", "") for name in names}
     return Drawing(figure, {"time_s": time} | {f"{name}_{units[name]}": result[f"probes/{name}"] for name in names})
 
@@ -140,22 +189,23 @@ def sensors(result: Result) -> Drawing | None:
             velocity = velocities[name]
             fastest = velocity[np.argmax(np.linalg.norm(velocity, axis=1))]
             along = found[name] @ fastest / (np.linalg.norm(fastest) or 1.0)
-            shown = _thinned(along)
+            shown = thinned(along)
             line = "--" if len(axes.lines) % 2 else "-"  # neighbours often coincide
             axes.plot(time[shown] * _MICRO, along[shown], line, color=colour, label=name, linewidth=0.9)
         axes.set_ylabel("Acceleration (m/s²)")
         axes.legend(ncols=1, fontsize=8, handlelength=1.2, loc="upper left")
-    _time_axis(stack[-1], time)
+    time_axis(stack[-1], time)
     columns = {f"{name}_a{axis}_m_s2": values[:, n] for name, values in found.items() for n, axis in enumerate("xyz")}
     return Drawing(figure, {"time_s": time} | columns)
 
 
-def _time_axis(axes: Axes, time: NDArray[np.float64]) -> None:
+def time_axis(axes: Axes, time: NDArray[np.float64]) -> None:
+    """Label the axis of times (s)."""
     axes.set_xlabel("Time (µs)")
     axes.set_xlim(0, float(time[-1]) * _MICRO or 1.0)
 
 
-def _thinned(values: NDArray[np.float64]) -> NDArray[np.int64]:
+def thinned(values: NDArray[np.float64]) -> NDArray[np.int64]:
     """Rows that draw the same curve: the lowest and the highest of every bin when there are too many."""
     n_bins = _MOST_POINTS // 2
     if len(values) <= _MOST_POINTS:

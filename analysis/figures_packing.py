@@ -47,7 +47,7 @@ def _draw(result: Result, colouring: Colouring) -> Drawing | None:
     camera = Camera.looking(_AZIMUTH, _ELEVATION, np.array([0.0, 0.0, -1.0]))  # depth goes down
     kept = np.flatnonzero(~_cut_away(positions - result.origin, camera, result.case.packing.diameter))
     values = colouring.values[kept]
-    radius = result.case.packing.diameter / 2
+    radius = result["spheres/radius"][kept]
     picture = render(positions[kept], radius, _colours(values, colouring), camera, _PIXELS)
     left, right, bottom, top = (edge * _MILLI for edge in picture.extent)
     figure = new_figure((WIDTH - 0.1) * (top - bottom) / (right - left) + 0.75)
@@ -106,5 +106,5 @@ def _mark_impact(axes: Axes, place: NDArray[np.float64], width: float) -> None:
 def _visible(result: Result, kept: NDArray, picture: Picture, colouring: Colouring) -> dict[str, NDArray]:
     rows = kept[picture.visible]
     place = result["spheres/position"][rows]
-    columns = {"id": rows + 1, "x_m": place[:, 0], "y_m": place[:, 1], "z_m": place[:, 2]}
+    columns = {"id": result["spheres/id"][rows], "x_m": place[:, 0], "y_m": place[:, 1], "z_m": place[:, 2]}
     return columns | {colouring.column: colouring.values[rows]}

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from granwave.analysis.figure_style import (
     BLANK,
+    DENT_MAP,
     DISSIPATION_MAP,
     FORCE_MAP,
     WIDTH,
@@ -53,6 +54,8 @@ class Colouring:
         Name of a colour map.
     low, high
         Ends of the logarithmic scale.
+    title
+        Above a panel of its own.
     """
 
     values: NDArray[np.float64]
@@ -61,6 +64,7 @@ class Colouring:
     map: str
     low: float
     high: float
+    title: str = ""
 
     @property
     def norm(self) -> LogNorm:
@@ -95,25 +99,53 @@ def peak_force_colouring(result: Result, decades: float | None = None) -> Colour
     return Colouring(values, f"Peak force {label}", f"peak_{column}", FORCE_MAP, low, high)
 
 
-def dissipation_colouring(result: Result) -> Colouring:
-    """Share of the input that each sphere dissipated."""
-    values = result["spheres/dissipated_energy"] / result.energy_input
+def dissipation_colouring(result: Result, part: str = "") -> Colouring:
+    """Share of the input that each sphere dissipated; ``part``: only by yielding or only by friction."""
+    values = result["spheres/dissipated_energy"]
+    if part:
+        rubbed = result["spheres/friction_energy"]
+        values = rubbed if part == "friction" else values - rubbed
+    column = f"{part}_over_input" if part else "dissipated_over_input"
     label = r"Dissipation $e_\mathrm{dis}/e_\mathrm{in}$"
-    return Colouring(values, label, "dissipated_over_input", DISSIPATION_MAP, 1e-6, 1e-1)
+    return Colouring(values / result.energy_input, label, column, DISSIPATION_MAP, 1e-6, 1e-1, part.capitalize())
 
 
 def peak_force_section(result: Result, name: str) -> Drawing | None:
     """Peak forces on the principal or orthogonal plane (thesis Fig. 5.3)."""
     if not np.any(result["spheres/peak_force"] > 0):
         return None
-    return _section_drawing(result, name, peak_force_colouring(result))
+    return section_drawing(result, name, peak_force_colouring(result))
 
 
 def dissipation_section(result: Result, name: str) -> Drawing | None:
     """Dissipation on the principal or orthogonal plane (thesis Fig. 5.9)."""
     if not np.any(result["spheres/dissipated_energy"] > 0):
         return None
-    return _section_drawing(result, name, dissipation_colouring(result))
+    return section_drawing(result, name, dissipation_colouring(result))
+
+
+def dissipation_parts_section(result: Result, name: str) -> Drawing | None:
+    """Dissipation by yielding and by friction, apart, on the principal or orthogonal plane."""
+    if not result.has("spheres/friction_energy"):
+        return None
+    return section_drawing(result, name, *(dissipation_colouring(result, part) for part in ("yielding", "friction")))
+
+
+def dents_section(result: Result, name: str) -> Drawing | None:
+    """The deepest dent that each sphere had before the run, on the principal or orthogonal plane."""
+    if not result.has("contacts/initial_overlap"):
+        return None
+    unit, label, column = 1e-6, "Dent before the run (µm)", "initial_overlap_um"
+    if result.yields:
+        unit, label, column = (
+            result.law.yield_overlap,
+            r"Dent before the run $\alpha/\alpha_\mathrm{y}$",
+            "initial_over_alpha_y",
+        )
+    values = np.zeros(result.n_spheres)
+    np.maximum.at(values, result.ends, (result["contacts/initial_overlap"] / unit)[:, None])
+    low, high = _decades(float(values.max()), 1.0 if result.yields else None)
+    return section_drawing(result, name, Colouring(values, label, column, DENT_MAP, low, high))
 
 
 def wave_front(result: Result) -> Drawing | None:
@@ -123,6 +155,7 @@ def wave_front(result: Result) -> Drawing | None:
     if cut is None or not chosen:
         return None
     scale, label, column = force_scale(result)
+    radius = result["spheres/radius"][cut.index]
     forces, times = [], []
     trajectory = universe(result.path).trajectory
     for snapshot in trajectory[chosen]:
@@ -143,8 +176,8 @@ def wave_front(result: Result) -> Drawing | None:
     axes = figure.subplots(n_rows, n_columns, sharex=True, sharey=True, squeeze=False)
     for panel_axes, force, time in zip(axes.flat, forces, times, strict=False):
         colouring = Colouring(force, f"Contact force {label}", column, FORCE_MAP, low, high)
-        _draw(panel_axes, cut, force, colouring, result.case.packing.diameter)
-        _frame_axes(panel_axes, window)
+        draw_discs(panel_axes, cut, force, colouring, radius)
+        frame_axes(panel_axes, window)
         panel_axes.set_title(f"{time * 1e6:.0f} µs", pad=2)
     for empty in axes.flat[len(chosen) :]:
         empty.set_visible(False)
@@ -154,7 +187,7 @@ def wave_front(result: Result) -> Drawing | None:
     repeat = len(chosen)
     columns = {
         "time_s": np.repeat(times, len(cut.index)),
-        "id": np.tile(cut.index + 1, repeat),
+        "id": np.tile(result["spheres/id"][cut.index], repeat),
         "across_m": np.tile(cut.across, repeat),
         "down_m": np.tile(cut.down, repeat),
         column: np.concatenate(forces),
@@ -162,31 +195,43 @@ def wave_front(result: Result) -> Drawing | None:
     return Drawing(figure, columns)
 
 
-def _section_drawing(result: Result, name: str, colouring: Colouring) -> Drawing | None:
+def section_drawing(result: Result, name: str, *colourings: Colouring) -> Drawing | None:
+    """One plane through the packing, a panel for each colouring, which share a scale and stand one above the other.
+
+    None when there is no such plane.
+
+    Parameters
+    ----------
+    name
+        principal or orthogonal.
+    colourings
+        With titles, if there are several.
+    """
     cut = _cut(result, name)
     if cut is None:
         return None
     diameter = result.case.packing.diameter
-    values = colouring.values[cut.index]
-    beyond = _beyond_law(result)[cut.index]
-    window = _window(cut, values >= colouring.low, diameter)
+    values = [one.values[cut.index] for one in colourings]
+    beyond = spheres_beyond_law(result)[cut.index]
+    window = _window(cut, np.max(values, axis=0) >= colourings[0].low, diameter)
     aspect = (window[3] - window[2]) / (window[1] - window[0])
-    figure = new_figure(min(max((WIDTH - 0.6) * aspect + 1.05, 1.9), 6.0))
-    axes = figure.subplots()
-    _draw(axes, cut, values, colouring, diameter, beyond)
-    _frame_axes(axes, window)
-    axes.set_xlabel("Distance from the impact axis (mm)" if cut.plane.down_label != "y" else "x (mm)")
-    axes.set_ylabel(f"{cut.plane.down_label} (mm)")
-    axes.plot(0, -0.95 * diameter * _MILLI, marker="v", color="black", markersize=4)  # where the impact is
-    colour_bar(figure, [axes], colouring, values)
-    columns = {
-        "id": cut.index + 1,
-        "across_m": cut.across,
-        "down_m": cut.down,
-        colouring.column: values,
-        "beyond_law": beyond.astype(int),
-    }
-    return Drawing(figure, columns)
+    height = (WIDTH - 0.6) * aspect + (0.25 if len(colourings) > 1 else 0.0)
+    figure = new_figure(min(max(len(colourings) * height + 1.05, 1.9), 6.0 if len(colourings) == 1 else 8.0))
+    panels = figure.subplots(len(colourings), 1, sharex=True, squeeze=False)[:, 0]
+    for axes, colouring, shown in zip(panels, colourings, values, strict=True):
+        draw_discs(axes, cut, shown, colouring, result["spheres/radius"][cut.index], beyond)
+        frame_axes(axes, window)
+        axes.set_title(colouring.title, pad=2)
+        axes.plot(0, -0.95 * diameter * _MILLI, marker="v", color="black", markersize=4)  # where the impact is
+    if len(panels) > 1:
+        figure.supylabel(f"{cut.plane.down_label} (mm)", fontsize=8)
+    else:
+        panels[0].set_ylabel(f"{cut.plane.down_label} (mm)")
+    panels[-1].set_xlabel("Distance from the impact axis (mm)" if cut.plane.down_label != "y" else "x (mm)")
+    colour_bar(figure, list(panels), colourings[0], np.concatenate(values))
+    columns = {"id": result["spheres/id"][cut.index], "across_m": cut.across, "down_m": cut.down}
+    columns |= {colouring.column: shown for colouring, shown in zip(colourings, values, strict=True)}
+    return Drawing(figure, columns | {"beyond_law": beyond.astype(int)})
 
 
 def _cut(result: Result, name: str) -> Section | None:
@@ -200,16 +245,16 @@ def _cut(result: Result, name: str) -> Section | None:
     return None
 
 
-def _draw(
+def draw_discs(
     axes: Axes,
     cut: Section,
     values: NDArray[np.float64],
     colouring: Colouring,
-    diameter: float,
+    radius: NDArray[np.float64],
     hollow: NDArray[np.bool_] | None = None,
 ) -> None:
     """Discs in mm; blank where there is no value, rings where the law was exceeded."""
-    size = _DISC * diameter * _MILLI
+    size = _DISC * 2 * radius * _MILLI
     mapped = colormaps[colouring.map]
     colours = mapped(colouring.norm(np.maximum(values, colouring.low)))
     faces = np.where((values > 0)[:, None], colours, to_rgba(BLANK))
@@ -220,7 +265,7 @@ def _draw(
     discs = EllipseCollection(
         size,
         size,
-        0,
+        np.zeros(len(size)),
         units="xy",
         offsets=np.stack([cut.across, cut.down], axis=1) * _MILLI,
         offset_transform=axes.transData,
@@ -231,7 +276,8 @@ def _draw(
     axes.add_collection(discs)
 
 
-def _frame_axes(axes: Axes, window: tuple[float, float, float, float]) -> None:
+def frame_axes(axes: Axes, window: tuple[float, float, float, float]) -> None:
+    """Show a window (left, right, top, bottom; mm), depth downwards."""
     left, right, top, bottom = window
     axes.set_xlim(left, right)
     axes.set_ylim(bottom, top)
@@ -297,8 +343,8 @@ def _snapshots(result: Result) -> list[int]:
     return [int(moving[n]) for n in np.unique(np.rint(chosen).astype(int))]
 
 
-def _beyond_law(result: Result) -> NDArray[np.bool_]:
+def spheres_beyond_law(result: Result) -> NDArray[np.bool_]:
     """Which spheres have a contact that was pressed beyond the range of the law."""
-    if not result.has_law_limit:
-        return np.zeros(result.n_spheres, dtype=bool)
-    return result["spheres/peak_overlap"] > LAW_LIMIT * result.law.effective_radius
+    found = np.zeros(result.n_spheres, dtype=bool)
+    found[result.ends[result.beyond_law(LAW_LIMIT)]] = True
+    return found

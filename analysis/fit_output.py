@@ -1,9 +1,11 @@
-"""What a fit of the contact law leaves: fit.toml, fit.csv, misfit.csv, and the figure fit."""
+"""What a fit of the contact law leaves: fit.toml, pair.toml, fit.csv, misfit.csv, and the figure fit."""
 
 from __future__ import annotations
 
 import dataclasses
+import json
 import math
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -13,14 +15,19 @@ from granwave.analysis.figure_style import BLUE, GREY, ORANGE, Columns, Drawing,
 from granwave.analysis.fit import YIELD, Fit, bearing, deviation
 from granwave.lammps_inputs.sections import LAW_CONSTANTS
 
-TOML_FILE, CSV_FILE, MISFIT_FILE, FIGURE = "fit.toml", "fit.csv", "misfit.csv", "fit"
+TOML_FILE, PAIR_FILE, CSV_FILE, MISFIT_FILE, FIGURE = "fit.toml", "pair.toml", "fit.csv", "misfit.csv", "fit"
 
 _MICRO = 1e6  # micrometres in a metre
 _POINTS = 300
 
 
-def write_fit(fit: Fit, directory: str | Path) -> list[Path]:
+def write_fit(fit: Fit, directory: str | Path, pair: Sequence[str] | None = None) -> list[Path]:
     """Write fit.toml, fit.csv, misfit.csv and figures/fit (.png, .pdf, .csv) into a directory, which is made.
+
+    Parameters
+    ----------
+    pair
+        Names of two materials: pair.toml is written too, see `pair_toml`.
 
     Returns
     -------
@@ -35,7 +42,10 @@ def write_fit(fit: Fit, directory: str | Path) -> list[Path]:
     write_csv(misfit_table(fit), directory / MISFIT_FILE)
     with style():
         save(fit_drawing(fit), figures / FIGURE)
-    return [directory / TOML_FILE, directory / CSV_FILE, directory / MISFIT_FILE, figures / f"{FIGURE}.png"]
+    if pair:
+        (directory / PAIR_FILE).write_text(pair_toml(fit, pair), encoding="utf-8")
+    files = [TOML_FILE, *([PAIR_FILE] if pair else []), CSV_FILE, MISFIT_FILE, f"figures/{FIGURE}.png"]
+    return [directory / name for name in files]
 
 
 def constants_table(fit: Fit) -> Columns:
@@ -89,12 +99,7 @@ def fit_toml(fit: Fit) -> str:
     ]
     if len(fit.materials) == 2 and fit.materials[0] != fit.materials[1]:
         lines.append("# The curve is of two materials; a case has one: [material] below is the softer.")
-    table = constants_table(fit)
-    lines += ["", 'name = "fit"', "", "[contact]", 'law = "elastoplastic"', 'variant = "continuous"']
-    for name, value, spread, published, how in zip(*table.values(), strict=True):
-        if name != YIELD:
-            note = f"+- {spread:.2g}, " if math.isfinite(spread) else ""
-            lines.append(f"{name} = {toml_number(value)}  # {note}{how}; published {published:g}")
+    lines += ["", 'name = "fit"', "", "[contact]", *_law_lines(fit)]
     return (
         "\n".join(lines)
         + "\n\n"
@@ -108,6 +113,39 @@ def fit_toml(fit: Fit) -> str:
             }
         )
     )
+
+
+def pair_toml(fit: Fit, materials: Sequence[str]) -> str:
+    """The law as a table ``[[pair]]``, which makes it that of two materials of a case; "rigid" is a rigid wall.
+
+    Parameters
+    ----------
+    materials
+        Names of the two in the case.
+    """
+    softer = min(fit.materials, key=lambda material: material.yield_strength or math.inf)
+    return (
+        "\n".join(
+            [
+                f"# Elasto-plastic contact law fitted to {Path(fit.curve.source).name}; for the end of a case.",
+                f"# It goes with a yield strength of {softer.yield_strength:g} Pa of the softer of the two.",
+                "[[pair]]",
+                f"materials = {json.dumps(list(materials))}",
+                *_law_lines(fit),
+            ]
+        )
+        + "\n"
+    )
+
+
+def _law_lines(fit: Fit) -> list[str]:
+    """The law's keys, each constant with its uncertainty."""
+    lines = ['law = "elastoplastic"', 'variant = "continuous"']
+    for name, value, spread, published, how in zip(*constants_table(fit).values(), strict=True):
+        if name != YIELD:
+            note = f"+- {spread:.2g}, " if math.isfinite(spread) else ""
+            lines.append(f"{name} = {toml_number(value)}  # {note}{how}; published {published:g}")
+    return lines
 
 
 def toml_number(value: float) -> str:

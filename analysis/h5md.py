@@ -1,8 +1,9 @@
 """The trajectory of a run in H5MD form (version 1.1, P. de Buyl et al., doi:10.1016/j.cpc.2014.01.018).
 
 ``/particles/spheres`` holds ``position``, ``displacement``, ``velocity``, ``contact_force`` (the largest
-force of a single contact now), ``peak_force``, ``dissipated_energy`` and ``elastic_energy`` (half of what is stored in
-each contact with a sphere now; NaN in runs that did not record it), each as ``value``, ``step`` and ``time`` of every
+force of a single contact now), ``peak_force``, ``dissipated_energy`` (by yielding and friction), ``elastic_energy``
+(half of what is stored in each contact with a sphere now; NaN in runs that did not record it) and, where there is
+friction, ``friction_energy``, each as ``value``, ``step`` and ``time`` of every
 snapshot; ``id``, ``species``, ``radius`` and ``mass`` do not change. Positions are start plus displacement: a sphere
 that crosses a periodic side is not wrapped back. All values are float64; overlaps come from the displacements, which
 keep 17 digits however far from the origin a sphere is.
@@ -23,13 +24,15 @@ GROUP = "particles/spheres"
 COMPRESSION = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
 _ROWS_IN_CHUNK = 32_768
 _VECTORS = {"position": "m", "displacement": "m", "velocity": "m s-1"}
+# columns of the dump whose sum it is, and the unit
 _SCALARS = {
-    "contact_force": ("force", "N"),
-    "peak_force": ("peak_force", "N"),
-    "dissipated_energy": ("dissipated", "J"),
-    "elastic_energy": ("elastic", "J"),
+    "contact_force": (("force",), "N"),
+    "peak_force": (("peak_force",), "N"),
+    "dissipated_energy": (("dissipated", "friction"), "J"),
+    "elastic_energy": (("elastic", "elastic_tangential"), "J"),
 }
-QUANTITIES = (*_VECTORS, *_SCALARS)
+_FRICTION = {"friction_energy": (("friction",), "J")}
+QUANTITIES = (*_VECTORS, *_SCALARS, *_FRICTION)
 
 
 def write_metadata(file: h5py.File, version: str) -> None:
@@ -48,6 +51,8 @@ def write_trajectory(
     frames: Iterable[Frame],
     timestep: float,
     periodic: tuple[bool, bool, bool],
+    *,
+    friction: bool = False,
 ) -> Frame:
     """Write ``/particles/spheres``, a snapshot at a time.
 
@@ -61,6 +66,8 @@ def write_trajectory(
         s.
     periodic
         Along x, y, z.
+    friction
+        Write ``friction_energy`` too.
 
     Returns
     -------
@@ -84,7 +91,8 @@ def write_trajectory(
     }
     for name, (values, unit) in fixed.items():
         group.create_dataset(name, data=values, **COMPRESSION).attrs["unit"] = unit
-    elements = _elements(group, n_spheres)
+    scalars = _SCALARS | (_FRICTION if friction else {})
+    elements = _elements(group, n_spheres, {name: unit for name, (_, unit) in scalars.items()})
     unknown = np.full(n_spheres, np.nan)
     frame = start
     for number, frame in enumerate(frames):
@@ -95,8 +103,9 @@ def write_trajectory(
             )
         values = {"position": origin + frame.displacement, "displacement": frame.displacement}
         values["velocity"] = frame.velocity
-        for name, (column, _) in _SCALARS.items():
-            values[name] = frame[column] if column in frame.columns else unknown
+        for name, (columns, _) in scalars.items():
+            there = [frame[column] for column in columns if column in frame.columns]
+            values[name] = np.sum(there, axis=0) if there else unknown
         for name, element in elements.items():
             element.resize(number + 1, axis=0)
             element[number] = values[name]
@@ -117,11 +126,11 @@ def _write_box(group: h5py.Group, start: Frame, periodic: tuple[bool, bool, bool
     lower.attrs["unit"] = "m"
 
 
-def _elements(group: h5py.Group, n_spheres: int) -> dict[str, h5py.Dataset]:
+def _elements(group: h5py.Group, n_spheres: int, scalars: dict[str, str]) -> dict[str, h5py.Dataset]:
     """The growing data sets; all elements share one ``step`` and one ``time``."""
     rows = min(n_spheres, _ROWS_IN_CHUNK)
     shapes: dict[str, tuple[tuple[int, ...], str]] = {name: ((3,), unit) for name, unit in _VECTORS.items()}
-    shapes |= {name: ((), unit) for name, (_, unit) in _SCALARS.items()}
+    shapes |= {name: ((), unit) for name, unit in scalars.items()}
     step = time = None
     elements = {}
     for name, (tail, unit) in shapes.items():

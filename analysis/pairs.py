@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave.analysis.plasticity import yields_from
 from granwave.lammps_inputs.case import Case
-from granwave.lammps_inputs.laws import pair_contact, sphere_contact
+from granwave.lammps_inputs.laws import law_between
 
 if TYPE_CHECKING:
     from granwave._contact_laws import ContactLaw
@@ -26,54 +27,55 @@ class PairLaws:
     ----------
     yield_overlap
         alpha_y, m.
+    yielded_from
+        Largest overlap from which on a contact has yielded, m; infinite where the law knows no yielding.
     effective_radius
         R*, m.
     share
-        Of the dissipated energy, of the first sphere of the pair: half, or all of it if it is softer.
+        Of the energy dissipated by yielding, of the first sphere of the pair: half, or all of it if it is softer.
     """
 
     yield_overlap: NDArray[np.float64]
+    yielded_from: NDArray[np.float64]
     effective_radius: NDArray[np.float64]
     share: NDArray[np.float64]
 
 
-def pair_laws(case: Case, first: NDArray[np.int64], second: NDArray[np.int64]) -> PairLaws:
+def pair_laws(case: Case, types: NDArray[np.int64], radii: NDArray[np.float64]) -> PairLaws:
     """The laws of pairs of spheres.
+
+    The law of two materials is made once; alpha_y is in proportion to R*, so that every pair may have radii of its own.
 
     Parameters
     ----------
-    first, second
-        Ids: (n_pairs,) each.
+    types
+        LAMMPS types of the spheres, which tell their materials: (n_pairs, 2).
+    radii
+        (n_pairs, 2), m.
     """
-    assembly = case.assembly
-    if assembly.plain:
-        law = sphere_contact(case)
-        n = len(first)
-        return PairLaws(np.full(n, law.yield_overlap), np.full(n, law.effective_radius), np.full(n, 0.5))
-    kinds: dict[tuple[Material, float], int] = {}
-    kind = np.zeros(assembly.n_spheres + 1, dtype=np.int64)
-    kinds[(case.material, case.packing.diameter)] = 0
-    for sphere in {*assembly.diameters, *assembly.materials, *range(case.lattice.n_spheres + 1, len(kind))}:
-        what = assembly.material_of(sphere), assembly.diameter_of(sphere)
-        kind[sphere] = kinds.setdefault(what, len(kinds))
-    code = kind[first] * len(kinds) + kind[second]
-    _, example, which = np.unique(code, return_index=True, return_inverse=True)
-    pairs = [(int(first[k]), int(second[k])) for k in example]
-    laws = [pair_contact(case, *pair) for pair in pairs]
+    materials = [species.material for species in case.assembly.species]
+    effective_radius = radii[:, 0] * radii[:, 1] / radii.sum(axis=1)
+    base = len(materials) + 1
+    kinds, kind = np.unique(types[:, 0] * base + types[:, 1], return_inverse=True)
+    pairs = [(materials[code // base - 1], materials[code % base - 1]) for code in kinds.tolist()]
+    radius = case.packing.diameter / 2
+    laws = [law_between(case.contact_between(*pair), pair, (radius, radius)) for pair in pairs]
 
     def each(value: Callable[[ContactLaw], float]) -> NDArray[np.float64]:
-        return np.array([value(law) for law in laws])[which] if laws else np.empty(0)
+        return np.array([value(law) for law in laws])[kind] if laws else np.empty(0)
 
-    shares = [dissipated_share(*(assembly.material_of(sphere) for sphere in pair)) for pair in pairs]
+    shares = np.array([dissipated_share(*pair) for pair in pairs])
+    scale = effective_radius / (radius / 2)
     return PairLaws(
-        each(lambda law: law.yield_overlap),
-        each(lambda law: law.effective_radius),
-        np.array(shares)[which] if pairs else np.empty(0),
+        each(lambda law: law.yield_overlap) * scale,
+        each(lambda law: yields_from(law.name, law.yield_overlap)) * scale,
+        effective_radius,
+        shares[kind] if laws else np.empty(0),
     )
 
 
 def dissipated_share(own: Material, partner: Material | None) -> float:
-    """Part of a contact's dissipated energy that a body gets: half, or all or nothing if its yield strength differs."""
+    """Part of a contact's yielding that a body does: half, or all or nothing if its yield strength differs."""
     mine, theirs = (math.inf if one is None or one.yield_strength is None else one.yield_strength
                     for one in (own, partner))  # fmt: skip
     return 0.5 if mine == theirs else float(mine < theirs)

@@ -1,4 +1,7 @@
-"""Planes through the struck sphere along the symmetry directions of a packing, and preferred directions.
+"""Planes through the struck sphere along the symmetry directions of a packing, preferred directions, and layers.
+
+They are those of the perfect packing; spheres are found on them by place, within a tolerance, so that scattered
+diameters, settled positions and missing spheres do no harm.
 
 fcc, struck along [111] (thesis 5.2): three <110> directions OA, OB, OC go down into the packing, and the
 largest forces run along them. The principal plane OAB is the close-packed plane that holds two of them; it is
@@ -28,8 +31,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-_ON_PLANE = 0.01  # diameters
-_HCP_ROWS = 0.3  # diameters: takes in the rows sqrt(3)/6 D beside the plane
+_ON_PLANE = 0.2  # diameters; the nearest parallel plane of spheres is half a diameter away
+_HCP_ROWS = 0.4  # diameters: takes in the rows sqrt(3)/6 D beside the plane
+_LAYER_GAP = 0.2  # diameters of the smallest sphere, between two layers
+_LAYER_HEIGHT = 0.5  # nominal diameters, at most, that a layer's centres are apart
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,3 +137,39 @@ def preferred_directions(kind: str) -> NDArray[np.float64]:
     if kind == "square":
         return np.array([[1.0, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0]])
     return np.array([[0.0, 0.0, 1.0]])
+
+
+def layers(
+    depth: NDArray[np.float64], radii: NDArray[np.float64], diameter: float
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """The layers in which spheres lie, found by the gaps between their depths.
+
+    Where there are no gaps, as in a packing that has settled a lot, slices half a diameter thick stand for layers.
+
+    Parameters
+    ----------
+    depth
+        Of the centres: (n_spheres,), m.
+    radii
+        (n_spheres,), m.
+    diameter
+        Nominal, m.
+
+    Returns
+    -------
+    depth
+        Mean of each layer, rising: (n_layers,), m.
+    layer
+        Row of each sphere's layer: (n_spheres,).
+    """
+    order = np.argsort(depth, kind="stable")
+    apart = np.diff(depth[order]) > _LAYER_GAP * 2 * radii.min(initial=np.inf)
+    layer = np.empty(len(depth), dtype=np.int64)
+    layer[order] = np.concatenate([[0], np.cumsum(apart)])
+    lowest, highest = (np.full(layer.max(initial=-1) + 1, end) for end in (np.inf, -np.inf))
+    np.minimum.at(lowest, layer, depth)
+    np.maximum.at(highest, layer, depth)
+    if np.any(highest - lowest > _LAYER_HEIGHT * diameter):
+        slices = np.floor((depth - depth.min()) / (_LAYER_HEIGHT * diameter))
+        layer = np.unique(slices, return_inverse=True)[1]
+    return np.bincount(layer, depth) / np.bincount(layer), layer

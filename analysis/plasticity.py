@@ -1,8 +1,9 @@
 """Which contacts and spheres have yielded, how large the plastic zone is, and how far the law holds.
 
 A contact has yielded when its largest overlap passed alpha_y (elastoplastic, thornton) or when it was loaded
-at all (bilinear); with hertz none yields. The elasto-plastic law was fitted up to an overlap of about 0.2 R*;
-from 0.1 R* on the plastic zones of one sphere's contacts may begin to touch (thesis 2.1, 5.3).
+at all (bilinear); with hertz none yields. A dent from before the run must have grown in it. The elasto-plastic law was
+fitted up to an overlap of about 0.2 R*; from 0.1 R* on the plastic zones of one sphere's contacts may begin to touch
+(thesis 2.1, 5.3).
 """
 
 from __future__ import annotations
@@ -39,8 +40,8 @@ class PlasticZone:
     radius: float
 
 
-def yields_from(law: str, yield_overlap: NDArray[np.float64]) -> float | NDArray[np.float64]:
-    """The largest overlap beyond which a contact has yielded, m; ``yield_overlap`` by contact: (n_contacts,), m."""
+def yields_from(law: str, yield_overlap: float) -> float:
+    """The largest overlap beyond which a contact of a law has yielded, m."""
     return {"hertz": math.inf, "bilinear": 0.0}.get(law, yield_overlap)
 
 

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from granwave.analysis.dumps import rows_of
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.h5md import GROUP, QUANTITIES
 from granwave.analysis.result_file import RESULT_FILE
@@ -82,6 +83,12 @@ class Result:
             self._read[name] = found.asstr()[()] if h5py.check_string_dtype(found.dtype) else found[()]
         return self._read[name]
 
+    def get(self, name: str) -> NDArray | None:
+        """A data set, or None where the run has no such thing."""
+        if name not in self:
+            return None
+        return self[name]
+
     def close(self) -> None:
         """Close the file; arrays that were read stay."""
         self.file.close()
@@ -132,10 +139,40 @@ class Result:
     @property
     def origin(self) -> NDArray[np.float64]:
         """Centre of the struck sphere of the packing at the start: (3,), m."""
-        sphere = self.struck[0] if self.struck else 1
+        sphere = self.struck[0] if self.struck else int(self["spheres/id"][0])
         while sphere > self.case.lattice.n_spheres:  # a striker: what it strikes
             sphere = self.case.striker[sphere - self.case.lattice.n_spheres - 1].touches[0]
-        return self["spheres/position"][sphere - 1]
+        return self["spheres/position"][self.rows(sphere)]
+
+    def rows(self, ids: ArrayLike) -> NDArray[np.int64]:
+        """Rows of the spheres with these ids: ids - 1, unless spheres were left out of the packing.
+
+        Raises
+        ------
+        KeyError
+            There is no such sphere.
+        """
+        return rows_of(self["spheres/id"], ids)
+
+    @property
+    def ends(self) -> NDArray[np.int64]:
+        """Rows of the two spheres of each contact: (n_contacts, 2)."""
+        return self.rows(np.stack([self["contacts/i"], self["contacts/j"]], axis=1))
+
+    @property
+    def in_packing(self) -> NDArray[np.bool_]:
+        """Which spheres are of the packing, and no strikers: (n_spheres,)."""
+        return self["spheres/id"] <= self.case.lattice.n_spheres
+
+    def beyond_law(self, share: float) -> NDArray[np.bool_]:
+        """Which contacts were pressed beyond a share of R*: (n_contacts,); none where the law has no such limit."""
+        if not self.has_law_limit:
+            return np.zeros(len(self["contacts/i"]), dtype=bool)
+        return self["contacts/peak_overlap"] > share * self["contacts/effective_radius"]
+
+    def has(self, name: str) -> bool:
+        """There is such a data set, and some value in it is not zero."""
+        return name in self and bool(np.any(self[name]))
 
     @property
     def n_spheres(self) -> int:

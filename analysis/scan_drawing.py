@@ -43,8 +43,9 @@ class Series:
     ----------
     row
         Of one of its points in the scan.
-    x, mean, deviation, count
-        By abscissa: (n,); the deviation is NaN where there is one value only.
+    x, mean, deviation, half_width, count
+        By abscissa: (n,). The deviation of the values, and half the width of the 95 % confidence interval of their
+        mean, are NaN where there is one value only.
     """
 
     label: str
@@ -52,6 +53,7 @@ class Series:
     x: NDArray[np.float64]
     mean: NDArray[np.float64]
     deviation: NDArray[np.float64]
+    half_width: NDArray[np.float64]
     count: NDArray[np.int64]
 
 
@@ -97,7 +99,7 @@ def draw_curves(
         axes.errorbar(
             curve.x,
             curve.mean,
-            yerr=curve.deviation if np.any(np.isfinite(curve.deviation)) else None,
+            yerr=curve.half_width if np.any(np.isfinite(curve.half_width)) else None,
             color=colour,
             linestyle=line if joined else "none",
             marker=_MARKERS[n] if len(curve.x) <= _MOST_MARKED or not joined else None,
@@ -132,7 +134,7 @@ def draw_bars(
     for m, curve in enumerate(series):
         place = curve.x + (m - (len(series) - 1) / 2) * width
         colour, marker = _COLOURS[m % len(_COLOURS)], _MARKERS[m % len(_MARKERS)]
-        error = curve.deviation if np.any(np.isfinite(curve.deviation)) else None
+        error = curve.half_width if np.any(np.isfinite(curve.half_width)) else None
         if logarithmic:
             axes.errorbar(place, curve.mean, error, color=colour, marker=marker, markersize=5, ls="none", capsize=2)
         else:
@@ -214,6 +216,7 @@ def _columns(series: Sequence[Series], others: Sequence[Key], columns: Titles, x
     table[columns[1]] = np.concatenate([curve.mean for curve in series])
     if any(np.any(curve.count > 1) for curve in series):
         table["standard_deviation"] = np.concatenate([curve.deviation for curve in series])
+        table["confidence_95"] = np.concatenate([curve.half_width for curve in series])
         table["n"] = np.concatenate([curve.count for curve in series])
     return table
 
@@ -278,8 +281,8 @@ def _value_axis(axes: Axes, series: Sequence[Series]) -> None:
         axes.set_yscale("log")
         _log_ticks(axes.yaxis)
         return
-    deviations = np.nan_to_num(np.concatenate([curve.deviation for curve in series]))
-    low, high = float(np.min(values - deviations)), float(np.max(values + deviations))
+    widths = np.nan_to_num(np.concatenate([curve.half_width for curve in series]))
+    low, high = float(np.min(values - widths)), float(np.max(values + widths))
     if low >= 0 and low < 0.5 * high:
         axes.set_ylim(0, 1.08 * high)
     elif high - low < 0.02 * abs(high):  # noise is not to look like a trend

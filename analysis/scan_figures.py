@@ -1,7 +1,7 @@
 """Figures of a scan: what varies against dissipation, plastic zone, peak force and wave speed.
 
-Only points that are done are shown. Points that differ in ``packing.seed`` alone are one, with the standard deviation
-as its error bar.
+Only points that are done are shown. Points that differ in ``packing.seed`` alone are one: their mean, with its 95 %
+confidence interval as error bar.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from granwave.analysis.scan_drawing import Series, draw_bars, draw_curves, draw_
 from granwave.analysis.scan_keys import Key, key_of
 from granwave.analysis.scan_result import SEED, PointResult, ScanResult
 from granwave.analysis.scan_table import determines, independent_keys
+from granwave.analysis.statistics import estimate
 from granwave.lammps_inputs.case import load_case
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.laws import sphere_contact
@@ -253,15 +254,17 @@ def _series(rows: Sequence[int], x: dict[int, float], y: dict[int, float], other
         for row in members:
             places.setdefault(float(f"{x[row]:.12g}"), []).append(y[row])
         at = sorted(places)
+        found = [estimate(places[place]) for place in at]
         label = ", ".join(key.text(members[0]) for key in others)
         series.append(
             Series(
                 label=label,
                 row=members[0],
                 x=np.array(at),
-                mean=np.array([np.mean(places[place]) for place in at]),
-                deviation=np.array([_deviation(places[place]) for place in at]),
-                count=np.array([len(places[place]) for place in at]),
+                mean=np.array([one.mean for one in found]),
+                deviation=np.array([one.deviation for one in found]),
+                half_width=np.array([one.half_width for one in found]),
+                count=np.array([one.n for one in found]),
             )
         )
     return series
@@ -270,10 +273,6 @@ def _series(rows: Sequence[int], x: dict[int, float], y: dict[int, float], other
 def _order(key: Key, row: int) -> Any:
     """Numbers by size, text in the order of the scan."""
     return key.values[row] if key.numeric else key.values.index(key.values[row])
-
-
-def _deviation(values: Sequence[float]) -> float:
-    return float(np.std(values, ddof=1)) if len(values) > 1 else math.nan
 
 
 def _enough(series: Sequence[Series]) -> bool:

@@ -1,7 +1,8 @@
 """The table of a scan: a row for each point, as CSV and HDF5, and a reader for scripts and notebooks.
 
 Columns: the keys that vary, what became of the point, and every value of its ``summary.json``. When ``packing.seed``
-varies, the points that differ in nothing else are summed up in a second table of means and standard deviations.
+varies, the points that differ in nothing else are summed up in a second table: means with their 95 % confidence
+intervals, and standard deviations.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.scan_result import SEED, PointResult, ScanResult
+from granwave.analysis.statistics import estimate
 from granwave.analysis.units import unit_of
 from granwave.lammps_inputs.files import replacing
 
@@ -30,12 +32,16 @@ if TYPE_CHECKING:
 SCAN_TABLE, SCAN_MEANS, SCAN_DATA = "scan.csv", "scan_mean.csv", "scan.h5"
 MEAN_GROUP = "mean"
 STATE_COLUMNS = ("status", "reason", "directory", "attempts")
-MEAN, DEVIATION, COUNT = ".mean", ".std", "n"
+MEAN, DEVIATION, CONFIDENCE, COUNT = ".mean", ".std", ".ci95", "n"
 
 _INT64 = range(-(2**63), 2**63)
 #: Unit by the end of a summary value's name; of several that fit the longest counts.
 _UNITS = {
     "_per_s": "1/s",
+    "_per_kg": "1/kg",
+    "_per_m": "1/m",
+    "_m_s2": "m/s^2",
+    "_kg": "kg",
     "_m_s": "m/s",
     "_Ns": "N s",
     "_m3": "m^3",
@@ -68,13 +74,14 @@ def scan_table(result: ScanResult) -> Columns:
 
 
 def scan_statistics(result: ScanResult) -> Columns:
-    """Mean and deviation over the seeds: a row for each set of points that differ in ``packing.seed`` alone.
+    """Mean, deviation and confidence over the seeds: a row for each set of points that differ in them alone.
 
     Returns
     -------
     dict
-        The other keys that vary; ``n``, how many points of the set are done; ``NAME.mean`` and ``NAME.std`` (over
-        n - 1; None for fewer than two) of every numeric summary value. Empty when the seed does not vary.
+        The other keys that vary; ``n``, how many points of the set are done; of every numeric summary value
+        ``NAME.mean``, ``NAME.std`` (over n - 1) and ``NAME.ci95``, half the width of the 95 % confidence interval of
+        the mean (both None for fewer than two). Empty when the seed does not vary.
     """
     if SEED not in result.varied:
         return {}
@@ -90,8 +97,10 @@ def scan_statistics(result: ScanResult) -> Columns:
         if not _is_numeric(column):
             continue
         found = [[column[row] for row in rows if column[row] is not None] for rows in groups.values()]
-        table[name + MEAN] = [float(np.mean(values)) if values else None for values in found]
-        table[name + DEVIATION] = [float(np.std(values, ddof=1)) if len(values) > 1 else None for values in found]
+        estimates = [estimate(values) if values else None for values in found]
+        table[name + MEAN] = [one.mean if one else None for one in estimates]
+        table[name + DEVIATION] = [one.deviation if one and one.n > 1 else None for one in estimates]
+        table[name + CONFIDENCE] = [one.half_width if one and one.n > 1 else None for one in estimates]
     return table
 
 
@@ -138,7 +147,7 @@ def column_unit(name: str) -> str:
     """Unit of a column of the table, "1" without."""
     if unit := unit_of(name):
         return unit
-    name = name.removeprefix("summary.").removesuffix(MEAN).removesuffix(DEVIATION)
+    name = name.removeprefix("summary.").removesuffix(MEAN).removesuffix(DEVIATION).removesuffix(CONFIDENCE)
     if "." in name:
         return "1"
     return next((unit for ending, unit in _UNITS.items() if name.endswith(ending)), "1")

@@ -28,7 +28,7 @@ def sensor_forces(result: Result) -> Arrays:
 
 def sensor_accelerations(result: Result) -> Arrays:
     """Acceleration of every sensor at the instants of ``/probes/time``, by its name: (n_times, 3), m/s^2."""
-    return {name: force / result["spheres/mass"][sphere - 1] for name, sphere, force in _probed(result, "f")}
+    return {name: force / result["spheres/mass"][result.rows(sphere)] for name, sphere, force in _probed(result, "f")}
 
 
 def sensor_velocities(result: Result) -> Arrays:

@@ -79,7 +79,11 @@ class Picture:
 
 
 def render(
-    centres: NDArray[np.float64], radius: float, colours: NDArray[np.float64], camera: Camera, width: int
+    centres: NDArray[np.float64],
+    radius: float | NDArray[np.float64],
+    colours: NDArray[np.float64],
+    camera: Camera,
+    width: int,
 ) -> Picture:
     """Draw spheres.
 
@@ -88,21 +92,23 @@ def render(
     centres
         (n_spheres, 3), m.
     radius
-        Of all of them, m.
+        Of all of them, or of each: (n_spheres,), m.
     colours
         Red, green, blue from 0 to 1: (n_spheres, 3).
     width
         Of the picture, pixels.
     """
     seen = camera.project(centres)
-    low = seen[:, :2].min(axis=0) - 1.1 * radius
-    high = seen[:, :2].max(axis=0) + 1.1 * radius
-    coarse = _front(seen, radius, low, high, 2 * radius / _COARSE)
+    radii = np.broadcast_to(np.asarray(radius, dtype=float), len(seen))
+    largest = float(radii.max())
+    low = seen[:, :2].min(axis=0) - 1.1 * largest
+    high = seen[:, :2].max(axis=0) + 1.1 * largest
+    coarse = _front(seen, radii, low, high, 2 * float(np.median(radii)) / _COARSE)
     visible = np.unique(coarse[coarse >= 0]).astype(np.int64)
     pitch = (high[0] - low[0]) / (width * _OVERSAMPLING)
-    fine = _front(seen[visible], radius, low, high, pitch)
+    fine = _front(seen[visible], radii[visible], low, high, pitch)
     fine = fine[: fine.shape[0] // _OVERSAMPLING * _OVERSAMPLING, : width * _OVERSAMPLING]
-    pixels = _shade(fine, seen[visible], radius, colours[visible], low, pitch)
+    pixels = _shade(fine, seen[visible], radii[visible], colours[visible], low, pitch)
     height = fine.shape[0] // _OVERSAMPLING
     pixels = pixels.reshape(height, _OVERSAMPLING, width, _OVERSAMPLING, 4).mean(axis=(1, 3))
     pixels[..., :3] /= np.maximum(pixels[..., 3:], 1e-6)
@@ -113,7 +119,7 @@ def render(
 
 def _front(
     seen: NDArray[np.float64],
-    radius: float,
+    radius: NDArray[np.float64],
     low: NDArray[np.float64],
     high: NDArray[np.float64],
     pitch: float,
@@ -122,9 +128,9 @@ def _front(
     shape = tuple(math.ceil(extent) + 1 for extent in (high[::-1] - low[::-1]) / pitch)
     order = np.argsort(seen[:, 2], kind="stable").astype(np.int32)  # the farthest first
     place = (seen[order, :2] - low) / pitch - 0.5  # in pixels; whole numbers are middles of pixels
-    reach = radius / pitch
+    reach = radius[order] / pitch
     front = np.full(shape, -1, dtype=np.int32)
-    if len(order) < 4 * reach**2:
+    if len(order) < 4 * np.median(reach) ** 2:
         _paint_by_sphere(front, place, reach)
     else:
         _paint_by_pixel(front, place, reach)
@@ -132,26 +138,27 @@ def _front(
     return front
 
 
-def _paint_by_sphere(front: NDArray[np.int32], place: NDArray[np.float64], reach: float) -> None:
+def _paint_by_sphere(front: NDArray[np.int32], place: NDArray[np.float64], reach: NDArray[np.float64]) -> None:
     """Write the number of each sphere into its pixels, sphere by sphere: quick for few large ones."""
-    corner = np.maximum(np.floor(place - reach).astype(int), 0)
-    beyond = np.ceil(place + reach).astype(int) + 1
+    corner = np.maximum(np.floor(place - reach[:, None]).astype(int), 0)
+    beyond = np.ceil(place + reach[:, None]).astype(int) + 1
     for n, (left, bottom) in enumerate(corner):
         block = front[bottom : beyond[n, 1], left : beyond[n, 0]]
         rows = (np.arange(block.shape[0]) + bottom - place[n, 1]) ** 2
         columns = (np.arange(block.shape[1]) + left - place[n, 0]) ** 2
-        block[rows[:, None] + columns < reach * reach] = n
+        block[rows[:, None] + columns < reach[n] ** 2] = n
 
 
-def _paint_by_pixel(front: NDArray[np.int32], place: NDArray[np.float64], reach: float) -> None:
+def _paint_by_pixel(front: NDArray[np.int32], place: NDArray[np.float64], reach: NDArray[np.float64]) -> None:
     """The same, one pixel of all spheres at a time: quick for many small ones."""
     flat = front.ravel()
     base = np.floor(place).astype(np.int64)
     part = (place - base).astype(np.float32)
     number = np.arange(len(place), dtype=np.int32)
-    span = range(-int(reach) - 1, int(reach) + 3)
+    square = (reach**2).astype(np.float32)
+    span = range(-int(reach.max()) - 1, int(reach.max()) + 3)
     for up, across in itertools.product(span, span):
-        inside = np.flatnonzero((across - part[:, 0]) ** 2 + (up - part[:, 1]) ** 2 < np.float32(reach**2))
+        inside = np.flatnonzero((across - part[:, 0]) ** 2 + (up - part[:, 1]) ** 2 < square)
         pixel = (base[inside, 1] + up) * front.shape[1] + base[inside, 0] + across
         flat[pixel] = np.maximum(flat[pixel], number[inside])
 
@@ -159,7 +166,7 @@ def _paint_by_pixel(front: NDArray[np.int32], place: NDArray[np.float64], reach:
 def _shade(
     front: NDArray[np.int32],
     seen: NDArray[np.float64],
-    radius: float,
+    radius: NDArray[np.float64],
     colours: NDArray[np.float64],
     low: NDArray[np.float64],
     pitch: float,
@@ -167,18 +174,20 @@ def _shade(
     """Colours of the pixels, premultiplied by alpha: (n_rows, n_columns, 4)."""
     rows, columns = np.nonzero(front >= 0)
     sphere = front[rows, columns]
+    own = radius[sphere]
     normal = np.empty((len(rows), 3), dtype=np.float32)
-    normal[:, 0] = (low[0] + (columns + 0.5) * pitch - seen[sphere, 0]) / radius
-    normal[:, 1] = (low[1] + (rows + 0.5) * pitch - seen[sphere, 1]) / radius
+    normal[:, 0] = (low[0] + (columns + 0.5) * pitch - seen[sphere, 0]) / own
+    normal[:, 1] = (low[1] + (rows + 0.5) * pitch - seen[sphere, 1]) / own
     normal[:, 2] = np.sqrt(np.clip(1 - normal[:, 0] ** 2 - normal[:, 1] ** 2, 0.0, 1.0))
     depth = np.full(front.shape, float(seen[:, 2].min()), dtype=np.float32)
-    depth[rows, columns] = seen[sphere, 2] + radius * normal[:, 2]
+    depth[rows, columns] = seen[sphere, 2] + own * normal[:, 2]
     light = (_LIGHT / np.linalg.norm(_LIGHT)).astype(np.float32)
     half = light + np.array([0.0, 0.0, 1.0], dtype=np.float32)
     half /= np.linalg.norm(half)
     brightness = _AMBIENT + _DIFFUSE * np.clip(normal @ light, 0.0, None)
-    covered = _surroundings(depth, radius / pitch, rows, columns) - depth[rows, columns]
-    brightness *= 1 - _OCCLUSION * np.clip(covered / (2 * radius), 0.0, 1.0)
+    usual = float(np.median(radius))
+    covered = _surroundings(depth, usual / pitch, rows, columns) - depth[rows, columns]
+    brightness *= 1 - _OCCLUSION * np.clip(covered / (2 * usual), 0.0, 1.0)
     gloss = np.clip(normal @ half, 0.0, None)
     for _ in range(_SHARPNESS):
         gloss *= gloss

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from granwave.analysis.figure_style import Drawing
+    from granwave.analysis.reports.model import Table
 
 
 @dataclasses.dataclass(frozen=True)
@@ -72,6 +73,10 @@ class Study:
         Of the table "source against ours".
     pictures
         In the order of the report.
+    tables
+        Of its own.
+    verdict
+        What it comes to, in sentences for the top of the report.
     """
 
     name: str
@@ -79,6 +84,8 @@ class Study:
     text: str
     rows: tuple[Row, ...] = ()
     pictures: tuple[Picture, ...] = ()
+    tables: tuple[Table, ...] = ()
+    verdict: tuple[str, ...] = ()
 
 
 def draw_studies(found: Sequence[Study], folder: Path) -> list[Path]:

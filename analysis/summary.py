@@ -8,20 +8,17 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from granwave.analysis.plasticity import HALF_LAW_LIMIT, LAW_LIMIT, PlasticZone, plastic_zone
 from granwave.analysis.result import Result
 from granwave.analysis.sensors import sensor_accelerations, sensor_forces, sensor_velocities
-from granwave.lammps_inputs.assembly import BAR
+from granwave.analysis.target import protection, reached
+from granwave.analysis.wave_speed import wave_speed_of
+from granwave.lammps_inputs.assembly import velocities_of
 from granwave.lammps_inputs.files import plain, replace_text
 
 SUMMARY_FILE = "summary.json"
 Summary = dict[str, Any]
-
-_LEAD = 5  # layers, the struck one among them, that the first disturbance passes before any contact is at its peak
-_FEWEST_LAYERS = 4  # that a wave speed is taken from
-_SAME_LAYER = 1e-3  # diameters
 
 
 def summarise(directory: str | Path) -> Summary:
@@ -59,10 +56,12 @@ def summary_of(result: Result) -> Summary:
         "n_steps": n_steps,
         "end_time_s": end_time,
         **_energies(result),
+        **_precompression(result),
         **_contacts(result),
         **_plasticity(result),
         **_normalised(result),
         **_bottom(result),
+        **protection(result),
         **_bars(result),
         **_sensors(result),
         "wave_speed_m_s": wave_speed_of(result),
@@ -96,62 +95,20 @@ def velocity_normalised(velocity: float, modulus: float, density: float, yield_s
     return scale * modulus**2 * math.sqrt(density) * yield_strength**-2.5 * velocity
 
 
-def wave_speed(depth: NDArray[np.float64], arrival: NDArray[np.float64], diameter: float) -> float | None:
-    """Speed of the wave into the depth: slope of depth over arrival, by layers of spheres.
-
-    The arrival at a layer is the earliest at any of its spheres. The slope is a least-squares fit to the deeper half
-    of the layers that were reached, without the five uppermost ones. An arrival is the first contact force at all,
-    which runs about four layers ahead of the peak force: the speed is that of the peak some four layers above. It
-    needs no threshold, and neither later pulses nor the echo of the bottom disturb it, as they do the times of peak
-    forces. On a chain of Hertz contacts it is within 2 % of the solitary wave's
-    0.6802 (2E / (D rho^1.5 (1 - nu^2)))^(1/3) F^(1/6). Where the wave gets weaker and slower it is above
-    that of the peak: in FCC brass struck at 5 m/s by 10 %, and by 15 to 25 % if compared in the same layers.
-
-    Parameters
-    ----------
-    depth
-        Below the struck sphere, of each sphere's centre at the start: (n_spheres,), m.
-    arrival
-        When any contact of the sphere was first loaded: (n_spheres,), s; NaN: never.
-    diameter
-        Of the spheres, m; depths that differ by less than 1e-3 of it are one layer.
-
-    Returns
-    -------
-    float or None
-        m/s; None when fewer than four layers below the five uppermost were reached.
-    """
-    places = np.rint(depth / (_SAME_LAYER * diameter))
-    layers, member, layer = np.unique(places, return_index=True, return_inverse=True)
-    first = np.full(len(layers), np.inf)
-    np.fmin.at(first, layer, arrival)
-    reached = np.isfinite(first) & (layers >= 0)
-    z, time = depth[member[reached]], first[reached]
-    used = slice(max(_LEAD, len(z) // 2), None)
-    z, time = z[used], time[used]
-    if len(z) < _FEWEST_LAYERS:
-        return None
-    late, deep = time - time.mean(), z - z.mean()
-    slope = float(late @ deep / (late @ late)) if late.any() else 0.0
-    return slope if slope > 0 else None
-
-
-def wave_speed_of(result: Result) -> float | None:
-    """The `wave_speed` of a run."""
-    depth = result["spheres/position"][:, 2] - result.origin[2]
-    return wave_speed(depth, result["spheres/time_first"], result.case.packing.diameter)
-
-
 def restitution(result: Result) -> float | None:
     """Coefficient of restitution of a single collision: of two free spheres, or of one and the bottom wall.
 
     Of two equal spheres of which one rests, the struck one keeps (1 - e)/2 of its velocity; from a wall it returns with
-    -e. None for every other packing.
+    -e, of an oblique impact with the normal part. None for every other packing.
     """
     case = result.case
-    if case.load.kind != "impact" or not case.assembly.plain or case.boundary.bottom_material is not None:
+    boundary = case.boundary
+    moves = boundary.bottom_material is not None or boundary.bottom_support is not None
+    if case.load.kind != "impact" or not case.assembly.plain or moves or case.precompression is not None:
         return None
-    left = float(result["energy/struck_velocity"][-1]) / case.load.velocity
+    if case.load.angle and result.n_spheres > 1:
+        return None
+    left = float(result["energy/struck_velocity"][-1]) / velocities_of(case)[result.struck[0]][2]
     if result.n_spheres == 2 and case.packing.kind == "chain" and case.boundary.bottom == "free":
         return 1 - 2 * left
     if result.n_spheres == 1 and case.boundary.bottom == "wall":
@@ -174,23 +131,43 @@ def zone_of(result: Result) -> PlasticZone:
 
 
 def _energies(result: Result) -> Summary:
-    final = {name: float(result[f"energy/{name}"][-1]) for name in ("kinetic", "elastic", "dissipated")}
     given = result.energy_input
+
+    def final(name: str) -> float:
+        return float(result[f"energy/{name}"][-1])
+
+    def share(energy: float) -> float | None:
+        return energy / given if given else None
+
+    rubbed, damped = final("friction"), final("support_lost") if "energy/support_lost" in result else 0.0
+    plastic = final("dissipated") - rubbed - damped
     return {
         "energy_input_J": given,
-        **{f"energy_{name}_J": value for name, value in final.items()},
-        "energy_dissipated_wall_J": float(result["energy/dissipated_wall"][-1]),
-        "dissipated_fraction": final["dissipated"] / given if given else None,
+        **{f"energy_{name}_J": final(name) for name in ("kinetic", "elastic", "dissipated", "rotational")},
+        "energy_dissipated_wall_J": final("dissipated_wall"),
+        "energy_dissipated_plastic_J": plastic,
+        "energy_dissipated_friction_J": rubbed,
+        "dissipated_fraction": share(final("dissipated")),
+        "plastic_fraction": share(plastic),
+        "friction_fraction": share(rubbed),
         "energy_balance_error": energy_balance_error(result),
     }
 
 
+def _precompression(result: Result) -> Summary:
+    """What the static stage before the run left."""
+    found = {"energy_stored_J": "stored", "precompression_residual": "residual"}
+    return {
+        key: float(result[f"prestage/{name}"][-1]) if f"prestage/{name}" in result else None
+        for key, name in found.items()
+    }
+
+
 def _contacts(result: Result) -> Summary:
-    limit = result["contacts/effective_radius"]
     overlaps = result["contacts/peak_overlap"]
 
     def beyond(share: float) -> int | None:
-        return int(np.count_nonzero(overlaps > share * limit)) if result.has_law_limit else None
+        return int(np.count_nonzero(result.beyond_law(share))) if result.has_law_limit else None
 
     return {
         "peak_force_N": float(np.max(result["contacts/peak_force"], initial=0.0)),
@@ -227,13 +204,11 @@ def _normalised(result: Result) -> Summary:
 
 
 def _bottom(result: Result) -> Summary:
-    name = next((name for name in ("bottom", BAR) if f"walls/{name}" in result), None)
-    if name is None:
-        return {"wall_peak_force_N": None, "wall_impulse_Ns": None}
-    time, force = result[f"walls/{name}/time"], result[f"walls/{name}/force"]
+    found = reached(result)
     return {
-        "wall_peak_force_N": float(np.max(force, initial=0.0)),
-        "wall_impulse_Ns": float(np.trapezoid(force, time)),
+        "wall_peak_force_N": found.peak_force if found else None,
+        "wall_impulse_Ns": float(found.impulse[-1]) if found else None,
+        "base_arrival_s": found.arrival if found else None,
     }
 
 

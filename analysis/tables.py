@@ -19,12 +19,17 @@ ENERGY_COLUMNS = (
     "step", "time", "kinetic", "elastic", "dissipated", "elastic_wall", "dissipated_wall", "input",
     "contacts_yielded", "beyond_law", "beyond_half", "largest_force", "struck_velocity",
 )  # fmt: skip
+#: Columns that the ledger of a run without friction may lack; they are 0 then.
+FRICTION_COLUMNS = ("rotational", "elastic_tangential", "friction")
 
 Table = dict[str, NDArray[np.float64]]
 
 
 def read_energy(directory: str | Path) -> Table:
-    """The energy ledger of a run, `ENERGY_COLUMNS`, each (n_instants,).
+    """The energy ledger of a run, each column (n_instants,).
+
+    `ENERGY_COLUMNS` and `FRICTION_COLUMNS`; with a bottom that moves ``support``, ``support_lost`` and ``target``, J
+    (energy in it, what its damper took, the work done on it); of chains the energy in each bar.
 
     Raises
     ------
@@ -40,7 +45,17 @@ def read_energy(directory: str | Path) -> Table:
     missing = [name for name in ENERGY_COLUMNS if name not in table]
     if missing:
         raise OutputFormatError(f"{path} lacks the columns {', '.join(missing)}; it has {', '.join(table)}")
-    return table
+    zeros = np.zeros_like(table["time"])
+    return table | {name: zeros for name in FRICTION_COLUMNS if name not in table}
+
+
+def read_prestage(directory: str | Path) -> Table:
+    """What the static stage of a precompressed run came to, one row; empty when there was none.
+
+    ``residual`` (largest net force over the largest force of a contact), ``largest_force`` N, ``contacts``,
+    ``yielded``, ``stored`` (elastic energy) J, ``displacement`` m, ``iterations``.
+    """
+    return _read_if_there(Path(directory) / "dumps" / "prestage.txt")
 
 
 def read_walls(directory: str | Path) -> Table:

@@ -3,8 +3,8 @@
 MDAnalysis keeps positions in single precision, 60 nm apart at 0.7 m, which is 5 % of a yield overlap: never
 compute overlaps from ``ts.positions``. The reader here adds what ``result.h5`` has in double precision to
 every snapshot: ``ts.data["displacement"]`` (m), ``ts.data["contact_force"]`` (N), ``ts.data["peak_force"]``
-(N) and ``ts.data["dissipated_energy"]`` (J). Lengths are metres and times seconds, whatever MDAnalysis calls
-them.
+(N), ``ts.data["dissipated_energy"]`` (J) and, with friction, ``ts.data["friction_energy"]`` (J). Lengths are metres and
+times seconds, whatever MDAnalysis calls them.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from MDAnalysis.coordinates.timestep import Timestep
 from granwave.analysis.h5md import GROUP
 from granwave.analysis.result import Result
 
-DATA = ("displacement", "contact_force", "peak_force", "dissipated_energy")
+DATA = ("displacement", "contact_force", "peak_force", "dissipated_energy", "friction_energy")
 
 
 class ResultReader(ReaderBase):
@@ -40,6 +40,7 @@ class ResultReader(ReaderBase):
         super().__init__(filename, **kwargs)
         self._file = h5py.File(self.filename, "r")
         self._spheres = self._file[GROUP]
+        self._data = [name for name in DATA if name in self._spheres]
         self._times = self._spheres["position/time"][()]
         self._steps = self._spheres["position/step"][()]
         self.n_atoms = self._spheres["id"].shape[0]
@@ -90,7 +91,7 @@ class ResultReader(ReaderBase):
         ts.frame = frame
         ts.time = float(self._times[frame])
         ts.data["step"] = int(self._steps[frame])
-        for name in DATA:
+        for name in self._data:
             ts.data[name] = self._spheres[f"{name}/value"][frame]
         if self._edges is not None:
             ts.dimensions = [*self._edges, 90.0, 90.0, 90.0]

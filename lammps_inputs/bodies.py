@@ -1,6 +1,6 @@
 """Bodies besides the like spheres of a packing, and what is recorded of single ones.
 
-    [[replace]]                  spheres of another material; in a chain of another diameter too
+    [[replace]]                  spheres of another material or diameter
     [[striker]]                  a sphere placed against given spheres, resting or moving
     [bar], [incident_bar]        elastic bars at the far and at the struck end of a chain (thesis 3.2)
     [[sensor]]                   a sphere whose mean contact force (chains) or acceleration is recorded
@@ -16,13 +16,15 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
-from granwave.lammps_inputs.keys import Faults, Unfit, custom, finite, number, plain_name, read_table, show, whole
+from granwave.lammps_inputs.keys import Faults, Unfit, custom, number, parse_point, plain_name, read_table, show, whole
 from granwave.lammps_inputs.materials import Material, read_material
 
 Entry = TypeVar("Entry")
 
 _INDEX_FORM = "an id from 1 up, a list of ids, or {first = 8, last = 17}"
 _VECTOR_FORM = "[x, y, z] in m/s"
+_SPIN_FORM = "[x, y, z] in rad/s"
+_POINT_FORM = "[x, y, z] in m"
 
 
 def _parse_index(value: Any) -> tuple[int, ...]:
@@ -39,19 +41,24 @@ def _parse_index(value: Any) -> tuple[int, ...]:
     return ids
 
 
-def _parse_vector(value: Any) -> tuple[float, float, float]:
-    if not isinstance(value, list | tuple) or len(value) != 3:
-        raise Unfit(_VECTOR_FORM)
-    x, y, z = (finite(one, _VECTOR_FORM) for one in value)
-    return x, y, z
-
-
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Replace:
-    """``[[replace]]``: spheres that differ from the rest; a later entry overrules an earlier one."""
+    """``[[replace]]``: spheres that differ from the rest; a later entry overrules an earlier one.
 
-    index: tuple[int, ...] = custom("which spheres", _parse_index)
-    diameter: float | None = number("of these spheres (chains only)", unit="m", above=0, default=None)
+    Which ones: by ``index``; all in a box from ``low`` to ``high``, by the sites of the lattice (in a chain of like
+    spheres); or a random ``share`` of those that there are. A larger one needs room around it: vacancies, or smaller
+    ones; the beads of a chain make room.
+    """
+
+    index: tuple[int, ...] | None = custom("which spheres", _parse_index, default=None)
+    low: tuple[float, float, float] | None = custom(
+        "corner of a box", lambda value: parse_point(value, _POINT_FORM), unit="m", default=None
+    )
+    high: tuple[float, float, float] | None = custom(
+        "opposite corner", lambda value: parse_point(value, _POINT_FORM), unit="m", default=None
+    )
+    share: float | None = number("of the spheres, chosen at random", above=0, at_most=1, default=None)
+    diameter: float | None = number("of these spheres", unit="m", above=0, default=None)
     material: Material | None = None
 
 
@@ -60,14 +67,22 @@ class Striker:
     """``[[striker]]``: a sphere in contact with given spheres of the packing, or with earlier strikers."""
 
     touches: tuple[int, ...] = custom("ids of the spheres that it touches", _parse_index)
-    velocity: tuple[float, float, float] = custom("of the striker", _parse_vector, unit="m/s", default=(0.0, 0.0, 0.0))
+    velocity: tuple[float, float, float] = custom(
+        "of the striker", lambda value: parse_point(value, _VECTOR_FORM), unit="m/s", default=(0.0, 0.0, 0.0)
+    )
+    spin: tuple[float, float, float] = custom(
+        "angular velocity of the striker",
+        lambda value: parse_point(value, _SPIN_FORM),
+        unit="rad/s",
+        default=(0.0, 0.0, 0.0),
+    )
     diameter: float | None = number("of the striker; that of the packing by default", unit="m", above=0, default=None)
     material: Material | None = None
 
     @property
     def moves(self) -> bool:
-        """It has a velocity."""
-        return any(self.velocity)
+        """It has a velocity or a spin."""
+        return any(self.velocity) or any(self.spin)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -13,13 +13,15 @@ import tomli_w
 from granwave.lammps_inputs.assembly import Assembly, assemble
 from granwave.lammps_inputs.bodies import Bar, Replace, Sensor, Striker, read_body, read_list
 from granwave.lammps_inputs.checks import check_case, check_together, warn_about
+from granwave.lammps_inputs.contact_pairs import RIGID, Pair, read_pairs
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.keys import Faults, read_name, read_table, refuse_unknown, show
 from granwave.lammps_inputs.lattices import Lattice
 from granwave.lammps_inputs.loads import Load, read_load
 from granwave.lammps_inputs.materials import Material, read_material, sphere_mass
 from granwave.lammps_inputs.overrides import apply_overrides, parse_overrides
-from granwave.lammps_inputs.sections import Boundary, Contact, Output, PackingSection, Probe, Run
+from granwave.lammps_inputs.sections import Boundary, Contact, Output, PackingSection, Precompression, Probe, Run
+from granwave.lammps_inputs.supports import read_bottom
 from granwave.lammps_inputs.toml_files import read_toml
 
 _SECTIONS: dict[str, type] = {
@@ -32,9 +34,10 @@ _SECTIONS: dict[str, type] = {
 }
 _LISTS: dict[str, type] = {"replace": Replace, "striker": Striker, "sensor": Sensor}
 _BARS = ("bar", "incident_bar")
+_PRECOMPRESSION = "precompression"
 _WALLS = ("bottom", "sides")  # keys of [boundary] that take a material
 _REQUIRED = ("packing", "material")
-_KNOWN = ("name", "material", *_SECTIONS, *_LISTS, *_BARS)
+_KNOWN = ("name", "material", *_SECTIONS, _PRECOMPRESSION, "pair", *_LISTS, *_BARS)
 _RECORD = "resolved"  # written beside a deck for people and programs, ignored when read
 _OF_CONTINUUM = ("block", "punch")
 _HISTORY, _LEAST_HISTORY = 1000, 5  # instants; beads of a chain from which on they are recorded by themselves
@@ -53,6 +56,8 @@ class Case:
     boundary: Boundary = dataclasses.field(default_factory=Boundary)
     run: Run = dataclasses.field(default_factory=Run)
     output: Output = dataclasses.field(default_factory=Output)
+    precompression: Precompression | None = None
+    pair: tuple[Pair, ...] = ()
     replace: tuple[Replace, ...] = ()
     striker: tuple[Striker, ...] = ()
     sensor: tuple[Sensor, ...] = ()
@@ -91,6 +96,9 @@ class Case:
             return _read_section(section, table, name, faults, directory)
 
         parts = read_parts(data, source, faults, directory, sections=_SECTIONS, required=_REQUIRED, read=read)
+        if _PRECOMPRESSION in data:
+            parts[_PRECOMPRESSION] = read_table(Precompression, data[_PRECOMPRESSION], _PRECOMPRESSION, faults)
+        parts["pair"] = read_pairs(data.get("pair", ()), data.get("contact", {}), faults)
         for name, section in _LISTS.items():
             parts[name] = read_list(section, data.get(name, ()), name, faults, directory)
         for name in _BARS:
@@ -114,6 +122,27 @@ class Case:
     def assembly(self) -> Assembly:
         """All its bodies: spheres, strikers and bars."""
         return assemble(self)
+
+    def contact_between(self, first: Material | None, second: Material | None) -> Contact:
+        """``[contact]`` as it holds between bodies of two materials; None: a rigid wall."""
+        names = [RIGID if material is None else material.name for material in (first, second)]
+        return next((pair.contact for pair in self.pair if pair.fits(*names)), self.contact)
+
+    @property
+    def rubs(self) -> bool:
+        """There is friction somewhere."""
+        contacts = [self.contact.friction, self.boundary.friction or 0.0, *(one.contact.friction for one in self.pair)]
+        return any(contacts)
+
+    @property
+    def rotates(self) -> bool:
+        """Some sphere turns, or may be turned by friction."""
+        return self.rubs or any(self.load.spin) or any(any(striker.spin) for striker in self.striker)
+
+    @property
+    def has_past(self) -> bool:
+        """Contacts may have dents from before the run."""
+        return bool(self.contact.initial_overlap) or self.precompression is not None
 
     @property
     def history(self) -> int:
@@ -144,8 +173,11 @@ class Case:
         tables["load"] = _plain(self.load.keys())
         for key in _WALLS:
             wall = tables["boundary"].pop(f"{key}_material", None)
-            if wall is not None:
-                tables["boundary"][key] = {"material": wall}
+            support = tables["boundary"].pop(f"{key}_support", None)
+            if wall is not None or support is not None:
+                tables["boundary"][key] = (support or {}) | ({} if wall is None else {"material": wall})
+        if self.pair:
+            tables["pair"] = [_plain(pair.to_dict()) for pair in self.pair]
         return {name: table for name, table in tables.items() if table != []}
 
     def to_toml(self, resolved: Mapping[str, Any] | None = None) -> str:
@@ -218,7 +250,8 @@ def read_parts(
 def unit_of(key: str) -> str:
     """Unit of a dotted key, such as ``load.velocity``; empty where it has none."""
     table, *between, name = [*key.split("."), ""] if "." not in key else key.split(".")
-    sections = {**_SECTIONS, **_LISTS, **dict.fromkeys(_BARS, Bar), "material": Material}
+    sections = {**_SECTIONS, **_LISTS, **dict.fromkeys(_BARS, Bar), "material": Material, "pair": Contact}
+    sections[_PRECOMPRESSION] = Precompression
     section = Material if "material" in between else sections.get(table)
     fields = {field.name: field for field in dataclasses.fields(section)} if section else {}
     return (fields[name].metadata.get("unit") or "") if name in fields else ""
@@ -227,18 +260,26 @@ def unit_of(key: str) -> str:
 def _read_section(section: type, table: Any, name: str, faults: Faults, directory: Path | None) -> Any:
     if section is Load:
         return read_load(table, faults, directory)
+    if section is Contact:
+        return _read_contact(table, faults, directory)
     if section is not Boundary or not isinstance(table, Mapping):
         return read_table(section, table, name, faults)
     before, plain = len(faults.lines), dict(table)
-    materials: dict[str, Any] = {}
+    read: dict[str, Any] = {}
     for key in _WALLS:
-        if isinstance(table.get(key), Mapping):
-            plain[key] = "wall"
-            materials[f"{key}_material"] = _read_wall(table[key], f"boundary.{key}", faults, directory)
+        if not isinstance(table.get(key), Mapping):
+            continue
+        plain[key] = "wall"
+        if key == "bottom":
+            read["bottom_material"], read["bottom_support"] = read_bottom(
+                table[key], f"boundary.{key}", faults, directory
+            )
+        else:
+            read[f"{key}_material"] = _read_wall(table[key], f"boundary.{key}", faults, directory)
     boundary = read_table(Boundary, plain, name, faults)
     if boundary is None or len(faults.lines) > before:
         return None
-    return dataclasses.replace(boundary, **materials)
+    return dataclasses.replace(boundary, **read)
 
 
 def _read_wall(table: Mapping[str, Any], key: str, faults: Faults, directory: Path | None) -> Material | None:
@@ -248,6 +289,16 @@ def _read_wall(table: Mapping[str, Any], key: str, faults: Faults, directory: Pa
     if "material" not in table:
         return None
     return read_material(table["material"], faults, directory, f"{key}.material")
+
+
+def _read_contact(table: Any, faults: Faults, directory: Path | None) -> Contact | None:
+    """``[contact]``; a path in it starts from the directory of the case, one from the command line from where that is."""
+    contact = read_table(Contact, table, "contact", faults)
+    if contact is None or not isinstance(contact.initial_overlap, str):
+        return contact
+    there = None if "contact.initial_overlap" in faults.overridden else directory
+    path = (there or Path()) / contact.initial_overlap
+    return dataclasses.replace(contact, initial_overlap=str(path.absolute()))
 
 
 def _with_implied(data: Mapping[str, Any]) -> dict[str, Any]:

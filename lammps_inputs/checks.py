@@ -8,13 +8,14 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from granwave.lammps_inputs.assembly import BAR, INCIDENT_BAR
-from granwave.lammps_inputs.bodies import Bar, Replace, Sensor, Striker
+from granwave.lammps_inputs.bodies import Bar, Sensor, Striker
+from granwave.lammps_inputs.checks_contacts import check_contacts, check_dents
+from granwave.lammps_inputs.checks_packing import check_disorder, check_room
+from granwave.lammps_inputs.checks_precompression import check_first_yield, check_precompression, check_support
 from granwave.lammps_inputs.keys import Faults, show
 from granwave.lammps_inputs.lattices import KINDS, Lattice
-from granwave.lammps_inputs.laws import fault_of_constants
 from granwave.lammps_inputs.loads import Load
-from granwave.lammps_inputs.materials import Material
-from granwave.lammps_inputs.sections import Boundary, Contact, Output, PackingSection, Run
+from granwave.lammps_inputs.sections import Boundary, Output, PackingSection, Run
 from granwave.lammps_inputs.struck import struck_spheres
 from granwave.lammps_inputs.yield_factor import FITTED_POISSON_RATIO, hertz_von_mises_yield_factor
 
@@ -33,15 +34,13 @@ def check_together(parts: Mapping[str, Any], faults: Faults) -> None:
     boundary: Boundary | None = parts.get("boundary")
     run: Run | None = parts.get("run")
     output: Output | None = parts.get("output")
-    _check_yields(parts, faults)
-    _check_constants(parts.get("contact"), faults)
+    check_contacts(parts, faults)
     if run is not None:
         _check_times(run, output, faults)
     if packing is None or not _size_fits(packing, faults):
         return
     n_spheres = Lattice(packing.kind, packing.size, packing.diameter).n_spheres
-    replaced, strikers, sensors = parts.get("replace", ()), parts.get("striker", ()), parts.get("sensor", ())
-    _check_replaced(replaced, packing, n_spheres, faults)
+    strikers, sensors = parts.get("striker", ()), parts.get("sensor", ())
     _check_strikers(strikers, n_spheres, faults)
     n_spheres += len(strikers)
     _check_sensors(sensors, n_spheres, faults)
@@ -52,17 +51,21 @@ def check_together(parts: Mapping[str, Any], faults: Faults) -> None:
     if boundary is not None and _boundary_fits(packing, boundary, faults):
         _check_load(parts.get("load"), packing, boundary, faults)
         _check_bars(parts, packing, boundary, faults)
+        check_precompression(parts, packing, boundary, faults)
+    check_disorder(parts, faults)
 
 
 def check_case(case: Case, faults: Faults) -> None:
-    """Check what takes the whole case: the places of strikers."""
-    if not case.striker:
-        return
+    """Check what takes the whole case: room for larger spheres, the places of strikers."""
+    check_room(case, faults)
     try:
         case.assembly  # noqa: B018
     except ValueError as error:
         faults.add("striker", str(error))
         return
+    check_support(case, faults)
+    check_first_yield(case, faults)
+    check_dents(case, faults)
     if case.packing.kind == "chain" and (case.boundary.bottom == "wall" or case.bar is not None):
         _check_below(case, faults)
 
@@ -108,35 +111,6 @@ def warn_about(case: Case, *, chose_yield_factor: bool) -> None:
         _LOG.warning('%s: a Hertz packing dissipates nothing, so run.end_time = "auto" ends after 50 us', case.name)
 
 
-def _check_yields(parts: Mapping[str, Any], faults: Faults) -> None:
-    """Every sphere needs a yield strength if the law yields; walls and bars without one are elastic."""
-    contact: Contact | None = parts.get("contact")
-    if contact is None or not contact.yields:
-        return
-    materials: dict[str, Material | None] = {"material": parts.get("material")}
-    for name in ("replace", "striker"):
-        materials |= {f"{name}.{n}.material": body.material for n, body in enumerate(parts.get(name, ()), start=1)}
-    for key, material in materials.items():
-        if material is not None and material.yield_strength is None:
-            faults.add(
-                f"{key}.yield_strength",
-                f'missing; the {contact.law} law needs it: give a number in Pa, or set contact.law = "hertz"',
-            )
-
-
-def _check_replaced(replaced: tuple[Replace, ...], packing: PackingSection, n_spheres: int, faults: Faults) -> None:
-    for n, entry in enumerate(replaced, start=1):
-        beyond = [sphere for sphere in entry.index if sphere > n_spheres]
-        if beyond:
-            faults.add(
-                f"replace.{n}.index", f"found {beyond[0]}, expected an id from 1 to {n_spheres}, the end of the packing"
-            )
-        if entry.diameter is not None and entry.diameter != packing.diameter and packing.kind != "chain":
-            faults.add(f"replace.{n}.diameter", f"found {entry.diameter:g} in {packing.kind}; only chains take others")
-        if entry.diameter is None and entry.material is None:
-            faults.add(f"replace.{n}", "changes nothing; give a material, or a diameter")
-
-
 def _check_strikers(strikers: tuple[Striker, ...], n_spheres: int, faults: Faults) -> None:
     for n, striker in enumerate(strikers, start=1):
         known = n_spheres + n - 1
@@ -179,20 +153,6 @@ def _check_bars(parts: Mapping[str, Any], packing: PackingSection, boundary: Bou
         )
     if bars[INCIDENT_BAR] is not None and parts.get("striker"):
         faults.add("striker", "found beside [incident_bar]; take one of them out")
-
-
-def _check_constants(contact: Contact | None, faults: Faults) -> None:
-    if contact is None or not contact.constants:
-        return
-    if (contact.law, contact.variant) != ("elastoplastic", "continuous"):
-        for name in contact.constants:
-            faults.add(
-                f"contact.{name}",
-                f"belongs to law elastoplastic, variant continuous; found {contact.law}, {contact.variant}",
-            )
-        return
-    if fault := fault_of_constants(contact):
-        faults.add("contact", f"{', '.join(contact.constants)}: no passive law: {fault}")
 
 
 def _check_times(run: Run, output: Output | None, faults: Faults) -> None:

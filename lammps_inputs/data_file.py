@@ -35,22 +35,38 @@ def write_data(case: Case, path: Path) -> None:
 
 def _sphere_rows(assembly: Assembly) -> Iterator[list[str]]:
     n = assembly.lattice.n_spheres
-    plain = _row(assembly, assembly.material, assembly.lattice.diameter)
-    odd = {
-        sphere: _row(assembly, assembly.material_of(sphere), assembly.diameter_of(sphere))
-        for sphere in {*assembly.diameters, *assembly.materials, *range(n + 1, assembly.n_spheres + 1)}
-    }
     for first in range(1, n + 1, _BATCH):
         last = min(first + _BATCH - 1, n)
-        columns = assembly.lattice_positions(first, last).T.tolist()
-        lines = zip(range(first, last + 1), *columns, strict=True)
-        yield [odd.get(line[0], plain) % line for line in lines] if odd else [plain % line for line in lines]
-    yield [odd[number] % (number, *centre) for number, (_, centre) in enumerate(assembly.strikers, start=n + 1)]
+        yield _like_rows(assembly, first, last) if assembly.sites is None else _own_rows(assembly, first, last)
+    yield [
+        _row(assembly, assembly.material_of(number), f"{assembly.diameter_of(number):.17g}") % (number, *centre)
+        for number, (_, centre) in enumerate(assembly.strikers, start=n + 1)
+    ]
 
 
-def _row(assembly: Assembly, material: Material, diameter: float) -> str:
-    """The row of a sphere, but for its id, x, y and z."""
-    kind, constants = assembly.type_of(material), f"{diameter:.17g} {material.density:.17g}"
+def _like_rows(assembly: Assembly, first: int, last: int) -> list[str]:
+    """Of the sites with these ids, whose spheres are all alike."""
+    row = _row(assembly, assembly.material, f"{assembly.lattice.diameter:.17g}")
+    columns = assembly.lattice_positions(first, last).T.tolist()
+    return [row % line for line in zip(range(first, last + 1), *columns, strict=True)]
+
+
+def _own_rows(assembly: Assembly, first: int, last: int) -> list[str]:
+    """Of the sites with these ids, each sphere with a material and a diameter of its own."""
+    sites = assembly.sites
+    assert sites is not None
+    here = np.flatnonzero(sites.present[first - 1 : last]) + first - 1
+    place = assembly.lattice_positions(first, last)[here - first + 1].T.tolist()
+    diameter = sites.diameter[here].tolist()
+    columns = [*place, diameter] if assembly.bars else [diameter, *place]
+    rows = [_row(assembly, material) for material in sites.materials]
+    lines = zip((here + 1).tolist(), *columns, strict=True)
+    return [rows[kind] % line for kind, line in zip(sites.kind[here].tolist(), lines, strict=True)]
+
+
+def _row(assembly: Assembly, material: Material, diameter: str = "%.17g") -> str:
+    """The row of a sphere, but for its id, x, y and z; in a hybrid style its diameter comes after these."""
+    kind, constants = assembly.type_of(material), f"{diameter} {material.density:.17g}"
     if assembly.bars:
         return f"%d {kind} %.17g %.17g %.17g {constants} 0\n"
     return f"%d {kind} {constants} %.17g %.17g %.17g\n"

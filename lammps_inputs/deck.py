@@ -12,9 +12,13 @@ from typing import Any
 from granwave.lammps_inputs.assembly import struck_of
 from granwave.lammps_inputs.case import Case, load_case
 from granwave.lammps_inputs.data_file import write_data
+from granwave.lammps_inputs.dents import dents_table
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.prestage import load_tables
 from granwave.lammps_inputs.schedule import Schedule, make_schedule
-from granwave.lammps_inputs.script import LOAD_FILE, input_script
+from granwave.lammps_inputs.script import input_script
+from granwave.lammps_inputs.script_contacts import DENTS_FILE
+from granwave.lammps_inputs.script_motion import LOAD_FILE
 from granwave.lammps_inputs.toml_files import read_toml
 from granwave.lammps_inputs.walls import walls
 
@@ -62,7 +66,7 @@ class Deck:
 
 
 def write_deck(case: Case, directory: str | Path, *, timestep: float | None = None) -> Deck:
-    """Write the deck of a case: case.toml, data.granwave, in.granwave and an empty dumps/.
+    """Write the deck of a case: case.toml, data.granwave, in.granwave, tables that it needs, and an empty dumps/.
 
     The files are written elsewhere first and moved into place complete, the script last. Files of the same
     names are replaced; nothing else in the directory is touched.
@@ -75,10 +79,11 @@ def write_deck(case: Case, directory: str | Path, *, timestep: float | None = No
     Raises
     ------
     InputError
-        The directory cannot be written to.
+        The directory cannot be written to, or the dents before the run cannot be had; see `dents_table`.
     """
     directory = Path(directory)
     deck = Deck(directory, case, make_schedule(case, timestep), struck_of(case))
+    tables = _tables(case)
     try:
         directory.mkdir(parents=True, exist_ok=True)
         scratch = Path(tempfile.mkdtemp(prefix=".deck-", dir=directory))
@@ -90,15 +95,25 @@ def write_deck(case: Case, directory: str | Path, *, timestep: float | None = No
         (scratch / SCRIPT_FILE).write_text(input_script(case, deck.schedule), encoding="utf-8")
         deck.dumps.mkdir(exist_ok=True)
         files = [CASE_FILE, DATA_FILE, SCRIPT_FILE]
-        if case.load.table:
-            rows = "".join(f"{time!r} {value!r}\n" for time, value in case.load.table)
-            (scratch / LOAD_FILE).write_text(f"# time (s), {case.load.kind}, SI units\n{rows}", encoding="ascii")
-            files.insert(0, LOAD_FILE)
+        for name, text in tables.items():
+            (scratch / name).write_text(text, encoding="ascii")
+            files.insert(0, name)
         for name in files:
             os.replace(scratch / name, directory / name)
     finally:
         shutil.rmtree(scratch, ignore_errors=True)
     return deck
+
+
+def _tables(case: Case) -> dict[str, str]:
+    """Tables that the script reads, by file name: points of the load, dents, dead loads."""
+    tables = load_tables(case) if case.precompression else {}
+    if case.contact.initial_overlap:
+        tables[DENTS_FILE] = dents_table(case)
+    if case.load.table:
+        rows = "".join(f"{time!r} {value!r}\n" for time, value in case.load.table)
+        tables[LOAD_FILE] = f"# time (s), {case.load.kind}, SI units\n{rows}"
+    return tables
 
 
 def read_deck(directory: str | Path) -> Deck:

@@ -126,6 +126,14 @@ def whole(value: Any, expected: str, *, at_least: int = 1) -> int:
     return value
 
 
+def parse_point(value: Any, expected: str) -> tuple[float, float, float]:
+    """Three numbers; `Unfit` says what was ``expected``."""
+    if not isinstance(value, list | tuple) or len(value) != 3:
+        raise Unfit(expected)
+    x, y, z = (finite(one, expected) for one in value)
+    return x, y, z
+
+
 def plain_name(value: Any) -> str:
     """``value`` as a name that can be that of a directory too, and leads nowhere else."""
     fits = isinstance(value, str) and value.strip() and value.isprintable() and "/" not in value and value[0] != "."

@@ -20,14 +20,14 @@ _RIGID = (math.inf, 0.0, math.inf)  # Young's modulus, Poisson's ratio, yield st
 def sphere_contact(case: Case) -> ContactLaw:
     """The law between two spheres of the packing that are not replaced."""
     radius = case.packing.diameter / 2
-    return law_between(case.contact, (case.material, case.material), (radius, radius))
+    return _law(case, (case.material, case.material), (radius, radius))
 
 
 def pair_contact(case: Case, first: int, second: int) -> ContactLaw:
     """The law between the two spheres with these ids."""
     assembly = case.assembly
-    return law_between(
-        case.contact,
+    return _law(
+        case,
         (assembly.material_of(first), assembly.material_of(second)),
         (assembly.diameter_of(first) / 2, assembly.diameter_of(second) / 2),
     )
@@ -36,9 +36,11 @@ def pair_contact(case: Case, first: int, second: int) -> ContactLaw:
 def flat_contact(case: Case, sphere: int, partner: Material | None = None) -> ContactLaw:
     """The law between a sphere and a flat: a wall or a bar of a material, or a rigid wall (None)."""
     assembly = case.assembly
-    return law_between(
-        case.contact, (assembly.material_of(sphere), partner), (assembly.diameter_of(sphere) / 2, math.inf)
-    )
+    return _law(case, (assembly.material_of(sphere), partner), (assembly.diameter_of(sphere) / 2, math.inf))
+
+
+def _law(case: Case, materials: tuple[Material, Material | None], radii: tuple[float, float]) -> ContactLaw:
+    return law_between(case.contact_between(*materials), materials, radii)
 
 
 def law_between(

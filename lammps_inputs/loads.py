@@ -24,7 +24,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from granwave.lammps_inputs.keys import Faults, Unfit, choice, custom, finite, number, read_table, show
+from granwave.lammps_inputs.keys import Faults, Unfit, choice, custom, finite, number, parse_point, read_table, show
 
 DEFAULT_VELOCITY = 5.0  # m/s
 _KINDS = ("impact", "striker", "force", "displacement")
@@ -37,7 +37,7 @@ _NEEDS: dict[str, tuple[str, ...]] = {
 }
 _OF_SHAPES = ("shape", "amplitude", "duration", "frequency", "table", "file")
 _OF_KIND = {
-    "impact": ("kind", "spheres", "velocity"),
+    "impact": ("kind", "spheres", "velocity", "angle", "spin"),
     "striker": ("kind",),
     "force": ("kind", "spheres", *_OF_SHAPES),
     "displacement": ("kind", "spheres", *_OF_SHAPES),
@@ -68,8 +68,15 @@ class Load:
         _KINDS,
         default="impact",
     )
-    velocity: float = number(
-        "of the struck spheres, along +z into the packing", unit="m/s", above=0, default=DEFAULT_VELOCITY
+    velocity: float = number("of the struck spheres, into the packing", unit="m/s", above=0, default=DEFAULT_VELOCITY)
+    angle: float = number(
+        "of an impact, between the velocity and +z, towards +x", unit="degrees", at_least=0, below=90, default=0.0
+    )
+    spin: tuple[float, float, float] = custom(
+        "angular velocity of the struck spheres at the start",
+        lambda value: parse_point(value, "[x, y, z] in rad/s"),
+        unit="rad/s",
+        default=(0.0, 0.0, 0.0),
     )
     spheres: Literal[1, 3, 7] = choice("how many spheres are struck", (1, 3, 7), default=1)
     shape: Literal["half-sine", "rectangle", "harmonic", "table"] | None = choice(
@@ -88,6 +95,12 @@ class Load:
     def driven(self) -> bool:
         """Work is done while the run goes on."""
         return self.kind in ("force", "displacement")
+
+    @property
+    def initial_velocity(self) -> tuple[float, float, float]:
+        """Of the struck spheres of an impact: (x, y, z), m/s."""
+        angle = math.radians(self.angle)
+        return self.velocity * math.sin(angle), 0.0, self.velocity * math.cos(angle)
 
     @property
     def lasts(self) -> float:

@@ -22,13 +22,15 @@ if TYPE_CHECKING:
 class Packing:
     """Spheres on a lattice, and strikers, the struck layer at z = 0 and depth along +z.
 
+    A row of every array is a sphere; of a packing with vacancies rows are not ids less one, see `rows`.
+
     Attributes
     ----------
     assembly
         The rule behind the positions.
     atoms
-        The spheres in the order of their ids, with the array ``diameters`` (n,), m; positions in m (not
-        angstrom).
+        The spheres in the order of their ids, with the arrays ``diameters`` (n,), m, and ``ids`` (n,); positions
+        in m (not angstrom).
     walls
         The planes around the packing.
     """
@@ -59,8 +61,16 @@ class Packing:
 
     @property
     def ids(self) -> NDArray[np.int64]:
-        """Ids from 1, i fastest: (n_spheres,)."""
-        return np.arange(1, self.n_spheres + 1)
+        """Ids, those of sites counted from 1, i fastest: (n_spheres,)."""
+        return self.atoms.get_array("ids", copy=False)
+
+    def rows(self, ids: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Rows of the spheres with these ids, of the same shape."""
+        return np.searchsorted(self.ids, ids) if self._vacant else ids - 1
+
+    @property
+    def _vacant(self) -> bool:
+        return self.n_spheres < self.assembly.last_sphere
 
     @cached_property
     def contacts(self) -> NDArray[np.int64]:
@@ -83,7 +93,7 @@ class Packing:
 
     @cached_property
     def coordination(self) -> NDArray[np.int8]:
-        """Touching spheres of each sphere: (n_spheres,).
+        """Touching spheres of each sphere: (n_spheres,); checked where the packing is of like spheres alone.
 
         Raises
         ------
@@ -92,8 +102,8 @@ class Packing:
             should.
         """
         result = np.zeros(self.n_spheres, dtype=np.int8)
-        np.add.at(result, self.assembly.contacts().ravel() - 1, 1)
-        if self.assembly.strikers:
+        np.add.at(result, self.rows(self.assembly.contacts().ravel()), 1)
+        if not self.assembly.plain:
             return result
         expected = self.lattice.rule.coordination
         found = int(result.max())
@@ -106,12 +116,12 @@ class Packing:
         result, radii = np.empty(len(pairs)), self.atoms.get_array("diameters") / 2
         for start in range(0, len(pairs), 1_000_000):
             part = slice(start, start + 1_000_000)
-            step = self.positions[pairs[part, 1] - 1] - self.positions[pairs[part, 0] - 1]
+            first, second = self.rows(pairs[part]).T
+            step = self.positions[second] - self.positions[first]
             if self.lattice.periodic:
                 for axis, length in enumerate(self.lattice.lengths):
                     step[:, axis] -= length * np.round(step[:, axis] / length)
-            reach = radii[pairs[part, 0] - 1] + radii[pairs[part, 1] - 1]
-            result[part] = np.sqrt(np.einsum("ij,ij->i", step, step)) - reach
+            result[part] = np.sqrt(np.einsum("ij,ij->i", step, step)) - (radii[first] + radii[second])
         return result
 
     def _has_inside(self) -> bool:
@@ -130,12 +140,6 @@ def build_packing(case: Case) -> Packing:
         cell=np.append(lattice.lengths, high[2] - low[2] + lattice.diameter),
         pbc=(lattice.periodic, lattice.periodic, False),
     )
-    atoms.set_array("diameters", _diameters(assembly))
+    atoms.set_array("diameters", assembly.sphere_diameters())
+    atoms.set_array("ids", assembly.ids)
     return Packing(assembly, atoms, walls(case))
-
-
-def _diameters(assembly: Assembly) -> NDArray[np.float64]:
-    result = np.full(assembly.n_spheres, assembly.lattice.diameter)
-    for sphere in {*assembly.diameters, *range(assembly.lattice.n_spheres + 1, assembly.n_spheres + 1)}:
-        result[sphere - 1] = assembly.diameter_of(sphere)
-    return result

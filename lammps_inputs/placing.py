@@ -30,25 +30,24 @@ def place_strikers(assembly: Assembly, strikers: Sequence[Striker]) -> list[NDAr
     ValueError
         A striker touches spheres that no sphere can touch at once, or overlaps another one.
     """
-    packing = assembly.lattice_positions(1, assembly.lattice.n_spheres)
-    centres = list(packing)
-    radii = [assembly.diameter_of(sphere) / 2 for sphere in range(1, len(packing) + 1)]
-    middle = packing.mean(axis=0)
+    centres, radii = assembly.positions(), assembly.sphere_diameters() / 2
+    ids = assembly.ids
+    middle = assembly.lattice_positions(1, assembly.lattice.n_spheres).mean(axis=0)
     placed = []
     for number, striker in enumerate(strikers, start=1):
         radius = (striker.diameter or assembly.lattice.diameter) / 2
-        touched = np.array([sphere - 1 for sphere in striker.touches])
-        at, reach = np.array(centres)[touched], np.array(radii)[touched] + radius
+        touched = np.searchsorted(ids, striker.touches)
+        at, reach = centres[touched], radii[touched] + radius
         centre = _touching(at, reach, _side(striker, at, middle))
-        gap = np.linalg.norm(np.array(centres) - centre, axis=1) - np.array(radii) - radius
+        gap = np.linalg.norm(centres - centre, axis=1) - radii - radius
         if np.abs(gap[touched]).max() > _TOLERANCE * 2 * radius:
             raise ValueError(f"striker {number}: found no place where it touches {list(striker.touches)} all at once")
         if gap.min() < -_OVERLAP * 2 * radius:
-            other = int(gap.argmin()) + 1
+            other = ids[gap.argmin()]
             raise ValueError(f"striker {number}: its place overlaps sphere {other} by {-gap.min():.3g} m")
         placed.append(centre)
-        centres.append(centre)
-        radii.append(radius)
+        centres, radii = np.vstack([centres, centre]), np.append(radii, radius)
+        ids = np.append(ids, assembly.lattice.n_spheres + number)
     return placed
 
 

@@ -77,9 +77,9 @@ def plan(case: Case, *, n_ranks: int = 1) -> Plan:
         schedule=schedule,
         memory=n_ranks * _MEMORY_BASE
         + assembly.n_particles * _MEMORY_PER_SPHERE
-        + assembly.n_contacts * _MEMORY_PER_CONTACT,
+        + assembly.n_neighbours * _MEMORY_PER_CONTACT,
         disk=assembly.n_particles * (_DISK_DATA_PER_SPHERE + schedule.n_frames * _DISK_FRAME_PER_SPHERE)
-        + assembly.n_contacts * _DISK_PER_CONTACT
+        + assembly.n_neighbours * _DISK_PER_CONTACT
         + rows * _DISK_PER_ROW,
         peak_overlap=overlap,
         peak_overlap_yield=overlap / law.yield_overlap if case.contact.yields else None,
@@ -100,7 +100,7 @@ def _yielding(case: Case, law: ContactLaw) -> float:
     if not case.contact.yields:
         return 1.0
     energy = expected_energy(case)
-    each = energy / (law.yield_force * law.yield_overlap) / max(case.assembly.n_contacts, 1)
+    each = energy / (law.yield_force * law.yield_overlap) / max(case.assembly.n_neighbours, 1)
     return 1 + _YIELDED_COST / (1 + (each / _ENERGY_OF_HALF) ** -_ENERGY_POWER) if each > 0 else 1.0
 
 

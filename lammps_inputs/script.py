@@ -10,16 +10,14 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
-from granwave.lammps_inputs.assembly import INCIDENT_BAR, struck_of, velocities_of
 from granwave.lammps_inputs.case import Case
+from granwave.lammps_inputs.prestage import dead_load_commands, first_half, second_half
 from granwave.lammps_inputs.schedule import BLOCK_THRESHOLD, Schedule
+from granwave.lammps_inputs.script_contacts import contacts, dents, wall_commands
+from granwave.lammps_inputs.script_motion import motion
 from granwave.lammps_inputs.script_output import dumps_at_end, frames, history, ledger, probes, thermo, wall_forces
-from granwave.lammps_inputs.script_text import joined, law_coefficients, num
-from granwave.lammps_inputs.sections import Contact
+from granwave.lammps_inputs.script_text import num
 from granwave.lammps_inputs.timestep import fastest
-from granwave.lammps_inputs.walls import wall_fixes, walls
-
-LOAD_FILE = "load.txt"  # beside the deck: points of a load given as a table
 
 RUN_MARKER = "# --- run ---"
 END_MARKER = "# --- end ---"
@@ -36,15 +34,18 @@ def input_script(case: Case, schedule: Schedule) -> str:
         _head(case),
         _system(case),
         _neighbours(case, schedule),
-        _contact(case),
-        _walls(case),
-        _motion(case, schedule),
+        contacts(case),
+        *([dead_load_commands(case), first_half(case)] if case.precompression else []),
+        wall_commands(case),
+        dents() if case.contact.initial_overlap else [],
+        second_half(case) if case.precompression else [],
+        motion(case, schedule),
         ledger(case, schedule),
         wall_forces(case, schedule),
         probes(case, schedule),
-        frames(schedule),
+        frames(case, schedule),
         history(case, schedule),
-        thermo(schedule),
+        thermo(case, schedule),
         _run(case, schedule),
         [END_MARKER, "", *dumps_at_end(case)],
     ]
@@ -111,119 +112,8 @@ def _neighbours(case: Case, schedule: Schedule) -> list[str]:
         f"neighbor        {num(skin)} bin",
         f"neigh_modify    delay 0 every {every} check yes",
         *(f"neigh_modify    exclude type {a} {b}" for a, b in sorted(apart)),
+        *(["comm_modify     vel yes"] if case.rotates else []),
     ]
-
-
-def _contact(case: Case) -> list[str]:
-    gap = case.boundary.forget_gap * case.packing.diameter
-    return [
-        f"# Contact: {case.contact.law}; a dent is forgotten beyond the gap given here, m.",
-        f"pair_style      gran/hysteretic {num(gap)}",
-        *_pair_coefficients(case),
-    ]
-
-
-def _pair_coefficients(case: Case) -> list[str]:
-    lines = []
-    kinds = list(enumerate(case.assembly.species, start=1))
-    for i, first in kinds:
-        for j, second in kinds[i - 1 :]:
-            if first.role == "sphere":
-                law = law_coefficients(case.contact, first.material, None if i == j else second.material)
-            else:  # parts of bars never meet
-                law = law_coefficients(Contact(law="hertz"), first.material, None if i == j else second.material)
-            lines.append(f"pair_coeff      {i} {j} {law}")
-    return lines
-
-
-def _walls(case: Case) -> list[str]:
-    lines = []
-    planes = [wall for wall in walls(case) if not wall.held_layer]
-    groups = [group for wall in planes[-1:] for _, group, _ in wall_fixes(case, wall) if group != "all"]
-    n, n_all = case.lattice.n_spheres, case.assembly.n_spheres
-    outside = ["group           strikers id " + f"{n + 1}:{n_all}"] if groups and n_all > n else []
-    for number, group in enumerate(groups, start=1):
-        if outside:
-            lines.append(f"group           type{number} type {number}")
-            lines.append(f"group           {group} subtract type{number} strikers")
-        else:
-            lines.append(f"group           {group} type {number}")
-    lines = outside + lines
-    for wall in walls(case):
-        if wall.held_layer:
-            nx, ny, nz = case.lattice.shape
-            last = nx * ny * nz
-            lines.append(f"group           held id {last - nx * ny + 1}:{last}")
-            lines.append("fix             held held setforce 0.0 0.0 0.0")
-        else:
-            low, high = ("NULL", num(wall.coordinate)) if wall.outward > 0 else (num(wall.coordinate), "NULL")
-            style = f"{'xyz'[wall.axis]}plane {low} {high}"
-            for name, group, material in wall_fixes(case, wall):
-                law = law_coefficients(case.contact, material, wall.material)
-                lines.append(f"fix             {name} {group} wall/gran/hysteretic {style} {law}")
-    return (
-        ["# Walls: planes that touch the outermost spheres, or the last layer held in place.", *lines] if lines else []
-    )
-
-
-def _motion(case: Case, schedule: Schedule) -> list[str]:
-    struck = struck_of(case)
-    lines = [
-        "# Motion: velocity Verlet (the contacts are frictionless, so nothing rotates), and what drives it.",
-        f"timestep        {num(schedule.timestep)}",
-        f"group           struck id {struck[0] if struck else 1}",
-        f"group           hit id {joined(struck)}" if struck else "group           hit empty",
-    ]
-    still = []
-    if any(wall.held_layer for wall in walls(case)):
-        still.append("held")
-    if case.load.kind == "displacement":
-        still.append("hit")
-    if still:
-        lines.append(f"group           mobile subtract all {joined(still)}")
-    lines.append(f"fix             motion {'mobile' if still else 'all'} nve")
-    lines += _velocities(case)
-    if case.load.driven:
-        lines += _drive(case)
-        lines.append("variable        input equal v_given+f_load")
-    else:
-        lines.append("variable        input equal v_given")
-    return lines
-
-
-def _velocities(case: Case) -> list[str]:
-    """Initial velocities, and the kinetic energy that they are."""
-    lines: list[str] = []
-    terms: list[str] = []
-    for sphere, velocity in velocities_of(case).items():
-        group = "hit"  # all of these have one velocity
-        if sphere > case.lattice.n_spheres:
-            group = f"striker{sphere - case.lattice.n_spheres}"
-            lines.append(f"group           {group} id {sphere}")
-        elif terms:
-            continue
-        components = joined(num(component) if component else "0.0" for component in velocity)
-        lines.append(f"velocity        {group} set {components} units box")
-        square = "+".join(f"{num(component)}^2" for component in velocity if component)
-        terms.append(f"0.5*mass({group})*({square})")
-    given = f"$({'+'.join(terms)}:%.17g)" if terms else "0.0"
-    return [*lines, f"variable        given equal {given}"]
-
-
-def _drive(case: Case) -> list[str]:
-    """The force, or the displacement, on the struck spheres or on the free end of the incident bar."""
-    load, group, lines = case.load, "hit", []
-    for bar in case.assembly.bars:
-        if bar.name == INCIDENT_BAR:
-            group = "driven"
-            lines.append(f"group           driven id {bar.far}")
-    shape = {
-        "half-sine": (load.amplitude, load.duration),
-        "rectangle": (load.amplitude, load.duration),
-        "harmonic": (load.amplitude, load.frequency),
-    }.get(load.shape or "", ())
-    words = joined(num(value) for value in shape if value is not None) or LOAD_FILE
-    return [*lines, f"fix             load {group} gran/load z {load.kind} {load.shape} {words}"]
 
 
 def _run(case: Case, schedule: Schedule) -> list[str]:

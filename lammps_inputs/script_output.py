@@ -6,12 +6,15 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from granwave.lammps_inputs.script_text import command, joined
-from granwave.lammps_inputs.walls import Wall, wall_fixes, walls
+from granwave.lammps_inputs.walls import Wall, moving_fix, wall_fixes, walls
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.assembly import PlacedBar
     from granwave.lammps_inputs.case import Case
     from granwave.lammps_inputs.schedule import Schedule
+
+POTENTIAL = "c_potential"  # energy of the dead loads of a precompression, from the data file's positions on
+STATIC = "v_static"  # that, and the elastic energy, when the run begins
 
 LEDGER_COLUMNS = {
     "time": "v_time",
@@ -46,6 +49,7 @@ FRAME_COLUMNS = {
     "dissipated": "c_sphere[4]",
     "elastic": "c_sphere[10]",
 }
+RUBBING_FRAME_COLUMNS = {"elastic_tangential": "c_sphere[11]", "friction": "c_sphere[12]"}
 HISTORY_COLUMNS = {"id": "id", "uz": "c_displacement[3]", "vz": "vz"}
 CONTACT_COLUMNS = (
     "i",
@@ -60,7 +64,9 @@ CONTACT_COLUMNS = (
     "time_peak",
     "time_yield",
     "live",
-)
+)  # of compute gran/hysteretic/local, from 1 on
+RUBBING_CONTACT_COLUMNS = {"tangential_force": 13, "elastic_tangential": 14, "friction": 15}
+DENTED_CONTACT_COLUMNS = {"initial": 16}
 WALL_COLUMNS = (
     "overlap",
     "force",
@@ -70,7 +76,11 @@ WALL_COLUMNS = (
     "time_first",
     "time_peak",
     "time_yield",
-)
+)  # of fix wall/gran/hysteretic, from 1 on
+RUBBING_WALL_COLUMNS = {"tangential_force": 9, "friction": 10}
+DENTED_WALL_COLUMNS = {"initial": 11}
+MOVING_WALL_COLUMNS = {"displacement": 10, "velocity": 11, "ground_force": 14}  # of its vector
+_SUPPORT_COLUMNS = {"support": 12, "support_lost": 13, "target": 15}
 _FRAME_FORMAT = "%d %d" + " %.9g" + 3 * " %.10g" + 3 * " %.17g" + 8 * " %.9g"
 
 
@@ -82,23 +92,45 @@ def ledger(case: Case, schedule: Schedule) -> list[str]:
     # contacts with the faces of bars are among those of the pair style
     stored, lost = ([f"f_{name}[{n}]" for name in planes] for n in (4, 5))
     at_bars = [[f"c_on_{name}[{n}]" for name in bars] for n in (4, 5)]
+    elastic, dissipated = ["c_contact", *stored], ["c_contact[1]", *lost]
+    lines = []
+    if case.rotates:
+        columns |= {"kinetic": "v_motion", "rotational": "c_rotational"}
+        lines.append("compute         rotational all erotate/sphere")
+        lines.append("variable        motion equal c_kinetic+c_rotational")
+    if case.rubs:
+        stretched, rubbed = ([f"f_{name}[{n}]" for name in planes] for n in (8, 9))
+        columns |= {"elastic_tangential": "v_elastic_tangential", "friction": "v_friction"}
+        lines.append(f"variable        elastic_tangential equal {_sum(['c_contact[6]', *stretched])}")
+        lines.append(f"variable        friction equal {_sum(['c_contact[7]', *rubbed])}")
+        stored, lost = [*stored, *stretched], [*lost, *rubbed]
+        elastic.append("v_elastic_tangential")
+        dissipated.append("v_friction")
+    if support := moving_fix(case):
+        columns |= {name: f"f_{support}[{n}]" for name, n in _SUPPORT_COLUMNS.items()}
+        elastic.append(columns["support"])
+        dissipated.append(columns["support_lost"])
+    elastic += [f"c_elastic_{name}" for name in bars]
+    if case.precompression:
+        elastic += [POTENTIAL, f"-{STATIC}"]
     return [
         "# Energies, J. Their sum must stay equal to the input.",
         "compute         kinetic all ke",
         "compute         contact all gran/hysteretic/energy",
         "variable        time equal step*dt",
         *(line for bar in case.assembly.bars for line in _bar_energy(bar)),
+        *lines,
         f"variable        elastic_wall equal {_sum(stored + at_bars[0])}",
         f"variable        dissipated_wall equal {_sum(lost + at_bars[1])}",
-        f"variable        elastic equal {_sum(['c_contact', *stored, *(f'c_elastic_{name}' for name in bars)])}",
-        f"variable        dissipated equal {_sum(['c_contact[1]', *lost])}",
+        f"variable        elastic equal {_sum(elastic)}",
+        f"variable        dissipated equal {_sum(dissipated)}",
         "variable        struck_velocity equal vcm(struck,z)",
         *_series("ledger", schedule.ledger_every, "dumps/energy.txt", "energy ledger, SI units", columns),
     ]
 
 
 def _sum(terms: list[str]) -> str:
-    return "+".join(terms) or "0.0"
+    return "+".join(terms).replace("+-", "-") or "0.0"
 
 
 def _bar_energy(bar: PlacedBar) -> list[str]:
@@ -119,6 +151,8 @@ def wall_forces(case: Case, schedule: Schedule) -> list[str]:
     if not found and not bars:
         return []
     columns = {wall.name: f"v_{wall.name}" for wall in found} | {bar.name: f"c_on_{bar.name}[2]" for bar in bars}
+    if support := moving_fix(case):
+        columns |= {f"bottom_{name}": f"f_{support}[{n}]" for name, n in MOVING_WALL_COLUMNS.items()}
     return [
         "# Force of the spheres on each wall and bar, N, positive outwards.",
         *(f"variable        {wall.name} equal {_outward_force(case, wall)}" for wall in found),
@@ -128,13 +162,11 @@ def wall_forces(case: Case, schedule: Schedule) -> list[str]:
 
 def probes(case: Case, schedule: Schedule) -> list[str]:
     """Spheres and contacts that are recorded at their own rate."""
-    spheres = [probe.sphere for probe in case.probes if probe.sphere is not None]
     if not case.probes:
         return []
     lines = ["# Probes: displacement, velocity and force of spheres; overlap and force of contacts."]
-    if spheres:
-        lines.append(f"group           probes id {joined(dict.fromkeys(spheres))}")
-        lines.append("compute         probed probes displace/atom")
+    if not case.precompression:
+        lines += displacements(case)[1:]
     columns = {"time": "v_time"}
     for n, probe in enumerate(case.probes, start=1):
         if probe.contact is not None:
@@ -148,9 +180,21 @@ def probes(case: Case, schedule: Schedule) -> list[str]:
     return lines + _series("probes", schedule.probe_every, "dumps/probes.txt", "probes, SI units", columns)
 
 
-def frames(schedule: Schedule) -> list[str]:
+def displacements(case: Case) -> list[str]:
+    """Displacements from the positions in the data file, of all spheres and of those probed."""
+    lines = ["compute         displacement all displace/atom"]
+    spheres = [probe.sphere for probe in case.probes if probe.sphere is not None]
+    if spheres:
+        lines.append(f"group           probes id {joined(dict.fromkeys(spheres))}")
+        lines.append("compute         probed probes displace/atom")
+    return lines
+
+
+def frames(case: Case, schedule: Schedule) -> list[str]:
     """Snapshots of all spheres."""
     every, chosen = schedule.frame_every, []
+    columns = FRAME_COLUMNS | (RUBBING_FRAME_COLUMNS if case.rubs else {})
+    form = _FRAME_FORMAT + " %.9g" * (len(columns) - len(FRAME_COLUMNS))
     if not every:
         every = schedule.n_steps
         chosen = [
@@ -160,12 +204,12 @@ def frames(schedule: Schedule) -> list[str]:
         ]
     return [
         "# Snapshots of all spheres.",
-        "compute         displacement all displace/atom",
+        *([] if case.precompression else displacements(case)[:1]),
         "compute         sphere all gran/hysteretic/atom",
         "compute         contacts all gran/hysteretic/local",
-        *command("dump            frames all custom", f"{every}", "dumps/spheres.dump", *FRAME_COLUMNS.values()),
-        f'dump_modify     frames first yes sort id format line "{_FRAME_FORMAT}"',
-        *command("dump_modify     frames", *_names(FRAME_COLUMNS)),
+        *command("dump            frames all custom", f"{every}", "dumps/spheres.dump", *columns.values()),
+        f'dump_modify     frames first yes sort id format line "{form}"',
+        *command("dump_modify     frames", *_names(columns)),
         *chosen,
     ]
 
@@ -187,12 +231,13 @@ def history(case: Case, schedule: Schedule) -> list[str]:
     ]
 
 
-def thermo(schedule: Schedule) -> list[str]:
+def thermo(case: Case, schedule: Schedule) -> list[str]:
     """What the log shows."""
     every = schedule.block_steps or max(1, schedule.n_steps // schedule.ledger_every // 20) * schedule.ledger_every
+    kinetic = "v_motion" if case.rotates else "c_kinetic"
     return [
         "# The log.",
-        "thermo_style    custom step v_time c_kinetic v_elastic v_dissipated c_contact[2] v_struck_velocity",
+        f"thermo_style    custom step v_time {kinetic} v_elastic v_dissipated c_contact[2] v_struck_velocity",
         "thermo_modify   lost error norm no flush yes",
         f"thermo          {every}",
         "# Nobody looks at these, and each is computed at every step at which any fix above is due.",
@@ -203,7 +248,11 @@ def thermo(schedule: Schedule) -> list[str]:
 
 def dumps_at_end(case: Case) -> list[str]:
     """The last snapshot if it is still missing, every contact, and what each wall went through."""
-    contacts = {name: f"c_contacts[{n}]" for n, name in enumerate(CONTACT_COLUMNS, start=1)}
+    contacts = {
+        name: f"c_contacts[{n}]"
+        for name, n in _columns(case, CONTACT_COLUMNS, RUBBING_CONTACT_COLUMNS, DENTED_CONTACT_COLUMNS).items()
+    }
+    on_walls = _columns(case, WALL_COLUMNS, RUBBING_WALL_COLUMNS, DENTED_WALL_COLUMNS)
     lines = [
         "# The last snapshot, if the run did not end on one.",
         "dump_modify     frames every 1",
@@ -222,7 +271,7 @@ def dumps_at_end(case: Case) -> list[str]:
         if wall.held_layer:
             continue
         for fix, _, _ in wall_fixes(case, wall):
-            columns = {name: f"f_{fix}[{n}]" for n, name in enumerate(WALL_COLUMNS, start=1)}
+            columns = {name: f"f_{fix}[{n}]" for name, n in on_walls.items()}
             lines += command(
                 f"write_dump      all custom dumps/wall_{fix}.dump id",
                 *columns.values(),
@@ -231,6 +280,14 @@ def dumps_at_end(case: Case) -> list[str]:
                 *_names(columns),
             )
     return lines
+
+
+def _columns(case: Case, always: tuple[str, ...], rubbing: dict[str, int], dented: dict[str, int]) -> dict[str, int]:
+    """Numbers of the columns that a case records of its contacts, by name."""
+    columns = {name: n for n, name in enumerate(always, start=1)}
+    if case.rubs:
+        columns |= rubbing
+    return columns | dented if case.has_past else columns
 
 
 def _series(name: str, every: int, path: str, title: str, columns: dict[str, str]) -> list[str]:

@@ -36,9 +36,9 @@ def command(*words: str) -> list[str]:
     return lines
 
 
-def law_coefficients(contact: Contact, first: Material, second: Material | None = None) -> str:
-    """The contact law with the material of a sphere, and that of its partner if it has another, as pair_coeff and the
-    wall take it; a partner without a yield strength stays elastic."""
+def law_coefficients(contact: Contact, first: Material, second: Material | None = None, friction: float = 0.0) -> str:
+    """The contact law with the material of a sphere, and that of its partner if it has another, and the coefficient of
+    friction, as pair_coeff and the wall take it; a partner without a yield strength stays elastic."""
     words: list[str] = [contact.law]
     for material in (first,) if second is None else (first, second):
         words += [num(material.youngs_modulus), num(material.poisson_ratio)]
@@ -49,4 +49,7 @@ def law_coefficients(contact: Contact, first: Material, second: Material | None 
         words += [word for name, value in contact.constants.items() for word in (name, num(value))]
     if contact.law == "bilinear":
         words += ["beta", num(contact.beta)]
+    if friction:
+        words += ["friction", num(friction)]
+        words += [] if contact.tangential == "mindlin_rescale" else ["tangential", contact.tangential]
     return joined(words)

@@ -8,9 +8,10 @@ from collections.abc import Mapping
 from itertools import pairwise
 from typing import Any, Literal
 
-from granwave.lammps_inputs.keys import Unfit, choice, custom, finite, number, whole
+from granwave.lammps_inputs.keys import Unfit, choice, custom, finite, number, parse_point, whole
 from granwave.lammps_inputs.lattices import KINDS
 from granwave.lammps_inputs.materials import Material
+from granwave.lammps_inputs.supports import Support
 from granwave.lammps_inputs.yield_factor import DEFAULT_YIELD_FACTOR
 
 BOTTOMS = ("wall", "fixed", "free")
@@ -53,6 +54,46 @@ def _parse_seed(value: Any) -> int:
     return seed
 
 
+def _parse_vacancies(value: Any) -> float | tuple[int, ...]:
+    expected = "a share of the spheres, 0 or more and below 1, or a list of ids"
+    if isinstance(value, list | tuple):
+        return tuple(sorted({whole(one, expected) for one in value}))
+    share = finite(value, expected)
+    if not 0 <= share < 1:
+        raise Unfit(expected)
+    return share
+
+
+_DENT_FORM = (
+    "a number in m, the path of a result.h5, or tables {overlap = ...} or {force = ...} with low and high = [x, y, z]"
+)
+
+
+def _parse_dents(value: Any) -> float | str | tuple[Dents, ...]:
+    if isinstance(value, str) and value:
+        return value
+    if isinstance(value, Mapping | list | tuple):
+        tables = [value] if isinstance(value, Mapping) else value
+        if not tables:
+            raise Unfit(_DENT_FORM)
+        return tuple(_parse_dent(table) for table in tables)
+    size = finite(value, _DENT_FORM)
+    if size < 0:
+        raise Unfit(f"{_DENT_FORM}, not negative")
+    return size
+
+
+def _parse_dent(table: Any) -> Dents:
+    known = {"overlap", "force", "low", "high"}
+    if not isinstance(table, Mapping) or not set(table) <= known or ("overlap" in table) == ("force" in table):
+        raise Unfit(_DENT_FORM)
+    size = finite(table.get("overlap", table.get("force")), _DENT_FORM)
+    if size < 0:
+        raise Unfit(f"{_DENT_FORM}, not negative")
+    low, high = (parse_point(table[name], _DENT_FORM) if name in table else None for name in ("low", "high"))
+    return Dents(overlap=size, low=low, high=high) if "overlap" in table else Dents(force=size, low=low, high=high)
+
+
 def _parse_history(value: Any) -> int | str:
     return value if value == "auto" else whole(value, 'a whole number from 0 up or "auto"', at_least=0)
 
@@ -93,17 +134,34 @@ class Probe:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
+class Dents:
+    """Dents that the contacts in a box have from the start, by their largest overlap (m) or the force there (N)."""
+
+    overlap: float | None = None
+    force: float | None = None
+    low: tuple[float, float, float] | None = None
+    high: tuple[float, float, float] | None = None
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
 class PackingSection:
     """``[packing]``: which spheres there are."""
 
     kind: Literal["fcc", "hcp", "bcc", "sc", "square", "chain"] = choice("lattice", tuple(KINDS))
     size: tuple[int, ...] = custom("spheres along x, rows along y, layers along z", _parse_size)
     diameter: float = number("diameter of the spheres", unit="m", above=0)
-    seed: int | None = custom(
-        "of what is random in the packing",
-        _parse_seed,
-        default=None,
+    diameter_scatter: float = number(
+        "tolerance: the diameters lie between this much less and the nominal one", unit="m", at_least=0, default=0.0
     )
+    scatter_distribution: Literal["uniform", "normal"] = choice(
+        "of the diameters in the tolerance band; normal: three standard deviations to either side of its middle",
+        ("uniform", "normal"),
+        default="uniform",
+    )
+    vacancies: float | tuple[int, ...] = custom(
+        "spheres left out: a share of them, chosen at random, or their ids", _parse_vacancies, default=0.0
+    )
+    seed: int | None = custom("of what is random in the packing", _parse_seed, default=None)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -122,6 +180,19 @@ class Contact:
         "C = p_y / sigma_y, contact pressure at first yield", above=0, default=DEFAULT_YIELD_FACTOR
     )
     beta: float = number("bilinear law: residual overlap over the largest overlap", at_least=0, below=1, default=0.8)
+    friction: float = number("coefficient of Coulomb friction between spheres", at_least=0, default=0.0)
+    tangential: Literal["mindlin_rescale", "mindlin"] = choice(
+        "spring of friction where its circle shrinks: force scaled down with it, or kept, which can create energy",
+        ("mindlin_rescale", "mindlin"),
+        default="mindlin_rescale",
+    )
+    initial_overlap: float | str | tuple[Dents, ...] = custom(
+        "largest overlap that the contacts had before the run, their dents: a value, values by region, or an earlier "
+        "run's result.h5",
+        _parse_dents,
+        unit="m",
+        default=0.0,
+    )
 
     # constants of the elasto-plastic law, for materials whose curve is not the published one (None: as published);
     # a = alpha/alpha_y, and the pressure is in units of sigma_y, the area in units of pi R* alpha_y
@@ -166,7 +237,11 @@ class Boundary:
         ("free", "wall", "periodic"),
         default="free",
     )
+    bottom_support: Support | None = None  # what the plane moves on: plate, half_space or bar = {...}
     sides_material: Material | None = None  # of all side planes, given as sides = {material = ...}
+    friction: float | None = number(
+        "coefficient of Coulomb friction of the walls; that of the contacts by default", at_least=0, default=None
+    )
     forget_gap: float = number(
         "a dent is forgotten when the gap exceeds it, never sooner",
         unit="diameters",
@@ -174,6 +249,19 @@ class Boundary:
         at_most=2,
         default=0.1,
     )
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Precompression:
+    """``[precompression]``: a static load before the impact, which stays on."""
+
+    kind: Literal["uniaxial", "uniform", "gravity"] = choice(
+        "a load along z on the top layer, the same pressure on all free faces, or the spheres' weight along +z",
+        ("uniaxial", "uniform", "gravity"),
+    )
+    pressure: float | None = number("on the faces of the packing", unit="Pa", above=0, default=None)
+    force: float | None = number("on each sphere of the top layer (uniaxial)", unit="N", above=0, default=None)
+    acceleration: float = number("of gravity", unit="m/s^2", above=0, default=9.81)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

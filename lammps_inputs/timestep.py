@@ -11,7 +11,10 @@ the normal velocity v_n, so that the contact takes up at most W = m_eff v_n^2 / 
 
 Where bodies differ, every kind of touching pair is a candidate for the whole energy that the load brings in, of which
 a pair of masses m1 < m2 takes up at most m2/(m1 + m2). A force F that lasts brings at most the energy of its
-impulse J in a free sphere, J^2/2m, and no contact beyond some 2.5 F (thesis 4.1: 2.3 F in a chain).
+impulse J in a free sphere, J^2/2m, and no contact beyond some 2.5 F (thesis 4.1: 2.3 F in a chain). Where there are
+many diameters, those within 10 % of each other count as the smallest of them, which makes the stiffest contact for its
+mass. Like spheres within a tolerance all count as the smallest one, struck by one of nominal size. Under a static load
+each contact also takes up the work of that load.
 
 The timestep dt is chosen for the energy balance; stability (dt < 2/omega) would allow some fifty times more. The
 error of velocity Verlet is proportional to dt^2 and largest in the first collisions, where few contacts hold all the
@@ -36,16 +39,20 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from granwave.lammps_inputs.assembly import INCIDENT_BAR, struck_of, velocities_of
-from granwave.lammps_inputs.laws import flat_contact, pair_contact, sphere_contact
+from granwave.lammps_inputs.laws import flat_contact, pair_contact
+from granwave.lammps_inputs.preload import force_of_contact
+from granwave.lammps_inputs.walls import support_timestep
 
 if TYPE_CHECKING:
     from granwave._contact_laws import ContactLaw
     from granwave.lammps_inputs.case import Case
     from granwave.lammps_inputs.loads import Load
     from granwave.lammps_inputs.materials import Material
+    from granwave.lammps_inputs.sites import Sites
 
 _TOLERANCE = 1e-6  # of the input: error of the energy balance at any instant
 _ERROR = 0.135
@@ -56,6 +63,8 @@ _LARGEST_FORCE = 2.5  # of the force that drives a chain: no contact is pressed 
 _OF_ELEMENT = 0.5  # of the time that a wave takes for an element of a bar
 _OF_LOAD = 0.01  # of the duration or period of a load
 _OF_LOAD_ON_BAR = 5e-4  # where a bar carries it: its energy balance has an error of some (pi dt/T)^2
+_OF_PRECOMPRESSION = 2.5  # F alpha over the work of a Hertz contact up to the force F of a static load
+_MOST_KINDS, _NEAR = 50, 1.1  # kinds of spheres told apart; of more, diameters in this ratio count as one
 _LARGEST_OVERLAP = 2.0  # in effective radii; brackets the search, far beyond every law
 
 
@@ -114,8 +123,10 @@ def expected_peak_overlap(case: Case) -> float:
 
 def auto_timestep(case: Case) -> float:
     """The timestep for ``run.timestep = "auto"``, s."""
-    slowest = min(encounter.mass / encounter.stiffness for encounter in _encounters(case))
+    encounters = _encounters(case)
+    slowest = min(encounter.mass / encounter.stiffness for encounter in encounters)
     limits = [math.sqrt(_TOLERANCE / _ERROR * slowest)]
+    limits.append(support_timestep(case, max(encounter.stiffness for encounter in encounters)))
     limits += [_OF_ELEMENT * bar.pitch / bar.wave_speed for bar in case.assembly.bars]
     limits += [(_OF_LOAD_ON_BAR if case.incident_bar else _OF_LOAD) * time for time in _times_of_load(case.load)]
     return _round_down(min(limits))
@@ -138,23 +149,31 @@ def fastest(case: Case) -> float:
 
 
 def _encounters(case: Case) -> list[Encounter]:
-    plain = case.assembly.plain and case.boundary.bottom_material is None and case.load.kind == "impact"
+    plain = case.assembly.like and case.boundary.bottom_material is None and case.load.kind == "impact"
     found = _of_impact(case) if plain else _of_any(case)
+    if case.precompression is not None:
+        force = force_of_contact(case)  # stored, and done by the load that stays on
+        found = [
+            dataclasses.replace(one, energy=one.energy + _OF_PRECOMPRESSION * _work_to_force(one.law, force))
+            for one in found
+        ]
     return [encounter for encounter in found if encounter.energy > 0]
 
 
 def _of_impact(case: Case) -> list[Encounter]:
-    """Like spheres, some of which have a velocity."""
-    kind, mass, velocity = case.packing.kind, case.sphere_mass, case.load.velocity
-    law = sphere_contact(case)
-    found = [Encounter(law, mass * velocity**2 / 4, mass)]
+    """Like spheres, within a tolerance, some of which have a velocity."""
+    kind, striking, velocity = case.packing.kind, case.sphere_mass, case.load.velocity
+    sites = case.assembly.sites
+    smallest = 1 if sites is None else int(np.where(sites.present, sites.diameter, np.inf).argmin()) + 1
+    law, mass = pair_contact(case, smallest, smallest), case.assembly.mass_of(smallest)
+    found = [Encounter(law, striking * velocity**2 / 2 * (striking / (striking + mass)), mass)]
     if kind in _SUPPORTS:
         n, cosine_squared = _SUPPORTS[kind]
-        found.append(Encounter(law, mass * velocity**2 * cosine_squared / (1 + n * cosine_squared) / 2, mass))
+        found.append(Encounter(law, striking * velocity**2 * cosine_squared / (1 + n * cosine_squared) / 2, mass))
     if case.boundary.bottom == "wall":
         halvings = 0 if kind in _UNDIVIDED else case.lattice.shape[2] - 1
-        energy = mass * (velocity * 0.5**halvings) ** 2 / 2
-        found.append(Encounter(flat_contact(case, 1), energy, 2 * mass, against_wall=True))
+        energy = striking * (velocity * 0.5**halvings) ** 2 / 2
+        found.append(Encounter(flat_contact(case, smallest), energy, 2 * mass, against_wall=True))
     return found
 
 
@@ -168,7 +187,7 @@ def _of_any(case: Case) -> list[Encounter]:
         found.append(Encounter(law, _limited(case, law, energy * max(masses) / sum(masses)), 2 * effective))
     flats: list[tuple[int, Material | None]] = [(bar.touches, bar.material) for bar in assembly.bars]
     if case.boundary.bottom == "wall":
-        flats.append((case.lattice.n_spheres, case.boundary.bottom_material))
+        flats += [(sphere, case.boundary.bottom_material) for sphere in _kinds_of_last_layer(case)]
     for sphere, material in flats:
         law = flat_contact(case, sphere, material)
         found.append(Encounter(law, _limited(case, law, energy), 2 * assembly.mass_of(sphere), against_wall=True))
@@ -198,25 +217,66 @@ def _energy_of_force(case: Case) -> float:
 
 
 def _least_mass(case: Case) -> float:
-    assembly = case.assembly
-    odd = {1, *assembly.diameters, *assembly.materials, *range(case.lattice.n_spheres + 1, assembly.n_spheres + 1)}
-    return min(assembly.mass_of(sphere) for sphere in odd)
+    return float(case.assembly.sphere_masses().min()) if not case.assembly.plain else case.sphere_mass
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class _Kinds:
+    """The kinds of spheres at the sites of a lattice.
+
+    Attributes
+    ----------
+    of
+        By site: (n_sites,); -1 of a vacant one.
+    example
+        Id of a sphere of each kind.
+    """
+
+    of: NDArray[np.int64]
+    example: NDArray[np.int64]
+
+
+def _kinds(sites: Sites) -> _Kinds:
+    """Kinds of spheres: of one material and one diameter, or, of too many, diameters near each other."""
+    diameters, size = np.unique(sites.diameter, return_inverse=True)
+    if len(diameters) * len(sites.materials) > _MOST_KINDS:
+        size = (np.log(sites.diameter / diameters[0]) / math.log(_NEAR)).astype(np.int64)
+    code = np.where(sites.present, sites.kind * (size.max() + 1) + size, -1)
+    order = np.lexsort((sites.diameter, code))  # the smallest of each kind first
+    codes, first = np.unique(code[order], return_index=True)
+    example = order[first][codes >= 0] + 1
+    return _Kinds(np.searchsorted(codes[codes >= 0], code) - (code < 0), example)
+
+
+def _kinds_of_last_layer(case: Case) -> list[int]:
+    """A sphere of each kind in the last layer."""
+    n, sites = case.lattice.n_spheres, case.assembly.sites
+    if sites is None:
+        return [n]
+    kinds, (nx, ny, _) = _kinds(sites), case.lattice.shape
+    there = np.unique(kinds.of[n - nx * ny :])
+    return kinds.example[there[there >= 0]].tolist()
 
 
 def _kinds_of_pairs(case: Case) -> list[tuple[int, int]]:
-    """One touching pair of each kind: of two materials and two diameters."""
-    assembly = case.assembly
-    odd = {*assembly.diameters, *assembly.materials}
-    pairs = [
-        (sphere, other) for sphere in odd for other in case.lattice.neighbours(sphere)
-    ]  # and one of like spheres, wherever there is one
-    plain = next((k for k in range(1, case.lattice.n_spheres + 1) if k not in odd), None)
-    if plain is not None and case.lattice.n_spheres > len(odd) + 1:
-        pairs.append((plain, plain))
+    """One pair of each kind of neighbours, and one of like spheres of the packing's own, wherever there are two."""
+    assembly, sites = case.assembly, case.assembly.sites
+    pairs: list[tuple[int, int]] = []
+    if sites is None:
+        pairs += [(1, 1)] if case.lattice.n_spheres > 1 else []
+    else:
+        kinds = _kinds(sites)
+        n = len(kinds.example)
+        codes = {
+            int(code) for near, _ in sites.neighbours() for code in np.unique(kinds.of[near - 1] @ np.array([n, 1]))
+        }
+        pairs += [(int(kinds.example[code // n]), int(kinds.example[code % n])) for code in sorted(codes)]
+        plain = np.flatnonzero(sites.present & (sites.kind == 0) & (sites.diameter == case.lattice.diameter)) + 1
+        pairs += [(int(plain[0]), int(plain[0]))] if len(plain) > 1 else []
     for number, (striker, _) in enumerate(assembly.strikers, start=case.lattice.n_spheres + 1):
         pairs += [(number, touched) for touched in striker.touches]
-    kinds = {frozenset((assembly.material_of(k), assembly.diameter_of(k)) for k in pair): pair for pair in pairs}
-    return list(kinds.values())
+    alike = {frozenset((assembly.material_of(k), assembly.diameter_of(k)) for k in pair): pair for pair in pairs}
+    return list(alike.values())
 
 
 def _times_of_load(load: Load) -> list[float]:

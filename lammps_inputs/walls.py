@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from typing import TYPE_CHECKING
 
 from granwave.lammps_inputs.materials import Material
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case import Case
+    from granwave.lammps_inputs.supports import Support
 
 
 @dataclasses.dataclass(frozen=True)
@@ -29,6 +31,8 @@ class Wall:
         There is no plane: the last layer itself is held in place.
     material
         Of the plane; None for a rigid one.
+    support
+        What the plane moves on; None for one that does not move.
     """
 
     name: str
@@ -37,17 +41,18 @@ class Wall:
     coordinate: float
     held_layer: bool = False
     material: Material | None = None
+    support: Support | None = None
 
 
 def walls(case: Case) -> tuple[Wall, ...]:
     """The walls of a case: the bottom first, then the sides."""
     assembly, found = case.assembly, []
     if case.boundary.bottom != "free":
-        held = case.boundary.bottom == "fixed"
-        found.append(Wall("bottom", 2, 1, assembly.bottom(), held, case.boundary.bottom_material))
+        boundary, held = case.boundary, case.boundary.bottom == "fixed"
+        found.append(Wall("bottom", 2, 1, assembly.bottom(), held, boundary.bottom_material, boundary.bottom_support))
     if case.boundary.sides == "wall":
         low, high = assembly.lattice_bounds()
-        radius = max([case.packing.diameter, *assembly.diameters.values()]) / 2
+        radius = assembly.wall_radius
         for axis, letter in enumerate("xy"):
             material = case.boundary.sides_material
             found.append(Wall(f"{letter}lo", axis, -1, float(low[axis]) - radius, material=material))
@@ -67,3 +72,58 @@ def wall_fixes(case: Case, wall: Wall) -> list[tuple[str, str, Material]]:
         return [(wall.name, "all", materials[0])]
     names = [wall.name, *(f"{wall.name}_{n}" for n in range(2, len(materials) + 1))]
     return [(name, f"species{n}", material) for n, (name, material) in enumerate(zip(names, materials, strict=True), 1)]
+
+
+def wall_friction(case: Case, wall: Wall, material: Material) -> float:
+    """Coefficient of friction between a wall and spheres of a material."""
+    if case.boundary.friction is not None:
+        return case.boundary.friction
+    return case.contact_between(material, wall.material).friction
+
+
+def materials_of_last_layer(case: Case) -> list[Material]:
+    """Of the spheres that rest on the bottom, each once."""
+    nx, ny, _ = case.lattice.shape
+    n, sites = case.lattice.n_spheres, case.assembly.sites
+    if sites is None:
+        return [case.material]
+    last = slice(n - nx * ny, n)
+    return list(dict.fromkeys(sites.materials[kind] for kind in sites.kind[last][sites.present[last]]))
+
+
+def moving_fix(case: Case) -> str | None:
+    """The fix whose plane moves; None where none does. Spheres of other materials than the last layer's meet one that
+    stays."""
+    for wall in walls(case):
+        if wall.support is not None:
+            resting = materials_of_last_layer(case)[0]
+            return next(name for name, _, material in wall_fixes(case, wall) if material == resting)
+    return None
+
+
+def support_words(case: Case, wall: Wall, material: Material) -> list[str]:
+    """What the fix of a plane is told of its support, if it is the one that moves."""
+    if wall.support is None or material != materials_of_last_layer(case)[0]:
+        return []
+    return ["support", *wall.support.words(wall.material, footprint_radius(case))]
+
+
+def support_timestep(case: Case, stiffness: float) -> float:
+    """A timestep that follows the motion of the bottom, s; infinite where it does not move.
+
+    Parameters
+    ----------
+    stiffness
+        Of a contact with it, N/m.
+    """
+    boundary, (nx, ny, _) = case.boundary, case.lattice.shape
+    if boundary.bottom_support is None:
+        return math.inf
+    return boundary.bottom_support.longest_timestep(
+        boundary.bottom_material, footprint_radius(case), nx * ny * stiffness
+    )
+
+
+def footprint_radius(case: Case) -> float:
+    """Radius of the disc of the same area as a layer of the packing, m."""
+    return math.sqrt(math.prod(case.lattice.lengths) / math.pi)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from granwave.analysis import write_result
-from granwave.lammps_inputs import write_deck
+from granwave.lammps_inputs import Case, write_deck
 from tests import synthetic
 from tests.conftest import BIN, PLAIN
 
@@ -31,6 +31,16 @@ def write_periodic_run(directory: Path) -> Path:
         run={"end_time": 4e-5, "frames": 3},
         output={"probes": [{"sphere": 12}, {"contact": [7, 23]}]},
     )
+    return _run(case, directory)
+
+
+def write_chain_run(directory: Path) -> Path:
+    """A run of LAMMPS of a chain before a bar, recorded in time."""
+    bar = {"length": 0.1, "area": 1e-4, "elements": 20, "material": "steel"}
+    return _run(synthetic.make_case("chain", 6, run={"end_time": 1e-4, "frames": 2}, output={}, bar=bar), directory)
+
+
+def _run(case: Case, directory: Path) -> Path:
     script = write_deck(case, directory).script
     command = [str(BIN / "lmp"), "-in", script.name, "-screen", "none"]
     done = subprocess.run(command, cwd=script.parent, capture_output=True, text=True, timeout=60, env=PLAIN)

@@ -19,13 +19,17 @@ DENT = 40.0  # alpha_y, of the deepest dent
 REACH = 1.2  # diameters, over which dents get shallower by e
 BOTTOM_FORCE = 100.0  # N, amplitude of the half sine that hits the bottom
 BALANCE = 3e-7  # error of the ledger's balance
+RUBBED = 0.25  # of a contact's plastic loss: what friction takes where there is any
 FRAME_COLUMNS = "id type radius x y z ux uy uz vx vy vz force peak_force peak_overlap dissipated elastic"
 CONTACT_COLUMNS = "i j overlap force peak_overlap peak_force elastic dissipated time_first time_peak time_yield live"
+FRICTION_COLUMNS = "tangential_force elastic_tangential friction"  # of contacts, where there is friction
 WALL_COLUMNS = "id overlap force peak_overlap peak_force dissipated time_first time_peak time_yield"
 
 
-def make_case(kind: str = "fcc", size: Sequence[int] | int = (6, 6, 4), law: str = "elastoplastic", **tables) -> Case:
-    """A case of brass; further tables by name."""
+def make_case(
+    kind: str = "fcc", size: Sequence[int] | int = (6, 6, 4), law: str = "elastoplastic", packing=(), **tables
+) -> Case:
+    """A case of brass; further keys of the packing, and further tables by name."""
     return Case.from_dict(
         {
             "name": f"synthetic-{kind}",
@@ -33,6 +37,7 @@ def make_case(kind: str = "fcc", size: Sequence[int] | int = (6, 6, 4), law: str
                 "kind": kind,
                 "size": size if isinstance(size, int) else list(size),
                 "diameter": DIAMETER,
+                **dict(packing),
             },
             "material": BRASS,
             "contact": {"law": law},
@@ -46,17 +51,17 @@ def make_case(kind: str = "fcc", size: Sequence[int] | int = (6, 6, 4), law: str
 def write_run(directory: Path, case: Case, dent: float = DENT) -> Path:
     """Write a run: every touching pair has a dent that gets shallower away from the struck sphere.
 
-    Displacements of sphere n at frame m are (m n, 0, m) 1e-9 m; a contact at the distance d from the struck
+    With friction every contact loses `RUBBED` of its plastic loss by it too; with ``contact.initial_overlap`` each has
+    such a dent before the run. Displacements of sphere n at frame m are (m n, 0, m) 1e-9 m; a contact at the distance d from the struck
     sphere was first loaded at d / (1000 m/s).
     """
     deck = write_deck(case, directory)
     packing, law = build_packing(case), sphere_contact(case)
     dumps = directory / "dumps"
     contacts = dents_of(case, packing, deck.struck[0], law, dent)
-    write_local(dumps / "contacts.dump", contacts)
-    write_frames(dumps / "spheres.dump", packing.positions, contacts)
-    lost = float(contacts[:, 7].sum())
-    write_ledger(dumps / "energy.txt", lost, law)
+    write_local(dumps / "contacts.dump", np.stack(list(contacts.values()), axis=1), " ".join(contacts))
+    write_frames(dumps / "spheres.dump", packing.positions, contacts, ids=packing.ids)
+    write_ledger(dumps / "energy.txt", contacts["dissipated"].sum(), law, np.sum(contacts.get("friction", 0.0)))
     if case.boundary.bottom != "free":
         time = np.arange(0, STEPS + 1, 5) * TIMESTEP
         force = BOTTOM_FORCE * np.sin(np.pi * time / time[-1])
@@ -75,49 +80,58 @@ def write_run(directory: Path, case: Case, dent: float = DENT) -> Path:
     return directory
 
 
-def dents_of(case, packing, struck, law, dent) -> np.ndarray:
-    """Rows of contacts.dump."""
+def dents_of(case, packing, struck, law, dent) -> dict[str, np.ndarray]:
+    """Columns of contacts.dump."""
     pairs = packing.contacts
-    middle = packing.positions[pairs - 1].mean(axis=1) if len(pairs) else np.empty((0, 3))
-    distance = np.linalg.norm(middle - packing.positions[struck - 1], axis=1)
+    ends = packing.positions[np.searchsorted(packing.ids, pairs)] if len(pairs) else np.empty((0, 2, 3))
+    distance = np.linalg.norm(ends.mean(axis=1) - packing.positions[np.searchsorted(packing.ids, struck)], axis=1)
     unit = law.yield_overlap if math.isfinite(law.yield_overlap) else 1e-6
-    peak = dent * unit * np.exp(-(distance / DIAMETER - 0.5) / REACH)
+    before = np.full(len(pairs), case.contact.initial_overlap)
+    peak = np.maximum(dent * unit * np.exp(-(distance / DIAMETER - 0.5) / REACH), before)
     first = distance / 1000.0
-    yielded = {"hertz": peak < 0, "bilinear": peak > 0}.get(law.name, peak > law.yield_overlap)
-    force = np.atleast_1d(law.loading_force(peak)) if len(pairs) else np.empty(0)
-    lost = np.atleast_1d(law.dissipated_energy(peak)) if len(pairs) else np.empty(0)
-    zeros = np.zeros(len(pairs))
-    columns = [pairs[:, 0], pairs[:, 1], zeros - 1e-7, zeros, peak, force, zeros, lost, first, first + 2e-6]
-    return np.stack([*columns, np.where(yielded, first + 1e-6, -1.0), zeros + 1], axis=1)
+    yielded = {"hertz": peak < 0, "bilinear": peak > 0}.get(law.name, peak > np.maximum(before, law.yield_overlap))
+
+    def of(function, overlaps):
+        return np.atleast_1d(function(overlaps)) if len(pairs) else np.empty(0)
+
+    lost, zeros = of(law.dissipated_energy, peak) - of(law.dissipated_energy, before), np.zeros(len(pairs))
+    columns = [pairs[:, 0], pairs[:, 1], zeros - 1e-7, zeros, peak, of(law.loading_force, peak), zeros, lost]
+    columns += [first, first + 2e-6, np.where(yielded, first + 1e-6, -1.0), zeros + 1]
+    found = dict(zip(CONTACT_COLUMNS.split(), columns, strict=True))
+    if case.rubs:
+        found |= dict(zip(FRICTION_COLUMNS.split(), (zeros, zeros, RUBBED * lost), strict=True))
+    return found | ({"initial": before} if case.has_past else {})
 
 
-def write_frames(path: Path, positions: np.ndarray, contacts: np.ndarray, steps: Sequence[int] = (0, 250, 500, 1000)):
+def write_frames(path: Path, positions, contacts, ids, steps: Sequence[int] = (0, 250, 500, 1000)):
     """Snapshots, the rows from the last id to the first."""
     n = len(positions)
-    ids = np.arange(1, n + 1)
-    ends = contacts[:, :2].astype(int) - 1
-    peak_force, peak_overlap, lost = np.zeros(n), np.zeros(n), np.zeros(n)
+    ends = np.searchsorted(ids, np.stack([contacts["i"], contacts["j"]], axis=1))
+    peak_force, peak_overlap, lost, rubbed = np.zeros((4, n))
     for column in range(2):
-        np.maximum.at(peak_force, ends[:, column], contacts[:, 5])
-        np.maximum.at(peak_overlap, ends[:, column], contacts[:, 4])
-        np.add.at(lost, ends[:, column], 0.5 * contacts[:, 7])
+        np.maximum.at(peak_force, ends[:, column], contacts["peak_force"])
+        np.maximum.at(peak_overlap, ends[:, column], contacts["peak_overlap"])
+        np.add.at(lost, ends[:, column], 0.5 * contacts["dissipated"])
+        np.add.at(rubbed, ends[:, column], 0.5 * contacts.get("friction", np.zeros(len(ends))))
     path.unlink(missing_ok=True)
+    columns = FRAME_COLUMNS + (" elastic_tangential friction" if "friction" in contacts else "")
     for m, step in enumerate(steps):
         shift = np.stack([m * ids * 1e-9, 0 * ids, np.full(n, m * 1e-9)], axis=1)
         grown = min(step / STEPS * 2, 1.0)
         rows = np.column_stack(
             [ids, np.ones(n), np.full(n, DIAMETER / 2), positions + shift, shift, shift * 1e6,
-             0.1 * peak_force * (m > 0), grown * peak_force, grown * peak_overlap, grown * lost, 0.1 * lost * (m > 0)]
+             0.1 * peak_force * (m > 0), grown * peak_force, grown * peak_overlap, grown * lost, 0.1 * lost * (m > 0),
+             0.01 * lost, grown * rubbed]
         )  # fmt: skip
-        write_custom(path, FRAME_COLUMNS, rows[::-1], step, append=True)
+        write_custom(path, columns, rows[::-1, : len(columns.split())], step, append=True)
 
 
-def write_ledger(path: Path, lost: float, law) -> None:
+def write_ledger(path: Path, lost: float, law, rubbed: float = 0.0) -> None:
     """A ledger of 251 rows that balances up to `BALANCE`; three quarters of the input are dissipated."""
     unit = law.yield_force * law.yield_overlap if math.isfinite(law.yield_overlap) else 1e-3
-    given = lost / 0.75 if lost else 8000 * unit
+    given = (lost + rubbed) / 0.75 if lost else 8000 * unit
     share = np.linspace(0, 1, 251)
-    dissipated, elastic = lost * share, 0.1 * given * share * (1 - share)
+    dissipated, elastic = (lost + rubbed) * share, 0.1 * given * share * (1 - share)
     kinetic = given - dissipated - elastic
     kinetic[100] += BALANCE * given
     zeros = np.zeros_like(share)
@@ -128,6 +142,9 @@ def write_ledger(path: Path, lost: float, law) -> None:
         "step time kinetic elastic dissipated elastic_wall dissipated_wall input contacts_yielded beyond_law "
         "beyond_half largest_force struck_velocity"
     )
+    if rubbed:
+        names += " rotational elastic_tangential friction"
+        rows += [0.1 * kinetic, 0.1 * elastic, rubbed * share]
     write_table(path, names, np.stack(rows, axis=1))
 
 
@@ -137,9 +154,9 @@ def write_table(path: Path, names: str, rows: np.ndarray) -> None:
     path.write_text("\n".join(["# title", f"# {names}", *lines]) + "\n")
 
 
-def write_local(path: Path, rows: np.ndarray) -> None:
+def write_local(path: Path, rows: np.ndarray, columns: str = CONTACT_COLUMNS) -> None:
     """A snapshot as dump local writes it."""
-    _write(path, "ENTRIES", CONTACT_COLUMNS, rows, STEPS, append=False)
+    _write(path, "ENTRIES", columns, rows, STEPS, append=False)
 
 
 def write_custom(path: Path, columns: str, rows: np.ndarray, step: int, append: bool = False) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from granwave.analysis import Result, fields, summarise, write_result
-from granwave.analysis.planes import planes, preferred_directions, section
+from granwave.analysis.planes import layers, planes, preferred_directions, section
 from granwave.lammps_inputs import Lattice, struck_spheres
 from tests import synthetic
 
@@ -123,3 +123,46 @@ def test_peak_force_by_depth(result):
     assert len(depth) == 8
     assert np.allclose(np.diff(depth), 0.01 * np.sqrt(2 / 3), rtol=1e-5)
     assert force[0] == result["spheres/peak_force"].max() and np.all(np.diff(force) <= 0)
+
+
+def test_layers_of_a_packing_that_settled():
+    """Settled by up to a twentieth of a diameter, the layers are the same; mixed up, slices stand for them."""
+    _, positions, _ = lattice_of("fcc")
+    depth, radii = positions[:, 2], np.full(len(positions), 0.005)
+    settled = depth + np.random.default_rng(1).uniform(-2.5e-4, 2.5e-4, len(depth))
+    mean, layer = layers(settled, radii, 0.01)
+    assert np.array_equal(layer, np.rint(depth / (0.01 * np.sqrt(2 / 3))).astype(int))
+    assert np.allclose(mean, np.unique(depth.round(9)), atol=1e-4)
+    mixed = np.random.default_rng(2).uniform(0, 0.06, len(depth))
+    mean, layer = layers(mixed, radii, 0.01)
+    assert len(mean) == 12 and np.all(np.abs(mixed - mean[layer]) < 0.005)
+
+
+def test_beads_of_any_size_are_layers_of_their_own():
+    radii = np.array([5.0, 5, 0.5, 0.5, 0.5, 5]) * 1e-3
+    depth = np.concatenate([[0.0], np.cumsum(radii[1:] + radii[:-1])])
+    assert np.allclose(layers(depth, radii, 0.01)[0], depth, rtol=1e-14)
+
+
+def test_rays_pass_a_missing_sphere(tmp_path):
+    """The third sphere of a ray is missing: two of its contacts are, those below it are there."""
+    case = synthetic.make_case(size=(12, 12, 8))
+    struck = struck_spheres(case.lattice, 1)[0]
+    positions = case.lattice.positions(1, case.lattice.n_spheres)
+    place = positions[struck - 1] + 2 * 0.01 * preferred_directions("fcc")[0]
+    gone = 1 + int(np.argmin(np.linalg.norm(positions - place, axis=1)))
+    synthetic.write_run(tmp_path, synthetic.make_case(size=(12, 12, 8), packing={"vacancies": [gone]}))
+    with Result(write_result(tmp_path)) as result:
+        found = fields.rays(result)
+        assert np.isnan(found.peak_force[1:3, 0]).all() and np.isfinite(found.peak_force[[0, 3], 0]).all()
+        assert np.isfinite(found.peak_force[:4, 1:]).all()
+        assert found.max_difference < 1e-9
+        growth, summary = fields.zone_growth(result), summarise(tmp_path)
+        assert growth.contacts[-1] == summary["n_plastic_contacts"]
+        assert growth.depth[-1] == pytest.approx(summary["plastic_zone_depth_m"], rel=1e-13)
+
+
+def test_cumulated_volume_of_unlike_spheres():
+    lost, volume = np.array([1.0, 3.0, 0.0, 2.0]), np.array([1.0, 0.5, 1.0, 2.0])
+    fraction, total = fields.cumulated(lost, 12.0, volume)
+    assert np.allclose(fraction, [0.25, 5 / 12, 0.5]) and np.allclose(total, [0.5, 2.5, 3.5])

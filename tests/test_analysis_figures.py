@@ -16,10 +16,11 @@ from granwave.analysis import (
     write_result,
 )
 from granwave.analysis.figures import FIGURES
+from granwave.analysis.unprotected import unprotected_peak
 from granwave.lammps_inputs import struck_spheres
 from tests import synthetic
 
-MOVING = {"energies", "bottom_force", "impactor_velocity"}
+MOVING = {"energies", "bottom_force", "target", "impactor_velocity"}
 PLANES = {"peak_force_principal", "peak_force_orthogonal", "wave_front", "packing_3d", "directions"}
 LOST = {"dissipation_ranked", "dissipation_cumulated", "plastic_zone_growth"}
 LOST_PLANES = {"dissipation_principal", "dissipation_orthogonal", "packing_3d_dissipation"}
@@ -71,6 +72,23 @@ def test_figures_of_a_square_packing(tmp_path):
     names = makes_sense(tmp_path, synthetic.make_case("square", (5, 5)))
     assert {"peak_force_principal", "dissipation_principal", "packing_3d"} <= names
     assert "peak_force_orthogonal" not in names
+
+
+def test_figures_of_friction_dents_and_missing_spheres(tmp_path):
+    case = synthetic.make_case(contact={"friction": 0.2, "initial_overlap": 4e-6}, packing={"vacancies": [3, 80]})
+    names = makes_sense(tmp_path, case)
+    own = {f"{what}_{plane}" for what in ("dissipation_parts", "dents") for plane in ("principal", "orthogonal")}
+    assert names == MOVING | PLANES | LOST | LOST_PLANES | own | {"peak_force_depth"}
+    with Result(tmp_path) as result:
+        columns = FIGURES["energies"](result).columns
+        total = sum(columns[f"{part}_J"] for part in ("kinetic", "rotation", "elastic", "yielding", "friction"))
+        assert np.allclose(total, columns["input_J"], rtol=1e-6)
+        columns = FIGURES["dissipation_parts_principal"](result).columns
+        assert 3 not in columns["id"] and np.isin(columns["id"], result["spheres/id"]).all()
+        whole = result["spheres/dissipated_energy"][result.rows(columns["id"])] / result.energy_input
+        assert np.allclose(columns["yielding_over_input"] + columns["friction_over_input"], whole, rtol=1e-12)
+        force = FIGURES["target"](result).columns["without_packing_force_N"]
+        assert force.max() == pytest.approx(unprotected_peak(case, 1.0)[0], rel=1e-6)
 
 
 def test_figures_that_make_no_sense_any_more_are_removed(tmp_path):
@@ -143,6 +161,15 @@ def test_both_ways_of_painting_agree():
     fronts = []
     for paint in (sphere_renderer._paint_by_sphere, sphere_renderer._paint_by_pixel):
         fronts.append(np.full((100, 100), -1, dtype=np.int32))
-        paint(fronts[-1], place, 6.3)
+        paint(fronts[-1], place, np.full(40, 6.3))
     assert np.mean(fronts[0] != fronts[1]) < 1e-3  # single precision at the rims
     assert np.any(fronts[0] >= 0)
+
+
+def test_spheres_of_two_sizes_cover_their_discs():
+    camera = sphere_renderer.Camera.looking(0.0, 90.0, np.array([0.0, 0.0, 1.0]))
+    centres, radii = np.array([[0.0, 0, 0], [3, 0, 0]]), np.array([1.0, 0.5])
+    picture = sphere_renderer.render(centres, radii, np.ones((2, 3)), camera, 300)
+    left, right, bottom, top = picture.extent
+    covered = picture.pixels[..., 3].mean() * (right - left) * (top - bottom)
+    assert covered == pytest.approx(np.pi * 1.25, rel=1e-2)

@@ -8,7 +8,8 @@ import math
 import numpy as np
 import pytest
 
-from granwave.analysis import summarise, velocity_normalised, write_result
+from granwave.analysis import summarise, tables, velocity_normalised, write_result
+from granwave.analysis.reports import quantities
 from granwave.lammps_inputs import sphere_contact, struck_spheres
 from tests import synthetic
 
@@ -46,6 +47,25 @@ PROMISED = (
     "versions",
     "n_wall_contacts",
     "end_reason",
+    "energy_rotational_J",
+    "energy_dissipated_plastic_J",
+    "energy_dissipated_friction_J",
+    "plastic_fraction",
+    "friction_fraction",
+    "energy_stored_J",
+    "precompression_residual",
+    "energy_target_J",
+    "ground_peak_force_N",
+    "target_peak_displacement_m",
+    "support_energy_J",
+    "support_lost_J",
+    "unprotected_peak_force_N",
+    "peak_reduction",
+    "packing_mass_kg",
+    "packing_height_m",
+    "peak_reduction_per_kg",
+    "peak_reduction_per_m",
+    "base_arrival_s",
 )
 
 
@@ -149,3 +169,56 @@ def test_contacts_beyond_the_law_are_counted(tmp_path):
 def test_run_without_a_bottom(tmp_path):
     summary, _ = summary_of(tmp_path, boundary={"bottom": "free"})
     assert summary["wall_impulse_Ns"] is None and summary["wall_peak_force_N"] is None
+
+
+def test_shares_of_yielding_and_friction(tmp_path):
+    plain, _ = summary_of(tmp_path / "plain")
+    assert plain["plastic_fraction"] == plain["dissipated_fraction"] and plain["friction_fraction"] == 0
+    rubbing, _ = summary_of(tmp_path / "rubbing", contact={"friction": 0.1})
+    assert rubbing["dissipated_fraction"] == pytest.approx(0.75, rel=1e-13)
+    ratio = rubbing["friction_fraction"] / rubbing["plastic_fraction"]
+    assert ratio == pytest.approx(synthetic.RUBBED, rel=1e-12)
+    parts = rubbing["energy_dissipated_plastic_J"] + rubbing["energy_dissipated_friction_J"]
+    assert parts == pytest.approx(rubbing["energy_dissipated_J"], rel=1e-13)
+    assert 0 < rubbing["energy_rotational_J"] < rubbing["energy_kinetic_J"]
+
+
+def test_what_a_damper_took_is_no_yielding(tmp_path):
+    """Columns of a bottom that moves, and of the static stage."""
+    case = synthetic.make_case(boundary={"bottom": {"plate": {"mass": 1.0, "stiffness": 1e6, "damping": 5.0}}})
+    synthetic.write_run(tmp_path, case)
+    dumps = tmp_path / "dumps"
+    table = tables.read_energy(tmp_path)
+    share = table["time"] / table["time"][-1]
+    lost = 0.1 * table["dissipated"]
+    table |= {"support": 1e-3 * share, "support_lost": lost, "target": 1e-3 * share + lost}
+    synthetic.write_table(dumps / "energy.txt", " ".join(table), np.stack(list(table.values()), axis=1))
+    table = tables.read_walls(tmp_path)
+    table |= {"bottom_displacement": 1e-6 * (1 + share_of(table)), "bottom_velocity": share_of(table)}
+    table["bottom_ground_force"] = 0.5 * table["bottom"]
+    synthetic.write_table(dumps / "walls.txt", " ".join(table), np.stack(list(table.values()), axis=1))
+    (dumps / "prestage.txt").write_text("# residual largest_force stored\n1e-9 2.0 3e-4\n")
+    write_result(tmp_path)
+    summary = summarise(tmp_path)
+    assert summary["support_lost_J"] == pytest.approx(0.1 * summary["energy_dissipated_J"])
+    assert summary["energy_dissipated_plastic_J"] == pytest.approx(0.9 * summary["energy_dissipated_J"])
+    assert summary["energy_target_J"] == pytest.approx(summary["support_energy_J"] + summary["support_lost_J"])
+    assert summary["target_peak_displacement_m"] == pytest.approx(1e-6)
+    assert summary["ground_peak_force_N"] == pytest.approx(0.5 * summary["wall_peak_force_N"])
+    assert (summary["precompression_residual"], summary["energy_stored_J"]) == (1e-9, 3e-4)
+
+
+def share_of(table):
+    return table["time"] / table["time"][-1]
+
+
+def test_values_are_explained(tmp_path):
+    """What a report explains is in a summary, and has a name of its own."""
+    summary, _ = summary_of(tmp_path)
+    assert set(quantities.MEANINGS) <= set(summary)
+    (group,) = quantities.meanings([summary])
+    told = {row[1].text for row in group.blocks[0].rows}
+    assert "peak_reduction" in told and "support_lost_J" not in told
+    assert quantities.unit_of_value("peak_reduction_per_kg") == "1/kg"
+    assert quantities.unit_of_value("packing_mass_kg") == "kg"
+    assert quantities.meanings([{"name": "x"}]) == ()

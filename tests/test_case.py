@@ -24,6 +24,7 @@ def changed(**changes: Any) -> dict[str, Any]:
     return apply_overrides(MINIMAL, {key.replace("__", "."): value for key, value in changes.items()})
 
 
+AROUND_862 = [718, 719, 850, 851, 861, 863]  # all that touch this sphere of the last layer
 FORCE = {"kind": "force", "shape": "half-sine", "amplitude": 1.0, "duration": 1.0}
 TABLE = {"kind": "force", "shape": "table"}
 
@@ -199,7 +200,70 @@ class TestOverrides:
             "replace.1.index: found 1000, expected an id from 1 to",
         ),
         ({"replace": [{"index": 0, "material": "steel"}]}, "replace.1.index: found 0, expected an id from 1 up"),
-        ({"replace": [{"index": 1, "diameter": 0.02}]}, "replace.1.diameter: found 0.02 in fcc; only chains"),
+        ({"replace": [{"index": 1, "diameter": 0.02}]}, "replace.1.diameter: sphere 1 of 0.02 m overlaps sphere 2 by"),
+        (
+            {"replace": [{"index": 862, "diameter": 0.0101}], "packing__vacancies": AROUND_862},
+            "replace.1.diameter: sphere 862 of 0.0101 m overlaps the wall bottom by 5e-05 m",
+        ),
+        ({"replace": [{"material": "steel"}]}, "replace.1: found no spheres, expected one of index, a box"),
+        (
+            {"replace": [{"index": 1, "share": 0.5, "material": "steel"}]},
+            "replace.1: found index and share, expected one of index, a box from low to high, or share",
+        ),
+        (
+            {"replace": [{"low": [0, 0, 0], "share": 0.5, "material": "steel"}]},
+            "replace.1: found a box and share, expected one of",
+        ),
+        ({"replace": [{"low": [0, 0, 0], "material": "steel"}]}, "replace.1.high: missing; a box has both corners"),
+        (
+            {"replace": [{"low": [0, 0, 1], "high": [1, 1, 0], "material": "steel"}]},
+            "replace.1.high: found [1.0, 1.0, 0.0], expected none of it below low, [0.0, 0.0, 1.0]",
+        ),
+        (
+            {"replace": [{"low": [0.001, 0, 0], "high": [0.002, 1, 0], "material": "steel"}]},
+            "replace.1: found no sphere in the box from [0.001, 0.0, 0.0] to [0.002, 1.0, 0.0]; centres lie from [0, 0, 0]",
+        ),
+        (
+            {"replace": [{"share": 1e-4, "material": "steel"}]},
+            "replace.1: found a share of 0.0001 of 864 spheres, which is none",
+        ),
+        ({"packing__diameter_scatter": -1e-6}, "packing.diameter_scatter: found -1e-06, expected a number at least 0"),
+        (
+            {"packing__diameter_scatter": 0.005},
+            "packing.diameter_scatter: found 0.005, expected less than the radius, 0.005",
+        ),
+        (
+            {"packing__diameter_scatter": 1e-3, "replace": [{"index": 1, "diameter": 2e-3}]},
+            "replace.1.diameter: found 0.002, expected more than twice packing.diameter_scatter, 0.001 m",
+        ),
+        ({"packing__scatter_distribution": "gauss"}, 'packing.scatter_distribution: found "gauss", expected one of'),
+        ({"packing__seed": -1}, "packing.seed: found -1, expected a whole number from 0"),
+        ({"packing__vacancies": 1.0}, "packing.vacancies: found 1.0, expected a share of the spheres"),
+        (
+            {"packing__vacancies": [865]},
+            "packing.vacancies: found 865, expected ids from 1 to 864, the end of the packing",
+        ),
+        ({"packing__vacancies": [66]}, "packing.vacancies: found 66, which load.spheres needs"),
+        (
+            {"packing__vacancies": [7], "replace": [{"index": {"first": 5, "last": 9}, "material": "steel"}]},
+            "packing.vacancies: found 7, which replace.1.index needs; expected a sphere that nothing names",
+        ),
+        (
+            {"packing__vacancies": [7], "output__probes": [{"contact": [6, 7]}]},
+            "packing.vacancies: found 7, which output.probes needs",
+        ),
+        (
+            {"packing__vacancies": 0.9999},
+            "packing.vacancies: found 0.9999 of 864 spheres, which leaves no sphere; make the share smaller",
+        ),
+        (
+            {"packing__vacancies": 0.5, "replace": [{"index": {"first": 1, "last": 800}, "material": "steel"}]},
+            "packing.vacancies: found 0.5 of 864 spheres, which takes 432 spheres, 64 may go: the case names the others",
+        ),
+        (
+            {"packing": {"kind": "chain", "size": 8, "diameter": 0.01, "vacancies": [3]}},
+            "packing.vacancies: found in a chain, which has none",
+        ),
         ({"replace": [{"index": 1, "material": "bras"}]}, 'replace.1.material: found "bras", expected one of'),
         (
             {"replace": [{"index": 1, "material": "ptfe"}]},

@@ -252,6 +252,59 @@ class TestScript:
             part("run 3\n", "run")
 
 
+STEEL = {"preset": "steel"}
+
+
+class TestMovingBottom:
+    """What the fix of the bottom is told, and what is recorded of it."""
+
+    def test_plate(self, tmp_path: Path) -> None:
+        plate = {"mass": 0.1, "stiffness": 1e7, "damping": 20.0}
+        text = script(tmp_path, boundary={"bottom": {"plate": plate}})
+        assert re.search(r"^fix +bottom all wall/gran/hysteretic .* support 0.1 1e\+07 20$", text, re.M)
+        assert 'title2 "# step time bottom bottom_displacement bottom_velocity bottom_ground_force"' in text
+        assert re.search(r"^variable +elastic equal c_contact\+f_bottom\[4\]\+f_bottom\[12\]$", text, re.M)
+        assert re.search(r"^variable +dissipated equal c_contact\[1\]\+f_bottom\[5\]\+f_bottom\[13\]$", text, re.M)
+        assert "struck_velocity support support_lost target" in " ".join(text.replace("&", "").split())
+
+    def test_half_space_under_the_footprint(self, tmp_path: Path) -> None:
+        """Lysmer's analogue: 4 G r/(1 - nu) and 3.4 r^2 sqrt(rho G)/(1 - nu), the disc as large as a layer."""
+        text = script(tmp_path, boundary={"bottom": {"half_space": {}, "material": STEEL}})
+        words = re.search(r"support (\S+) (\S+) (\S+)$", text, re.M)
+        assert words is not None
+        shear, radius = 210e9 / 2.6, np.sqrt(36 * 1e-4 * np.sqrt(3) / 2 / np.pi)
+        expected = [0.0, 4 * shear * radius / 0.7, 3.4 * radius**2 * np.sqrt(7850 * shear) / 0.7]
+        assert [float(word) for word in words.groups()] == pytest.approx(expected, rel=1e-12)
+
+    @pytest.mark.parametrize(
+        ("end", "word"), [("free", "free"), ("fixed", "fixed"), ("infinite", 1e-3 * np.sqrt(210e9 * 7850))]
+    )
+    def test_bar(self, tmp_path: Path, end: str, word: Any) -> None:
+        bar = {"length": 2.0, "area": 1e-3, "elements": 50, "end": end}
+        text = script(tmp_path, boundary={"bottom": {"bar": bar, "material": STEEL}})
+        words = re.search(r"support bar (\S+) (\S+) (\S+) (\S+)$", text, re.M)
+        assert words is not None
+        assert [float(one) for one in words.groups()[:3]] == pytest.approx([50, 7850 * 2e-3, 210e9 * 1e-3 / 0.04])
+        assert words[4] == word if end != "infinite" else float(words[4]) == pytest.approx(word)
+
+    def test_light_plates_and_short_elements_need_short_steps(self) -> None:
+        def step(bottom: Any) -> float:
+            return auto_timestep(make(boundary={"bottom": bottom}))
+
+        usual = step("wall")
+        assert step({"plate": {"mass": 0.1, "stiffness": 1e7}}) == pytest.approx(usual, rel=0.1)
+        assert step({"plate": {"mass": 1e-5, "stiffness": 1e7}}) < 0.3 * usual
+        assert step({"bar": {"length": 0.01, "area": 1e-3, "elements": 100}, "material": STEEL}) < 0.5 * usual
+
+    def test_other_materials_than_the_last_layer_s_meet_a_plane_that_stays(self, tmp_path: Path) -> None:
+        plate = {"plate": {"mass": 0.1, "stiffness": 1e7}}
+        text = script(tmp_path, replace=[{"index": [1, 2], "material": "steel"}], boundary={"bottom": plate})
+        assert re.search(r"^fix +bottom species1 .* support 0.1", text, re.M)
+        assert re.search(r"^fix +bottom_2 species2 .* yield_factor 1.6$", text, re.M)
+        with pytest.raises(InputError, match=r"boundary.bottom: found a plate under spheres of brass and steel"):
+            make(replace=[{"index": 144, "material": "steel"}], boundary={"bottom": plate})
+
+
 class TestPlan:
     def test_reference(self) -> None:
         found = plan(make((72, 72, 30), run={"timestep": 1e-7}))

@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from granwave.analysis import Result
+from granwave.analysis import Result, write_result
 from granwave.analysis.exports.export import export
 from tests import synthetic
 from tests.export_inputs import equal, write_periodic_run, write_walled_run
@@ -81,6 +81,20 @@ def test_vtp_holds_spheres_and_contacts(run, tmp_path):
         spheres = read_vtp(tmp_path / "spheres_0003.vtp")[2]
         assert equal(spheres["contacts_yielded"], result["spheres/contacts_yielded"])
         assert not read_vtp(tmp_path / "spheres_0000.vtp")[2]["contacts_yielded"].any()
+
+
+def test_vtp_of_a_packing_with_missing_spheres(tmp_path):
+    """Lines join the spheres that their ids name."""
+    pytest.importorskip("vtkmodules", reason="vtk is not installed")
+    case = synthetic.make_case(packing={"vacancies": [7, 60]}, contact={"friction": 0.1})
+    write_result(synthetic.write_run(tmp_path, case))
+    export(tmp_path, "vtp", tmp_path / "out")
+    points, lines, _, values, _ = read_vtp(tmp_path / "out" / "contacts_0003.vtp")
+    _, _, spheres, _, _ = read_vtp(tmp_path / "out" / "spheres_0003.vtp")
+    assert len(points) == 142 and not np.isin(spheres["id"], [7, 60]).any()
+    assert equal(spheres["id"][lines], np.stack([values["i"], values["j"]], axis=1))
+    lost = np.bincount(lines.ravel(), np.repeat(0.5 * values["friction_energy"], 2), minlength=142)
+    assert np.allclose(spheres["friction_energy"], lost, rtol=1e-12)
 
 
 def test_vtp_collections_have_times_in_seconds(run, tmp_path):

@@ -15,7 +15,7 @@ from granwave.analysis import Result, write_result
 from granwave.analysis.exports.export import export
 from granwave.analysis.scan_table import read_scan
 from tests import synthetic, synthetic_scan
-from tests.export_inputs import equal, write_periodic_run, write_walled_run
+from tests.export_inputs import equal, write_chain_run, write_periodic_run, write_walled_run
 
 TABLES = ("spheres", "contacts", "wall_contacts", "energy")
 UNITS = {"J": "_J", "N": "_N", "m": "_m", "s": "_s", "kg": "_kg", "m s-1": "_m_s", "1": ""}
@@ -36,6 +36,11 @@ def run(tmp_path_factory):
 @pytest.fixture(scope="module")
 def periodic(tmp_path_factory):
     return write_periodic_run(tmp_path_factory.mktemp("periodic") / "it's a run")
+
+
+@pytest.fixture(scope="module")
+def chain(tmp_path_factory):
+    return write_chain_run(tmp_path_factory.mktemp("chain") / "run")
 
 
 @pytest.fixture(scope="module")
@@ -114,6 +119,26 @@ def test_csv_of_probes_has_units(periodic, tmp_path):
         assert equal(table["contact_7_23_overlap_m"], result["probes/contact_7_23_overlap"])
 
 
+def test_csv_of_a_chain_and_its_bar(chain, tmp_path):
+    export(chain, "csv", tmp_path)
+
+    def table(name):
+        return np.genfromtxt(tmp_path / f"{name}.csv", delimiter=",", names=True)
+
+    with Result(chain) as result:
+        velocity, force = table("chain_velocity"), table("chain_contact_force")
+        for n, bead in enumerate(result["chain/id"]):
+            assert equal(velocity[f"bead_{bead}_m_s"], result["chain/velocity"][:, n])
+        pairs = list(zip(result["chain/contact_i"].tolist(), result["chain/contact_j"].tolist(), strict=True))
+        assert equal(force["contact_{}_{}_N".format(*pairs[2])], result["chain/contact_force"][:, 2])
+        assert equal(velocity["time_s"], result["chain/time"])
+        assert equal(table("chain_beads")["position_m"], result["chain/position"])
+        assert table("chain_contacts")[["i", "j"]].tolist() == pairs
+        assert equal(table("bar_bar_force")["element_3_N"], result["bars/bar/force"][:, 2])
+        assert equal(table("bar_bar_velocity")["node_1_m_s"], result["bars/bar/velocity"][:, 0])
+        assert len(table("bar_bar_nodes")) == 21
+
+
 # --------------------------------------------------------------------------------------------- netcdf
 
 
@@ -164,6 +189,19 @@ def test_netcdf_opens_with_the_netcdf_library(run, tmp_path):
     with netcdf.Dataset(path) as data, Result(run) as result:
         assert equal(data["contact_peak_force"][:].filled(np.nan), result["contacts/peak_force"])
         assert data["wall_contact_wall"][:].tolist() == ["bottom"]
+
+
+def test_netcdf_of_a_chain_and_its_bar(chain, tmp_path):
+    xarray = pytest.importorskip("xarray", reason="xarray is not installed")
+    pytest.importorskip("h5netcdf", reason="h5netcdf is not installed")
+    (path,) = export(chain, "netcdf", tmp_path)
+    with xarray.open_dataset(path) as data, Result(chain) as result:
+        assert {"bead": 6, "chain_contact": 6, "bar_node": 21, "bar_element": 20}.items() <= dict(data.sizes).items()
+        assert equal(data["bead"], result["chain/id"]) and equal(data["chain_time"], result["chain/time"])
+        assert equal(data["bead_velocity"], result["chain/velocity"]) and data["bead_velocity"].units == "m s-1"
+        assert equal(data["chain_contact_force"], result["chain/contact_force"])
+        assert equal(data["bar_element_force"], result["bars/bar/force"])
+        assert equal(data["bar_node_position"], result["bars/bar/position"])
 
 
 def test_netcdf_of_a_run_without_walls(tmp_path):

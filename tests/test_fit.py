@@ -64,7 +64,7 @@ def measured(
 
 def options(curve: Path, directory: Path, **more) -> argparse.Namespace:
     usual = {"material": ["brass"], "radius": [R], "free": None, "fit_yield": False, "force": False}
-    return argparse.Namespace(curve=curve, directory=directory, **(usual | more))
+    return argparse.Namespace(pair=None, curve=curve, directory=directory, **(usual | more))
 
 
 def test_exact_curve():

@@ -7,11 +7,14 @@ import numpy as np
 import pytest
 
 from granwave.analysis import MissingOutputError, OutputFormatError, Result, write_result
-from granwave.analysis.contacts import LISTED_FROM, list_contacts, merge_dents
+from granwave.analysis.contacts import LISTED_FROM, list_contacts, merge_dents, touching_pairs
 from granwave.analysis.directions import energy_of_spheres
 from granwave.analysis.dumps import read_contacts
 from granwave.analysis.fields import dissipation_mismatch
-from granwave.lammps_inputs import build_packing
+from granwave.analysis.h5md import GROUP
+from granwave.analysis.pairs import pair_laws
+from granwave.lammps_inputs import Lattice, build_packing
+from granwave.lammps_inputs.laws import pair_contact
 from tests import synthetic
 
 
@@ -189,3 +192,108 @@ def test_reader_refuses_other_files(tmp_path):
         pass
     with pytest.raises(OutputFormatError, match="expected the result"):
         Result(tmp_path / "other.h5")
+
+
+# ----------------------------------------------------------------------------- packings as they are built
+
+MISSING = (5, 70, 144)
+
+
+def test_rows_are_found_where_spheres_are_missing(tmp_path):
+    """Ids are those of the lattice; what the spheres get does not change because others are missing."""
+    case = synthetic.make_case(packing={"vacancies": MISSING})
+    with Result(write_result(synthetic.write_run(tmp_path, case))) as result:
+        ids = result["spheres/id"]
+        assert ids.tolist() == [one for one in range(1, 145) if one not in MISSING]
+        assert np.array_equal(ids[result.rows(ids)], ids)
+        with pytest.raises(KeyError, match="no sphere 70"):
+            result.rows([4, 70])
+        assert np.array_equal(result[f"{GROUP}/id"], ids)
+        pairs = np.stack([result["contacts/i"], result["contacts/j"]], axis=1)
+        assert np.array_equal(pairs, build_packing(case).contacts) and not np.isin(pairs, MISSING).any()
+        forces = np.zeros(145)
+        np.maximum.at(forces, pairs, result["contacts/peak_force"][:, None])
+        assert np.array_equal(result["spheres/peak_force"], forces[ids])
+        assert np.array_equal(result["spheres/coordination"], np.bincount(pairs.ravel(), minlength=145)[ids])
+        lost = result["contacts/dissipated_energy"].sum()
+        assert result["spheres/dissipated_energy"].sum() == pytest.approx(lost, rel=1e-13)
+        assert dissipation_mismatch(result) < 1e-14
+        assert np.array_equal(result.origin, case.lattice.positions(1, 144)[result.struck[0] - 1])
+
+
+def test_friction_is_part_of_the_dissipation_and_stands_apart(tmp_path):
+    case = synthetic.make_case(contact={"law": "elastoplastic", "friction": 0.2})
+    run = synthetic.write_run(tmp_path, case)
+    row = np.array([[143, 0, 0, 1e-5, 50.0, 2e-4, 1e-5, 2e-5, 1.5e-5, 3.0, 1e-4]])
+    columns = synthetic.WALL_COLUMNS + " tangential_force friction"
+    synthetic.write_custom(run / "dumps" / "wall_bottom.dump", columns, row, synthetic.STEPS)
+    with Result(write_result(run)) as result:
+        rubbed, lost = result["contacts/friction_energy"], result["contacts/dissipated_energy"]
+        assert np.allclose(rubbed, synthetic.RUBBED * (lost - rubbed), rtol=1e-14)
+        assert result["wall_contacts/dissipated_energy"][0] == pytest.approx(3e-4)
+        assert result["spheres/dissipated_energy_wall"][142] == pytest.approx(3e-4)
+        assert result["spheres/friction_energy"].sum() == pytest.approx(rubbed.sum() + 1e-4, rel=1e-13)
+        assert result["spheres/dissipated_energy"].sum() == pytest.approx(lost.sum() + 3e-4, rel=1e-13)
+        assert dissipation_mismatch(result) < 1e-14
+        assert "friction_energy" in result.quantities
+        expected = result["spheres/friction_energy"] - np.where(result["spheres/id"] == 143, 1e-4, 0)
+        assert np.allclose(result.frame(3, "friction_energy"), expected, rtol=1e-13)
+        assert result.unit("spheres/friction_energy") == result.unit("energy/friction") == "J"
+
+
+def test_a_run_without_friction_has_none(result):
+    assert not result["energy/friction"].any() and not result["contacts/friction_energy"].any()
+    assert "friction_energy" not in result.quantities
+
+
+def test_only_dents_that_grew_have_yielded(tmp_path):
+    """Dents from before the run: those near the impact are deeper than they were, the others as they were."""
+    before = 8e-6
+    case = synthetic.make_case(contact={"law": "elastoplastic", "initial_overlap": before})
+    with Result(write_result(synthetic.write_run(tmp_path, case))) as result:
+        grown = result["contacts/peak_overlap"] > before
+        assert 0 < grown.sum() < len(grown)
+        assert np.array_equal(result["contacts/yielded"], grown)
+        assert np.all(result["contacts/initial_overlap"] == before)
+        assert result["contacts/peak_overlap"].min() == before > result.law.yield_overlap
+        assert result["contacts/dissipated_energy"][~grown].max() == 0
+
+
+def test_radii_of_their_own_change_the_laws():
+    """alpha_y is in proportion to R*: that of every pair is that of its law."""
+    replaced = [{"index": [40, 41], "diameter": 0.008, "material": "steel"}]
+    case = synthetic.make_case(packing={"diameter_scatter": 4e-6}, replace=replaced)
+    assembly = case.assembly
+    pairs = np.concatenate(list(case.lattice.pairs()))
+    types = np.array([[assembly.type_of(assembly.material_of(one)) for one in pair] for pair in pairs.tolist()])
+    radii = np.array([[assembly.diameter_of(one) / 2 for one in pair] for pair in pairs.tolist()])
+    found = pair_laws(case, types, radii)
+    laws = [pair_contact(case, *pair) for pair in pairs.tolist()]
+    assert len({law.yield_overlap for law in laws}) > 100
+    assert np.allclose(found.effective_radius, [law.effective_radius for law in laws], rtol=1e-14)
+    assert np.allclose(found.yield_overlap, [law.yield_overlap for law in laws], rtol=1e-13)
+    assert np.allclose(found.share, [law.share_of_first for law in laws])
+
+
+@pytest.mark.parametrize("kind", ["fcc", "hcp", "bcc", "sc"])
+@pytest.mark.parametrize("sides", ["free", "periodic"])
+def test_search_finds_the_contacts_of_a_lattice(kind, sides):
+    lattice = Lattice(kind, (6, 6, 5), 0.01, sides == "periodic")
+    expected = np.concatenate(list(lattice.pairs()))
+    expected = expected[np.lexsort((expected[:, 1], expected[:, 0]))]
+    periods = (*lattice.lengths, 0.0) if lattice.periodic else (0.0, 0.0, 0.0)
+    ids = np.arange(1, lattice.n_spheres + 1)
+    radii = np.full(len(ids), 0.005)
+    found = touching_pairs(ids, lattice.positions(1, len(ids)) - 0.003, radii, 1e-8, periods)
+    assert np.array_equal(found, expected)
+
+
+def test_search_finds_what_touches_a_large_sphere():
+    """Every pair, by comparing all with all."""
+    random = np.random.default_rng(5)
+    radii = np.where(np.arange(300) < 5, 0.03, random.uniform(0.004, 0.006, 300))
+    places, ids = random.uniform(0, 0.15, (300, 3)), np.arange(1, 301) * 3
+    gaps = np.linalg.norm(places[:, None] - places[None], axis=-1) - radii[:, None] - radii
+    i, j = np.nonzero(np.triu(gaps <= 1e-4, 1))
+    assert len(i) > 50
+    assert np.array_equal(touching_pairs(ids, places, radii, 1e-4), np.stack([ids[i], ids[j]], axis=1))

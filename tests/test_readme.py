@@ -31,10 +31,11 @@ def test_python(tmp_path):
 
 
 def test_files(tmp_path):
-    names = ("case", "chain", "scan", "profile")
+    names = ("case", "chain", "real", "scan", "profile")
     for name, text in zip(names, blocks("toml"), strict=True):
         (tmp_path / f"{name}.toml").write_text(text)
     assert load_case(tmp_path / "case.toml").name == "mine"
     assert load_case(tmp_path / "chain.toml").bar is not None
+    assert load_case(tmp_path / "real.toml").precompression is not None
     assert len(load_scan(tmp_path / "scan.toml").points) == 7 * 3 * 2 + 1
     assert load_profile(tmp_path / "profile.toml").nodes == 1

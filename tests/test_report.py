@@ -154,7 +154,7 @@ def test_damaged_result_file_leaves_a_note(runs, tmp_path):
     assert any("second" in text and "result.h5" in text for text in texts)
 
 
-def test_replicates_have_mean_and_deviation(tmp_path):
+def test_replicates_have_mean_and_confidence(tmp_path):
     points = [{"load.velocity": v, "packing.seed": s} for v in (1, 2) for s in (1, 2, 3)]
     scan = tmp_path / "scan"
     write_scan(scan, [{"load.velocity": p["load.velocity"]} for p in points], missing=range(1, 7))
@@ -165,9 +165,9 @@ def test_replicates_have_mean_and_deviation(tmp_path):
         folder.mkdir(parents=True)
         write_json(folder / "summary.json", {"dissipated_fraction": 0.5 + 0.1 * point["packing.seed"], "versions": {}})
     write_json(scan / "scan.json", index)
-    rows = table(build([scan], tmp_path), "results", "Scan scan: mean and standard deviation")
+    rows = table(build([scan], tmp_path), "results", "Scan scan: mean and 95 % confidence interval")
     assert [row["Replicates"].text for row in rows] == ["3", "3"]
-    assert rows[0]["Dissipated fraction"].text == "0.7 ± 0.1"
+    assert rows[0]["Dissipated fraction"].text == "0.7 ± 0.25"  # 4.303 x 0.1 / sqrt 3
 
 
 def test_versions_common_once_and_differences_by_run(tmp_path):

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from granwave.lammps_inputs.errors import InputError
 from granwave.workflows import load_case, load_scan, studies
 from granwave.workflows.scanning.scan_file import Scan
 from granwave.workflows.scanning.suite import is_suite
@@ -253,11 +254,27 @@ def test_ranks_by_size(load: Load, ranks: str, expected: list[int]) -> None:
 
 
 def test_replicates_carry_seeds_from_one(load: Load) -> None:
-    scan = load("replicates = 3\n" + SMALL + VELOCITIES + "[[points]]\nload.velocity = 7\n")
+    scattered = SMALL + "packing.diameter_scatter = 1e-6\n"
+    scan = load("replicates = 3\n" + scattered + VELOCITIES + "[[points]]\nload.velocity = 7\n")
     assert scan.varied == ("load.velocity", "packing.seed")
     assert values(scan, "packing.seed") == [1, 2, 3] * 3
     assert values(scan, "load.velocity") == [1, 1, 1, 2, 2, 2, 7, 7, 7]
+    assert [point.number for point in scan.points] == list(range(1, 10))
     assert [point.case.packing.seed for point in scan.points] == [1, 2, 3] * 3 and len(scan.distinct) == 9
+
+
+def test_only_what_is_random_is_replicated(load: Load, caplog) -> None:
+    scan = load("replicates = 3\n" + SMALL + "[grid]\npacking.diameter_scatter = [0.0, 1e-6]\n")
+    assert values(scan, "packing.diameter_scatter") == [0.0, 1e-6, 1e-6, 1e-6]
+    assert values(scan, "packing.seed") == [1, 1, 2, 3] and not caplog.records
+    with caplog.at_level(logging.WARNING, logger="granwave"):
+        scan = load("replicates = 3\n" + SMALL + VELOCITIES)
+    assert len(scan.points) == 2 and [record.message.count("nothing is random") for record in caplog.records] == [1]
+
+
+def test_replicates_and_seeds_of_its_own(load: Load) -> None:
+    with pytest.raises(InputError, match=r"packing\.seed: varies twice"):
+        load("replicates = 2\n" + SMALL + "[grid]\npacking.seed = [1, 2]\n")
 
 
 def test_one_replicate_is_no_replicate(load: Load) -> None:

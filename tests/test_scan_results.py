@@ -26,7 +26,7 @@ from granwave.analysis.scan_table import (
     scan_table,
     write_scan_table,
 )
-from granwave.analysis.summary import wave_speed
+from granwave.analysis.wave_speed import wave_speed
 from granwave.lammps_inputs import load_case, sphere_contact, write_deck
 from granwave.workflows import studies
 from tests import synthetic
@@ -131,12 +131,14 @@ def test_replicates_have_means_and_deviations(tmp_path):
     assert "packing.seed" not in statistics and "name.mean" not in statistics
     assert statistics["peak_force_N.mean"] == pytest.approx([sum(forces[:2]) / 2, forces[3]], rel=1e-14)
     assert statistics["peak_force_N.std"][0] == pytest.approx(abs(forces[0] - forces[1]) / math.sqrt(2), rel=1e-12)
-    assert statistics["peak_force_N.std"][1] is None
+    assert statistics["peak_force_N.std"][1] is None and statistics["peak_force_N.ci95"][1] is None
+    half = 12.7062 * statistics["peak_force_N.std"][0] / math.sqrt(2)  # of two values, by tables
+    assert statistics["peak_force_N.ci95"][0] == pytest.approx(half, rel=1e-5)
     write_scan_table(tmp_path)
     assert rows_of(tmp_path / "scan_mean.csv")[1]["peak_force_N.std"] == ""
     with h5py.File(tmp_path / "scan.h5") as file:
         assert file["mean/n"][()].tolist() == [2, 1] and math.isnan(file["mean/peak_force_N.std"][1])
-        assert file["mean/peak_force_N.mean"].attrs["unit"] == "N"
+        assert file["mean/peak_force_N.mean"].attrs["unit"] == file["mean/peak_force_N.ci95"].attrs["unit"] == "N"
 
 
 def test_two_thousand_points_are_quick(tmp_path):

@@ -32,18 +32,39 @@ from granwave.lammps_inputs.timestep import auto_timestep
 from granwave.workflows import mpi, studies
 from granwave.workflows.engine import Engine, open_engine
 
-STYLES = {
-    "gran/hysteretic elastoplastic": "pair_style gran/hysteretic {gap}\n"
-    "pair_coeff * * elastoplastic {E} {nu} {yield_strength}",
-    "gran/hysteretic hertz": "pair_style gran/hysteretic {gap}\npair_coeff * * hertz {E} {nu}",
-    "gran/hertz/history": "pair_style gran/hertz/history {kn} NULL 0.0 NULL 0.0 0\npair_coeff * *",
-    "granular hertz/material": "pair_style granular\n"
-    "pair_coeff * * hertz/material {E} 0.0 {nu} tangential linear_nohistory 0.0 0.0",
-}
 OURS, BASELINE = "gran/hysteretic elastoplastic", "gran/hertz/history"
+ROUGH_BASELINE = f"{BASELINE}, friction 0.3"
+
+
+@dataclasses.dataclass(frozen=True)
+class Style:
+    """A style as it is timed: its lines of script, what integrates the motion, and the style that it stands beside."""
+
+    lines: str
+    motion: str = "nve"
+    beside: str = BASELINE
+
+
+STYLES = {
+    OURS: Style("pair_style gran/hysteretic {gap}\npair_coeff * * elastoplastic {E} {nu} {yield_strength}"),
+    "gran/hysteretic hertz": Style("pair_style gran/hysteretic {gap}\npair_coeff * * hertz {E} {nu}"),
+    BASELINE: Style("pair_style gran/hertz/history {kn} NULL 0.0 NULL 0.0 0\npair_coeff * *"),
+    "granular hertz/material": Style(
+        "pair_style granular\npair_coeff * * hertz/material {E} 0.0 {nu} tangential linear_nohistory 0.0 0.0"
+    ),
+    f"{OURS}, friction 0.3": Style(
+        "pair_style gran/hysteretic {gap}\npair_coeff * * elastoplastic {E} {nu} {yield_strength} friction 0.3",
+        "nve/sphere",
+        ROUGH_BASELINE,
+    ),
+    ROUGH_BASELINE: Style(
+        "pair_style gran/hertz/history {kn} NULL 0.0 NULL 0.3 0\npair_coeff * *", "nve/sphere", ROUGH_BASELINE
+    ),
+}
 IMPACT_TIME = 3e-4  # s, after which the styles are compared
 SIZES = ([24, 24, 18], [72, 72, 30], [160, 160, 78])
 _STEPS, _WARM = 100, 20
+_STATE = ("x", "v", "omega")
 _RATTLE = 0.02  # m/s, largest component of velocity; two brass spheres yield from about 0.05 m/s on
 
 
@@ -99,12 +120,12 @@ def _compare_styles(repeats: int, report: Callable[[str], None]) -> dict[str, An
                     _restore(engine, state)
                     rates[name].append(n * _STEPS / _time(engine))
             memory = {name: _memory(Path(scratch) / f"log.{k}") / n for k, name in enumerate(engines)}
-    report(f"{'':32}{'sphere-steps/s':>26}{'times ' + BASELINE:>30}{'bytes/sphere':>14}")
+    report(f"{'':44}{'sphere-steps/s':>26}{'times ' + BASELINE:>30}{'bytes/sphere':>14}")
     table = {}
     for name, values in rates.items():
-        ratios = [value / base for value, base in zip(values, rates[BASELINE], strict=True)]
+        ratios = [value / base for value, base in zip(values, rates[STYLES[name].beside], strict=True)]
         table[name] = {"rates": values, "ratios": ratios, "bytes_per_sphere": memory[name]}
-        report(f"{name:32}{_spread(values, 1e6):>22} M/s{_spread(ratios, 1):>30}{memory[name]:>14.0f}")
+        report(f"{name:44}{_spread(values, 1e6):>22} M/s{_spread(ratios, 1):>30}{memory[name]:>14.0f}")
     return {"n_spheres": n, "yielded_contacts": yielded, "table": table}
 
 
@@ -129,10 +150,10 @@ class _stack:
         self._exits.close()
 
 
-def _script(case: Case, data: Path, style: str) -> str:
+def _script(case: Case, data: Path, style: Style) -> str:
     material, diameter = case.material, case.packing.diameter
     modulus = material.youngs_modulus / (2 * (1 - material.poisson_ratio**2))
-    coefficients = style.format(
+    coefficients = style.lines.format(
         gap=0.1 * diameter,
         E=material.youngs_modulus,
         nu=material.poisson_ratio,
@@ -141,7 +162,7 @@ def _script(case: Case, data: Path, style: str) -> str:
     )
     totals = (
         "compute contact all pair gran/hysteretic\nthermo_style custom step c_contact[2]"
-        if "hysteretic" in style
+        if "hysteretic" in style.lines
         else ""
     )
     struck = struck_spheres(case.lattice, 1)[0]
@@ -155,7 +176,7 @@ read_data {data}
 neighbor {0.1 * diameter} bin
 neigh_modify delay 0 every 10 check yes
 {coefficients}
-fix motion all nve
+fix motion all {style.motion}
 timestep {auto_timestep(case)}
 group struck id {struck}
 velocity struck set 0.0 0.0 {case.load.velocity} units box
@@ -164,14 +185,14 @@ thermo 1000000
 """
 
 
-def _state(engine: Engine) -> tuple[np.ndarray, np.ndarray]:
+def _state(engine: Engine) -> tuple[np.ndarray, ...]:
     order = np.argsort(engine.lammps.numpy.extract_atom("id"))
-    return tuple(engine.lammps.numpy.extract_atom(name)[: len(order)][order].copy() for name in ("x", "v"))
+    return tuple(engine.lammps.numpy.extract_atom(name)[: len(order)][order].copy() for name in _STATE)
 
 
-def _restore(engine: Engine, state: tuple[np.ndarray, np.ndarray]) -> None:
+def _restore(engine: Engine, state: tuple[np.ndarray, ...]) -> None:
     ids = engine.lammps.numpy.extract_atom("id")
-    for name, values in zip(("x", "v"), state, strict=True):
+    for name, values in zip(_STATE, state, strict=True):
         engine.lammps.numpy.extract_atom(name)[: len(ids)] = values[ids - 1]
 
 

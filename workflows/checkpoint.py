@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from granwave.lammps_inputs.deck import DATA_FILE, SCRIPT_FILE
+from granwave.lammps_inputs.prestage import STAGE_END, STAGE_MARKER
 
 if TYPE_CHECKING:
     from mpi4py.MPI import Intracomm
@@ -66,9 +67,11 @@ def cut_back(directory: Path, checkpoint: dict[str, Any]) -> None:
 
 def continued(setup: str, checkpoint: dict[str, Any]) -> str:
     """The set-up part of an input script, made to go on from a checkpoint: the same system, fixes and outputs, but the
-    state from the restart file, no initial velocity, and output appended."""
-    script = re.sub(r"^read_data .*$", f"read_restart    {checkpoint['file']}", setup, flags=re.MULTILINE)
-    script = re.sub(r"^velocity .*$", "", script, flags=re.MULTILINE)
+    state from the restart file, no initial velocity, spin or dents, no static stage, and output appended."""
+    stage = f"{re.escape(STAGE_MARKER)}.*?{re.escape(STAGE_END)}"
+    script = re.sub(stage, "", setup, flags=re.DOTALL)
+    script = re.sub(r"^read_data .*$", f"read_restart    {checkpoint['file']}", script, flags=re.MULTILINE)
+    script = re.sub(r"^(velocity|set|gran/dents) .*$", "", script, flags=re.MULTILINE)
     script = re.sub(r"\bfile (dumps/\S+)", r"append \1", script)
     return re.sub(
         r"^dump_modify( +)(\w+) first yes", r"dump_modify\1\2 append yes first no", script, flags=re.MULTILINE

@@ -173,6 +173,9 @@ def _parser() -> argparse.ArgumentParser:
     fit.add_argument(
         "--free", nargs="+", metavar="NAME", help="constants to fit (default: all that the curve can tell)"
     )
+    fit.add_argument(
+        "--pair", nargs=2, metavar=("A", "B"), help="also write pair.toml: the law of these two materials in a case"
+    )
     fit.add_argument("--fit-yield", action="store_true", help="fit the yield strength too")
     fit.add_argument("-o", dest="directory", type=Path, metavar="DIR", help="where everything goes (default: ./fit)")
     fit.add_argument("--force", action="store_true", help="replace the fit that is there")

@@ -17,6 +17,7 @@ from granwave.analysis import analyse
 from granwave.analysis.result_file import BALANCE_REFUSED
 from granwave.lammps_inputs.case import Case
 from granwave.lammps_inputs.deck import Deck, read_deck, write_deck
+from granwave.lammps_inputs.dents import dents_table
 from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.schedule import BLOCK_THRESHOLD
 from granwave.lammps_inputs.script import part
@@ -24,6 +25,7 @@ from granwave.workflows import checkpoint, record
 from granwave.workflows.balance import TOLERANCE, Balance
 from granwave.workflows.directory import ANALYSE, CONTINUE, FINISHED, START, clear, decide, held
 from granwave.workflows.engine import Engine, LonelyError, open_engine
+from granwave.workflows.equilibrium import check_equilibrium
 from granwave.workflows.mpi import StopRequest, abort, nodes, on_first, world
 from granwave.workflows.progress import Progress
 from granwave.workflows.record import Record
@@ -97,6 +99,7 @@ def run_case(
     with held(directory, comm):
         what = on_first(comm, lambda: decide(case, directory, resume=resume, force=force, n_ranks=comm.size))
         if what == START:
+            on_first(comm, lambda: dents_table(case) if case.contact.initial_overlap else "")  # or nothing is removed
             on_first(comm, lambda: clear(directory))
         if what == FINISHED:
             return Outcome(directory, record.FINISHED, on_first(comm, lambda: _summary(directory)))
@@ -208,18 +211,29 @@ class _Run:
                 engine.commands("log log.lammps append")
                 setup = checkpoint.continued(setup, saved)
             engine.commands(setup)
-            if not go_on:
+            if not go_on and self.case.precompression:
+                self._check_equilibrium()
+            elif not go_on:
                 self._check_coordination(engine)
             self._advance(engine, deck, stop)
             engine.commands(part(script, "end"))
 
+    def _check_equilibrium(self) -> None:
+        found = on_first(self.comm, lambda: check_equilibrium(self.case, self.directory))
+        if found["yielded"] and self.case.contact.law != "bilinear":
+            self._log(f"{found['yielded']:.0f} contacts yielded, or their dents grew, under the precompression")
+
     def _check_coordination(self, engine: Engine) -> None:
         """LAMMPS sees every contact of the lattice, none lost to rounding of positions."""
-        packing, assembly = self.case.packing, self.case.assembly
-        if assembly.diameters or assembly.strikers or assembly.bars:
+        packing, assembly, sites = self.case.packing, self.case.assembly, self.case.assembly.sites
+        if assembly.strikers or assembly.bars or (sites is not None and sites.stacked is not None):
             return  # one cutoff does not tell contacts of unlike bodies
-        expected = assembly.n_contacts
-        reach = packing.diameter * (1 + min(1e-6, 0.5 * self.case.boundary.forget_gap))
+        # The sites are one diameter apart, whatever the diameters of the spheres there.
+        expected = assembly.n_neighbours
+        forget_gap = self.case.boundary.forget_gap
+        reach = packing.diameter * (1 + min(1e-6, 0.5 * forget_gap))
+        if sites is not None and sites.least_reach + forget_gap * packing.diameter < reach:
+            return  # LAMMPS lists no pairs of spheres that are so small at neighbouring sites
         engine.commands(
             f"compute start_coordination all coord/atom cutoff {reach!r}\n"
             "compute start_contacts all reduce sum c_start_coordination\nrun 0 post no"
@@ -228,7 +242,7 @@ class _Run:
         engine.commands("uncompute start_contacts\nuncompute start_coordination")
         if round(found) != expected:
             raise RunError(
-                f"{packing.kind}: LAMMPS finds {found:.0f} contacts at the start, the lattice has {expected}"
+                f"{packing.kind}: LAMMPS finds {found:.0f} neighbours at the start, the lattice has {expected}"
             )
 
     def _advance(self, engine: Engine, deck: Deck, stop: StopRequest) -> None:

@@ -24,7 +24,7 @@ def fit(options: argparse.Namespace) -> int:
     """
     from granwave.analysis.fit import fit_law
     from granwave.analysis.fit_curve import read_curve
-    from granwave.analysis.fit_output import write_fit
+    from granwave.analysis.fit_output import pair_toml, write_fit
 
     for name, values in (("--material", options.material), ("--radius", options.radius)):
         if len(values) > 2:
@@ -32,14 +32,17 @@ def fit(options: argparse.Namespace) -> int:
     if not all(radius > 0 for radius in options.radius) or not math.isfinite(options.radius[0]):
         raise InputError("--radius: expected positive lengths in m (the second may be inf, a plane)")
     directory: Path = options.directory or Path("fit")
+    pair: list[str] | None = options.pair
     _refuse_directory(directory, options.force)
     materials = [_material(text) for text in options.material]
     found = fit_law(read_curve(options.curve), materials, options.radius, options.free, fit_yield=options.fit_yield)
     try:
-        written = write_fit(found, directory)
+        written = write_fit(found, directory, pair)
     except OSError as error:
         raise InputError(f"{directory}: cannot be written to: {error.strerror}; choose another with -o") from None
     print(fit_summary(found))
+    if pair:
+        print(f"\n{pair_toml(found, pair)}")
     print(f"\n{written[0]} holds [contact] for a case file, and runs by itself: granwave run {written[0]}")
     return 0
 

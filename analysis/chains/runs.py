@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
@@ -12,13 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.chain_history import along
+from granwave.analysis.finished import FinishedRun
 from granwave.analysis.result import Result
-from granwave.analysis.result_file import BALANCE_REFUSED
 from granwave.analysis.sensors import sensor_forces
 from granwave.lammps_inputs.assembly import BAR, INCIDENT_BAR
-from granwave.lammps_inputs.case import Case, load_case
-from granwave.lammps_inputs.deck import CASE_FILE
-from granwave.lammps_inputs.errors import GranwaveError
 from granwave.lammps_inputs.laws import sphere_contact
 from granwave.lammps_inputs.loads import Load
 
@@ -26,18 +22,12 @@ if TYPE_CHECKING:
     from granwave._contact_laws import ContactLaw
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
-class ChainRun:
+class ChainRun(FinishedRun):
     """A finished run of a chain.
 
     Contacts are numbered from the struck end, from 0, those with strikers and with the faces of bars among them; so are
     beads, strikers first.
     """
-
-    label: str
-    directory: Path
-    case: Case
-    summary: Mapping[str, Any]
 
     @property
     def load(self) -> Load:
@@ -128,19 +118,8 @@ class ChainRun:
 
 
 def collect(found: Iterable[tuple[str, Path, Mapping[str, Any]]]) -> tuple[ChainRun, ...]:
-    """Of finished runs, given by label, directory and summary, those of chains of two beads and more; none whose energy
-    balance was refused."""
-    runs = []
-    for label, directory, summary in found:
-        if summary.get("end_reason") == BALANCE_REFUSED:
-            continue
-        try:
-            case = load_case(directory / CASE_FILE)
-        except GranwaveError:
-            continue
-        if case.packing.kind == "chain" and case.lattice.n_spheres > 1:
-            runs.append(ChainRun(label, directory, case, summary))
-    return tuple(runs)
+    """Of finished runs, given by label, directory and summary, those of chains of two beads and more."""
+    return ChainRun.among(found, lambda case: case.packing.kind == "chain" and case.lattice.n_spheres > 1)
 
 
 def by(runs: Iterable[ChainRun], key: Callable[[ChainRun], float]) -> list[ChainRun]:

@@ -76,8 +76,9 @@ def linearity(impacts: Impacts, *, lowest: float) -> Linearity | None:
                 )
                 along.append(np.nanmax(rays(result).peak_force, axis=1) / run.law.yield_force)
                 if run is runs[-1]:
-                    inside, z = _in_cone(result), result["spheres/position"][:, 2] - result.origin[2]
-                    depth = {(i, j): (z[i - 1] + z[j - 1]) / 2 for i, j in pairs if inside[i - 1] and inside[j - 1]}
+                    inside, z = _in_cone(result)[result.ends], result["spheres/position"][result.ends, 2]
+                    middle = z.mean(axis=1) - result.origin[2]
+                    depth = {pairs[k]: float(middle[k]) for k in np.flatnonzero(inside.all(axis=1))}
     except (GranwaveError, OSError, KeyError):
         return None
     kept = [pair for pair in depth if tables[-1][pair] > _WEAK and all(t.get(pair, 0) > 0 for t in tables)]

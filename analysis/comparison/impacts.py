@@ -12,7 +12,8 @@ from typing import Any
 
 from granwave._contact_laws import ContactLaw
 from granwave.analysis.continuum.case import ContinuumCase
-from granwave.lammps_inputs.case import Case, load_case
+from granwave.analysis.finished import FinishedRun
+from granwave.lammps_inputs.case import load_case
 from granwave.lammps_inputs.deck import CASE_FILE
 from granwave.lammps_inputs.errors import GranwaveError
 from granwave.lammps_inputs.laws import sphere_contact
@@ -21,14 +22,8 @@ from granwave.lammps_inputs.materials import Material
 SAME = 1e-4  # relative difference of normalised velocities and energies that are meant to be equal
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
-class Granular:
+class Granular(FinishedRun):
     """An impact on a packing of elasto-plastic spheres."""
-
-    label: str
-    directory: Path
-    case: Case
-    summary: Mapping[str, Any]
 
     @cached_property
     def law(self) -> ContactLaw:
@@ -123,7 +118,8 @@ class Impacts:
 def collect(runs: Iterable[tuple[str, Path, Mapping[str, Any]]]) -> Impacts:
     """The runs that can be compared, from labels, directories and summaries; others are left out.
 
-    What is compared: impacts on packings whose contacts yield by the elasto-plastic law, and of punches on blocks.
+    What is compared: impacts on ideal packings (like spheres, no friction) whose contacts yield by the elasto-plastic
+    law, and of punches on blocks.
     """
     granular, continuum = [], []
     for label, directory, summary in runs:
@@ -132,8 +128,9 @@ def collect(runs: Iterable[tuple[str, Path, Mapping[str, Any]]]) -> Impacts:
                 continuum.append(Continuum(label, directory, ContinuumCase.load(directory / CASE_FILE), summary))
             elif "n_spheres" in summary:
                 case = load_case(directory / CASE_FILE)
-                struck = case.load.kind == "impact" and case.assembly.plain and case.packing.kind != "chain"
-                if struck and case.contact.law == "elastoplastic" and summary.get("energy_input_J"):
+                struck = case.load.kind == "impact" and case.packing.kind != "chain"
+                ideal = case.assembly.plain and not case.rubs
+                if struck and ideal and case.contact.law == "elastoplastic" and summary.get("energy_input_J"):
                     granular.append(Granular(label, directory, case, summary))
         except (GranwaveError, OSError):
             continue  # a summary without a case of ours: the report says so elsewhere

@@ -1,7 +1,12 @@
 """Tables of a run or a scan as CSV, for pandas and spreadsheets.
 
     spheres.csv  contacts.csv  wall_contacts.csv  energy.csv  walls_NAME.csv  probes.csv     the tables of result.h5
+    prestage.csv                                    of a precompressed run
     snapshots.csv  snapshot_NNNN.csv                when each snapshot was taken, and the spheres in it
+    chain_beads.csv  chain_contacts.csv             of a chain: what is where at the start
+    chain_displacement.csv  chain_velocity.csv      and what was recorded of it, a row an instant, a column a bead (by
+    chain_contact_force.csv                         its id) or a contact (by the ids of its beads)
+    bar_NAME_nodes.csv  bar_NAME_displacement.csv   the same of bars, a column a node or an element, from 1
     points.csv                                      of a scan: a row a point
 
 The unit stands at the end of a column's name. Numbers are the shortest text that gives the same double back, which
@@ -26,8 +31,11 @@ from granwave.analysis.h5md import GROUP
 from granwave.analysis.result import Result
 from granwave.analysis.scan_table import ScanData
 
-OUTDATED = r"snapshot_\d{4,}\.csv|walls_(bottom|[xy]lo|[xy]hi)\.csv|probes\.csv"
-_TABLES = ("spheres", "contacts", "wall_contacts", "energy", "probes")
+OUTDATED = (
+    r"snapshot_\d{4,}\.csv|walls_(bottom|[xy]lo|[xy]hi|bar|incident_bar)\.csv|(probes|prestage)\.csv"
+    r"|chain_\w+\.csv|bar_(bar|incident_bar)_\w+\.csv"
+)
+_TABLES = ("spheres", "contacts", "wall_contacts", "energy", "probes", "prestage")
 #: Columns in this order, and then the others by name.
 _FIRST = ("id", "i", "j", "wall", "step", "time", "position", "radius", "mass")
 _ROWS = 65_536  # at a time: text takes many times the memory of the numbers
@@ -41,6 +49,7 @@ def export_run(result: Result, staging: Staging) -> None:
         names = sorted(result.names(group), key=_place)
         columns = {column: result.file[group][column] for column in names}
         _write(staging.path(f"{name}.csv"), columns, {column: result.unit(f"{group}/{column}") for column in columns})
+    _write_chain(result, staging)
     files = [f"snapshot_{number:04d}.csv" for number in range(result.n_frames)]
     units = {"id": "1"} | {name: result.unit(f"{GROUP}/{name}/value") for name in result.quantities}
     for number, name in enumerate(files):
@@ -53,6 +62,31 @@ def export_run(result: Result, staging: Staging) -> None:
         "file_name": np.array(files, dtype=object),
     }
     _write(staging.path("snapshots.csv"), snapshots, {"time": "s"})
+
+
+def _write_chain(result: Result, staging: Staging) -> None:
+    """The chain and its bars in time: tables of places, and one for each quantity with a column for each place."""
+    if "chain" not in result:
+        return
+    beads = [f"bead_{bead}" for bead in result["chain/id"].tolist()]
+    ends = zip(result["chain/contact_i"].tolist(), result["chain/contact_j"].tolist(), strict=True)
+    contacts = ["contact_{}_{}".format(*pair) for pair in ends]
+    places = {"id": result["chain/id"], "position": result["chain/position"]}
+    _write(staging.path("chain_beads.csv"), places, {"position": "m"})
+    places = {name: result[f"chain/contact_{name}"] for name in ("i", "j", "position")}
+    _write(staging.path("chain_contacts.csv"), places, {"position": "m"})
+    tables = {f"chain/{name}": (f"chain_{name}", beads) for name in ("displacement", "velocity")}
+    tables["chain/contact_force"] = ("chain_contact_force", contacts)
+    for bar in result.names("bars"):
+        position = result[f"bars/{bar}/position"]
+        nodes = np.arange(1, len(position) + 1)
+        _write(staging.path(f"bar_{bar}_nodes.csv"), {"node": nodes, "position": position}, {"position": "m"})
+        of_nodes = [f"node_{node}" for node in nodes]
+        tables |= {f"bars/{bar}/{name}": (f"bar_{bar}_{name}", of_nodes) for name in ("displacement", "velocity")}
+        tables[f"bars/{bar}/force"] = (f"bar_{bar}_force", [f"element_{node}" for node in nodes[:-1]])
+    for name, (file, columns) in tables.items():
+        values = {"time": result["chain/time"]} | dict(zip(columns, result[name].T, strict=True))
+        _write(staging.path(f"{file}.csv"), values, {"time": "s"} | dict.fromkeys(columns, result.unit(name)))
 
 
 def export_scan(scan: ScanData, staging: Staging) -> None:

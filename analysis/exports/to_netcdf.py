@@ -1,9 +1,10 @@
 """A run or a scan as NetCDF-4, for xarray: ``result.nc`` or ``points.nc``.
 
 Dimensions of a run: sphere, contact, wall_contact, time (of the energy ledger), wall_time, probe_time, frame (the
-snapshots) and axis; the names of variables begin with what they belong to: ``sphere_peak_force(sphere)``,
-``contact_i(contact)``, ``energy_kinetic(time)``, ``wall_bottom_force(wall_time)``,
-``frame_displacement(frame, sphere, axis)``. Each has ``units`` and ``long_name``; the case (TOML), the run and the
+snapshots) and axis, and of a chain chain_time, bead, chain_contact, NAME_node and NAME_element of bars; the names of
+variables begin with what they belong to: ``sphere_peak_force(sphere)``, ``contact_i(contact)``,
+``energy_kinetic(time)``, ``wall_bottom_force(wall_time)``, ``frame_displacement(frame, sphere, axis)``,
+``bead_velocity(chain_time, bead)``. Each has ``units`` and ``long_name``; the case (TOML), the run and the
 versions (JSON) are attributes of the file. All reals are doubles; positions in a snapshot are
 ``sphere_position + frame_displacement``. A scan has the dimension point. Reading them::
 
@@ -41,6 +42,7 @@ _TABLES = {
     "wall_contacts": ("wall_contact", "wall_contact", "of the contact with a wall", ("wall", "id")),
     "energy": ("time", "energy", "of the packing", ("time",)),
     "probes": ("probe_time", "probe", "probed", ("time",)),
+    "prestage": ("prestage", "prestage", "of the static stage", ()),
 }
 
 
@@ -56,8 +58,13 @@ def export_run(result: Result, staging: Staging) -> None:
         for n, wall in enumerate(result.names("walls")):
             if n == 0:
                 _add(file, "wall_time", ("wall_time",), result[f"walls/{wall}/time"], "s", "time")
-            force = result[f"walls/{wall}/force"]
-            _add(file, f"wall_{wall}_force", ("wall_time",), force, "N", f"force on the wall {wall}, positive outwards")
+            for name in result.names(f"walls/{wall}"):
+                if name != "time":
+                    values, unit = result[f"walls/{wall}/{name}"], result.unit(f"walls/{wall}/{name}")
+                    place = "on" if name == "force" else "of"
+                    words = f"{name.replace('_', ' ')} {place} the wall {wall}, positive outwards"
+                    _add(file, f"wall_{wall}_{name}", ("wall_time",), values, unit, words)
+        _add_chain(file, result)
         _add_snapshots(file, result)
 
 
@@ -98,6 +105,27 @@ def _variable(dimension: str, prefix: str, name: str) -> str:
     if (dimension, name) in (("sphere", "id"), ("time", "time"), ("probe_time", "time")):
         return dimension
     return f"{prefix}_{name}"
+
+
+def _add_chain(file: h5netcdf.File, result: Result) -> None:
+    """The chain and its bars in time."""
+    for name in result.names("chain"):
+        contact = name.startswith("contact_")
+        own = "chain_contact" if contact else "bead"
+        column = name.removeprefix("contact_")
+        values, unit = result[f"chain/{name}"], result.unit(f"chain/{name}")
+        if name == "time":
+            _add(file, "chain_time", ("chain_time",), values, unit, "time")
+            continue
+        dimensions = ("chain_time", own) if values.ndim == 2 else (own,)
+        variable = own if (own, column) == ("bead", "id") else f"{own}_{column}"
+        _add(file, variable, dimensions, values, unit, f"{column} of the {own.replace('_', ' ')}, along the chain")
+    for bar in result.names("bars"):
+        for name in result.names(f"bars/{bar}"):
+            values, unit = result[f"bars/{bar}/{name}"], result.unit(f"bars/{bar}/{name}")
+            own = f"{bar}_element" if name == "force" else f"{bar}_node"
+            dimensions = ("chain_time", own) if values.ndim == 2 else (own,)
+            _add(file, f"{own}_{name}", dimensions, values, unit, f"{name} along the {bar.replace('_', ' ')}")
 
 
 def _add_snapshots(file: h5netcdf.File, result: Result) -> None:

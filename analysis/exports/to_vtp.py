@@ -1,10 +1,11 @@
 """A run as VTK PolyData, for ParaView: open ``spheres.pvd`` and ``contacts.pvd``, whose times are seconds.
 
     spheres_NNNN.vtp    a point a sphere, where it is at the snapshot; id, radius, displacement, velocity,
-                        contact_force, peak_force, dissipated_energy, elastic_energy, contacts_yielded, as they are then
+                        contact_force, peak_force, dissipated_energy, elastic_energy, contacts_yielded, as they are
+                        then; friction_energy too where there is friction
     contacts_NNNN.vtp   a line between the centres of each pair of ``/contacts``; i, j, overlap (of the spheres as they
                         are then; negative: a gap), loaded and yielded (1: by then), and of the whole run peak_overlap,
-                        peak_force, dissipated_energy
+                        peak_force, dissipated_energy, friction_energy, initial_overlap
 
 SI units. In ParaView, a Glyph filter with spheres, scaled by ``radius`` with a factor of 2, draws them at their size. A
 contact through a periodic side ends at the image of its second sphere.
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
     from vtkmodules.vtkCommonDataModel import vtkPolyData
 
 OUTDATED = r"(spheres|contacts)_\d{4,}\.vtp"
-_OF_RUN = ("peak_overlap", "peak_force", "dissipated_energy")
+_OF_RUN = ("peak_overlap", "peak_force", "dissipated_energy", "friction_energy", "initial_overlap")
 
 Arrays = Mapping[str, NDArray]
 
@@ -54,7 +55,7 @@ def export_run(result: Result, staging: Staging) -> None:
         points, lines, overlap = _lines(result, positions, radius)
         contacts = {"i": result["contacts/i"], "j": result["contacts/j"], "overlap": overlap}
         contacts |= {"loaded": _since(result["contacts/time_first"], time), "yielded": _yielded(result, time)}
-        contacts |= {name: result[f"contacts/{name}"] for name in _OF_RUN}
+        contacts |= {name: result[f"contacts/{name}"] for name in _OF_RUN if f"contacts/{name}" in result}
         _write(staging.path(_name("contacts", number)), points, lines, contacts, time)
     for what in ("spheres", "contacts"):
         _write_collection(staging.path(f"{what}.pvd"), {time: _name(what, n) for n, time in enumerate(times)})
@@ -76,8 +77,8 @@ def _yielded(result: Result, time: float) -> NDArray[np.int8]:
 def _contacts_yielded(result: Result, time: float) -> NDArray[np.int64]:
     """How many contacts of each sphere have yielded by that time: (n_spheres,)."""
     yielded = _yielded(result, time) > 0
-    ends = np.concatenate([result["contacts/i"][yielded], result["contacts/j"][yielded]])
-    return np.bincount(ends - 1, minlength=result.n_spheres)
+    ends = result.ends[yielded]
+    return np.bincount(ends.ravel(), minlength=result.n_spheres)
 
 
 def _lines(
@@ -95,7 +96,7 @@ def _lines(
         (n_contacts,), m.
     """
     box = result.file[f"{GROUP}/box"]
-    lines = np.stack([result["contacts/i"], result["contacts/j"]], axis=1) - 1
+    lines = result.ends
     step = positions[lines[:, 1]] - positions[lines[:, 0]]
     shift = np.zeros_like(step)
     for axis, (boundary, length) in enumerate(zip(box.attrs["boundary"], box["edges"][()], strict=True)):

@@ -13,6 +13,8 @@ SLUG = "balance"
 #: Largest error of the balance, over the input, that is worth a note, and that is poor: by kind of run.
 LIMITS = {"run": (2e-6, 1e-5), "continuum": (5e-3, 2e-2)}
 _PARTS = ("kinetic", "elastic", "dissipated", "punch", "viscous", "hourglass")
+#: Parts of these, shown where any run has them.
+_SHARES = ("energy_rotational_J", "energy_dissipated_friction_J", "support_energy_J", "support_lost_J")
 
 
 def verdict(run: Run) -> tuple[str, Tone]:
@@ -35,7 +37,9 @@ def balance_section(inputs: Inputs) -> Section:
         return Section("Energy balance", SLUG, (Note("There is no finished run."),))
     text = "Error: the largest |kinetic + elastic + dissipated - input| of the ledger, over the input."
     limits = {
-        "run": "A granular run above 1e-5 is refused (the published variant of the law, which cannot close, excepted).",
+        "run": "Kinetic includes rotation; elastic what is stored tangentially and in the support; dissipated friction "
+        "and the support's damper. A granular run above 1e-5 is refused (the published variant of the law, which "
+        "cannot close, excepted).",
         "continuum": "A continuum run above 2 % is stopped.",
     }
     text = " ".join([text, *(limits[kind] for kind in LIMITS if any(run.kind == kind for run in runs))])
@@ -66,6 +70,7 @@ def balance_notes(runs: Sequence[Run], section: str = "") -> list[Note]:
 def _table(runs: Sequence[Run]) -> Table:
     parts = [f"energy_{part}_J" for part in _PARTS]
     shown = [key for key in ("energy_input_J", *parts) if any(run.summary.get(key) is not None for run in runs)]
+    shown += [key for key in _SHARES if any(run.summary.get(key) for run in runs)]
     beyond = any(run.summary.get("contacts_beyond_law") is not None for run in runs)
     columns = [
         Column("Run", key=True),

@@ -18,7 +18,7 @@ from granwave.analysis.reports.results import (
     status_cell,
 )
 from granwave.analysis.reports.sources import sources_section
-from granwave.analysis.reports.studies import studies_section
+from granwave.analysis.reports.studies import studies_of, studies_section, verdicts
 
 _KIND = {"run": "granular run", "continuum": "continuum run"}
 _IN_TITLE = 3  # names
@@ -28,13 +28,14 @@ def build_report(inputs: Inputs) -> Report:
     """The report of runs and scans."""
     labels = [item.label for item in inputs.items]
     names = ", ".join(labels[:_IN_TITLE]) + (f" and {len(labels) - _IN_TITLE} more" if len(labels) > _IN_TITLE else "")
-    failures = failures_section(inputs)
+    failures, studies = failures_section(inputs), studies_of(inputs)
     sections = (
         _attention(inputs, failures.slug),
+        Section("Verdict", "verdict", verdicts(studies)),
         _what_was_run(inputs),
         results_section(inputs),
         comparison_section(inputs),
-        studies_section(inputs),
+        studies_section(inputs, studies),
         sources_section(inputs),
         balance_section(inputs),
         failures,

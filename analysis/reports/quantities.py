@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-from granwave.analysis.reports.model import Cell, Column
+from granwave.analysis.reports.model import Cell, Column, Group, Table
 from granwave.analysis.units import unit_of
 
 BLANK = "\u2013"  # a value that does not apply
 _DIGITS = 5
 _UNITS = {
-    "_m_s": "m/s", "_per_s": "1/s", "_m3": "m³", "_Ns": "N s", "_J": "J", "_N": "N", "_s": "s", "_m": "m",
+    "_m_s2": "m/s²", "_m_s": "m/s", "_per_kg": "1/kg", "_per_m": "1/m", "_per_s": "1/s", "_kg": "kg", "_m3": "m³",
+    "_Ns": "N s", "_J": "J", "_N": "N", "_s": "s", "_m": "m",
 }  # fmt: skip
 
 #: Columns of a table of results, in this order, as far as there are values.
 MAIN = (
     "dissipated_fraction",
+    "plastic_fraction",
+    "friction_fraction",
     "peak_force_N",
     "n_plastic_contacts",
     "n_plastic_spheres",
@@ -27,6 +30,12 @@ MAIN = (
     "plastic_zone_radius_m",
     "wall_peak_force_N",
     "wall_impulse_Ns",
+    "base_arrival_s",
+    "unprotected_peak_force_N",
+    "peak_reduction",
+    "ground_peak_force_N",
+    "target_peak_displacement_m",
+    "energy_target_J",
     "impactor_velocity_m_s",
     "wave_speed_m_s",
     "energy_input_J",
@@ -58,6 +67,27 @@ _LABELS = {
     "energy_elastic_J": "Elastic energy",
     "energy_dissipated_J": "Dissipated energy",
     "energy_dissipated_wall_J": "Dissipated at walls",
+    "energy_dissipated_plastic_J": "Dissipated by yielding",
+    "energy_dissipated_friction_J": "Dissipated by friction",
+    "energy_rotational_J": "Kinetic energy of rotation",
+    "plastic_fraction": "Share dissipated by yielding",
+    "friction_fraction": "Share dissipated by friction",
+    "energy_stored_J": "Energy stored by precompression",
+    "precompression_residual": "Residual of the static stage",
+    "base_arrival_s": "Arrival at the bottom",
+    "energy_target_J": "Work on the target",
+    "support_energy_J": "Energy in the support",
+    "support_lost_J": "Energy that the support's damper took",
+    "ground_peak_force_N": "Peak force on the ground",
+    "target_peak_displacement_m": "Largest displacement of the target",
+    "unprotected_peak_force_N": "Peak force without the packing",
+    "unprotected_ground_peak_force_N": "Peak force on the ground without the packing",
+    "peak_reduction": "Peak reduction",
+    "ground_peak_reduction": "Peak reduction on the ground",
+    "peak_reduction_per_kg": "Peak reduction per mass of packing",
+    "peak_reduction_per_m": "Peak reduction per height of packing",
+    "packing_mass_kg": "Mass of the packing",
+    "packing_height_m": "Height of the packing",
     "energy_punch_J": "Energy of the punch",
     "energy_viscous_J": "Viscous energy",
     "energy_hourglass_J": "Hourglass energy",
@@ -71,6 +101,35 @@ _LABELS = {
     "yield_force_N": "Force at first yield",
     "yield_overlap_m": "Overlap at first yield",
 }
+
+#: What values of a granular run mean, as far as their names do not tell.
+MEANINGS = {
+    "plastic_fraction": "Energy dissipated by yielding of contacts in this run, over the input.",
+    "friction_fraction": "Energy dissipated by sliding between spheres and at walls, over the input.",
+    "energy_rotational_J": "Part of the kinetic energy.",
+    "n_plastic_contacts": "Contacts that yielded in this run; a dent from before it counts only if it grew.",
+    "energy_stored_J": "Elastic energy in the contacts after the static stage, from which the run's energies count.",
+    "precompression_residual": "Largest net force on a sphere after the static stage, over the largest contact force.",
+    "base_arrival_s": "When the force on the bottom has first risen by 1 % of its largest rise.",
+    "energy_target_J": "Work that the packing did on the bottom up to the end; none on a bottom that does not move.",
+    "support_energy_J": "Kinetic and elastic energy of what the bottom rests on; part of the elastic energy.",
+    "support_lost_J": "What its damper, or the end of a bar without an echo, took; part of the dissipated energy.",
+    "ground_peak_force_N": "Out of the bottom's last spring or damper; the force on the bottom where that is at rest.",
+    "unprotected_peak_force_N": "The same impact directly on the bottom, without the packing.",
+    "peak_reduction": "Peak force on the bottom without the packing, over that with it (without a precompression's).",
+    "ground_peak_reduction": "The same of the force on the ground.",
+}
+
+
+def meanings(summaries: Sequence[Mapping[str, Any]]) -> tuple[Group, ...]:
+    """What the values mean that any of these summaries has, folded away; nothing if there are none."""
+    shown = [key for key in MEANINGS if any(summary.get(key) is not None for summary in summaries)]
+    if not shown:
+        return ()
+    title = "What these values mean"
+    rows = tuple((Cell(label_of(key)), Cell(key), Cell(MEANINGS[key])) for key in shown)
+    columns = (Column("Quantity", key=True), Column("In summary.json"), Column("Meaning"))
+    return (Group(title, (Table(title, columns, rows, captioned=False),), folded=True),)
 
 
 def label_of(key: str) -> str:

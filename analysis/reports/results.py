@@ -14,6 +14,7 @@ from granwave.analysis.reports.quantities import (
     case_column,
     is_number,
     label_of,
+    meanings,
     percent,
     show,
     unit_of_key,
@@ -22,8 +23,8 @@ from granwave.analysis.reports.quantities import (
     value_column,
 )
 from granwave.analysis.scan_table import (
+    CONFIDENCE,
     COUNT,
-    DEVIATION,
     MEAN,
     SCAN_MEANS,
     SCAN_TABLE,
@@ -46,6 +47,7 @@ def results_section(inputs: Inputs) -> Section:
     if inputs.runs:
         if len(inputs.runs) <= MOST_SIDE_BY_SIDE:
             blocks.append(_side_by_side(inputs.runs))
+        blocks += meanings([run.summary for run in inputs.runs])
         blocks += overlay(inputs)
     for scan in inputs.scans:
         blocks += _scan_blocks(scan, inputs)
@@ -173,7 +175,7 @@ def _difference(first: Any, second: Any) -> Cell:
 
 
 def _replicates(scan: Scan) -> list[Block]:
-    """Mean and standard deviation over the seeds, of points that are otherwise equal."""
+    """Mean over the seeds and its confidence interval, of points that are otherwise equal."""
     found = scan_statistics(scan.source)
     counts = found.get(COUNT, [])
     if not any(count > 1 for count in counts):
@@ -189,17 +191,17 @@ def _replicates(scan: Scan) -> list[Block]:
         (
             *(value_cell(found[key][row]) for key in keys),
             value_cell(count),
-            *(_spread(found[key + MEAN][row], found[key + DEVIATION][row]) for key in shown),
+            *(_spread(found[key + MEAN][row], found[key + CONFIDENCE][row]) for key in shown),
         )
         for row, count in enumerate(counts)
     )
-    return [Table(f"Scan {scan.label}: mean and standard deviation", columns, rows, sortable=True)]
+    return [Table(f"Scan {scan.label}: mean and 95 % confidence interval", columns, rows, sortable=True)]
 
 
-def _spread(mean: float | None, deviation: float | None) -> Cell:
+def _spread(mean: float | None, half_width: float | None) -> Cell:
     if mean is None:
         return Cell(BLANK)
-    more = "" if deviation is None else f" ± {show(float(f'{deviation:.2g}'))}"
+    more = "" if half_width is None else f" ± {show(float(f'{half_width:.2g}'))}"
     return Cell(show(mean) + more, float(mean))
 
 

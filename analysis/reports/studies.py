@@ -1,10 +1,16 @@
-"""The studies of the sources beside ours: chains, and packings that strikers hit."""
+"""The studies that a report's runs belong to: of the sources beside ours, of tolerances, of protected targets."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 from granwave.analysis.chains.runs import collect
 from granwave.analysis.chains.studies import studies
 from granwave.analysis.figures import FIGURES_DIRECTORY
+from granwave.analysis.prestress.runs import collect as collect_with_past
+from granwave.analysis.prestress.studies import studies as studies_of_the_past
+from granwave.analysis.protection.runs import collect as collect_targets
+from granwave.analysis.protection.studies import studies as protection_studies
 from granwave.analysis.reports.inputs import Inputs
 from granwave.analysis.reports.model import Cell, Column, Figure, Gallery, Group, Note, Section, Table
 from granwave.analysis.reports.pictures import png_of
@@ -12,6 +18,8 @@ from granwave.analysis.reports.quantities import BLANK, percent, value_cell
 from granwave.analysis.square.runs import collect as collect_packings
 from granwave.analysis.square.studies import studies as packing_studies
 from granwave.analysis.study import Row, Study
+from granwave.analysis.tolerance.runs import collect as collect_tolerances
+from granwave.analysis.tolerance.study import studies as tolerance_studies
 
 SLUG = "studies"
 _COLUMNS = (
@@ -25,17 +33,24 @@ _COLUMNS = (
 )
 
 
-def studies_section(inputs: Inputs) -> Section:
+def studies_section(inputs: Inputs, found: Sequence[Study]) -> Section:
     """The section of the report; without blocks where there is no study."""
-    found = studies_of(inputs)
-    return Section("Studies: source against ours", SLUG, tuple(_group(study, inputs) for study in found))
+    title = "Studies: source against ours" if any(study.rows for study in found) else "Studies"
+    return Section(title, SLUG, tuple(_group(study, inputs) for study in found))
+
+
+def verdicts(found: Sequence[Study]) -> tuple[Group, ...]:
+    """What studies come to, for the top of the report."""
+    return tuple(Group(study.title, tuple(map(Note, study.verdict))) for study in found if study.verdict)
 
 
 def studies_of(inputs: Inputs) -> list[Study]:
     """The studies that a report's runs belong to."""
     found = [(run.label, run.directory, run.summary) for run in inputs.results() if run.kind == "run"]
     chains = collect(found)
-    return studies(chains) + packing_studies(collect_packings(found), chains)
+    ours = studies([run for run in chains if not run.case.has_past]) + packing_studies(collect_packings(found), chains)
+    ours += studies_of_the_past(collect_with_past(found), chains)
+    return ours + tolerance_studies(collect_tolerances(found)) + protection_studies(collect_targets(found))
 
 
 def _group(study: Study, inputs: Inputs) -> Group:
@@ -44,6 +59,7 @@ def _group(study: Study, inputs: Inputs) -> Group:
         blocks.append(
             Table(f"{study.title}: source against ours", _COLUMNS, tuple(map(_cells, study.rows)), sortable=True)
         )
+    blocks += study.tables
     figures = []
     for picture in study.pictures:
         data = inputs.base / FIGURES_DIRECTORY / f"{picture.name}.csv"

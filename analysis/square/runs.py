@@ -12,10 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.directions import Spread, energy_of_spheres, spread, struck_rows, travelling_frame
+from granwave.analysis.finished import FinishedRun
 from granwave.analysis.result import Result
-from granwave.lammps_inputs.case import Case, load_case
-from granwave.lammps_inputs.deck import CASE_FILE
-from granwave.lammps_inputs.errors import GranwaveError
 from granwave.lammps_inputs.materials import material
 
 Array = NDArray[np.float64]
@@ -25,14 +23,8 @@ SOURCE_VELOCITY = {"in-plane": 0.29, "out-of-plane": 0.65}  # m/s, of the strike
 _SAME = 1e-6
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
-class PackingRun:
+class PackingRun(FinishedRun):
     """A finished run of a packing that is no chain, hit by strikers."""
-
-    label: str
-    directory: Path
-    case: Case
-    summary: Mapping[str, Any]
 
     @cached_property
     def velocity_in(self) -> Array:
@@ -142,15 +134,9 @@ class PackingRun:
 
 def collect(found: Iterable[tuple[str, Path, Mapping[str, Any]]]) -> tuple[PackingRun, ...]:
     """Of finished runs, given by label, directory and summary, those of packings that strikers hit."""
-    runs = []
-    for label, directory, summary in found:
-        try:
-            case = load_case(directory / CASE_FILE)
-        except GranwaveError:
-            continue
-        if case.packing.kind != "chain" and any(striker.moves for striker in case.striker):
-            runs.append(PackingRun(label, directory, case, summary))
-    return tuple(runs)
+    return PackingRun.among(
+        found, lambda case: case.packing.kind != "chain" and any(striker.moves for striker in case.striker)
+    )
 
 
 def squares(runs: Sequence[PackingRun], way: str, law: str | None = None) -> list[PackingRun]:

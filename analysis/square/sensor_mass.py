@@ -98,11 +98,11 @@ def _key(run: PackingRun) -> tuple:
 
 def _mass_ratio(run: ChainRun) -> float | None:
     case = run.case
-    if len(case.replace) != 1 or len(case.replace[0].index) != 1 or case.assembly.diameters or not run.recorded:
+    if len(case.assembly.materials) != 1 or case.assembly.diameters or not run.recorded:
         return None
     if len(case.striker) != 1 or case.striker[0].touches != (1,) or case.load.kind != "striker" or case.contact.yields:
         return None
-    theirs, ours = case.assembly.material_of(case.replace[0].index[0]), case.material
+    theirs, ours = next(iter(case.assembly.materials.values())), case.material
     if (theirs.youngs_modulus, theirs.poisson_ratio) != (ours.youngs_modulus, ours.poisson_ratio):
         return None
     return theirs.density / ours.density
@@ -110,7 +110,7 @@ def _mass_ratio(run: ChainRun) -> float | None:
 
 def _reflection(run: ChainRun) -> float:
     """NaN where the run ends too soon, or the sphere is too near an end."""
-    place = run.case.replace[0].index[0] - _BEFORE  # the contact of the striker is number 0
+    place = next(iter(run.case.assembly.materials)) - _BEFORE  # the contact of the striker is number 0
     n = run.force.shape[1]
     if place < 2 or place + _BEFORE + 2 > n:
         return np.nan

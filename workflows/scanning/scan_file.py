@@ -13,11 +13,13 @@ import itertools
 import json
 import logging
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from granwave.analysis.scan_result import SEED, Scalar
+from granwave.lammps_inputs.case import Case
+from granwave.lammps_inputs.disorder import is_random
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.keys import (
     Faults,
@@ -79,7 +81,9 @@ class _Header:
     case: str = text("a built-in study or a case file")
     ranks: RanksBySize = custom("MPI ranks of a point", _parse_ranks, default=_ONE_RANK)  # noqa: RUF009
     replicates: int = custom(
-        "runs of each point with seeds 1 to n", lambda value: whole(value, "a whole number from 1 up"), default=1
+        "runs of each point in which something is random, with seeds 1 to n",
+        lambda value: whole(value, "a whole number from 1 up"),
+        default=1,
     )
     figures: bool = choice("figures of every point too", (False, True), default=False)
 
@@ -242,8 +246,6 @@ def _variations(tables: Mapping[str, Any], header: _Header | None, faults: Fault
         return []
     products = itertools.product(*axes) if axes else []
     points = [{key: value for part in parts for key, value in part.items()} for parts in products] + single
-    if header and header.replicates > 1:
-        points = [{**values, SEED: seed} for values in points for seed in range(1, header.replicates + 1)]
     return points
 
 
@@ -300,6 +302,10 @@ def _build(
     text: str,
 ) -> Scan:
     varied = tuple(dict.fromkeys(key for values in variations for key in values))
+    if header.replicates > 1:
+        if SEED in varied:
+            raise InputError(f"{path}: {SEED}: varies twice; leave out replicates, which are seeds from 1 on")
+        varied = (*varied, SEED)
     twice = [key for key in fixed if key in varied]
     if twice:
         raise InputError(
@@ -309,22 +315,25 @@ def _build(
     base = _find_case(header.case, path)
     template = {"name": base.stem, **read_toml(base)}
     kind = kind_of(template)
-    if header.replicates > 1:
-        _LOG.warning(
-            "%s: replicates: nothing is random in this packing, so that all %d are equal", path, header.replicates
-        )
     points: list[Point] = []
     faults: list[tuple[int, Mapping[str, Any], list[str]]] = []
+
+    def read(values: Mapping[str, Any]) -> AnyCase:
+        data = _with(template, {**fixed, **values}, path, changes)
+        return kind.read(data, path, overridden=changes, directory=base.parent)
+
     with _each_warning_once():
         for n, values in enumerate(variations, start=1):
             try:
-                data = _with(template, {**fixed, **values}, path, changes)
-                case = kind.read(data, path, overridden=changes, directory=base.parent)
-                points.append(_point(n, values, case, kind, header, varied))
-                if here:
-                    kind.check_memory(case, points[-1].plan)
+                for replicate in _replicates(values, header, read):
+                    case = read(replicate)
+                    points.append(_point(len(points) + 1, replicate, case, kind, header, varied))
+                    if here:
+                        kind.check_memory(case, points[-1].plan)
             except InputError as error:
                 faults.append((n, values, error.faults))
+    if header.replicates > 1 and len(points) == len(variations):
+        _LOG.warning("%s: replicates: nothing is random in these packings, so that each is run once", path)
     if faults:
         raise InputError(_fault_lines(path, faults, len(variations)))
     return Scan(
@@ -335,6 +344,19 @@ def _build(
         figures=header.figures,
         text="".join(f"# --set {key}={show(value)}\n" for key, value in changes.items()) + text,
     )
+
+
+def _replicates(
+    values: Mapping[str, Any], header: _Header, read: Callable[[Mapping[str, Any]], AnyCase]
+) -> list[Mapping[str, Any]]:
+    """The seeds of a point; one where nothing is random in it."""
+    if header.replicates == 1:
+        return [values]
+    case = read(values)
+    if not isinstance(case, Case):
+        return [values]
+    seeds = header.replicates if is_random(case) else 1
+    return [{**values, SEED: seed} for seed in range(1, seeds + 1)]
 
 
 def _find_case(case: str, path: Path) -> Path:
@@ -411,7 +433,19 @@ def _label(key: str, value: Any) -> Scalar:
         if named:
             others = {k: v for k, v in value.items() if k not in ("name", "preset")} if "preset" in value else {}
             return " ".join([str(named), *(f"{k}={v}" for k, v in others.items())])
+    if key == "boundary.bottom" and isinstance(value, Mapping):
+        rest_on: dict[str, Any] = {} if set(value) - {"material"} else {"wall": {}}
+        return ", ".join(_words(name, part) for name, part in (rest_on | dict(value)).items())
     return json.dumps(value, ensure_ascii=False)
+
+
+def _words(name: str, value: Any) -> str:
+    """A part of a bottom, such as ``plate mass=5 stiffness=5e+09``; its material by name."""
+    if name == "material":
+        return str(_label(name, value))
+    parts = value.items() if isinstance(value, Mapping) else [("", value)]
+    texts = [f"{key}={part:g}" if isinstance(part, float) else f"{key}={part}" for key, part in parts]
+    return " ".join([name, *texts])
 
 
 def _fault_lines(path: Path, faults: Sequence[tuple[int, Mapping[str, Any], list[str]]], count: int) -> list[str]:

@@ -1,0 +1,1 @@
+"""Chains and packings with a past: precompressed, settled, preconditioned, hit before."""

@@ -1,0 +1,153 @@
+"""Finished runs whose spheres have a past, and their twins without it."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granwave.analysis.reports.model import Cell, Column, Table
+from granwave.analysis.reports.quantities import BLANK, value_cell
+from granwave.analysis.result import Result
+from granwave.analysis.result_file import BALANCE_REFUSED
+from granwave.lammps_inputs.case import Case, load_case
+from granwave.lammps_inputs.deck import CASE_FILE
+from granwave.lammps_inputs.errors import GranwaveError
+from granwave.lammps_inputs.laws import sphere_contact
+from granwave.lammps_inputs.preload import force_of_contact
+
+if TYPE_CHECKING:
+    from granwave._contact_laws import ContactLaw
+
+Array = NDArray[np.float64]
+
+ARRIVED = 0.01  # of the largest force at the bottom that the impact adds: it has arrived
+_NOT_OF_THE_IMPACT = ("name", "run", "output")  # tables: how long and how finely it was followed
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class PastRun:
+    """A finished run of an impact, on spheres with or without a past."""
+
+    label: str
+    directory: Path
+    case: Case
+    summary: Mapping[str, Any]
+
+    @cached_property
+    def law(self) -> ContactLaw:
+        """Between two spheres that are not replaced."""
+        return sphere_contact(self.case)
+
+    @property
+    def static_force(self) -> float:
+        """What the dead loads make each contact of the lattice that carries them bear, N; 0 without any."""
+        return force_of_contact(self.case) if self.case.precompression else 0.0
+
+    @property
+    def dissipated(self) -> float:
+        """Share of the input."""
+        return float(self.summary["dissipated_fraction"])
+
+    @cached_property
+    def transmitted(self) -> float:
+        """Largest force that the impact adds to the static one at the bottom, N; NaN with nothing there."""
+        time, force = self.bottom
+        return float(np.max(force, initial=0.0)) if len(time) else np.nan
+
+    @property
+    def arrival(self) -> float:
+        """When the force at the bottom first exceeds `ARRIVED` of its largest, s; NaN: never."""
+        time, force = self.bottom
+        if not self.transmitted > 0:
+            return np.nan
+        return float(time[int(np.argmax(force > ARRIVED * self.transmitted))])
+
+    @cached_property
+    def bottom(self) -> tuple[Array, Array]:
+        """Time, s, and the force at the bottom beyond the static one, N."""
+        with Result(self.directory) as result:
+            if "walls/bottom" not in result:
+                return np.empty(0), np.empty(0)
+            time, force = result["walls/bottom/time"], result["walls/bottom/force"]
+        return time, force - force[0]
+
+    def of_prestage(self, name: str) -> float:
+        """What the static stage left, such as ``contacts`` that bear force; NaN without such a stage."""
+        with Result(self.directory) as result:
+            return float(result[f"prestage/{name}"][-1]) if f"prestage/{name}" in result else np.nan
+
+
+def collect(found: Iterable[tuple[str, Path, Mapping[str, Any]]]) -> tuple[PastRun, ...]:
+    """Of finished runs, given by label, directory and summary, those of impacts; none whose balance was refused."""
+    runs = []
+    for label, directory, summary in found:
+        if summary.get("end_reason") == BALANCE_REFUSED:
+            continue
+        try:
+            case = load_case(directory / CASE_FILE)
+        except GranwaveError:
+            continue
+        if case.load.kind == "impact" and summary.get("dissipated_fraction") is not None:
+            runs.append(PastRun(label, directory, case, summary))
+    return tuple(runs)
+
+
+def groups(runs: Iterable[PastRun], *varying: str) -> list[list[PastRun]]:
+    """Runs that differ in the named tables or keys alone, such as ``precompression`` or ``load.velocity``.
+
+    How long and how finely a run was followed does not count.
+    """
+    found: dict[str, list[PastRun]] = {}
+    for run in runs:
+        found.setdefault(_what_stays(run.case, varying), []).append(run)
+    return list(found.values())
+
+
+def rising(runs: Sequence[PastRun], key: Callable[[PastRun], float]) -> list[PastRun]:
+    """In rising order of a key; of equal ones the first."""
+    unique: dict[float, PastRun] = {}
+    for run in runs:
+        unique.setdefault(key(run), run)
+    return [unique[value] for value in sorted(unique)]
+
+
+def words_of(case: Case) -> str:
+    """What the packing is, in words."""
+    packing, own = case.packing, case.material
+    size = " x ".join(str(n) for n in packing.size)
+    name = f"{own.name} " if own.name else ""
+    return f"{packing.kind} of {size} {name}spheres of {1e3 * packing.diameter:g} mm"
+
+
+def values_table(
+    caption: str, heads: Sequence[tuple[str, str, float, str]], columns: Mapping[str, Sequence[float]]
+) -> Table:
+    """A table of the numbers that a figure shows.
+
+    Parameters
+    ----------
+    heads
+        Of each column: heading, unit, what the values are multiplied by for it, and its name in ``columns``.
+    """
+    shown = [[scale * value for value in columns[name]] for _, _, scale, name in heads]
+    rows = tuple(tuple(value_cell(value) if np.isfinite(value) else Cell(BLANK) for value in row)
+                 for row in zip(*shown, strict=True))  # fmt: skip
+    return Table(caption, tuple(Column(text, unit, numeric=True) for text, unit, _, _ in heads), rows, sortable=True)
+
+
+def _what_stays(case: Case, varying: tuple[str, ...]) -> str:
+    tables = case.to_dict()
+    for name in (*_NOT_OF_THE_IMPACT, *varying):
+        table, _, key = name.partition(".")
+        if key:
+            tables.get(table, {}).pop(key, None)
+        else:
+            tables.pop(table, None)
+    return json.dumps(tables, sort_keys=True)

@@ -1,0 +1,108 @@
+"""Closed forms for targets: Hertz's impact of a single sphere, and a plate on a spring under a given force.
+
+A sphere of mass m and speed v on a rigid wall, F = K alpha^1.5 with K = 4/3 E* sqrt(R) (Hertz 1882):
+
+    alpha_m = (5 m v^2/(4 K))^(2/5)     F_m = K alpha_m^1.5     t_c = 2.943 alpha_m/v     impulse 2 m v
+
+A mass M on a spring k, omega = sqrt(k/M): a short impulse J moves it by J/(M omega), a slow force by F/k.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+from scipy.signal import lsim
+from scipy.special import beta
+
+Array = NDArray[np.float64]
+
+_POINTS = 2000  # of Hertz's force in time
+
+
+@dataclasses.dataclass(frozen=True)
+class HertzImpact:
+    """A sphere that hits a rigid wall, all elastic.
+
+    Attributes
+    ----------
+    mass, velocity
+        kg, m/s.
+    stiffness
+        K of F = K alpha^1.5, N/m^1.5.
+    """
+
+    mass: float
+    velocity: float
+    stiffness: float
+
+    @property
+    def overlap(self) -> float:
+        """The largest, m."""
+        return (5 * self.mass * self.velocity**2 / (4 * self.stiffness)) ** 0.4
+
+    @property
+    def force(self) -> float:
+        """The largest, N."""
+        return self.stiffness * self.overlap**1.5
+
+    @property
+    def duration(self) -> float:
+        """Of the contact, s: 2 alpha_m/v times the integral of (1 - s^2.5)^(-1/2) from 0 to 1."""
+        return 2 * self.overlap / self.velocity * 0.4 * beta(0.4, 0.5)
+
+    @property
+    def impulse(self) -> float:
+        """N s."""
+        return 2 * self.mass * self.velocity
+
+    @property
+    def square(self) -> float:
+        """Integral of the squared force over time, N^2 s: what an impedance Z takes is this over Z."""
+        return 2 * self.stiffness**2 * self.overlap**4 / self.velocity * 0.4 * beta(1.6, 0.5)
+
+    def history(self) -> tuple[Array, Array]:
+        """Time (s) and force (N), evenly spaced in time: (n,) each."""
+        share = np.sin(np.linspace(0, np.pi / 2, _POINTS)) ** 2  # of the largest overlap; dense at both ends
+        slowness = 1 / np.sqrt(np.maximum(1 - share**2.5, 1e-300))
+        steps = np.diff(share) * (slowness[1:] + slowness[:-1]) / 2
+        steps[-1] = np.sqrt(np.diff(share)[-1] * 4 / 2.5)  # the integral to the turning point, where it is singular
+        time = np.concatenate([[0.0], np.cumsum(steps)]) * self.overlap / self.velocity
+        force = self.stiffness * (share * self.overlap) ** 1.5
+        even = np.linspace(0, 2 * time[-1], 2 * _POINTS)
+        return even, np.interp(
+            even, np.concatenate([time, 2 * time[-1] - time[-2::-1]]), np.append(force, force[-2::-1])
+        )
+
+    def on_spring(self, stiffness: float) -> float:
+        """Largest force on a wall without mass on a spring (N/m), N: from the balance of energy at rest."""
+        energy = 0.5 * self.mass * self.velocity**2
+
+        def missing(force: float) -> float:
+            return 0.4 * force ** (5 / 3) / self.stiffness ** (2 / 3) + force**2 / (2 * stiffness) - energy
+
+        return brentq(missing, 0, self.force)
+
+
+def response(time: Array, force: Array, mass: float, stiffness: float, damping: float = 0.0) -> Array:
+    """Displacement of a mass on a spring and a damper under a force, at rest at the start: (n_times,), m.
+
+    Parameters
+    ----------
+    time, force
+        (n_times,), s and N.
+    mass, stiffness, damping
+        kg, N/m, N s/m; the mass may be 0 beside a damper.
+    """
+    even = np.linspace(time[0], time[-1], len(time))
+    order = [mass, damping, stiffness] if mass else [damping, stiffness]
+    moved = lsim(([1.0], order), np.interp(even, time, force), even)[1]
+    return np.interp(time, even, moved)
+
+
+def after_impulse(impulse: float, mass: float, stiffness: float) -> float:
+    """Largest displacement of a mass on a spring after a short impulse, m."""
+    return impulse / math.sqrt(mass * stiffness)

@@ -1,0 +1,139 @@
+"""Runs that differ in nothing but how imperfect their packing is, put together by imperfection."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from collections.abc import Iterable, Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from granwave.lammps_inputs.case import Case, load_case
+from granwave.lammps_inputs.deck import CASE_FILE
+from granwave.lammps_inputs.disorder import DEFAULT_SEED, is_random
+from granwave.lammps_inputs.errors import GranwaveError
+
+_DIGITS = 12  # in which settings are the same
+
+
+class Setting(NamedTuple):
+    """How imperfect a packing is.
+
+    Attributes
+    ----------
+    scatter
+        Of the diameters, m.
+    friction
+        Coefficient of Coulomb friction.
+    vacancies
+        Share of the spheres that are left out at random.
+    """
+
+    scatter: float = 0.0
+    friction: float = 0.0
+    vacancies: float = 0.0
+
+
+IDEAL = Setting()
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Replicate:
+    """A finished run of one setting."""
+
+    label: str
+    directory: Path
+    case: Case
+    summary: Mapping[str, Any]
+
+    @property
+    def seed(self) -> int:
+        """What the random part of its packing was made from."""
+        seed = self.case.packing.seed
+        return DEFAULT_SEED if seed is None else seed
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Packing:
+    """All runs of one impact on one packing, ideal and not.
+
+    Attributes
+    ----------
+    runs
+        By setting, in rising order; of each the replicates in the order of their seeds, of what is not random one.
+    """
+
+    runs: dict[Setting, tuple[Replicate, ...]]
+
+    @cached_property
+    def case(self) -> Case:
+        """Of its least imperfect run."""
+        return next(iter(self.runs.values()))[0].case
+
+    @property
+    def settings(self) -> list[Setting]:
+        """In rising order."""
+        return list(self.runs)
+
+    def values(self, name: str) -> list[float]:
+        """What a field of `Setting` takes, in rising order."""
+        return sorted({getattr(setting, name) for setting in self.runs})
+
+
+def collect(found: Iterable[tuple[str, Path, Mapping[str, Any]]]) -> list[Packing]:
+    """Packings of which there are runs of two settings at least, one of them imperfect.
+
+    Parameters
+    ----------
+    found
+        Label, directory and summary of finished runs.
+    """
+    groups: dict[str, dict[Setting, dict[int, Replicate]]] = {}
+    for label, directory, summary in found:
+        try:
+            case = load_case(directory / CASE_FILE)
+        except GranwaveError:
+            continue
+        if case.load.kind != "impact" or case.packing.kind == "chain":
+            continue
+        run = Replicate(label, directory, case, summary)
+        setting = setting_of(case)
+        same = groups.setdefault(_what_is_hit(case), {}).setdefault(setting, {})
+        seed = run.seed if is_random(case) else 0
+        if seed not in same or _length(run) > _length(same[seed]):
+            same[seed] = run
+    return [
+        Packing({setting: _in_order(runs) for setting, runs in sorted(group.items())})
+        for group in groups.values()
+        if len(group) > 1
+    ]
+
+
+def setting_of(case: Case) -> Setting:
+    """How imperfect the packing of a case is."""
+    packing, left_out = case.packing, case.packing.vacancies
+    values = packing.diameter_scatter, case.contact.friction, left_out if isinstance(left_out, float) else 0.0
+    return Setting(*(float(f"{value:.{_DIGITS}g}") for value in values))
+
+
+def _what_is_hit(case: Case) -> str:
+    """Everything that is not an imperfection, nor how long and how finely the run was followed."""
+    tables = case.to_dict()
+    for name in ("name", "run", "output"):
+        tables.pop(name, None)
+    left_out = () if isinstance(case.packing.vacancies, tuple) else ("vacancies",)
+    for name in ("diameter_scatter", "seed", *left_out):
+        tables["packing"].pop(name, None)
+    if case.boundary.friction == case.contact.friction:  # as where it is left out
+        tables["boundary"].pop("friction", None)
+    tables["contact"].pop("friction", None)
+    return json.dumps(tables, sort_keys=True)
+
+
+def _length(run: Replicate) -> float:
+    return float(run.summary.get("end_time_s") or 0.0)
+
+
+def _in_order(runs: Mapping[int, Replicate]) -> tuple[Replicate, ...]:
+    return tuple(runs[seed] for seed in sorted(runs))

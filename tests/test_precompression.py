@@ -1,0 +1,276 @@
+"""Precompression: the static stage against closed forms, the wave on top of it, and what is refused."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from granwave.lammps_inputs.case import Case
+from granwave.lammps_inputs.deck import write_deck
+from granwave.lammps_inputs.errors import InputError, RunError
+from granwave.lammps_inputs.laws import flat_contact, sphere_contact
+from granwave.lammps_inputs.preload import dead_loads, force_of_contact
+from granwave.workflows import driver
+from granwave.workflows.balance import TOLERANCE
+
+D = 0.01
+FORCE = 2.0  # N; first yield of the chain is at 5.5 N
+QUIET = {"end_time": 2e-5}
+
+
+def make(kind: str = "chain", size: Any = 12, **sections: Any) -> Case:
+    packing = {"kind": kind, "size": size, "diameter": D} | sections.pop("packing", {})
+    sections.setdefault("precompression", {"kind": "uniaxial", "force": FORCE})
+    sections.setdefault("run", QUIET)
+    return Case.from_dict({"name": "static", "packing": packing, "material": "brass", **sections})
+
+
+def ran(case: Case, directory: Path, **options: Any) -> dict[str, Any]:
+    outcome = driver.run_case(case, directory, figures=False, **options)
+    assert outcome.state == "finished"
+    return outcome.summary
+
+
+def table(path: Path) -> dict[str, np.ndarray]:
+    lines = path.read_text().splitlines()
+    title = [line for line in lines if line.startswith("#")][-1]
+    rows = np.array([line.split() for line in lines if not line.startswith("#")], dtype=float)
+    return dict(zip(title.lstrip("#").split(), rows.T, strict=True))
+
+
+def frame(directory: Path, number: int) -> tuple[np.ndarray, np.ndarray]:
+    """Positions in the data file, and displacements of a snapshot."""
+    with h5py.File(directory / "result.h5") as file:
+        return file["spheres/position"][()], file["particles/spheres/displacement/value"][number]
+
+
+def hertz(case: Case) -> float:
+    """k of F = k alpha^1.5, N/m^1.5."""
+    law = sphere_contact(case)
+    return 4 / 3 * law.effective_modulus * math.sqrt(law.effective_radius)
+
+
+@pytest.fixture(scope="module")
+def chain(tmp_path_factory: pytest.TempPathFactory) -> tuple[Case, Path, dict[str, Any]]:
+    """A long chain under a force, struck so gently that its contacts stay linear."""
+    directory = tmp_path_factory.mktemp("static") / "chain"
+    case = make(size=80, load={"velocity": 2e-5}, run={"end_time": 2e-3, "frames": 2})
+    return case, directory, ran(case, directory)
+
+
+class TestChain:
+    def test_static_overlaps(self, chain: tuple[Case, Path, dict[str, Any]]) -> None:
+        case, directory, _ = chain
+        position, displacement = frame(directory, 0)
+        overlap = D - np.diff((position + displacement)[:, 2])
+        assert overlap == pytest.approx((FORCE / hertz(case)) ** (2 / 3), rel=1e-6)
+        gap = case.assembly.bottom() - D / 2 - (position + displacement)[-1, 2]
+        wall = flat_contact(case, 1)
+        stiff = 4 / 3 * wall.effective_modulus * math.sqrt(wall.effective_radius)
+        assert -gap == pytest.approx((FORCE / stiff) ** (2 / 3), rel=1e-6)
+
+    def test_record(self, chain: tuple[Case, Path, dict[str, Any]]) -> None:
+        case, directory, _ = chain
+        found = table(directory / "dumps" / "prestage.txt")
+        assert found["contacts"] == 79 and found["yielded"] == 0
+        assert found["residual"] <= 1e-6
+        assert found["largest_force"] == pytest.approx(FORCE, rel=1e-7)
+        wall = flat_contact(case, 1)
+        stiff = 4 / 3 * wall.effective_modulus * math.sqrt(wall.effective_radius)
+        stored = 79 * 0.4 * FORCE ** (5 / 3) / hertz(case) ** (2 / 3) + 0.4 * FORCE ** (5 / 3) / stiff ** (2 / 3)
+        assert found["stored"] == pytest.approx(stored, rel=1e-6)
+
+    def test_balance_though_far_more_is_stored_than_put_in(self, chain: tuple[Case, Path, dict[str, Any]]) -> None:
+        _, directory, summary = chain
+        stored = float(table(directory / "dumps" / "prestage.txt")["stored"][0])
+        assert stored > 1e6 * summary["energy_input_J"]
+        assert summary["energy_balance_error"] < TOLERANCE
+
+    def test_velocity_of_small_waves(self, chain: tuple[Case, Path, dict[str, Any]]) -> None:
+        """Long waves travel at c = D sqrt(k_t/m), k_t = 3/2 k alpha^0.5 (composite source, eq. 3).
+
+        An impulse leaves a step of the displacement behind, v sqrt(m/k_t) high, whose front is the integral of Airy's
+        function: where it has risen by a third, long waves are.
+        """
+        case, directory, _ = chain
+        with h5py.File(directory / "result.h5") as file:
+            time, moved = file["chain/time"][()], file["chain/displacement"][()]
+        stiffness = 1.5 * hertz(case) ** (2 / 3) * FORCE ** (1 / 3)
+        level = case.load.velocity * math.sqrt(case.sphere_mass / stiffness) / 3
+
+        def arrival(bead: int) -> float:
+            risen = moved[:, bead] - moved[0, bead]
+            first = int(np.argmax(risen > level))
+            return float(np.interp(level, risen[first - 1 : first + 1], time[first - 1 : first + 1]))
+
+        expected = D * math.sqrt(stiffness / case.sphere_mass)
+        assert 40 * D / (arrival(60) - arrival(20)) == pytest.approx(expected, rel=2e-3)
+
+
+class TestPackings:
+    def test_fcc_under_uniform_pressure(self, tmp_path: Path) -> None:
+        """Every contact bears p D^2/(2 sqrt 2)."""
+        case = make("fcc", [6, 6, 4], precompression={"kind": "uniform", "pressure": 1e5})
+        assert force_of_contact(case) == pytest.approx(1e5 * D**2 / (2 * math.sqrt(2)))
+        ran(case, tmp_path / "r")
+        found = table(tmp_path / "r" / "dumps" / "prestage.txt")
+        assert found["largest_force"] == pytest.approx(force_of_contact(case), rel=1e-3)
+        assert found["contacts"] == case.assembly.n_contacts
+        position, displacement = frame(tmp_path / "r", 0)
+        pairs = case.assembly.contacts() - 1
+        apart = np.linalg.norm(np.diff((position + displacement)[pairs], axis=1)[:, 0], axis=1)
+        assert D - apart == pytest.approx((force_of_contact(case) / hertz(case)) ** (2 / 3), rel=2e-3)
+
+    def test_periodic_fcc_under_a_uniaxial_pressure(self, tmp_path: Path) -> None:
+        """Three contacts hand on the load of a sphere; layers come closer, those in a layer stay a diameter apart."""
+        case = make(
+            "fcc", [4, 4, 6], boundary={"sides": "periodic"}, precompression={"kind": "uniaxial", "pressure": 1e5}
+        )
+        top = 1e5 * D**2 * math.sqrt(3) / 2
+
+        def excess(height: float) -> float:
+            apart = math.hypot(height, D / math.sqrt(3))
+            return 3 * hertz(case) * (D - apart) ** 1.5 * height / apart - top
+
+        layer = brentq(excess, 0.8 * D, math.sqrt(2 / 3) * D - 1e-12, xtol=1e-16)
+        ran(case, tmp_path / "r")
+        position, displacement = frame(tmp_path / "r", 0)
+        heights = np.diff((position + displacement)[:, 2].reshape(6, 16), axis=0)
+        closer = math.sqrt(2 / 3) * D - heights
+        assert closer == pytest.approx(math.sqrt(2 / 3) * D - layer, rel=1e-6)
+
+    def test_dead_loads_of_faces(self) -> None:
+        """On each face, pressure times area; together nothing."""
+        for kind, size in (("fcc", [9, 10, 8]), ("hcp", [8, 8, 8]), ("sc", [5, 6, 7]), ("square", [6, 7])):
+            stage = {"kind": "uniform", "pressure": 1e3}
+            _, force = dead_loads(make(kind, size, precompression=stage, boundary={"bottom": "free"}))
+            assert np.abs(force.sum(axis=0)).max() < 1e-9
+        _, force = dead_loads(make("sc", [5, 6, 7], precompression={"kind": "uniform", "pressure": 1e3}))
+        assert force[:, 2].sum() == pytest.approx(1e3 * 30 * D**2)
+        assert force[force[:, 0] > 0, 0].sum() == pytest.approx(1e3 * 42 * D**2)
+
+    @pytest.mark.parametrize(
+        ("stage", "boundary"),
+        [({"kind": "uniform", "pressure": 2e4}, {}), ({"kind": "gravity"}, {"sides": "periodic"})],
+    )
+    def test_scattered_diameters_settle(self, tmp_path: Path, stage: dict, boundary: dict) -> None:
+        case = make("fcc", [6, 6, 4], packing={"diameter_scatter": 2e-6}, precompression=stage, boundary=boundary)
+        summary = ran(case, tmp_path / "r")
+        found = table(tmp_path / "r" / "dumps" / "prestage.txt")
+        assert found["residual"] <= 1e-6
+        assert summary["energy_balance_error"] < TOLERANCE
+        if stage["kind"] == "gravity":
+            weight = case.assembly.sphere_masses().sum() * 9.81
+            assert table(tmp_path / "r" / "dumps" / "walls.txt")["bottom"][0] == pytest.approx(weight, rel=1e-6)
+
+    def test_impact_on_top(self, tmp_path: Path) -> None:
+        """The balance closes with contacts that yield, friction, and a plate that gives way."""
+        case = make(
+            "fcc", [6, 6, 4], load={"velocity": 5.0}, contact={"friction": 0.2}, run={"end_time": 1e-4},
+            boundary={"bottom": {"plate": {"mass": 0.1, "stiffness": 1e7, "damping": 5.0}}},
+            precompression={"kind": "uniform", "pressure": 1e5},
+        )  # fmt: skip
+        summary = ran(case, tmp_path / "r")
+        assert summary["energy_balance_error"] < TOLERANCE
+        assert summary["dissipated_fraction"] > 0.5
+        ledger = table(tmp_path / "r" / "dumps" / "energy.txt")
+        assert ledger["friction"][-1] > 0 and ledger["support"][-1] > 0
+
+
+class TestContinuation:
+    def stopped(self, case: Case, directory: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        looks = iter(range(100))
+        with monkeypatch.context() as patched:
+            patched.setattr(driver.StopRequest, "wanted", lambda _: next(looks) == 1)
+            patched.setattr(driver, "_PIECE", 1e-3)
+            assert driver.run_case(case, directory, figures=False).state == "interrupted"
+
+    @pytest.mark.parametrize("friction", [0.0, 0.3])
+    def test_resumed_run_gives_the_same_bits(
+        self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, friction: float
+    ) -> None:
+        case = make(
+            "fcc", [6, 6, 4], packing={"diameter_scatter": 1e-6}, precompression={"kind": "uniform", "pressure": 5e4},
+            load={"velocity": 5.0, "angle": 20.0}, contact={"friction": friction}, run={"end_time": 6e-5},
+        )  # fmt: skip
+        ran(case, tmp_path / "whole")
+        self.stopped(case, tmp_path / "cut", monkeypatch)
+        assert 0 < json.loads((tmp_path / "cut" / "run.json").read_text())["n_steps"] < 1000
+        ran(case, tmp_path / "cut", resume=True)
+        names = ["energy.txt", "spheres.dump", "contacts.dump", "walls.txt", "wall_bottom.dump", "prestage.txt"]
+        for name in names:
+            whole, cut = ((tmp_path / one / "dumps" / name).read_text() for one in ("whole", "cut"))
+            rows = [{line for line in text.splitlines() if line[:1] != "#"} for text in (whole, cut)]
+            assert rows[0] == rows[1], name  # the row of the checkpoint's step may be there twice
+
+    def test_two_ranks(self, granwave, tmp_path: Path) -> None:
+        case = make("fcc", [6, 6, 4], precompression={"kind": "uniform", "pressure": 1e5}, load={"velocity": 5.0})
+        (tmp_path / "case.toml").write_text(case.to_toml())
+        for ranks in (1, 2):
+            done = granwave(
+                "run", tmp_path / "case.toml", "-o", tmp_path / str(ranks), "--no-figures", *(["--np", 2] * (ranks - 1))
+            )
+            assert done.returncode == 0, done.stderr
+        ledgers = [table(tmp_path / str(ranks) / "dumps" / "energy.txt") for ranks in (1, 2)]
+        for name in ("kinetic", "elastic", "dissipated"):
+            assert ledgers[1][name][-1] == pytest.approx(ledgers[0][name][-1], rel=1e-7, abs=1e-12)
+
+    def test_deck_runs_by_hand(self, lmp, tmp_path: Path) -> None:
+        deck = write_deck(make(run={"end_time": 1e-6}), tmp_path)
+        assert sorted(path.name for path in tmp_path.glob("*.txt")) == ["preload_z.txt"]
+        done = lmp(deck.script)
+        assert done.returncode == 0, done.stdout[-2000:]
+        assert table(tmp_path / "dumps" / "prestage.txt")["contacts"] == 11
+
+
+class TestRefused:
+    def test_a_pile_without_sides_spreads(self, tmp_path: Path) -> None:
+        case = make("fcc", [4, 4, 4], precompression={"kind": "uniaxial", "pressure": 1e5})
+        with pytest.raises(RunError, match=r"moved by .* diameters.*not confined.*kind = \"uniform\""):
+            driver.run_case(case, tmp_path / "r", figures=False)
+
+    @pytest.mark.parametrize(
+        ("kind", "size", "sections", "message"),
+        [
+            ("chain", 5, {"precompression": {"kind": "uniaxial", "force": 6.0}},
+             r"precompression.force: would yield every contact: about 6 N on each, first yield at 5.51 N; give less than"),
+            ("fcc", [5, 5, 3], {"precompression": {"kind": "uniform", "pressure": 2e5}},
+             r"precompression.pressure: would yield every contact: about 7.07 N .* give less than 1.56e\+05 Pa"),
+            ("chain", 5, {"precompression": {"kind": "uniaxial", "force": 1.0, "pressure": 1.0}}, "both pressure and force"),
+            ("chain", 5, {"precompression": {"kind": "uniaxial"}}, "neither pressure nor force"),
+            ("chain", 5, {"precompression": {"kind": "uniaxial", "pressure": 1.0}}, "chain, which has no face"),
+            ("fcc", [5, 5, 3], {"precompression": {"kind": "uniform", "force": 1.0}}, "expected a pressure"),
+            ("fcc", [5, 5, 3], {"precompression": {"kind": "uniform", "pressure": 1e4}, "boundary": {"sides": "wall"}},
+             'boundary.sides: found "wall" with precompression.kind = "uniform"'),
+            ("square", [5, 5], {"precompression": {"kind": "uniaxial", "force": 1.0}}, 'found "uniaxial" for square'),
+            ("chain", 5, {"precompression": {"kind": "gravity"}, "boundary": {"bottom": "free"}}, "something must bear"),
+            ("chain", 5, {"boundary": {"bottom": {"bar": {"length": 1.0, "area": 1e-4}, "material": "steel"}}},
+             'boundary.bottom.bar.end: found "infinite" under a precompression, expected "fixed"'),
+            ("chain", 5, {"precompression": {"kind": "gravity", "force": 1.0}}, 'does not belong to precompression.kind = "gravity"'),
+            ("chain", 5, {"bar": {"length": 1.0, "area": 1e-4}}, r"precompression: found beside \[bar\]"),
+            ("fcc", [5, 5, 3], {"precompression": None, "boundary": {"bottom": {"plate": {"mass": 1.0, "stiffness": 0}}}},
+             "boundary.bottom.plate.stiffness: found 0, expected a number above 0"),
+        ],
+    )  # fmt: skip
+    def test_input(self, kind: str, size: Any, sections: dict, message: str) -> None:
+        sections = {name: value for name, value in sections.items() if value is not None}
+        with pytest.raises(InputError, match=message) as refused:
+            make(kind, size, **sections)
+        assert len(refused.value.faults) == 1
+
+    def test_gravity_never_yields_all(self) -> None:
+        make("chain", 2000, precompression={"kind": "gravity"})
+
+
+def test_case_file_keeps_it() -> None:
+    case = make("fcc", [5, 5, 3], precompression={"kind": "uniform", "pressure": 1e4})
+    assert Case.from_dict(case.to_dict()) == case
+    assert dataclasses.asdict(case)["precompression"]["pressure"] == 1e4
