@@ -98,7 +98,9 @@ def fit_toml(fit: Fit) -> str:
         ),
     ]
     if len(fit.materials) == 2 and fit.materials[0] != fit.materials[1]:
-        lines.append("# The curve is of two materials; a case has one: [material] below is the softer.")
+        lines.append(
+            "# The curve is of two materials: [material] below is the softer; --pair A B writes the law between both."
+        )
     lines += ["", 'name = "fit"', "", "[contact]", *_law_lines(fit)]
     return (
         "\n".join(lines)

@@ -93,7 +93,7 @@ def planes(kind: str) -> tuple[Plane, ...]:
     diagonal = (x + y) / math.sqrt(2)
     if kind == "fcc":
         down = np.array([0.0, 1 / 3, math.sqrt(8) / 3])
-        inclined = Plane("principal", x, down, down_label="Distance down the plane")
+        inclined = Plane("principal", x, down, down_label="Down the plane")
         return inclined, Plane("orthogonal", y, z)
     return {
         "hcp": (Plane("principal", x, z, _HCP_ROWS), Plane("orthogonal", y, z)),

@@ -292,7 +292,7 @@ def _read_wall(table: Mapping[str, Any], key: str, faults: Faults, directory: Pa
 
 
 def _read_contact(table: Any, faults: Faults, directory: Path | None) -> Contact | None:
-    """``[contact]``; a path in it starts from the directory of the case, one from the command line from where that is."""
+    """``[contact]``; a path in it starts from the directory of the case, one of ``--set`` from the present one."""
     contact = read_table(Contact, table, "contact", faults)
     if contact is None or not isinstance(contact.initial_overlap, str):
         return contact

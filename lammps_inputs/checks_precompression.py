@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from granwave.lammps_inputs.dents import LARGEST
 from granwave.lammps_inputs.keys import Faults, show
 from granwave.lammps_inputs.laws import sphere_contact
 from granwave.lammps_inputs.preload import force_of_contact
@@ -15,6 +18,7 @@ if TYPE_CHECKING:
     from granwave.lammps_inputs.case import Case
 
 _TABLE = "precompression"
+_SET_BACK = ("fcc", "hcp", "bcc")  # layers lie in the hollows of those below
 
 
 def check_precompression(parts: Mapping[str, Any], packing: PackingSection, boundary: Boundary, faults: Faults) -> None:
@@ -50,20 +54,30 @@ def check_precompression(parts: Mapping[str, Any], packing: PackingSection, boun
 
 
 def check_first_yield(case: Case, faults: Faults) -> None:
-    """A static load that takes every contact beyond yield is refused."""
+    """A static load is refused that takes every contact beyond yield, any beyond its law, or makes layers spread."""
     stage, contact = case.precompression, case.contact_between(case.material, case.material)
-    if stage is None or stage.kind == "gravity" or not contact.yields or contact.law == "bilinear":
+    if stage is None:
         return
-    if case.contact.initial_overlap:  # contacts with dents stay elastic beyond first yield
-        return
-    force, limit = force_of_contact(case), sphere_contact(case).yield_force
-    if force >= limit:
-        name, unit = ("force", "N") if stage.force is not None else ("pressure", "Pa")
-        given = getattr(stage, name)
+    name, unit = ("force", "N") if stage.force is not None else ("pressure", "Pa")
+    if stage.kind == "gravity":
+        name, unit = "acceleration", "m/s^2"
+    law, largest = sphere_contact(case), force_of_contact(case)
+    least = largest / case.lattice.shape[2] if stage.kind == "gravity" else largest  # of the contacts of the top layer
+    deepest = float(law.loading_force(np.array([LARGEST * law.effective_radius]))[0])
+    fault, force, limit = "", largest, deepest
+    # contacts with dents stay elastic beyond first yield
+    if contact.yields and contact.law != "bilinear" and not case.contact.initial_overlap and least >= law.yield_force:
+        force, limit = least, law.yield_force
+        fault = f"would yield every contact: about {force:.3g} N on each, first yield at {limit:.3g} N"
+    elif largest > deepest:
+        fault = f"would press contacts with {force:.3g} N, the law holds up to {limit:.3g} N ({LARGEST} R*)"
+    if fault:
+        faults.add(f"{_TABLE}.{name}", f"{fault}; give less than {getattr(stage, name) * limit / force:.3g} {unit}")
+    elif _spreads(case):
         faults.add(
-            f"{_TABLE}.{name}",
-            f"would yield every contact: about {force:.3g} N on each, first yield at {limit:.3g} N; "
-            f"give less than {given * limit / force:.3g} {unit}",
+            "boundary.sides",
+            f"found {show(case.boundary.sides)} under a {stage.kind} precompression of {case.packing.kind}, which "
+            'spreads without friction, also between walls; expected "periodic", or precompression.kind = "uniform"',
         )
 
 
@@ -78,6 +92,15 @@ def check_support(case: Case, faults: Faults) -> None:
             f"found a {case.boundary.bottom_support.kind} under spheres of {' and '.join(names) or 'no material'}, "
             "expected a last layer of one material",
         )
+
+
+def _spreads(case: Case) -> bool:
+    """Nothing holds the spheres of a layer together against those that lie in their hollows."""
+    stage, packing, boundary = case.precompression, case.packing, case.boundary
+    nx, ny, nz = case.lattice.shape
+    free = stage is not None and stage.kind != "uniform" and boundary.sides != "periodic" and boundary.bottom != "fixed"
+    layers = packing.kind in _SET_BACK and nz > 1 and nx * ny > 1 and not isinstance(packing.vacancies, tuple)
+    return free and layers
 
 
 def _check_size(stage: Precompression, packing: PackingSection, faults: Faults) -> None:

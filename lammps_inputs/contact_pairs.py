@@ -70,9 +70,11 @@ def _read(table: Any, common: Mapping[str, Any], key: str, faults: Faults) -> Pa
         return None
     before = len(faults.lines)
     refuse_unknown(table, ("materials", *_KEYS), key, faults)
-    names = table.get("materials")
-    if not isinstance(names, list | tuple) or len(names) != 2 or not all(isinstance(one, str) for one in names):
-        faults.add(f"{key}.materials", f'found {show(names)}, expected the names of two, such as ["steel", "brass"]')
+    names, expected = table.get("materials"), 'the names of two, such as ["steel", "brass"]'
+    if "materials" not in table:
+        faults.add(f"{key}.materials", f"missing; expected {expected}")
+    elif not isinstance(names, list | tuple) or len(names) != 2 or not all(isinstance(one, str) for one in names):
+        faults.add(f"{key}.materials", f"found {show(names)}, expected {expected}")
     own = {name: value for name, value in table.items() if name in _KEYS}
     if not own:
         faults.add(key, "changes nothing; give keys of [contact], such as friction")

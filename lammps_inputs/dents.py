@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.keys import show
 from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.laws import law_between
 from granwave.lammps_inputs.sections import Dents
@@ -100,16 +101,10 @@ def dents_table(case: Case) -> str:
             keys = zip(meetings.first.tolist(), meetings.second.tolist(), strict=True)
             rows += meetings.rows(np.array([known.get(key, 0.0) for key in keys]))
         return "".join(rows)
-    regions = given if isinstance(given, tuple) else (Dents(overlap=given),)
     for meetings in contacts_at_start(case):
         peak = np.zeros(len(meetings.second))
-        for region in regions:
-            inside = np.ones(len(peak), dtype=bool)
-            if region.low is not None:
-                inside &= (meetings.place >= np.array(region.low)).all(axis=1)
-            if region.high is not None:
-                inside &= (meetings.place <= np.array(region.high)).all(axis=1)
-            peak = np.where(inside, _size(meetings, region), peak)
+        for region in _regions(case):
+            peak = np.where(_inside(meetings, region), _size(meetings, region), peak)
         rows += meetings.rows(peak)
     return "".join(rows)
 
@@ -119,25 +114,45 @@ def fault_of_dents(case: Case) -> str:
     given = case.contact.initial_overlap
     if not given:
         return ""
-    yielding = [contact for contact in (case.contact, *(pair.contact for pair in case.pair)) if contact.yields]
+    kinds = [species.material for species in case.assembly.species if species.role == "sphere"]
+    between = [(one, other) for n, one in enumerate(kinds) for other in kinds[n:]]
+    yielding = [(case.contact_between(*pair), pair) for pair in between if case.contact_between(*pair).yields]
     if not yielding:
         return f'found dents with contact.law = "{case.contact.law}", which cannot yield; take another law, or no dents'
     if isinstance(given, str):
         return ""
     smallest = float(case.assembly.sphere_diameters().min()) / 2
-    regions = given if isinstance(given, tuple) else (Dents(overlap=given),)
-    for contact in yielding:
-        law = law_between(contact, (case.material, case.material), (smallest, smallest))
-        one = np.array([law.effective_radius])
-        meetings = Meetings(law, one, one.astype(np.int64), one, np.zeros((1, 3)))
-        deepest = max(float(_size(meetings, region)[0]) for region in regions)
+    for contact, pair in yielding:
+        law = law_between(contact, pair, (smallest, smallest))
+        deepest = _deepest(case, law)
         limit = LARGEST * law.effective_radius
         if deepest > limit:
             return (
                 f"found a dent of {deepest:.3g} m, expected at most {LARGEST} R* = {limit:.3g} m, "
                 "as far as the contact law holds"
             )
+    boxes = [region for region in _regions(case) if region.low or region.high]
+    found = contacts_at_start(case) if boxes else []
+    for box in boxes:
+        if not any(_inside(meetings, box).any() for meetings in found):
+            bounds = {name: list(end) for name, end in (("low", box.low), ("high", box.high)) if end}
+            return f"found no contact in the box {show(bounds)}, expected one that holds contacts (m)"
     return ""
+
+
+def largest_dent(case: Case, law: ContactLaw) -> float:
+    """The largest that a contact of this law may have before the run, m; of a file that cannot be read, none."""
+    given = case.contact.initial_overlap
+    if not given or law.name == "hertz":
+        return 0.0
+    if not isinstance(given, str):
+        return _deepest(case, law)
+    path = Path(given)
+    try:
+        with h5py.File(path / _RESULT if path.is_dir() else path, "r") as file:
+            return max(file[f"{table}/peak_overlap"][()].max(initial=0.0) for table in ("contacts", "wall_contacts"))
+    except (OSError, KeyError):  # told when the deck is written
+        return 0.0
 
 
 def contacts_at_start(case: Case) -> list[Meetings]:
@@ -174,6 +189,29 @@ def contacts_at_start(case: Case) -> list[Meetings]:
         face = np.array([[0.0, 0.0, bar.position[bar.face - bar.first]]])
         add((assembly.material_of(bar.touches), bar.material), np.array([bar.face]), row, radii[row], face)
     return found
+
+
+def _regions(case: Case) -> tuple[Dents, ...]:
+    """Where dents that are given by value are."""
+    given = case.contact.initial_overlap
+    return given if isinstance(given, tuple) else (Dents(overlap=float(given)),)
+
+
+def _inside(meetings: Meetings, region: Dents) -> NDArray[np.bool_]:
+    """Which of the contacts are in a region: (n,)."""
+    inside = np.ones(len(meetings.second), dtype=bool)
+    if region.low is not None:
+        inside &= (meetings.place >= np.array(region.low)).all(axis=1)
+    if region.high is not None:
+        inside &= (meetings.place <= np.array(region.high)).all(axis=1)
+    return inside
+
+
+def _deepest(case: Case, law: ContactLaw) -> float:
+    """The largest dent given by value, of a contact of one law, m."""
+    one = np.array([law.effective_radius])
+    meetings = Meetings(law, one, one.astype(np.int64), one, np.zeros((1, 3)))
+    return max(float(_size(meetings, region)[0]) for region in _regions(case))
 
 
 def _size(meetings: Meetings, region: Dents) -> NDArray[np.float64]:

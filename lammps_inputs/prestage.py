@@ -20,8 +20,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from granwave.lammps_inputs.dents import largest_dent
+from granwave.lammps_inputs.laws import sphere_contact
 from granwave.lammps_inputs.preload import dead_loads, directions, force_of_contact, static_stiffness
-from granwave.lammps_inputs.relief import relief_commands
+from granwave.lammps_inputs.relief import relief_commands, relief_state
 from granwave.lammps_inputs.script_contacts import pair_coefficients, wall_commands
 from granwave.lammps_inputs.script_output import POTENTIAL, displacements
 from granwave.lammps_inputs.script_text import joined, num
@@ -34,11 +36,12 @@ STAGE_MARKER, STAGE_END = "# --- static stage ---", "# --- end of the static sta
 PRESTAGE_FILE, STATIC_FILE = "prestage.txt", "static.lmp"  # in dumps/
 PRELOAD_FILE = "preload_{}.txt"  # beside the deck, for each direction in which there are dead loads
 
-LARGEST_MOVE = 0.1  # diameters, of any sphere: one that moves further has not found a place where it was put
+LARGEST_MOVE = 0.1  # diameters, of any sphere, beyond what contacts take up: one that moves further rearranges
 
 _SPHERES = "static_spheres"  # the group of those that move
 _TOLERANCE = 1e-9  # of the force of a contact: net force on a sphere at which the search ends
-_TOLERANCE_OF_DISORDER = 1e-7  # where it takes tens of thousands of iterations
+_TOLERANCE_OF_DISORDER = 2e-7  # where it takes tens of thousands of iterations
+_FIRST_HALF = 50.0  # how much looser the search is there, if there is disorder
 _ROUNDING = 8.0  # net force by rounding: in units of stiffness times the last digit of a coordinate
 _STEP = 0.03  # of sqrt(mass/stiffness), at the start; FIRE makes it up to ten times longer
 _LONGEST_MOVE = 0.5  # of the overlap of a contact, of a sphere in one iteration
@@ -73,6 +76,20 @@ def dead_load_commands(case: Case) -> list[str]:
     ]
 
 
+def largest_move(case: Case) -> float:
+    """How far a sphere of a packing that keeps its shape may move, m.
+
+    Contacts on the way along the load give way to it, and close the gaps that smaller spheres and dents leave; all that
+    adds up.
+    """
+    stage, lattice = case.precompression, case.lattice
+    assert stage is not None
+    on_the_way = max(lattice.shape) if stage.kind == "uniform" else lattice.shape[2]
+    overlap = 1.5 * force_of_contact(case) / static_stiffness(case)
+    gap = case.packing.diameter_scatter + largest_dent(case, sphere_contact(case))
+    return LARGEST_MOVE * case.packing.diameter + on_the_way * (overlap + gap)
+
+
 def first_half(case: Case) -> list[str]:
     """To balance under Hertz's law."""
     planes = wall_commands(case, elastic=True, prefix="static_")
@@ -88,13 +105,13 @@ def first_half(case: Case) -> list[str]:
         *_waiting(case),
         f"compute         static_moved {_SPHERES} reduce max c_displacement[4]",
         "variable        static_moved equal c_static_moved",
-        f"variable        static_most equal {num(LARGEST_MOVE * case.packing.diameter)}",
+        f"variable        static_most equal {num(largest_move(case))}",
         "fix             static_halt all halt 100 v_static_moved > ${static_most} error continue",
         f"timestep        {num(_STEP * math.sqrt(mass / static_stiffness(case)))}",
         "thermo          1000",
         "min_style       fire",
         f"min_modify      norm inf dmax {num(_LONGEST_MOVE * 1.5 * force_of_contact(case) / static_stiffness(case))}",
-        _minimize(case),
+        _minimize(case, first=True),
         *(f"unfix           {name}" for name in names),
         "gran/dents      begin",
         *pair_coefficients(case),
@@ -109,6 +126,7 @@ def second_half(case: Case) -> list[str]:
     return [
         STAGE_MARKER,
         "# Once more, with the law of the case; then the state is recorded, and the run begins at time 0.",
+        *_relief(case, again=True),
         "compute         static all gran/hysteretic/energy",
         "compute         static_sphere all gran/hysteretic/atom",
         "compute         static_largest all reduce max c_static_sphere[1]",
@@ -153,12 +171,13 @@ def load_tables(case: Case) -> dict[str, str]:
     return tables
 
 
-def _relief(case: Case) -> list[str]:
+def _relief(case: Case, *, again: bool = False) -> list[str]:
     """What keeps a packing from turning, and from moving as a whole, where nothing holds it."""
     stage, bottom = case.precompression, case.boundary.bottom
     if stage is None or stage.kind != "uniform" or bottom == "fixed":
         return []
-    return relief_commands("static_relief", _SPHERES, on_plane=bottom == "wall")
+    commands = relief_state if again else relief_commands
+    return commands("static_relief", _SPHERES, on_plane=bottom == "wall")
 
 
 def _step_of_support(case: Case) -> list[str]:
@@ -183,10 +202,11 @@ def _stored(case: Case) -> list[str]:
     return ["c_static", *(f"f_{name}[4]" for name in planes), *([f"f_{support}[12]"] if support else [])]
 
 
-def _minimize(case: Case) -> str:
+def _minimize(case: Case, *, first: bool = False) -> str:
     """Until no net force exceeds a small part of the forces of contacts, or what rounding makes of them."""
     span = float(np.abs(case.assembly.bounds()).max())
     rounding = _ROUNDING * static_stiffness(case) * np.finfo(float).eps * span
     disorder = case.packing.diameter_scatter or case.packing.vacancies
-    least = (_TOLERANCE_OF_DISORDER if disorder else _TOLERANCE) * force_of_contact(case) + rounding
+    part = _TOLERANCE_OF_DISORDER * (_FIRST_HALF if first else 1.0) if disorder else _TOLERANCE
+    least = part * force_of_contact(case) + rounding
     return f"minimize        0.0 {num(float(f'{least:.3g}'))} {_MOST_ITERATIONS} {2 * _MOST_ITERATIONS}"

@@ -1,7 +1,8 @@
 """Inertia relief in the LAMMPS input script: what takes off the forces that accelerate a packing as a whole.
 
 With the acceleration a of its centre and the angular acceleration I^-1 T, from the total force and torque, a sphere at
-r from the centre gets the force -m (a + I^-1 T x r). On a plane only x, y and the turning about z are free.
+r from the centre gets the force -m (a + I^-1 T x r). On a plane only x, y and the turning about z are free. The centre
+stays where it is, and inertia changes little: both are taken once, by `relief_state`, as numbers.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ _TERMS = {
     "y": ("e*f-d*c", "a*c-e*e", "d*e-a*f"),
     "z": ("d*f-b*e", "d*e-a*f", "a*b-d*d"),
 }  # rows of the adjugate of the inertia tensor, a = xx, b = yy, c = zz, d = xy, e = xz, f = yz
+_DETERMINANT = "a*(b*c-f*f)-d*(d*c-e*f)+e*(d*f-b*e)"
 _TENSOR = {"a": "xx", "b": "yy", "c": "zz", "d": "xy", "e": "xz", "f": "yz"}
 
 
@@ -22,30 +24,40 @@ def relief_commands(name: str, group: str, *, on_plane: bool) -> list[str]:
     on_plane
         The group rests on a plane normal to z.
     """
+    lines = relief_state(name, group, on_plane=on_plane)
+    at = {axis: f"({axis}-v_{name}_c{axis})" for axis in "xyz"}
     if on_plane:
-        lines = [f"variable        {name}_az equal torque({group},z)/inertia({group},zz)"]
-        turned = {"x": f"-v_{name}_az*(y-xcm({group},y))", "y": f"+v_{name}_az*(x-xcm({group},x))"}
+        lines.append(f"variable        {name}_az equal torque({group},z)*v_{name}_zz")
+        turned = {"x": f"-v_{name}_az*{at['y']}", "y": f"+v_{name}_az*{at['x']}"}
     else:
-        values = {letter: f"v_{name}_i{component}" for letter, component in _TENSOR.items()}
-
-        def written(formula: str) -> str:
-            return "".join(values.get(letter, letter) for letter in formula)
-
-        lines = [
-            f"variable        {name}_i{component} equal inertia({group},{component})" for component in _TENSOR.values()
-        ]
-        lines.append(f"variable        {name}_det equal {written('a*(b*c-f*f)-d*(d*c-e*f)+e*(d*f-b*e)')}")
-        for axis, row in _TERMS.items():
-            torque = "+".join(
-                f"({written(term)})*torque({group},{about})" for about, term in zip("xyz", row, strict=True)
-            )
-            lines.append(f"variable        {name}_a{axis} equal ({torque})/v_{name}_det")
+        for axis in "xyz":
+            torque = "+".join(f"v_{name}_{axis}{about}*torque({group},{about})" for about in "xyz")
+            lines.append(f"variable        {name}_a{axis} equal {torque}")
         turned = {
-            one: f"+v_{name}_a{other}*({third}-xcm({group},{third}))-v_{name}_a{third}*({other}-xcm({group},{other}))"
+            one: f"+v_{name}_a{other}*{at[third]}-v_{name}_a{third}*{at[other]}"
             for one, other, third in ("xyz", "yzx", "zxy")
         }
     for axis, turning in turned.items():
-        lines.append(f"variable        {name}_{axis} atom -mass*(fcm({group},{axis})/mass({group}){turning})")
+        lines.append(f"variable        {name}_{axis} atom -mass*(fcm({group},{axis})/v_{name}_mass{turning})")
     lines.append(f"variable        {name}_0 atom 0.0")
     words = " ".join(f"v_{name}_{axis}" if axis in turned else "0.0" for axis in "xyz")
     return [*lines, f"fix             {name} {group} addforce {words} energy v_{name}_0"]
+
+
+def relief_state(name: str, group: str, *, on_plane: bool) -> list[str]:
+    """Mass, centre and inverse inertia as they are now; may be said again for the same ``name``."""
+    lines = [f"variable        {name}_mass equal $(mass({group}):%.17g)"]
+    lines += [f"variable        {name}_c{axis} equal $(xcm({group},{axis}):%.17g)" for axis in "xyz"]
+    if on_plane:
+        return [*lines, f"variable        {name}_zz equal $(1/inertia({group},zz):%.17g)"]
+    values = {letter: f"inertia({group},{component})" for letter, component in _TENSOR.items()}
+
+    def written(formula: str) -> str:
+        return "".join(values.get(letter, letter) for letter in formula)
+
+    lines += [
+        f"variable        {name}_{axis}{about} equal $(({written(term)})/({written(_DETERMINANT)}):%.17g)"
+        for axis, row in _TERMS.items()
+        for about, term in zip("xyz", row, strict=True)
+    ]
+    return lines

@@ -91,6 +91,8 @@ def _parse_dent(table: Any) -> Dents:
     if size < 0:
         raise Unfit(f"{_DENT_FORM}, not negative")
     low, high = (parse_point(table[name], _DENT_FORM) if name in table else None for name in ("low", "high"))
+    if low is not None and high is not None and any(a > b for a, b in zip(low, high, strict=True)):
+        raise Unfit("low of a box of dents below its high, along each axis")
     return Dents(overlap=size, low=low, high=high) if "overlap" in table else Dents(force=size, low=low, high=high)
 
 

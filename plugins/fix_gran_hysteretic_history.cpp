@@ -92,7 +92,7 @@ int FixGranHystereticHistory::pack(int i, double *buf) const
     if (!history.wide()) continue;
     const ContactPast past = history.past(i, k);
     for (int d = 0; d < 3; d++) buf[m++] = past.spring.force[d];
-    buf[m++] = past.spring.stiffness;
+    buf[m++] = past.spring.compliance;
     buf[m++] = past.spring.loss;
     buf[m++] = past.initial;
     buf[m++] = past.reached;

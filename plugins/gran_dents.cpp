@@ -99,10 +99,15 @@ std::vector<GranDents::Line> GranDents::read(const std::string &file)
     const auto wrong = [&](const std::string &what) {
       error->all(FLERR, "{}: line {} of {}: {}, found '{}'", STYLE, number, file, what, utils::trim(row));
     };
+    const auto id = [&](const std::string &word) {
+      const long long value = std::stoll(word);
+      if (value > MAXTAGINT) wrong("there is no sphere " + word);
+      return static_cast<tagint>(value);
+    };
     if (w.size() != 3 || !is_id(w[1])) wrong("expected 'i j peak' with the ids of two spheres, or 'FIXID i peak' of a wall");
-    Line line{number, nullptr, 0, static_cast<tagint>(std::stoll(w[1])), 0.0};
+    Line line{number, nullptr, 0, id(w[1]), 0.0};
     if (is_id(w[0])) {
-      line.i = static_cast<tagint>(std::stoll(w[0]));
+      line.i = id(w[0]);
       if (line.i == line.j) wrong("a sphere has no contact with itself");
       if (line.i > line.j) std::swap(line.i, line.j);
     } else {

@@ -151,7 +151,7 @@ void PairGranHysteretic::restore_dents()
       if (record && history.wide()) {
         const ContactPast past = history.past(i, static_cast<int>(record - history.records(i)));
         if (rubbing) c.spring[k] = past.spring;
-        if (rubbing) c.held[k] = past.spring.stiffness > 0.0;
+        if (rubbing) c.held[k] = past.spring.compliance > 0.0;
         if (pasts) c.initial[k] = past.initial;
         if (pasts) c.reached[k] = past.reached;
       }

@@ -29,7 +29,7 @@ enum class Grip { RESCALED, KEPT };    // of a contact whose circle shrinks
 /* Its loss outlives the contact; the force does not. */
 struct Spring {
   double force[3] = {};       // on the first body
-  double stiffness = 0.0;     // at the last step; 0: nothing held
+  double compliance = 0.0;    // 1/k at the last step; 0: nothing held
   double loss = 0.0;          // frictional, since the first contact
 };
 
@@ -37,10 +37,7 @@ inline double dot(const double (&a)[3], const double (&b)[3]) { return a[0] * b[
 
 inline double tangential_force(const Spring &spring) { return std::sqrt(dot(spring.force, spring.force)); }
 
-inline double tangential_energy(const Spring &spring)
-{
-  return spring.stiffness > 0.0 ? 0.5 * dot(spring.force, spring.force) / spring.stiffness : 0.0;
-}
+inline double tangential_energy(const Spring &spring) { return 0.5 * dot(spring.force, spring.force) * spring.compliance; }
 
 /* Slip of a step. `velocity` is that of the first body against the second at their centres, `spin` the sum of lever times
    angular velocity over both (a plane has none). */
@@ -60,37 +57,36 @@ inline void torque_per_lever(const double (&n)[3], const double (&force)[3], dou
   torque[2] = -(n[0] * force[1] - n[1] * force[0]);
 }
 
-inline void rotate(Spring &spring, const double (&n)[3])
+/* Into the plane normal to n, with the same length, whose square is given. */
+inline void rotate(Spring &spring, double square, const double (&n)[3])
 {
-  const double before = dot(spring.force, spring.force), along = dot(spring.force, n);
-  if (before == 0.0) return;
-  for (int d = 0; d < 3; d++) spring.force[d] -= along * n[d];
-  const double after = dot(spring.force, spring.force);
-  if (after == 0.0) return;
-  const double stretch = std::sqrt(before / after);
-  for (int d = 0; d < 3; d++) spring.force[d] *= stretch;
-}
-
-inline void clip(Spring &spring, double limit)
-{
-  const double square = dot(spring.force, spring.force);
-  if (square <= limit * limit) return;
-  const double factor = limit / std::sqrt(square);
-  for (int d = 0; d < 3; d++) spring.force[d] *= factor;
+  constexpr double SMALL = 1e-5;    // from which on the series of 1/sqrt(1 - q) is exact to rounding
+  const double along = dot(spring.force, n);
+  if (along == 0.0) return;
+  const double q = along * along / square;
+  if (!(q < 1.0)) return;    // it points along n, or is next to nothing
+  const double stretch = q < SMALL ? 1.0 + q * (0.5 + q * (0.375 + 0.3125 * q)) : 1.0 / std::sqrt(1.0 - q);
+  for (int d = 0; d < 3; d++) spring.force[d] = stretch * (spring.force[d] - along * n[d]);
 }
 
 /* One step of a contact that bears a normal force. */
 inline void advance(Spring &spring, const double (&n)[3], const double (&slip)[3], double stiffness, double limit, Grip grip)
 {
-  const double stored = tangential_energy(spring);
-  rotate(spring, n);
-  double work = -0.5 * dot(spring.force, slip);
-  const double kept = grip == Grip::RESCALED && stiffness < spring.stiffness ? stiffness / spring.stiffness : 1.0;
+  const double before = dot(spring.force, spring.force), stored = 0.5 * before * spring.compliance;
+  rotate(spring, before, n);
+  double work = dot(spring.force, slip);
+  const double ratio = spring.compliance > 0.0 ? stiffness * spring.compliance : 1.0;
+  const double kept = grip == Grip::RESCALED ? std::min(ratio, 1.0) : 1.0;
   for (int d = 0; d < 3; d++) spring.force[d] = kept * spring.force[d] - stiffness * slip[d];
-  spring.stiffness = stiffness;
-  clip(spring, limit);
-  work -= 0.5 * dot(spring.force, slip);
-  const double lost = work - (tangential_energy(spring) - stored);
+  spring.compliance = 1.0 / stiffness;
+  double square = dot(spring.force, spring.force);
+  if (square > limit * limit) {
+    const double factor = limit / std::sqrt(square);
+    for (int d = 0; d < 3; d++) spring.force[d] *= factor;
+    square = limit * limit;
+  }
+  work = -0.5 * (work + dot(spring.force, slip));
+  const double lost = work - (0.5 * square * spring.compliance - stored);
   // rescaled it is negative by rounding alone, or where a step's slip is longer than the spring: next to nothing
   spring.loss += grip == Grip::RESCALED ? std::max(lost, 0.0) : lost;
 }

@@ -216,6 +216,7 @@ def test_nothing_is_preconditioned_by_an_empty_file(lammps, tmp_path):
     ("text", "message"),
     [
         ("1 3 1e-6", "line 1 of .*: there is no sphere 3"),
+        ("1 4294967298 1e-6", "there is no sphere 4294967298"),
         ("# first\n1 2 -1e-6", "line 2 of .*: the dent must not be negative, found '1 2 -1e-6'"),
         ("1 2 0.006", "line 1 of .*: the dent, 0.006, exceeds the radius of the smaller sphere"),
         ("1 1 1e-6", "a sphere has no contact with itself"),

@@ -30,7 +30,7 @@ def make(kind: str = "chain", size: Any = 12, **sections: Any) -> Case:
     packing = {"kind": kind, "size": size, "diameter": D} | sections.pop("packing", {})
     sections.setdefault("precompression", {"kind": "uniaxial", "force": FORCE})
     sections.setdefault("run", QUIET)
-    return Case.from_dict({"name": "static", "packing": packing, "material": "brass", **sections})
+    return Case.from_dict({"name": "static", "packing": packing, **{"material": "brass", **sections}})
 
 
 def ran(case: Case, directory: Path, **options: Any) -> dict[str, Any]:
@@ -115,6 +115,13 @@ class TestChain:
         assert 40 * D / (arrival(60) - arrival(20)) == pytest.approx(expected, rel=2e-3)
 
 
+def test_a_long_chain_shortens_by_more_than_a_tenth_of_a_bead(tmp_path: Path) -> None:
+    """Overlaps, and the gaps of dents, add up; that is no loss of shape."""
+    sections = {"material": "steel", "contact": {"initial_overlap": {"force": 2e3}}}
+    ran(make(size=150, precompression={"kind": "uniaxial", "force": 100.0}, **sections), tmp_path / "r")
+    assert table(tmp_path / "r" / "dumps" / "prestage.txt")["displacement"] > 0.1 * D
+
+
 class TestPackings:
     def test_fcc_under_uniform_pressure(self, tmp_path: Path) -> None:
         """Every contact bears p D^2/(2 sqrt 2)."""
@@ -159,7 +166,10 @@ class TestPackings:
 
     @pytest.mark.parametrize(
         ("stage", "boundary"),
-        [({"kind": "uniform", "pressure": 2e4}, {}), ({"kind": "gravity"}, {"sides": "periodic"})],
+        [
+            ({"kind": "uniform", "pressure": 2e4}, {}),
+            ({"kind": "gravity"}, {"sides": "periodic"}),
+        ],
     )
     def test_scattered_diameters_settle(self, tmp_path: Path, stage: dict, boundary: dict) -> None:
         case = make("fcc", [6, 6, 4], packing={"diameter_scatter": 2e-6}, precompression=stage, boundary=boundary)
@@ -170,6 +180,19 @@ class TestPackings:
         if stage["kind"] == "gravity":
             weight = case.assembly.sphere_masses().sum() * 9.81
             assert table(tmp_path / "r" / "dumps" / "walls.txt")["bottom"][0] == pytest.approx(weight, rel=1e-6)
+
+    def test_scattered_diameters_where_nothing_holds_the_packing(self, tmp_path: Path) -> None:
+        """It neither drifts nor turns."""
+        case = make(
+            "sc", [4, 4, 4], packing={"diameter_scatter": 2e-7}, boundary={"bottom": "free"},
+            precompression={"kind": "uniform", "pressure": 2e4},
+        )  # fmt: skip
+        ran(case, tmp_path / "r")
+        found = table(tmp_path / "r" / "dumps" / "prestage.txt")
+        assert found["residual"] <= 1e-6
+        _, displacement = frame(tmp_path / "r", 0)
+        moment = case.assembly.sphere_masses() @ displacement
+        assert np.abs(moment).max() < 1e-9 * case.assembly.sphere_masses().sum() * D
 
     def test_impact_on_top(self, tmp_path: Path) -> None:
         """The balance closes with contacts that yield, friction, and a plate that gives way."""
@@ -232,10 +255,21 @@ class TestContinuation:
 
 
 class TestRefused:
-    def test_a_pile_without_sides_spreads(self, tmp_path: Path) -> None:
-        case = make("fcc", [4, 4, 4], precompression={"kind": "uniaxial", "pressure": 1e5})
-        with pytest.raises(RunError, match=r"moved by .* diameters.*not confined.*kind = \"uniform\""):
+    @pytest.mark.parametrize("sides", ["free", "wall"])
+    def test_a_pile_without_sides_spreads(self, tmp_path: Path, sides: str) -> None:
+        """Walls at the sides do not hold rows that are set back by half a sphere."""
+        case = make(
+            "fcc", [4, 4, 4], packing={"vacancies": [1]}, boundary={"sides": sides},
+            precompression={"kind": "uniaxial", "pressure": 1e5},
+        )  # fmt: skip
+        advice = r'boundary.sides = "periodic", or precompression.kind = "uniform"'
+        with pytest.raises(RunError, match=rf"moved by .* diameters.*not confined: take {advice} .*walls.*hold\)$"):
             driver.run_case(case, tmp_path / "r", figures=False)
+
+    def test_a_bottom_that_gave_way(self, tmp_path: Path) -> None:
+        plate = {"plate": {"mass": 0.1, "stiffness": 1e2, "damping": 0.0}}
+        with pytest.raises(RunError, match=r"or the bottom gave way: take a stiffer boundary.bottom$"):
+            driver.run_case(make(boundary={"bottom": plate}), tmp_path / "r", figures=False)
 
     @pytest.mark.parametrize(
         ("kind", "size", "sections", "message"),
@@ -254,6 +288,14 @@ class TestRefused:
             ("chain", 5, {"precompression": {"kind": "gravity"}, "boundary": {"bottom": "free"}}, "something must bear"),
             ("chain", 5, {"boundary": {"bottom": {"bar": {"length": 1.0, "area": 1e-4}, "material": "steel"}}},
              'boundary.bottom.bar.end: found "infinite" under a precompression, expected "fixed"'),
+            ("fcc", [4, 4, 4], {"precompression": {"kind": "gravity"}, "boundary": {"sides": "wall"}},
+             'boundary.sides: found "wall" under a gravity precompression of fcc, .* expected "periodic", or'),
+            ("bcc", [4, 4, 4], {"precompression": {"kind": "uniaxial", "force": 1.0}},
+             'boundary.sides: found "free" under a uniaxial precompression of bcc'),
+            ("chain", 5, {"precompression": {"kind": "gravity", "acceleration": 1e9}},
+             r"precompression.acceleration: would yield every contact: about .* give less than .* m/s\^2"),
+            ("chain", 5, {"precompression": {"kind": "uniaxial", "force": 1e9}, "contact": {"law": "hertz"}},
+             r"precompression.force: would press contacts with 1e\+09 N, the law holds up to"),
             ("chain", 5, {"precompression": {"kind": "gravity", "force": 1.0}}, 'does not belong to precompression.kind = "gravity"'),
             ("chain", 5, {"bar": {"length": 1.0, "area": 1e-4}}, r"precompression: found beside \[bar\]"),
             ("fcc", [5, 5, 3], {"precompression": None, "boundary": {"bottom": {"plate": {"mass": 1.0, "stiffness": 0}}}},
@@ -268,6 +310,11 @@ class TestRefused:
 
     def test_gravity_never_yields_all(self) -> None:
         make("chain", 2000, precompression={"kind": "gravity"})
+
+    def test_walls_that_may_hold_a_pile(self) -> None:
+        stage = {"kind": "uniaxial", "force": 1.0}
+        make("fcc", [5, 5, 2], precompression=stage, boundary={"sides": "wall", "bottom": "fixed"})
+        make("sc", [4, 4, 4], precompression=stage)
 
 
 def test_case_file_keeps_it() -> None:

@@ -27,7 +27,9 @@ from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.studies import studies_of
 from granwave.analysis.study import Row, Study
 from granwave.lammps_inputs.case import Case
+from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.laws import sphere_contact
+from granwave.lammps_inputs.timestep import auto_timestep
 from granwave.workflows import load_case, load_scan, run_case
 
 FEW = {"run.frames": 2}
@@ -229,6 +231,35 @@ def test_preconditioned_chain_is_elastic_up_to_its_level(tmp_path: Path) -> None
     peaks = chain_of(elastic).of_contacts("peak_force")
     assert peaks[25] == pytest.approx(peaks[12], rel=0.02)
     assert len(study.pictures) == 2
+
+
+def test_timestep_counts_the_slope_of_dents(tmp_path: Path) -> None:
+    """Unloading is steeper: with dents far beyond the peak overlap the balance closes as well as without."""
+    changes = {"packing.size": 30, "run.end_time": 2e-4}
+    one = run(tmp_path / "run", "preconditioned-chain", changes | {"contact.initial_overlap": {"force": 1e4}})
+    fresh = load_case("preconditioned-chain", changes | {"contact.initial_overlap": 0.0})
+    small = load_case("preconditioned-chain", changes | {"contact.initial_overlap": {"force": 1.0}})
+    from_file = load_case("preconditioned-chain", changes | {"contact.initial_overlap": str(one.directory)})
+    assert auto_timestep(one.case) < 0.6 * auto_timestep(fresh)
+    assert auto_timestep(small) == auto_timestep(fresh)
+    assert auto_timestep(from_file) == pytest.approx(auto_timestep(one.case), rel=0.11)  # two digits
+    assert one.summary["energy_balance_error"] < 1.5e-6
+
+
+@pytest.mark.parametrize(
+    ("dents", "message"),
+    [({"overlap": 1e-6, "low": [0, 0, 0.02], "high": [1, 1, 0.01]}, "expected low of a box of dents below its high"),
+     ({"overlap": 1e-6, "low": [1, 1, 1]}, r"found no contact in the box \{low = \[1.0, 1.0, 1.0\]\}, expected")],
+)  # fmt: skip
+def test_boxes_of_dents_that_hold_nothing(dents: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError, match=message) as refused:
+        load_case("fcc-small", {"contact.initial_overlap": dents})
+    assert len(refused.value.faults) == 1
+
+
+def test_pair_without_materials() -> None:
+    with pytest.raises(InputError, match=r"pair.1.materials: missing; expected the names of two"):
+        load_case("fcc-small", {"pair": [{"friction": 0.1}]})
 
 
 def test_packing_hit_three_times(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from granwave.lammps_inputs import load_case
-from granwave.workflows import load_profile, load_scan
+from granwave.workflows import load_profile, load_scan, studies
 from tests.conftest import PLAIN
 
 README = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
@@ -39,3 +39,10 @@ def test_files(tmp_path):
     assert load_case(tmp_path / "real.toml").precompression is not None
     assert len(load_scan(tmp_path / "scan.toml").points) == 7 * 3 * 2 + 1
     assert load_profile(tmp_path / "profile.toml").nodes == 1
+
+
+def test_built_in_studies_that_commands_name_exist():
+    named = re.findall(r"^    granwave (run|check|show|scan|continuum) ([a-z][a-z0-9-]+)(?=\s|$)", README, re.MULTILINE)
+    for command, name in named:
+        assert name in studies.names(studies.SCANS if command == "scan" else studies.CASES), (command, name)
+    assert {command for command, _ in named} == {"run", "check", "show", "scan", "continuum"}

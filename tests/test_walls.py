@@ -162,6 +162,8 @@ def test_a_restart_file_of_the_first_format_is_read(lammps, tmp_path, friction):
     """It goes on as in its own version; with friction from a spring of zero."""
     (tmp_path / "old.restart").write_bytes(zlib.decompress(base64.b85decode(OLD)))
     lmp = lammps()
+    if lmp.version() < 20250722:
+        pytest.skip("LAMMPS reads no restart file of a later LAMMPS")
     lmp.commands_string(
         f"newton off\natom_modify map yes\nread_restart {tmp_path}/old.restart\nfix motion all nve\n"
         f"{WALL.format(z=R)} {friction}\nthermo_style custom step f_floor[5]\nrun 19100"

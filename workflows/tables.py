@@ -11,13 +11,15 @@ from granwave.workflows.kinds import Cost
 
 _SUMMARY = {
     "n_spheres": ("spheres", "{:d}"),
-    "n_contacts": ("contacts", "{:d}"),
+    "n_contacts": ("touching at the start", "{:d}"),
     "end_time_s": ("simulated", "{:.6g} s"),
     "end_reason": ("ended", "{}"),
     "timestep_s": ("timestep", "{:.4g} s"),
     "n_steps": ("steps", "{:d}"),
     "energy_input_J": ("energy in", "{:.6g} J"),
     "dissipated_fraction": ("dissipated", "{:.5f} of it"),
+    "plastic_fraction": ("  by yielding", "{:.5f} of it"),
+    "friction_fraction": ("  by friction", "{:.5f} of it"),
     "energy_balance_error": ("balance error", "{:.1e} of it"),
     "peak_force_N": ("peak contact force", "{:.6g} N"),
     "n_plastic_contacts": ("yielded contacts", "{:d}"),
@@ -28,6 +30,7 @@ _SUMMARY = {
     "contacts_beyond_law": ("contacts beyond 0.2 R*", "{:d}"),
     "wall_peak_force_N": ("peak force at the bottom", "{:.6g} N"),
     "wall_impulse_Ns": ("impulse at the bottom", "{:.6g} N s"),
+    "peak_reduction": ("peak without packing", "{:.3g} times as high"),
     "impactor_velocity_m_s": ("struck sphere at the end", "{:.5g} m/s"),
     "wall_time_s": ("wall time", "{:.1f} s"),
     "sphere_steps_per_s": ("speed", "{:.3g} sphere-steps/s"),
@@ -42,8 +45,11 @@ def lines(rows: list[tuple[str, str]]) -> str:
 
 def summary_table(summary: Mapping[str, Any]) -> str:
     """The main values of a summary."""
+    left_out = () if summary.get("friction_fraction") else ("plastic_fraction", "friction_fraction")
     rows = [
-        (label, form.format(summary[key])) for key, (label, form) in _SUMMARY.items() if summary.get(key) is not None
+        (label, form.format(summary[key]))
+        for key, (label, form) in _SUMMARY.items()
+        if summary.get(key) is not None and key not in left_out
     ]
     return lines([("case", str(summary["name"])), *rows])
 
@@ -99,7 +105,7 @@ def plan_table(case: Case, plan: Plan) -> str:
         [
             ("case", plan.name),
             ("spheres", f"{plan.n_spheres}"),
-            ("contacts", f"{plan.n_contacts}"),
+            ("touching at the start", f"{plan.n_contacts}"),
             ("memory", f"about {plan.memory / 2**30:.2f} GiB"),
             ("disk", f"about {plan.disk / 1e9:.3g} GB"),
             ("timestep", f"{schedule.timestep:.4g} s"),

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.ticker import ScalarFormatter
 from numpy.typing import ArrayLike, NDArray
 
 from granwave.analysis.chains.measures import Power, first_peak, power
@@ -159,6 +160,8 @@ def _draw_small(force: Array, speed: Array, printed: Array, fit: Power) -> Drawi
     axes = figure.subplots()
     axes.loglog(force, printed, "-", color=GREY, label="c0 (composite 3)")
     axes.loglog(force, speed, "o", color=BLUE, markersize=4, label=f"simulation: power {fit.exponent:.4f}")
+    axes.yaxis.set_minor_formatter(ScalarFormatter())
+    axes.xaxis.set_major_formatter("{x:g}")
     axes.set_xlabel("Static force F0 (N)")
     axes.set_ylabel("Speed of small pulses (m/s)")
     axes.legend(loc="upper left")

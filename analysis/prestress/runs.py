@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property
@@ -12,13 +11,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave.analysis.finished import FinishedRun
 from granwave.analysis.reports.model import Cell, Column, Table
 from granwave.analysis.reports.quantities import BLANK, value_cell
 from granwave.analysis.result import Result
-from granwave.analysis.result_file import BALANCE_REFUSED
-from granwave.lammps_inputs.case import Case, load_case
-from granwave.lammps_inputs.deck import CASE_FILE
-from granwave.lammps_inputs.errors import GranwaveError
+from granwave.analysis.target import Reached, reached, risen
+from granwave.lammps_inputs.case import Case
 from granwave.lammps_inputs.laws import sphere_contact
 from granwave.lammps_inputs.preload import force_of_contact
 
@@ -27,18 +25,11 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-ARRIVED = 0.01  # of the largest force at the bottom that the impact adds: it has arrived
 _NOT_OF_THE_IMPACT = ("name", "run", "output")  # tables: how long and how finely it was followed
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
-class PastRun:
+class PastRun(FinishedRun):
     """A finished run of an impact, on spheres with or without a past."""
-
-    label: str
-    directory: Path
-    case: Case
-    summary: Mapping[str, Any]
 
     @cached_property
     def law(self) -> ContactLaw:
@@ -55,28 +46,28 @@ class PastRun:
         """Share of the input."""
         return float(self.summary["dissipated_fraction"])
 
-    @cached_property
+    @property
     def transmitted(self) -> float:
         """Largest force that the impact adds to the static one at the bottom, N; NaN with nothing there."""
-        time, force = self.bottom
-        return float(np.max(force, initial=0.0)) if len(time) else np.nan
+        _, force = self.bottom
+        return float(np.max(force)) if len(force) else np.nan
 
     @property
     def arrival(self) -> float:
-        """When the force at the bottom first exceeds `ARRIVED` of its largest, s; NaN: never."""
-        time, force = self.bottom
-        if not self.transmitted > 0:
-            return np.nan
-        return float(time[int(np.argmax(force > ARRIVED * self.transmitted))])
+        """When that force arrives, s; NaN: never. See `granwave.analysis.target.Reached.arrival`."""
+        found = self._reached.arrival if self._reached else None
+        return np.nan if found is None else found
 
-    @cached_property
+    @property
     def bottom(self) -> tuple[Array, Array]:
         """Time, s, and the force at the bottom beyond the static one, N."""
+        found = self._reached
+        return (found.time, risen(found.force)) if found else (np.empty(0), np.empty(0))
+
+    @cached_property
+    def _reached(self) -> Reached | None:
         with Result(self.directory) as result:
-            if "walls/bottom" not in result:
-                return np.empty(0), np.empty(0)
-            time, force = result["walls/bottom/time"], result["walls/bottom/force"]
-        return time, force - force[0]
+            return reached(result)
 
     def of_prestage(self, name: str) -> float:
         """What the static stage left, such as ``contacts`` that bear force; NaN without such a stage."""
@@ -85,18 +76,9 @@ class PastRun:
 
 
 def collect(found: Iterable[tuple[str, Path, Mapping[str, Any]]]) -> tuple[PastRun, ...]:
-    """Of finished runs, given by label, directory and summary, those of impacts; none whose balance was refused."""
-    runs = []
-    for label, directory, summary in found:
-        if summary.get("end_reason") == BALANCE_REFUSED:
-            continue
-        try:
-            case = load_case(directory / CASE_FILE)
-        except GranwaveError:
-            continue
-        if case.load.kind == "impact" and summary.get("dissipated_fraction") is not None:
-            runs.append(PastRun(label, directory, case, summary))
-    return tuple(runs)
+    """Of finished runs, given by label, directory and summary, those of impacts."""
+    runs = PastRun.among(found, lambda case: case.load.kind == "impact")
+    return tuple(run for run in runs if run.summary.get("dissipated_fraction") is not None)
 
 
 def groups(runs: Iterable[PastRun], *varying: str) -> list[list[PastRun]]:

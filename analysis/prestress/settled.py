@@ -15,9 +15,10 @@ import numpy as np
 from granwave.analysis.figure_style import BLUE, ORANGE, Drawing, new_figure
 from granwave.analysis.prestress.runs import PastRun, groups, words_of
 from granwave.analysis.reports.model import Cell, Column, Table, Tone
-from granwave.analysis.reports.quantities import BLANK, value_cell
-from granwave.analysis.statistics import Estimate, estimate, exactly
+from granwave.analysis.reports.quantities import BLANK
+from granwave.analysis.statistics import Estimate, can_be_told_apart, estimate, exactly
 from granwave.analysis.study import Picture, Study
+from granwave.analysis.tolerance.verdict import shown
 from granwave.lammps_inputs.case import Case
 from granwave.lammps_inputs.disorder import DEFAULT_SEED, is_random
 
@@ -144,8 +145,8 @@ def _shown(found: Estimate | None) -> Cell:
     if found is None:
         return Cell(BLANK)
     if not found.half_width > 0:  # of what is not random, or of a single seed
-        return value_cell(found.mean)
-    return Cell(f"{found.mean:.4g} ± {found.half_width:.2g}", found.mean)
+        return Cell(f"{found.mean:.4g}", found.mean)
+    return Cell(shown(found), found.mean)
 
 
 def _verdict(states: Sequence[State]) -> Iterator[str]:
@@ -157,9 +158,12 @@ def _verdict(states: Sequence[State]) -> Iterator[str]:
         force = state.of([run.transmitted for run in state.runs])
         if force is None:
             continue
-        sentence = f"Packing {state.words.removeprefix('scattered, ')}: {force.mean:.4g} N arrive at the bottom"
+        sentence = f"Packing {state.words.removeprefix('scattered, ')}: {shown(force, unit='N')} arrive at the bottom"
         other = placed.of([run.transmitted for run in placed.runs]) if placed else None
-        yield sentence + (f", {force.mean / other.mean:.3g} times what arrives as placed." if other else ".")
+        if other is not None and other.mean:
+            sentence += f", {force.mean / other.mean:.3g} times what arrives as placed ({shown(other, unit='N')}"
+            sentence += ", not to be told from it)" if can_be_told_apart(force, other) is False else ")"
+        yield f"{sentence}."
 
 
 def _draw(states: Sequence[State]) -> Drawing:

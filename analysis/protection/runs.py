@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -14,13 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid
 
+from granwave.analysis.finished import FinishedRun
 from granwave.analysis.result import Result
-from granwave.analysis.result_file import BALANCE_REFUSED
 from granwave.analysis.target import Reached, reached
 from granwave.lammps_inputs.assembly import velocities_of
-from granwave.lammps_inputs.case import Case, load_case
-from granwave.lammps_inputs.deck import CASE_FILE
-from granwave.lammps_inputs.errors import GranwaveError
+from granwave.lammps_inputs.case import Case
 from granwave.lammps_inputs.supports import Plate
 
 Array = NDArray[np.float64]
@@ -29,14 +26,8 @@ FEWEST_HEIGHTS = 3  # that make a series of packings on one bottom
 _SQUARE_CM, _MICRO, _MILLI = 1e4, 1e6, 1e3
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
-class TargetRun:
+class TargetRun(FinishedRun):
     """A finished run of a packing between an impact and a bottom that bears it."""
-
-    label: str
-    directory: Path
-    case: Case
-    summary: Mapping[str, Any]
 
     @property
     def layers(self) -> int:
@@ -82,11 +73,6 @@ class TargetRun:
         """The bottom is a support that moves."""
         return self.case.boundary.bottom_support is not None
 
-    def value(self, name: str) -> float:
-        """A number of the summary; NaN where it does not apply."""
-        found = self.summary.get(name)
-        return float(found) if isinstance(found, int | float) and not isinstance(found, bool) else math.nan
-
     @property
     def momentum(self) -> float:
         """Of what hits the packing, towards the target, kg m/s; NaN under a force or a prescribed motion."""
@@ -131,7 +117,7 @@ def collect(found: Iterable[tuple[str, Path, Mapping[str, Any]]]) -> list[list[T
     """Groups of finished runs of one impact in which the bottom or the height differs.
 
     A group has a bottom that moves, or so many heights on one bottom that they make a series; the runs are in the order
-    of bottoms, friction and layers. None whose energy balance was refused.
+    of bottoms, friction and layers.
 
     Parameters
     ----------
@@ -139,19 +125,10 @@ def collect(found: Iterable[tuple[str, Path, Mapping[str, Any]]]) -> list[list[T
         Label, directory and summary of finished runs.
     """
     groups: dict[str, dict[str, TargetRun]] = {}
-    for label, directory, summary in found:
-        if summary.get("end_reason") == BALANCE_REFUSED:
-            continue
-        try:
-            case = load_case(directory / CASE_FILE)
-        except GranwaveError:
-            continue
-        if case.boundary.bottom == "free" or case.bar is not None or case.incident_bar is not None:
-            continue
-        run = TargetRun(label, directory, case, summary)
-        same = groups.setdefault(_impact(case), {}).setdefault(_text(case.to_dict()), run)
-        if run.value("end_time_s") > same.value("end_time_s"):
-            groups[_impact(case)][_text(case.to_dict())] = run
+    for run in TargetRun.among(found, lambda case: case.boundary.bottom != "free" and not case.assembly.bars):
+        group, key = groups.setdefault(_impact(run.case), {}), _text(run.case.to_dict())
+        if run.value("end_time_s") > group.setdefault(key, run).value("end_time_s"):
+            group[key] = run
     ordered = (sorted(group.values(), key=_order) for group in groups.values())
     return [runs for runs in ordered if len(runs) > 1 and (any(run.moves for run in runs) or series(runs))]
 

@@ -54,6 +54,10 @@ class Axis:
         found = dict.fromkeys(setting._replace(**{self.name: 0.0}) for setting in packing.settings)
         return sorted(base for base in found if len(self.along(packing, base)) > 1)
 
+    def tried(self, packing: Packing) -> list[Setting]:
+        """All settings along which there is more than one value of this."""
+        return [setting for base in self.bases(packing) for setting in self.along(packing, base)]
+
 
 SCATTER = Axis("scatter", "diameter scatter", "µm", 1e-6, "diameter_scatter_m")
 RUBBING = Axis("friction", "friction coefficient", "", 1.0, "friction")

@@ -41,7 +41,8 @@ Columns = dict[str, NDArray]
 def against(measured: Measured, axis: Axis) -> Drawing | None:
     """Every quantity against one imperfection, a curve for each setting of the others; None without two values."""
     bases = axis.bases(measured.packing)
-    quantities = measured.shown(PANELS)
+    settings = axis.tried(measured.packing)
+    quantities = measured.shown(PANELS, settings)
     if not bases or not quantities:
         return None
     rows = -(-len(quantities) // _ACROSS)
@@ -52,7 +53,7 @@ def against(measured: Measured, axis: Axis) -> Drawing | None:
     for axes, quantity in zip(panels, quantities, strict=False):
         for n, base in enumerate(bases):
             table += _curve(axes, measured, quantity, axis, base, n, _label(base, others))
-        _scale(axes, [axis.of(setting) for base in bases for setting in axis.along(measured.packing, base)])
+        _scale(axes, [axis.of(setting) for setting in settings])
         axes.set_ylabel(quantity.title, fontsize=7)
     for axes in panels[len(quantities) :]:
         axes.set_axis_off()
@@ -161,7 +162,7 @@ def _curve(
     for place, (setting, _) in zip(x, there, strict=True):
         if setting in measured.random:
             single = np.array(measured.values[quantity.name][setting]) / quantity.scale
-            axes.plot(np.full(len(single), place), single, ".", color=colour, markersize=2, alpha=0.5)
+            axes.plot(np.full(len(single), place), single, ".", color=colour, markersize=3.5, alpha=0.6)
     return [[PANELS.index(quantity), *setting, value.n, value.mean, value.low, value.high] for setting, value in there]
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Literal
 
 import numpy as np
@@ -55,28 +55,23 @@ class Quantity:
 
 
 def _summed_up(name: str) -> Callable[[Replicate], float]:
-    return lambda run: _number(run, name)
-
-
-def _number(run: Replicate, name: str) -> float:
-    value = run.summary.get(name)
-    return float(value) if isinstance(value, int | float) and not isinstance(value, bool) else math.nan
+    return lambda run: run.value(name)
 
 
 def _plastic_share(run: Replicate) -> float:
     """Of the input; all that is dissipated where nothing rubs."""
-    share = _number(run, "plastic_fraction")
-    return _number(run, "dissipated_fraction") if math.isnan(share) and not run.case.rubs else share
+    share = run.value("plastic_fraction")
+    return run.value("dissipated_fraction") if math.isnan(share) and not run.case.rubs else share
 
 
 def _friction_share(run: Replicate) -> float:
-    return _number(run, "friction_fraction") if run.case.rubs else 0.0
+    return run.value("friction_fraction") if run.case.rubs else 0.0
 
 
 def _arrival(run: Replicate) -> float:
     """When force first reaches the bottom, s."""
     if "base_arrival_s" in run.summary:
-        return _number(run, "base_arrival_s")
+        return run.value("base_arrival_s")
     time, force = _on_bottom(run)
     felt = np.flatnonzero(force > _ARRIVED * force.max(initial=0.0))
     return float(time[felt[0]]) if len(felt) else math.nan
@@ -146,10 +141,18 @@ class Measured:
         """How many replicates there are."""
         return len(self.packing.runs[setting])
 
-    def shown(self, quantities: tuple[Quantity, ...] = QUANTITIES) -> list[Quantity]:
-        """The quantities that have a value anywhere; where nothing rubs, all that is dissipated is so by yielding."""
+    def shown(
+        self, quantities: tuple[Quantity, ...] = QUANTITIES, settings: Sequence[Setting] | None = None
+    ) -> list[Quantity]:
+        """The quantities that have a value anywhere; where none of the settings rubs, all is dissipated by yielding.
+
+        Parameters
+        ----------
+        settings
+            Those that are shown; None: all of the packing.
+        """
         there = [quantity for quantity in quantities if self.values.get(quantity.name)]
-        rubs = any(setting.friction for setting in self.packing.settings)
+        rubs = any(setting.friction for setting in (self.packing.settings if settings is None else settings))
         return [one for one in there if rubs or one not in (PLASTIC, FRICTION)]
 
     @property

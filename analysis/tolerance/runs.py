@@ -9,10 +9,9 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from granwave.lammps_inputs.case import Case, load_case
-from granwave.lammps_inputs.deck import CASE_FILE
+from granwave.analysis.finished import FinishedRun
+from granwave.lammps_inputs.case import Case
 from granwave.lammps_inputs.disorder import DEFAULT_SEED, is_random
-from granwave.lammps_inputs.errors import GranwaveError
 
 _DIGITS = 12  # in which settings are the same
 
@@ -38,14 +37,8 @@ class Setting(NamedTuple):
 IDEAL = Setting()
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
-class Replicate:
+class Replicate(FinishedRun):
     """A finished run of one setting."""
-
-    label: str
-    directory: Path
-    case: Case
-    summary: Mapping[str, Any]
 
     @property
     def seed(self) -> int:
@@ -90,18 +83,10 @@ def collect(found: Iterable[tuple[str, Path, Mapping[str, Any]]]) -> list[Packin
         Label, directory and summary of finished runs.
     """
     groups: dict[str, dict[Setting, dict[int, Replicate]]] = {}
-    for label, directory, summary in found:
-        try:
-            case = load_case(directory / CASE_FILE)
-        except GranwaveError:
-            continue
-        if case.load.kind != "impact" or case.packing.kind == "chain":
-            continue
-        run = Replicate(label, directory, case, summary)
-        setting = setting_of(case)
-        same = groups.setdefault(_what_is_hit(case), {}).setdefault(setting, {})
-        seed = run.seed if is_random(case) else 0
-        if seed not in same or _length(run) > _length(same[seed]):
+    for run in Replicate.among(found, lambda case: case.load.kind == "impact" and case.packing.kind != "chain"):
+        same = groups.setdefault(_what_is_hit(run.case), {}).setdefault(setting_of(run.case), {})
+        seed = run.seed if is_random(run.case) else 0
+        if run.value("end_time_s") > same.setdefault(seed, run).value("end_time_s"):
             same[seed] = run
     return [
         Packing({setting: _in_order(runs) for setting, runs in sorted(group.items())})
@@ -129,10 +114,6 @@ def _what_is_hit(case: Case) -> str:
         tables["boundary"].pop("friction", None)
     tables["contact"].pop("friction", None)
     return json.dumps(tables, sort_keys=True)
-
-
-def _length(run: Replicate) -> float:
-    return float(run.summary.get("end_time_s") or 0.0)
 
 
 def _in_order(runs: Mapping[int, Replicate]) -> tuple[Replicate, ...]:

@@ -43,7 +43,9 @@ def _pictures(measured: Measured, name: str) -> Iterator[Picture]:
     for axis in axes:
         drawing = figures.against(measured, axis)
         if drawing is not None:
-            caption = f"Against {axis.words}: means, 95 % confidence bands, and single runs as dots"
+            random = not measured.random.isdisjoint(axis.tried(measured.packing))
+            what = "means, 95 % confidence bands, and single runs as dots" if random else "nothing is random here"
+            caption = f"Against {axis.words}: {what}"
             yield Picture(f"{name}_{axis.name}", caption, drawing)
     for across, up in itertools.combinations(axes, 2):
         drawing = figures.left_of_ideal(measured, across, up)

@@ -49,11 +49,12 @@ def impact(measured: Measured) -> str:
 
 
 def shown(value: Estimate, scale: float = 1.0, unit: str = "") -> str:
-    """A mean with its interval: ``213 ± 18 N``."""
+    """A mean with its interval, both to the digit up to which the interval has two: ``213 ± 18 N``."""
     mean, half = value.mean / scale, value.half_width / scale
     text = _round(mean)
     if math.isfinite(half) and half > 0:
-        text += f" ± {float(f'{half:.2g}'):g}"
+        last = math.floor(math.log10(half)) - 1  # power of ten of the digit
+        text = f"{_to_digit(mean, last)} ± {_to_digit(half, last)}"
     return f"{text} {unit}".rstrip()
 
 
@@ -131,9 +132,12 @@ def _seeds(measured: Measured, setting: Setting) -> str:
 def _kept(measured: Measured, quantity: Quantity, axis: Axis, along: Sequence[Setting]) -> str:
     place = tolerance(measured, quantity, axis)
     surely = tolerance(measured, quantity, axis, surely=True)
+    left = [found.mean for setting in along if (found := measured.left(quantity, setting))]
+    if place is None and surely is None and min(left, default=0.0) >= 1:
+        return f"Nowhere is it {'higher' if quantity.better == 'less' else 'lower'} than the ideal packing's."
     share = f"{100 * KEPT:.0f} % of the ideal packing's or more"
     if quantity.better == "less":
-        share = f"less than 1/{KEPT:g} of the ideal packing's"
+        share = f"at most {100 / KEPT:.0f} % of the ideal packing's"
     if place is None:
         text = f"It is {share} at every {axis.words} tried"
         return f"{text}." if surely is None else f"{text}; with confidence up to {axis.show(surely)} only."
@@ -187,6 +191,12 @@ def _most_uncertain(measured: Measured) -> tuple[Setting, Estimate] | None:
     found = [(setting, measured.of(FORCE, setting)) for setting in measured.random]
     known = [(s, one) for s, one in found if one is not None and one.n > 1 and one.mean and one.deviation > 0]
     return max(known, key=lambda pair: (pair[1].deviation / abs(pair[1].mean), pair[0]), default=None)
+
+
+def _to_digit(value: float, last: int) -> str:
+    """Rounded to a power of ten; six digits at most."""
+    last = max(last, math.floor(math.log10(abs(value))) - 5) if value else last
+    return f"{round(value, -last):.{max(0, -last)}f}" if -8 < last < 5 else f"{value:.3g}"
 
 
 def _round(value: float) -> str:

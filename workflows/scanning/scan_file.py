@@ -21,71 +21,20 @@ from granwave.analysis.scan_result import SEED, Scalar
 from granwave.lammps_inputs.case import Case
 from granwave.lammps_inputs.disorder import is_random
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.keys import (
-    Faults,
-    Unfit,
-    choice,
-    custom,
-    number,
-    plain_name,
-    read_table,
-    show,
-    text,
-    whole,
-)
+from granwave.lammps_inputs.keys import Faults, Unfit, read_table, show
 from granwave.lammps_inputs.overrides import apply_overrides, parse_overrides
 from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows import studies
 from granwave.workflows.kinds import AnyCase, Cost, Kind, kind_of
 from granwave.workflows.messages import each_warning_once
+from granwave.workflows.scanning.header import Header
+from granwave.workflows.scanning.labels import label_of
 from granwave.workflows.scanning.values import MOST_POINTS, SHAPES, values_of
 from granwave.workflows.versions import versions
 
 _LOG = logging.getLogger("granwave")
 
 _ID_LENGTH = 12
-
-
-@dataclasses.dataclass(frozen=True, kw_only=True)
-class RanksBySize:
-    """``ranks = {...}``: MPI ranks of a point by the number of its spheres."""
-
-    spheres_per_rank: float = number("spheres for each rank", at_least=1, default=100_000)
-    most: int = custom("most ranks", lambda value: whole(value, "a whole number from 1 up"), default=1)
-
-    def of(self, n_spheres: int) -> int:
-        """Ranks of a packing."""
-        return max(1, min(self.most, math.ceil(n_spheres / self.spheres_per_rank)))
-
-
-_ONE_RANK = RanksBySize()
-
-
-def _parse_ranks(value: Any) -> RanksBySize:
-    expected = "a whole number from 1 up, or {spheres_per_rank = 100000, most = 8}"
-    if not isinstance(value, Mapping):
-        n = whole(value, expected)
-        return RanksBySize(spheres_per_rank=1, most=n)
-    faults = Faults("")
-    read = read_table(RanksBySize, value, "ranks", faults)
-    if read is None:
-        raise Unfit(f"{expected} ({'; '.join(line.removeprefix(': ranks.') for line in faults.lines)})")
-    return read
-
-
-@dataclasses.dataclass(frozen=True, kw_only=True)
-class _Header:
-    """What stands at the top of a scan file, beside its tables."""
-
-    name: str = custom("name of the scan", plain_name, default="")
-    case: str = text("a built-in study or a case file")
-    ranks: RanksBySize = custom("MPI ranks of a point", _parse_ranks, default=_ONE_RANK)  # noqa: RUF009
-    replicates: int = custom(
-        "runs of each point in which something is random, with seeds 1 to n",
-        lambda value: whole(value, "a whole number from 1 up"),
-        default=1,
-    )
-    figures: bool = choice("figures of every point too", (False, True), default=False)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -187,7 +136,7 @@ def load_scan(scan: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (
         raise InputError(f"{path}: is a suite of scans, expected one scan: one of {', '.join(map(str, data['scans']))}")
     faults = Faults(str(path))
     tables: dict[str, Any] = {name: data.pop(name) for name in ("set", "grid", "zip", "points") if name in data}
-    header = read_table(_Header, data, "", faults)
+    header = read_table(Header, data, "", faults)
     fixed = {
         key: value
         for key, value in _flat(tables.get("set", {}), "set", faults).items()
@@ -208,14 +157,14 @@ def scan_of_case(case: str, beside: Path, *, here: bool = True) -> Scan:
         A built-in study, or a case file as seen from the file ``beside``.
     """
     text = f'case = "{case}"\nfigures = true\n'
-    header = _Header(name=Path(case).stem, case=case, figures=True)
+    header = Header(name=Path(case).stem, case=case, figures=True)
     return _build(beside, header, {}, {}, [{}], here, text)
 
 
 # ---------------------------------------------------------------------- what varies
 
 
-def _variations(tables: Mapping[str, Any], header: _Header | None, faults: Faults) -> list[dict[str, Any]]:
+def _variations(tables: Mapping[str, Any], header: Header | None, faults: Faults) -> list[dict[str, Any]]:
     """The values of each point, by dotted key."""
     axes = [
         [{key: value} for value in values]
@@ -294,7 +243,7 @@ def _lists(table: Any, name: str, faults: Faults) -> dict[str, list[Any]]:
 
 def _build(
     path: Path,
-    header: _Header,
+    header: Header,
     fixed: Mapping[str, Any],
     changes: Mapping[str, Any],
     variations: Sequence[Mapping[str, Any]],
@@ -347,7 +296,7 @@ def _build(
 
 
 def _replicates(
-    values: Mapping[str, Any], header: _Header, read: Callable[[Mapping[str, Any]], AnyCase]
+    values: Mapping[str, Any], header: Header, read: Callable[[Mapping[str, Any]], AnyCase]
 ) -> list[Mapping[str, Any]]:
     """The seeds of a point; one where nothing is random in it."""
     if header.replicates == 1:
@@ -401,7 +350,7 @@ def _point(
     values: Mapping[str, Any],
     case: AnyCase,
     kind: Kind,
-    header: _Header,
+    header: Header,
     varied: Sequence[str],
 ) -> Point:
     try:
@@ -414,7 +363,7 @@ def _point(
     resolved = case.to_dict()
     stamp = {name: versions()[name] for name in kind.versions}
     key = json.dumps([{**resolved, "name": ""}, stamp], sort_keys=True).encode()
-    labels = {key: _label(key, values[key] if key in values else _look_up(resolved, key)) for key in varied}
+    labels = {key: label_of(key, values[key] if key in values else _look_up(resolved, key)) for key in varied}
     return Point(number, hashlib.sha256(key).hexdigest()[:_ID_LENGTH], labels, case, kind, expected, ranks)
 
 
@@ -423,29 +372,6 @@ def _look_up(tables: Mapping[str, Any], key: str) -> Any:
     for name in key.split("."):
         value = value.get(name, "") if isinstance(value, Mapping) else ""
     return value
-
-
-def _label(key: str, value: Any) -> Scalar:
-    if isinstance(value, bool | int | float | str):
-        return value
-    if key == "material" and isinstance(value, Mapping):
-        named = value.get("name") or value.get("preset")
-        if named:
-            others = {k: v for k, v in value.items() if k not in ("name", "preset")} if "preset" in value else {}
-            return " ".join([str(named), *(f"{k}={v}" for k, v in others.items())])
-    if key == "boundary.bottom" and isinstance(value, Mapping):
-        rest_on: dict[str, Any] = {} if set(value) - {"material"} else {"wall": {}}
-        return ", ".join(_words(name, part) for name, part in (rest_on | dict(value)).items())
-    return json.dumps(value, ensure_ascii=False)
-
-
-def _words(name: str, value: Any) -> str:
-    """A part of a bottom, such as ``plate mass=5 stiffness=5e+09``; its material by name."""
-    if name == "material":
-        return str(_label(name, value))
-    parts = value.items() if isinstance(value, Mapping) else [("", value)]
-    texts = [f"{key}={part:g}" if isinstance(part, float) else f"{key}={part}" for key, part in parts]
-    return " ".join([name, *texts])
 
 
 def _fault_lines(path: Path, faults: Sequence[tuple[int, Mapping[str, Any], list[str]]], count: int) -> list[str]:

@@ -1,0 +1,52 @@
+"""What stands at the top of a scan file, beside its tables."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from granwave.lammps_inputs.keys import Faults, Unfit, choice, custom, number, plain_name, read_table, text, whole
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class RanksBySize:
+    """``ranks = {...}``: MPI ranks of a point by the number of its spheres."""
+
+    spheres_per_rank: float = number("spheres for each rank", at_least=1, default=100_000)
+    most: int = custom("most ranks", lambda value: whole(value, "a whole number from 1 up"), default=1)
+
+    def of(self, n_spheres: int) -> int:
+        """Ranks of a packing."""
+        return max(1, min(self.most, math.ceil(n_spheres / self.spheres_per_rank)))
+
+
+_ONE_RANK = RanksBySize()
+
+
+def _parse_ranks(value: Any) -> RanksBySize:
+    expected = "a whole number from 1 up, or {spheres_per_rank = 100000, most = 8}"
+    if not isinstance(value, Mapping):
+        n = whole(value, expected)
+        return RanksBySize(spheres_per_rank=1, most=n)
+    faults = Faults("")
+    read = read_table(RanksBySize, value, "ranks", faults)
+    if read is None:
+        raise Unfit(f"{expected} ({'; '.join(line.removeprefix(': ranks.') for line in faults.lines)})")
+    return read
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Header:
+    """What stands at the top of a scan file, beside its tables."""
+
+    name: str = custom("name of the scan", plain_name, default="")
+    case: str = text("a built-in study or a case file")
+    ranks: RanksBySize = custom("MPI ranks of a point", _parse_ranks, default=_ONE_RANK)  # noqa: RUF009
+    replicates: int = custom(
+        "runs of each point in which something is random, with seeds 1 to n",
+        lambda value: whole(value, "a whole number from 1 up"),
+        default=1,
+    )
+    figures: bool = choice("figures of every point too", (False, True), default=False)
