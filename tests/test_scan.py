@@ -292,8 +292,10 @@ def test_ctrl_c_and_kills_lose_nothing(start: Start, granwave, tmp_path: Path) -
     log = (directory / "points" / first / "log.lammps").read_text()
     assert log.count("Reading restart file") == 2 and log.count("Reading data file") == 1
     ledger = (directory / "points" / first / "dumps" / "energy.txt").read_text().splitlines()
-    steps = [int(line.split()[0]) for line in ledger if not line.startswith("#")]
-    assert steps == sorted(set(steps))
+    lines = [line for line in ledger if not line.startswith("#")]
+    steps = [int(line.split()[0]) for line in lines]
+    # a run that goes on writes the row of its checkpoint's step once more, the same; readers take one
+    assert steps == sorted(steps) and len(set(lines)) == len(set(steps)) >= len(steps) - 2
 
 
 def test_a_scan_survives_its_engine_and_a_worker(start: Start, tmp_path: Path) -> None:
