@@ -13,12 +13,12 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from granwave.analysis.figure_style import BLUE, ORANGE, Drawing, new_figure
+from granwave.analysis.number_words import with_interval
 from granwave.analysis.prestress.runs import PastRun, groups, words_of
 from granwave.analysis.reports.model import Cell, Column, Table, Tone
 from granwave.analysis.reports.quantities import BLANK
 from granwave.analysis.statistics import Estimate, can_be_told_apart, estimate, exactly
 from granwave.analysis.study import Picture, Study
-from granwave.analysis.tolerance.verdict import shown
 from granwave.lammps_inputs.case import Case
 from granwave.lammps_inputs.disorder import DEFAULT_SEED, is_random
 
@@ -126,11 +126,11 @@ def _cells(state: State) -> tuple[Cell, ...]:
     return (
         Cell(state.words, state.words),
         Cell(str(len(state.runs)), len(state.runs)),
-        _shown(state.of([contacts_a_sphere(run) for run in state.runs])),
+        _with_interval(state.of([contacts_a_sphere(run) for run in state.runs])),
         Cell(f"{residual:.2g}", residual, tone) if np.isfinite(residual) else Cell(BLANK),
-        _shown(state.of([1e6 * run.arrival for run in state.runs])),
-        _shown(state.of([run.transmitted for run in state.runs])),
-        _shown(state.of([100 * run.dissipated for run in state.runs])),
+        _with_interval(state.of([1e6 * run.arrival for run in state.runs])),
+        _with_interval(state.of([run.transmitted for run in state.runs])),
+        _with_interval(state.of([100 * run.dissipated for run in state.runs])),
     )
 
 
@@ -141,12 +141,12 @@ def contacts_a_sphere(run: PastRun) -> float:
     return run.of_prestage("contacts") / run.case.assembly.n_spheres
 
 
-def _shown(found: Estimate | None) -> Cell:
+def _with_interval(found: Estimate | None) -> Cell:
     if found is None:
         return Cell(BLANK)
     if not found.half_width > 0:  # of what is not random, or of a single seed
         return Cell(f"{found.mean:.4g}", found.mean)
-    return Cell(shown(found), found.mean)
+    return Cell(with_interval(found), found.mean)
 
 
 def _verdict(states: Sequence[State]) -> Iterator[str]:
@@ -158,10 +158,14 @@ def _verdict(states: Sequence[State]) -> Iterator[str]:
         force = state.of([run.transmitted for run in state.runs])
         if force is None:
             continue
-        sentence = f"Packing {state.words.removeprefix('scattered, ')}: {shown(force, unit='N')} arrive at the bottom"
+        sentence = (
+            f"Packing {state.words.removeprefix('scattered, ')}: {with_interval(force, unit='N')} arrive at the bottom"
+        )
         other = placed.of([run.transmitted for run in placed.runs]) if placed else None
         if other is not None and other.mean:
-            sentence += f", {force.mean / other.mean:.3g} times what arrives as placed ({shown(other, unit='N')}"
+            sentence += (
+                f", {force.mean / other.mean:.3g} times what arrives as placed ({with_interval(other, unit='N')}"
+            )
             sentence += ", not to be told from it)" if can_be_told_apart(force, other) is False else ")"
         yield f"{sentence}."
 

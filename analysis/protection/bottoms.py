@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.figure_style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing, new_figure
+from granwave.analysis.number_words import number
 from granwave.analysis.protection import tables
 from granwave.analysis.protection.runs import TargetRun, impact, names, slug
 from granwave.analysis.protection.spectrum import spectra
@@ -59,21 +60,21 @@ def _verdict(runs: Sequence[TargetRun]) -> Iterator[str]:
     gained = [tables.MOMENTUM.value(run) for run in runs]
     if all(map(math.isfinite, gained)):
         yield (
-            f"The impulse on the target is {tables.shown(min(gained))} to {tables.shown(max(gained))} times the "
+            f"The impulse on the target is {number(min(gained))} to {number(max(gained))} times the "
             "impactor's momentum: a packing spreads it in space and time, it does not take it away, and spheres that "
             "rebound add to it."
         )
     moving = [run for run in runs if run.moves]
     if moving:
         most = max(moving, key=tables.ENERGY.value)
-        share = tables.shown(100 * tables.ENERGY.value(most))
+        share = number(100 * tables.ENERGY.value(most))
         yield f"Of the energy at most {share} % reach the target ({most.bottom})."
 
 
 def _of_forces(runs: Sequence[TargetRun]) -> Iterator[str]:
     """Of runs with a known reduction: that of the force, and the force of a single sphere."""
     most, least = (pick(runs, key=lambda run: run.value("peak_reduction")) for pick in (max, min))
-    mass, height = (tables.shown(most.value(key)) for key in ("packing_mass_kg", "packing_height_m"))
+    mass, height = (number(most.value(key)) for key in ("packing_mass_kg", "packing_height_m"))
     layers = f"{most.layers} layer{'s' if most.layers > 1 else ''}"
     yield (
         f"{layers} ({mass} kg, {height} m) cut the peak force on the target {_times(least)} times "
@@ -84,17 +85,17 @@ def _of_forces(runs: Sequence[TargetRun]) -> Iterator[str]:
     if math.isfinite(shares[worst]):
         yield (
             "It is spread over many spheres: a single one presses on the target with at most "
-            f"{tables.shown(100 * shares[worst])} % of the force without the packing ({worst.bottom})."
+            f"{number(100 * shares[worst])} % of the force without the packing ({worst.bottom})."
         )
 
 
 def _times(run: TargetRun) -> str:
-    return tables.shown(run.value("peak_reduction"))
+    return number(run.value("peak_reduction"))
 
 
 def _forces(run: TargetRun) -> str:
     before, after = run.value("unprotected_peak_force_N"), run.value("wall_peak_force_N")
-    return f"{tables.shown(before)} to {tables.shown(after)} N"
+    return f"{number(before)} to {number(after)} N"
 
 
 def _draw(runs: Sequence[TargetRun]) -> Drawing:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from granwave.analysis.chains.measures import power
 from granwave.analysis.figure_style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing, new_figure
+from granwave.analysis.number_words import number
 from granwave.analysis.protection import tables
 from granwave.analysis.protection.runs import TargetRun, impact, names, series, slug
 from granwave.analysis.study import Picture, Study
@@ -52,9 +53,9 @@ def _verdict(runs: Sequence[TargetRun]) -> str:
     bottom = runs[0].bottom[:1].upper() + runs[0].bottom[1:]
     return (
         f"{bottom}{friction}: from {runs[0].layers} to {runs[-1].layers} layers "
-        f"the peak reduction goes from {tables.shown(reduction[0])} to {tables.shown(reduction[-1])} times, about as "
+        f"the peak reduction goes from {number(reduction[0])} to {number(reduction[-1])} times, about as "
         f"layers^{fit.exponent:.2g}; a kilogram adds most in {best.layers} layers "
-        f"({tables.shown(max(gained))} times a kg)."
+        f"({number(max(gained))} times a kg)."
     )
 
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from granwave.analysis.chains.measures import width
 from granwave.analysis.figure_style import BLUE, GREY, ORANGE, Drawing, new_figure
-from granwave.analysis.protection import tables
+from granwave.analysis.number_words import number
 from granwave.analysis.protection.runs import TargetRun, impact, period_of, shown_time, slug
 from granwave.analysis.protection.theory import after_impulse, response
 from granwave.analysis.study import Picture, Row, Study
@@ -141,7 +141,7 @@ def _verdict(one: Spectrum) -> str:
     if not np.isfinite(ratio).all():
         return ""
     ends = (int(ratio.argmax()), int(ratio.argmin()))
-    most, least = (f"{tables.shown(ratio[n])} times at a period of {shown_time(one.period[n])}" for n in ends)
+    most, least = (f"{number(ratio[n])} times at a period of {shown_time(one.period[n])}" for n in ends)
     return (
         f"{one.held.layers} layers make the largest displacement of a plate of {one.plates[0].mass:g} kg smaller by "
         f"{most} and {least} (below 1: larger). A slow plate feels the impulse, which a packing adds to."

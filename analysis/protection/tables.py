@@ -78,10 +78,5 @@ def table(caption: str, runs: Sequence[TargetRun], quantities: Sequence[Quantity
     return Table(caption, (*heads, *columns), rows, sortable=True)
 
 
-def shown(value: float) -> str:
-    """A number in a sentence: three digits, no exponent for what people would write without one."""
-    return f"{float(f'{value:.3g}'):g}" if abs(value) < 1e5 else f"{value:.3g}"
-
-
 def _cell(value: float, scale: float) -> Cell:
     return Cell(f"{value / scale:.{_DIGITS}g}", value) if math.isfinite(value) else Cell(BLANK)

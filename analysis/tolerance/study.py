@@ -6,16 +6,16 @@ import itertools
 from collections.abc import Iterator, Sequence
 
 from granwave.analysis.figure_style import style
+from granwave.analysis.number_words import with_interval
 from granwave.analysis.reports.model import Cell, Column, Table
+from granwave.analysis.reports.quantities import BLANK
 from granwave.analysis.statistics import Estimate, can_be_told_apart
 from granwave.analysis.study import Picture, Study
 from granwave.analysis.tolerance import figures
 from granwave.analysis.tolerance.axes import Axis, axes_of
 from granwave.analysis.tolerance.quantities import Measured, Quantity, measure
 from granwave.analysis.tolerance.runs import IDEAL, Packing, Setting
-from granwave.analysis.tolerance.verdict import impact, shown, verdict
-
-_BLANK = "\u2013"
+from granwave.analysis.tolerance.verdict import impact, verdict
 
 
 def studies(packings: Sequence[Packing]) -> list[Study]:
@@ -101,13 +101,13 @@ def _seeds(measured: Measured, setting: Setting) -> Cell:
 
 
 def _value(found: Estimate | None, scale: float) -> Cell:
-    return Cell(_BLANK) if found is None else Cell(shown(found, scale), found.mean)
+    return Cell(BLANK) if found is None else Cell(with_interval(found, scale), found.mean)
 
 
 def _over_ideal(measured: Measured, setting: Setting, quantity: Quantity) -> Cell:
     ideal, now = measured.of(quantity, IDEAL), measured.of(quantity, setting)
     if ideal is None or now is None or not ideal.exact or not ideal.mean:
-        return Cell(_BLANK)
+        return Cell(BLANK)
     share = now.over(ideal.mean / 100)
     doubt = ", not to be told from it" if can_be_told_apart(ideal, now) is False and not now.exact else ""
-    return Cell(shown(share) + doubt, share.mean)
+    return Cell(with_interval(share) + doubt, share.mean)

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
+from granwave.analysis.number_words import number, with_interval
 from granwave.analysis.statistics import Estimate, can_be_told_apart, crossing, seeds_needed
 from granwave.analysis.tolerance.axes import Axis, axes_of, told
 from granwave.analysis.tolerance.quantities import DISSIPATED, FORCE, PLASTIC, Measured, Quantity, cut_short
@@ -48,19 +49,9 @@ def impact(measured: Measured) -> str:
     )
 
 
-def shown(value: Estimate, scale: float = 1.0, unit: str = "") -> str:
-    """A mean with its interval, both to the digit up to which the interval has two: ``213 ± 18 N``."""
-    mean, half = value.mean / scale, value.half_width / scale
-    text = _round(mean)
-    if math.isfinite(half) and half > 0:
-        last = math.floor(math.log10(half)) - 1  # power of ten of the digit
-        text = f"{_to_digit(mean, last)} ± {_to_digit(half, last)}"
-    return f"{text} {unit}".rstrip()
-
-
 def as_percent(value: Estimate) -> str:
     """A share with its interval: ``16 ± 1.5 %``."""
-    return shown(value.over(0.01), unit="%")
+    return with_interval(value.over(0.01), unit="%")
 
 
 def tolerance(measured: Measured, quantity: Quantity, axis: Axis, *, surely: bool = False) -> float | None:
@@ -119,7 +110,7 @@ def _of_axis(measured: Measured, quantity: Quantity, axis: Axis, along: Sequence
 
 
 def _in_unit(value: Estimate, quantity: Quantity) -> str:
-    return shown(value, quantity.scale, quantity.unit)
+    return with_interval(value, quantity.scale, quantity.unit)
 
 
 def _seeds(measured: Measured, setting: Setting) -> str:
@@ -170,7 +161,7 @@ def _doubts(measured: Measured) -> Iterator[str]:
         n = seeds_needed(value.deviation, _PRECISE * abs(value.mean))
         enough = "which there are" if n <= value.n else f"there are {value.n}"
         yield (
-            f"The {FORCE.words} differs most from seed to seed at {told(setting)}: by {_round(value.deviation)} N "
+            f"The {FORCE.words} differs most from seed to seed at {told(setting)}: by {number(value.deviation)} N "
             f"(standard deviation); its mean to ± {100 * _PRECISE:.0f} % takes {n} seeds, {enough}."
         )
 
@@ -191,14 +182,3 @@ def _most_uncertain(measured: Measured) -> tuple[Setting, Estimate] | None:
     found = [(setting, measured.of(FORCE, setting)) for setting in measured.random]
     known = [(s, one) for s, one in found if one is not None and one.n > 1 and one.mean and one.deviation > 0]
     return max(known, key=lambda pair: (pair[1].deviation / abs(pair[1].mean), pair[0]), default=None)
-
-
-def _to_digit(value: float, last: int) -> str:
-    """Rounded to a power of ten; six digits at most."""
-    last = max(last, math.floor(math.log10(abs(value))) - 5) if value else last
-    return f"{round(value, -last):.{max(0, -last)}f}" if -8 < last < 5 else f"{value:.3g}"
-
-
-def _round(value: float) -> str:
-    """Three digits, and no exponent for what people would write without one."""
-    return f"{float(f'{value:.3g}'):g}" if abs(value) < 1e5 else f"{value:.3g}"
