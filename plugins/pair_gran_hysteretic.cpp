@@ -112,7 +112,7 @@ void PairGranHysteretic::init_style()
 
   bool any = rubbing;
   for (int i = 1; i <= atom_types; i++)
-    for (int j = i; j <= atom_types; j++) any = any || (setflag[i][j] && friction(i, j) > 0.0);
+    for (int j = i; j <= atom_types; j++) any = any || (setflag[i][j] && given[i * (atom_types + 1) + j].friction > 0.0);
   if (any && !rubbing && fix_history) release_contacts();    // that list has no springs
   rubbing = any;
   if (rubbing && (!atom->omega_flag || !atom->torque_flag))
@@ -163,21 +163,28 @@ double PairGranHysteretic::init_one(int i, int j)
   return largest_radius[i] + largest_radius[j] + gap;
 }
 
-PairGranHysteretic::Geometry PairGranHysteretic::geometry(int itype, int jtype, double ri, double rj)
+PairGranHysteretic::Pairing PairGranHysteretic::pairing(int itype, int jtype, double ri, double rj)
 {
-  Geometry g;
-  g.sum_radii = ri + rj;
-  const double touch = g.sum_radii * (1.0 - ROUNDING);
-  g.touch_sq = touch * touch;
-  g.effective_radius = effective_radius(ri, rj);
-  g.scale = law(itype, jtype).scale(g.effective_radius);
-  return g;
+  const granwave::LawArguments &options = given[itype * (atom_types + 1) + jtype];
+  Pairing p;
+  p.radius_i = ri;
+  p.radius_j = rj;
+  p.sum_radii = ri + rj;
+  p.touch_sq = touch_squared(p.sum_radii);
+  p.effective_radius = effective_radius(ri, rj);
+  p.law = &law(itype, jtype);
+  p.scale = p.law->scale(p.effective_radius);
+  p.largest_overlap = largest_overlap(ri, rj);
+  p.friction = ri > 0.0 && rj > 0.0 ? options.friction : 0.0;
+  p.shear_stiffness = p.law->tangential_stiffness(1.0);
+  p.grip = options.grip;
+  return p;
 }
 
 double PairGranHysteretic::memory_usage()
 {
   const Contacts &c = contacts;
-  double bytes = Pair::memory_usage() + double(force_sums.capacity() + torque_sums.capacity()) * sizeof(Sum);
+  double bytes = Pair::memory_usage() + force_sums.bytes() + torque_sums.bytes();
   bytes += double(c.partner.capacity()) * (2 * sizeof(int) + 4 * sizeof(double) + sizeof(tagint));
   bytes += double(c.partner_radius.capacity()) * (sizeof(double) + sizeof(int));
   bytes += double(c.row.capacity()) * (2 * sizeof(int) + sizeof(tagint));

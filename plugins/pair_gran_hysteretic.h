@@ -17,6 +17,8 @@
 #include "contact_laws.h"
 #include "law_arguments.h"
 #include "pair.h"
+#include "touching.h"
+#include "twofold_sum.h"
 
 #include <functional>
 #include <vector>
@@ -87,6 +89,8 @@ class PairGranHysteretic : public Pair {
   // the distance are that noise: the force that they would give is below 1e-12 F_y.
   static constexpr double ROUNDING = 5e-13;
 
+  static constexpr int HELD_AT_A_TIME = 8;    // flags that are looked at together
+
   enum { OVERLAP, PEAK_OVERLAP, PEAK_FORCE, LOST, TIME_FIRST, TIME_PEAK, TIME_YIELD, N_SINGLE };    // of compute pair/local
 
   /* Pairs of spheres within reach, row by row as in LAMMPS's half list. */
@@ -94,6 +98,7 @@ class PairGranHysteretic : public Pair {
     bool valid = false, published = false;
     int owned = 0;                           // spheres of this processor when the list was built
     bool ordered = true;                     // rows rise, and no partner comes before its row
+    int span = 0;                            // largest distance in index between a row and an owned partner
     std::vector<int> row, begin;             // sphere of each row; where its pairs begin (one longer)
     std::vector<int> partner;                // local or ghost index
     std::vector<double> peak;                // largest overlap ever
@@ -103,21 +108,25 @@ class PairGranHysteretic : public Pair {
     std::vector<double> work_lost;           // normalised dissipated energy at the turning; -1: not yet asked for
     std::vector<double> circle;              // with friction: normalised area at the turning
     std::vector<granwave::Spring> spring;    // with friction: of the row's sphere
-    std::vector<char> held;                  // with friction or a past: whether there is a spring now
+    std::vector<char> held;                  // with friction: whether there is a spring now; HELD_AT_A_TIME longer
     std::vector<double> initial, reached;    // with a past: dent before this run, largest overlap of this run
     std::vector<tagint> row_tag, partner_tag;
     std::vector<double> row_radius, partner_radius;    // the first entry serves all when all spheres are equal
     std::vector<int> row_type, partner_type;
   };
 
-  struct Sum {    // of the forces or torques on a sphere, in twice the precision
-    double high[3] = {}, low[3] = {};
-    void add(const double (&term)[3]);
+  struct Pairing {    // what a contact needs to know of its two spheres
+    double radius_i, radius_j, sum_radii, touch_sq, effective_radius, largest_overlap;
+    const granwave::ContactLaw *law;
+    granwave::ContactScale scale;
+    double friction;           // 0 where either is a face
+    double shear_stiffness;    // 8 G*
+    granwave::Grip grip;
   };
 
-  struct Geometry {    // what a contact needs besides its law, by pair
-    double sum_radii, touch_sq, effective_radius;
-    granwave::ContactScale scale;
+  struct Touch : granwave::Touching {
+    const Pairing *pairing[MOST];
+    void set(int m, const Pairing &);
   };
 
   /* R* of two spheres, or of a sphere and a flat face (radius 0). */
@@ -128,23 +137,23 @@ class PairGranHysteretic : public Pair {
 
   void allocate();
   granwave::ContactLaw &law(int itype, int jtype) { return laws[itype * (atom_types + 1) + jtype]; }
-  granwave::Grip grip(int itype, int jtype) const { return given[itype * (atom_types + 1) + jtype].grip; }
-  double friction(int itype, int jtype) const { return given[itype * (atom_types + 1) + jtype].friction; }
-  Geometry geometry(int itype, int jtype, double ri, double rj);
+  static double touch_squared(double sum_radii) { return sum_radii * sum_radii * (1.0 - 2.0 * ROUNDING); }
+  Pairing pairing(int itype, int jtype, double ri, double rj);
   void build_contacts();
   void refuse_leaps();
   void restore_dents();
   void require_contacts();
   enum class Tally { NOTHING, PRESSURE, EACH_PAIR };
-  template <bool UNIFORM, Tally TALLY, bool EXTRAS> void forces();    // EXTRAS: friction or a past
-  template <bool EXTRAS> void forces(Tally);
-  double yielding_force(int k, double overlap, const granwave::ContactLaw &, const granwave::ContactScale &, bool raised);
-  void rub(int k, int i, int j, double overlap, double distance, const double (&apart)[3], double normal_force,
-           const Geometry &, double (&push)[3]);
+  template <bool UNIFORM> void forces(Tally);
+  void act(Touch &, Tally);
+  void remember(Touch &);
+  void rub(Touch &);
+  void tally(const Touch &, Tally);
+  double yielding_force(int k, double overlap, const Pairing &, bool raised);
   void let_go(int k);
-  void give_torque(int i);
+  bool any_held(int begin, int end) const;
   void reach(int k, double overlap);
-  double circle_squared(int k, double overlap, const Geometry &, const granwave::ContactLaw &);
+  double circle_squared(int k, double overlap, const Pairing &);
   int turning_of(int k, double peak, const granwave::ContactLaw &);
   granwave::Dent dent_of(int k) const;
   granwave::ContactPast past_of(int k, double side) const;
@@ -167,7 +176,7 @@ class PairGranHysteretic : public Pair {
   bool rubbing = false;    // any friction, ever
   bool pasts = false;      // dents of earlier runs are told from those of this one
   Contacts contacts;
-  std::vector<Sum> force_sums, torque_sums;
+  granwave::TwofoldSums force_sums, torque_sums;
   double now = 0.0;    // simulated time of this force evaluation
   bool slips = false;  // whether time passes in it
   FixGranHystereticHistory *fix_history = nullptr;

@@ -43,6 +43,7 @@ void PairGranHysteretic::build_contacts()
   c.row_tag.clear();
   c.partner_tag.clear();
   c.owned = atom->nlocal;
+  c.span = 0;
   c.ordered = std::is_sorted(list->ilist, list->ilist + list->inum);
   std::size_t pairs = 0;
   for (int ii = 0; ii < list->inum; ii++) pairs += list->numneigh[list->ilist[ii]];
@@ -64,6 +65,7 @@ void PairGranHysteretic::build_contacts()
       if (dx * dx + dy * dy + dz * dz >= far * far) continue;
       c.partner.push_back(j);
       if (j < i) c.ordered = false;
+      if (j < atom->nlocal) c.span = std::max(c.span, j - i);
     }
   }
   c.begin.push_back(static_cast<int>(c.partner.size()));
@@ -77,7 +79,7 @@ void PairGranHysteretic::build_contacts()
   c.turnings.clear();
   c.work_lost.clear();
   c.circle.clear();
-  if (rubbing || pasts) c.held.assign(n, 0);
+  if (rubbing) c.held.assign(n + HELD_AT_A_TIME, 0);
   if (rubbing) c.spring.assign(n, granwave::Spring());
   if (pasts) {
     c.initial.assign(n, 0.0);
@@ -285,11 +287,11 @@ void PairGranHysteretic::begin_pasts()
     for (int k = c.begin[r]; k < c.begin[r + 1]; k++) {
       if (c.peak[k] == 0.0) continue;
       const int j = c.partner[k];
-      const Geometry g = geometry(atom->type[i], atom->type[j], radius[i], radius[j]);
+      const Pairing p = pairing(atom->type[i], atom->type[j], radius[i], radius[j]);
       const double dx = x[i][0] - x[j][0], dy = x[i][1] - x[j][1], dz = x[i][2] - x[j][2];
       const double rsq = dx * dx + dy * dy + dz * dz;
-      const bool dented = c.peak[k] > g.scale.elastic_limit;
-      const double touching = rsq < g.touch_sq ? g.sum_radii - std::sqrt(rsq) : 0.0;
+      const bool dented = c.peak[k] > p.scale.elastic_limit;
+      const double touching = rsq < p.touch_sq ? p.sum_radii - std::sqrt(rsq) : 0.0;
       set_fresh(k, dented ? c.peak[k] : touching, dented ? c.peak[k] : 0.0);
     }
   }
@@ -312,8 +314,8 @@ void PairGranHysteretic::set_dents(const std::function<double(tagint, tagint)> &
       const int j = c.partner[k];
       const double dx = x[i][0] - x[j][0], dy = x[i][1] - x[j][1], dz = x[i][2] - x[j][2];
       const double reach = radius[i] + radius[j] + gap;
-      const Geometry g = geometry(atom->type[i], atom->type[j], radius[i], radius[j]);
-      const bool lasts = peak > g.scale.elastic_limit;    // a smaller one would leave nothing
+      const Pairing p = pairing(atom->type[i], atom->type[j], radius[i], radius[j]);
+      const bool lasts = peak > p.scale.elastic_limit;    // a smaller one would leave nothing
       if (peak > largest_overlap(radius[i], radius[j])) {
         said(lower, higher, Given::TOO_DEEP);
       } else if (dx * dx + dy * dy + dz * dz > reach * reach) {

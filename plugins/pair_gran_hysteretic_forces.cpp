@@ -10,12 +10,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 
 using namespace LAMMPS_NS;
 using granwave::ContactLaw;
-using granwave::ContactScale;
 using granwave::Spring;
 using granwave::Turning;
+using granwave::TwofoldSum;
 
 int PairGranHysteretic::turning_of(int k, double peak, const ContactLaw &contact_law)
 {
@@ -37,39 +39,26 @@ int PairGranHysteretic::turning_of(int k, double peak, const ContactLaw &contact
 
 /* A contact beyond its elastic limit, loading (the peak was raised just now) or below its peak. */
 
-double PairGranHysteretic::yielding_force(int k, double overlap, const ContactLaw &contact_law, const ContactScale &scale,
-                                          bool raised)
+double PairGranHysteretic::yielding_force(int k, double overlap, const Pairing &p, bool raised)
 {
   if (raised) {
     if (contacts.time_yield[k] < 0.0) contacts.time_yield[k] = now;
-    return scale.force * contact_law.loading(overlap / scale.overlap);
+    return p.scale.force * p.law->loading(overlap / p.scale.overlap);
   }
-  const Turning &turning = contacts.turnings[turning_of(k, contacts.peak[k] / scale.overlap, contact_law)];
-  return scale.force * ContactLaw::unloading(overlap / scale.overlap, turning);
+  const Turning &turning = contacts.turnings[turning_of(k, contacts.peak[k] / p.scale.overlap, *p.law)];
+  return p.scale.force * ContactLaw::unloading(overlap / p.scale.overlap, turning);
 }
 
 /* Radius of the contact circle now, squared. */
 
-double PairGranHysteretic::circle_squared(int k, double overlap, const Geometry &g, const ContactLaw &contact_law)
+double PairGranHysteretic::circle_squared(int k, double overlap, const Pairing &p)
 {
   const double peak = contacts.peak[k];
-  if (peak <= g.scale.elastic_limit) return g.effective_radius * overlap;
-  const double a = overlap / g.scale.overlap, unit = g.effective_radius * g.scale.overlap;
-  if (overlap >= peak) return unit * contact_law.area(a);
-  const int t = turning_of(k, peak / g.scale.overlap, contact_law);
+  if (peak <= p.scale.elastic_limit) return p.effective_radius * overlap;
+  const double a = overlap / p.scale.overlap, unit = p.effective_radius * p.scale.overlap;
+  if (overlap >= peak) return unit * p.law->area(a);
+  const int t = turning_of(k, peak / p.scale.overlap, *p.law);
   return unit * ContactLaw::unloading_area(a, contacts.turnings[t], contacts.circle[t]);
-}
-
-/* The forces on a sphere are added up in whatever order the list has, which differs with the number of processors. Twice
-   the precision makes the sum, once rounded, the same in any order: a run gives the same bits on any number of ranks. */
-
-inline void PairGranHysteretic::Sum::add(const double (&term)[3])
-{
-  for (int d = 0; d < 3; d++) {
-    const double total = high[d] + term[d], rounded = total - high[d];
-    low[d] += (high[d] - (total - rounded)) + (term[d] - rounded);    // Knuth: what the addition lost
-    high[d] = total;
-  }
 }
 
 inline void PairGranHysteretic::let_go(int k)
@@ -78,52 +67,16 @@ inline void PairGranHysteretic::let_go(int k)
   contacts.held[k] = 0;
 }
 
-/* The tangential force of a contact, added to what pushes sphere i, and its torques. */
+/* Whether any contact of a row holds a spring; eight at a time, so one of the next row may count too. */
 
-inline void PairGranHysteretic::rub(int k, int i, int j, double overlap, double distance, const double (&apart)[3],
-                                    double normal_force, const Geometry &g, double (&push)[3])
+inline bool PairGranHysteretic::any_held(int begin, int end) const
 {
-  const double *const radius = atom->radius;
-  const int *const type = atom->type;
-  Spring &spring = contacts.spring[k];
-  const double mu = radius[i] > 0.0 && radius[j] > 0.0 ? friction(type[i], type[j]) : 0.0;
-  if (normal_force <= 0.0 || mu == 0.0) {
-    if (contacts.held[k]) let_go(k);
-    return;
+  std::uint64_t held = 0, eight;
+  for (int k = begin; k < end; k += HELD_AT_A_TIME) {
+    std::memcpy(&eight, contacts.held.data() + k, HELD_AT_A_TIME);
+    held |= eight;
   }
-  const double inverse = 1.0 / distance, n[3] = {apart[0] * inverse, apart[1] * inverse, apart[2] * inverse};
-  const double lever_i = radius[i] - 0.5 * overlap, lever_j = radius[j] - 0.5 * overlap;
-  if (slips) {
-    const double *const v = atom->v[0], *const omega = atom->omega[0];    // contiguous
-    const double *const vi = v + 3 * i, *const vj = v + 3 * j, *const wi = omega + 3 * i, *const wj = omega + 3 * j;
-    const double velocity[3] = {vi[0] - vj[0], vi[1] - vj[1], vi[2] - vj[2]};
-    double spin[3], slip[3];
-    for (int d = 0; d < 3; d++) spin[d] = lever_i * wi[d] + lever_j * wj[d];
-    granwave::slip_of_step(velocity, spin, n, update->dt, slip);
-    const ContactLaw &contact_law = law(type[i], type[j]);
-    const double stiffness = contact_law.tangential_stiffness(circle_squared(k, overlap, g, contact_law));
-    granwave::advance(spring, n, slip, stiffness, mu * normal_force, grip(type[i], type[j]));
-    contacts.held[k] = 1;
-  }
-  double twist[3], moment[3];
-  granwave::torque_per_lever(n, spring.force, twist);
-  for (int d = 0; d < 3; d++) push[d] += spring.force[d];
-  for (int d = 0; d < 3; d++) moment[d] = lever_i * twist[d];
-  torque_sums[i].add(moment);
-  if (j >= atom->nlocal) return;
-  for (int d = 0; d < 3; d++) moment[d] = lever_j * twist[d];
-  torque_sums[j].add(moment);
-}
-
-inline void PairGranHysteretic::give_torque(int i)
-{
-  if (!rubbing) return;
-  Sum &sum = torque_sums[i];
-  double any = 0.0;
-  for (int d = 0; d < 3; d++) any += std::fabs(sum.high[d]) + std::fabs(sum.low[d]);
-  if (any == 0.0) return;
-  for (int d = 0; d < 3; d++) atom->torque[i][d] += sum.high[d] + sum.low[d];
-  sum = Sum{};
+  return held != 0;
 }
 
 /* The largest overlap of this run, which may be less than the dent from before it. */
@@ -136,139 +89,213 @@ inline void PairGranHysteretic::reach(int k, double overlap)
   c.time_peak[k] = now;
 }
 
-template <bool UNIFORM, PairGranHysteretic::Tally TALLY, bool EXTRAS> void PairGranHysteretic::forces()
+inline void PairGranHysteretic::Touch::set(int m, const Pairing &p)
 {
+  pairing[m] = &p;
+  radius_i[m] = p.radius_i;
+  radius_j[m] = p.radius_j;
+  sum_radii[m] = p.sum_radii;
+  effective_radius[m] = p.effective_radius;
+  hertz[m] = p.scale.hertz;
+  shear_stiffness[m] = p.shear_stiffness;
+  keeps[m] = p.grip == granwave::Grip::KEPT ? 1.0 : 0.0;
+}
+
+/* The memory of those that touch: new peaks, and the forces of those that have yielded. */
+
+void PairGranHysteretic::remember(Touch &touch)
+{
+  Contacts &c = contacts;
+  for (int m = 0; m < touch.size; m++) {
+    const int k = touch.k[m];
+    const Pairing &p = *touch.pairing[m];
+    const double overlap = touch.overlap[m];
+    if (overlap > p.largest_overlap) overlap_error(touch.i[m], touch.j[m], overlap);
+    const bool raised = overlap > c.peak[k];
+    if (raised) {
+      if (c.peak[k] == 0.0) c.time_first[k] = now;
+      c.peak[k] = overlap;
+      c.time_peak[k] = now;
+    }
+    if (pasts && overlap > c.reached[k]) reach(k, overlap);
+    if (c.peak[k] <= p.scale.elastic_limit) continue;
+    touch.force[m] = yielding_force(k, overlap, p, raised);
+    if (rubbing) touch.circle[m] = circle_squared(k, overlap, p);
+  }
+}
+
+/* Friction of those that touch. */
+
+void PairGranHysteretic::rub(Touch &touch)
+{
+  Contacts &c = contacts;
+  const int nlocal = atom->nlocal;
+  const double *const v = atom->v[0], *const omega = atom->omega[0];    // contiguous
+  for (int m = 0; m < touch.size; m++) {
+    const int k = touch.k[m], i = 3 * touch.i[m], j = 3 * touch.j[m];
+    touch.limit[m] = std::max(touch.pairing[m]->friction * touch.force[m], 0.0);
+    if (touch.limit[m] == 0.0) {
+      if (c.held[k]) let_go(k);
+      touch.circle[m] = 1.0;    // may be none, and nothing comes of it
+    }
+    const Spring &spring = c.spring[k];
+    for (int d = 0; d < 3; d++) {
+      touch.velocity[d][m] = v[i + d] - v[j + d];
+      touch.omega_i[d][m] = omega[i + d];
+      touch.omega_j[d][m] = omega[j + d];
+      touch.held[d][m] = spring.force[d];
+    }
+    touch.compliance[m] = spring.compliance;
+    touch.loss[m] = spring.loss;
+  }
+  if (slips) {
+    touch.slide(update->dt);
+    for (int m = 0; m < touch.size; m++) {
+      if (touch.limit[m] == 0.0) continue;
+      c.spring[touch.k[m]] = {{touch.held[0][m], touch.held[1][m], touch.held[2][m]}, touch.compliance[m], touch.loss[m]};
+      c.held[touch.k[m]] = 1;
+    }
+  }
+  touch.push_and_twist();
+  for (int m = 0; m < touch.size; m++) {
+    if (touch.limit[m] == 0.0) continue;
+    const double x = touch.twist[0][m], y = touch.twist[1][m], z = touch.twist[2][m];
+    const double li = touch.lever_i[m], lj = touch.lever_j[m];
+    torque_sums[touch.i[m]].add(li * x, li * y, li * z);
+    if (touch.j[m] < nlocal) torque_sums[touch.j[m]].add(lj * x, lj * y, lj * z);
+  }
+}
+
+void PairGranHysteretic::tally(const Touch &touch, Tally what)
+{
+  const int nlocal = atom->nlocal;
+  for (int m = 0; m < touch.size; m++) {
+    const double dx = touch.apart[0][m], dy = touch.apart[1][m], dz = touch.apart[2][m];
+    const double fx = touch.push[0][m], fy = touch.push[1][m], fz = touch.push[2][m];
+    if (what == Tally::PRESSURE) {
+      const double share = touch.j[m] < nlocal ? 1.0 : 0.5;
+      virial[0] += share * dx * fx;
+      virial[1] += share * dy * fy;
+      virial[2] += share * dz * fz;
+      virial[3] += share * dx * fy;
+      virial[4] += share * dx * fz;
+      virial[5] += share * dy * fz;
+      continue;
+    }
+    const Pairing &p = *touch.pairing[m];
+    const double peak = contacts.peak[touch.k[m]], overlap = touch.overlap[m];
+    double elastic = 0.4 * touch.force[m] * overlap;
+    if (peak > p.scale.elastic_limit) {
+      const Turning &turning = contacts.turnings[turning_of(touch.k[m], peak / p.scale.overlap, *p.law)];
+      elastic = p.scale.force * p.scale.overlap * ContactLaw::elastic_energy(overlap / p.scale.overlap, turning);
+    }
+    ev_tally_xyz(touch.i[m], touch.j[m], nlocal, 0, elastic, 0.0, fx, fy, fz, dx, dy, dz);
+  }
+}
+
+/* All that a batch of touching pairs does. */
+
+void PairGranHysteretic::act(Touch &touch, Tally what)
+{
+  touch.measure();
+  remember(touch);
+  if (rubbing)
+    rub(touch);
+  else
+    touch.push_normally();
+  const int nlocal = atom->nlocal;
+  for (int m = 0; m < touch.size;) {
+    const int i = touch.i[m];
+    TwofoldSum sum = force_sums[i];
+    for (; m < touch.size && touch.i[m] == i; m++) {
+      const double x = touch.push[0][m], y = touch.push[1][m], z = touch.push[2][m];
+      sum.add(x, y, z);
+      if (touch.j[m] < nlocal) force_sums[touch.j[m]].add(-x, -y, -z);
+    }
+    force_sums[i] = sum;
+  }
+  if (what != Tally::NOTHING) tally(touch, what);
+  touch.size = 0;
+}
+
+template <bool UNIFORM> void PairGranHysteretic::forces(Tally what)
+{
+  constexpr int ROWS_AT_A_TIME = 64;    // as few pairs touch in a packing at rest
   const double(*const x)[3] = reinterpret_cast<const double(*)[3]>(atom->x[0]);
-  double(*const f)[3] = reinterpret_cast<double(*)[3]>(atom->f[0]);
+  const double *const v = atom->v[0], *const omega = rubbing ? atom->omega[0] : nullptr;    // contiguous, as those below
+  double *const f = atom->f[0], *const torque = rubbing ? atom->torque[0] : nullptr;
   const double *const radius = atom->radius;
   const int *const type = atom->type;
   const int nlocal = atom->nlocal;
   Contacts &c = contacts;
   const int rows = static_cast<int>(c.row.size());
   const int *const partner = c.partner.data();
-  double *const peak = c.peak.data();
-  force_sums.resize(nlocal);    // all zero between force evaluations
-  Sum *const sums = force_sums.data();
-  if constexpr (EXTRAS)
-    if (rubbing) torque_sums.resize(nlocal);
+  const double *const peak = c.peak.data();
+  force_sums.reserve(c.ordered ? c.span + ROWS_AT_A_TIME : nlocal);
+  if (rubbing) torque_sums.reserve(c.ordered ? c.span + ROWS_AT_A_TIME : nlocal);
   const auto give = [&](int i) {
-    for (int d = 0; d < 3; d++) f[i][d] += sums[i].high[d] + sums[i].low[d];
-    sums[i] = Sum{};
-    if constexpr (EXTRAS) give_torque(i);
+    force_sums.give(i, f + 3 * i);
+    if (rubbing) torque_sums.give(i, torque + 3 * i);
   };
 
-  Geometry g{};
-  double forget_sq = 0.0, largest = 0.0, sum[6] = {};
+  Touch touch;
+  Pairing pairings[Touch::MOST];
+  double touch_sq = 0.0, forget_sq = 0.0;
   if (UNIFORM) {
-    g = geometry(type[0], type[0], radius[0], radius[0]);
-    forget_sq = (g.sum_radii + gap) * (g.sum_radii + gap);
-    largest = radius[0];
+    pairings[0] = pairing(type[0], type[0], radius[0], radius[0]);
+    for (int m = 0; m < Touch::MOST; m++) touch.set(m, pairings[0]);
+    touch_sq = pairings[0].touch_sq;
+    forget_sq = (pairings[0].sum_radii + gap) * (pairings[0].sum_radii + gap);
   }
 
+  int given = 0;    // rows whose spheres have their forces
+  const auto act_up_to = [&](int row) {
+    if (touch.size > 0) act(touch, what);
+    for (; given < row; given++)
+      if (c.ordered) give(c.row[given]);
+  };
   for (int r = 0; r < rows; r++) {
-    const int i = c.row[r];
+    const int i = c.row[r], end = c.begin[r + 1];
     const double xi = x[i][0], yi = x[i][1], zi = x[i][2];
-    Sum total = sums[i];
-    const int end = c.begin[r + 1];
+    const bool held = rubbing && any_held(c.begin[r], end);
     for (int k = c.begin[r]; k < end; k++) {
       const int j = partner[k];
       const double dx = xi - x[j][0], dy = yi - x[j][1], dz = zi - x[j][2];
       const double rsq = dx * dx + dy * dy + dz * dz;
       if (!UNIFORM) {
         const double sum = radius[i] + radius[j];
-        g.sum_radii = sum;
-        g.touch_sq = sum * sum * (1.0 - 2.0 * ROUNDING);
+        touch_sq = touch_squared(sum);
         forget_sq = (sum + gap) * (sum + gap);
       }
-      if (rsq >= g.touch_sq) {
-        if constexpr (EXTRAS)
-          if (c.held[k]) let_go(k);
+      if (rsq >= touch_sq) {
+        if (held && c.held[k]) let_go(k);
         if (rsq > forget_sq && peak[k] > 0.0) forget(r, k);
         continue;
       }
+      const int m = touch.size++;
+      touch.k[m] = k;
+      touch.i[m] = i;
+      touch.j[m] = j;
+      touch.apart[0][m] = dx;
+      touch.apart[1][m] = dy;
+      touch.apart[2][m] = dz;
+      touch.square[m] = rsq;
+      if (rubbing) {    // what friction needs is on its way from memory while others are looked at
+        __builtin_prefetch(&c.spring[k], 1);
+        __builtin_prefetch(v + 3 * j);
+        __builtin_prefetch(omega + 3 * j);
+      }
       if (!UNIFORM) {
-        g.effective_radius = effective_radius(radius[i], radius[j]);
-        g.scale = law(type[i], type[j]).scale(g.effective_radius);
-        largest = largest_overlap(radius[i], radius[j]);
+        pairings[m] = pairing(type[i], type[j], radius[i], radius[j]);
+        touch.set(m, pairings[m]);
       }
-      const double distance = std::sqrt(rsq);
-      const double overlap = g.sum_radii - distance;
-      double peak_overlap = peak[k];
-      const bool raised = overlap > peak_overlap;
-      if (raised) {
-        if (peak_overlap == 0.0) c.time_first[k] = now;
-        peak[k] = peak_overlap = overlap;
-        c.time_peak[k] = now;
-      }
-      if constexpr (EXTRAS)
-        if (pasts && overlap > c.reached[k]) reach(k, overlap);
-      double normal_force;
-      if (peak_overlap <= g.scale.elastic_limit) {
-        if (overlap > largest) overlap_error(i, j, overlap);
-        normal_force = g.scale.hertz * overlap * std::sqrt(overlap);
-      } else {
-        if (overlap > largest) overlap_error(i, j, overlap);
-        normal_force = yielding_force(k, overlap, law(type[i], type[j]), g.scale, raised);
-      }
-      const double pair_force = normal_force / distance;
-      double push[3] = {dx * pair_force, dy * pair_force, dz * pair_force};
-      if constexpr (EXTRAS)
-        if (rubbing) rub(k, i, j, overlap, distance, {dx, dy, dz}, normal_force, g, push);
-      const double back[3] = {-push[0], -push[1], -push[2]};
-      total.add(push);
-      if (j < nlocal) sums[j].add(back);
-      if (TALLY == Tally::PRESSURE) {
-        if constexpr (EXTRAS) {
-          const double share = j < nlocal ? 1.0 : 0.5;
-          sum[0] += dx * push[0] * share;
-          sum[1] += dy * push[1] * share;
-          sum[2] += dz * push[2] * share;
-          sum[3] += dx * push[1] * share;
-          sum[4] += dx * push[2] * share;
-          sum[5] += dy * push[2] * share;
-          continue;
-        }
-        const double share = j < nlocal ? pair_force : 0.5 * pair_force;
-        sum[0] += dx * dx * share;
-        sum[1] += dy * dy * share;
-        sum[2] += dz * dz * share;
-        sum[3] += dx * dy * share;
-        sum[4] += dx * dz * share;
-        sum[5] += dy * dz * share;
-      } else if (TALLY == Tally::EACH_PAIR) {
-        double elastic = 0.0;
-        if (eflag_either) {
-          if (peak_overlap <= g.scale.elastic_limit) {
-            elastic = 0.4 * normal_force * overlap;
-          } else {
-            const ContactLaw &contact_law = law(type[i], type[j]);
-            const Turning &turning = c.turnings[turning_of(k, peak_overlap / g.scale.overlap, contact_law)];
-            elastic = g.scale.force * g.scale.overlap * ContactLaw::elastic_energy(overlap / g.scale.overlap, turning);
-          }
-        }
-        if constexpr (EXTRAS)
-          ev_tally_xyz(i, j, nlocal, 0, elastic, 0.0, push[0], push[1], push[2], dx, dy, dz);
-        else
-          ev_tally(i, j, nlocal, 0, elastic, 0.0, pair_force, dx, dy, dz);
-      }
+      if (touch.size == Touch::MOST) act_up_to(r);
     }
-    sums[i] = total;
-    if (c.ordered) give(i);
+    if (r + 1 - given >= ROWS_AT_A_TIME) act_up_to(r + 1);
   }
+  act_up_to(rows);
   if (!c.ordered)
     for (int i = 0; i < nlocal; i++) give(i);
-  if (TALLY == Tally::PRESSURE)
-    for (int k = 0; k < 6; k++) virial[k] += sum[k];
-}
-
-template <bool EXTRAS> void PairGranHysteretic::forces(Tally tally)
-{
-  if (tally == Tally::NOTHING)
-    uniform ? forces<true, Tally::NOTHING, EXTRAS>() : forces<false, Tally::NOTHING, EXTRAS>();
-  else if (tally == Tally::PRESSURE)
-    uniform ? forces<true, Tally::PRESSURE, EXTRAS>() : forces<false, Tally::PRESSURE, EXTRAS>();
-  else
-    uniform ? forces<true, Tally::EACH_PAIR, EXTRAS>() : forces<false, Tally::EACH_PAIR, EXTRAS>();
 }
 
 void PairGranHysteretic::compute(int eflag, int vflag)
@@ -281,10 +308,10 @@ void PairGranHysteretic::compute(int eflag, int vflag)
   slips = update->whichflag == 1 && !update->setupflag;
 
   // LAMMPS asks for the pressure more often than anybody looks at it: it must cost next to nothing
-  const Tally tally = eflag_atom || vflag_atom || cvflag_atom || num_tally_compute > 0 ? Tally::EACH_PAIR
-      : vflag_global                                                                   ? Tally::PRESSURE
+  const Tally what = eflag_atom || vflag_atom || cvflag_atom || num_tally_compute > 0 ? Tally::EACH_PAIR
+      : vflag_global                                                                  ? Tally::PRESSURE
                                                                                        : Tally::NOTHING;
-  if (atom->nlocal > 0) rubbing || pasts ? forces<true>(tally) : forces<false>(tally);
+  if (atom->nlocal > 0) uniform ? forces<true>(what) : forces<false>(what);
   if (eflag_global) eng_vdwl = tally_totals();
 }
 

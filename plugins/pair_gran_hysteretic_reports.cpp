@@ -68,8 +68,8 @@ double PairGranHysteretic::tally_totals()
     }
   };
 
-  Geometry g{};
-  if (uniform && nlocal > 0) g = geometry(type[0], type[0], radius[0], radius[0]);
+  Pairing p{};
+  if (uniform && nlocal > 0) p = pairing(type[0], type[0], radius[0], radius[0]);
   for (std::size_t r = 0; r < c.row.size(); r++) {
     const int i = c.row[r];
     for (int k = c.begin[r]; k < c.begin[r + 1]; k++) {
@@ -77,22 +77,22 @@ double PairGranHysteretic::tally_totals()
       if (peak == 0.0) continue;
       const int j = c.partner[k];
       const double weight = j < nlocal ? 1.0 : 0.5;
-      if (!uniform) g = geometry(type[i], type[j], radius[i], radius[j]);
+      if (!uniform) p = pairing(type[i], type[j], radius[i], radius[j]);
       const ContactLaw &contact_law = law(type[i], type[j]);
       const double dx = x[i][0] - x[j][0], dy = x[i][1] - x[j][1], dz = x[i][2] - x[j][2];
-      const double overlap = g.sum_radii - std::sqrt(dx * dx + dy * dy + dz * dz);
+      const double overlap = p.sum_radii - std::sqrt(dx * dx + dy * dy + dz * dz);
       double dissipated = 0.0, peak_force = 0.0;
-      if (peak > g.scale.elastic_limit) {
-        const int t = turning_of(k, peak / g.scale.overlap, contact_law);
-        const double unit = g.scale.force * g.scale.overlap;
+      if (peak > p.scale.elastic_limit) {
+        const int t = turning_of(k, peak / p.scale.overlap, contact_law);
+        const double unit = p.scale.force * p.scale.overlap;
         if (c.work_lost[t] == -1.0) c.work_lost[t] = contact_law.dissipated_energy(c.turnings[t]);
         dissipated = unit * c.work_lost[t];
-        peak_force = g.scale.force * c.turnings[t].force;
-        if (overlap > 0.0) elastic += weight * unit * ContactLaw::elastic_energy(overlap / g.scale.overlap, c.turnings[t]);
+        peak_force = p.scale.force * c.turnings[t].force;
+        if (overlap > 0.0) elastic += weight * unit * ContactLaw::elastic_energy(overlap / p.scale.overlap, c.turnings[t]);
       } else if (overlap > 0.0) {
-        elastic += weight * 0.4 * g.scale.hertz * overlap * overlap * std::sqrt(overlap);
+        elastic += weight * 0.4 * p.scale.hertz * overlap * overlap * std::sqrt(overlap);
       }
-      count(contact_law, g.scale, peak, peak_force, dissipated, g.effective_radius, weight, past_of(k, 1.0), overlap);
+      count(contact_law, p.scale, peak, peak_force, dissipated, p.effective_radius, weight, past_of(k, 1.0), overlap);
     }
   }
 
@@ -134,7 +134,7 @@ void PairGranHysteretic::tell_past(const ContactPast &past, Report &report)
 
 PairGranHysteretic::Report PairGranHysteretic::describe(int i, int j, int k, double rsq)
 {
-  const Geometry g = geometry(atom->type[i], atom->type[j], atom->radius[i], atom->radius[j]);
+  const Pairing p = pairing(atom->type[i], atom->type[j], atom->radius[i], atom->radius[j]);
   const ContactLaw &contact_law = law(atom->type[i], atom->type[j]);
   Report report{};
   report.i = i;
@@ -143,28 +143,28 @@ PairGranHysteretic::Report PairGranHysteretic::describe(int i, int j, int k, dou
   report.tag_j = atom->tag[j];
   report.live = true;
   report.share_i = contact_law.share_of_first();
-  report.effective_radius = g.effective_radius;
-  report.overlap = g.sum_radii - std::sqrt(rsq);
+  report.effective_radius = p.effective_radius;
+  report.overlap = p.sum_radii - std::sqrt(rsq);
   const ContactPast past = k >= 0 ? past_of(k, 1.0) : ContactPast();
   if (k >= 0) report.dent = dent_of(k);
   tell_past(past, report);
-  const double peak = report.dent.peak, overlap = report.overlap > ROUNDING * g.sum_radii ? report.overlap : 0.0;
+  const double peak = report.dent.peak, overlap = report.overlap > ROUNDING * p.sum_radii ? report.overlap : 0.0;
   const double reached = std::max(peak, overlap);    // a pair that was moved since the last step may be beyond its peak
-  if (reached > g.scale.elastic_limit) {
-    const Turning turning = contact_law.turning(reached / g.scale.overlap);
-    const double unit = g.scale.force * g.scale.overlap;
+  if (reached > p.scale.elastic_limit) {
+    const Turning turning = contact_law.turning(reached / p.scale.overlap);
+    const double unit = p.scale.force * p.scale.overlap;
     report.yielded = reached > past.initial;
-    report.force = g.scale.force * (overlap >= reached ? turning.force : ContactLaw::unloading(overlap / g.scale.overlap, turning));
-    report.peak_force = g.scale.force * turning.force;
-    report.elastic = unit * ContactLaw::elastic_energy(overlap / g.scale.overlap, turning);
+    report.force = p.scale.force * (overlap >= reached ? turning.force : ContactLaw::unloading(overlap / p.scale.overlap, turning));
+    report.peak_force = p.scale.force * turning.force;
+    report.elastic = unit * ContactLaw::elastic_energy(overlap / p.scale.overlap, turning);
     if (report.yielded)
-      report.dissipated = unit * contact_law.dissipated_energy(turning) - lost_before(past.initial, g.scale, contact_law);
+      report.dissipated = unit * contact_law.dissipated_energy(turning) - lost_before(past.initial, p.scale, contact_law);
   } else {
-    report.force = g.scale.hertz * overlap * std::sqrt(overlap);
-    report.peak_force = g.scale.hertz * reached * std::sqrt(reached);
+    report.force = p.scale.hertz * overlap * std::sqrt(overlap);
+    report.peak_force = p.scale.hertz * reached * std::sqrt(reached);
     report.elastic = 0.4 * report.force * overlap;
   }
-  if (pasts) report.peak_force = force_reached(past, {reached}, overlap, g.scale, contact_law);
+  if (pasts) report.peak_force = force_reached(past, {reached}, overlap, p.scale, contact_law);
   return report;
 }
 

@@ -57,16 +57,13 @@ inline void torque_per_lever(const double (&n)[3], const double (&force)[3], dou
   torque[2] = -(n[0] * force[1] - n[1] * force[0]);
 }
 
-/* Into the plane normal to n, with the same length, whose square is given. */
+/* Into the plane normal to n, with the same length, whose square is given. Without branches (see touching.h). */
 inline void rotate(Spring &spring, double square, const double (&n)[3])
 {
-  constexpr double SMALL = 1e-5;    // from which on the series of 1/sqrt(1 - q) is exact to rounding
-  const double along = dot(spring.force, n);
-  if (along == 0.0) return;
-  const double q = along * along / square;
-  if (!(q < 1.0)) return;    // it points along n, or is next to nothing
-  const double stretch = q < SMALL ? 1.0 + q * (0.5 + q * (0.375 + 0.3125 * q)) : 1.0 / std::sqrt(1.0 - q);
-  for (int d = 0; d < 3; d++) spring.force[d] = stretch * (spring.force[d] - along * n[d]);
+  const double along = dot(spring.force, n), q = along * along / square;
+  const bool turns = q < 1.0;    // else it points along n, or is next to nothing
+  const double taken = turns ? along : 0.0, stretch = turns ? 1.0 / std::sqrt(1.0 - q) : 1.0;
+  for (int d = 0; d < 3; d++) spring.force[d] = stretch * (spring.force[d] - taken * n[d]);
 }
 
 /* One step of a contact that bears a normal force. */
@@ -76,19 +73,17 @@ inline void advance(Spring &spring, const double (&n)[3], const double (&slip)[3
   rotate(spring, before, n);
   double work = dot(spring.force, slip);
   const double ratio = spring.compliance > 0.0 ? stiffness * spring.compliance : 1.0;
-  const double kept = grip == Grip::RESCALED ? std::min(ratio, 1.0) : 1.0;
+  const double kept = grip == Grip::RESCALED && ratio < 1.0 ? ratio : 1.0;
   for (int d = 0; d < 3; d++) spring.force[d] = kept * spring.force[d] - stiffness * slip[d];
   spring.compliance = 1.0 / stiffness;
-  double square = dot(spring.force, spring.force);
-  if (square > limit * limit) {
-    const double factor = limit / std::sqrt(square);
-    for (int d = 0; d < 3; d++) spring.force[d] *= factor;
-    square = limit * limit;
-  }
+  const double grown = dot(spring.force, spring.force), most = limit * limit;
+  const bool slides = grown > most;
+  const double factor = slides ? limit / std::sqrt(grown) : 1.0, square = slides ? most : grown;
+  for (int d = 0; d < 3; d++) spring.force[d] *= factor;
   work = -0.5 * (work + dot(spring.force, slip));
   const double lost = work - (0.5 * square * spring.compliance - stored);
   // rescaled it is negative by rounding alone, or where a step's slip is longer than the spring: next to nothing
-  spring.loss += grip == Grip::RESCALED ? std::max(lost, 0.0) : lost;
+  spring.loss += grip == Grip::RESCALED && lost < 0.0 ? 0.0 : lost;
 }
 
 /* The surfaces have parted: what is stored is lost. */

@@ -1,0 +1,63 @@
+/* Sums of forces or torques on spheres in twice the precision of a double. No LAMMPS types.
+
+   What acts on a sphere is added up in whatever order the list has, which differs with the number of processors. Twice
+   the precision makes the sum, once rounded, the same in any order: a run gives the same bits on any number of ranks. */
+
+#ifndef GRANWAVE_TWOFOLD_SUM_H
+#define GRANWAVE_TWOFOLD_SUM_H
+
+#include <cstddef>
+#include <vector>
+
+namespace granwave {
+
+struct alignas(64) TwofoldSum {
+  double high[3] = {}, low[3] = {};
+  double any = 0.0;    // 1 if anything was added
+
+  void add(double x, double y, double z)
+  {
+    const double term[3] = {x, y, z};
+    for (int d = 0; d < 3; d++) {
+      const double total = high[d] + term[d], rounded = total - high[d];
+      low[d] += (high[d] - (total - rounded)) + (term[d] - rounded);    // Knuth: what the addition lost
+      high[d] = total;
+    }
+    any = 1.0;
+  }
+};
+
+/* One for each sphere. Of an ordered list only those between a row and its farthest partner are in use at a time, and a ring
+   of that many stays in the cache. All zero but for those in use. */
+class TwofoldSums {
+ public:
+  void reserve(int in_use)
+  {
+    std::size_t size = 1;
+    while (size < static_cast<std::size_t>(in_use)) size *= 2;
+    if (size <= ring.size()) return;
+    ring.resize(size);
+    mask = static_cast<int>(size) - 1;
+  }
+
+  TwofoldSum &operator[](int i) { return ring[i & mask]; }
+
+  /* Add the sum to `to`; from then on it is zero. */
+  void give(int i, double *to)
+  {
+    TwofoldSum &sum = ring[i & mask];
+    if (sum.any == 0.0) return;
+    for (int d = 0; d < 3; d++) to[d] += sum.high[d] + sum.low[d];
+    sum = TwofoldSum{};
+  }
+
+  double bytes() const { return static_cast<double>(ring.capacity()) * sizeof(TwofoldSum); }
+
+ private:
+  std::vector<TwofoldSum> ring;
+  int mask = 0;
+};
+
+}    // namespace granwave
+
+#endif
