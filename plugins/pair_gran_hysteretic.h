@@ -148,6 +148,7 @@ class PairGranHysteretic : public Pair {
   void act(Touch &, Tally);
   void remember(Touch &);
   void rub(Touch &);
+  void add_up(const Touch &, granwave::TwofoldSums &, const double (&on_i)[3][Touch::MOST], const double (&on_j)[3][Touch::MOST]);
   void tally(const Touch &, Tally);
   double yielding_force(int k, double overlap, const Pairing &, bool raised);
   void let_go(int k);

@@ -129,7 +129,6 @@ void PairGranHysteretic::remember(Touch &touch)
 void PairGranHysteretic::rub(Touch &touch)
 {
   Contacts &c = contacts;
-  const int nlocal = atom->nlocal;
   const double *const v = atom->v[0], *const omega = atom->omega[0];    // contiguous
   for (int m = 0; m < touch.size; m++) {
     const int k = touch.k[m], i = 3 * touch.i[m], j = 3 * touch.j[m];
@@ -157,13 +156,7 @@ void PairGranHysteretic::rub(Touch &touch)
     }
   }
   touch.push_and_twist();
-  for (int m = 0; m < touch.size; m++) {
-    if (touch.limit[m] == 0.0) continue;
-    const double x = touch.twist[0][m], y = touch.twist[1][m], z = touch.twist[2][m];
-    const double li = touch.lever_i[m], lj = touch.lever_j[m];
-    torque_sums[touch.i[m]].add(li * x, li * y, li * z);
-    if (touch.j[m] < nlocal) torque_sums[touch.j[m]].add(lj * x, lj * y, lj * z);
-  }
+  add_up(touch, torque_sums, touch.twist_i, touch.twist_j);
 }
 
 void PairGranHysteretic::tally(const Touch &touch, Tally what)
@@ -171,7 +164,7 @@ void PairGranHysteretic::tally(const Touch &touch, Tally what)
   const int nlocal = atom->nlocal;
   for (int m = 0; m < touch.size; m++) {
     const double dx = touch.apart[0][m], dy = touch.apart[1][m], dz = touch.apart[2][m];
-    const double fx = touch.push[0][m], fy = touch.push[1][m], fz = touch.push[2][m];
+    const double fx = touch.push_i[0][m], fy = touch.push_i[1][m], fz = touch.push_i[2][m];
     if (what == Tally::PRESSURE) {
       const double share = touch.j[m] < nlocal ? 1.0 : 0.5;
       virial[0] += share * dx * fx;
@@ -193,6 +186,23 @@ void PairGranHysteretic::tally(const Touch &touch, Tally what)
   }
 }
 
+/* Into the sums of both spheres. The pairs of a row come one after the other. */
+
+void PairGranHysteretic::add_up(const Touch &touch, granwave::TwofoldSums &sums, const double (&on_i)[3][Touch::MOST],
+                                const double (&on_j)[3][Touch::MOST])
+{
+  const int nlocal = atom->nlocal;
+  for (int m = 0; m < touch.size;) {
+    const int i = touch.i[m];
+    TwofoldSum sum = sums[i];
+    for (; m < touch.size && touch.i[m] == i; m++) {
+      sum.add(on_i[0][m], on_i[1][m], on_i[2][m]);
+      if (touch.j[m] < nlocal) sums[touch.j[m]].add(on_j[0][m], on_j[1][m], on_j[2][m]);
+    }
+    sums[i] = sum;
+  }
+}
+
 /* All that a batch of touching pairs does. */
 
 void PairGranHysteretic::act(Touch &touch, Tally what)
@@ -202,18 +212,8 @@ void PairGranHysteretic::act(Touch &touch, Tally what)
   if (rubbing)
     rub(touch);
   else
-    touch.push_normally();
-  const int nlocal = atom->nlocal;
-  for (int m = 0; m < touch.size;) {
-    const int i = touch.i[m];
-    TwofoldSum sum = force_sums[i];
-    for (; m < touch.size && touch.i[m] == i; m++) {
-      const double x = touch.push[0][m], y = touch.push[1][m], z = touch.push[2][m];
-      sum.add(x, y, z);
-      if (touch.j[m] < nlocal) force_sums[touch.j[m]].add(-x, -y, -z);
-    }
-    force_sums[i] = sum;
-  }
+    touch.push();
+  add_up(touch, force_sums, touch.push_i, touch.push_j);
   if (what != Tally::NOTHING) tally(touch, what);
   touch.size = 0;
 }

@@ -19,11 +19,14 @@ FOR_EACH_PROCESSOR void Touching::measure()
   }
 }
 
-FOR_EACH_PROCESSOR void Touching::push_normally()
+FOR_EACH_PROCESSOR void Touching::push()
 {
   for (int m = 0; m < size; m++) {
     const double pair_force = force[m] / distance[m];
-    for (int d = 0; d < 3; d++) push[d][m] = apart[d][m] * pair_force;
+    for (int d = 0; d < 3; d++) {
+      push_i[d][m] = apart[d][m] * pair_force;
+      push_j[d][m] = -push_i[d][m];
+    }
   }
 }
 
@@ -49,18 +52,20 @@ FOR_EACH_PROCESSOR void Touching::slide(double dt)
 
 FOR_EACH_PROCESSOR void Touching::push_and_twist()
 {
-  push_normally();
   for (int m = 0; m < size; m++) {
-    const double inverse = 1.0 / distance[m];
+    const double pair_force = force[m] / distance[m], inverse = 1.0 / distance[m];
     double n[3], f[3], torque[3];
     for (int d = 0; d < 3; d++) {
       n[d] = apart[d][m] * inverse;
       f[d] = held[d][m];
-      push[d][m] += f[d];
+      push_i[d][m] = apart[d][m] * pair_force + f[d];
+      push_j[d][m] = -push_i[d][m];
     }
     torque_per_lever(n, f, torque);
-    for (int d = 0; d < 3; d++) twist[d][m] = torque[d];
-    lever_i[m] = radius_i[m] - 0.5 * overlap[m];
-    lever_j[m] = radius_j[m] - 0.5 * overlap[m];
+    const double lever_i = radius_i[m] - 0.5 * overlap[m], lever_j = radius_j[m] - 0.5 * overlap[m];
+    for (int d = 0; d < 3; d++) {
+      twist_i[d][m] = lever_i * torque[d];
+      twist_j[d][m] = lever_j * torque[d];
+    }
   }
 }

@@ -26,8 +26,8 @@ struct Touching {
 
   // found
   double distance[MOST], overlap[MOST], force[MOST];
-  double circle[MOST];     // radius of the contact circle, squared
-  double push[3][MOST];    // on sphere i
+  double circle[MOST];                            // radius of the contact circle, squared
+  double push_i[3][MOST], push_j[3][MOST];        // forces on the spheres
 
   // with friction: given
   double limit[MOST];                          // Coulomb's, of the tangential force; 0 where nothing rubs
@@ -37,16 +37,15 @@ struct Touching {
   double held[3][MOST];                        // tangential force on i, here and after
   double compliance[MOST], loss[MOST];         // as in Spring, here and after
   // found
-  double twist[3][MOST];    // torque on either per unit of its lever
-  double lever_i[MOST], lever_j[MOST];
+  double twist_i[3][MOST], twist_j[3][MOST];    // torques on the spheres
 
   /* distance, overlap, force, circle: as Hertz has it */
   void measure();
-  /* push of the normal forces alone */
-  void push_normally();
+  /* forces on the spheres, of the normal forces alone */
+  void push();
   /* held, compliance, loss after a step of dt; none where `rubs` is not set */
   void slide(double dt);
-  /* push of both, twist, levers */
+  /* forces and torques on the spheres, friction included */
   void push_and_twist();
 };
 
