@@ -12,6 +12,7 @@ from typing import Any
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
@@ -88,6 +89,12 @@ def new_figure(height: float, width: float = WIDTH) -> Figure:
     figure = Figure(figsize=(width, height), layout="constrained")
     FigureCanvasAgg(figure)
     return figure
+
+
+def legend_above(axes: Axes, ncols: int, **options: Any) -> None:
+    """A legend that lies on no curve."""
+    place = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "columnspacing": 1.0}
+    axes.legend(ncols=ncols, **(place | options))
 
 
 def save(drawing: Drawing, path: Path, *, pdf: bool = True) -> None:

@@ -8,7 +8,17 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from granwave.analysis.chain_history import along
-from granwave.analysis.figure_style import BLUE, FORCE_MAP, GREEN, ORANGE, PURPLE, SKY, Drawing, new_figure
+from granwave.analysis.figure_style import (
+    BLUE,
+    FORCE_MAP,
+    GREEN,
+    ORANGE,
+    PURPLE,
+    SKY,
+    Drawing,
+    legend_above,
+    new_figure,
+)
 from granwave.analysis.result import Result
 from granwave.analysis.sensors import sensor_forces
 
@@ -61,14 +71,14 @@ def force_histories(result: Result) -> Drawing | None:
     if not len(loaded):
         return None
     chosen = np.unique(np.linspace(0, loaded[-1], min(len(_COLOURS), loaded[-1] + 1)).round().astype(int))
-    figure = new_figure(2.4)
+    figure = new_figure(2.9)
     axes = figure.subplots()
     scale, unit = _unit(force)
     for n, colour in zip(chosen, _COLOURS, strict=False):
         axes.plot(time * _MICRO, force[:, n] * scale, color=colour, label=_name(result, n), linewidth=0.9)
     _time_axes(axes, time)
     axes.set_ylabel(f"Contact force ({unit})")
-    axes.legend(title="Contact")
+    legend_above(axes, 3, title="Contact")
     return Drawing(figure, {"time_s": time} | {f"contact_{_name(result, n)}_N": force[:, n] for n in chosen})
 
 
@@ -108,7 +118,7 @@ def bead_velocities(result: Result) -> Drawing | None:
         return None
     time, velocity = result["chain/time"], result["chain/velocity"]
     chosen = np.unique(np.linspace(0, len(time) - 1, 5).round().astype(int))[1:]
-    figure = new_figure(2.3)
+    figure = new_figure(2.6)
     axes = figure.subplots()
     bead = np.arange(1, velocity.shape[1] + 1)
     for n, colour in zip(chosen, _COLOURS, strict=False):
@@ -117,7 +127,7 @@ def bead_velocities(result: Result) -> Drawing | None:
     axes.set_xlabel("Bead, from the struck end")
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.set_ylabel("Velocity (m/s)")
-    axes.legend()
+    legend_above(axes, 2)
     return Drawing(figure, {"bead": bead} | {f"velocity_at_{time[n]:.6g}_s_m_s": velocity[n] for n in chosen})
 
 

@@ -17,6 +17,7 @@ from granwave.analysis.figure_style import (
     SKY,
     YELLOW,
     Drawing,
+    legend_above,
     new_figure,
 )
 from granwave.analysis.result import Result
@@ -50,7 +51,7 @@ def energies(result: Result) -> Drawing | None:
     time = result["energy/time"]
     parts = _energy_parts(result)
     residual = np.abs(sum(parts.values()) - result["energy/input"]) / given
-    figure = new_figure(3.2 if len(parts) == 3 else 3.6)
+    figure = new_figure(3.6)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
     unit, name = (1e3, "mJ") if given < 1 else (1.0, "J")
     as_areas = len(parts) > 3 and min(float(values.min()) for values in parts.values()) > -_NEGLIGIBLE * given
@@ -65,10 +66,7 @@ def energies(result: Result) -> Drawing | None:
     upper.plot(time * _MICRO, result["energy/input"] * unit, color="black", linestyle=":", label="input")
     upper.set_ylabel(f"Energy ({name})")
     upper.set_ylim(0 if as_areas or len(parts) == 3 else None, 1.05 * given * unit)
-    if as_areas:
-        upper.legend(ncols=3, loc="lower center", bbox_to_anchor=(0.5, 1.0), columnspacing=1.0, handlelength=1.0)
-    else:
-        upper.legend(ncols=2, loc="center right")
+    legend_above(upper, 3, handlelength=1.0 if as_areas else 1.6)
     lower.semilogy(time * _MICRO, np.where(residual > 0, residual, np.nan), color=GREY, linewidth=0.8)
     lower.set_ylabel("|Residual|\n/ input")
     time_axis(lower, time)
@@ -123,8 +121,10 @@ def bottom_force(result: Result) -> Drawing | None:
 
 
 def impactor_velocity(result: Result) -> Drawing | None:
-    """Velocity of the struck sphere along the impact direction."""
+    """Velocity of the struck sphere along the impact direction; none where it only moves across that."""
     time, velocity = result["energy/time"], result["energy/struck_velocity"]
+    if not np.any(velocity):
+        return None
     figure = new_figure(2.1)
     axes = figure.subplots()
     axes.axhline(0, color="black", linewidth=0.5)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from granwave.analysis.figure_style import BLUE, GREEN, GREY, ORANGE, Drawing, new_figure
+from granwave.analysis.figure_style import BLUE, GREEN, GREY, ORANGE, Drawing, legend_above, new_figure
 from granwave.analysis.figures_history import thinned, time_axis
 from granwave.analysis.result import Result
 from granwave.analysis.target import reached
@@ -39,7 +39,7 @@ def target(result: Result) -> Drawing | None:
         least = min(float(found.force.max()), without.peak_force)
         force.set_ylim(1e-2 * least, 2 * max(float(found.force.max()), without.peak_force))
     force.set_ylabel("Force (N)")
-    force.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, columnspacing=1.0)
+    legend_above(force, 2)
     impulse.plot(time * _MICRO, found.impulse * _MILLI, color=ORANGE)
     impulse.set_ylabel("Impulse (mN s)")
     if moves:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 import math
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
@@ -12,6 +13,8 @@ from granwave.analysis.result_file import BALANCE_REFUSED
 from granwave.lammps_inputs.case import Case, load_case
 from granwave.lammps_inputs.deck import CASE_FILE
 from granwave.lammps_inputs.errors import GranwaveError
+
+_NOT_OF_THE_CASE = ("name", "run", "output", "sensor")  # tables: how long and how finely it was followed
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -58,3 +61,23 @@ class FinishedRun:
         """A number of the summary; NaN where it does not apply."""
         found = self.summary.get(name)
         return float(found) if isinstance(found, int | float) and not isinstance(found, bool) else math.nan
+
+
+def all_but(case: Case, *left_out: str) -> str:
+    """Everything of a case but some tables or keys, as text: equal for cases that differ in nothing else.
+
+    How long and how finely a run was followed does not count.
+
+    Parameters
+    ----------
+    left_out
+        Such as ``precompression`` or ``load.velocity``.
+    """
+    tables = case.to_dict()
+    for name in (*_NOT_OF_THE_CASE, *left_out):
+        table, _, key = name.partition(".")
+        if key:
+            tables.get(table, {}).pop(key, None)
+        else:
+            tables.pop(table, None)
+    return json.dumps(tables, sort_keys=True)

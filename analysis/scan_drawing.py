@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import dataclasses
+import math
+import re
+import textwrap
 from collections.abc import Sequence
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -11,26 +15,36 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
-from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, NullFormatter, NullLocator
+from matplotlib.ticker import NullLocator
 from numpy.typing import ArrayLike, NDArray
 
 from granwave.analysis.figure_style import BLANK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, WIDTH, Drawing, new_figure
-from granwave.analysis.scan_keys import Key
+from granwave.analysis.scan_axes import (
+    AXIS,
+    CHARACTER,
+    even_in_log,
+    fit,
+    is_wide,
+    log_ticks,
+    scale_abscissae,
+    scale_values,
+)
+from granwave.analysis.scan_keys import Key, shown
 
 YELLOW = "#E69F00"
 _COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY, YELLOW, GREY, "black")
 _MARKERS = "os^DvPX*"
 _LINES = ("-", "--", ":", "-.", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 3)))
+_HATCHES = ("", "////", "....")
 _SCALE_MAP = "viridis"
-_SPREAD = 1.5  # decades from which on an axis of values is logarithmic
-_DECADE = 10.0
 _HEIGHT = 2.3  # inches, without the legend
 _LINE = 0.17  # inches, of a legend
-_CHARACTER = 0.062  # inches, about
+_BAR = 0.24 * WIDTH  # inches of it that a colour scale takes
+_LONG = 12  # characters of a category, beyond which bars lie, with whole lines beside them
+_TURNED = 0.16  # inches along the axis that a turned name takes
+_LINE_OF_NAME = 28  # characters, beside a bar
 _MOST_ANNOTATED = 8  # columns and lines of a map with its numbers in it
 _MOST_MARKED = 60  # points of a curve that are marked one by one
-_CLOSE = 0.16  # decades between labelled ticks
-_EDGE = 1.02  # room beyond the scale's ends
 
 Titles = tuple[str, str]
 
@@ -66,6 +80,7 @@ def draw_curves(
     *,
     scale: float = 1.0,
     joined: bool = True,
+    chosen: bool = True,
 ) -> Drawing:
     """Curves with markers; a legend above them, or a colour scale when they are many.
 
@@ -79,13 +94,15 @@ def draw_curves(
         SI of one unit of the abscissa.
     joined
         Join the points of a curve.
+    chosen
+        The abscissae are the values of a key, not what came out.
     """
     along = _scale_key(series, others)
     rest = [key for key in others if key is not along]
     labels = [", ".join(key.text(curve.row) for key in rest) for curve in series]
     kinds = list(dict.fromkeys(labels))
-    shown = kinds if len(kinds) <= len(_COLOURS) * len(_LINES) and kinds != [""] else []
-    figure = new_figure(_HEIGHT + _legend_height(shown))
+    entries = _wrapped(kinds) if len(kinds) <= len(_COLOURS) * len(_LINES) and kinds != [""] else []
+    figure = new_figure(_HEIGHT + _legend_height(entries))
     axes = figure.subplots()
     norm = _norm(along, series) if along else None
     for curve, label in zip(series, labels, strict=True):
@@ -109,55 +126,42 @@ def draw_curves(
             capsize=2,
             elinewidth=0.8,
         )
-    _scale_axis(axes, np.concatenate([curve.x for curve in series]), even=joined)
-    _value_axis(axes, series)
+    room = AXIS - (_BAR if along is not None else 0.0)
+    scale_abscissae(axes, np.concatenate([curve.x for curve in series]), room, chosen=chosen)
+    scale_values(axes, np.concatenate([c.mean for c in series]), np.concatenate([c.half_width for c in series]))
     axes.set_xlabel(x_title)
     axes.set_ylabel(y_title)
     if along is not None and norm is not None:
         _colour_scale(figure, axes, norm, along)
-    _legend(figure, shown, coloured=along is None, joined=joined)
+    _legend(figure, entries, coloured=along is None, joined=joined)
     return Drawing(figure, _columns(series, others, columns, np.concatenate([curve.x for curve in series]) * scale))
 
 
 def draw_bars(
     series: Sequence[Series], ticks: Sequence[str], x_title: str, y_title: str, others: Sequence[Key], columns: Titles
 ) -> Drawing:
-    """Bars by category (the abscissa of `Series` counts them), side by side for each series; points on a log axis."""
-    shown = [curve.label for curve in series] if others else []
-    rotated = sum(len(tick) + 1 for tick in ticks) * _CHARACTER > 0.8 * WIDTH
-    longest = max(map(len, ticks)) if rotated else 0
-    figure = new_figure(_HEIGHT + _legend_height(shown) + 0.7 * _CHARACTER * longest)
-    axes = figure.subplots()
-    values = np.concatenate([curve.mean for curve in series])
-    logarithmic = _is_wide(values)
-    width = 0.8 / len(series) if len(series) > 1 else 0.6
+    """Bars by category (the abscissa of `Series` counts them), side by side for each series; points on a log axis.
+
+    They lie where the categories have long names.
+    """
+    entries = _wrapped([curve.label for curve in series]) if others else []
+    lying = max(map(len, ticks)) > _LONG and not fit(ticks, AXIS / len(ticks))
+    height = _legend_height(entries)
+    figure = _figure_of_lying_bars(ticks, len(series), height) if lying else _figure_of_bars(ticks, height)
+    axes = figure.axes[0]
+    logarithmic = is_wide(np.concatenate([curve.mean for curve in series]))
     for m, curve in enumerate(series):
-        place = curve.x + (m - (len(series) - 1) / 2) * width
-        colour, marker = _COLOURS[m % len(_COLOURS)], _MARKERS[m % len(_MARKERS)]
-        error = curve.half_width if np.any(np.isfinite(curve.half_width)) else None
-        if logarithmic:
-            axes.errorbar(place, curve.mean, error, color=colour, marker=marker, markersize=5, ls="none", capsize=2)
-        else:
-            hatch = ("", "////", "....")[m // len(_COLOURS) % 3]
-            axes.bar(place, curve.mean, 0.92 * width, yerr=error, color=colour, hatch=hatch, capsize=2, ecolor="black")
-    axes.set_xlim(-0.6, len(ticks) - 0.4)
-    axes.xaxis.set_minor_locator(NullLocator())
-    axes.tick_params(axis="x", which="both", length=0)
-    axes.set_xticks(range(len(ticks)), ticks)
-    if rotated:
-        for label in axes.get_xticklabels():
-            label.set(rotation=35, ha="right")
+        _draw_bars_of(axes, curve, m, len(series), lying=lying, logarithmic=logarithmic)
+    along, across = _axes_of(axes, lying=lying)
+    along.set_label_text(x_title)
+    across.set_label_text(y_title)
     if logarithmic:
-        axes.set_yscale("log")
-        _log_ticks(axes.yaxis)
+        (axes.set_xscale if lying else axes.set_yscale)("log")
+        log_ticks(across, 0.6 * AXIS if lying else None)
+        _legend(figure, entries, coloured=True, joined=False)
     else:
-        axes.margins(y=0.08)
-    axes.set_xlabel(x_title)
-    axes.set_ylabel(y_title)
-    if logarithmic:
-        _legend(figure, shown, coloured=True, joined=False)
-    elif shown:
-        _place_legend(figure, [mpl.patches.Patch(color=_COLOURS[m % len(_COLOURS)]) for m in range(len(shown))], shown)
+        (axes.set_xmargin if lying else axes.set_ymargin)(0.08)
+        _place_legend(figure, [mpl.patches.Patch(**_fill(m)) for m in range(len(entries))], entries)
     names = np.concatenate([[ticks[int(place)] for place in curve.x] for curve in series])
     return Drawing(figure, _columns(series, others, columns, names))
 
@@ -189,8 +193,12 @@ def draw_map(
                     color="black" if bright else "white",
                 )  # fmt: skip
     for axis, numbers, key in ((axes.xaxis, columns, keys[0]), (axes.yaxis, lines, keys[1])):
-        step = -(-len(numbers) // _MOST_ANNOTATED)
-        axis.set_ticks(range(0, len(numbers), step), [f"{number:.4g}" for number in numbers[::step]])
+        names = [shown(number) for number in numbers]
+        step = -(-len(names) // _MOST_ANNOTATED)
+        room = (AXIS - _BAR) / len(names)
+        while axis is axes.xaxis and step < len(names) and not fit(names[::step], step * room):
+            step += 1
+        axis.set_ticks(range(0, len(names), step), names[::step])
         axis.set_label_text(key.title)
     axes.tick_params(length=0)
     figure.colorbar(mesh, ax=axes, pad=0.02).set_label(title)
@@ -203,6 +211,60 @@ def draw_map(
             column: table.ravel(),
         },
     )
+
+
+def _figure_of_bars(ticks: Sequence[str], legend: float) -> Figure:
+    """Names below the bars, turned where they would touch, and only some of very many."""
+    turned = not fit(ticks, AXIS / len(ticks))
+    figure = new_figure(_HEIGHT + legend + (0.7 * CHARACTER * max(map(len, ticks)) if turned else 0.0))
+    axes = figure.subplots()
+    axes.set_xlim(-0.6, len(ticks) - 0.4)
+    _name_categories(axes.xaxis, ticks, math.ceil(len(ticks) * _TURNED / AXIS) if turned else 1)
+    if turned:
+        for label in axes.get_xticklabels():
+            label.set(rotation=35, ha="right")
+    return figure
+
+
+def _figure_of_lying_bars(ticks: Sequence[str], n_series: int, legend: float) -> Figure:
+    """Names in lines beside the bars, the first category at the top."""
+    names = [textwrap.fill(name, _LINE_OF_NAME) for name in ticks]
+    lines = max(max(name.count("\n") + 1 for name in names), 0.8 * n_series)
+    figure = new_figure(0.6 + 0.9 * _LINE * (lines + 0.5) * len(ticks) + legend, 1.5 * WIDTH)
+    axes = figure.subplots()
+    axes.set_ylim(len(ticks) - 0.4, -0.6)
+    _name_categories(axes.yaxis, names, 1)
+    return figure
+
+
+def _name_categories(axis: Axis, names: Sequence[str], step: int) -> None:
+    axis.set_minor_locator(NullLocator())
+    axis.set_tick_params(which="both", length=0)
+    axis.set_ticks(range(0, len(names), step), list(names[::step]))
+
+
+def _axes_of(axes: Axes, *, lying: bool) -> tuple[Axis, Axis]:
+    """Of the categories and of the values."""
+    return (axes.yaxis, axes.xaxis) if lying else (axes.xaxis, axes.yaxis)
+
+
+def _draw_bars_of(axes: Axes, curve: Series, m: int, n_series: int, *, lying: bool, logarithmic: bool) -> None:
+    """The bars of one series of several, or its points on a log axis."""
+    width = 0.8 / n_series if n_series > 1 else 0.6
+    place = curve.x + (m - (n_series - 1) / 2) * width
+    error = curve.half_width if np.any(np.isfinite(curve.half_width)) else None
+    errors: dict[str, Any] = {"xerr" if lying else "yerr": error, "capsize": 2}
+    if logarithmic:
+        x, y = (curve.mean, place) if lying else (place, curve.mean)
+        marker = _MARKERS[m % len(_MARKERS)]
+        axes.errorbar(x, y, color=_COLOURS[m % len(_COLOURS)], marker=marker, markersize=5, ls="none", **errors)
+    else:
+        (axes.barh if lying else axes.bar)(place, curve.mean, 0.92 * width, ecolor="black", **_fill(m), **errors)
+
+
+def _fill(m: int) -> dict[str, Any]:
+    """Colour and hatch of the bars of a series."""
+    return {"facecolor": _COLOURS[m % len(_COLOURS)], "hatch": _HATCHES[m // len(_COLOURS) % len(_HATCHES)]}
 
 
 def _columns(series: Sequence[Series], others: Sequence[Key], columns: Titles, x: NDArray) -> dict[str, ArrayLike]:
@@ -231,7 +293,7 @@ def _scale_key(series: Sequence[Series], others: Sequence[Key]) -> Key | None:
 
 def _norm(key: Key, series: Sequence[Series]) -> Normalize:
     values = np.unique([key.values[curve.row] for curve in series])
-    return (LogNorm if _even_in_log(values) else Normalize)(float(values[0]), float(values[-1]) * (1 + 1e-12))
+    return (LogNorm if even_in_log(values) else Normalize)(float(values[0]), float(values[-1]) * (1 + 1e-12))
 
 
 def _colour_scale(figure: Figure, axes: Axes, norm: Normalize, key: Key) -> None:
@@ -239,66 +301,7 @@ def _colour_scale(figure: Figure, axes: Axes, norm: Normalize, key: Key) -> None
     bar = figure.colorbar(mpl.cm.ScalarMappable(norm, colours), ax=axes, pad=0.02)
     bar.set_label(key.title)
     if isinstance(norm, LogNorm):
-        _log_ticks(bar.ax.yaxis)
-
-
-def _even_in_log(values: NDArray[np.float64]) -> bool:
-    """Sorted values over more than a decade, whose ratios are more alike than their differences."""
-    if len(values) < 2 or values[0] <= 0 or values[-1] < _DECADE * values[0]:
-        return False
-    ratios, steps = np.diff(np.log(values)), np.diff(values)
-    return len(values) == 2 or float(np.std(ratios) / np.mean(ratios)) < float(np.std(steps) / np.mean(steps))
-
-
-def _is_wide(values: NDArray[np.float64]) -> bool:
-    return bool(values.min() > 0 and values.max() > 10**_SPREAD * values.min())
-
-
-def _scale_axis(axes: Axes, values: NDArray[np.float64], *, even: bool) -> None:
-    """Log where the values ask for it; few values are labelled themselves."""
-    axis, places = axes.xaxis, np.unique(values)
-    if _even_in_log(places) or (not even and _is_wide(places)):
-        axes.set_xscale("log")
-        low, high = places[0], places[-1]
-        room = (high / low) ** 0.05 * _EDGE
-        axes.set_xlim(low / room, high * room)
-        steps = np.diff(np.log10(places))
-        if even and len(places) <= 8 and np.all(steps > _CLOSE * 0.5 * np.log10(high / low)):
-            axis.set_major_locator(FixedLocator(places.tolist()))
-            axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.6g}"))
-            axis.set_minor_locator(NullLocator())
-        else:
-            _log_ticks(axis)
-    elif np.all(places == np.rint(places)) and len(places) <= 8 and np.ptp(places) < 40:
-        apart = np.diff(places).min() / np.ptp(places) if len(places) > 1 else 1.0
-        if apart > 0.08:
-            axis.set_major_locator(FixedLocator(places.tolist()))
-
-
-def _value_axis(axes: Axes, series: Sequence[Series]) -> None:
-    values = np.concatenate([curve.mean for curve in series])
-    if _is_wide(values):
-        axes.set_yscale("log")
-        _log_ticks(axes.yaxis)
-        return
-    widths = np.nan_to_num(np.concatenate([curve.half_width for curve in series]))
-    low, high = float(np.min(values - widths)), float(np.max(values + widths))
-    if low >= 0 and low < 0.5 * high:
-        axes.set_ylim(0, 1.08 * high)
-    elif high - low < 0.02 * abs(high):  # noise is not to look like a trend
-        middle = 0.5 * (low + high)
-        axes.set_ylim(middle - 0.1 * abs(high), middle + 0.1 * abs(high))
-
-
-def _log_ticks(axis: Axis) -> None:
-    """Plain numbers at 1, 2 and 5 over little more than a decade, at the decades beyond."""
-    low, high = sorted(axis.get_view_interval())
-    decades = np.log10(high / low)
-    if decades < 2.2:
-        axis.set_major_locator(LogLocator(10, subs=(1.0, 2.0, 5.0)))
-        if high < 1e5 and low > 1e-4:
-            axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.6g}"))
-        axis.set_minor_formatter(NullFormatter())
+        log_ticks(bar.ax.yaxis)
 
 
 def _marker_size(kind: int, n_kinds: int) -> float:
@@ -306,13 +309,37 @@ def _marker_size(kind: int, n_kinds: int) -> float:
     return 4.0 if n_kinds == 1 else 6.5 - 2.0 * kind / (n_kinds - 1)
 
 
+def _wrapped(labels: Sequence[str]) -> list[str]:
+    """Labels of a legend, in several lines where they are longer than the figure is wide."""
+    wrapped = []
+    for label in labels:
+        lines = [""]
+        for part in label.split(", "):
+            longer = f"{lines[-1]}, {part}" if lines[-1] else part
+            if lines[-1] and _characters(longer) * CHARACTER > WIDTH:
+                lines[-1] += ","
+                lines.append(part)
+            else:
+                lines[-1] = longer
+        wrapped.append("\n".join(lines))
+    return wrapped
+
+
+def _characters(label: str) -> int:
+    """Of the longest line of an entry, its mark included."""
+    seen = re.sub(r"\\[A-Za-z]+", "x", re.sub(r"\\mathrm|[${}_]", "", label))
+    return max(map(len, seen.split("\n"))) + 5
+
+
 def _legend_columns(labels: Sequence[str]) -> int:
-    longest = max(len(label.replace(r"\mathrm", "").replace("$", "")) for label in labels) + 5
-    return max(1, min(len(labels), 4, int(WIDTH / (longest * _CHARACTER))))
+    return max(1, min(len(labels), 4, int(WIDTH / (max(map(_characters, labels)) * CHARACTER))))
 
 
 def _legend_height(labels: Sequence[str]) -> float:
-    return _LINE * -(-len(labels) // _legend_columns(labels)) if labels else 0.0
+    if not labels:
+        return 0.0
+    lines = -(-len(labels) // _legend_columns(labels))
+    return _LINE * (lines + sum(label.count("\n") for label in labels))
 
 
 def _legend(figure: Figure, labels: Sequence[str], *, coloured: bool, joined: bool) -> None:
@@ -325,11 +352,12 @@ def _legend(figure: Figure, labels: Sequence[str], *, coloured: bool, joined: bo
         handle = mpl.lines.Line2D([], [], color=colour, marker=_MARKERS[n], markersize=size, markeredgecolor="white")
         handle.set(linestyle=line if joined else "none", markeredgewidth=0.3)
         handles.append(handle)
-    if handles:
-        _place_legend(figure, handles, labels)
+    _place_legend(figure, handles, labels)
 
 
 def _place_legend(figure: Figure, handles: list, labels: Sequence[str]) -> None:
+    if not labels:
+        return
     figure.legend(
         handles, labels, loc="outside upper center", ncols=_legend_columns(labels), columnspacing=1.2,
         handletextpad=0.5, labelspacing=0.3, borderaxespad=0.2,

@@ -1,14 +1,14 @@
 """Figures of a scan: what varies against dissipation, plastic zone, peak force and wave speed.
 
 Only points that are done are shown. Points that differ in ``packing.seed`` alone are one: their mean, with its 95 %
-confidence interval as error bar.
+confidence interval as error bar. A quantity that is 0 in all of them, as dissipation without yielding, has no figure.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +28,8 @@ from granwave.lammps_inputs.laws import sphere_contact
 _UNITS_OF_ITS_OWN = ("load.", "run.", "boundary.", "output.", SEED, "packing.size", "packing.kind")
 _TIMES = ("run.", "output.")  # of no physical meaning beside a key that they vary with
 _FEWEST = 2  # points in a figure
+_MOST_SINGLE = 8  # points that are shown though no two belong to a curve
+_NOTHING = 1e-12  # what is shown is about 1 or more, unless it is nothing but rounding
 
 Value = Callable[[PointResult], float]
 
@@ -73,22 +75,23 @@ def draw_scan_figures(scan: str | Path | ScanResult, *, pdf: bool = True) -> lis
     folder = result.directory / FIGURES_DIRECTORY
     written = []
     with style():
-        drawings = _drawings(result)
-        if drawings:
+        found = drawings(result)
+        if found:
             folder.mkdir(exist_ok=True)
-        for name, drawing in drawings.items():
+        for name, drawing in found.items():
             save(drawing, folder / name, pdf=pdf)
             written.append(folder / f"{name}.png")
-    kept = set(drawings)
+    kept = set(found)
     for path in [*folder.glob("*_vs_*"), *folder.glob("collapse_*"), *folder.glob("*_map.*")]:
         if path.suffix in SUFFIXES and path.stem not in kept:
             path.unlink(missing_ok=True)
     return written
 
 
-def _drawings(result: ScanResult) -> dict[str, Drawing]:
+def drawings(result: ScanResult) -> dict[str, Drawing]:
+    """The figures of a scan as it is now, by name."""
     points = result.points
-    labels = {key: [point.labels.get(key) for point in points] for key in result.varied if key != SEED}
+    labels = _physical({key: [point.labels.get(key) for point in points] for key in result.varied if key != SEED})
     free = independent_keys(labels)
     rows = [row for row, point in enumerate(points) if point.status == "done"]
     if len(rows) < _FEWEST or not free:
@@ -96,26 +99,27 @@ def _drawings(result: ScanResult) -> dict[str, Drawing]:
     keys = {name: key_of(name, labels[name]) for name in labels}
     units = _Units(result.varied)
     done = [points[row] for row in rows]
-    quantities = _quantities(units, done)
-    fraction = next(quantity for quantity in quantities if quantity.name == "dissipated_fraction")
-    drawings: dict[str, Drawing | None] = {}
+    quantities = [one for one in _quantities(units, done) if any(abs(one.value(point)) > _NOTHING for point in done)]
+    found: dict[str, Drawing | None] = {}
     for name in _abscissae(keys, free):
         x = keys[name]
         others = _others(keys, free, name)
         for quantity in quantities:
             values = _values(points, rows, quantity.value)
             series = _series(rows, dict(enumerate(x.values)), values, others)
-            drawings[f"{quantity.name}_vs_{_slug(name)}"] = _curves(series, x, others, quantity)
+            joined = all(_is_one_line(curve, x, keys.values()) for curve in _curve_rows(rows, others))
+            found[f"{quantity.name}_vs_{x.slug}"] = _curves(series, x, others, quantity, joined=joined)
     if not any(keys[name].numeric for name in free):
         x, others = keys[free[0]], [keys[name] for name in free[1:]]
         for quantity in quantities:
             values = _values(points, rows, quantity.value)
-            drawings[f"{quantity.name}_vs_{_slug(x.name)}"] = _bars(rows, x, others, values, quantity)
+            found[f"{quantity.name}_vs_{x.slug}"] = _bars(rows, x, others, values, quantity)
     if "load.velocity" in free and any(name.split(".")[0] == "material" for name in free):
-        drawings |= _collapses(points, rows, [keys[name] for name in free if name != "load.velocity"])
-    if len(free) == 2 and all(keys[name].numeric for name in free):
-        drawings["dissipated_fraction_map"] = _map(points, rows, keys[free[0]], keys[free[1]], fraction)
-    return {name: drawing for name, drawing in drawings.items() if drawing is not None}
+        found |= _collapses(points, rows, _others(keys, free, "load.velocity"))
+    fraction = next((quantity for quantity in quantities if quantity.name == "dissipated_fraction"), None)
+    if fraction and len(free) == 2 and all(keys[name].numeric for name in free):
+        found["dissipated_fraction_map"] = _map(points, rows, keys[free[0]], keys[free[1]], fraction)
+    return {name: drawing for name, drawing in found.items() if drawing is not None}
 
 
 def _quantities(units: _Units, done: Sequence[PointResult]) -> list[Quantity]:
@@ -226,6 +230,17 @@ def _values(points: Sequence[PointResult], rows: Sequence[int], value: Value) ->
     return {row: number for row, number in found.items() if math.isfinite(number)}
 
 
+def _physical(labels: dict[str, list[Any]]) -> dict[str, list[Any]]:
+    """Without run times and the like that only follow the other keys."""
+    others = [column for name, column in labels.items() if not name.startswith(_TIMES)]
+    together = list(zip(*others, strict=True))
+    return {
+        name: column
+        for name, column in labels.items()
+        if not name.startswith(_TIMES) or not others or not determines(together, column)
+    }
+
+
 def _abscissae(keys: dict[str, Key], free: Sequence[str]) -> list[str]:
     """Numeric keys that vary on their own, and those that go along with one of them (run times apart)."""
     chosen = []
@@ -238,18 +253,43 @@ def _abscissae(keys: dict[str, Key], free: Sequence[str]) -> list[str]:
 
 
 def _others(keys: dict[str, Key], free: Sequence[str], x: str) -> list[Key]:
-    """The keys that tell the curves over ``x`` apart."""
-    return [keys[name] for name in free if name != x and not determines(keys[x].labels, keys[name].labels)]
+    """The keys that tell the curves over ``x`` apart: all but those that go along with it, a value for a value.
+
+    A key with fewer values sorts the points, even where no abscissa occurs with two of them.
+    """
+    chosen = [keys[name] for name in free if name != x and not determines(keys[x].labels, keys[name].labels)]
+    for key in keys.values():
+        sorts = determines(keys[x].labels, key.labels) and not determines(key.labels, keys[x].labels)
+        told = list(zip(*(other.labels for other in chosen), strict=True))
+        if sorts and len(set(key.labels)) > 1 and not (told and determines(told, key.labels)):
+            chosen.append(key)
+    return chosen
+
+
+def _curve_rows(rows: Sequence[int], others: Sequence[Key]) -> list[list[int]]:
+    """The points of each curve: those of equal labels of ``others``."""
+    curves: dict[tuple[Any, ...], list[int]] = {}
+    for row in rows:
+        curves.setdefault(tuple(key.labels[row] for key in others), []).append(row)
+    return list(curves.values())
+
+
+def _is_one_line(rows: Sequence[int], x: Key, keys: Iterable[Key]) -> bool:
+    """What goes along with the abscissa grows or falls with it, so that a line from point to point means something."""
+    for key in keys:
+        if not key.numeric or not determines([x.labels[row] for row in rows], [key.labels[row] for row in rows]):
+            continue
+        steps = np.diff([value for _, value in sorted({(x.values[row], key.values[row]) for row in rows})])
+        if np.any(steps > 0) and np.any(steps < 0):
+            return False
+    return True
 
 
 def _series(rows: Sequence[int], x: dict[int, float], y: dict[int, float], others: Sequence[Key]) -> list[Series]:
     """Points by curve: those of equal labels of ``others``; points of one abscissa become their mean."""
-    curves: dict[tuple[Any, ...], list[int]] = {}
-    for row in rows:
-        if row in y and row in x:
-            curves.setdefault(tuple(key.labels[row] for key in others), []).append(row)
+    curves = _curve_rows([row for row in rows if row in y and row in x], others)
     series = []
-    for members in sorted(curves.values(), key=lambda members: [_order(key, members[0]) for key in others]):
+    for members in sorted(curves, key=lambda members: [_order(key, members[0]) for key in others]):
         places: dict[float, list[float]] = {}
         for row in members:
             places.setdefault(float(f"{x[row]:.12g}"), []).append(y[row])
@@ -279,10 +319,14 @@ def _enough(series: Sequence[Series]) -> bool:
     return sum(len(curve.x) for curve in series) >= _FEWEST
 
 
-def _curves(series: list[Series], x: Key, others: Sequence[Key], quantity: Quantity) -> Drawing | None:
+def _curves(series: list[Series], x: Key, others: Sequence[Key], quantity: Quantity, *, joined: bool) -> Drawing | None:
+    """None where there are no curves: too few points, or many settings each at one abscissa."""
     if not _enough(series) or len({place for curve in series for place in curve.x.tolist()}) < _FEWEST:
         return None
-    return draw_curves(series, x.title, quantity.title, others, (x.column, quantity.column), scale=x.naming.scale)
+    if len(series) > _MOST_SINGLE and all(len(curve.x) == 1 for curve in series):
+        return None
+    columns = (x.column, quantity.column)
+    return draw_curves(series, x.title, quantity.title, others, columns, scale=x.naming.scale, joined=joined)
 
 
 def _bars(
@@ -323,7 +367,8 @@ def _collapses(points: Sequence[PointResult], rows: Sequence[int], others: Seque
         ),
     ):
         series = _series(rows, x, y, others)
-        drawings[name] = draw_curves(series, *titles, others, columns, joined=False) if _enough(series) else None
+        if _enough(series):
+            drawings[name] = draw_curves(series, *titles, others, columns, joined=False, chosen=False)
     return drawings
 
 
@@ -341,7 +386,3 @@ def _map(points: Sequence[PointResult], rows: Sequence[int], x: Key, y: Key, qua
     for place, found in cells.items():
         table[place] = np.mean(found)
     return draw_map(table, (columns, lines), (x, y), quantity.title, quantity.column)
-
-
-def _slug(key: str) -> str:
-    return key.replace(".", "_")

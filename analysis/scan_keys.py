@@ -8,7 +8,9 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from granwave.analysis.units import unit_of
+from granwave.analysis.number_words import tick
+from granwave.analysis.units import shown_unit, unit_of
+from granwave.analysis.value_words import NONE, told_apart
 
 
 @dataclasses.dataclass(frozen=True)
@@ -24,6 +26,10 @@ class Naming:
 _NAMES: Mapping[str, Naming] = {
     "load.velocity": Naming("Impact velocity", r"$v_0$", "m/s"),
     "load.spheres": Naming("Struck spheres", r"$n_\mathrm{s}$"),
+    "load.angle": Naming("Angle of impact", r"$\theta$", "°"),
+    "load.amplitude": Naming("Amplitude of the load", r"$A$", "N"),
+    "load.duration": Naming("Duration of the load", r"$\tau$", "µs", 1e-6),
+    "load.frequency": Naming("Frequency of the load", r"$f$", "kHz", 1e3),
     "packing.diameter": Naming("Sphere diameter", r"$D$", "mm", 1e-3),
     "packing.kind": Naming("Packing"),
     "packing.diameter_scatter": Naming("Diameter scatter", r"$\Delta D$", "µm", 1e-6),
@@ -35,9 +41,13 @@ _NAMES: Mapping[str, Naming] = {
     "material.yield_strength": Naming("Yield strength", r"$\sigma_\mathrm{y}$", "MPa", 1e6),
     "contact.law": Naming("Contact law"),
     "contact.friction": Naming("Friction coefficient", r"$\mu$"),
+    "contact.initial_overlap": Naming("Dent before the run", unit="µm", scale=1e-6),
     "contact.variant": Naming("Variant"),
     "contact.yield_factor": Naming("Yield factor", r"$C$"),
     "contact.beta": Naming("Residual share", r"$\beta$"),
+    "precompression.kind": Naming("Precompression"),
+    "precompression.pressure": Naming("Static pressure", r"$p_0$", "kPa", 1e3),
+    "precompression.force": Naming("Static force", r"$F_0$", "N"),
     "boundary.bottom": Naming("Bottom"),
     "boundary.sides": Naming("Sides"),
     "boundary.forget_gap": Naming("Forgetting gap / diameter"),
@@ -63,7 +73,7 @@ class Key:
     name
         Dotted.
     values
-        What it is plotted as at each point, in the unit of `naming`; text where it has no numbers.
+        What it is plotted as at each point, in the unit of `naming`; words where it has no numbers.
     labels
         As in the scan, by point.
     """
@@ -90,18 +100,28 @@ class Key:
         unit = unit_of(self.name).replace("^", "").replace("/", "_").replace(" ", "_")
         return f"{self.name}_{unit}" if unit and self.numeric else self.name
 
+    @property
+    def slug(self) -> str:
+        """For the name of a file."""
+        return self.name.replace(".", "_")
+
     def text(self, row: int) -> str:
         """The value of one point, for a legend."""
         value = self.values[row]
         if not _is_number(value):
-            return str(value)
+            return f"{self.naming.words}: {value}" if value == NONE else str(value)
         unit = f" {self.naming.unit}" if self.naming.unit else ""
-        return f"{self.naming.symbol or self.naming.words} = {value:.4g}{unit}"
+        return f"{self.naming.symbol or self.naming.words} = {shown(value)}{unit}"
 
     def tick(self, row: int) -> str:
         """The value of one point, for an axis."""
         value = self.values[row]
-        return f"{value:.4g}" if _is_number(value) else str(value)
+        return shown(value) if _is_number(value) else str(value)
+
+
+def shown(value: float) -> str:
+    """A number of an axis or a legend: four digits."""
+    return tick(float(f"{value:.4g}"))
 
 
 def key_of(name: str, labels: Sequence[Any]) -> Key:
@@ -110,8 +130,12 @@ def key_of(name: str, labels: Sequence[Any]) -> Key:
     if name == "packing.size" and (sizes := _sizes(labels)):
         return Key(name, *_size(sizes), tuple(labels))
     if naming is None:
-        naming = Naming(name, unit=unit_of(name))
-    values = tuple(float(f"{label / naming.scale:.12g}") if _is_number(label) else _plain(label) for label in labels)
+        naming = Naming(name, unit=shown_unit(name))
+    words = told_apart(labels)
+    values = tuple(
+        float(f"{label / naming.scale:.12g}") if _is_number(label) else text
+        for label, text in zip(labels, words, strict=True)
+    )
     return Key(name, naming, values, tuple(labels))
 
 
@@ -137,10 +161,6 @@ def _sizes(labels: Sequence[Any]) -> list[tuple[int, ...]]:
             return []
         found.append(tuple(counts))
     return found
-
-
-def _plain(label: Any) -> str:
-    return str(label).lower() if isinstance(label, bool) else str(label)
 
 
 def _is_number(value: Any) -> bool:

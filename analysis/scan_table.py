@@ -31,7 +31,6 @@ if TYPE_CHECKING:
 
 SCAN_TABLE, SCAN_MEANS, SCAN_DATA = "scan.csv", "scan_mean.csv", "scan.h5"
 MEAN_GROUP = "mean"
-STATE_COLUMNS = ("status", "reason", "directory", "attempts")
 MEAN, DEVIATION, CONFIDENCE, COUNT = ".mean", ".std", ".ci95", "n"
 
 _INT64 = range(-(2**63), 2**63)

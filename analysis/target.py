@@ -9,6 +9,7 @@ part of what the impact brings.
 from __future__ import annotations
 
 import dataclasses
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,6 +21,7 @@ from granwave.lammps_inputs.assembly import BAR
 
 if TYPE_CHECKING:
     from granwave.analysis.result import Result
+    from granwave.lammps_inputs.supports import Plate
 
 ARRIVED = 0.01  # of the largest force that the impact brings to the bottom
 _NOISE = 1e-6  # of the force from before the impact: how exact a static stage is
@@ -87,6 +89,11 @@ def reached(result: Result) -> Reached | None:
     if ground is None and name != BAR:
         ground = force
     return Reached(time, force, ground, None if moved is None else moved - moved[0])
+
+
+def period_of(plate: Plate) -> float:
+    """Of a plate on its spring, undamped, s."""
+    return 2 * math.pi * math.sqrt(plate.mass / plate.stiffness)
 
 
 def protection(result: Result) -> dict[str, Any]:

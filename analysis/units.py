@@ -3,19 +3,30 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Mapping
 
 from granwave.analysis.continuum.case import Block, ContinuumRun, Punch
 from granwave.lammps_inputs.case import unit_of as granular_unit_of
+from granwave.lammps_inputs.supports import HalfSpace, Plate, SupportBar
 
 _CONTINUUM: dict[str, type] = {"block": Block, "punch": Punch, "run": ContinuumRun}
+_BOTTOM = "boundary.bottom."
+_SUPPORTS: dict[str, type] = {"plate": Plate, "half_space": HalfSpace, "bar": SupportBar}
 
 
 def unit_of(key: str) -> str:
     """Unit of a dotted key, such as ``load.velocity`` or ``punch.mass``; empty where it has none."""
-    return granular_unit_of(key) or _continuum_unit_of(key)
+    if key.startswith(_BOTTOM):
+        return _unit_in(_SUPPORTS, key.removeprefix(_BOTTOM)) or granular_unit_of(key)
+    return granular_unit_of(key) or _unit_in(_CONTINUUM, key)
 
 
-def _continuum_unit_of(key: str) -> str:
+def shown_unit(key: str) -> str:
+    """The unit as people write it: kg/m³."""
+    return unit_of(key).replace("^2", "²").replace("^3", "³")
+
+
+def _unit_in(tables: Mapping[str, type], key: str) -> str:
     table, _, name = key.partition(".")
-    fields = {field.name: field for field in dataclasses.fields(_CONTINUUM[table])} if table in _CONTINUUM else {}
-    return (fields[name].metadata["unit"] or "") if name in fields else ""
+    fields = {field.name: field for field in dataclasses.fields(tables[table])} if table in tables else {}
+    return (fields[name].metadata.get("unit") or "") if name in fields else ""

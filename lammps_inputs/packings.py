@@ -50,11 +50,6 @@ class Packing:
         return self.assembly.lattice
 
     @property
-    def n_layers(self) -> int:
-        """Layers along the impact direction."""
-        return self.lattice.shape[2]
-
-    @property
     def positions(self) -> NDArray[np.float64]:
         """Centres by id: (n_spheres, 3), m."""
         return self.atoms.positions

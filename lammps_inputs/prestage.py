@@ -40,8 +40,9 @@ LARGEST_MOVE = 0.1  # diameters, of any sphere, beyond what contacts take up: on
 
 _SPHERES = "static_spheres"  # the group of those that move
 _TOLERANCE = 1e-9  # of the force of a contact: net force on a sphere at which the search ends
-_TOLERANCE_OF_DISORDER = 2e-7  # where it takes tens of thousands of iterations
-_FIRST_HALF = 50.0  # how much looser the search is there, if there is disorder
+# With disorder the search takes tens of thousands of iterations, and few contacts bear many times the mean force:
+_TOLERANCE_OF_DISORDER = 3e-7  # of the largest force of a contact, found in the first half
+_FIRST_HALF = 1e-5  # of the mean force, in the first half
 _ROUNDING = 8.0  # net force by rounding: in units of stiffness times the last digit of a coordinate
 _STEP = 0.03  # of sqrt(mass/stiffness), at the start; FIRE makes it up to ten times longer
 _LONGEST_MOVE = 0.5  # of the overlap of a contact, of a sphere in one iteration
@@ -108,10 +109,14 @@ def first_half(case: Case) -> list[str]:
         f"variable        static_most equal {num(largest_move(case))}",
         "fix             static_halt all halt 100 v_static_moved > ${static_most} error continue",
         f"timestep        {num(_STEP * math.sqrt(mass / static_stiffness(case)))}",
+        "compute         static_sphere all gran/hysteretic/atom",
+        "compute         static_largest all reduce max c_static_sphere[1]",
         "thermo          1000",
+        "thermo_style    custom step c_static_largest",
         "min_style       fire",
         f"min_modify      norm inf dmax {num(_LONGEST_MOVE * 1.5 * force_of_contact(case) / static_stiffness(case))}",
         _minimize(case, first=True),
+        "variable        static_force equal $(c_static_largest:%.17g)",
         *(f"unfix           {name}" for name in names),
         "gran/dents      begin",
         *pair_coefficients(case),
@@ -128,8 +133,6 @@ def second_half(case: Case) -> list[str]:
         "# Once more, with the law of the case; then the state is recorded, and the run begins at time 0.",
         *_relief(case, again=True),
         "compute         static all gran/hysteretic/energy",
-        "compute         static_sphere all gran/hysteretic/atom",
-        "compute         static_largest all reduce max c_static_sphere[1]",
         "compute         static_borne all reduce sum c_static_sphere[6]",
         "variable        static_net atom sqrt(fx^2+fy^2+fz^2)",
         f"compute         static_net {_SPHERES} reduce max v_static_net",
@@ -202,11 +205,25 @@ def _stored(case: Case) -> list[str]:
     return ["c_static", *(f"f_{name}[4]" for name in planes), *([f"f_{support}[12]"] if support else [])]
 
 
-def _minimize(case: Case, *, first: bool = False) -> str:
-    """Until no net force exceeds a small part of the forces of contacts, or what rounding makes of them."""
+def _disordered(case: Case) -> bool:
+    return bool(case.packing.diameter_scatter or case.packing.vacancies)
+
+
+def _rounding(case: Case) -> float:
+    """What rounding of the coordinates makes of a net force, N."""
     span = float(np.abs(case.assembly.bounds()).max())
-    rounding = _ROUNDING * static_stiffness(case) * np.finfo(float).eps * span
-    disorder = case.packing.diameter_scatter or case.packing.vacancies
-    part = _TOLERANCE_OF_DISORDER * (_FIRST_HALF if first else 1.0) if disorder else _TOLERANCE
-    least = part * force_of_contact(case) + rounding
-    return f"minimize        0.0 {num(float(f'{least:.3g}'))} {_MOST_ITERATIONS} {2 * _MOST_ITERATIONS}"
+    return float(_ROUNDING * static_stiffness(case) * np.finfo(float).eps * span)
+
+
+def _least_net_force(case: Case, *, first: bool = False) -> str:
+    """The net force on a sphere at which the search ends, N: a small part of the forces of contacts, or rounding."""
+    rounding, mean = _rounding(case), force_of_contact(case)
+    if not _disordered(case) or first:
+        part = _FIRST_HALF if _disordered(case) else _TOLERANCE
+        return num(float(f"{part * mean + rounding:.3g}"))
+    largest = f"(v_static_force+(v_static_force==0)*{num(mean)})"
+    return f"$({num(_TOLERANCE_OF_DISORDER)}*{largest}+{num(float(f'{rounding:.3g}'))})"
+
+
+def _minimize(case: Case, *, first: bool = False) -> str:
+    return f"minimize        0.0 {_least_net_force(case, first=first)} {_MOST_ITERATIONS} {2 * _MOST_ITERATIONS}"

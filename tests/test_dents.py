@@ -5,79 +5,46 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from granwave._contact_laws import ContactLaw
 from tests.conftest import script_of
-from tests.test_friction import rubbing
-from tests.test_pair_style import PAIR, R, restitution, value
-
-LAW = ContactLaw(youngs_modulus=(115e9, 115e9), poisson_ratio=(0.3, 0.3), yield_strength=(550e6, 550e6), radius=(R, R))
-REPORTS = """compute one all gran/hysteretic/contact 1 2
-compute dents all gran/hysteretic/local
-compute grains all gran/hysteretic/atom
-compute en all gran/hysteretic/energy
-thermo_style custom step c_ke c_en c_en[*] c_one[1]
-"""
-
-
-def start(lmp, speed=2.0, before="", **options) -> None:
-    velocities = [(0, 0, speed / 2), (0, 0, -speed / 2)]
-    lmp.commands_string(script_of(PAIR, velocities=velocities, extra=REPORTS + before, **options))
-
-
-def dents_file(tmp_path, text: str):
-    path = tmp_path / "dents.txt"
-    path.write_text(text)
-    return path
-
-
-def table(lmp) -> np.ndarray:
-    found = lmp.numpy.extract_compute("dents", 2, 2)
-    return np.empty((0, 16)) if found is None else found.copy()
+from tests.dented import MASS, REPORTS, meeting_in, reading, refuses, start, table
+from tests.rubbing import rubbing
+from tests.test_pair_style import LAW, PAIR, R, restitution, value
 
 
 @pytest.mark.parametrize("ids", ["1 2", "2 1"])
 def test_a_deep_dent_makes_a_collision_elastic(lammps, tmp_path, ids):
     """The first collision meets the dent that a harder one would have left: it rides its unloading branch."""
     dent = 80 * LAW.yield_overlap
-    path = dents_file(tmp_path, f"# id id peak\n\n{ids} {dent:.17g}   # of an earlier run\n")
     lmp = lammps()
-    start(lmp, speed=0.5, before=f"gran/dents read {path}\n")
+    start(lmp, speed=0.5, extra=reading(tmp_path, f"# id id peak\n\n{ids} {dent:.17g}   # of an earlier run\n"))
     assert value(lmp, "c_en[1]") == 0 and value(lmp, "c_en[5]") == 0
-    rest = LAW.residual_overlap(dent)
-    lmp.commands_string(f"displace_atoms all move 0 0 0\nset atom 2 z {2 * R - rest:.17g}\nrun 20000")
+    lmp.commands_string(f"{meeting_in(dent)}\nrun 20000")
     assert restitution(lmp, 0.5) == pytest.approx(1.0, abs=1e-6)
     row = table(lmp)[0]
     assert row[4] == row[15] == dent
     assert value(lmp, "c_en[1]") == value(lmp, "c_en[2]") == row[7] == 0
     assert row[10] == -1 and 0 <= row[8] < row[9]
     # the largest force of the run is that where the kinetic energy was stored, far below that of the dent
-    mass = 8500 * 4 / 3 * np.pi * R**3
-    overlaps = np.linspace(rest, dent, 20001)
+    overlaps = np.linspace(LAW.residual_overlap(dent), dent, 20001)
     stored = LAW.elastic_energy(overlaps, np.full_like(overlaps, dent))
-    reached = np.interp(0.25 * mass * 0.25, stored, overlaps)
+    reached = np.interp(0.25 * MASS * 0.25, stored, overlaps)
     assert row[5] == pytest.approx(LAW.force(reached, dent), rel=1e-3) == pytest.approx(value(lmp, "c_en[5]"), rel=1e-3)
     assert row[5] < 0.5 * LAW.loading_force(dent)
-    assert value(lmp, "c_ke") == pytest.approx(0.25 * mass * 0.25, rel=1e-6)
+    assert value(lmp, "c_ke") == pytest.approx(0.25 * MASS * 0.25, rel=1e-6)
 
 
 def test_what_is_lost_beyond_a_dent(lammps, tmp_path):
     """A collision that goes deeper: dissipated is e(peak) - e(initial), and energy balances with it."""
     dent = 20 * LAW.yield_overlap
-    path = dents_file(tmp_path, f"1 2 {dent:.17g}\n")
     lmp = lammps()
-    start(
-        lmp,
-        speed=4.0,
-        before=f"gran/dents read {path}\nset atom 2 z {2 * R - LAW.residual_overlap(dent):.17g}\nrun 20000\n",
-    )
+    start(lmp, speed=4.0, extra=f"{reading(tmp_path, f'1 2 {dent:.17g}')}\n{meeting_in(dent)}\nrun 20000")
     row = table(lmp)[0]
     assert row[4] > 1.2 * dent and row[15] == dent
     assert row[7] == pytest.approx(LAW.dissipated_energy(row[4]) - LAW.dissipated_energy(dent), rel=1e-12)
     assert value(lmp, "c_en[1]") == pytest.approx(row[7], rel=1e-12) and value(lmp, "c_en[2]") == 1
     assert row[5] == pytest.approx(LAW.loading_force(row[4]), rel=1e-12)
     assert 0 <= row[8] < row[10] <= row[9]
-    mass = 8500 * 4 / 3 * np.pi * R**3
-    assert value(lmp, "c_ke+c_en+c_en[1]") == pytest.approx(0.25 * mass * 16, rel=1e-6)
+    assert value(lmp, "c_ke+c_en+c_en[1]") == pytest.approx(0.25 * MASS * 16, rel=1e-6)
     grains = lmp.numpy.extract_compute("grains", 1, 2)[:2]
     assert grains[:, 3].sum() == pytest.approx(row[7], rel=1e-12) and grains[:, 4].tolist() == [1, 1]
 
@@ -164,13 +131,8 @@ def test_relaxed_under_pressure_then_begun(lammps):
 
 def test_preconditioned_contacts_survive_restart(lammps, tmp_path):
     dent = 20 * LAW.yield_overlap
-    path = dents_file(tmp_path, f"1 2 {dent:.17g}\n")
     lmp = lammps()
-    start(
-        lmp,
-        speed=4.0,
-        before=f"gran/dents read {path}\nset atom 2 z {2 * R - LAW.residual_overlap(dent):.17g}\nrun 500\n",
-    )
+    start(lmp, speed=4.0, extra=f"{reading(tmp_path, f'1 2 {dent:.17g}')}\n{meeting_in(dent)}\nrun 500")
     lmp.command(f"write_restart {tmp_path}/a.restart")
     lmp.command("run 5000")
     again = lammps()
@@ -187,10 +149,10 @@ def test_two_ranks_take_the_same_dents(lmp, tmp_path):
     n = 12
     places = [(2 * R * k, 0, 0) for k in range(n)]
     dents = "".join(f"{k + 1} {k} {(20 + k) * LAW.yield_overlap:.17g}\n" for k in range(2, n, 2))
-    path = dents_file(tmp_path, dents + f"end {n} {30 * LAW.yield_overlap:.17g}\n")
+    read = reading(tmp_path, dents + f"end {n} {30 * LAW.yield_overlap:.17g}\n")
     for ranks in (1, 2):
         wall = f"fix end all wall/gran/hysteretic xplane NULL {(2 * n - 1) * R:.17g} elastoplastic 115e9 0.3 550e6\n"
-        text = script_of(places, velocities=[(3.0, 0, 0)], extra=wall + REPORTS + f"gran/dents read {path}\nrun 3000\n")
+        text = script_of(places, velocities=[(3.0, 0, 0)], extra=wall + REPORTS + f"{read}\nrun 3000\n")
         text += "gran/dents begin\nset atom 1 vx 6.0\nrun 6000\n"
         text += f"variable lost equal c_en[1]\nprint 'lost $(v_lost:%.12g)' file {tmp_path}/lost.{ranks}\n"
         text += f"write_dump all custom {tmp_path}/{ranks}.dump id x vx f_end[*] modify sort id format float %.17g\n"
@@ -205,7 +167,7 @@ def test_two_ranks_take_the_same_dents(lmp, tmp_path):
 def test_nothing_is_preconditioned_by_an_empty_file(lammps, tmp_path):
     plain, read = lammps(), lammps()
     start(plain)
-    start(read, before=f"gran/dents read {dents_file(tmp_path, '# none')}\n")
+    start(read, extra=reading(tmp_path, "# none"))
     for lmp in (plain, read):
         lmp.command("run 20000")
     assert value(read, "vz[1]") == value(plain, "vz[1]")
@@ -233,18 +195,15 @@ def test_nothing_is_preconditioned_by_an_empty_file(lammps, tmp_path):
 )
 def test_wrong_lines_get_one_message(lammps, tmp_path, text, message):
     lmp = lammps()
-    start(lmp, before="fix top all wall/gran/hysteretic zplane NULL 0.02 hertz 1e9 0.3\n")
-    with pytest.raises(Exception, match=message):
-        lmp.command(f"gran/dents read {dents_file(tmp_path, text)}")
+    start(lmp, extra="fix top all wall/gran/hysteretic zplane NULL 0.02 hertz 1e9 0.3\n")
+    refuses(lmp, reading(tmp_path, text), message)
 
 
 def test_spheres_too_far_apart_keep_no_dent(lammps, tmp_path):
     lmp = lammps()
     lmp.commands_string(script_of([(0, 0, 0), (0, 0, 3 * R)]))
-    with pytest.raises(
-        Exception, match="spheres 1 and 2 are further apart than the gap beyond which a dent is forgotten"
-    ):
-        lmp.command(f"gran/dents read {dents_file(tmp_path, '1 2 1e-6')}")
+    message = "spheres 1 and 2 are further apart than the gap beyond which a dent is forgotten"
+    refuses(lmp, reading(tmp_path, "1 2 1e-6"), message)
 
 
 @pytest.mark.parametrize(

@@ -16,26 +16,8 @@ from granwave.lammps_inputs.deck import write_deck
 from granwave.lammps_inputs.dents import contacts_at_start, dents_table
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.laws import pair_contact, sphere_contact
-from granwave.workflows.balance import TOLERANCE
 from granwave.workflows.driver import run_case
-
-D = 0.01
-
-
-def make(kind: str = "fcc", size: Any = (5, 5, 3), *, contact: Any = None, **sections: Any) -> Case:
-    packing = {"kind": kind, "size": list(size) if isinstance(size, tuple) else size, "diameter": D}
-    packing |= sections.pop("packing", {})
-    sections.setdefault("run", {"end_time": 1e-4})
-    return Case.from_dict(
-        {"name": "dented", "packing": packing, "material": "brass", "contact": contact or {}, **sections}
-    )
-
-
-def ran(case: Case, directory: Path, **options: Any) -> dict[str, Any]:
-    outcome = run_case(case, directory, figures=False, **options)
-    assert outcome.state == "finished"
-    assert outcome.summary["energy_balance_error"] < TOLERANCE
-    return outcome.summary
+from tests.dented import case_of, ran
 
 
 def dents(text: str) -> dict[tuple[str, int], float]:
@@ -45,7 +27,7 @@ def dents(text: str) -> dict[tuple[str, int], float]:
 
 class TestTable:
     def test_a_value_is_for_all_that_touch(self) -> None:
-        case = make(contact={"initial_overlap": 5e-6})
+        case = case_of(contact={"initial_overlap": 5e-6})
         found = dents(dents_table(case))
         between = {(str(i), j) for i, j in case.assembly.contacts().tolist()}
         on_floor = {("bottom", sphere) for sphere in range(51, 76)}
@@ -53,11 +35,15 @@ class TestTable:
         assert set(found.values()) == {5e-6}
 
     def test_the_other_side_of_a_periodic_packing(self) -> None:
-        case = make(size=(4, 4, 3), contact={"initial_overlap": 5e-6}, boundary={"sides": "periodic", "bottom": "free"})
+        case = case_of(
+            size=(4, 4, 3), contact={"initial_overlap": 5e-6}, boundary={"sides": "periodic", "bottom": "free"}
+        )
         assert len(dents(dents_table(case))) == case.assembly.n_contacts
 
     def test_of_a_force(self) -> None:
-        case = make("chain", 4, contact={"initial_overlap": {"force": 300.0}}, replace=[{"index": 2, "diameter": 0.02}])
+        case = case_of(
+            "chain", 4, contact={"initial_overlap": {"force": 300.0}}, replace=[{"index": 2, "diameter": 0.02}]
+        )
         found = dents(dents_table(case))
         for pair in ((1, 2), (3, 4)):
             law = pair_contact(case, *pair)
@@ -70,47 +56,47 @@ class TestTable:
             {"overlap": 5e-6, "high": [1, 1, 1.4e-2]},
             {"overlap": 9e-6, "low": [-1, -1, 0], "high": [1, 1, 9e-3]},
         ]
-        found = dents(dents_table(make("chain", 4, contact={"initial_overlap": regions})))
+        found = dents(dents_table(case_of("chain", 4, contact={"initial_overlap": regions})))
         assert found == {("1", 2): 9e-6}  # at z = 5, 15, 25 and, with the wall, 35 mm
         regions = [{"overlap": 5e-6, "high": [1, 1, 1.6e-2]}, {"overlap": 0.0, "high": [1, 1, 9e-3]}]
-        case = make("chain", 4, contact={"initial_overlap": regions})
+        case = case_of("chain", 4, contact={"initial_overlap": regions})
         assert dents(dents_table(case)) == {("2", 3): 5e-6}
         assert Case.from_dict(tomllib.loads(case.to_toml())) == case
 
     def test_scattered_spheres_that_do_not_touch_have_dents_too(self) -> None:
-        case = make(packing={"diameter_scatter": 5e-6, "vacancies": [19]}, contact={"initial_overlap": 5e-6})
+        case = case_of(packing={"diameter_scatter": 5e-6, "vacancies": [19]}, contact={"initial_overlap": 5e-6})
         found = dents(dents_table(case))
         assert len(found) == case.assembly.n_neighbours + 25
         assert not any(first == "19" or second == 19 for first, second in found)
 
     def test_what_never_yields_has_none(self) -> None:
-        case = make("chain", 3, contact={"initial_overlap": 5e-6}, replace=[{"index": 2, "material": "steel"}],
+        case = case_of("chain", 3, contact={"initial_overlap": 5e-6}, replace=[{"index": 2, "material": "steel"}],
                     pair=[{"materials": ["brass", "steel"], "law": "hertz"}])  # fmt: skip
         assert set(dents(dents_table(case))) == {("bottom", 3)}
-        assert not dents(dents_table(make("chain", 3, contact={"initial_overlap": 5e-7})))  # below first yield
+        assert not dents(dents_table(case_of("chain", 3, contact={"initial_overlap": 5e-7})))  # below first yield
 
     def test_faces_of_bars(self) -> None:
-        case = make("chain", 2, contact={"initial_overlap": 5e-6}, bar={"length": 0.1, "area": 1e-4, "elements": 10})
+        case = case_of("chain", 2, contact={"initial_overlap": 5e-6}, bar={"length": 0.1, "area": 1e-4, "elements": 10})
         assert set(dents(dents_table(case))) == {("1", 2), ("3", 2)}
         assert [meetings.place[0, 2] for meetings in contacts_at_start(case)] == pytest.approx([0.005, 0.015])
 
 
 class TestRuns:
     def test_elastic_up_to_the_force_that_was_chosen(self, tmp_path: Path) -> None:
-        plain = ran(make(), tmp_path / "plain")
+        plain = ran(case_of(), tmp_path / "plain")
         assert plain["n_plastic_contacts"] > 0
-        hard = make(contact={"initial_overlap": {"force": 2000.0}}, load={"velocity": 2.0})
+        hard = case_of(contact={"initial_overlap": {"force": 2000.0}}, load={"velocity": 2.0})
         summary = ran(hard, tmp_path / "hard")
         assert 5.6 < summary["peak_force_N"] < 2000
         assert summary["n_plastic_contacts"] == 0
         assert summary["energy_dissipated_J"] == pytest.approx(0.0, abs=1e-12)
-        harder = make(contact={"initial_overlap": {"force": 200.0}}, load={"velocity": 5.0})
+        harder = case_of(contact={"initial_overlap": {"force": 200.0}}, load={"velocity": 5.0})
         assert 0 < ran(harder, tmp_path / "harder")["n_plastic_contacts"] < plain["n_plastic_contacts"]
 
     def test_hit_twice(self, tmp_path: Path) -> None:
         """The second impact finds the dents of the first, those on the wall too, and loses less."""
-        first = ran(make(), tmp_path / "first")
-        case = make(contact={"initial_overlap": str(tmp_path / "first")})
+        first = ran(case_of(), tmp_path / "first")
+        case = case_of(contact={"initial_overlap": str(tmp_path / "first")})
         second = ran(case, tmp_path / "second")
         assert second["energy_dissipated_J"] < 0.9 * first["energy_dissipated_J"]
         with h5py.File(tmp_path / "first" / "result.h5") as one, h5py.File(tmp_path / "second" / "result.h5") as two:
@@ -123,7 +109,7 @@ class TestRuns:
         assert ran(case, tmp_path / "second", resume=True) == second
 
     def test_with_precompression(self, tmp_path: Path) -> None:
-        case = make(contact={"initial_overlap": {"force": 100.0}}, load={"velocity": 0.1},
+        case = case_of(contact={"initial_overlap": {"force": 100.0}}, load={"velocity": 0.1},
                     precompression={"kind": "uniform", "pressure": 5e5})  # fmt: skip
         summary = ran(case, tmp_path / "r")
         assert summary["n_plastic_contacts"] == 0
@@ -143,20 +129,20 @@ class TestRefused:
     )  # fmt: skip
     def test_values(self, contact: dict, message: str) -> None:
         with pytest.raises(InputError, match=message) as refused:
-            make(contact=contact)
+            case_of(contact=contact)
         assert len(refused.value.faults) == 1
 
     def test_results(self, tmp_path: Path) -> None:
         with pytest.raises(InputError, match=r"initial_overlap: .*none.h5: there is no such file"):
-            write_deck(make(contact={"initial_overlap": str(tmp_path / "none.h5")}), tmp_path / "deck")
+            write_deck(case_of(contact={"initial_overlap": str(tmp_path / "none.h5")}), tmp_path / "deck")
         (tmp_path / "text.h5").write_text("none")
         with pytest.raises(InputError, match=r"text.h5: is not the result.h5 of a run"):
-            write_deck(make(contact={"initial_overlap": str(tmp_path / "text.h5")}), tmp_path / "deck")
+            write_deck(case_of(contact={"initial_overlap": str(tmp_path / "text.h5")}), tmp_path / "deck")
         assert not (tmp_path / "deck").exists()
 
     def test_another_packing(self, tmp_path: Path) -> None:
         short = {"end_time": 1e-6}
-        ran(make("chain", 4, run=short), tmp_path / "r")
+        ran(case_of("chain", 4, run=short), tmp_path / "r")
         given = {"initial_overlap": str(tmp_path / "r")}
         for size, packing, message in (
             (5, {}, "found 4 spheres, expected 5"),
@@ -164,12 +150,12 @@ class TestRefused:
             (4, {"diameter_scatter": 1e-6}, r"with a diameter off by"),
         ):
             with pytest.raises(InputError, match=f"is of another packing: .*{message}"):
-                dents_table(make("chain", size, contact=given, packing=packing))
+                dents_table(case_of("chain", size, contact=given, packing=packing))
 
     def test_nothing_is_overwritten(self, tmp_path: Path) -> None:
-        ran(make("chain", 4, run={"end_time": 1e-6}), tmp_path / "r")
+        ran(case_of("chain", 4, run={"end_time": 1e-6}), tmp_path / "r")
         with pytest.raises(InputError, match="no such file"):
-            run_case(make("chain", 4, contact={"initial_overlap": "/no/such.h5"}), tmp_path / "r", force=True)
+            run_case(case_of("chain", 4, contact={"initial_overlap": "/no/such.h5"}), tmp_path / "r", force=True)
         assert (tmp_path / "r" / "summary.json").exists()
 
 

@@ -183,6 +183,19 @@ def test_impact_on_top_of_pressure(tmp_path: Path) -> None:
     assert 0.5 < under.dissipated < 0.95
     assert under.arrival < without.arrival
     assert under.summary["energy_balance_error"] < 1e-5
+    assert study.text.startswith("FCC packing of 6 x 6 x 4 brass spheres of 10 mm, free sides, elasto-plastic contacts")
+    assert "More than 100 %" not in study.text + study.verdict[0]
+
+
+def test_more_than_the_input_is_dissipated(tmp_path: Path) -> None:
+    """A weak impact on contacts that are near yield lets the packing sink under its load; the study says so."""
+    changes = {"packing.size": [5, 5, 3], "run.end_time": 2e-4, "load.velocity": 0.2, "precompression.kind": "uniform"}
+    runs = [run(tmp_path / f"{p:g}", "fcc-small", changes | {"precompression.pressure": p}) for p in (1e4, 1.4e5)]
+    assert runs[1].dissipated > 1 > runs[0].dissipated
+    assert runs[1].summary["energy_elastic_J"] < 0 and runs[1].summary["energy_balance_error"] < 1e-5
+    with style():
+        (study,) = precompressed_impacts(runs)
+    assert "More than 100 %" in study.text and "More than 100 %" in study.verdict[0]
 
 
 # ---------------------------------------------------------------------- settled

@@ -167,7 +167,7 @@ def test_replicates_have_mean_and_confidence(tmp_path):
     write_json(scan / "scan.json", index)
     rows = table(build([scan], tmp_path), "results", "Scan scan: mean and 95 % confidence interval")
     assert [row["Replicates"].text for row in rows] == ["3", "3"]
-    assert rows[0]["Dissipated fraction"].text == "0.7 ± 0.25"  # 4.303 x 0.1 / sqrt 3
+    assert rows[0]["Dissipated fraction"].text == "0.70 ± 0.25"  # 4.303 x 0.1 / sqrt 3
 
 
 def test_versions_common_once_and_differences_by_run(tmp_path):

@@ -5,10 +5,11 @@ from __future__ import annotations
 import shutil
 
 import pytest
+from PIL import Image
 
 from granwave.analysis.reports.report import write_report
 from tests.chromium import Browser
-from tests.synthetic_report import nasty_inputs, write_inputs
+from tests.synthetic_report import nasty_inputs, write_inputs, write_run
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no chromium on this machine (Debian: apt install chromium)")
@@ -52,6 +53,26 @@ def test_in_a_browser(runs, tmp_path):
         assert browser.complaints() == []
         asked = {url for url in browser.requests() if not url.startswith("data:")}
         assert asked == {(tmp_path / "report.html").as_uri()}
+
+
+@pytest.mark.parametrize("alone", [True, False])
+def test_a_wide_figure_has_the_whole_row(tmp_path, alone):
+    """Drawn for two columns: with letters as large as the page's, alone in its gallery or not; others share a row."""
+    run = write_run(tmp_path / "run", figures=False)
+    (run / "figures").mkdir()
+    sizes = {"wave_front": (2100, 1300)} | ({} if alone else {"energies": (1020, 1080), "probes": (1020, 700)})
+    for name, size in sizes.items():
+        Image.new("RGB", size, "white").save(run / "figures" / f"{name}.png", dpi=(300, 300))
+    write_report([run], tmp_path / "report.html")
+    with Browser(CHROMIUM, tmp_path / "profile") as browser:
+        browser.open((tmp_path / "report.html").as_uri(), 1200)
+        gallery = browser.evaluate("document.querySelector('.gallery').clientWidth")
+        width = "document.querySelector('img[alt^=\"{}\"]').clientWidth"
+        assert browser.evaluate(width.format("Wave front")) > 0.9 * gallery
+        if not alone:
+            assert browser.evaluate(width.format("Energies")) < 0.5 * gallery
+            tops = "[...document.querySelectorAll('figure')].map((f) => f.offsetTop)"
+            assert len(set(browser.evaluate(tops))) == 2
 
 
 def test_the_browser_test_would_notice(tmp_path):

@@ -282,7 +282,6 @@ def test_figures_that_make_no_sense_any_more_go(tmp_path):
     (folder / "plastic_spheres_vs_load_velocity.png").touch()
     (folder / "own.png").touch()
     assert stems(draw_scan_figures(tmp_path, pdf=False)) == {
-        "dissipated_fraction_vs_load_velocity",
         "peak_force_vs_load_velocity",
         "wave_speed_vs_load_velocity",
     }

@@ -168,7 +168,7 @@ def test_real_packings(tmp_path: Path) -> None:
         run_case(load_case("fcc-small", changes), tmp_path / name, figures=False)
     inputs = read_inputs([tmp_path / name for name in ("d", "b", "ideal", "a", "c")], tmp_path)
     (study,) = studies_of(inputs)
-    assert "FCC packing of 6 x 6 x 4 spheres of 10 mm, brass, 5 m/s" in study.title
+    assert "FCC packing of 6 x 6 x 4 brass spheres of 10 mm, elasto-plastic contacts, 5 m/s, rigid wall" in study.title
     (found,) = [part for part in study.tables if part.caption == TABLE]
     heads = [column.heading for column in found.columns]
     rows = [dict(zip(heads, row, strict=True)) for row in found.rows]

@@ -10,8 +10,9 @@ from pathlib import Path
 
 import numpy as np
 
+from granwave.analysis.case_words import packing_words
 from granwave.analysis.figure_style import BLUE, GREEN, Drawing, new_figure
-from granwave.analysis.prestress.runs import PastRun, values_table, words_of
+from granwave.analysis.prestress.runs import PastRun, freed_words, values_table
 from granwave.analysis.study import Picture, Study
 
 
@@ -70,8 +71,9 @@ def _study(series: list[PastRun], number: int) -> Study:
     first, last = series[0], series[-1]
     return Study(
         name,
-        f"Hit {len(series)} times: {words_of(case)}",
-        "Each run starts with the spheres in their first places and with the dents that the run before left.",
+        f"Hit {len(series)} times: {packing_words(case)}",
+        "Each run starts with the spheres in their first places and with the dents that the run before left."
+        + freed_words(series),
         pictures=(
             Picture(name.replace("-", "_"), "Dissipation and transmitted force by number of the hit", _draw(columns)),
         ),
@@ -79,7 +81,7 @@ def _study(series: list[PastRun], number: int) -> Study:
         verdict=(
             f"Hit {len(series)} times, the packing dissipates {100 * last.dissipated:.3g} % of the last impact "
             f"({100 * first.dissipated:.3g} % of the first) and hands on {last.transmitted:.4g} N "
-            f"({first.transmitted:.4g} N).",
+            f"({first.transmitted:.4g} N)." + freed_words((first, last)),
         ),
     )
 

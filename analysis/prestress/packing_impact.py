@@ -6,9 +6,10 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from granwave.analysis.case_words import contact_words, load_words, packing_words
 from granwave.analysis.figure_style import BLUE, GREEN, GREY, Drawing, new_figure
 from granwave.analysis.prestress import packing_speed
-from granwave.analysis.prestress.runs import PastRun, groups, rising, values_table, words_of
+from granwave.analysis.prestress.runs import PastRun, freed_words, groups, rising, values_table
 from granwave.analysis.study import Picture, Study
 
 _FEWEST = 2  # runs, one of them precompressed
@@ -63,8 +64,8 @@ def _study(series: list[PastRun], kind: str, number: int) -> Study:
     name = f"precompressed-impact-{number}"
     of_sides = {"free": "free", "periodic": "periodic", "wall": "walled"}[first.boundary.sides]
     text = (
-        f"An impact at {first.load.velocity:g} m/s on {words_of(first)}, {of_sides} sides, {first.contact.law} "
-        f"contacts, under {kind} static pressure, which stays on. What the static load made yield is not counted."
+        f"{packing_words(first)}, {of_sides} sides, {contact_words(first)}, struck at {load_words(first)} under {kind} "
+        "static pressure, which stays on. What the static load made yield is not counted." + freed_words(series)
     )
     picture = Picture(
         name.replace("-", "_"), "Transmitted force and dissipation against static pressure", _draw(columns)
@@ -87,6 +88,7 @@ def _verdict(series: list[PastRun], kind: str) -> str:
         f"Under {kind} pressure of {packing_speed.pressure_of(last):.3g} Pa the impact adds {last.transmitted:.4g} N "
         f"at the bottom ({first.transmitted:.4g} N {start})"
         + (f" and dissipates {100 * last.dissipated:.3g} % ({100 * first.dissipated:.3g} %)." if loses else ".")
+        + freed_words((first, last))
     )
 
 

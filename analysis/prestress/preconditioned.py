@@ -12,9 +12,10 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
+from granwave.analysis.case_words import packing_words
 from granwave.analysis.chains.runs import ChainRun
 from granwave.analysis.figure_style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing, new_figure
-from granwave.analysis.prestress.runs import PastRun, groups, rising, values_table, words_of
+from granwave.analysis.prestress.runs import PastRun, freed_words, groups, rising, values_table
 from granwave.analysis.study import Picture, Row, Study
 from granwave.lammps_inputs.sections import Dents
 
@@ -82,9 +83,9 @@ def _study(runs: Sequence[PastRun], number: int) -> Study:
     gaps += "are closed by a static load, which stays on." if case.precompression else "are there at the impact."
     return Study(
         name,
-        f"Preconditioned: {words_of(case)}",
+        f"Preconditioned: {packing_words(case)}",
         "Contacts that have dents from the start, of one force everywhere: they shall stay elastic up to that force. "
-        f"{gaps}",
+        f"{gaps}{freed_words(runs)}",
         tuple(_rows(runs)),
         tuple(pictures),
         (values_table("Impacts with and without preconditioning", reached, columns),),
@@ -121,7 +122,7 @@ def _verdict(runs: Sequence[PastRun]) -> Iterator[str]:
     if level_of(fresh) == 0 and best is not fresh:
         yield (
             f"Impact at {fresh.case.load.velocity:g} m/s: fresh contacts dissipate {100 * fresh.dissipated:.3g} %, "
-            f"those preconditioned to {level_of(best):g} N {100 * best.dissipated:.3g} %."
+            f"those preconditioned to {level_of(best):g} N {100 * best.dissipated:.3g} %." + freed_words((fresh, best))
         )
 
 
@@ -140,7 +141,7 @@ def _draw(runs: Sequence[PastRun]) -> Drawing:
         columns |= {f"level_{level:g}_N_peak_force_N": force, f"level_{level:g}_N_dissipated_percent": share}
     axes.set_xlabel("Largest contact force (N)")
     axes.set_ylabel("Dissipated (% of input)")
-    axes.set_ylim(-2, 105)
+    axes.set_ylim(-2, max(105.0, 105 * max(run.dissipated for run in runs)))
     axes.xaxis.set_major_locator(LogLocator(subs=(1, 3)))
     axes.xaxis.set_major_formatter("{x:g}")
     axes.xaxis.set_minor_formatter(NullFormatter())

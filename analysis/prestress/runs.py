@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
@@ -11,12 +10,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.finished import FinishedRun
+from granwave.analysis.finished import FinishedRun, all_but
 from granwave.analysis.reports.model import Cell, Column, Table
 from granwave.analysis.reports.quantities import BLANK, value_cell
 from granwave.analysis.result import Result
 from granwave.analysis.target import Reached, reached, risen
-from granwave.lammps_inputs.case import Case
 from granwave.lammps_inputs.laws import sphere_contact
 from granwave.lammps_inputs.preload import force_of_contact
 
@@ -24,8 +22,6 @@ if TYPE_CHECKING:
     from granwave._contact_laws import ContactLaw
 
 Array = NDArray[np.float64]
-
-_NOT_OF_THE_IMPACT = ("name", "run", "output")  # tables: how long and how finely it was followed
 
 
 class PastRun(FinishedRun):
@@ -88,7 +84,7 @@ def groups(runs: Iterable[PastRun], *varying: str) -> list[list[PastRun]]:
     """
     found: dict[str, list[PastRun]] = {}
     for run in runs:
-        found.setdefault(_what_stays(run.case, varying), []).append(run)
+        found.setdefault(all_but(run.case, *varying), []).append(run)
     return list(found.values())
 
 
@@ -100,12 +96,14 @@ def rising(runs: Sequence[PastRun], key: Callable[[PastRun], float]) -> list[Pas
     return [unique[value] for value in sorted(unique)]
 
 
-def words_of(case: Case) -> str:
-    """What the packing is, in words."""
-    packing, own = case.packing, case.material
-    size = " x ".join(str(n) for n in packing.size)
-    name = f"{own.name} " if own.name else ""
-    return f"{packing.kind} of {size} {name}spheres of {1e3 * packing.diameter:g} mm"
+def freed_words(runs: Iterable[PastRun]) -> str:
+    """A further sentence of how more than all of the input is dissipated; empty where none of the runs does so."""
+    if not any(run.dissipated > 1 for run in runs):
+        return ""
+    return (
+        " More than 100 % is no error: energies count from the static state, and the impact also sets free what "
+        "contacts had stored there, and lets the static load do work."
+    )
 
 
 def values_table(
@@ -122,14 +120,3 @@ def values_table(
     rows = tuple(tuple(value_cell(value) if np.isfinite(value) else Cell(BLANK) for value in row)
                  for row in zip(*shown, strict=True))  # fmt: skip
     return Table(caption, tuple(Column(text, unit, numeric=True) for text, unit, _, _ in heads), rows, sortable=True)
-
-
-def _what_stays(case: Case, varying: tuple[str, ...]) -> str:
-    tables = case.to_dict()
-    for name in (*_NOT_OF_THE_IMPACT, *varying):
-        table, _, key = name.partition(".")
-        if key:
-            tables.get(table, {}).pop(key, None)
-        else:
-            tables.pop(table, None)
-    return json.dumps(tables, sort_keys=True)

@@ -12,9 +12,10 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from granwave.analysis.case_words import load_words, packing_words
 from granwave.analysis.figure_style import BLUE, ORANGE, Drawing, new_figure
 from granwave.analysis.number_words import with_interval
-from granwave.analysis.prestress.runs import PastRun, groups, words_of
+from granwave.analysis.prestress.runs import PastRun, freed_words, groups
 from granwave.analysis.reports.model import Cell, Column, Table, Tone
 from granwave.analysis.reports.quantities import BLANK
 from granwave.analysis.statistics import Estimate, can_be_told_apart, estimate, exactly
@@ -89,11 +90,12 @@ def _study(states: Sequence[State], number: int) -> Study:
     scatter = f"{1e6 * case.packing.diameter_scatter:g} µm"
     name = "settled-packing" + (f"-{number}" if number > 1 else "")
     text = (
-        f"An impact at {case.load.velocity:g} m/s on {words_of(case)} whose diameters are up to {scatter} smaller "
-        f"({case.packing.scatter_distribution}), as placed with gaps and settled without friction by a static load "
-        "that stays on. Means over seeds with 95 % confidence intervals. Contacts that bear force: of two spheres, at "
-        "the start; standing without friction takes three for each sphere, those with walls counted. Residual: largest "
-        "net force left on a sphere over the largest static force of a contact."
+        f"{packing_words(case)} whose diameters are up to {scatter} smaller ({case.packing.scatter_distribution}), "
+        f"struck at {load_words(case)}: as placed with gaps, and settled without friction by a static load that stays "
+        "on. Means over seeds with 95 % confidence intervals. Contacts that bear force: of two spheres, at the start; "
+        "standing without friction takes three for each sphere, those with walls counted. Residual: largest net force "
+        "left on a sphere over the largest static force of a contact."
+        + freed_words(run for state in states for run in state.runs)
     )
     picture = Picture(name.replace("-", "_"), "Force at the bottom: settled, as placed, and of like spheres",
                       _draw(states))  # fmt: skip

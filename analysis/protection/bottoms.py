@@ -8,10 +8,11 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave.analysis.case_words import impact_words
 from granwave.analysis.figure_style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing, new_figure
 from granwave.analysis.number_words import number
 from granwave.analysis.protection import tables
-from granwave.analysis.protection.runs import TargetRun, impact, names, slug
+from granwave.analysis.protection.runs import TargetRun, names, slug
 from granwave.analysis.protection.spectrum import spectra
 from granwave.analysis.study import Picture, Study
 
@@ -37,7 +38,7 @@ def bottoms(runs: Sequence[TargetRun], suffix: str) -> Iterator[Study]:
     caption = f"Force, impulse and energy that reach the target through {layers}, friction {plain[0].friction:g}"
     yield Study(
         f"protected-bottoms{suffix}",
-        f"Protected target, by bottom: {impact(chosen[0])}",
+        f"Protected target, by bottom: {impact_words(chosen[0].case)}",
         f"The same impact through {layers} on each bottom. Reduction: the peak force of the same impact directly on "
         "the target over that on the target below the packing. Impulse: of the last layer on the target, up to the end "
         "of the run. Energy: the work that it has done on the target, at most. A rigid wall takes none.",
@@ -103,11 +104,15 @@ def _draw(runs: Sequence[TargetRun]) -> Drawing:
     panels = figure.subplots(3, 1, sharex=True)
     columns: dict[str, NDArray[np.float64]] = {}
     for run, name, (colour, line) in zip(runs, names(runs), _STYLES, strict=False):
-        word, time = slug(name), run.reached.time
-        found = {"force": run.reached.force, "impulse": run.reached.impulse, "energy": run.energy}
-        columns[f"{word}_time_s"] = time
+        word, reached, (ledger, energy) = slug(name), run.reached, run.energy
+        found = {
+            "force": (reached.time, reached.force),
+            "impulse": (reached.time, reached.impulse),
+            "energy": (ledger, energy),
+        }
+        columns |= {f"{word}_time_s": reached.time, f"{word}_energy_time_s": ledger}
         for axes, (what, label, scale) in zip(panels, _PANELS, strict=True):
-            values = found[what]
+            time, values = found[what]
             axes.plot(_MICRO * time, values / scale, line, color=colour, linewidth=1.0, label=name)
             axes.set_ylabel(label)
             columns[f"{word}_{what}_{_UNITS[what]}"] = values

@@ -7,16 +7,17 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from granwave.analysis.protection.runs import TargetRun, names, period_of
+from granwave.analysis.case_words import impact_words
+from granwave.analysis.protection.runs import TargetRun, names
 from granwave.analysis.protection.theory import HertzImpact, after_impulse, response
 from granwave.analysis.study import Row, Study
+from granwave.analysis.target import period_of
 from granwave.lammps_inputs.laws import flat_contact
 
 _MICRO, _MILLI = 1e6, 1e3
 _SHORT = 20.0  # periods in contact times from which on an impact is short
 _SLOW = 0.2  # and up to which it is slow
 _SLIGHT = 0.005  # of the sphere's momentum over that of a target in the same time: it hardly gives way
-_WHERE = "ours alone"
 
 
 def checks(runs: Sequence[TargetRun], suffix: str) -> Iterator[Study]:
@@ -28,11 +29,9 @@ def checks(runs: Sequence[TargetRun], suffix: str) -> Iterator[Study]:
     ]
     rows = [row for run, name in zip(alone, names(alone) if alone else [], strict=True) for row in _rows(run, name)]
     if rows:
-        sphere = alone[0].case
         yield Study(
             f"protected-checks{suffix}",
-            f"Protected target, closed forms: a sphere of {1e3 * sphere.packing.diameter:.4g} mm at "
-            f"{sphere.load.velocity:g} m/s",
+            f"Protected target, closed forms: {impact_words(alone[0].case)}",
             "A single elastic sphere on each bottom. Theory: Hertz's impact on a rigid wall; a plate after a short "
             "impulse, or on a spring so stiff that it follows the force; what an impedance takes from a force that it "
             "hardly changes.",
@@ -44,9 +43,7 @@ def _rows(run: TargetRun, name: str) -> Iterator[Row]:
     theory = hertz(run)
     if not run.moves:
         yield _row(f"Peak force, {name}", "N", run.reached.peak_force, theory.force, "Hertz (1882)")
-        yield _row(
-            f"Impulse, {name}", "mN s", _MILLI * run.reached.impulse[-1], _MILLI * theory.impulse, "2 m v, all elastic"
-        )
+        yield _row(f"Impulse, {name}", "mN s", _MILLI * run.reached.impulse[-1], _MILLI * theory.impulse, "2 m v")
     elif run.plate:
         yield from _of_plate(run, name, theory)
     else:
@@ -90,7 +87,7 @@ def _of_impedance(run: TargetRun, name: str, theory: HertzImpact) -> Iterator[Ro
         energy, how = float(np.trapezoid(force * speed, time)), "spring and damper under Hertz's force"
     else:
         energy, how = theory.square / damping, "Hertz's force, squared and summed over Z"
-    yield _row(f"Energy at the target, {name}", "mJ", _MILLI * run.energy[-1], _MILLI * energy, how)
+    yield _row(f"Energy at the target, {name}", "mJ", _MILLI * run.value("energy_target_J"), _MILLI * energy, how)
 
 
 def hertz(run: TargetRun) -> HertzImpact:
@@ -101,5 +98,5 @@ def hertz(run: TargetRun) -> HertzImpact:
     return HertzImpact(case.sphere_mass, case.load.velocity * math.cos(math.radians(case.load.angle)), stiffness)
 
 
-def _row(quantity: str, unit: str, ours: float, expected: float, remark: str) -> Row:
-    return Row(quantity, unit, None, float(ours), _WHERE, f"theory: {remark}", expected)
+def _row(quantity: str, unit: str, ours: float, expected: float, theory: str) -> Row:
+    return Row(quantity, unit, None, float(ours), theory, expected=expected)

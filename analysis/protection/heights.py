@@ -9,11 +9,12 @@ import numpy as np
 from matplotlib.ticker import FixedLocator, NullLocator, ScalarFormatter
 from numpy.typing import NDArray
 
+from granwave.analysis.case_words import impact_words
 from granwave.analysis.chains.measures import power
 from granwave.analysis.figure_style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing, new_figure
 from granwave.analysis.number_words import number
 from granwave.analysis.protection import tables
-from granwave.analysis.protection.runs import TargetRun, impact, names, series, slug
+from granwave.analysis.protection.runs import TargetRun, names, series, slug
 from granwave.analysis.study import Picture, Study
 
 _COLOURS = ("black", ORANGE, BLUE, GREEN, PURPLE, SKY, GREY)
@@ -34,7 +35,7 @@ def heights(runs: Sequence[TargetRun], suffix: str) -> Iterator[Study]:
     caption = "Peak force without the packing over that with it, and what a kilogram adds to it, by layers"
     yield Study(
         f"protected-height{suffix}",
-        f"Protected target, by height: {impact(every[0])}",
+        f"Protected target, by height: {impact_words(every[0].case, height=False)}",
         "The same impact through packings of more and more layers. Reduction: the peak force of the same impact "
         "directly on the target over that on the target below the packing; also over the mass of the packing and over "
         "its height. What a kilogram adds: the reduction less 1, which is that of no packing, over the mass.",

@@ -14,12 +14,14 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave.analysis.case_words import impact_words, time_words
 from granwave.analysis.chains.measures import width
 from granwave.analysis.figure_style import BLUE, GREY, ORANGE, Drawing, new_figure
 from granwave.analysis.number_words import number
-from granwave.analysis.protection.runs import TargetRun, impact, period_of, shown_time, slug
+from granwave.analysis.protection.runs import TargetRun, slug
 from granwave.analysis.protection.theory import after_impulse, response
 from granwave.analysis.study import Picture, Row, Study
+from granwave.analysis.target import period_of
 from granwave.lammps_inputs.materials import Material
 from granwave.lammps_inputs.supports import Plate
 
@@ -98,10 +100,11 @@ def spectrum(runs: Sequence[TargetRun], suffix: str) -> Iterator[Study]:
     found = spectra(runs)
     if not found:
         return
+    one_height = len({one.held.layers for one in found}) == 1
     caption = "Largest displacement of the plate against its period, with what an oscillator does under the same force"
     yield Study(
         f"protected-spectrum{suffix}",
-        f"Protected target, shock spectrum: {impact(found[0].held)}",
+        f"Protected target, shock spectrum: {impact_words(found[0].held.case, height=one_height)}",
         "How far a plate on a spring moves below the packing, and without it. The line is an oscillator under the "
         "force that the same packing gives a wall of the plate's material, held in place; its limits are those of a "
         "short impulse, J/(M omega), and of a slow force, F/k. A light plate gives way: less force reaches it, and the "
@@ -141,7 +144,7 @@ def _verdict(one: Spectrum) -> str:
     if not np.isfinite(ratio).all():
         return ""
     ends = (int(ratio.argmax()), int(ratio.argmin()))
-    most, least = (f"{number(ratio[n])} times at a period of {shown_time(one.period[n])}" for n in ends)
+    most, least = (f"{number(ratio[n])} times at a period of {time_words(one.period[n])}" for n in ends)
     return (
         f"{one.held.layers} layers make the largest displacement of a plate of {one.plates[0].mass:g} kg smaller by "
         f"{most} and {least} (below 1: larger). A slow plate feels the impulse, which a packing adds to."
@@ -152,16 +155,15 @@ def _rows(one: Spectrum) -> Iterator[Row]:
     force, impulse = one.held.reached.peak_force, float(one.held.reached.impulse[-1])
     for run, plate, period, moved in zip(one.runs, one.plates, one.period, one.displacement, strict=True):
         expected = one.expected(plate, max(run.reached.time[-1], one.held.reached.time[-1]))
-        remark = "oscillator under the force on a wall held in place"
+        theory = "oscillator"
         if period < _FAST * one.width:
-            expected, remark = force / plate.stiffness, "slow force, F/k with F on a wall held in place"
+            expected, theory = force / plate.stiffness, "slow force, F/k"
         elif period > _SLOW * one.lasts and not plate.damping:
             expected = after_impulse(impulse, plate.mass, plate.stiffness)
-            remark = "short impulse, J/(M omega) with J on a wall held in place"
-        if moved < _GIVES_WAY * expected:
-            remark += "; the plate gives way, and less force reaches it"
-        what = f"Largest displacement of the plate, {plate.mass:g} kg, {shown_time(period)}"
-        yield Row(what, "µm", None, _MICRO * moved, "ours alone", f"theory: {remark}", _MICRO * expected)
+            theory = "short impulse, J/(M omega)"
+        remark = "The plate gives way, and less force reaches it." if moved < _GIVES_WAY * expected else ""
+        what = f"Largest displacement of the plate, {plate.mass:g} kg, {time_words(period)}"
+        yield Row(what, "µm", None, _MICRO * moved, theory, remark, _MICRO * expected)
 
 
 def _draw(found: Sequence[Spectrum]) -> Drawing:

@@ -55,7 +55,7 @@ MOMENTUM = Quantity(
 )  # fmt: skip
 ENERGY = Quantity(
     "Most energy at the target", "% of input", 0.01,
-    lambda run: float(run.energy.max(initial=0.0)) / run.value("energy_input_J") if run.moves else math.nan,
+    lambda run: float(run.energy[1].max()) / run.value("energy_input_J") if run.moves else math.nan,
 )  # fmt: skip
 MOVED = Quantity("Largest displacement", "µm", 1e-6, _of_summary("target_peak_displacement_m"))
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from granwave.analysis.number_words import plain
 from granwave.analysis.reports.inputs import Inputs, Run
 from granwave.analysis.reports.model import Cell, Column, Note, Section, Table, Tone
 from granwave.analysis.reports.quantities import named, value_cell, value_column
 
 SLUG = "balance"
-#: Largest error of the balance, over the input, that is worth a note, and that is poor: by kind of run.
+#: Largest error of the balance, over the input, that is usual, and that is fair: by kind of run.
 LIMITS = {"run": (2e-6, 1e-5), "continuum": (5e-3, 2e-2)}
 _PARTS = ("kinetic", "elastic", "dissipated", "punch", "viscous", "hourglass")
 #: Parts of these, shown where any run has them.
@@ -24,9 +25,9 @@ def verdict(run: Run) -> tuple[str, Tone]:
     if error is None:
         return "not known", "note"
     if math.isnan(error) or error > poor:
-        return f"poor: above {poor:.0e}".replace("e-0", "e-"), "bad"
+        return f"poor: above {plain(f'{poor:.0e}')}", "bad"
     if error > note:
-        return f"fair: above {note:.0e}".replace("e-0", "e-"), "note"
+        return f"fair: above {plain(f'{note:.0e}')}", "note"
     return "good", "good"
 
 
@@ -49,22 +50,45 @@ def balance_section(inputs: Inputs) -> Section:
 def balance_notes(runs: Sequence[Run], section: str = "") -> list[Note]:
     """Warnings of poor balances and of contacts beyond the law."""
     notes = []
-    verdicts = {run.label: verdict(run) for run in runs}
-    poor = [label for label, (_, tone) in verdicts.items() if tone == "bad"]
-    fair = [label for label, (text, _) in verdicts.items() if text.startswith("fair")]
-    unknown = [label for label, (text, _) in verdicts.items() if text == "not known"]
-    if poor:
-        notes.append(Note(f"Poor energy balance, do not trust: {named(poor)}.", "bad", section))
-    if fair:
-        notes.append(Note(f"Energy balance less good than usual: {named(fair)}.", "note", section))
+    for kind, (usual, largest) in LIMITS.items():
+        found = [(run, *verdict(run)) for run in runs if run.kind == kind]
+        poor = [run for run, _, tone in found if tone == "bad"]
+        fair = [run for run, text, _ in found if text.startswith("fair")]
+        if poor:
+            text = f"Poor energy balance, do not trust ({_errors(poor)}, more than {_share(largest)}): {_labels(poor)}."
+            notes.append(Note(text, "bad", section))
+        if fair:
+            text = f"Energy balance less good than usual ({_errors(fair)}; usual is up to {_share(usual)}, and more "
+            text += f"than {_share(largest)} would be poor): {_labels(fair)}."
+            notes.append(Note(text, "note", section))
+    unknown = [run for run in runs if verdict(run)[0] == "not known"]
     if unknown:
-        notes.append(Note(f"No energy balance is recorded: {named(unknown)}.", "note", section))
+        notes.append(Note(f"No energy balance is recorded: {_labels(unknown)}.", "note", section))
     beyond = [run for run in runs if (run.number("contacts_beyond_law") or 0) > 0]
     if beyond:
         counts = [f"{run.label} ({run.number('contacts_beyond_law'):.0f})" for run in beyond]
         text = f"Contacts beyond the law, which was fitted up to an overlap of 0.2 R*: {named(counts)}."
         notes.append(Note(text, "note", section))
     return notes
+
+
+def _errors(runs: Sequence[Run]) -> str:
+    """How far the balances of runs are off; those that are not a number apart."""
+    errors = [run.number("energy_balance_error") or 0.0 for run in runs]
+    finite = [error for error in errors if math.isfinite(error)]
+    if not finite:
+        return "the error is not a number"
+    up_to = "up to " if len(finite) > 1 else ""
+    return f"off by {up_to}{_share(max(finite))} of the input" + (", or not a number" * (len(finite) < len(errors)))
+
+
+def _share(value: float) -> str:
+    """Two digits; in per cent from a tenth of one on."""
+    return f"{100 * value:.2g} %" if value >= 1e-3 else plain(f"{value:.2g}")
+
+
+def _labels(runs: Sequence[Run]) -> str:
+    return named([run.label for run in runs])
 
 
 def _table(runs: Sequence[Run]) -> Table:

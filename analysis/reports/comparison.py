@@ -11,8 +11,8 @@ from granwave.analysis.figure_style import style
 from granwave.analysis.figures import FIGURES_DIRECTORY
 from granwave.analysis.reports.inputs import Inputs
 from granwave.analysis.reports.model import Block, Cell, Column, Figure, Gallery, Note, Section, Table
-from granwave.analysis.reports.pictures import png_of
-from granwave.analysis.reports.quantities import BLANK, percent, show, value_cell
+from granwave.analysis.reports.pictures import picture_of
+from granwave.analysis.reports.quantities import BLANK, percent, show, spread_cell, value_cell
 
 SLUG = "comparison"
 _LAYERS = (1, 4, 8, 16)  # below the struck one, whose uniformity is told
@@ -47,7 +47,7 @@ def _lead(impacts: Impacts) -> str:
         material = case.material.name or "one material"
         parts.append(
             f"Granular reference: {case.packing.kind} {size}, D = {show(1e3 * case.packing.diameter)} mm, {material}, "
-            f"{many} velocities; energies are normalised by F_y alpha_y = "
+            f"{many} {'velocities' if many > 1 else 'velocity'}; energies are normalised by F_y alpha_y = "
             f"{show(impacts.reference[0].law.yield_force * impacts.reference[0].law.yield_overlap)} J."
         )
     if impacts.continuum_reference:
@@ -59,7 +59,8 @@ def _lead(impacts: Impacts) -> str:
         )
     summaries = [run.summary for run in impacts.granular] + [run.summary for run in impacts.continuum]
     seconds = sum(float(summary.get("wall_time_s") or 0) for summary in summaries)
-    parts.append(f"All {len(summaries)} runs took {show(round(seconds))} s of computing.")
+    who = f"All {len(summaries)} runs" if len(summaries) > 1 else "The run"
+    parts.append(f"{who} took {show(round(seconds))} s of computing.")
     return " ".join(parts)
 
 
@@ -68,7 +69,7 @@ def _pictures(impacts: Impacts, inputs: Inputs) -> Iterable[Figure]:
         for name, caption, drawing in drawings(impacts):
             data = inputs.base / FIGURES_DIRECTORY / f"{name}.csv"
             link = inputs.link(data, f"{FIGURES_DIRECTORY}/{data.name}") if data.is_file() else None
-            yield Figure(f"comparison-{name.replace('_', '-')}", caption, caption, *png_of(drawing), link)
+            yield picture_of(drawing, f"comparison-{name.replace('_', '-')}", caption, link)
 
 
 def _tables(impacts: Impacts) -> Iterable[Block | None]:
@@ -113,17 +114,17 @@ def _quadratic(impacts: Impacts) -> Iterable[Block]:
         Column("Constant", key=True),
         Column("Source, as printed", numeric=True),
         Column("Source, powers of ten put right", numeric=True),
-        Column("Ours", numeric=True),
-        Column("Standard deviation", numeric=True),
+        Column("Ours, with its standard deviation", numeric=True),
     )
     values = zip(granular.SOURCE_FIT, granular.SOURCE_FIT_RIGHT, fit.constants, fit.deviations, strict=True)
     rows = tuple(
-        (Cell(f"D{n}"), value_cell(printed), value_cell(right), value_cell(float(ours)), value_cell(float(f"{sd:.2g}")))
-        for n, (printed, right, ours, sd) in enumerate(values)
+        (Cell(f"D{n}"), value_cell(printed), value_cell(right), spread_cell(float(ours), float(deviation)))
+        for n, (printed, right, ours, deviation) in enumerate(values)
     )
     yield Table(
-        "Quadratic law of dissipation: D0 + D1 v0 + D2 v0² where the input is v0²/2 (thesis 5.17)", columns, rows
-    )
+        "Quadratic law of dissipation: D0 + D1 v0 + D2 v0² where the input is v0²/2 (thesis 5.17)", columns, rows,
+        by_row=True,
+    )  # fmt: skip
     yield Note(
         f"Fitted from a normalised velocity of {show(fit.lowest)} on, with equal relative weights; the largest misfit "
         f"there is {percent(100 * fit.misfit).lstrip('+')}. {_FIT_REMARK}"

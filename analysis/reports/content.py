@@ -19,6 +19,7 @@ from granwave.analysis.reports.results import (
 )
 from granwave.analysis.reports.sources import sources_section
 from granwave.analysis.reports.studies import studies_of, studies_section, verdicts
+from granwave.analysis.reports.tidy import tidied
 
 _KIND = {"run": "granular run", "continuum": "continuum run"}
 _IN_TITLE = 3  # names
@@ -41,7 +42,7 @@ def build_report(inputs: Inputs) -> Report:
         failures,
         figures_section(inputs),
     )
-    return Report(f"Report: {names}", _lead(inputs), tuple(section for section in sections if section.blocks))
+    return tidied(Report(f"Report: {names}", _lead(inputs), tuple(section for section in sections if section.blocks)))
 
 
 def _lead(inputs: Inputs) -> str:
@@ -135,13 +136,18 @@ def _setting(run: Run) -> str:
 
 
 def _versions(runs: Sequence[Run]) -> tuple[Block, ...]:
-    """Versions that all have in common once, then those in which they differ."""
+    """Versions that all have in common once, then those in which they differ; each kind of run has its programs."""
     users: dict[str, dict[str, list[str]]] = {}
+    kinds: dict[str, set[str]] = {}
     for run in runs:
         for name, version in run.versions.items():
             users.setdefault(name, {}).setdefault(version, []).append(run.label)
+            kinds.setdefault(name, set()).add(run.kind)
     common = {
-        name: version for name, found in users.items() for version, labels in found.items() if len(labels) == len(runs)
+        name: version
+        for name, found in users.items()
+        for version, labels in found.items()
+        if len(labels) == sum(run.kind in kinds[name] for run in runs)
     }
     blocks: list[Block] = []
     if common:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import cycle
 from pathlib import Path
 
@@ -13,14 +13,18 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from granwave.analysis.figure_style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, new_figure, style
+from granwave.analysis.figure_style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing, new_figure, style
 from granwave.analysis.reports.inputs import Inputs, Run, Scan
 from granwave.analysis.reports.model import Block, Figure, Gallery, Group, Note, Section
+from granwave.analysis.reports.pictures import RESOLUTION, picture_of
 from granwave.analysis.reports.quantities import readable
 from granwave.analysis.result_file import RESULT_FILE
+from granwave.analysis.scan_keys import key_of
+from granwave.analysis.value_words import in_words
 
 SLUG = "figures"
 WIDTH, POINT_WIDTH = 900, 600  # pixels, at most, of pictures of runs and scans, and of points of scans
+WIDEST = 1200  # pixels, of those that take a whole row
 POINTS_BUDGET = 8_000_000  # bytes, of all pictures of points; those beyond stay in their directories
 MOST_CURVES = 12
 _FOLDER = "figures"
@@ -56,7 +60,11 @@ _CAPTIONS = {
     "sensors": "Sensors",
     "accelerations": "Accelerations of the sensors",
     "directions": "Energy and dissipation by direction from the impact point",
+    "collapse_dissipated_fraction": "Dissipated fraction against normalised velocity, of all materials",
+    "collapse_plastic_volume": "Plastic zone against normalised input energy, of all materials",
+    "dissipated_fraction_map": "Dissipated fraction by both of what varies",
 }
+_AGAINST = "_vs_"  # in names of figures of scans: of what, against which key
 
 
 def figures_section(inputs: Inputs) -> Section:
@@ -65,7 +73,8 @@ def figures_section(inputs: Inputs) -> Section:
     n_items = len(inputs.items)
     for number, item in enumerate(inputs.items, start=1):
         what = "scan" if isinstance(item, Scan) else "run"
-        parts = _pictures(item.directory, inputs, f"{number}-{item.label}", f"{what} {item.label}", WIDTH)
+        words = _words_of_keys(item) if isinstance(item, Scan) else {}
+        parts = _pictures(item.directory, inputs, f"{number}-{item.label}", f"{what} {item.label}", WIDTH, words)
         if parts:
             title = f"{what.capitalize()} {item.label}"
             blocks.append(Group(title, parts, folded=n_items > 2 and isinstance(item, Run)))
@@ -89,16 +98,20 @@ def overlay(inputs: Inputs) -> list[Block]:
     if curves:
         more = "" if len(curves) <= MOST_CURVES else f", the first {MOST_CURVES} runs"
         caption = f"Dissipated share of the input against time{more}"
-        png = _draw(curves[:MOST_CURVES])
-        alt = f"Curves of the dissipated share against time of {len(curves[:MOST_CURVES])} runs"
-        blocks.append(Gallery((Figure("dissipated-share", caption, alt, png, _size(png)),)))
+        with style():
+            blocks.append(Gallery((picture_of(_draw(curves[:MOST_CURVES]), "dissipated-share", caption),)))
     if missing:
         blocks.append(Note(f"No energies against time in {RESULT_FILE}: {', '.join(missing)}.", "note"))
     return blocks
 
 
-def shrunk(path: Path, width: int) -> tuple[bytes, tuple[int, int]]:
-    """A picture as PNG in at most 256 colours, at most ``width`` wide, and its size in pixels.
+def shrunk(path: Path, width: int) -> tuple[bytes, tuple[int, int], float]:
+    """A picture as PNG in at most 256 colours, its size in pixels, and the inches it was drawn for; 0: not known.
+
+    Parameters
+    ----------
+    width
+        Pixels, at most; of a wide figure as many as it needs in a row of its own.
 
     Raises
     ------
@@ -108,12 +121,31 @@ def shrunk(path: Path, width: int) -> tuple[bytes, tuple[int, int]]:
     with Image.open(path) as found:
         image = Image.new("RGB", found.size, "white")
         image.paste(found, mask=found.getchannel("A") if "A" in found.getbands() else None)
+        dots = float(found.info.get("dpi", (0.0, 0.0))[0])
+    inches = image.width / dots if dots > 0 else 0.0
+    if Figure("", "", "", b"", image.size, inches=inches).wide:
+        width = max(width, min(round(RESOLUTION * inches), WIDEST))
     if image.width > width:
         image = image.resize((width, max(1, round(image.height * width / image.width))), Image.Resampling.LANCZOS)
     image = image.quantize(_COLOURS, method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
     stream = io.BytesIO()
     image.save(stream, "PNG", optimize=True)
-    return stream.getvalue(), image.size
+    return stream.getvalue(), image.size, inches
+
+
+def _words_of_keys(scan: Scan) -> dict[str, str]:
+    """What the keys of a scan are called in captions, by their part of a figure's name."""
+    labels = {key: [point.result.labels.get(key, "") for point in scan.points] for key in scan.source.varied}
+    keys = [key_of(key, column) for key, column in labels.items()]
+    return {key.slug: key.naming.words[:1].lower() + key.naming.words[1:] for key in keys}
+
+
+def _caption(stem: str, words: Mapping[str, str]) -> str:
+    """Of a figure, by the name of its file."""
+    if stem in _CAPTIONS:
+        return _CAPTIONS[stem]
+    what, against, key = stem.partition(_AGAINST)
+    return f"{readable(what)} against {words.get(key, readable(key).lower())}" if against else readable(stem)
 
 
 def _points(scan: Scan, inputs: Inputs, number: int) -> list[Block]:
@@ -130,16 +162,18 @@ def _points(scan: Scan, inputs: Inputs, number: int) -> list[Block]:
             left.append(inputs.link(run.directory / _FOLDER, f"#{point.result.number}"))
             continue
         name = f"{number}-{scan.label}-{point.result.number}"
-        parts = _pictures(run.directory, inputs, name, f"run {run.label}", POINT_WIDTH)
+        parts = _pictures(run.directory, inputs, name, f"run {run.label}", POINT_WIDTH, {})
         size += sum(len(figure.png) for part in parts if isinstance(part, Gallery) for figure in part.figures)
-        labels = ", ".join(f"{key} = {value}" for key, value in point.result.labels.items())
+        labels = ", ".join(f"{key} = {in_words(value)}" for key, value in point.result.labels.items())
         blocks.append(Group(f"Point {point.result.number} of {scan.label}: {labels}", parts, folded=True))
     if left:
         blocks.append(Note("The figures of further points are in their directories:", links=tuple(left)))
     return blocks
 
 
-def _pictures(directory: Path, inputs: Inputs, name: str, what: str, width: int) -> tuple[Gallery | Note, ...]:
+def _pictures(
+    directory: Path, inputs: Inputs, name: str, what: str, width: int, words: Mapping[str, str]
+) -> tuple[Gallery | Note, ...]:
     """The PNG files of a directory's figures, in the order of the figures of a run, others by name after them."""
     order = list(_CAPTIONS)
     paths = sorted(
@@ -149,14 +183,14 @@ def _pictures(directory: Path, inputs: Inputs, name: str, what: str, width: int)
     figures, damaged = [], []
     for path in paths:
         try:
-            png, size = shrunk(path, width)
+            png, size, inches = shrunk(path, width)
         except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
             damaged.append(Note(f"{inputs.path(path)} cannot be shown: {_first_line(error)}", "note"))
             continue
-        caption = _CAPTIONS.get(path.stem, readable(path.stem).replace(" vs ", " against "))
+        caption = _caption(path.stem, words)
         data = path.with_suffix(".csv")
         link = inputs.link(data, f"{_FOLDER}/{data.name}") if data.is_file() else None
-        figures.append(Figure(_slug(f"{name}-{path.stem}"), caption, f"{caption}: {what}", png, size, link))
+        figures.append(Figure(_slug(f"{name}-{path.stem}"), caption, f"{caption}: {what}", png, size, link, inches))
     gallery = (Gallery(tuple(figures)),) if figures else ()
     return (*gallery, *damaged)
 
@@ -175,28 +209,20 @@ def _dissipation(run: Run) -> tuple[NDArray[np.float64], NDArray[np.float64]] | 
     return time[shown], lost[shown] / given[-1]
 
 
-def _draw(curves: Sequence[tuple[str, NDArray, NDArray]]) -> bytes:
-    with style():
-        figure = new_figure(3.0, 5.6)
-        axes = figure.subplots()
-        colours = cycle((BLUE, ORANGE, GREEN, PURPLE, SKY, GREY))
-        for n, ((label, time, share), colour) in enumerate(zip(curves, colours, strict=False)):
-            name = label if len(label) <= 32 else label[:15] + "…" + label[-16:]
-            line = ("-", "--")[n // 6 % 2]
-            axes.plot(1e6 * time, share, line, color=colour, label=name.replace("$", r"\$").lstrip("_") or "run")
-        axes.set_xlabel("Time (µs)")
-        axes.set_ylabel("Dissipated share of the input")
-        axes.set_xlim(0, 1e6 * max(time[-1] for _, time, _ in curves) or 1.0)
-        axes.set_ylim(bottom=0)
-        axes.legend(loc="lower right", ncols=1 if len(curves) <= 6 else 2)
-        stream = io.BytesIO()
-        figure.savefig(stream, format="png", dpi=200, metadata={"Software": None})
-    return stream.getvalue()
-
-
-def _size(png: bytes) -> tuple[int, int]:
-    with Image.open(io.BytesIO(png)) as image:
-        return image.size
+def _draw(curves: Sequence[tuple[str, NDArray, NDArray]]) -> Drawing:
+    figure = new_figure(3.0, 5.6)
+    axes = figure.subplots()
+    colours = cycle((BLUE, ORANGE, GREEN, PURPLE, SKY, GREY))
+    for n, ((label, time, share), colour) in enumerate(zip(curves, colours, strict=False)):
+        name = label if len(label) <= 32 else label[:15] + "…" + label[-16:]
+        line = ("-", "--")[n // 6 % 2]
+        axes.plot(1e6 * time, share, line, color=colour, label=name.replace("$", r"\$").lstrip("_") or "run")
+    axes.set_xlabel("Time (µs)")
+    axes.set_ylabel("Dissipated share of the input")
+    axes.set_xlim(0, 1e6 * max(time[-1] for _, time, _ in curves) or 1.0)
+    axes.set_ylim(bottom=0)
+    axes.legend(loc="lower right", ncols=1 if len(curves) <= 6 else 2)
+    return Drawing(figure, {})
 
 
 def _slug(text: str) -> str:

@@ -41,7 +41,8 @@ class Run:
     status
         done; or refused, when its energy balance was.
     case
-        The resolved case by dotted key, without ``name`` and what was derived; empty when there is none.
+        The resolved case by the keys of its tables, such as ``load.velocity``, without ``name`` and what was derived; a
+        value may be a table, as ``boundary.bottom``. Empty when there is none.
     record
         run.json; empty when there is none.
     """
@@ -267,12 +268,12 @@ def _case(path: Path) -> dict[str, Any]:
     return dict(_flat({name: value for name, value in tables.items() if name not in ("name", "resolved")}))
 
 
-def _flat(tables: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+def _flat(tables: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
     for name, value in tables.items():
         if isinstance(value, dict):
-            yield from _flat(value, f"{prefix}{name}.")
+            yield from ((f"{name}.{key}", part) for key, part in value.items())
         else:
-            yield f"{prefix}{name}", value
+            yield name, value
 
 
 def _read_scan(path: Path, label: str) -> Scan:

@@ -10,6 +10,7 @@ import dataclasses
 from typing import Any, Literal, TypeVar
 
 Tone = Literal["", "good", "note", "bad"]
+_COLUMN = 4.3  # inches: a column of a journal, and a quarter
 Model = TypeVar("Model")
 
 
@@ -51,13 +52,22 @@ class Column:
 
 @dataclasses.dataclass(frozen=True)
 class Table:
-    """Rows of cells, as many in each as there are columns; without ``captioned`` the heading above says enough."""
+    """Rows of cells, as many in each as there are columns.
+
+    Attributes
+    ----------
+    captioned
+        False: the heading above says enough.
+    by_row
+        Each row is a quantity of its own; else each column is.
+    """
 
     caption: str
     columns: tuple[Column, ...]
     rows: tuple[tuple[Cell, ...], ...]
     sortable: bool = False
     captioned: bool = True
+    by_row: bool = False
     kind: Literal["table"] = "table"
 
 
@@ -73,6 +83,8 @@ class Figure:
         Width and height, pixels.
     data
         The numbers that it shows.
+    inches
+        Width that it was drawn for; 0 where that is not known.
     """
 
     name: str
@@ -81,11 +93,12 @@ class Figure:
     png: bytes
     size: tuple[int, int]
     data: Link | None = None
+    inches: float = 0.0
 
     @property
     def wide(self) -> bool:
-        """Of two panels side by side: more than twice as wide as high."""
-        return self.size[0] > 2 * self.size[1]
+        """Drawn for more than a column, as panels side by side are; it takes a row of its own."""
+        return self.inches > _COLUMN if self.inches else self.size[0] > 2 * self.size[1]
 
 
 @dataclasses.dataclass(frozen=True)

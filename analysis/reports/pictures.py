@@ -7,13 +7,16 @@ import io
 from PIL import Image
 
 from granwave.analysis.figure_style import Drawing
+from granwave.analysis.reports.model import Figure, Link
 
-_RESOLUTION = 150  # dots per inch
+#: Dots per inch at which a page shows figures that take a whole row: their letters are as large as the page's.
+RESOLUTION = 150
 
 
-def png_of(drawing: Drawing) -> tuple[bytes, tuple[int, int]]:
-    """A figure as a PNG file, and its width and height in pixels."""
+def picture_of(drawing: Drawing, name: str, caption: str, data: Link | None = None) -> Figure:
+    """A figure as a picture; its caption is its alternative text too."""
     stream = io.BytesIO()
-    drawing.figure.savefig(stream, format="png", dpi=_RESOLUTION, metadata={"Software": None})
+    drawing.figure.savefig(stream, format="png", dpi=RESOLUTION, metadata={"Software": None})
     with Image.open(io.BytesIO(stream.getvalue())) as image:
-        return stream.getvalue(), image.size
+        size = image.size
+    return Figure(name, caption, caption, stream.getvalue(), size, data, drawing.figure.get_figwidth())

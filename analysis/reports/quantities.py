@@ -6,8 +6,10 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from granwave.analysis.number_words import interval, plain
 from granwave.analysis.reports.model import Cell, Column, Group, Table
-from granwave.analysis.units import unit_of
+from granwave.analysis.units import shown_unit
+from granwave.analysis.value_words import in_words
 
 BLANK = "\u2013"  # a value that does not apply
 _DIGITS = 5
@@ -163,7 +165,7 @@ def case_column(key: str, *, numeric: bool) -> Column:
 
 def unit_of_key(key: str) -> str:
     """Unit of a key of the case, empty where it has none."""
-    return unit_of(key).replace("^2", "²").replace("^3", "³")
+    return shown_unit(key)
 
 
 def show(value: Any) -> str:
@@ -176,10 +178,10 @@ def show(value: Any) -> str:
         return str(value)
     if isinstance(value, float):
         return _float(value)
+    if isinstance(value, dict) or (isinstance(value, (list, tuple)) and any(isinstance(item, dict) for item in value)):
+        return in_words(value)
     if isinstance(value, (list, tuple)):
         return "[" + ", ".join(show(item) for item in value) + "]"
-    if isinstance(value, dict):
-        return ", ".join(f"{name} {show(item)}" for name, item in value.items())
     return str(value)
 
 
@@ -197,7 +199,7 @@ def named(labels: Sequence[str], most: int = 6) -> str:
 def percent(value: float) -> str:
     """A difference in per cent, with its sign."""
     text = f"{value:+.2g}" if abs(value) < 1 else f"{value:+.3g}"
-    return "0 %" if value == 0 else f"{_plain(text)} %"
+    return "0 %" if value == 0 else f"{plain(text)} %"
 
 
 def value_cell(value: Any, **more: Any) -> Cell:
@@ -210,6 +212,13 @@ def value_cell(value: Any, **more: Any) -> Cell:
     elif value is not None:
         sort = show(value)
     return Cell(show(value), sort, **more)
+
+
+def spread_cell(mean: float | None, half_width: float | None) -> Cell:
+    """Cell of a mean with its interval or deviation, where there is one, and no digit beyond those it tells."""
+    if mean is None or not half_width or not math.isfinite(half_width):
+        return value_cell(mean)
+    return Cell(interval(mean, half_width), mean)
 
 
 def is_number(value: Any) -> bool:
@@ -225,10 +234,4 @@ def _float(value: float) -> str:
     text = f"{value:.{_DIGITS}g}"
     if 1e5 <= abs(value) < 1e7:
         text = f"{float(text):.0f}"
-    return _plain(text)
-
-
-def _plain(text: str) -> str:
-    """1.2e-06 as 1.2e-6."""
-    mantissa, e, exponent = text.partition("e")
-    return f"{mantissa}e{int(exponent)}" if e else text
+    return plain(text)

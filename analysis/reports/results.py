@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from granwave.analysis.reports.figures import overlay
@@ -17,6 +17,7 @@ from granwave.analysis.reports.quantities import (
     meanings,
     percent,
     show,
+    spread_cell,
     unit_of_key,
     unit_of_value,
     value_cell,
@@ -31,12 +32,14 @@ from granwave.analysis.scan_table import (
     SEED,
     scan_statistics,
 )
+from granwave.analysis.value_words import told_apart
 
 SLUG = "results"
 MOST_SIDE_BY_SIDE = 6
 _TONES: Mapping[str, Tone] = {"done": "good", "failed": "bad", "refused": "bad", "missing": "note"}
 _NOT_COMPARED = ("name", "versions")
 _REMARKS = ("material.source",)  # keys of the case that change nothing
+_SHARES = ("plastic_fraction", "friction_fraction")
 
 
 def results_section(inputs: Inputs) -> Section:
@@ -88,7 +91,7 @@ def _scan_blocks(scan: Scan, inputs: Inputs) -> list[Block]:
         [Column("#", numeric=True, key=True)],
         [[_number_cell(point, inputs)] for point in points],
         keys,
-        [[point.result.labels.get(key) for key in keys] for point in points],
+        [[_label(point, key) for key in keys] for point in points],
         [_status(point) for point in points],
         [point.run.summary if point.run else {} for point in points],
     )
@@ -100,6 +103,26 @@ def _scan_blocks(scan: Scan, inputs: Inputs) -> list[Block]:
     if links:
         blocks.append(Note("All values:", links=links))
     return blocks
+
+
+def _label(point: Point, key: str) -> Any:
+    """The value of a key that varies; None where the point's case lacks it."""
+    value = point.result.labels.get(key)
+    return None if value == "" else value
+
+
+def _by_row(settings: Sequence[Sequence[Any]], n_rows: int) -> list[tuple[Cell, ...]]:
+    """Cells of the values of keys, a list for each key; those that are tables in words."""
+    columns = []
+    for values in settings:
+        words = told_apart(values)
+        plain = [is_number(value) or value is None or value == text for value, text in zip(values, words, strict=True)]
+        cells = [
+            value_cell(value) if flag else Cell(text, text)
+            for value, text, flag in zip(values, words, plain, strict=True)
+        ]
+        columns.append(cells)
+    return list(zip(*columns, strict=True)) if columns else [()] * n_rows
 
 
 def _status(point: Point) -> str:
@@ -121,8 +144,9 @@ def _table(
     summaries: Sequence[Mapping[str, Any]],
 ) -> Table:
     """First what a row is, then what varies, its status, and the main values that any row has."""
-    numeric = [all(is_number(row[n]) or row[n] is None for row in values) for n in range(len(keys))]
-    shown = [key for key in MAIN if any(summary.get(key) is not None for summary in summaries)]
+    settings = [[row[n] for row in values] for n in range(len(keys))]
+    numeric = [all(is_number(value) or value is None for value in column) for column in settings]
+    shown = _worth_showing(summaries)
     columns = (
         *first,
         *(case_column(key, numeric=flag) for key, flag in zip(keys, numeric, strict=True)),
@@ -132,13 +156,21 @@ def _table(
     rows = tuple(
         (
             *head,
-            *(value_cell(value) for value in row),
+            *row,
             status_cell(status),
             *(_result_cell(key, summary) for key in shown),
         )
-        for head, row, status, summary in zip(heads, values, statuses, summaries, strict=True)
+        for head, row, status, summary in zip(heads, _by_row(settings, len(values)), statuses, summaries, strict=True)
     )
     return Table(caption, columns, rows, sortable=True)
+
+
+def _worth_showing(summaries: Sequence[Mapping[str, Any]]) -> list[str]:
+    """The main values that any of them has; the shares of yielding and friction only where there is friction."""
+    rubs = any(summary.get("friction_fraction") for summary in summaries)
+    left_out = () if rubs else _SHARES
+    there = (key for key in MAIN if any(summary.get(key) is not None for summary in summaries))
+    return [key for key in there if key not in left_out]
 
 
 def _result_cell(key: str, summary: Mapping[str, Any]) -> Cell:
@@ -164,7 +196,8 @@ def _side_by_side(runs: Sequence[Run]) -> Table:
         if pair:
             row.append(_difference(runs[0].summary.get(key), runs[1].summary.get(key)))
         rows.append(tuple(row))
-    return Table("Values side by side" if len(runs) > 1 else f"Run {runs[0].label}", tuple(columns), tuple(rows))
+    caption = "Values side by side" if len(runs) > 1 else f"Run {runs[0].label}"
+    return Table(caption, tuple(columns), tuple(rows), by_row=True)
 
 
 def _difference(first: Any, second: Any) -> Cell:
@@ -181,28 +214,27 @@ def _replicates(scan: Scan) -> list[Block]:
     if not any(count > 1 for count in counts):
         return []
     keys = [key for key in scan.source.varied if key != SEED]
-    shown = [key for key in MAIN if any(value is not None for value in found.get(key + MEAN, ()))]
+    means = [{key: found[key + MEAN][row] for key in MAIN if key + MEAN in found} for row in range(len(counts))]
+    shown = _worth_showing(means)
+    settings = [[None if value == "" else value for value in found[key]] for key in keys]
     columns = (
-        *(case_column(key, numeric=all(map(is_number, found[key]))) for key in keys),
+        *(
+            case_column(key, numeric=all(is_number(value) or value is None for value in column))
+            for key, column in zip(keys, settings, strict=True)
+        ),
         Column("Replicates", numeric=True),
         *(value_column(key) for key in shown),
     )
+    cells = _by_row(settings, len(counts))
     rows = tuple(
         (
-            *(value_cell(found[key][row]) for key in keys),
+            *cells[row],
             value_cell(count),
-            *(_spread(found[key + MEAN][row], found[key + CONFIDENCE][row]) for key in shown),
+            *(spread_cell(found[key + MEAN][row], found[key + CONFIDENCE][row]) for key in shown),
         )
         for row, count in enumerate(counts)
     )
     return [Table(f"Scan {scan.label}: mean and 95 % confidence interval", columns, rows, sortable=True)]
-
-
-def _spread(mean: float | None, half_width: float | None) -> Cell:
-    if mean is None:
-        return Cell(BLANK)
-    more = "" if half_width is None else f" ± {show(float(f'{half_width:.2g}'))}"
-    return Cell(show(mean) + more, float(mean))
 
 
 def failures_section(inputs: Inputs) -> Section:
@@ -221,16 +253,17 @@ def failures_section(inputs: Inputs) -> Section:
             Column("Why"),
             Column("Directory"),
         )
+        settings = _by_row([[_label(point, key) for point in points] for key in keys], len(points))
         rows = tuple(
             (
                 value_cell(point.result.number),
-                *(value_cell(point.result.labels.get(key)) for key in keys),
+                *cells,
                 status_cell(point.result.status),
                 value_cell(point.result.attempts),
                 Cell(_short(point.reason)),
                 _place(point, inputs),
             )
-            for point in points
+            for point, cells in zip(points, settings, strict=True)
         )
         blocks.append(Table(f"Scan {scan.label}: points that are not done", columns, rows))
     for run in inputs.runs:
@@ -269,13 +302,19 @@ def settings_blocks(inputs: Inputs) -> list[Block]:
         if not known:
             continue
         different = {*differing(known), *varied}
-        rows = tuple(
-            (Cell(key), Cell(show(value)), Cell(unit_of_key(key)))
-            for key, value in known[0].case.items()
-            if key not in different and all(run.case.get(key) == value for run in known)
-        )
+        shared = {key: value for key, value in known[0].case.items() if key not in different}
+        rows = tuple((Cell(key), Cell(show(value)), Cell(unit_of_key(key))) for key, value in _spelt_out(shared))
         columns = (Column("Key", key=True), Column("Value"), Column("Unit"))
         who = f"all points of {title}" if varied else f"all {title}"
         name = f"Settings that {who} share" if len(known) > 1 else f"Settings of {title}"
         blocks.append(Group(name, (Table(name, columns, rows, captioned=False),), folded=True))
     return blocks
+
+
+def _spelt_out(tables: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Values by their full dotted keys, those of tables within tables too."""
+    for name, value in tables.items():
+        if isinstance(value, dict) and value:
+            yield from _spelt_out(value, f"{prefix}{name}.")
+        else:
+            yield f"{prefix}{name}", value

@@ -60,7 +60,7 @@ def applies(entry: Mapping[str, Any], case: Mapping[str, Any], values: Mapping[s
 
 
 def sources_section(inputs: Inputs) -> Section:
-    """The section of the report."""
+    """The section of the report; without blocks where the sources say nothing of its cases."""
     values = source_values()
     runs = list(inputs.results())
     rows = [row for entry in values["values"] for row in _rows(entry, runs, values)]
@@ -68,20 +68,18 @@ def sources_section(inputs: Inputs) -> Section:
     if rows:
         blocks.append(
             Note(
-                "Values that the sources give for a case of this report. The rounding is half a unit of the last "
-                "digit that a source gives, unless the remark says otherwise."
+                "Single values that the sources give for a case of this report. The rounding is half a unit of the "
+                "last digit that a source gives, unless the remark says otherwise."
             )
         )
-        blocks.append(Table("Source against ours", _COLUMNS, tuple(rows), sortable=True, captioned=False))
-    else:
-        blocks.append(Note("The sources give no value for any case of this report."))
+        blocks.append(Table("Source against ours", _COLUMNS, tuple(rows), sortable=True, captioned=False, by_row=True))
     errata = [entry for entry in values["errata"] if any(applies(entry, run.case, values) for run in runs)]
     if errata:
         columns = (Column("Where", key=True), Column("Printed"), Column("Right, or what to make of it"))
         lines = tuple((Cell(e["where"], e["where"]), Cell(e["printed"]), Cell(e["right"])) for e in errata)
         table = Table("Errata of the sources", columns, lines, captioned=False)
         blocks.append(Group("Errata of the sources that bear on these cases", (table,), folded=True))
-    return Section("Source against ours", SLUG, tuple(blocks))
+    return Section("Source against ours" if rows else "Errata of the sources", SLUG, tuple(blocks))
 
 
 def _rows(entry: Mapping[str, Any], runs: Iterable[Run], values: Mapping[str, Any]) -> Iterator[tuple[Cell, ...]]:

@@ -12,8 +12,8 @@ from granwave.analysis.prestress.studies import studies as studies_of_the_past
 from granwave.analysis.protection.runs import collect as collect_targets
 from granwave.analysis.protection.studies import studies as protection_studies
 from granwave.analysis.reports.inputs import Inputs
-from granwave.analysis.reports.model import Cell, Column, Figure, Gallery, Group, Note, Section, Table
-from granwave.analysis.reports.pictures import png_of
+from granwave.analysis.reports.model import Cell, Column, Gallery, Group, Note, Section, Table
+from granwave.analysis.reports.pictures import picture_of
 from granwave.analysis.reports.quantities import BLANK, percent, value_cell
 from granwave.analysis.square.runs import collect as collect_packings
 from granwave.analysis.square.studies import studies as packing_studies
@@ -35,8 +35,7 @@ _COLUMNS = (
 
 def studies_section(inputs: Inputs, found: Sequence[Study]) -> Section:
     """The section of the report; without blocks where there is no study."""
-    title = "Studies: source against ours" if any(study.rows for study in found) else "Studies"
-    return Section(title, SLUG, tuple(_group(study, inputs) for study in found))
+    return Section("Studies", SLUG, tuple(_group(study, inputs) for study in found))
 
 
 def verdicts(found: Sequence[Study]) -> tuple[Group, ...]:
@@ -56,23 +55,24 @@ def studies_of(inputs: Inputs) -> list[Study]:
 def _group(study: Study, inputs: Inputs) -> Group:
     blocks: list[Table | Gallery | Note] = [Note(study.text)]
     if study.rows:
-        blocks.append(
-            Table(f"{study.title}: source against ours", _COLUMNS, tuple(map(_cells, study.rows)), sortable=True)
-        )
+        what = "source" if any(row.source is not None for row in study.rows) else "theory"
+        rows = tuple(map(_cells, study.rows))
+        blocks.append(Table(f"{study.title}: {what} against ours", _COLUMNS, rows, sortable=True, by_row=True))
     blocks += study.tables
     figures = []
     for picture in study.pictures:
         data = inputs.base / FIGURES_DIRECTORY / f"{picture.name}.csv"
         link = inputs.link(data, f"{FIGURES_DIRECTORY}/{data.name}") if data.is_file() else None
         slug = f"studies-{picture.name.replace('_', '-')}"
-        figures.append(Figure(slug, picture.caption, picture.caption, *png_of(picture.drawing), link))
+        figures.append(picture_of(picture.drawing, slug, picture.caption, link))
     if figures:
         blocks.append(Gallery(tuple(figures)))
     return Group(study.title, tuple(blocks))
 
 
 def _cells(row: Row) -> tuple[Cell, ...]:
-    deviation = row.deviation
+    against = row.expected if row.source is None else row.source
+    deviation = row.ours / against - 1 if against else None
     name = f"{row.quantity} ({row.unit})" if row.unit else row.quantity
     return (
         Cell(name, name),

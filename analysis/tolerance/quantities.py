@@ -7,16 +7,13 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Literal
 
-import numpy as np
-from numpy.typing import NDArray
-
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.result import Result
 from granwave.analysis.statistics import Estimate, estimate, exactly
+from granwave.analysis.target import reached
 from granwave.analysis.tolerance.runs import IDEAL, Packing, Replicate, Setting
 from granwave.lammps_inputs.disorder import is_random
 
-_ARRIVED = 0.01  # of the largest force on the bottom, where a summary does not tell the arrival
 _LATE = 0.05  # of the run
 
 Better = Literal["more", "less", ""]
@@ -58,46 +55,22 @@ def _summed_up(name: str) -> Callable[[Replicate], float]:
     return lambda run: run.value(name)
 
 
-def _plastic_share(run: Replicate) -> float:
-    """Of the input; all that is dissipated where nothing rubs."""
-    share = run.value("plastic_fraction")
-    return run.value("dissipated_fraction") if math.isnan(share) and not run.case.rubs else share
-
-
-def _friction_share(run: Replicate) -> float:
-    return run.value("friction_fraction") if run.case.rubs else 0.0
-
-
-def _arrival(run: Replicate) -> float:
-    """When force first reaches the bottom, s."""
-    if "base_arrival_s" in run.summary:
-        return run.value("base_arrival_s")
-    time, force = _on_bottom(run)
-    felt = np.flatnonzero(force > _ARRIVED * force.max(initial=0.0))
-    return float(time[felt[0]]) if len(felt) else math.nan
-
-
 def cut_short(run: Replicate) -> bool:
     """The force on the bottom was largest in the last part of the run, so that it may have grown on."""
-    time, force = _on_bottom(run)
-    return bool(len(time)) and bool(time[np.argmax(force)] > (1 - _LATE) * time[-1])
-
-
-def _on_bottom(run: Replicate) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Times and forces; empty where none were recorded."""
     try:
         with Result(run.directory) as result:
-            return result["walls/bottom/time"], result["walls/bottom/force"]
-    except (MissingOutputError, OutputFormatError, KeyError):
-        return np.empty(0), np.empty(0)
+            found = reached(result)
+    except (MissingOutputError, OutputFormatError):  # only the summary was kept
+        return False
+    return found is not None and bool(found.time[found.force.argmax()] > (1 - _LATE) * found.time[-1])
 
 
 FORCE = Quantity("wall_peak_force_N", "peak force on the bottom", "N", 1.0, _summed_up("wall_peak_force_N"), "less")
 DISSIPATED = Quantity(
     "dissipated_fraction", "dissipated share of the energy", "", 1.0, _summed_up("dissipated_fraction"), "more"
 )
-PLASTIC = Quantity("plastic_fraction", "share dissipated by yielding", "", 1.0, _plastic_share, "more")
-FRICTION = Quantity("friction_fraction", "share dissipated by friction", "", 1.0, _friction_share)
+PLASTIC = Quantity("plastic_fraction", "share dissipated by yielding", "", 1.0, _summed_up("plastic_fraction"), "more")
+FRICTION = Quantity("friction_fraction", "share dissipated by friction", "", 1.0, _summed_up("friction_fraction"))
 REDUCTION = Quantity(
     "peak_reduction", "peak force without the packing over that with it", "", 1.0, _summed_up("peak_reduction"), "more"
 )
@@ -105,7 +78,7 @@ CONTACTS = Quantity("n_plastic_contacts", "yielded contacts", "", 1.0, _summed_u
 SPHERES = Quantity("n_plastic_spheres", "yielded spheres", "", 1.0, _summed_up("n_plastic_spheres"))
 VOLUME = Quantity("plastic_zone_volume_m3", "plastic volume", "cm³", 1e-6, _summed_up("plastic_zone_volume_m3"))
 DEPTH = Quantity("plastic_zone_depth_m", "plastic depth", "mm", 1e-3, _summed_up("plastic_zone_depth_m"))
-ARRIVAL = Quantity("base_arrival_s", "arrival at the bottom", "µs", 1e-6, _arrival)
+ARRIVAL = Quantity("base_arrival_s", "arrival at the bottom", "µs", 1e-6, _summed_up("base_arrival_s"))
 
 QUANTITIES = (
     FORCE, REDUCTION, DISSIPATED, PLASTIC, FRICTION, CONTACTS, SPHERES, VOLUME, DEPTH, ARRIVAL,

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
-import json
 from collections.abc import Iterable, Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from granwave.analysis.finished import FinishedRun
+from granwave.analysis.finished import FinishedRun, all_but
 from granwave.lammps_inputs.case import Case
 from granwave.lammps_inputs.disorder import DEFAULT_SEED, is_random
 
@@ -103,17 +102,13 @@ def setting_of(case: Case) -> Setting:
 
 
 def _what_is_hit(case: Case) -> str:
-    """Everything that is not an imperfection, nor how long and how finely the run was followed."""
-    tables = case.to_dict()
-    for name in ("name", "run", "output"):
-        tables.pop(name, None)
-    left_out = () if isinstance(case.packing.vacancies, tuple) else ("vacancies",)
-    for name in ("diameter_scatter", "seed", *left_out):
-        tables["packing"].pop(name, None)
+    """Everything that is not an imperfection."""
+    left_out = ["packing.diameter_scatter", "packing.seed", "contact.friction"]
+    if not isinstance(case.packing.vacancies, tuple):
+        left_out.append("packing.vacancies")
     if case.boundary.friction == case.contact.friction:  # as where it is left out
-        tables["boundary"].pop("friction", None)
-    tables["contact"].pop("friction", None)
-    return json.dumps(tables, sort_keys=True)
+        left_out.append("boundary.friction")
+    return all_but(case, *left_out)
 
 
 def _in_order(runs: Mapping[int, Replicate]) -> tuple[Replicate, ...]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator, Sequence
 
+from granwave.analysis.case_words import bottom_words, impact_words
 from granwave.analysis.figure_style import style
 from granwave.analysis.number_words import with_interval
 from granwave.analysis.reports.model import Cell, Column, Table
@@ -15,7 +16,7 @@ from granwave.analysis.tolerance import figures
 from granwave.analysis.tolerance.axes import Axis, axes_of
 from granwave.analysis.tolerance.quantities import Measured, Quantity, measure
 from granwave.analysis.tolerance.runs import IDEAL, Packing, Setting
-from granwave.analysis.tolerance.verdict import impact, verdict
+from granwave.analysis.tolerance.verdict import verdict
 
 
 def studies(packings: Sequence[Packing]) -> list[Study]:
@@ -25,10 +26,11 @@ def studies(packings: Sequence[Packing]) -> list[Study]:
 
 
 def _study(measured: Measured, number: int) -> Study:
+    case = measured.packing.case
     name = "tolerances" if number == 1 else f"tolerances-{number}"
     return Study(
         name,
-        f"Tolerances: {impact(measured)}",
+        f"Tolerances: {impact_words(case)}, {bottom_words(case)}",
         "Means over the seeds and their 95 % confidence intervals (Student). Values without an interval are of "
         "packings in which nothing is random, or of a single seed. With a diameter scatter, diameters lie between the "
         "nominal one and so much less. A lower peak force and a larger dissipated share protect better.",

@@ -39,16 +39,6 @@ def verdict(measured: Measured) -> tuple[str, ...]:
     return (*lines, *_doubts(measured))
 
 
-def impact(measured: Measured) -> str:
-    """What is hit, in a few words."""
-    case = measured.packing.case
-    size = " x ".join(map(str, case.packing.size))
-    return (
-        f"{case.packing.kind.upper()} packing of {size} spheres of {1e3 * case.packing.diameter:.4g} mm, "
-        f"{case.material.name or 'own material'}, {case.load.velocity:g} m/s"
-    )
-
-
 def as_percent(value: Estimate) -> str:
     """A share with its interval: ``16 ± 1.5 %``."""
     return with_interval(value.over(0.01), unit="%")
