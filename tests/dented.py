@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pytest
 
 from granwave.lammps_inputs.case import Case
 from granwave.workflows.balance import TOLERANCE
@@ -41,13 +40,6 @@ def reading(directory: Path, text: str) -> str:
     path = directory / "dents.txt"
     path.write_text(text, encoding="utf-8")
     return f"gran/dents read {path}"
-
-
-def refuses(lmp, command: str, message: str) -> None:
-    """The command ends in this message; of which the Python module of LAMMPS 29 Aug 2024 hands on 100 characters."""
-    whole = lmp.version() >= 20250722
-    with pytest.raises(Exception, match=message if whole else command.split()[0]):
-        lmp.command(command)
 
 
 def table(lmp) -> np.ndarray:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.conftest import script_of
-from tests.dented import MASS, REPORTS, meeting_in, reading, refuses, start, table
+from tests.conftest import refuses, script_of
+from tests.dented import MASS, REPORTS, meeting_in, reading, start, table
 from tests.rubbing import rubbing
 from tests.test_pair_style import LAW, PAIR, R, restitution, value
 
