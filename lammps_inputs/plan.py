@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.laws import sphere_contact
 from granwave.lammps_inputs.schedule import Schedule, make_schedule
-from granwave.lammps_inputs.timestep import expected_energy, expected_peak_overlap
+from granwave.lammps_inputs.timestep import expected_peak_overlap
+from granwave.lammps_inputs.wall_time import WallTime, expected_wall_time
 
 if TYPE_CHECKING:
-    from granwave._contact_laws import ContactLaw
     from granwave.lammps_inputs.case import Case
 
 # Measured on fcc packings of 1.5e5 spheres (whole runs) and 1e7 spheres (set-up and first steps), rounded up.
@@ -25,17 +25,11 @@ _DISK_FRAME_PER_SPHERE = 130.0  # the text dump and its copy in result.h5
 _DISK_PER_CONTACT = 110.0
 _DISK_PER_ROW = 400.0
 _ROWS_PER_PARTICLE = 0.25  # what a particle costs at an instant of a chain's history
-_SECONDS_PER_SPHERE_STEP = 50e-9  # on one core, output included, as long as contacts are elastic
-_SECONDS_PER_STEP = 4e-6  # of LAMMPS itself, whatever the number of spheres
-# With a share y of the contacts yielded a step takes 1 + 2.5 y times as long; y = 1/(1 + (e/20)^-0.55) for an input of
-# e F_y alpha_y a contact. Both measured over 24 impacts on fcc, e from 2e-3 to 350; within a quarter.
-_YIELDED_COST = 2.5
-_ENERGY_OF_HALF, _ENERGY_POWER = 20.0, 0.55
 
 
 @dataclasses.dataclass(frozen=True)
 class Plan:
-    """The size and cost of a run; memory, disk and time are estimates.
+    """The size and cost of a run; memory, disk and times are estimates.
 
     Attributes
     ----------
@@ -47,8 +41,8 @@ class Plan:
         The same over the overlap at first yield; None if the law does not yield.
     peak_overlap_radius
         The same over the effective radius; beyond 0.2 it is outside the fitted law.
-    wall_time
-        s.
+    times
+        What it takes, part by part.
     """
 
     name: str
@@ -60,11 +54,22 @@ class Plan:
     peak_overlap: float
     peak_overlap_yield: float | None
     peak_overlap_radius: float
-    wall_time: float
+    times: WallTime
+
+    @property
+    def wall_time(self) -> float:
+        """s."""
+        return self.times.total
 
 
-def plan(case: Case, *, n_ranks: int = 1) -> Plan:
-    """What the run of a case would be."""
+def plan(case: Case, *, n_ranks: int = 1, figures: bool = True) -> Plan:
+    """What the run of a case would be.
+
+    Parameters
+    ----------
+    figures
+        They are drawn too.
+    """
     schedule, law, assembly = make_schedule(case), sphere_contact(case), case.assembly
     overlap = expected_peak_overlap(case)
     rows = schedule.n_steps / schedule.ledger_every + schedule.n_steps / schedule.probe_every
@@ -84,24 +89,8 @@ def plan(case: Case, *, n_ranks: int = 1) -> Plan:
         peak_overlap=overlap,
         peak_overlap_yield=overlap / law.yield_overlap if case.contact.yields else None,
         peak_overlap_radius=overlap / law.effective_radius,
-        wall_time=seconds_per_step(case) * schedule.n_steps * _yielding(case, law) / n_ranks,
+        times=expected_wall_time(case, schedule, n_ranks=n_ranks, figures=figures),
     )
-
-
-def seconds_per_step(case: Case) -> float:
-    """Time of a step on one core as long as contacts are elastic, s; a node of a bar takes twice that of a sphere."""
-    assembly = case.assembly
-    bodies = 2 * assembly.n_particles - assembly.n_spheres
-    return _SECONDS_PER_STEP + bodies * _SECONDS_PER_SPHERE_STEP
-
-
-def _yielding(case: Case, law: ContactLaw) -> float:
-    """How much longer a step takes on the average of the run because contacts yield."""
-    if not case.contact.yields:
-        return 1.0
-    energy = expected_energy(case)
-    each = energy / (law.yield_force * law.yield_overlap) / max(case.assembly.n_neighbours, 1)
-    return 1 + _YIELDED_COST / (1 + (each / _ENERGY_OF_HALF) ** -_ENERGY_POWER) if each > 0 else 1.0
 
 
 def check_memory(plan: Plan, available: float | None = None) -> None:

@@ -173,3 +173,18 @@ def test_spheres_of_two_sizes_cover_their_discs():
     left, right, bottom, top = picture.extent
     covered = picture.pixels[..., 3].mean() * (right - left) * (top - bottom)
     assert covered == pytest.approx(np.pi * 1.25, rel=1e-2)
+
+
+def test_a_sphere_struck_across_has_no_figure_of_its_velocity():
+    time = np.linspace(0, 1e-3, 9)
+    assert FIGURES["impactor_velocity"]({"energy/time": time, "energy/struck_velocity": np.zeros(9)}) is None
+    assert FIGURES["impactor_velocity"]({"energy/time": time, "energy/struck_velocity": time}) is not None
+
+
+def test_the_legend_of_the_energies_lies_on_no_curve(tmp_path):
+    write_result(synthetic.write_run(tmp_path, synthetic.make_case("chain", 20)))
+    with Result(tmp_path) as result:
+        figure = FIGURES["energies"](result).figure
+    figure.draw_without_rendering()
+    axes = figure.axes[0]
+    assert not axes.get_legend().get_window_extent().overlaps(axes.get_window_extent().shrunk(0.99, 0.99))

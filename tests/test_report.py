@@ -182,6 +182,20 @@ def test_versions_common_once_and_differences_by_run(tmp_path):
     assert found == [("numpy", "2", "first"), ("numpy", "3", "second")]
 
 
+def test_programs_of_another_kind_of_run_are_no_difference(tmp_path):
+    """The continuum needs no LAMMPS; one granular run that does not tell its LAMMPS is another matter."""
+    versions = {"granwave": "1", "lammps": "2"}
+    grains = write_run(tmp_path / "grains", figures=False, versions=versions)
+    block = write_run(tmp_path / "block", figures=False, versions={"granwave": "1", "numba": "3"}, n_elements=100)
+    report = build([grains, block], tmp_path)
+    shared = [row["Program"].text for row in table(report, "inputs", "Versions, the same in all")]
+    assert shared == ["granwave", "lammps", "numba"]
+    old = write_run(tmp_path / "old", figures=False, versions={"granwave": "1"})
+    report = build([grains, block, old], tmp_path)
+    (row,) = table(report, "inputs", "Versions that differ")
+    assert (row["Program"].text, row["Runs"].text) == ("lammps", "grains")
+
+
 def test_continuum_run_with_other_keys_and_nulls(tmp_path):
     run = tmp_path / "block"
     run.mkdir()

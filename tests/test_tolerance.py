@@ -101,6 +101,16 @@ def test_runs_are_put_together_by_what_is_hit(tmp_path: Path) -> None:
     assert steel.case.material.name == "steel"
 
 
+def test_many_packings_with_friction_and_without_are_another_study(tmp_path: Path) -> None:
+    materials = ["brass", "steel", "aluminium", "stainless-steel-316"]
+    paths = [write(tmp_path / m, settings([0], frictions=(0, 0.3), material=m)) for m in materials]
+    assert packings_in(sum(paths, []), tmp_path) == []
+    assert len(packings_in(sum(paths[:3], []), tmp_path)) == 3
+    paths.append(write(tmp_path / "more", settings([0, 5], **{"load.velocity": 9.0})))
+    (kept,) = packings_in(sum(paths, []), tmp_path)
+    assert kept.case.load.velocity == 9.0
+
+
 def test_neither_one_setting_nor_other_loads_are_a_study(tmp_path: Path) -> None:
     assert packings_in(write(tmp_path / "a", settings([1], seeds=5)), tmp_path) == []
     assert packings_in(write(tmp_path / "b", [{"load.velocity": v} for v in (1, 2)]), tmp_path) == []

@@ -182,7 +182,7 @@ def check(options: argparse.Namespace, _: Words) -> int:
     if kind is not GRANULAR:
         data = apply_overrides(read_toml(path), parse_overrides(options.overrides))
         other = kind.read(data, path, overridden=parse_overrides(options.overrides), directory=path.parent)
-        print(continuum_plan_table(other.name, kind.size(other), kind.cost(other, 1)))
+        print(continuum_plan_table(other.name, kind.size(other), kind.cost(other, 1, True)))
         kind.check_memory(other, None)
         return 0
     case = _case(options)

@@ -57,7 +57,7 @@ class Kind:
     size
         How many parts a case has.
     cost
-        Of a case on a number of ranks.
+        Of a case on a number of ranks, with its figures or without.
     check_memory
         Raises InputError where a case of this cost does not fit into this machine.
     """
@@ -67,7 +67,7 @@ class Kind:
     versions: tuple[str, ...]
     read: Callable[..., Any]
     size: Callable[[Any], int]
-    cost: Callable[[Any, int], Any]
+    cost: Callable[[Any, int, bool], Any]
     check_memory: Callable[[Any, Any], None]
     parallel: bool = False
 
@@ -97,7 +97,7 @@ def _continuum_kind(package: str, case: str) -> Kind:
         versions=("granwave",),
         read=lambda data, source, **options: part("case", case).from_dict(data, source, **options),
         size=lambda found: found.run.elements,
-        cost=lambda found, _: part("plan", "plan")(found),
+        cost=lambda found, *_: part("plan", "plan")(found),
         check_memory=lambda found, _: _check_mesh(found),
     )
 
@@ -108,7 +108,7 @@ GRANULAR = Kind(
     versions=("granwave", "lammps", "plugin_built_for_lammps"),
     read=Case.from_dict,
     size=lambda case: case.assembly.n_spheres,
-    cost=lambda case, n_ranks: plan(case, n_ranks=n_ranks),
+    cost=lambda case, n_ranks, figures: plan(case, n_ranks=n_ranks, figures=figures),
     check_memory=lambda _, expected: check_memory(expected),
     parallel=True,
 )

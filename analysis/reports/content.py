@@ -97,6 +97,8 @@ def _what_was_run(inputs: Inputs) -> Section:
 
 def _input_row(item: Run | Scan, inputs: Inputs) -> tuple[Cell, ...]:
     place = inputs.link(item.directory)
+    if place.text == ".":
+        place = inputs.link(item.directory, "that of this report")
     where = Cell(place.text, place.text, link=place)
     if isinstance(item, Run):
         name = item.summary.get("name")

@@ -13,6 +13,7 @@ from granwave.lammps_inputs.case import Case
 from granwave.lammps_inputs.disorder import DEFAULT_SEED, is_random
 
 _DIGITS = 12  # in which settings are the same
+_MOST_PAIRS = 3  # packings run twice alone; more are a scan of something else, that would drown in verdicts
 
 
 class Setting(NamedTuple):
@@ -76,6 +77,9 @@ class Packing:
 def collect(found: Iterable[tuple[str, Path, Mapping[str, Any]]]) -> list[Packing]:
     """Packings of which there are runs of two settings at least, one of them imperfect.
 
+    Where many packings were run twice alone, say with friction and without, they are left out: what differs
+    between the packings is the study.
+
     Parameters
     ----------
     found
@@ -87,11 +91,13 @@ def collect(found: Iterable[tuple[str, Path, Mapping[str, Any]]]) -> list[Packin
         seed = run.seed if is_random(run.case) else 0
         if run.value("end_time_s") > same.setdefault(seed, run).value("end_time_s"):
             same[seed] = run
-    return [
+    packings = [
         Packing({setting: _in_order(runs) for setting, runs in sorted(group.items())})
         for group in groups.values()
         if len(group) > 1
     ]
+    more = [packing for packing in packings if sum(map(len, packing.runs.values())) > 2]
+    return packings if len(packings) - len(more) <= _MOST_PAIRS else more
 
 
 def setting_of(case: Case) -> Setting:

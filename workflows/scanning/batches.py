@@ -11,7 +11,9 @@ from typing import Any
 
 from granwave.workflows.scanning.scan_file import Point
 
-_POINT_START = 0.15  # s, of a point in a batch beside its steps: process, deck, analysis
+LOCAL_START = 2.5  # s, of a job on this machine: Snakemake, Python, libraries
+_ENGINE_START = 3.0  # s, of Snakemake, before it starts the first job
+PUBLISH = 6.0  # s, of table, figures and report: 4 to 11 for 8 scans of 5 to 43 points, 50 for protected-height
 _LONGEST = 1800.0  # s, of a batch of several points
 
 
@@ -46,7 +48,18 @@ class Batch:
 
 def expected_time(point: Point, slowness: float = 1.0) -> float:
     """Wall time of a point, s; ``slowness`` is measured over planned time."""
-    return _POINT_START + point.plan.wall_time * slowness
+    return point.plan.wall_time * slowness
+
+
+def expected_scan_time(
+    points: Iterable[Point], *, workers: int, job_start: float = LOCAL_START, slowness: float = 1.0
+) -> float:
+    """Wall time of a scan that has these points left, s; as of `make_batches`."""
+    batches = make_batches(points, workers=workers, job_start=job_start, prefix="", slowness=slowness)
+    times = [job_start + batch.wall_time for batch in batches]
+    if not times:
+        return PUBLISH
+    return _ENGINE_START + max(sum(times) / workers, max(times)) + PUBLISH
 
 
 def make_batches(

@@ -150,7 +150,7 @@ def _slowness(scan: Scan, directory: Path, options: argparse.Namespace, jobs: in
     if options.executor == SLURM or sum(map(expected_time, left)) / jobs < _WORTH_MEASURING:
         return None
     typical = sorted(left, key=expected_time)[len(left) // 2]
-    return slowness_of(typical)
+    return slowness_of(typical, jobs)
 
 
 def _left(scan: Scan, directory: Path, *, fresh: bool) -> list[Point]:

@@ -22,7 +22,7 @@ from granwave.workflows.directory import held, results_in
 from granwave.workflows.interrupts import Interrupts
 from granwave.workflows.progress import Progress
 from granwave.workflows.scanning import layout, queue
-from granwave.workflows.scanning.batches import make_batches
+from granwave.workflows.scanning.batches import LOCAL_START, make_batches
 from granwave.workflows.scanning.engine import SLURM, Engine, check_installed
 from granwave.workflows.scanning.profile import Profile
 from granwave.workflows.scanning.scan_file import Point, Scan
@@ -30,7 +30,6 @@ from granwave.workflows.scanning.scan_file import Point, Scan
 logger = logging.getLogger(__name__)
 
 STOPPED = "stopped"  # by Ctrl-C or SIGTERM
-_LOCAL_START = 2.5  # s, of a job on this machine: Snakemake, Python, libraries
 _POLL, _QUEUE_POLL = 0.3, 2.0  # s, between looks at the directory, and at the cluster
 _PATIENCE = 60.0  # s, in which running jobs end by themselves once they are asked to
 _TABLE_EVERY, _FIGURES_EVERY = 5.0, 60.0  # s, at most so often while points come in
@@ -231,7 +230,7 @@ class _ScanRun:
         batches = make_batches(
             points,
             workers=self.jobs,
-            job_start=self.profile.job_start if self.profile else _LOCAL_START,
+            job_start=self.profile.job_start if self.profile else LOCAL_START,
             prefix=prefix,
             slowness=self.slowness,
         )

@@ -355,7 +355,7 @@ def _point(
 ) -> Point:
     try:
         ranks = header.ranks.of(kind.size(case)) if kind.parallel else 1
-        expected = kind.cost(case, ranks)
+        expected = kind.cost(case, ranks, header.figures)
     except (ArithmeticError, ValueError) as error:
         if isinstance(error, InputError):
             raise
