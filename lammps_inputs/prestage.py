@@ -40,7 +40,7 @@ LARGEST_MOVE = 0.1  # diameters, of any sphere, beyond what contacts take up: on
 
 _SPHERES = "static_spheres"  # the group of those that move
 _TOLERANCE = 1e-9  # of the force of a contact: net force on a sphere at which the search ends
-# With disorder the search takes tens of thousands of iterations, and few contacts bear many times the mean force:
+# With disorder or dents it takes tens of thousands of iterations, and few contacts may bear many times the mean force:
 _TOLERANCE_OF_DISORDER = 3e-7  # of the largest force of a contact, found in the first half
 _FIRST_HALF = 1e-5  # of the mean force, in the first half
 _ROUNDING = 8.0  # net force by rounding: in units of stiffness times the last digit of a coordinate
@@ -206,7 +206,7 @@ def _stored(case: Case) -> list[str]:
 
 
 def _disordered(case: Case) -> bool:
-    return bool(case.packing.diameter_scatter or case.packing.vacancies)
+    return bool(case.packing.diameter_scatter or case.packing.vacancies or case.contact.initial_overlap)
 
 
 def _rounding(case: Case) -> float:
