@@ -93,7 +93,7 @@ def new_figure(height: float, width: float = WIDTH) -> Figure:
 
 def legend_above(axes: Axes, ncols: int, **options: Any) -> None:
     """A legend that lies on no curve."""
-    place = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "columnspacing": 1.0}
+    place: dict[str, Any] = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "columnspacing": 1.0}
     axes.legend(ncols=ncols, **(place | options))
 
 

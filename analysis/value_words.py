@@ -1,6 +1,6 @@
 """Values of a case that are tables, in words, for tables of results and legends: ``plate mass=5 stiffness=5e9, steel``.
 
-A scan notes such values of its points as JSON; one whose case lacks the key is noted as empty text.
+A label of a scan may hold such a value as JSON; that of a point whose case lacks the key is empty text.
 """
 
 from __future__ import annotations
@@ -67,6 +67,6 @@ def _material(table: Mapping[str, Any]) -> str:
 
 
 def _text(value: Any) -> str:
-    if isinstance(value, bool):
-        return str(value).lower()
+    if isinstance(value, bool | list | tuple):
+        return json.dumps(value, ensure_ascii=False)
     return plain(f"{value:.6g}") if isinstance(value, float) else str(value)

@@ -146,7 +146,15 @@ def test_whole_packings_can_vary(load: Load) -> None:
     kinds = ", ".join(f'{{kind = "{kind}", size = [6, 6, 4], diameter = 0.01}}' for kind in ("fcc", "hcp"))
     scan = load(f'case = "fcc-small"\n[grid]\npacking = [{kinds}]\n')
     assert [point.case.packing.kind for point in scan.points] == ["fcc", "hcp"]
-    assert json.loads(scan.points[1].labels["packing"])["kind"] == "hcp"
+    fcc, hcp = (str(point.labels["packing"]) for point in scan.points)
+    assert "fcc" in fcc and "hcp" in hcp
+
+
+def test_unlike_materials_of_one_name_are_told_apart(load: Load) -> None:
+    made = '{name = "mine", youngs_modulus = 1e11, poisson_ratio = 0.3, density = 8000, yield_strength = %s}'
+    scan = load(f'case = "fcc-small"\n[grid]\nmaterial = [{made % "3e8"}, {made % "6e8"}]\n')
+    labels = [str(point.labels["material"]) for point in scan.points]
+    assert len(set(labels)) == 2 and all("mine" in label for label in labels)
 
 
 # ---------------------------------------------------------------------- ids and labels

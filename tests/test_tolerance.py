@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -104,10 +105,10 @@ def test_runs_are_put_together_by_what_is_hit(tmp_path: Path) -> None:
 def test_many_packings_with_friction_and_without_are_another_study(tmp_path: Path) -> None:
     materials = ["brass", "steel", "aluminium", "stainless-steel-316"]
     paths = [write(tmp_path / m, settings([0], frictions=(0, 0.3), material=m)) for m in materials]
-    assert packings_in(sum(paths, []), tmp_path) == []
-    assert len(packings_in(sum(paths[:3], []), tmp_path)) == 3
+    assert packings_in(itertools.chain(*paths), tmp_path) == []
+    assert len(packings_in(itertools.chain(*paths[:3]), tmp_path)) == 3
     paths.append(write(tmp_path / "more", settings([0, 5], **{"load.velocity": 9.0})))
-    (kept,) = packings_in(sum(paths, []), tmp_path)
+    (kept,) = packings_in(itertools.chain(*paths), tmp_path)
     assert kept.case.load.velocity == 9.0
 
 

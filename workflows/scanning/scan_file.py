@@ -28,7 +28,7 @@ from granwave.workflows import studies
 from granwave.workflows.kinds import AnyCase, Cost, Kind, kind_of
 from granwave.workflows.messages import each_warning_once
 from granwave.workflows.scanning.header import Header
-from granwave.workflows.scanning.labels import label_of
+from granwave.workflows.scanning.labels import labels_of
 from granwave.workflows.scanning.values import MOST_POINTS, SHAPES, values_of
 from granwave.workflows.versions import versions
 
@@ -289,7 +289,7 @@ def _build(
         name=header.name or path.stem,
         case_name=str(template["name"]),
         varied=varied,
-        points=tuple(points),
+        points=tuple(_labelled(points, varied)),
         figures=header.figures,
         text="".join(f"# --set {key}={show(value)}\n" for key, value in changes.items()) + text,
     )
@@ -363,8 +363,16 @@ def _point(
     resolved = case.to_dict()
     stamp = {name: versions()[name] for name in kind.versions}
     key = json.dumps([{**resolved, "name": ""}, stamp], sort_keys=True).encode()
-    labels = {key: label_of(key, values[key] if key in values else _look_up(resolved, key)) for key in varied}
+    labels = {key: values[key] if key in values else _look_up(resolved, key) for key in varied}
     return Point(number, hashlib.sha256(key).hexdigest()[:_ID_LENGTH], labels, case, kind, expected, ranks)
+
+
+def _labelled(points: Sequence[Point], varied: Sequence[str]) -> list[Point]:
+    """The points with labels in place of the values of what varies."""
+    columns = {key: labels_of([point.labels[key] for point in points]) for key in varied}
+    return [
+        dataclasses.replace(point, labels={key: columns[key][n] for key in varied}) for n, point in enumerate(points)
+    ]
 
 
 def _look_up(tables: Mapping[str, Any], key: str) -> Any:
