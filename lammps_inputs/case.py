@@ -40,6 +40,7 @@ _REQUIRED = ("packing", "material")
 _KNOWN = ("name", "material", *_SECTIONS, _PRECOMPRESSION, "pair", *_LISTS, *_BARS)
 _RECORD = "resolved"  # written beside a deck for people and programs, ignored when read
 _OF_CONTINUUM = ("block", "punch")
+_OF_SCAN = ("replicates", "ranks", "case", "set", "grid", "zip", "points")
 _HISTORY, _LEAST_HISTORY = 1000, 5  # instants; beads of a chain from which on they are recorded by themselves
 _HISTORY_VALUES, _LEAST_ROWS = 1e6, 250  # instants times particles, nodes of bars among them; fewest instants
 
@@ -316,7 +317,11 @@ def _refuse_others(data: Mapping[str, Any], faults: Faults) -> None:
     for name in _OF_CONTINUUM:
         if name in data:
             faults.add(name, "belongs to a continuum case: granwave continuum runs it")
-    rest = {name: value for name, value in data.items() if name not in (*_OF_CONTINUUM, _RECORD)}
+    for name in _OF_SCAN:
+        if name in data:
+            faults.add(name, "belongs in a scan file: granwave scan runs it")
+    others = (*_OF_CONTINUUM, *_OF_SCAN, _RECORD)
+    rest = {name: value for name, value in data.items() if name not in others}
     refuse_unknown(rest, _KNOWN, "", faults)
 
 

@@ -78,11 +78,11 @@ def number(
 
 
 def choice(description: str, options: tuple[Any, ...], *, default: Any = REQUIRED) -> Any:
-    """One of the listed words or whole numbers."""
+    """One of the listed words, whole numbers or truth values."""
     expected = "one of " + ", ".join(show(option) for option in options)
 
     def parse(value: Any) -> Any:
-        if isinstance(value, bool) or value not in options or type(value) is not type(options[0]):
+        if value not in options or type(value) is not type(options[0]):
             near = difflib.get_close_matches(str(value).lower(), map(str, options), n=1)
             raise Unfit(expected + (f"; did you mean {near[0]}?" if near else ""))
         return value

@@ -58,7 +58,7 @@ class Plan:
 
     @property
     def wall_time(self) -> float:
-        """s."""
+        """Of a run of usual length, s."""
         return self.times.total
 
 

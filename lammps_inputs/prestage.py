@@ -205,7 +205,8 @@ def _stored(case: Case) -> list[str]:
     return ["c_static", *(f"f_{name}[4]" for name in planes), *([f"f_{support}[12]"] if support else [])]
 
 
-def _disordered(case: Case) -> bool:
+def disordered(case: Case) -> bool:
+    """There are gaps to close, which makes the search long."""
     return bool(case.packing.diameter_scatter or case.packing.vacancies or case.contact.initial_overlap)
 
 
@@ -218,8 +219,8 @@ def _rounding(case: Case) -> float:
 def _least_net_force(case: Case, *, first: bool = False) -> str:
     """The net force on a sphere at which the search ends, N: a small part of the forces of contacts, or rounding."""
     rounding, mean = _rounding(case), force_of_contact(case)
-    if not _disordered(case) or first:
-        part = _FIRST_HALF if _disordered(case) else _TOLERANCE
+    if not disordered(case) or first:
+        part = _FIRST_HALF if disordered(case) else _TOLERANCE
         return num(float(f"{part * mean + rounding:.3g}"))
     largest = f"(v_static_force+(v_static_force==0)*{num(mean)})"
     return f"$({num(_TOLERANCE_OF_DISORDER)}*{largest}+{num(float(f'{rounding:.3g}'))})"

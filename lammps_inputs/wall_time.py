@@ -12,6 +12,7 @@ import dataclasses
 from typing import TYPE_CHECKING
 
 from granwave.lammps_inputs.laws import sphere_contact
+from granwave.lammps_inputs.prestage import disordered
 from granwave.lammps_inputs.timestep import expected_energy
 
 if TYPE_CHECKING:
@@ -24,17 +25,17 @@ _PARTICLE = 20e-9  # of each sphere and each node of a bar, the ledger and wall 
 _PAIR = 2e-9  # of each touching pair
 _LOADED = 12.5e-9  # more where it bears a force: fcc under 1 MPa
 _FRICTION = 25e-9  # more where it bears a force and rubs: 1.6 times a step of an impact, twice one under precompression
-_YIELDED = 45e-9  # more where it bears a force and has yielded
+_YIELDED = 30e-9  # more where it bears a force and has yielded
 _SHARE_LOADED = 0.3  # of the pairs, over an impact on a packing at rest; all under precompression
 # The share of contacts that have yielded is 1/(1 + (e/20)^-0.55) for an input of e F_y alpha_y a contact: 24 impacts on
 # fcc, e from 2e-3 to 350.
 _ENERGY_OF_HALF, _ENERGY_POWER = 20.0, 0.55
 
 # of the static stage
-_ITERATION = 3.0  # steps under load: 2 with periodic sides, 3 to 6 under uniform pressure
+_ITERATION = 3.0  # steps under load: 2 with periodic sides, 3 to 7 under uniform pressure
 _ITERATIONS = 1e3  # of a lattice of like spheres: 330 to 2300 in chains of 100 and 150 and 20 packings
-_ITERATIONS_OF_DISORDER = 1e4  # with gaps to close; no rule was found for them, 1200 to 46 000 in 15 packings
-_RANGE_OF_DISORDER = 1e3, 1e5
+_ITERATIONS_OF_DISORDER = 1e4  # with gaps to close: 1200 to 46 000 in 20 packings of 144 to 1152, by no plain rule
+_MOST_ITERATIONS_OF_DISORDER = 1e5
 
 # s beside the steps
 _START = 0.3  # of set-up and analysis, whatever the size
@@ -52,9 +53,9 @@ class WallTime:
     Attributes
     ----------
     static
-        Of the static stage.
-    static_range
-        Where its length cannot be known, of a short one and of a long one; else None.
+        Of the static stage; where its length cannot be known, of one of middle length.
+    most_static
+        Of a long one.
     steps
         Of the time integration; with ``end_time = "auto"`` until it usually ends.
     most_steps
@@ -66,7 +67,7 @@ class WallTime:
     """
 
     static: float
-    static_range: tuple[float, float] | None
+    most_static: float
     steps: float
     most_steps: float
     rest: float
@@ -76,6 +77,11 @@ class WallTime:
     def total(self) -> float:
         """All of it, s."""
         return self.static + self.steps + self.rest + self.figures
+
+    @property
+    def longest(self) -> float:
+        """With a long static stage and as many steps as there can be, s."""
+        return self.most_static + self.most_steps + self.rest + self.figures
 
 
 def expected_wall_time(case: Case, schedule: Schedule, *, n_ranks: int = 1, figures: bool = True) -> WallTime:
@@ -92,10 +98,10 @@ def expected_wall_time(case: Case, schedule: Schedule, *, n_ranks: int = 1, figu
     records = _SNAPSHOT * max(2.0, part * schedule.n_frames)
     records += _HISTORY * steps / schedule.history_every if schedule.history_every else 0.0
     an_iteration = _ITERATION * _seconds(case, loaded=1.0, rubs=False) / n_ranks
-    count, bounds = _iterations(case)
+    usual, most = _iterations(case)
     return WallTime(
-        static=count * an_iteration,
-        static_range=(bounds[0] * an_iteration, bounds[1] * an_iteration) if bounds else None,
+        static=usual * an_iteration,
+        most_static=most * an_iteration,
         steps=steps * each,
         most_steps=schedule.n_steps * each,
         rest=_START + n * records,
@@ -135,11 +141,8 @@ def _usual_steps(case: Case, schedule: Schedule) -> float:
     return min(schedule.n_steps, blocks * schedule.block_steps + case.load.lasts / schedule.timestep)
 
 
-def _iterations(case: Case) -> tuple[float, tuple[float, float] | None]:
-    """Of the static stage, and between which bounds where they cannot be known."""
+def _iterations(case: Case) -> tuple[float, float]:
+    """Of the static stage, usually and at most."""
     if case.precompression is None:
-        return 0.0, None
-    packing = case.packing
-    if packing.diameter_scatter or packing.vacancies or case.contact.initial_overlap:
-        return _ITERATIONS_OF_DISORDER, _RANGE_OF_DISORDER
-    return _ITERATIONS, None
+        return 0.0, 0.0
+    return (_ITERATIONS_OF_DISORDER, _MOST_ITERATIONS_OF_DISORDER) if disordered(case) else (_ITERATIONS, _ITERATIONS)

@@ -333,6 +333,7 @@ class TestOverrides:
         ({"name": 3}, "name: found 3"),
         ({"name": "a\nb"}, "name: found"),
         ({"block": {}}, "block: belongs to a continuum case"),
+        ({"replicates": 3}, "replicates: belongs in a scan file: granwave scan runs it"),
     ],
 )
 def test_bad_cases(changes: dict[str, Any], fault: str) -> None:

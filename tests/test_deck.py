@@ -1,4 +1,4 @@
-"""Decks: the timestep's scaling, the schedule, the data file, the input script, and the plan."""
+"""Decks: the timestep's scaling, the schedule, the data file and the input script."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ from granwave.lammps_inputs.deck import write_deck
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.laws import flat_contact, sphere_contact
 from granwave.lammps_inputs.packings import build_packing
-from granwave.lammps_inputs.plan import check_memory, plan
 from granwave.lammps_inputs.schedule import make_schedule
 from granwave.lammps_inputs.script import part
 from granwave.lammps_inputs.timestep import auto_timestep, expected_peak_overlap
@@ -303,21 +302,3 @@ class TestMovingBottom:
         assert re.search(r"^fix +bottom_2 species2 .* yield_factor 1.6$", text, re.M)
         with pytest.raises(InputError, match=r"boundary.bottom: found a plate under spheres of brass and steel"):
             make(replace=[{"index": 144, "material": "steel"}], boundary={"bottom": plate})
-
-
-class TestPlan:
-    def test_reference(self) -> None:
-        found = plan(make((72, 72, 30), run={"timestep": 1e-7}))
-        assert (found.n_spheres, found.n_contacts, found.schedule.n_steps) == (155_520, 902_165, 10_000)
-        assert found.peak_overlap_yield == pytest.approx(48.9, abs=0.1)
-        hertz = plan(make((72, 72, 30), run={"timestep": 1e-7}, contact={"law": "hertz"}))
-        assert hertz.wall_time == pytest.approx(155_520 * 10_000 * 50e-9, rel=1e-3)
-        assert 1.01 < found.wall_time / hertz.wall_time < 1.5  # some contacts yield
-        assert hertz.peak_overlap_yield is None
-
-    def test_memory(self) -> None:
-        check_memory(plan(make()))
-        with pytest.raises(InputError, match=r"need about .* GiB of memory, there is 0.1 GiB"):
-            check_memory(plan(make()), available=1e8)
-        with pytest.raises(InputError, match="spheres need about"):
-            check_memory(plan(make((1000, 1000, 1000))))

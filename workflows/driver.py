@@ -210,6 +210,8 @@ class _Run:
                 self.lost_before_block = saved["lost_before_block"]
                 engine.commands("log log.lammps append")
                 setup = checkpoint.continued(setup, saved)
+            if not go_on and self.case.precompression and self.show:
+                logger.info("%s: static stage, until the packing is in balance ...", self.case.name)
             engine.commands(setup)
             if not go_on and self.case.precompression:
                 self._check_equilibrium()
@@ -247,7 +249,13 @@ class _Run:
 
     def _advance(self, engine: Engine, deck: Deck, stop: StopRequest) -> None:
         schedule = deck.schedule
-        bar = Progress(schedule.n_steps, self.case.name, enabled=self.show, done=engine.step)
+        bar = Progress(
+            schedule.n_steps,
+            self.case.name,
+            enabled=self.show,
+            done=engine.step,
+            at_most=schedule.block_steps > 0,
+        )
         begin = last_checkpoint = time.monotonic()
         before = self.record.wall_time_s
         piece, fresh = 20, True

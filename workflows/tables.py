@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from granwave.lammps_inputs.case import Case
 from granwave.lammps_inputs.plan import Plan
+from granwave.lammps_inputs.wall_time import WallTime
 from granwave.workflows.kinds import Cost
 
 _SUMMARY = {
@@ -94,7 +95,8 @@ def continuum_table(summary: Mapping[str, Any]) -> str:
 
 def plan_table(case: Case, plan: Plan) -> str:
     """What a run would be."""
-    schedule = plan.schedule
+    schedule, times = plan.schedule, plan.times
+    usual, most = duration(times.total), duration(times.longest)
     at_most = "at most " if schedule.block_steps else ""
     overlap = f"{plan.peak_overlap:.3g} m, {plan.peak_overlap_radius:.3g} R*"
     if plan.peak_overlap_yield is not None:
@@ -111,10 +113,29 @@ def plan_table(case: Case, plan: Plan) -> str:
             ("timestep", f"{schedule.timestep:.4g} s"),
             ("steps", f"{at_most}{schedule.n_steps}, to {schedule.end_time:.4g} s"),
             ("snapshots", f"{at_most}{schedule.n_frames}"),
-            ("expected time", f"{at_most}{duration(plan.wall_time)}"),
+            ("expected time", f"about {usual}: {_parts(times)}"),
+            *([("", f"at most {most}")] if schedule.block_steps and most != usual else []),
+            *([("static stage", static_words([times]))] if times.most_static > times.static else []),
             ("largest overlap", f"up to {overlap}"),
         ]
     )
+
+
+def _parts(times: WallTime) -> str:
+    """Which parts the time of a run has."""
+    parts = {
+        "static stage": times.static,
+        "steps": times.steps,
+        "set-up and analysis": times.rest,
+        "figures": times.figures,
+    }
+    return ", ".join(f"{name} {duration(time)}" for name, time in parts.items() if time >= 0.5)
+
+
+def static_words(times: Sequence[WallTime], jobs: float = 1.0) -> str:
+    """What a plan says of static stages whose length cannot be known, with so many jobs at once."""
+    counted, most = sum(time.static for time in times) / jobs, sum(time.most_static for time in times) / jobs
+    return f"counted with {duration(counted)}, but cannot be known where there is disorder: up to {duration(most)}"
 
 
 def continuum_plan_table(name: str, n_elements: int, cost: Cost) -> str:
@@ -125,7 +146,7 @@ def continuum_plan_table(name: str, n_elements: int, cost: Cost) -> str:
             ("elements", f"about {n_elements}"),
             ("memory", f"about {cost.memory / 2**30:.2f} GiB"),
             ("disk", f"about {cost.disk / 1e9:.3g} GB"),
-            ("expected time", duration(cost.wall_time)),
+            ("expected time", f"about {duration(cost.wall_time)}"),
         ]
     )
 

@@ -7,11 +7,15 @@ import json
 import math
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from granwave.lammps_inputs.plan import Plan
 from granwave.workflows.scanning.scan_file import Point
 
-LOCAL_START = 2.5  # s, of a job on this machine: Snakemake, Python, libraries
+if TYPE_CHECKING:
+    from granwave.workflows.scanning.profile import Profile
+
+_LOCAL_START = 2.5  # s, of a job on this machine: Snakemake, Python, libraries
 _ENGINE_START = 3.0  # s, of Snakemake, before it starts the first job
 PUBLISH = 6.0  # s, of table, figures and report: 4 to 11 for 8 scans of 5 to 43 points, 50 for protected-height
 _LONGEST = 1800.0  # s, of a batch of several points
@@ -29,6 +33,8 @@ class Batch:
         Bytes.
     wall_time
         Expected, s.
+    longest
+        Where nothing ends as early as expected, s.
     """
 
     id: str
@@ -36,6 +42,7 @@ class Batch:
     ranks: int
     memory: float
     wall_time: float
+    longest: float
 
     def write(self, path: Path, **settings: Any) -> None:
         """Write what the worker needs."""
@@ -51,15 +58,33 @@ def expected_time(point: Point, slowness: float = 1.0) -> float:
     return point.plan.wall_time * slowness
 
 
-def expected_scan_time(
-    points: Iterable[Point], *, workers: int, job_start: float = LOCAL_START, slowness: float = 1.0
-) -> float:
-    """Wall time of a scan that has these points left, s; as of `make_batches`."""
-    batches = make_batches(points, workers=workers, job_start=job_start, prefix="", slowness=slowness)
-    times = [job_start + batch.wall_time for batch in batches]
-    if not times:
+def expected_scan_time(points: Iterable[Point], profile: Profile | None, workers: int, slowness: float = 1.0) -> float:
+    """Wall time of a scan that has these points left, without the time that jobs wait on a cluster, s.
+
+    Parameters
+    ----------
+    profile
+        Of the cluster; None for this machine.
+    workers
+        Jobs at once; on this machine cores, of which a point takes as many as it has ranks.
+    """
+    start = start_of_job(profile)
+    batches = make_batches(points, workers=workers, job_start=start, prefix="", slowness=slowness)
+    if not batches:
         return PUBLISH
-    return _ENGINE_START + max(sum(times) / workers, max(times)) + PUBLISH
+    times = [start + batch.wall_time for batch in batches]
+    return _ENGINE_START + spread(times, [batch.ranks for batch in batches], profile, workers) + PUBLISH
+
+
+def spread(times: Sequence[float], ranks: Sequence[int], profile: Profile | None, workers: int) -> float:
+    """Wall time of jobs of these times, s, and ranks on so many workers; as of `expected_scan_time`."""
+    cores = [1 if profile else min(n, workers) for n in ranks]
+    return max(sum(time * n for time, n in zip(times, cores, strict=True)) / workers, max(times, default=0.0))
+
+
+def start_of_job(profile: Profile | None) -> float:
+    """Time that it takes to start a job, s."""
+    return profile.job_start if profile else _LOCAL_START
 
 
 def make_batches(
@@ -91,9 +116,12 @@ def make_batches(
             groups.append([point])
             lengths.append(time)
     return [
-        _batch(f"{prefix}x{n:04d}", group, time) for n, (group, time) in enumerate(zip(groups, lengths, strict=True))
+        _batch(f"{prefix}x{n:04d}", group, time, slowness)
+        for n, (group, time) in enumerate(zip(groups, lengths, strict=True))
     ]
 
 
-def _batch(name: str, points: Sequence[Point], time: float) -> Batch:
-    return Batch(name, tuple(points), points[0].ranks, max(point.plan.memory for point in points), time)
+def _batch(name: str, points: Sequence[Point], time: float, slowness: float) -> Batch:
+    plans = [point.plan for point in points]
+    longest = slowness * sum(one.times.longest if isinstance(one, Plan) else one.wall_time for one in plans)
+    return Batch(name, tuple(points), points[0].ranks, max(one.memory for one in plans), time, longest)

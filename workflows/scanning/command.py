@@ -12,15 +12,16 @@ from typing import Any
 
 from granwave.analysis.scan_result import ScanResult
 from granwave.lammps_inputs.errors import InputError, RunError
+from granwave.lammps_inputs.plan import Plan
 from granwave.workflows.scanning import driver, layout
-from granwave.workflows.scanning.batches import expected_time
+from granwave.workflows.scanning.batches import expected_scan_time, expected_time
 from granwave.workflows.scanning.calibrate import slowness_of
 from granwave.workflows.scanning.driver import ScanOutcome, default_jobs, run_scan
 from granwave.workflows.scanning.engine import EXECUTORS, LOCAL, SLURM, check_installed
 from granwave.workflows.scanning.profile import Profile, load_profile
 from granwave.workflows.scanning.scan_file import Point, Scan, load_scan
 from granwave.workflows.scanning.suite import REPORT, is_suite, load_suite, run_suite
-from granwave.workflows.tables import duration, lines
+from granwave.workflows.tables import duration, lines, static_words
 
 _WORTH_MEASURING = 20.0  # s of expected time, beyond which the speed of this machine is measured first
 _MOST_ROWS = 40
@@ -54,7 +55,7 @@ def _scan(options: argparse.Namespace, profile: Profile | None, jobs: int) -> in
     if not options.plan:
         _check_directory(found, directory, options)
     slowness = _slowness(found, directory, options, jobs)
-    print(plan_text(found, directory, jobs, slowness, fresh=options.force))
+    print(plan_text(found, directory, profile, jobs, slowness, fresh=options.force))
     if options.plan:
         return 0
     sys.stdout.flush()
@@ -78,9 +79,9 @@ def _suite(options: argparse.Namespace, profile: Profile | None, jobs: int) -> i
         place = directory / part.name
         measured = _slowness(part, place, options, jobs)
         slowness[part.name] = measured or 1.0
-        print(plan_text(part, place, jobs, measured, fresh=options.force) + "\n")
+        print(plan_text(part, place, profile, jobs, measured, fresh=options.force) + "\n")
     total = sum(
-        _time(_left(part, directory / part.name, fresh=options.force), jobs, slowness[part.name])
+        expected_scan_time(_left(part, directory / part.name, fresh=options.force), profile, jobs, slowness[part.name])
         for part in found.scans
     )
     print(f"suite {found.name}: {len(found.scans)} scans, about {duration(total)} in all\n")
@@ -158,13 +159,15 @@ def _left(scan: Scan, directory: Path, *, fresh: bool) -> list[Point]:
     return [p for p in scan.distinct.values() if fresh or not layout.is_done(directory, p.id)]
 
 
-def _time(points: Sequence[Point], jobs: int, slowness: float) -> float:
-    """Expected wall time, s."""
-    times = [expected_time(point, slowness) for point in points]
-    return max(sum(times) / jobs, max(times, default=0.0))
-
-
-def plan_text(scan: Scan, directory: Path, jobs: int, slowness: float | None, *, fresh: bool = False) -> str:
+def plan_text(
+    scan: Scan,
+    directory: Path,
+    profile: Profile | None,
+    jobs: int,
+    slowness: float | None,
+    *,
+    fresh: bool = False,
+) -> str:
     """What the scan would be."""
     points = scan.distinct.values()
     left = _left(scan, directory, fresh=fresh)
@@ -176,6 +179,8 @@ def plan_text(scan: Scan, directory: Path, jobs: int, slowness: float | None, *,
     kinds = ", ".join(f"{key} ({len({str(p.labels[key]) for p in scan.points})})" for key in scan.varied)
     at_once = sorted((p.plan.memory for p in left), reverse=True)[:jobs]
     sizes = [p.size for p in points]
+    times = [p.plan.times for p in left if isinstance(p.plan, Plan)]
+    unknown = [time for time in times if time.most_static > time.static]
     rows = [
         ("scan", scan.name),
         ("points", counts),
@@ -184,9 +189,10 @@ def plan_text(scan: Scan, directory: Path, jobs: int, slowness: float | None, *,
         ("jobs at once", f"{jobs}"),
         (
             "expected time",
-            f"about {duration(_time(left, jobs, slowness or 1.0))}"
+            f"about {duration(expected_scan_time(left, profile, jobs, slowness or 1.0))}"
             + (", from the speed measured here" if slowness else ""),
         ),
+        *([("static stages", static_words(unknown, jobs / (slowness or 1.0)))] if unknown else []),
         ("memory", f"about {sum(at_once) / 2**30:.2f} GiB"),
         ("disk", f"about {sum(p.plan.disk for p in left) / 1e9:.3g} GB"),
         ("directory", str(directory)),

@@ -22,8 +22,9 @@ from granwave.workflows.directory import held, results_in
 from granwave.workflows.interrupts import Interrupts
 from granwave.workflows.progress import Progress
 from granwave.workflows.scanning import layout, queue
-from granwave.workflows.scanning.batches import LOCAL_START, make_batches
+from granwave.workflows.scanning.batches import make_batches, start_of_job
 from granwave.workflows.scanning.engine import SLURM, Engine, check_installed
+from granwave.workflows.scanning.outlook import Outlook
 from granwave.workflows.scanning.profile import Profile
 from granwave.workflows.scanning.scan_file import Point, Scan
 
@@ -197,10 +198,13 @@ class _ScanRun:
         self.scan, self.directory, self.profile, self.jobs, self.stop = scan, directory, profile, jobs, stop
         self.show, self.slowness = show, slowness
         self.open = dict(scan.distinct)  # points of which it is not known that they are done or failed
+        self.running: dict[str, float] = {}  # when those in work were started, by id
         self.result = ScanResult(directory)
         self.drawn = self.tabled = time.monotonic()
         self.changed = True
         self.stopped: str | None = None
+        left = [point for name, point in self.open.items() if not layout.is_done(directory, name)]
+        self.outlook = Outlook(left, profile, jobs, slowness)
 
     def work(self) -> None:
         """Rounds of jobs until every point is done or has failed; the table and figures as points come in."""
@@ -230,7 +234,7 @@ class _ScanRun:
         batches = make_batches(
             points,
             workers=self.jobs,
-            job_start=self.profile.job_start if self.profile else LOCAL_START,
+            job_start=start_of_job(self.profile),
             prefix=prefix,
             slowness=self.slowness,
         )
@@ -302,10 +306,12 @@ class _ScanRun:
 
     def _look(self, note: str = "") -> None:
         """Move the bar; bring table and figures up to date now and then."""
-        running = self._take_stock()
-        failed = self._failed()
+        self._take_stock()
+        failed, running = self._failed(), [_short(self.scan.distinct[name]) for name in self.running]
         parts = [note, f"{failed} failed" if failed else "", f"now {'; '.join(running[:3])}" if running else ""]
-        self._bar.update(self._closed(), ", ".join(part for part in parts if part))
+        ages = {name: time.time() - started for name, started in self.running.items()}
+        times = self.outlook.words(list(self.open.values()), ages)
+        self._bar.update(self._closed(), ", ".join(part for part in parts if part), times)
         now = time.monotonic()
         if self.changed and now - self.tabled > _TABLE_EVERY:
             write_scan_table(self.result)
@@ -314,18 +320,19 @@ class _ScanRun:
                 _draw(self.result, pdf=False)
                 self.drawn = time.monotonic()
 
-    def _take_stock(self) -> list[str]:
-        """Close the points that are done or have failed; returns the labels of those that run."""
-        running = []
+    def _take_stock(self) -> None:
+        """Close the points that are done or have failed; see which are in work."""
+        self.running = {}
         for name, point in list(self.open.items()):
             done = layout.is_done(self.directory, name)
             state = {} if done else layout.state(self.directory, name)
             if done or state.get("state") == layout.FAILED:
                 del self.open[name]
                 self.changed = True
+                if done and (taken := layout.seconds(self.directory, name)):
+                    self.outlook.done(point, taken)
             elif state.get("state") == layout.RUNNING:
-                running.append(_short(point))
-        return running
+                self.running[name] = state.get("started", time.time())
 
     def _closed(self) -> int:
         return len(self.scan.distinct) - len(self.open)

@@ -57,6 +57,11 @@ def state(directory: Path, point: str) -> dict[str, Any]:
     return read_point(unfinished(directory, point))
 
 
+def seconds(directory: Path, point: str) -> float | None:
+    """Wall time of a point that is done, s; None where nobody wrote it down."""
+    return read_point(finished(directory, point)).get("seconds")
+
+
 def write_state(place: Path, **record: Any) -> None:
     """Replace the record of a point, all or nothing."""
     place.mkdir(parents=True, exist_ok=True)

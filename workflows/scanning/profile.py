@@ -55,7 +55,7 @@ class Profile:
 
     def resources(self, batch: Batch) -> dict[str, Any]:
         """Resources of a job, as Snakemake's Slurm plugin names them."""
-        minutes = self.time or max(_LEAST_MINUTES, math.ceil(3 * batch.wall_time / 60))
+        minutes = self.time or max(_LEAST_MINUTES, math.ceil(max(3 * batch.wall_time, batch.longest) / 60))
         # a request to stop before the limit, to the steps and not to the shell, which it would end at once
         warning = min(_WARNING, minutes * 60 // 3)
         found: dict[str, Any] = {

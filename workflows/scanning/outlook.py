@@ -1,0 +1,55 @@
+"""How long a scan will still take: as planned until a point is done, then at the pace of the points that are."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+
+from granwave.workflows.scanning.batches import PUBLISH, expected_scan_time, expected_time, spread
+from granwave.workflows.scanning.profile import Profile
+from granwave.workflows.scanning.scan_file import Point
+from granwave.workflows.tables import duration
+
+
+class Outlook:
+    """Words on the time of a scan that begins now.
+
+    Parameters
+    ----------
+    points
+        Those that are to be run.
+    profile, workers, slowness
+        As of `expected_scan_time`.
+    """
+
+    def __init__(self, points: Sequence[Point], profile: Profile | None, workers: int, slowness: float) -> None:
+        self._profile, self._workers = profile, workers
+        self._ids = {point.id for point in points}
+        self._planned = expected_scan_time(points, profile, workers, slowness)
+        self._taken = self._expected = 0.0  # by the points that are done, s
+        self._begin = time.monotonic()
+
+    def done(self, point: Point, seconds: float) -> None:
+        """A point is done, which took so many ``seconds``; one that was done before is left out."""
+        if point.id not in self._ids:
+            return
+        self._taken += seconds
+        self._expected += expected_time(point)
+
+    def words(self, left: Sequence[Point], ages: Mapping[str, float]) -> str:
+        """What has passed, and what is to come.
+
+        Parameters
+        ----------
+        left
+            Points that are not done.
+        ages
+            For how long those in work have run, by id, s.
+        """
+        passed = duration(time.monotonic() - self._begin)
+        if not self._expected:
+            return f"{passed} of about {duration(self._planned)}"
+        pace = self._taken / self._expected
+        times = [max(0.0, expected_time(point, pace) - ages.get(point.id, 0.0)) for point in left]
+        rest = spread(times, [point.ranks for point in left], self._profile, self._workers) + PUBLISH
+        return f"{passed}, about {duration(rest)} left"
