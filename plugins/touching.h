@@ -43,7 +43,7 @@ struct Touching {
   void measure();
   /* forces on the spheres, of the normal forces alone */
   void push();
-  /* held, compliance, loss after a step of dt; none where `rubs` is not set */
+  /* held, compliance, loss after a step of dt; nothing is held where the limit is 0 */
   void slide(double dt);
   /* forces and torques on the spheres, friction included */
   void push_and_twist();
