@@ -43,7 +43,12 @@ def packing_words(case: Case, *, height: bool = True) -> str:
 
 def contact_words(case: Case) -> str:
     """``elasto-plastic contacts``."""
-    return f"{_LAWS.get(case.contact.law, case.contact.law)} contacts"
+    return f"{law_words(case)} contacts"
+
+
+def law_words(case: Case) -> str:
+    """``elasto-plastic``."""
+    return _LAWS.get(case.contact.law, case.contact.law)
 
 
 def load_words(case: Case) -> str:

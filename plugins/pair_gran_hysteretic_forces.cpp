@@ -243,11 +243,11 @@ template <bool UNIFORM> void PairGranHysteretic::forces(Tally what)
   double touch_sq = 0.0, forget_sq = 0.0;
   if (UNIFORM) {
     pairings[0] = pairing(type[0], type[0], radius[0], radius[0]);
-    for (int m = 0; m < Touch::MOST; m++) touch.set(m, pairings[0]);
     touch_sq = pairings[0].touch_sq;
     forget_sq = (pairings[0].sum_radii + gap) * (pairings[0].sum_radii + gap);
   }
 
+  int set = 0;      // places of the batch that know of their spheres, where all are alike
   int given = 0;    // rows whose spheres have their forces
   const auto act_up_to = [&](int row) {
     if (touch.size > 0) act(touch, what);
@@ -288,6 +288,8 @@ template <bool UNIFORM> void PairGranHysteretic::forces(Tally what)
       if (!UNIFORM) {
         pairings[m] = pairing(type[i], type[j], radius[i], radius[j]);
         touch.set(m, pairings[m]);
+      } else if (m == set) {
+        touch.set(set++, pairings[0]);
       }
       if (touch.size == Touch::MOST) act_up_to(r);
     }

@@ -78,7 +78,7 @@ double PairGranHysteretic::tally_totals()
       const int j = c.partner[k];
       const double weight = j < nlocal ? 1.0 : 0.5;
       if (!uniform) p = pairing(type[i], type[j], radius[i], radius[j]);
-      const ContactLaw &contact_law = law(type[i], type[j]);
+      const ContactLaw &contact_law = *p.law;
       const double dx = x[i][0] - x[j][0], dy = x[i][1] - x[j][1], dz = x[i][2] - x[j][2];
       const double overlap = p.sum_radii - std::sqrt(dx * dx + dy * dy + dz * dz);
       double dissipated = 0.0, peak_force = 0.0;
@@ -135,7 +135,7 @@ void PairGranHysteretic::tell_past(const ContactPast &past, Report &report)
 PairGranHysteretic::Report PairGranHysteretic::describe(int i, int j, int k, double rsq)
 {
   const Pairing p = pairing(atom->type[i], atom->type[j], atom->radius[i], atom->radius[j]);
-  const ContactLaw &contact_law = law(atom->type[i], atom->type[j]);
+  const ContactLaw &contact_law = *p.law;
   Report report{};
   report.i = i;
   report.j = j;

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from granwave.analysis.case_words import law_words
 from granwave.analysis.directions import AXIS_ANGLE
 from granwave.analysis.square.runs import PackingRun, squares
 from granwave.analysis.study import Row, Study
-
-_WORDS = {"hertz": "elastic", "elastoplastic": "elasto-plastic"}
 
 
 def directional(runs: Sequence[PackingRun]) -> Iterator[Study]:
@@ -31,7 +30,7 @@ def directional(runs: Sequence[PackingRun]) -> Iterator[Study]:
 
 
 def _rows(run: PackingRun) -> Iterator[Row]:
-    words = f"{run.case.packing.kind}, {_WORDS.get(run.law, run.law)}, {run.speed:g} m/s"
+    words = f"{run.case.packing.kind}, {law_words(run.case)}, {run.speed:g} m/s"
     if run.case.packing.kind == "square":
         words += f", {run.way}"
     for what, one in zip(("Energy", "Dissipation"), run.spreads, strict=True):
