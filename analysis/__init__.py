@@ -6,34 +6,34 @@ import importlib
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from granwave.analysis.contact_law.curves import law_drawing, law_table, write_law
     from granwave.analysis.errors import MissingOutputError, OutputFormatError
-    from granwave.analysis.figures import draw_figures
-    from granwave.analysis.law import law_drawing, law_table, write_law
+    from granwave.analysis.figures.run_figures import draw_figures
     from granwave.analysis.pipeline import analyse
     from granwave.analysis.reports.report import write_report
-    from granwave.analysis.result import Result
-    from granwave.analysis.result_file import write_result
-    from granwave.analysis.scan_result import ScanResult
-    from granwave.analysis.scan_table import read_scan
+    from granwave.analysis.result.reader import Result
+    from granwave.analysis.result.universe import universe
+    from granwave.analysis.result.writer import write_result
+    from granwave.analysis.scans.result import ScanResult
+    from granwave.analysis.scans.table import read_scan
     from granwave.analysis.summary import summarise, velocity_normalised
-    from granwave.analysis.trajectory import universe
 
 _HOME = {
     "MissingOutputError": "errors",
     "OutputFormatError": "errors",
-    "Result": "result",
-    "ScanResult": "scan_result",
+    "Result": "result.reader",
+    "ScanResult": "scans.result",
     "analyse": "pipeline",
-    "draw_figures": "figures",
-    "law_drawing": "law",
-    "law_table": "law",
-    "read_scan": "scan_table",
+    "draw_figures": "figures.run_figures",
+    "law_drawing": "contact_law.curves",
+    "law_table": "contact_law.curves",
+    "read_scan": "scans.table",
     "summarise": "summary",
-    "universe": "trajectory",
+    "universe": "result.universe",
     "velocity_normalised": "summary",
-    "write_law": "law",
+    "write_law": "contact_law.curves",
     "write_report": "reports.report",
-    "write_result": "result_file",
+    "write_result": "result.writer",
 }
 
 __all__ = [

@@ -8,8 +8,8 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from granwave.analysis.completeness import check_complete
-from granwave.analysis.result_file import write_result
+from granwave.analysis.lammps_output.completeness import check_complete
+from granwave.analysis.result.writer import write_result
 from granwave.analysis.summary import Summary, summarise
 
 logger = logging.getLogger(__name__)
@@ -53,7 +53,7 @@ def analyse(directory: str | Path, progress: bool | Callable[[str], None] = Fals
 
 
 def _figures() -> tuple[str, ...]:
-    from granwave.analysis.figures import FIGURES
+    from granwave.analysis.figures.run_figures import FIGURES
 
     return tuple(FIGURES)
 
@@ -66,7 +66,7 @@ def _analyse(directory: Path, report: Callable[[str], None], figures: bool) -> S
     summary = summarise(directory)
     if figures:
         # the drawing library takes longer to load than many a small run to compute
-        from granwave.analysis.figures import draw_figures
+        from granwave.analysis.figures.run_figures import draw_figures
 
         draw_figures(directory, report)
     return summary

@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from granwave.analysis.plasticity import HALF_LAW_LIMIT, LAW_LIMIT, PlasticZone, plastic_zone
-from granwave.analysis.result import Result
-from granwave.analysis.sensors import sensor_accelerations, sensor_forces, sensor_velocities
-from granwave.analysis.target import protection, reached
-from granwave.analysis.wave_speed import wave_speed_of
-from granwave.lammps_inputs.assembly import velocities_of
+from granwave.analysis.measures.plastic_zone import HALF_LAW_LIMIT, LAW_LIMIT, PlasticZone, plastic_zone
+from granwave.analysis.measures.sensors import sensor_accelerations, sensor_forces, sensor_velocities
+from granwave.analysis.measures.target import protection, reached
+from granwave.analysis.measures.wave_speed import wave_speed_of
+from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.files import plain, replace_text
+from granwave.lammps_inputs.packing.assembly import velocities_of
 
 SUMMARY_FILE = "summary.json"
 Summary = dict[str, Any]

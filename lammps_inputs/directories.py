@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from granwave.lammps_inputs.deck import CASE_FILE
+from granwave.lammps_inputs.deck.deck import CASE_FILE
 from granwave.lammps_inputs.errors import InputError
 
 _SHOWN = 3  # names of results in a message

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from granwave.lammps_inputs.case import Case
-from granwave.workflows.balance import TOLERANCE
-from granwave.workflows.driver import run_case
+from granwave.lammps_inputs.case.case import Case
+from granwave.workflows.run.balance import TOLERANCE
+from granwave.workflows.run.driver import run_case
 from tests.conftest import script_of
 from tests.test_pair_style import LAW, PAIR, R
 

@@ -10,9 +10,9 @@ import h5py
 import numpy as np
 from PIL import Image
 
-from granwave.analysis.reports.content import build_report
+from granwave.analysis.document.model import Group, Note, Report, Table
 from granwave.analysis.reports.inputs import read_inputs
-from granwave.analysis.reports.model import Group, Note, Report, Table
+from granwave.analysis.reports.outline import build_report
 from tests.synthetic_scan import case_of, grid, summary_of, write_json, write_scan
 
 NASTY = "<script>alert(1)</script> & \"q\" 'a' | *b* `c` {{ 7*7 }}"

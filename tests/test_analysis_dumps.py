@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from granwave.analysis import MissingOutputError, OutputFormatError
-from granwave.analysis.dumps import read_contacts, read_data, read_frames, read_wall_contacts
-from granwave.analysis.tables import read_energy, read_probes, read_walls
+from granwave.analysis.lammps_output.dumps import read_contacts, read_data, read_frames, read_wall_contacts
+from granwave.analysis.lammps_output.time_series import read_energy, read_probes, read_walls
 from granwave.lammps_inputs import build_packing
 from tests import synthetic
 

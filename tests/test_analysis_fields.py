@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from granwave.analysis import Result, fields, summarise, write_result
-from granwave.analysis.planes import layers, planes, preferred_directions, section
+from granwave.analysis import Result, summarise, write_result
+from granwave.analysis.measures import dissipation
+from granwave.analysis.measures.planes import layers, planes, preferred_directions, section
 from granwave.lammps_inputs import Lattice, struck_spheres
 from tests import synthetic
 
@@ -80,7 +81,7 @@ def result(tmp_path):
 
 def test_rays_find_the_decay_and_are_equal(result):
     """Dents, and with them forces, depend on the distance from the struck sphere only."""
-    rays = fields.rays(result)
+    rays = dissipation.rays(result)
     first_dent = synthetic.DENT * result.law.yield_overlap
     assert rays.peak_force.shape[1] == 3
     assert np.allclose(rays.peak_force[0], result.law.loading_force(np.array([first_dent]))[0], rtol=1e-12)
@@ -91,24 +92,24 @@ def test_rays_find_the_decay_and_are_equal(result):
 
 
 def test_a_difference_between_rays_shows(result):
-    rays = fields.rays(result)
+    rays = dissipation.rays(result)
     changed = rays.peak_force.copy()
     changed[1, 2] *= 0.9
-    assert fields.Rays(rays.directions, changed).max_difference == pytest.approx(0.1)
+    assert dissipation.Rays(rays.directions, changed).max_difference == pytest.approx(0.1)
 
 
 def test_ranked_and_cumulated(result):
     lost = result["spheres/dissipated_energy"]
-    order = fields.ranked(lost)
+    order = dissipation.ranked(lost)
     assert np.all(np.diff(lost[order]) <= 0) and np.all(lost[order] > 0)
     assert len(order) == np.count_nonzero(lost)
-    fraction, volume = fields.cumulated(lost, result.energy_input)
+    fraction, volume = dissipation.cumulated(lost, result.energy_input)
     assert fraction[-1] == pytest.approx(0.75, rel=1e-12)
     assert volume[-1] == len(order) and np.all(np.diff(fraction, 2) <= 1e-15)
 
 
 def test_zone_grows_to_that_of_the_summary(result):
-    growth = fields.zone_growth(result)
+    growth = dissipation.zone_growth(result)
     summary = summarise(result.path.parent)
     for values in (growth.time, growth.contacts, growth.spheres, growth.depth, growth.radius):
         assert np.all(np.diff(values) >= 0)
@@ -119,7 +120,7 @@ def test_zone_grows_to_that_of_the_summary(result):
 
 
 def test_peak_force_by_depth(result):
-    depth, force = fields.peak_force_by_depth(result)
+    depth, force = dissipation.peak_force_by_depth(result)
     assert len(depth) == 8
     assert np.allclose(np.diff(depth), 0.01 * np.sqrt(2 / 3), rtol=1e-5)
     assert force[0] == result["spheres/peak_force"].max() and np.all(np.diff(force) <= 0)
@@ -153,16 +154,16 @@ def test_rays_pass_a_missing_sphere(tmp_path):
     gone = 1 + int(np.argmin(np.linalg.norm(positions - place, axis=1)))
     synthetic.write_run(tmp_path, synthetic.make_case(size=(12, 12, 8), packing={"vacancies": [gone]}))
     with Result(write_result(tmp_path)) as result:
-        found = fields.rays(result)
+        found = dissipation.rays(result)
         assert np.isnan(found.peak_force[1:3, 0]).all() and np.isfinite(found.peak_force[[0, 3], 0]).all()
         assert np.isfinite(found.peak_force[:4, 1:]).all()
         assert found.max_difference < 1e-9
-        growth, summary = fields.zone_growth(result), summarise(tmp_path)
+        growth, summary = dissipation.zone_growth(result), summarise(tmp_path)
         assert growth.contacts[-1] == summary["n_plastic_contacts"]
         assert growth.depth[-1] == pytest.approx(summary["plastic_zone_depth_m"], rel=1e-13)
 
 
 def test_cumulated_volume_of_unlike_spheres():
     lost, volume = np.array([1.0, 3.0, 0.0, 2.0]), np.array([1.0, 0.5, 1.0, 2.0])
-    fraction, total = fields.cumulated(lost, 12.0, volume)
+    fraction, total = dissipation.cumulated(lost, 12.0, volume)
     assert np.allclose(fraction, [0.25, 5 / 12, 0.5]) and np.allclose(total, [0.5, 2.5, 3.5])

@@ -7,16 +7,10 @@ import csv
 import numpy as np
 import pytest
 
-from granwave.analysis import (
-    MissingOutputError,
-    Result,
-    analyse,
-    figures_packing,
-    sphere_renderer,
-    write_result,
-)
-from granwave.analysis.figures import FIGURES
-from granwave.analysis.unprotected import unprotected_peak
+from granwave.analysis import MissingOutputError, Result, analyse, write_result
+from granwave.analysis.figures import packing3d, sphere_renderer
+from granwave.analysis.figures.run_figures import FIGURES
+from granwave.analysis.measures.bare_target import unprotected_peak
 from granwave.lammps_inputs import struck_spheres
 from tests import synthetic
 
@@ -28,7 +22,7 @@ LOST_PLANES = {"dissipation_principal", "dissipation_orthogonal", "packing_3d_di
 
 @pytest.fixture(autouse=True)
 def small_pictures(monkeypatch):
-    monkeypatch.setattr(figures_packing, "_PIXELS", 120)
+    monkeypatch.setattr(packing3d, "_PIXELS", 120)
 
 
 def makes_sense(directory, case):

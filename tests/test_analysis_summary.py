@@ -8,8 +8,9 @@ import math
 import numpy as np
 import pytest
 
-from granwave.analysis import summarise, tables, velocity_normalised, write_result
-from granwave.analysis.reports import quantities
+from granwave.analysis import summarise, velocity_normalised, write_result
+from granwave.analysis.document import cells
+from granwave.analysis.lammps_output import time_series
 from granwave.lammps_inputs import sphere_contact, struck_spheres
 from tests import synthetic
 
@@ -188,12 +189,12 @@ def test_what_a_damper_took_is_no_yielding(tmp_path):
     case = synthetic.make_case(boundary={"bottom": {"plate": {"mass": 1.0, "stiffness": 1e6, "damping": 5.0}}})
     synthetic.write_run(tmp_path, case)
     dumps = tmp_path / "dumps"
-    table = tables.read_energy(tmp_path)
+    table = time_series.read_energy(tmp_path)
     share = table["time"] / table["time"][-1]
     lost = 0.1 * table["dissipated"]
     table |= {"support": 1e-3 * share, "support_lost": lost, "target": 1e-3 * share + lost}
     synthetic.write_table(dumps / "energy.txt", " ".join(table), np.stack(list(table.values()), axis=1))
-    table = tables.read_walls(tmp_path)
+    table = time_series.read_walls(tmp_path)
     table |= {"bottom_displacement": 1e-6 * (1 + share_of(table)), "bottom_velocity": share_of(table)}
     table["bottom_ground_force"] = 0.5 * table["bottom"]
     synthetic.write_table(dumps / "walls.txt", " ".join(table), np.stack(list(table.values()), axis=1))
@@ -215,10 +216,10 @@ def share_of(table):
 def test_values_are_explained(tmp_path):
     """What a report explains is in a summary, and has a name of its own."""
     summary, _ = summary_of(tmp_path)
-    assert set(quantities.MEANINGS) <= set(summary)
-    (group,) = quantities.meanings([summary])
+    assert set(cells.MEANINGS) <= set(summary)
+    (group,) = cells.meanings([summary])
     told = {row[1].text for row in group.blocks[0].rows}
     assert "peak_reduction" in told and "support_lost_J" not in told
-    assert quantities.unit_of_value("peak_reduction_per_kg") == "1/kg"
-    assert quantities.unit_of_value("packing_mass_kg") == "kg"
-    assert quantities.meanings([{"name": "x"}]) == ()
+    assert cells.unit_of_value("peak_reduction_per_kg") == "1/kg"
+    assert cells.unit_of_value("packing_mass_kg") == "kg"
+    assert cells.meanings([{"name": "x"}]) == ()

@@ -9,9 +9,9 @@ from typing import Any
 
 import pytest
 
-from granwave.lammps_inputs.case import Case, load_case
+from granwave.lammps_inputs.case.case import Case, load_case
+from granwave.lammps_inputs.case.overrides import apply_overrides, parse_override
 from granwave.lammps_inputs.errors import GranwaveError, InputError
-from granwave.lammps_inputs.overrides import apply_overrides, parse_override
 
 MINIMAL: dict[str, Any] = {
     "packing": {"kind": "fcc", "size": [12, 12, 6], "diameter": 0.01},

@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from granwave.analysis.case_words import bottom_words, impact_words, load_words, packing_words, time_words
-from granwave.lammps_inputs.case import Case
+from granwave.analysis.studies.titles import bottom_words, impact_words, load_words, packing_words, time_words
+from granwave.lammps_inputs.case.case import Case
 
 
 def made(kind: str = "fcc", size: Any = (6, 5, 4), material: Any = "brass", **sections: Any) -> Case:

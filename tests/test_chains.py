@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from granwave.analysis import Result
-from granwave.analysis.chain_history import along
-from granwave.analysis.figures import draw_figures
-from granwave.lammps_inputs.case import Case
+from granwave.analysis.figures.run_figures import draw_figures
+from granwave.analysis.result.chain import along
+from granwave.lammps_inputs.case.case import Case
 from granwave.workflows import run_case
 from tests import chain_twin as twin
 

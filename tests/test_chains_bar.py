@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from granwave.analysis.chains.bar import applied, bars, passage
-from granwave.analysis.chains.intruder import intruder
-from granwave.analysis.chains.runs import ChainRun, collect
-from granwave.analysis.chains.split_hopkinson import split_hopkinson
-from granwave.analysis.figure_style import style
-from granwave.lammps_inputs.deck import write_deck
+from granwave.analysis.figures.style import style
+from granwave.analysis.studies.chains.bar import applied, bars, passage
+from granwave.analysis.studies.chains.intruder import intruder
+from granwave.analysis.studies.chains.runs import ChainRun, collect
+from granwave.analysis.studies.chains.split_hopkinson import split_hopkinson
+from granwave.lammps_inputs.case.load import Load
+from granwave.lammps_inputs.deck.deck import write_deck
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.loads import Load
 from granwave.workflows import load_case, run_case
 from tests.chain_twin import Bar, Bead, Chain, rectangle
 

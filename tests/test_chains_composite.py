@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from granwave.analysis.chains.composite import Composite, composites, decay
-from granwave.analysis.chains.composite_study import composite_chain
-from granwave.analysis.chains.homogeneous import discrete_speed, homogeneous_chain
-from granwave.analysis.chains.runs import ChainRun, collect
-from granwave.analysis.chains.unlike import Pair, unlike_spheres
-from granwave.analysis.figure_style import style
-from granwave.analysis.study import Row, Study
-from granwave.lammps_inputs.materials import material
+from granwave.analysis.figures.style import style
+from granwave.analysis.studies.chains.composite import Composite, composites, decay
+from granwave.analysis.studies.chains.composite_study import composite_chain
+from granwave.analysis.studies.chains.homogeneous import discrete_speed, homogeneous_chain
+from granwave.analysis.studies.chains.runs import ChainRun, collect
+from granwave.analysis.studies.chains.unlike import Pair, unlike_spheres
+from granwave.analysis.studies.study import Row, Study
+from granwave.lammps_inputs.case.material import material
 from granwave.workflows import load_case, load_scan, run_case
 from tests.chain_twin import Bead, Chain, Solid
 

@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from granwave.analysis.chains.elastic import DISCRETE_COEFFICIENT, DISCRETE_WIDTH, long_load, solitary
-from granwave.analysis.chains.elastic_pulses import TRAIN_LIMIT, master_curve, wave_train
-from granwave.analysis.chains.measures import width
-from granwave.analysis.chains.runs import ChainRun, collect
-from granwave.analysis.chains.scales import ChainScales, discrete_speed, from_thesis, passed, undisturbed
-from granwave.analysis.figure_style import style
-from granwave.analysis.study import Row, Study
+from granwave.analysis.figures.style import style
+from granwave.analysis.studies.chains.elastic import DISCRETE_COEFFICIENT, DISCRETE_WIDTH, long_load, solitary
+from granwave.analysis.studies.chains.elastic_pulses import TRAIN_LIMIT, master_curve, wave_train
+from granwave.analysis.studies.chains.measures import width
+from granwave.analysis.studies.chains.runs import ChainRun, collect
+from granwave.analysis.studies.chains.scales import ChainScales, discrete_speed, from_thesis, passed, undisturbed
+from granwave.analysis.studies.study import Row, Study
 from granwave.workflows import load_case, load_scan, run_case
 from tests.chain_twin import Bead, Chain
 

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from granwave.analysis.chains.bilinear import (
+from granwave.analysis.figures.style import style
+from granwave.analysis.studies.chains.bilinear import (
     LeadingWave,
     Spring,
     bead_velocity,
@@ -19,10 +20,10 @@ from granwave.analysis.chains.bilinear import (
     leading_wave,
     long_load,
 )
-from granwave.analysis.chains.bilinear_long import long_loads
-from granwave.analysis.chains.bilinear_short import short_pulses
-from granwave.analysis.chains.elastoplastic import Pulses, collect_pulses
-from granwave.analysis.chains.elastoplastic_model import (
+from granwave.analysis.studies.chains.bilinear_long import long_loads
+from granwave.analysis.studies.chains.bilinear_short import short_pulses
+from granwave.analysis.studies.chains.elastoplastic import Pulses, collect_pulses
+from granwave.analysis.studies.chains.elastoplastic_model import (
     QUADRATIC,
     dissipation_at,
     elastic_peak,
@@ -31,14 +32,13 @@ from granwave.analysis.chains.elastoplastic_model import (
     model_force,
     quadratic_of,
 )
-from granwave.analysis.chains.elastoplastic_study import elastoplastic_pulses
-from granwave.analysis.chains.runs import ChainRun, collect
-from granwave.analysis.chains.studies import studies
-from granwave.analysis.figure_style import style
-from granwave.analysis.study import Row, Study, draw_studies
-from granwave.lammps_inputs.laws import sphere_contact
+from granwave.analysis.studies.chains.elastoplastic_study import elastoplastic_pulses
+from granwave.analysis.studies.chains.runs import ChainRun, collect
+from granwave.analysis.studies.chains.studies import studies
+from granwave.analysis.studies.study import Row, Study, draw_studies
+from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.workflows import run_case
-from granwave.workflows.studies import load_case
+from granwave.workflows.library import load_case
 
 SPRING = Spring(2.42165e7, 0.8, 3.839975e-3, 9.52e-3)  # brass of R = 4.76 mm
 

@@ -11,14 +11,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from granwave.analysis.comparison import both, continuum, forces, granular
-from granwave.analysis.comparison.impacts import Impacts, collect
-from granwave.analysis.reports.comparison import impacts_of
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.report import write_report
+from granwave.analysis.reports.sections.comparison import impacts_of
+from granwave.analysis.studies.granular_continuum import both, continuum, forces, granular
+from granwave.analysis.studies.granular_continuum.impacts import Impacts, collect
 from granwave.lammps_inputs.errors import InputError
-from granwave.workflows import load_scan, studies
-from granwave.workflows.cli import main
+from granwave.workflows import library, load_scan
+from granwave.workflows.cli.parser import main
 from granwave.workflows.scanning.suite import load_suite, run_suite
 
 #: The reference, and the same normalised velocities with E doubled (v/4); and three spheres with the energy of one.
@@ -222,5 +222,5 @@ def test_nothing_runs_where_one_directory_is_taken(suite: Path, tmp_path: Path) 
 
 def test_built_in_suite_is_sound() -> None:
     names = {scan.name for scan in load_suite("granular-continuum").scans}
-    assert names <= set(studies.names(studies.SCANS))
+    assert names <= set(library.names(library.SCANS))
     assert len(names) == 5

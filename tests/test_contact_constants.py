@@ -13,11 +13,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from granwave._contact_laws import LAW_CONSTANTS, ContactLaw
-from granwave.lammps_inputs import sections
-from granwave.lammps_inputs.case import Case, load_case
-from granwave.lammps_inputs.deck import write_deck
+from granwave.lammps_inputs.case import sections
+from granwave.lammps_inputs.case.case import Case, load_case
+from granwave.lammps_inputs.contact.law import flat_contact, sphere_contact
+from granwave.lammps_inputs.deck.deck import write_deck
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.laws import flat_contact, sphere_contact
 from tests.conftest import script_of
 from tests.test_pair_style import PAIR, R, collide, restitution, value
 from tests.twin import CONSTANTS, PRINTED, LawTwin, Network

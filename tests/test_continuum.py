@@ -11,16 +11,16 @@ import numpy as np
 import pytest
 from skfem import LinearForm
 
-from granwave.analysis.continuum import ContinuumCase, kernels, run_continuum
-from granwave.analysis.continuum.contact import contact_end, punch_gap
-from granwave.analysis.continuum.history import History, integrate, make_solver
-from granwave.analysis.continuum.material import Elastoplastic
-from granwave.analysis.continuum.mesh import Mesh, block_mesh
-from granwave.analysis.continuum.operators import library_basis
-from granwave.analysis.continuum.solver import Solver
-from granwave.analysis.continuum.summary import summarise
-from granwave.analysis.finite_elements import check_memory
 from granwave.lammps_inputs import InputError, RunError
+from granwave.workflows.finite_elements.frame import check_memory
+from granwave.workflows.finite_elements.punch import ContinuumCase, kernels, run_continuum
+from granwave.workflows.finite_elements.punch.contact import contact_end, punch_gap
+from granwave.workflows.finite_elements.punch.history import History, integrate, make_solver
+from granwave.workflows.finite_elements.punch.material import Elastoplastic
+from granwave.workflows.finite_elements.punch.mesh import Mesh, block_mesh
+from granwave.workflows.finite_elements.punch.operators import library_basis
+from granwave.workflows.finite_elements.punch.solver import Solver
+from granwave.workflows.finite_elements.punch.summary import summarise
 
 BRASS = Elastoplastic(115e9, 0.30, 8500.0, 550e6)
 ELASTIC = Elastoplastic(115e9, 0.30, 8500.0, math.inf)

@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from granwave.lammps_inputs.case import Case, load_case
-from granwave.lammps_inputs.deck import write_deck
+from granwave.lammps_inputs.case.case import Case, load_case
+from granwave.lammps_inputs.contact.law import flat_contact, sphere_contact
+from granwave.lammps_inputs.deck.deck import write_deck
+from granwave.lammps_inputs.deck.script import part
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.laws import flat_contact, sphere_contact
-from granwave.lammps_inputs.packings import build_packing
-from granwave.lammps_inputs.schedule import make_schedule
-from granwave.lammps_inputs.script import part
-from granwave.lammps_inputs.timestep import auto_timestep, expected_peak_overlap
+from granwave.lammps_inputs.packing.packing import build_packing
+from granwave.lammps_inputs.planning.schedule import make_schedule
+from granwave.lammps_inputs.planning.timestep import auto_timestep, expected_peak_overlap
 
 
 def make(size: Any = (6, 6, 4), kind: str = "fcc", diameter: float = 0.01, **sections: Any) -> Case:
@@ -158,7 +158,7 @@ class TestDeck:
         def fail(*_: object) -> None:
             raise KeyboardInterrupt
 
-        monkeypatch.setattr("granwave.lammps_inputs.deck.write_data", fail)
+        monkeypatch.setattr("granwave.lammps_inputs.deck.deck.write_data", fail)
         with pytest.raises(KeyboardInterrupt):
             write_deck(make(), tmp_path / "run")
         assert list((tmp_path / "run").iterdir()) == []

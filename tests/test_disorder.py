@@ -14,19 +14,19 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from granwave.analysis.dumps import read_contacts
-from granwave.analysis.tables import read_energy
-from granwave.lammps_inputs.case import Case
-from granwave.lammps_inputs.data_file import write_data
-from granwave.lammps_inputs.deck import write_deck
-from granwave.lammps_inputs.disorder import is_random
+from granwave.analysis.lammps_output.dumps import read_contacts
+from granwave.analysis.lammps_output.time_series import read_energy
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.deck.data_file import write_data
+from granwave.lammps_inputs.deck.deck import write_deck
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import KINDS
-from granwave.lammps_inputs.packings import Packing, build_packing
-from granwave.lammps_inputs.plan import plan
-from granwave.lammps_inputs.struck import struck_spheres
-from granwave.lammps_inputs.timestep import auto_timestep
-from granwave.lammps_inputs.walls import walls
+from granwave.lammps_inputs.packing.disorder import is_random
+from granwave.lammps_inputs.packing.packing import Packing, build_packing
+from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
+from granwave.lammps_inputs.packing.walls import walls
+from granwave.lammps_inputs.planning.plan import plan
+from granwave.lammps_inputs.planning.timestep import auto_timestep
 from granwave.workflows import run_case
 from tests.test_impact import assert_same_contacts
 

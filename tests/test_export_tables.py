@@ -13,7 +13,7 @@ from packaging.version import Version
 
 from granwave.analysis import Result, write_result
 from granwave.analysis.exports.export import export
-from granwave.analysis.scan_table import read_scan
+from granwave.analysis.scans.table import read_scan
 from tests import synthetic, synthetic_scan
 from tests.export_inputs import equal, write_chain_run, write_periodic_run, write_walled_run
 

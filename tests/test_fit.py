@@ -16,16 +16,16 @@ import pytest
 from scipy.optimize import brentq
 
 from granwave._contact_laws import LAW_CONSTANTS
-from granwave.analysis.figure_style import write_csv
-from granwave.analysis.fit import YIELD, fit_law
-from granwave.analysis.fit_curve import Curve, curve_of, read_curve
-from granwave.analysis.fit_output import fit_toml
-from granwave.analysis.law import write_law
-from granwave.lammps_inputs.case import load_case
+from granwave.analysis.contact_law.curves import write_law
+from granwave.analysis.contact_law.fit import YIELD, fit_law
+from granwave.analysis.contact_law.fit_output import fit_toml
+from granwave.analysis.contact_law.measured_curve import Curve, curve_of, read_curve
+from granwave.analysis.figures.style import write_csv
+from granwave.lammps_inputs.case.case import load_case
+from granwave.lammps_inputs.case.material import material, sphere_mass
+from granwave.lammps_inputs.contact.law import contact_of, sphere_contact
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.laws import contact_of, sphere_contact
-from granwave.lammps_inputs.materials import material, sphere_mass
-from granwave.workflows.fitting import fit
+from granwave.workflows.cli.fitting import fit
 from tests.test_contact_constants import OTHER
 
 R = 0.005

@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 from granwave.analysis import MissingOutputError, OutputFormatError, Result, write_result
-from granwave.analysis.contacts import LISTED_FROM, list_contacts, merge_dents, touching_pairs
-from granwave.analysis.directions import energy_of_spheres
-from granwave.analysis.dumps import read_contacts
-from granwave.analysis.fields import dissipation_mismatch
-from granwave.analysis.h5md import GROUP
-from granwave.analysis.pairs import pair_laws
+from granwave.analysis.lammps_output.dumps import read_contacts
+from granwave.analysis.measures.directions import energy_of_spheres
+from granwave.analysis.measures.dissipation import dissipation_mismatch
+from granwave.analysis.result.contacts import LISTED_FROM, list_contacts, merge_dents, touching_pairs
+from granwave.analysis.result.pair_laws import pair_laws
+from granwave.analysis.result.trajectory import GROUP
 from granwave.lammps_inputs import Lattice, build_packing
-from granwave.lammps_inputs.laws import pair_contact
+from granwave.lammps_inputs.contact.law import pair_contact
 from tests import synthetic
 
 

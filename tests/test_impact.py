@@ -8,19 +8,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from granwave.analysis.dumps import read_contacts
-from granwave.analysis.tables import read_energy
+from granwave.analysis.lammps_output.dumps import read_contacts
+from granwave.analysis.lammps_output.time_series import read_energy
 from granwave.lammps_inputs import load_case
-from granwave.lammps_inputs.deck import write_deck
-from granwave.lammps_inputs.packings import build_packing
-from granwave.workflows import studies
+from granwave.lammps_inputs.deck.deck import write_deck
+from granwave.lammps_inputs.packing.packing import build_packing
+from granwave.workflows import library
 from tests.twin import Network
 
 SMALL = ["packing.size=[8,8,5]", "run.end_time=1.2e-4", "run.frames=3"]
 
 
 def deck(directory: Path, *overrides: str):
-    return write_deck(load_case(studies.find("fcc-small"), [*SMALL, *overrides]), directory)
+    return write_deck(load_case(library.find("fcc-small"), [*SMALL, *overrides]), directory)
 
 
 def energies(directory: Path):

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from granwave.analysis.number_words import interval, tick, with_interval
+from granwave.analysis.formatting.numbers import interval, tick, with_interval
+from granwave.analysis.formatting.units import shown_unit
+from granwave.analysis.formatting.values import in_words, told_apart
 from granwave.analysis.statistics import estimate, exactly
-from granwave.analysis.units import shown_unit
-from granwave.analysis.value_words import in_words, told_apart
 
 
 @pytest.mark.parametrize(

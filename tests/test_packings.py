@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from granwave.lammps_inputs.case import Case
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.lattices import KINDS, Lattice
-from granwave.lammps_inputs.packings import Packing, build_packing
-from granwave.lammps_inputs.struck import struck_spheres
-from granwave.lammps_inputs.walls import walls
+from granwave.lammps_inputs.packing.packing import Packing, build_packing
+from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
+from granwave.lammps_inputs.packing.walls import walls
 
 D = 0.01
 INSIDE = {"fcc": 12, "hcp": 12, "bcc": 8, "sc": 6, "square": 4, "chain": 2}

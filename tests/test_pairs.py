@@ -12,15 +12,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from granwave.analysis.figure_style import write_csv
-from granwave.lammps_inputs.case import Case, load_case
-from granwave.lammps_inputs.deck import write_deck
+from granwave.analysis.figures.style import write_csv
+from granwave.lammps_inputs.case.case import Case, load_case
+from granwave.lammps_inputs.case.material import material
+from granwave.lammps_inputs.contact.law import contact_of, flat_contact, pair_contact, sphere_contact
+from granwave.lammps_inputs.deck.deck import write_deck
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.laws import contact_of, flat_contact, pair_contact, sphere_contact
-from granwave.lammps_inputs.materials import material
-from granwave.workflows.balance import TOLERANCE
-from granwave.workflows.driver import run_case
-from granwave.workflows.fitting import fit
+from granwave.workflows.cli.fitting import fit
+from granwave.workflows.run.balance import TOLERANCE
+from granwave.workflows.run.driver import run_case
 from tests.test_contact_constants import OTHER
 
 R = 0.005

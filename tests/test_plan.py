@@ -10,11 +10,11 @@ from typing import Any
 
 import pytest
 
-from granwave.lammps_inputs.case import Case
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.plan import Plan, check_memory, plan
-from granwave.workflows.commands import plan_table
-from granwave.workflows.progress import Progress
+from granwave.lammps_inputs.planning.plan import Plan, check_memory, plan
+from granwave.workflows.cli.commands import plan_table
+from granwave.workflows.run.progress import Progress
 from granwave.workflows.scanning import batches
 from granwave.workflows.scanning.batches import expected_scan_time, expected_time, make_batches
 from granwave.workflows.scanning.outlook import Outlook

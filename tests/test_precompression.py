@@ -13,13 +13,13 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from granwave.lammps_inputs.case import Case
-from granwave.lammps_inputs.deck import write_deck
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.contact.law import flat_contact, sphere_contact
+from granwave.lammps_inputs.contact.static_load import dead_loads, force_of_contact
+from granwave.lammps_inputs.deck.deck import write_deck
 from granwave.lammps_inputs.errors import InputError, RunError
-from granwave.lammps_inputs.laws import flat_contact, sphere_contact
-from granwave.lammps_inputs.preload import dead_loads, force_of_contact
-from granwave.workflows import driver
-from granwave.workflows.balance import TOLERANCE
+from granwave.workflows.run import driver
+from granwave.workflows.run.balance import TOLERANCE
 
 D = 0.01
 FORCE = 2.0  # N; first yield of the chain is at 5.5 N

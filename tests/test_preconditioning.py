@@ -11,12 +11,12 @@ import h5py
 import numpy as np
 import pytest
 
-from granwave.lammps_inputs.case import Case
-from granwave.lammps_inputs.deck import write_deck
-from granwave.lammps_inputs.dents import contacts_at_start, dents_table
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.contact.initial_dents import contacts_at_start, dents_table
+from granwave.lammps_inputs.contact.law import pair_contact, sphere_contact
+from granwave.lammps_inputs.deck.deck import write_deck
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.laws import pair_contact, sphere_contact
-from granwave.workflows.driver import run_case
+from granwave.workflows.run.driver import run_case
 from tests.dented import case_of, ran
 
 

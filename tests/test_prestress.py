@@ -10,26 +10,26 @@ from typing import Any
 import numpy as np
 import pytest
 
-from granwave.analysis.chains.runs import ChainRun
-from granwave.analysis.chains.runs import collect as collect_chains
-from granwave.analysis.chains.scales import discrete_speed
-from granwave.analysis.chains.studies import studies as chain_studies
-from granwave.analysis.figure_style import save, style
-from granwave.analysis.prestress import theory
-from granwave.analysis.prestress.chain_waves import Wave, precompressed_chains
-from granwave.analysis.prestress.hits import repeated_hits, series_of
-from granwave.analysis.prestress.packing_impact import precompressed_impacts
-from granwave.analysis.prestress.packing_speed import long_wave_speed, packing_speeds
-from granwave.analysis.prestress.preconditioned import level_of, preconditioned
-from granwave.analysis.prestress.runs import PastRun, collect, groups
-from granwave.analysis.prestress.settled import contacts_a_sphere, settled_packings
+from granwave.analysis.figures.style import save, style
 from granwave.analysis.reports.inputs import read_inputs
-from granwave.analysis.reports.studies import studies_of
-from granwave.analysis.study import Row, Study
-from granwave.lammps_inputs.case import Case
+from granwave.analysis.reports.sections.studies import studies_of
+from granwave.analysis.studies.chains.runs import ChainRun
+from granwave.analysis.studies.chains.runs import collect as collect_chains
+from granwave.analysis.studies.chains.scales import discrete_speed
+from granwave.analysis.studies.chains.studies import studies as chain_studies
+from granwave.analysis.studies.precompression import theory
+from granwave.analysis.studies.precompression.chain_waves import Wave, precompressed_chains
+from granwave.analysis.studies.precompression.hits import repeated_hits, series_of
+from granwave.analysis.studies.precompression.packing_impact import precompressed_impacts
+from granwave.analysis.studies.precompression.packing_speed import long_wave_speed, packing_speeds
+from granwave.analysis.studies.precompression.preconditioned import level_of, preconditioned
+from granwave.analysis.studies.precompression.runs import PastRun, collect, groups
+from granwave.analysis.studies.precompression.settled import contacts_a_sphere, settled_packings
+from granwave.analysis.studies.study import Row, Study
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.laws import sphere_contact
-from granwave.lammps_inputs.timestep import auto_timestep
+from granwave.lammps_inputs.planning.timestep import auto_timestep
 from granwave.workflows import load_case, load_scan, run_case
 
 FEW = {"run.frames": 2}

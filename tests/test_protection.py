@@ -11,15 +11,15 @@ import numpy as np
 import pytest
 from scipy.integrate import cumulative_trapezoid
 
-from granwave.analysis.protection.checks import hertz
-from granwave.analysis.protection.runs import TargetRun, collect, names, series
-from granwave.analysis.protection.studies import studies
-from granwave.analysis.protection.theory import HertzImpact, after_impulse, response
-from granwave.analysis.result import Result
-from granwave.analysis.result_file import BALANCE_REFUSED
-from granwave.analysis.study import draw_studies
-from granwave.lammps_inputs.case import load_case
-from granwave.lammps_inputs.sections import Run
+from granwave.analysis.result.reader import Result
+from granwave.analysis.result.writer import BALANCE_REFUSED
+from granwave.analysis.studies.protection.checks import hertz
+from granwave.analysis.studies.protection.runs import TargetRun, collect, names, series
+from granwave.analysis.studies.protection.studies import studies
+from granwave.analysis.studies.protection.theory import HertzImpact, after_impulse, response
+from granwave.analysis.studies.study import draw_studies
+from granwave.lammps_inputs.case.case import load_case
+from granwave.lammps_inputs.case.sections import Run
 from granwave.workflows import load_scan, run_case
 
 CASES = Path(__file__).parents[1] / "workflows" / "cases"

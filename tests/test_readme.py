@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from granwave.lammps_inputs import load_case
-from granwave.workflows import load_profile, load_scan, studies
+from granwave.workflows import library, load_profile, load_scan
 from tests.conftest import PLAIN
 
 README = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
@@ -44,5 +44,5 @@ def test_files(tmp_path):
 def test_built_in_studies_that_commands_name_exist():
     named = re.findall(r"^    granwave (run|check|show|scan|continuum) ([a-z][a-z0-9-]+)(?=\s|$)", README, re.MULTILINE)
     for command, name in named:
-        assert name in studies.names(studies.SCANS if command == "scan" else studies.CASES), (command, name)
+        assert name in library.names(library.SCANS if command == "scan" else library.CASES), (command, name)
     assert {command for command, _ in named} == {"run", "check", "show", "scan", "continuum"}

@@ -6,12 +6,12 @@ import json
 
 import pytest
 
-from granwave.analysis.reports import balance, figures
+from granwave.analysis.document.cells import MAIN, label_of, named, percent, show
+from granwave.analysis.document.model import Figure, Gallery, Note, Table, cleaned
 from granwave.analysis.reports.inputs import read_inputs
-from granwave.analysis.reports.model import Figure, Gallery, Note, Table, cleaned
-from granwave.analysis.reports.quantities import MAIN, label_of, named, percent, show
 from granwave.analysis.reports.report import write_report
-from granwave.workflows.balance import TOLERANCE
+from granwave.analysis.reports.sections import balance, figures
+from granwave.workflows.run.balance import TOLERANCE
 from tests.synthetic_report import blocks, build, draw, notes, table, write_inputs, write_run
 from tests.synthetic_scan import grid, write_json, write_scan
 

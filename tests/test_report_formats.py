@@ -12,7 +12,7 @@ from html.parser import HTMLParser
 
 import pytest
 
-from granwave.analysis.reports.model import Gallery
+from granwave.analysis.document.model import Gallery
 from granwave.analysis.reports.report import write_report
 from tests.synthetic_report import blocks, build, nasty_inputs, write_inputs
 

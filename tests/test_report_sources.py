@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from granwave.analysis.reports.model import Table
-from granwave.analysis.reports.sources import applies, source_values
+from granwave.analysis.document.model import Table
+from granwave.analysis.reports.sections.sources import applies, source_values
 from granwave.lammps_inputs import load_case, sphere_contact
 from tests.synthetic_report import blocks, build, table, write_run
 from tests.synthetic_scan import grid, write_scan

@@ -7,13 +7,13 @@ from pathlib import Path
 
 import pytest
 
+from granwave.analysis.document.cells import BLANK, spread_cell, value_cell
+from granwave.analysis.document.cleanup import tidied_table
+from granwave.analysis.document.model import Cell, Column, Table
 from granwave.analysis.reports.inputs import read_inputs
-from granwave.analysis.reports.model import Cell, Column, Table
-from granwave.analysis.reports.quantities import BLANK, spread_cell, value_cell
-from granwave.analysis.reports.results import results_section, settings_blocks
-from granwave.analysis.reports.studies import studies_section
-from granwave.analysis.reports.tidy import tidied_table
-from granwave.analysis.study import Row, Study
+from granwave.analysis.reports.sections.results import results_section, settings_blocks
+from granwave.analysis.reports.sections.studies import studies_section
+from granwave.analysis.studies.study import Row, Study
 from tests.synthetic_report import build, notes, table, write_run
 from tests.synthetic_scan import grid, write_scan
 
@@ -158,6 +158,6 @@ def test_sources_that_say_nothing_have_no_section(tmp_path):
 
 def test_templates_give_a_wide_figure_the_whole_row():
     """No rule for a figure alone in its gallery narrows a wide one."""
-    css = (Path(__file__).parents[1] / "analysis/reports/templates/report.css").read_text()
+    css = (Path(__file__).parents[1] / "analysis/reports/writers/templates/report.css").read_text()
     for rule in re.findall(r"([^{}]*only-child[^{}]*)\{[^}]*max-width", css):
         assert ":not(.wide)" in rule

@@ -8,9 +8,9 @@ import json
 import numpy as np
 import pytest
 
-from granwave.analysis.restitution import restitution
-from granwave.lammps_inputs.laws import contact_of, rigid_wall_contact_of
-from granwave.lammps_inputs.materials import material, sphere_mass
+from granwave.analysis.contact_law.restitution import restitution
+from granwave.lammps_inputs.case.material import material, sphere_mass
+from granwave.lammps_inputs.contact.law import contact_of, rigid_wall_contact_of
 from tests.conftest import script_of
 from tests.test_pair_style import value
 

@@ -16,7 +16,7 @@ from pathlib import Path
 
 import pytest
 
-from granwave.analysis.scan_table import read_scan
+from granwave.analysis.scans.table import read_scan
 from tests.conftest import PLAIN
 
 HEAD = """

@@ -11,11 +11,11 @@ import pytest
 from matplotlib.figure import Figure
 from matplotlib.transforms import Bbox
 
-from granwave.analysis.figure_style import style
-from granwave.analysis.scan_drawing import Series, draw_bars, draw_curves, draw_map
-from granwave.analysis.scan_figures import draw_scan_figures, drawings
-from granwave.analysis.scan_keys import key_of
-from granwave.analysis.scan_result import ScanResult
+from granwave.analysis.figures.style import style
+from granwave.analysis.scans.drawing import Series, draw_bars, draw_curves, draw_map
+from granwave.analysis.scans.figures import draw_scan_figures, drawings
+from granwave.analysis.scans.keys import key_of
+from granwave.analysis.scans.result import ScanResult
 from tests.synthetic_scan import grid, write_json, write_scan
 
 BOTTOMS = [

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from granwave.lammps_inputs.errors import InputError
-from granwave.workflows import load_case, load_scan, studies
+from granwave.workflows import library, load_case, load_scan
 from granwave.workflows.scanning.scan_file import Scan
 from granwave.workflows.scanning.suite import is_suite
 from tests.scan_texts import SMALL, VELOCITIES, Load, reader
@@ -193,7 +193,7 @@ def test_ids_follow_the_resolved_case_and_not_its_name(load: Load, change: str, 
 
 
 def test_a_case_file_beside_the_scan_serves_as_a_built_in_one(load: Load, tmp_path: Path, monkeypatch) -> None:
-    (tmp_path / "mine.toml").write_text(studies.text("fcc-small").replace("fcc-small", "mine"), encoding="utf-8")
+    (tmp_path / "mine.toml").write_text(library.text("fcc-small").replace("fcc-small", "mine"), encoding="utf-8")
     built_in = ids(load(SMALL + VELOCITIES))
     monkeypatch.chdir("/")
     scan = load(SMALL.replace("fcc-small", "mine.toml") + VELOCITIES)
@@ -309,11 +309,11 @@ def test_a_warning_is_given_once_and_not_for_every_point(load: Load, caplog) -> 
     assert [record.message.count("Poisson") for record in caplog.records] == [1]
 
 
-@pytest.mark.parametrize("name", [name for name in studies.names(studies.SCANS) if not is_suite(name)])
+@pytest.mark.parametrize("name", [name for name in library.names(library.SCANS) if not is_suite(name)])
 def test_built_in_scans_can_be_read(name: str) -> None:
     scan = load_scan(name)
     assert scan.name == name and len(scan.distinct) == len(scan.points) > 2
-    assert studies.text(name).startswith("# ")
+    assert library.text(name).startswith("# ")
 
 
 def test_two_thousand_points(load: Load) -> None:

@@ -14,11 +14,12 @@ import numpy as np
 import pytest
 
 from granwave.analysis import summarise, write_result
-from granwave.analysis.result import Result
-from granwave.analysis.scan_figures import draw_scan_figures
-from granwave.analysis.scan_keys import key_of
-from granwave.analysis.scan_result import ScanResult
-from granwave.analysis.scan_table import (
+from granwave.analysis.measures.wave_speed import wave_speed
+from granwave.analysis.result.reader import Result
+from granwave.analysis.scans.figures import draw_scan_figures
+from granwave.analysis.scans.keys import key_of
+from granwave.analysis.scans.result import ScanResult
+from granwave.analysis.scans.table import (
     column_unit,
     independent_keys,
     read_scan,
@@ -26,9 +27,8 @@ from granwave.analysis.scan_table import (
     scan_table,
     write_scan_table,
 )
-from granwave.analysis.wave_speed import wave_speed
 from granwave.lammps_inputs import load_case, sphere_contact, write_deck
-from granwave.workflows import studies
+from granwave.workflows import library
 from tests import synthetic
 from tests.synthetic_scan import case_of, grid, point_id, summary_of, write_json, write_scan
 
@@ -333,7 +333,7 @@ def test_wave_speed_in_a_packing_that_yields(lmp, tmp_path):
     The lead grows by half a layer over the depth, since the wave gets weaker: the speed is 10 % above that of the peak.
     """
     settings = ["packing.size=[14,14,14]", "run.end_time=1.9e-4", "run.frames=2", "boundary.bottom=free"]
-    written = write_deck(load_case(studies.find("fcc-small"), settings), tmp_path)
+    written = write_deck(load_case(library.find("fcc-small"), settings), tmp_path)
     assert lmp(written.script).returncode == 0
     write_result(tmp_path)
     found = summarise(tmp_path)["wave_speed_m_s"]

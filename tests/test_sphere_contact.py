@@ -12,19 +12,19 @@ import h5py
 import numpy as np
 import pytest
 
-from granwave.analysis.continuum.kernels import N_STATE, RR, RZ, TT, ZZ
-from granwave.analysis.continuum.material import Elastoplastic
-from granwave.analysis.continuum.mesh import Mesh
-from granwave.analysis.finite_elements import check_memory
-from granwave.analysis.law import law_table
-from granwave.analysis.sphere_contact import SphereContactCase, kernels, run_sphere_contact
-from granwave.analysis.sphere_contact import study as study_module
-from granwave.analysis.sphere_contact.deviations import compare_cycles, compare_loading
-from granwave.analysis.sphere_contact.figures import FIGURES
-from granwave.analysis.sphere_contact.mesh import half_sphere
-from granwave.analysis.sphere_contact.study import History, core_size, integrate, make_solver, peaks
-from granwave.analysis.sphere_contact.summary import summarise
+from granwave.analysis.contact_law.curves import law_table
 from granwave.lammps_inputs import InputError, RunError
+from granwave.workflows.finite_elements.frame import check_memory
+from granwave.workflows.finite_elements.punch.kernels import N_STATE, RR, RZ, TT, ZZ
+from granwave.workflows.finite_elements.punch.material import Elastoplastic
+from granwave.workflows.finite_elements.punch.mesh import Mesh
+from granwave.workflows.finite_elements.sphere_contact import SphereContactCase, kernels, run_sphere_contact
+from granwave.workflows.finite_elements.sphere_contact import study as study_module
+from granwave.workflows.finite_elements.sphere_contact.deviations import compare_cycles, compare_loading
+from granwave.workflows.finite_elements.sphere_contact.figures import FIGURES
+from granwave.workflows.finite_elements.sphere_contact.mesh import half_sphere
+from granwave.workflows.finite_elements.sphere_contact.study import History, core_size, integrate, make_solver, peaks
+from granwave.workflows.finite_elements.sphere_contact.summary import summarise
 
 pytestmark = pytest.mark.xdist_group("sphere_contact")  # its fixtures are made once
 

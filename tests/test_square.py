@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 
 from granwave.analysis import Result
-from granwave.analysis.chains.runs import collect as collect_chains
-from granwave.analysis.directions import energy_of_spheres, spread, travelling_frame
-from granwave.analysis.figures import draw_figures
-from granwave.analysis.square import pulses
-from granwave.analysis.square.regions import groups, regions, settled
-from granwave.analysis.square.runs import PackingRun, collect
-from granwave.analysis.square.studies import studies
-from granwave.lammps_inputs.case import Case, load_case
+from granwave.analysis.figures.run_figures import draw_figures
+from granwave.analysis.measures.directions import energy_of_spheres, spread, travelling_frame
+from granwave.analysis.studies.chains.runs import collect as collect_chains
+from granwave.analysis.studies.square import pulses
+from granwave.analysis.studies.square.regions import groups, regions, settled
+from granwave.analysis.studies.square.runs import PackingRun, collect
+from granwave.analysis.studies.square.studies import studies
+from granwave.lammps_inputs.case.case import Case, load_case
+from granwave.lammps_inputs.case.material import material
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.materials import material
 from granwave.workflows import run_case
 
 CASES = Path(__file__).parents[1] / "workflows" / "cases"

@@ -8,12 +8,19 @@ import numpy as np
 import pytest
 
 from granwave.analysis import Result, analyse, summarise, write_result
-from granwave.analysis.target import Reached, reached
-from granwave.analysis.unprotected import Target, impactors_of, load_at, target_of, unprotected, unprotected_peak
-from granwave.analysis.unprotected import _hit as hit
+from granwave.analysis.measures.bare_target import (
+    Target,
+    impactors_of,
+    load_at,
+    target_of,
+    unprotected,
+    unprotected_peak,
+)
+from granwave.analysis.measures.bare_target import _hit as hit
+from granwave.analysis.measures.target import Reached, reached
 from granwave.lammps_inputs import Case, write_deck
-from granwave.lammps_inputs.laws import flat_contact
-from granwave.workflows.studies import load_case
+from granwave.lammps_inputs.contact.law import flat_contact
+from granwave.workflows.library import load_case
 from tests import synthetic
 
 END = 3e-4

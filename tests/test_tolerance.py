@@ -11,15 +11,15 @@ import numpy as np
 import pytest
 
 from granwave.analysis.reports.inputs import read_inputs
-from granwave.analysis.reports.studies import studies_of
+from granwave.analysis.reports.sections.studies import studies_of
 from granwave.analysis.statistics import estimate
-from granwave.analysis.study import Study
-from granwave.analysis.tolerance.axes import RUBBING, SCATTER
-from granwave.analysis.tolerance.quantities import DISSIPATED, FORCE, measure
-from granwave.analysis.tolerance.runs import IDEAL, Packing, Setting, collect
-from granwave.analysis.tolerance.verdict import tolerance
-from granwave.lammps_inputs.case import Case
-from granwave.lammps_inputs.disorder import is_random
+from granwave.analysis.studies.study import Study
+from granwave.analysis.studies.tolerance.axes import RUBBING, SCATTER
+from granwave.analysis.studies.tolerance.quantities import DISSIPATED, FORCE, measure
+from granwave.analysis.studies.tolerance.runs import IDEAL, Packing, Setting, collect
+from granwave.analysis.studies.tolerance.verdict import tolerance
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.packing.disorder import is_random
 from granwave.workflows import load_case, run_case
 from tests.synthetic_report import build, notes, table
 from tests.synthetic_scan import case_of, write_json

@@ -11,14 +11,14 @@ import numpy as np
 import pytest
 
 from granwave.analysis import Result
-from granwave.analysis.fields import rays
-from granwave.analysis.tables import read_energy
+from granwave.analysis.lammps_output.time_series import read_energy
+from granwave.analysis.measures.dissipation import rays
 from granwave.lammps_inputs import load_case, material
-from granwave.lammps_inputs.deck import write_deck
-from granwave.lammps_inputs.laws import contact_of
-from granwave.lammps_inputs.packings import build_packing
-from granwave.lammps_inputs.struck import struck_spheres
-from granwave.workflows import studies
+from granwave.lammps_inputs.contact.law import contact_of
+from granwave.lammps_inputs.deck.deck import write_deck
+from granwave.lammps_inputs.packing.packing import build_packing
+from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
+from granwave.workflows import library
 from tests.twin import Network
 
 pytestmark = pytest.mark.validation
@@ -90,7 +90,7 @@ def test_timestep_converges_long_before_2_ns(lmp, tmp_path):
     rows = {}
     for dt in (2e-7, 1e-7, 5e-8, 3e-8, 2e-9):
         case = load_case(
-            studies.find("fcc-small"),
+            library.find("fcc-small"),
             ["packing.size=[16,16,8]", "run.end_time=2e-4", "run.frames=2", f"run.timestep={dt}"],
         )
         deck = write_deck(case, tmp_path / f"{dt:g}")
@@ -113,7 +113,7 @@ def test_timestep_converges_long_before_2_ns(lmp, tmp_path):
 @pytest.mark.parametrize(("velocity", "apart"), [(1, 1e-4), (5, 1e-4), (10, 1e-4), (40, 2e-3), (80, 5e-3)])
 def test_fixed_normals_part_from_true_geometry_at_high_velocity(velocity, apart):
     """The thesis keeps the contact normals of the start (5.1 to 5.3); how much of the dissipated fraction that is."""
-    case = load_case(studies.find("fcc-small"), ["packing.size=[12,12,8]", "boundary.bottom=free"])
+    case = load_case(library.find("fcc-small"), ["packing.size=[12,12,8]", "boundary.bottom=free"])
     packing, struck = build_packing(case), struck_spheres(case.lattice, 1)[0] - 1
     fractions = []
     for fixed in (True, False):

@@ -13,21 +13,21 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from granwave.workflows.driver import Outcome, run_case
+    from granwave.workflows.library import load_case
+    from granwave.workflows.run.driver import Outcome, run_case
     from granwave.workflows.scanning.driver import ScanOutcome, run_scan
     from granwave.workflows.scanning.profile import Profile, load_profile
     from granwave.workflows.scanning.scan_file import Scan, load_scan
-    from granwave.workflows.studies import load_case
 
 _HOME = {
-    "Outcome": "driver",
+    "Outcome": "run.driver",
     "Profile": "scanning.profile",
     "Scan": "scanning.scan_file",
     "ScanOutcome": "scanning.driver",
-    "load_case": "studies",
+    "load_case": "library",
     "load_profile": "scanning.profile",
     "load_scan": "scanning.scan_file",
-    "run_case": "driver",
+    "run_case": "run.driver",
     "run_scan": "scanning.driver",
 }
 

@@ -7,7 +7,7 @@ import sys
 def run() -> int:
     """The command line; returns the exit status."""
     try:
-        from granwave.workflows.cli import main
+        from granwave.workflows.cli.parser import main
 
         return main()
     except KeyboardInterrupt:
@@ -17,7 +17,7 @@ def run() -> int:
 
 if __name__ == "__main__":
     status = run()
-    from granwave.workflows import mpi
+    from granwave.workflows.run import mpi
 
     if mpi.launched():
         # `python -m mpi4py` takes any other exit status than 0 for a crash and aborts with a message of its own

@@ -10,10 +10,10 @@ from pathlib import Path
 from granwave.analysis.errors import MissingOutputError
 from granwave.analysis.exports import ovito_scene, to_csv, to_netcdf, to_vtp
 from granwave.analysis.exports.staging import staged
-from granwave.analysis.result import Result
-from granwave.analysis.result_file import RESULT_FILE
-from granwave.analysis.scan_result import is_scan
-from granwave.analysis.scan_table import read_scan
+from granwave.analysis.result.reader import Result
+from granwave.analysis.result.writer import RESULT_FILE
+from granwave.analysis.scans.result import is_scan
+from granwave.analysis.scans.table import read_scan
 from granwave.lammps_inputs.errors import InputError
 
 EXPORT_DIRECTORY = "export"

@@ -27,9 +27,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.exports.staging import Staging
-from granwave.analysis.h5md import GROUP
-from granwave.analysis.result import Result
-from granwave.analysis.scan_table import ScanData
+from granwave.analysis.result.reader import Result
+from granwave.analysis.result.trajectory import GROUP
+from granwave.analysis.scans.table import ScanData
 
 OUTDATED = (
     r"snapshot_\d{4,}\.csv|walls_(bottom|[xy]lo|[xy]hi|bar|incident_bar)\.csv|(probes|prestage)\.csv"

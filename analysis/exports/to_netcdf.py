@@ -25,9 +25,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.exports.staging import Staging
-from granwave.analysis.h5md import COMPRESSION, GROUP
-from granwave.analysis.result import Result
-from granwave.analysis.scan_table import ScanData
+from granwave.analysis.result.reader import Result
+from granwave.analysis.result.trajectory import COMPRESSION, GROUP
+from granwave.analysis.scans.table import ScanData
 from granwave.lammps_inputs.errors import InputError
 
 if TYPE_CHECKING:

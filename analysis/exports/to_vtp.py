@@ -22,8 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.exports.staging import Staging
-from granwave.analysis.h5md import GROUP
-from granwave.analysis.result import Result
+from granwave.analysis.result.reader import Result
+from granwave.analysis.result.trajectory import GROUP
 from granwave.lammps_inputs.errors import InputError
 
 if TYPE_CHECKING:

@@ -11,12 +11,12 @@ from pathlib import Path
 from typing import Any, Literal
 from urllib.parse import quote
 
+from granwave.analysis.document.model import Link
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
-from granwave.analysis.reports.model import Link
-from granwave.analysis.result_file import RECORD_FILE, RESULT_FILE
-from granwave.analysis.scan_result import POINTS, SCAN_INDEX, SUITE_INDEX, PointResult, ScanResult, is_scan
+from granwave.analysis.result.writer import RECORD_FILE, RESULT_FILE
+from granwave.analysis.scans.result import POINTS, SCAN_INDEX, SUITE_INDEX, PointResult, ScanResult, is_scan
 from granwave.analysis.summary import SUMMARY_FILE
-from granwave.lammps_inputs.deck import CASE_FILE
+from granwave.lammps_inputs.deck.deck import CASE_FILE
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json
 from granwave.lammps_inputs.toml_files import read_toml

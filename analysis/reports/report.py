@@ -10,9 +10,9 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
-from granwave.analysis.reports.content import build_report
+from granwave.analysis.document.model import Report, cleaned
 from granwave.analysis.reports.inputs import read_inputs
-from granwave.analysis.reports.model import Report, cleaned
+from granwave.analysis.reports.outline import build_report
 from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.files import replace_bytes, replace_text
 
@@ -82,15 +82,15 @@ def _folder(output: Path) -> Path:
 def _write(report: Report, output: Path) -> None:
     suffix = output.suffix.lower()
     if suffix == ".html":
-        from granwave.analysis.reports.html_page import html_page
+        from granwave.analysis.reports.writers.html_page import html_page
 
         replace_text(output, html_page(report))
     elif suffix == ".pdf":
-        from granwave.analysis.reports.pdf import pdf_file
+        from granwave.analysis.reports.writers.pdf import pdf_file
 
         replace_bytes(output, pdf_file(report))
     else:
-        from granwave.analysis.reports.markdown import markdown
+        from granwave.analysis.reports.writers.markdown import markdown
 
         folder = _folder(output)
         text, pictures = markdown(report, folder.name)

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from granwave.lammps_inputs.plan import Plan
+from granwave.lammps_inputs.planning.plan import Plan
 from granwave.workflows.scanning.scan_file import Point
 
 if TYPE_CHECKING:

@@ -16,13 +16,13 @@ from typing import cast
 
 import tomli_w
 
-from granwave.lammps_inputs.case import Case
-from granwave.lammps_inputs.plan import available_memory
-from granwave.lammps_inputs.wall_time import seconds_per_step
-from granwave.workflows import mpi
-from granwave.workflows.engine import Engine, open_engine
-from granwave.workflows.kinds import GRANULAR
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.planning.plan import available_memory
+from granwave.lammps_inputs.planning.wall_time import seconds_per_step
+from granwave.workflows.run import mpi
+from granwave.workflows.run.lammps_engine import Engine, open_engine
 from granwave.workflows.scanning.scan_file import Point
+from granwave.workflows.solvers import GRANULAR
 
 _WARM, _SPAN = 1.5, 1.0  # s of wall time: until contacts are loaded, and timed
 _LONGEST = 60.0  # s, after which the measurement is given up
@@ -63,9 +63,9 @@ def _timed(document: str) -> float | None:
 
 def _measure(document: str) -> float:
     """Wall time of a step on one rank, s."""
-    from granwave.lammps_inputs.case import load_case
-    from granwave.lammps_inputs.deck import write_deck
-    from granwave.lammps_inputs.script import part
+    from granwave.lammps_inputs.case.case import load_case
+    from granwave.lammps_inputs.deck.deck import write_deck
+    from granwave.lammps_inputs.deck.script import part
 
     with tempfile.TemporaryDirectory(prefix="granwave-") as scratch:
         path = Path(scratch) / "case.toml"

@@ -13,14 +13,14 @@ from pathlib import Path
 from typing import Any
 
 from granwave.analysis.errors import OutputFormatError
-from granwave.analysis.scan_result import SCAN_FILE, SCAN_INDEX, ScanResult, is_scan
-from granwave.analysis.scan_table import ScanData, read_scan, write_scan_table
+from granwave.analysis.scans.result import SCAN_FILE, SCAN_INDEX, ScanResult, is_scan
+from granwave.analysis.scans.table import ScanData, read_scan, write_scan_table
 from granwave.lammps_inputs.directories import check_directory, check_disk, clear, refuse_results
 from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.files import replace_text
-from granwave.workflows.directory import held, results_in
-from granwave.workflows.interrupts import Interrupts
-from granwave.workflows.progress import Progress
+from granwave.workflows.run.directory import held, results_in
+from granwave.workflows.run.interrupts import Interrupts
+from granwave.workflows.run.progress import Progress
 from granwave.workflows.scanning import layout, queue
 from granwave.workflows.scanning.batches import make_batches, start_of_job
 from granwave.workflows.scanning.engine import SLURM, Engine, check_installed
@@ -345,11 +345,11 @@ class _ScanRun:
         if self.stop.wanted:
             return  # who stops a scan does not want to wait for figures
         _draw(self.result)
-        from granwave.analysis.figures import FIGURES_DIRECTORY
+        from granwave.analysis.figures.run_figures import FIGURES_DIRECTORY
         from granwave.analysis.reports.inputs import read_inputs
         from granwave.analysis.reports.report import write_report
-        from granwave.analysis.reports.studies import studies_of
-        from granwave.analysis.study import draw_studies
+        from granwave.analysis.reports.sections.studies import studies_of
+        from granwave.analysis.studies.study import draw_studies
 
         found = studies_of(read_inputs([self.directory], self.directory))
         draw_studies(found, self.directory / FIGURES_DIRECTORY)
@@ -368,7 +368,7 @@ class _ScanRun:
 
 def _draw(result: ScanResult, *, pdf: bool = True) -> None:
     # the drawing library is loaded when the first points are done, not before the first starts
-    from granwave.analysis.scan_figures import draw_scan_figures
+    from granwave.analysis.scans.figures import draw_scan_figures
 
     draw_scan_figures(result, pdf=pdf)
 

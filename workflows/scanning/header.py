@@ -7,7 +7,17 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from granwave.lammps_inputs.keys import Faults, Unfit, choice, custom, number, plain_name, read_table, text, whole
+from granwave.lammps_inputs.case.schema import (
+    Faults,
+    Unfit,
+    choice,
+    custom,
+    number,
+    plain_name,
+    read_table,
+    text,
+    whole,
+)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

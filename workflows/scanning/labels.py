@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from granwave.analysis.scan_result import Scalar
-from granwave.analysis.value_words import told_apart
+from granwave.analysis.formatting.values import told_apart
+from granwave.analysis.scans.result import Scalar
 
 
 def labels_of(values: Sequence[Any]) -> list[Scalar]:

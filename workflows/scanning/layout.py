@@ -1,4 +1,4 @@
-"""Where things are in the directory of a scan; what users and reports read is in `granwave.analysis.scan_result`."""
+"""Where things are in the directory of a scan; what users and reports read is in `granwave.analysis.scans.result`."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from granwave.analysis.scan_result import POINT_FILE, POINTS, SCAN_FILE, SCAN_INDEX, UNFINISHED, read_point
+from granwave.analysis.scans.result import POINT_FILE, POINTS, SCAN_FILE, SCAN_INDEX, UNFINISHED, read_point
 from granwave.analysis.summary import SUMMARY_FILE
 from granwave.lammps_inputs.files import replace_text
 

@@ -8,8 +8,8 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+from granwave.lammps_inputs.case.schema import Faults, Unfit, choice, custom, number, read_table, text, whole
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.keys import Faults, Unfit, choice, custom, number, read_table, text, whole
 from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows.scanning import layout
 

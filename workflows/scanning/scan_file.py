@@ -17,20 +17,20 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from granwave.analysis.scan_result import SEED, Scalar
-from granwave.lammps_inputs.case import Case
-from granwave.lammps_inputs.disorder import is_random
+from granwave.analysis.scans.result import SEED, Scalar
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.overrides import apply_overrides, parse_overrides
+from granwave.lammps_inputs.case.schema import Faults, Unfit, read_table, show
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.keys import Faults, Unfit, read_table, show
-from granwave.lammps_inputs.overrides import apply_overrides, parse_overrides
+from granwave.lammps_inputs.packing.disorder import is_random
 from granwave.lammps_inputs.toml_files import read_toml
-from granwave.workflows import studies
-from granwave.workflows.kinds import AnyCase, Cost, Kind, kind_of
-from granwave.workflows.messages import each_warning_once
+from granwave.workflows import library
+from granwave.workflows.cli.messages import each_warning_once
+from granwave.workflows.run.versions import versions
 from granwave.workflows.scanning.header import Header
 from granwave.workflows.scanning.labels import labels_of
 from granwave.workflows.scanning.values import MOST_POINTS, SHAPES, values_of
-from granwave.workflows.versions import versions
+from granwave.workflows.solvers import AnyCase, Cost, Kind, kind_of
 
 _LOG = logging.getLogger("granwave")
 
@@ -107,7 +107,7 @@ def find_scan(scan: str | Path) -> Path:
         There is none, or it cannot be read.
     """
     try:
-        return studies.find(str(scan), studies.SCANS)
+        return library.find(str(scan), library.SCANS)
     except OSError as error:
         raise InputError(f"{scan}: cannot be read: {error.strerror}") from None
 
@@ -312,7 +312,7 @@ def _find_case(case: str, path: Path) -> Path:
     """A case file beside the scan file, or as seen from here, or a built-in study."""
     beside = path.parent / case
     try:
-        return beside if beside.is_file() else studies.find(case)
+        return beside if beside.is_file() else library.find(case)
     except InputError as error:
         raise InputError(f"{path}: case: {fault}" for fault in error.faults) from None
     except OSError as error:

@@ -13,10 +13,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from granwave.analysis.scan_result import SCAN_FILE, SUITE_INDEX
+from granwave.analysis.scans.result import SCAN_FILE, SUITE_INDEX
+from granwave.lammps_inputs.case.schema import Faults, Unfit, custom, plain_name, read_table
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import replace_text
-from granwave.lammps_inputs.keys import Faults, Unfit, custom, plain_name, read_table
 from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows.scanning.driver import ScanOutcome, decide, run_scan
 from granwave.workflows.scanning.scan_file import Scan, find_scan, load_scan, scan_of_case
@@ -165,13 +165,13 @@ def run_suite(
 def _publish(directory: Path) -> None:
     """Figures of the comparison with their data, and the report."""
     # the drawing library is loaded when all points are done
-    from granwave.analysis.comparison.drawings import draw_comparison
-    from granwave.analysis.figures import FIGURES_DIRECTORY
-    from granwave.analysis.reports.comparison import impacts_of
+    from granwave.analysis.figures.run_figures import FIGURES_DIRECTORY
     from granwave.analysis.reports.inputs import read_inputs
     from granwave.analysis.reports.report import write_report
-    from granwave.analysis.reports.studies import studies_of
-    from granwave.analysis.study import draw_studies
+    from granwave.analysis.reports.sections.comparison import impacts_of
+    from granwave.analysis.reports.sections.studies import studies_of
+    from granwave.analysis.studies.granular_continuum.drawings import draw_comparison
+    from granwave.analysis.studies.study import draw_studies
 
     inputs = read_inputs([directory], directory)
     draw_comparison(impacts_of(inputs), directory / FIGURES_DIRECTORY)

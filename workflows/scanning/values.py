@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from granwave.lammps_inputs.keys import Unfit, finite
+from granwave.lammps_inputs.case.schema import Unfit, finite
 
 MOST_POINTS = 100_000
 SHAPES = ("log", "linear")

@@ -29,13 +29,13 @@ from typing import Any
 import tomli_w
 
 from granwave.analysis.summary import SUMMARY_FILE
-from granwave.lammps_inputs.deck import CASE_FILE
+from granwave.lammps_inputs.deck.deck import CASE_FILE
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.toml_files import read_toml
-from granwave.workflows import mpi, record
-from granwave.workflows.directory import busy, clear
-from granwave.workflows.kinds import GRANULAR, kind_of
+from granwave.workflows.run import mpi, record
+from granwave.workflows.run.directory import busy, clear
 from granwave.workflows.scanning import layout
+from granwave.workflows.solvers import GRANULAR, kind_of
 
 DRIVER = "GRANWAVE_SCAN_DRIVER"  # variable: process of the driver, on this machine, without which the job ends
 _POLL = 0.5  # s
@@ -223,7 +223,7 @@ def _fork(words: Sequence[str], log: int) -> int:
         signal.pthread_sigmask(signal.SIG_UNBLOCK, ours)
         os.dup2(log, 1)
         os.dup2(log, 2)
-        from granwave.workflows.cli import main as granwave
+        from granwave.workflows.cli.parser import main as granwave
 
         with _own_mpi() if words[0] == GRANULAR.verb else contextlib.nullcontext():
             status = granwave(words)

@@ -1,0 +1,1 @@
+"""Curves of the contact law, and its fit to measured curves."""

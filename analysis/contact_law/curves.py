@@ -1,0 +1,140 @@
+"""Force against overlap of a contact law: loading, unloading and reloading, as a table and as a figure."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from granwave.analysis.figures.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    Drawing,
+    new_figure,
+    save,
+    style,
+    write_csv,
+)
+
+if TYPE_CHECKING:
+    from granwave._contact_laws import ContactLaw
+
+_TURNS = (0.25, 0.5, 0.75, 1.0)  # of the largest overlap: where unloading starts
+_COLOURS = (GREEN, ORANGE, PURPLE, BLUE)
+_POINTS = 400
+_MAX_OVERLAP = 200.0
+_UNIT_WITHOUT_YIELD = 1e-4  # of R*: the unit of overlaps where alpha_y does not exist
+_MICRO = 1e6  # micrometres in a metre
+
+Table = dict[str, NDArray]
+
+
+def law_table(law: ContactLaw, max_overlap: float = _MAX_OVERLAP) -> Table:
+    """Branches of the force-overlap curve.
+
+    Parameters
+    ----------
+    max_overlap
+        How far loading goes, in units of alpha_y; of 1e-4 R* for materials without a yield strength.
+
+    Returns
+    -------
+    dict
+        ``branch`` (loading, then unloading_N and reloading_N for each of four turning points), ``overlap_m``,
+        ``force_N``, ``overlap_normalised`` (by alpha_y), ``force_normalised`` (by F_y); the last two are NaN
+        for materials without a yield strength.
+
+    Raises
+    ------
+    ValueError
+        The largest overlap is not positive.
+    """
+    if not 0 < max_overlap < math.inf:
+        raise ValueError(f"max_overlap: found {max_overlap}, expected a positive number")
+    yields = math.isfinite(law.yield_overlap)
+    largest = max_overlap * (law.yield_overlap if yields else _UNIT_WITHOUT_YIELD * law.effective_radius)
+    grid = np.linspace(0.0, 1.0, _POINTS)
+    first = _first_loading(law, largest)
+    branches = [("loading", first, law.loading_force(first))]
+    for n, share in enumerate(_TURNS, start=1):
+        peak = share * largest
+        residual = float(law.residual_overlap(np.array([peak]))[0])
+        overlap = np.concatenate([[0.0], residual + (peak - residual) * grid])
+        force = law.force(overlap, np.full_like(overlap, peak))
+        branches += [(f"unloading_{n}", overlap[::-1], force[::-1]), (f"reloading_{n}", overlap, force)]
+    overlap = np.concatenate([branch[1] for branch in branches])
+    force = np.concatenate([branch[2] for branch in branches])
+    return {
+        "branch": np.concatenate([np.full(len(values), name) for name, values, _ in branches]),
+        "overlap_m": overlap,
+        "force_N": force,
+        "overlap_normalised": overlap / law.yield_overlap if yields else np.full_like(overlap, np.nan),
+        "force_normalised": force / law.yield_force if yields else np.full_like(force, np.nan),
+    }
+
+
+def law_drawing(law: ContactLaw, max_overlap: float = _MAX_OVERLAP, title: str = "") -> Drawing:
+    """The curves of `law_table`: physical axes below and left, normalised ones above and right."""
+    table = law_table(law, max_overlap)
+    branch, overlap, force = table["branch"], table["overlap_m"] * _MICRO, table["force_N"]
+    figure: Figure = new_figure(2.7)
+    axes = figure.subplots()
+    for n, colour in enumerate(_COLOURS, start=1):
+        rows = branch == f"unloading_{n}"
+        label = "unloading and reloading" if n == len(_COLOURS) else None
+        axes.plot(overlap[rows], force[rows], color=colour, label=label)
+    rows = branch == "loading"
+    axes.plot(overlap[rows], force[rows], color="black", linestyle="--", label="loading")
+    axes.set_xlabel("Overlap (µm)")
+    axes.set_ylabel("Force (N)")
+    axes.set_xlim(0, float(overlap.max()))
+    axes.set_ylim(0, 1.05 * float(force.max()))
+    if np.all(np.isfinite(table["overlap_normalised"])):
+        _normalised_axes(axes, law)
+    limit = 0.2 * law.effective_radius * _MICRO
+    if law.name == "elastoplastic" and overlap.max() > limit:
+        axes.axvline(limit, color=GREY, linestyle=":", label=r"0.2 $R^*$, end of the fit")
+    axes.legend(loc="upper left", title=f"{title}, {law.name}" if title else law.name, alignment="left")
+    return Drawing(figure, table)
+
+
+def write_law(law: ContactLaw, path: str | Path, max_overlap: float = _MAX_OVERLAP, title: str = "") -> Path:
+    """Write a table (.csv), or a figure (.png or .pdf; both, and the table, are written).
+
+    Raises
+    ------
+    ValueError
+        The path has another suffix.
+    """
+    path = Path(path)
+    if path.suffix not in (".csv", ".png", ".pdf"):
+        raise ValueError(f"{path}: found the suffix {path.suffix or 'none'!r}, expected .png, .pdf or .csv")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    if path.suffix == ".csv":
+        write_csv(law_table(law, max_overlap), path)
+    else:
+        with style():
+            save(law_drawing(law, max_overlap, title), path.with_suffix(""))
+    return path
+
+
+def _first_loading(law: ContactLaw, largest: float) -> NDArray[np.float64]:
+    """Overlaps of first loading, the overlap at first yield among them."""
+    grid = np.linspace(0.0, largest, _POINTS)
+    return np.union1d(grid, [law.yield_overlap]) if law.yield_overlap < largest else grid
+
+
+def _normalised_axes(axes, law: ContactLaw) -> None:
+    overlap, force = law.yield_overlap * _MICRO, law.yield_force
+    axes.tick_params(top=False, right=False)
+    above = axes.secondary_xaxis("top", functions=(lambda x: x / overlap, lambda a: a * overlap))
+    above.set_xlabel(r"$\alpha/\alpha_\mathrm{y}$")
+    beside = axes.secondary_yaxis("right", functions=(lambda y: y / force, lambda f: f * force))
+    beside.set_ylabel(r"$F/F_\mathrm{y}$")

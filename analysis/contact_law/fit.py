@@ -1,0 +1,356 @@
+"""Fit of the elasto-plastic law's constants to a force-overlap curve.
+
+Least squares over the rows beyond first yield, of the residuals
+
+    r = (F_law - F) / s,    s = |F|, but at least 0.1 % of the largest force on loading
+                                and 5 % of the force at the turn on un- and reloading
+
+so that small overlaps count as much as large ones. Rows off by more than three times the scatter (the median of |r|,
+as a standard deviation) count linearly only (Huber's loss). The standard uncertainties come from the covariance
+s^2 (J^T W J)^-1; where neighbouring rows err the same way (the law's shape is not that of the curve), they are widened
+by sqrt((1 + rho)/(1 - rho)), rho the correlation of neighbours.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import difflib
+import logging
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
+
+from granwave.analysis.contact_law.fit_search import Search, uncertainties
+from granwave.analysis.contact_law.measured_curve import Curve
+from granwave.lammps_inputs.case.material import Material
+from granwave.lammps_inputs.case.sections import LAW_CONSTANTS
+from granwave.lammps_inputs.contact.law import contact_of
+from granwave.lammps_inputs.errors import InputError
+
+if TYPE_CHECKING:
+    from granwave._contact_laws import ContactLaw
+
+YIELD = "yield_strength"
+
+#: Within which each constant is looked for.
+BOUNDS = {
+    "pressure_limit": (0.3, 20.0),
+    "pressure_rate": (1e-3, 5.0),
+    "area_switch": (10.0, 2000.0),
+    "area_slope": (0.3, 20.0),
+    "area_offset": (-500.0, 3000.0),
+    "residual_slope": (0.05, 1.0),
+    "residual_offset": (1.0, 500.0),  # above residual_slope: dents stay below the overlap that made them
+    "residual_rate": (1e-4, 1.0),
+    "unloading_exponent": (1.0, 3.0),
+    YIELD: (0.3, 3.0),  # of the strength that fits best with the published constants
+}
+RANGES = (1.0, 10.0, 50.0, 177.6, math.inf)  # of the overlap, in that at first yield: what the misfit is told for
+
+_LOG = logging.getLogger("granwave")
+_LEAST_LOADING, _LEAST_TURN = 1e-3, 0.05  # floors of the scale of residuals
+_NO_FORCE = 1e-3  # of the force at the turn
+_FEWEST = 5  # rows of loading beyond first yield
+_SMALL_TURN = 1.5  # turns nearer to first yield tell nothing of the residual overlap
+_UNIT_ERROR = 30.0  # no material differs so much from the law: the force has another unit
+_YIELD_SPAN = math.log(10.0)  # of the given yield strength, either way
+_HUGE = 1e3  # residual where there is no law
+
+_LEAST_RISE, _STIFF = 0.01, 100.0  # of a_R at first yield, and how strongly it is kept
+
+Array = NDArray[np.float64]
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Misfit:
+    """How far a law is from some of the rows.
+
+    Attributes
+    ----------
+    part
+        Which rows.
+    rows
+        How many.
+    rms, largest
+        Root mean square and largest of |r|, per cent.
+    """
+
+    part: str
+    rows: int
+    rms: float
+    largest: float
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class Fit:
+    """The outcome of a fit.
+
+    Attributes
+    ----------
+    law, published
+        With the constants found, and with the published ones.
+    constants
+        All of the law's, by name.
+    uncertainty
+        Standard uncertainty of each that was fitted, in its own unit; infinite where the curve does not tell.
+    at_bound
+        Names of those that ended at a bound of the search.
+    materials, radii
+        Of the two bodies; with the yield strength found, Pa, and in m.
+    correlation
+        Of the residuals of neighbouring rows.
+    misfit, published_misfit
+        Of both laws, part by part.
+    """
+
+    curve: Curve
+    law: ContactLaw
+    published: ContactLaw
+    constants: dict[str, float]
+    uncertainty: dict[str, float]
+    at_bound: tuple[str, ...]
+    materials: tuple[Material, ...]
+    radii: tuple[float, ...]
+    correlation: float
+    misfit: tuple[Misfit, ...]
+    published_misfit: tuple[Misfit, ...]
+
+    def value(self, name: str) -> float:
+        """Of a constant, or of the yield strength, Pa."""
+        return self.law.yield_strength if name == YIELD else self.constants[name]
+
+    def undetermined(self, name: str) -> bool:
+        """The curve does not tell this constant: its uncertainty exceeds it, or it ended at a bound."""
+        return name in self.at_bound or not self.uncertainty[name] <= abs(self.value(name))
+
+
+def fit_law(
+    curve: Curve,
+    materials: Sequence[Material],
+    radii: Sequence[float],
+    free: Sequence[str] | None = None,
+    *,
+    fit_yield: bool = False,
+) -> Fit:
+    """Fit the law to a curve.
+
+    Parameters
+    ----------
+    materials, radii
+        One or two, m: they set the force and the overlap at first yield.
+    free
+        Constants to fit; by default those that the curve can tell, and a warning names the rest.
+    fit_yield
+        Fit the yield strength too, starting from the material's (the softer one's).
+
+    Raises
+    ------
+    InputError
+        The curve does not suit the contact, is too short, or asks for constants that make no passive law.
+    """
+    published = contact_of(materials, radii)
+    _refuse(curve, published, radii)
+    first = contact_of(_with_yield(materials, _yield_alone(curve, materials, radii)), radii) if fit_yield else published
+    names = _known(free) if free is not None else _tellable(curve, first)
+    names += [YIELD] * fit_yield
+    rows = bearing(curve) & (curve.peak > (BOUNDS[YIELD][0] if fit_yield else 1.0) * first.yield_overlap)
+    if np.count_nonzero(rows) < len(names) + _FEWEST:
+        raise InputError(
+            f"{curve.source}: {np.count_nonzero(rows)} rows lie beyond first yield, "
+            f"expected at least {len(names) + _FEWEST} to fit {len(names)} values; hold some with --free"
+        )
+    start = first.constants | {YIELD: first.yield_strength}
+
+    def law_of(x: Array, checked: bool = False) -> ContactLaw:
+        found = dict(zip(names, (float(v * start[name]) for v, name in zip(x, names, strict=True)), strict=True))
+        strength = found.pop(YIELD, None)
+        return contact_of(_with_yield(materials, strength), radii, constants=found, checked=checked)
+
+    scale = residual_scale(curve)[rows]
+
+    def residuals(x: Array) -> Array:
+        law = law_of(x)
+        off = (law.force(curve.overlap[rows], curve.peak[rows]) - curve.force[rows]) / scale
+        return np.append(np.nan_to_num(off, nan=_HUGE, posinf=_HUGE, neginf=-_HUGE), _healing(law))
+
+    bounds = np.sort([[1.0 * b if n == YIELD else b / start[n] for b in BOUNDS[n]] for n in names], axis=1)
+    largest = float(curve.peak.max()) / first.yield_overlap
+    search = Search(residuals, bounds, names, np.append(curve.loading[rows], False), largest)
+    x = search.best()
+    try:
+        law = law_of(x, checked=True)
+    except ValueError as error:
+        raise InputError(
+            f"{curve.source}: the constants that fit best make no passive law ({error}); hold some with --free"
+        ) from None
+    held = np.any(np.abs(x[:, None] - bounds) < 1e-6 * np.ptp(bounds, axis=1)[:, None], axis=1)
+    rho = _neighbours(residuals(x)[:-1], curve.branch[rows])
+    spread = uncertainties(search, x, held) * math.sqrt((1 + rho) / (1 - rho))
+    return Fit(
+        curve=curve,
+        law=law,
+        published=published,
+        constants=law.constants,
+        uncertainty={name: float(s * abs(start[name])) for name, s in zip(names, spread, strict=True)},
+        at_bound=tuple(name for name, at in zip(names, held, strict=True) if at),
+        materials=tuple(_with_yield(materials, law.yield_strength if fit_yield else None)),
+        radii=tuple(radii),
+        correlation=rho,
+        misfit=_misfit(curve, law),
+        published_misfit=_misfit(curve, published),
+    )
+
+
+def residual_scale(curve: Curve) -> Array:
+    """(n,), N: what differences of force are relative to."""
+    floor = np.maximum(_LEAST_TURN * _turn_force(curve), _LEAST_LOADING * np.abs(curve.force).max())
+    return np.maximum(np.abs(curve.force), floor)
+
+
+def bearing(curve: Curve) -> NDArray[np.bool_]:
+    """(n,): the rows that count: not those of un- and reloading within the dent, where there is no force."""
+    return curve.loading | (np.abs(curve.force) > _NO_FORCE * _turn_force(curve))
+
+
+def _turn_force(curve: Curve) -> Array:
+    """(n,), N: the largest force of the rows of the same turn; 0 on loading."""
+    largest = np.zeros(curve.force.size)
+    for turn in curve.turns:
+        rows = ~curve.loading & (curve.peak == turn)
+        largest[rows] = np.abs(curve.force[rows]).max()
+    return largest
+
+
+def deviation(curve: Curve, law: ContactLaw) -> Array:
+    """(n,), per cent: by how much a law exceeds the curve."""
+    return 100 * (law.force(curve.overlap, curve.peak) - curve.force) / residual_scale(curve)
+
+
+def _yield_alone(curve: Curve, materials: Sequence[Material], radii: Sequence[float]) -> float:
+    """The yield strength, Pa, with which the published constants fit best: where the search for all begins."""
+    given = contact_of(materials, radii).yield_strength
+    rows, scale = curve.overlap > 0, residual_scale(curve)
+
+    def off(logarithm: float) -> float:
+        law = contact_of(_with_yield(materials, given * math.exp(logarithm)), radii)
+        return float(np.sum(np.abs((law.force(curve.overlap, curve.peak) - curve.force) / scale)[rows]))
+
+    grid = np.linspace(-_YIELD_SPAN, _YIELD_SPAN, 41)
+    best = int(np.argmin([off(x) for x in grid]))
+    around = (grid[max(best - 1, 0)], grid[min(best + 1, grid.size - 1)])
+    return given * math.exp(minimize_scalar(off, bounds=around, method="bounded").x)
+
+
+def _refuse(curve: Curve, law: ContactLaw, radii: Sequence[float]) -> None:
+    loading, largest = curve.loading, float(curve.overlap.max(initial=0.0))
+    if largest > min(radii):
+        raise InputError(
+            f"{curve.source}: overlap_m: found {largest:g} m, more than the radius {min(radii):g} m; "
+            "are the overlaps in m, and is --radius right?"
+        )
+    if largest <= law.yield_overlap:
+        raise InputError(
+            f"{curve.source}: overlap_m: the largest, {largest:g} m, does not pass first yield at "
+            f"{law.yield_overlap:.4g} m, below which the constants do nothing; are --material and --radius right?"
+        )
+    beyond = loading & (curve.overlap > law.yield_overlap)
+    if np.count_nonzero(beyond) < _FEWEST:
+        raise InputError(
+            f"{curve.source}: {np.count_nonzero(beyond)} rows of loading lie beyond first yield at "
+            f"{law.yield_overlap:.4g} m, expected {_FEWEST} or more"
+        )
+    ratio = float(np.median(curve.force[beyond] / law.loading_force(curve.overlap[beyond])))
+    if not 1 / _UNIT_ERROR < ratio < _UNIT_ERROR:
+        raise InputError(
+            f"{curve.source}: force_N: the forces are {ratio:.3g} times those of the published law; "
+            "are they in N, the overlaps in m, and are --material and --radius right?"
+        )
+
+
+def _known(free: Sequence[str]) -> list[str]:
+    for name in free:
+        if name not in LAW_CONSTANTS:
+            near = difflib.get_close_matches(name, LAW_CONSTANTS, n=1)
+            hint = f"did you mean {near[0]}?" if near else "expected some of " + ", ".join(LAW_CONSTANTS)
+            raise InputError(f"--free: found {name}; {hint}")
+    if not free:
+        raise InputError("--free: found nothing, expected names of constants")
+    return [name for name in LAW_CONSTANTS if name in free]
+
+
+def _tellable(curve: Curve, law: ContactLaw) -> list[str]:
+    """The constants that the curve says something about; a warning names the others."""
+    overlap, switch = curve.overlap / law.yield_overlap, law.constants["area_switch"]
+    names = ["pressure_limit", "pressure_rate", "area_slope"]
+    if np.count_nonzero(curve.loading & (overlap > switch)) >= _FEWEST:
+        names += ["area_switch", "area_offset"]
+    turns = np.count_nonzero(curve.turns > _SMALL_TURN * law.yield_overlap)
+    names += ["unloading_exponent", "residual_offset", "residual_slope", "residual_rate"][: turns + 1 if turns else 0]
+    for part, why in (
+        ("area_", f"fewer than {_FEWEST} rows of loading lie beyond {switch:g} times the overlap of first yield"),
+        ("residual_", f"it is unloaded from {turns} overlap{'' if turns == 1 else 's'} only, three tell all"),
+        ("unloading_", "there is no unloading"),
+    ):
+        stay = [name for name in LAW_CONSTANTS if name.startswith(part) and name not in names]
+        if stay and not (part == "unloading_" and turns):
+            _LOG.warning(
+                "%s: %s: %s as published", curve.source, why, f"{', '.join(stay)} stay{'s' * (len(stay) == 1)}"
+            )
+    return [name for name in LAW_CONSTANTS if name in names]
+
+
+def _with_yield(materials: Sequence[Material], strength: float | None) -> list[Material]:
+    if strength is None:
+        return list(materials)
+    return [dataclasses.replace(m, yield_strength=strength, source=None) for m in materials]
+
+
+def _healing(law: ContactLaw) -> float:
+    """A residual that keeps the dents of small overlaps from being negative: 0 while a_R rises at first yield."""
+    slope, offset, rate = (law.constants[f"residual_{name}"] for name in ("slope", "offset", "rate"))
+    return _STIFF * max(0.0, _LEAST_RISE - (slope - rate * (offset - slope)))
+
+
+def _neighbours(residuals: Array, branch: NDArray[np.str_]) -> float:
+    """Correlation of the residuals of neighbouring rows of a branch; 0 where it is within chance."""
+    same = branch[1:] == branch[:-1]
+    power = float(np.mean(residuals**2))
+    if not power or np.count_nonzero(same) < 2:
+        return 0.0
+    rho = float(np.mean(residuals[1:][same] * residuals[:-1][same])) / power
+    return min(rho, 0.99) if rho > 2 / math.sqrt(np.count_nonzero(same)) else 0.0
+
+
+def _misfit(curve: Curve, law: ContactLaw) -> tuple[Misfit, ...]:
+    off, overlap, peak = (
+        np.abs(deviation(curve, law)),
+        curve.overlap / law.yield_overlap,
+        curve.peak / law.yield_overlap,
+    )
+    parts = {"loading below first yield": curve.loading & (overlap <= 1) & (overlap > 0)}
+    parts["loading beyond it"] = curve.loading & (overlap > 1)
+    for low, high in pairwise(RANGES):
+        parts[f"  {_range(low, high)}"] = curve.loading & (overlap > low) & (overlap <= high)
+    below = ~curve.loading & bearing(curve)
+    parts["un- and reloading"] = below & (peak > 1)
+    for low, high in pairwise(RANGES):
+        parts[f"  from {_range(low, high)}"] = below & (peak > low) & (peak <= high)
+    return tuple(
+        Misfit(
+            part=part,
+            rows=int(np.count_nonzero(rows)),
+            rms=float(np.sqrt(np.mean(off[rows] ** 2))),
+            largest=float(off[rows].max()),
+        )
+        for part, rows in parts.items()
+        if rows.any()
+    )
+
+
+def _range(low: float, high: float) -> str:
+    return f"{low:g} to {high:g}" if math.isfinite(high) else f"beyond {low:g}"

@@ -1,0 +1,205 @@
+"""What a fit of the contact law leaves: fit.toml, pair.toml, fit.csv, misfit.csv, and the figure fit."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import tomli_w
+
+from granwave.analysis.contact_law.fit import YIELD, Fit, bearing, deviation
+from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Columns, Drawing, new_figure, save, style, write_csv
+from granwave.lammps_inputs.case.sections import LAW_CONSTANTS
+
+TOML_FILE, PAIR_FILE, CSV_FILE, MISFIT_FILE, FIGURE = "fit.toml", "pair.toml", "fit.csv", "misfit.csv", "fit"
+
+_MICRO = 1e6  # micrometres in a metre
+_POINTS = 300
+
+
+def write_fit(fit: Fit, directory: str | Path, pair: Sequence[str] | None = None) -> list[Path]:
+    """Write fit.toml, fit.csv, misfit.csv and figures/fit (.png, .pdf, .csv) into a directory, which is made.
+
+    Parameters
+    ----------
+    pair
+        Names of two materials: pair.toml is written too, see `pair_toml`.
+
+    Returns
+    -------
+    list of Path
+        What was written.
+    """
+    directory = Path(directory)
+    figures = directory / "figures"
+    figures.mkdir(parents=True, exist_ok=True)
+    (directory / TOML_FILE).write_text(fit_toml(fit), encoding="utf-8")
+    write_csv(constants_table(fit), directory / CSV_FILE)
+    write_csv(misfit_table(fit), directory / MISFIT_FILE)
+    with style():
+        save(fit_drawing(fit), figures / FIGURE)
+    if pair:
+        (directory / PAIR_FILE).write_text(pair_toml(fit, pair), encoding="utf-8")
+    files = [TOML_FILE, *([PAIR_FILE] if pair else []), CSV_FILE, MISFIT_FILE, f"figures/{FIGURE}.png"]
+    return [directory / name for name in files]
+
+
+def constants_table(fit: Fit) -> Columns:
+    """A row for each constant, and for the yield strength (Pa) if it was fitted."""
+    names = [*LAW_CONSTANTS, *([YIELD] if YIELD in fit.uncertainty else [])]
+    published = fit.published.constants | {YIELD: fit.published.yield_strength}
+    return {
+        "constant": names,
+        "value": np.array([fit.value(name) for name in names]),
+        "standard_uncertainty": np.array([fit.uncertainty.get(name, math.nan) for name in names]),
+        "published": np.array([published[name] for name in names]),
+        "state": [state(fit, name) for name in names],
+    }
+
+
+def state(fit: Fit, name: str) -> str:
+    """Fitted, held, or why the value is not to be trusted."""
+    if name not in fit.uncertainty:
+        return "held"
+    if name in fit.at_bound:
+        return "not determined: at the bound of the search"
+    return "not determined: uncertainty exceeds it" if fit.undetermined(name) else "fitted"
+
+
+def misfit_table(fit: Fit) -> Columns:
+    """Deviations of the fit and of the published law, part by part (overlaps in that at first yield), per cent."""
+    return {
+        "part": [misfit.part.strip() for misfit in fit.misfit],
+        "rows": [misfit.rows for misfit in fit.misfit],
+        "rms_percent": np.array([misfit.rms for misfit in fit.misfit]),
+        "largest_percent": np.array([misfit.largest for misfit in fit.misfit]),
+        "published_rms_percent": np.array([misfit.rms for misfit in fit.published_misfit]),
+        "published_largest_percent": np.array([misfit.largest for misfit in fit.published_misfit]),
+    }
+
+
+def fit_toml(fit: Fit) -> str:
+    """A case of two such spheres, whose tables [contact] and [material] serve in any case."""
+    softer = min(fit.materials, key=lambda material: material.yield_strength or math.inf)
+    material = {key: value for key, value in dataclasses.asdict(softer).items() if value is not None}
+    diameter = 2 * min(fit.radii)
+    lines = [
+        f"# Elasto-plastic contact law fitted to {Path(fit.curve.source).name} ({fit.curve.force.size} rows).",
+        "# Copy [contact] and [material] into a case of your own and run it: granwave run case.toml",
+        "# This file is a case too, two such spheres: granwave run fit.toml",
+        *(
+            f"# off by {misfit.rms:.3g} % rms, {misfit.largest:.3g} % at most: {misfit.part.strip()}"
+            for misfit in fit.misfit
+            if not misfit.part.startswith(" ")
+        ),
+    ]
+    if len(fit.materials) == 2 and fit.materials[0] != fit.materials[1]:
+        lines.append(
+            "# The curve is of two materials: [material] below is the softer; --pair A B writes the law between both."
+        )
+    lines += ["", 'name = "fit"', "", "[contact]", *_law_lines(fit)]
+    return (
+        "\n".join(lines)
+        + "\n\n"
+        + tomli_w.dumps(
+            {
+                "material": material,
+                "packing": {"kind": "chain", "size": 2, "diameter": diameter},
+                "load": {"velocity": 1.0},
+                "boundary": {"bottom": "free"},
+                "run": {"end_time": "auto"},
+            }
+        )
+    )
+
+
+def pair_toml(fit: Fit, materials: Sequence[str]) -> str:
+    """The law as a table ``[[pair]]``, which makes it that of two materials of a case; "rigid" is a rigid wall.
+
+    Parameters
+    ----------
+    materials
+        Names of the two in the case.
+    """
+    softer = min(fit.materials, key=lambda material: material.yield_strength or math.inf)
+    return (
+        "\n".join(
+            [
+                f"# Elasto-plastic contact law fitted to {Path(fit.curve.source).name}; for the end of a case.",
+                f"# It goes with a yield strength of {softer.yield_strength:g} Pa of the softer of the two.",
+                "[[pair]]",
+                f"materials = {json.dumps(list(materials))}",
+                *_law_lines(fit),
+            ]
+        )
+        + "\n"
+    )
+
+
+def _law_lines(fit: Fit) -> list[str]:
+    """The law's keys, each constant with its uncertainty."""
+    lines = ['law = "elastoplastic"', 'variant = "continuous"']
+    for name, value, spread, published, how in zip(*constants_table(fit).values(), strict=True):
+        if name != YIELD:
+            note = f"+- {spread:.2g}, " if math.isfinite(spread) else ""
+            lines.append(f"{name} = {toml_number(value)}  # {note}{how}; published {published:g}")
+    return lines
+
+
+def toml_number(value: float) -> str:
+    """Ten digits, and always a float in TOML."""
+    text = f"{value:.10g}"
+    return text if any(mark in text for mark in ".e") else f"{text}.0"
+
+
+def fit_drawing(fit: Fit) -> Drawing:
+    """The curve with both laws, and below by how much they are off."""
+    curve = fit.curve
+    off, published_off = deviation(curve, fit.law), deviation(curve, fit.published)
+    figure = new_figure(4.0)
+    above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
+    loading, overlap = curve.loading, curve.overlap * _MICRO
+    few = _thinned(curve.force.size)
+    above.plot(overlap[few], curve.force[few], "o", color="black", ms=2, mfc="none", mew=0.4, label="curve")
+    grid = np.linspace(0, curve.peak.max(), _POINTS)
+    for law, colour, line, label in (
+        (fit.published, GREY, "--", "published constants"),
+        (fit.law, BLUE, "-", "fit"),
+    ):
+        above.plot(grid * _MICRO, law.loading_force(grid), line, color=colour, lw=0.8, label=label)
+        for turn in curve.turns:
+            path = np.linspace(float(law.residual_overlap(np.array([turn]))[0]), turn, _POINTS)
+            above.plot(path * _MICRO, law.force(path, np.full_like(path, turn)), line, color=colour, lw=0.8)
+    for rows, colour, label in ((loading, BLUE, "loading"), (~loading & bearing(curve), ORANGE, "un- and reloading")):
+        if rows.any():
+            below.plot(overlap[rows], off[rows], ".", color=colour, ms=2, label=label)
+    below.axhline(0, color="black", lw=0.5)
+    limit = 1.1 * float(np.abs(off[curve.peak > fit.law.yield_overlap]).max(initial=0.0))
+    below.set_ylim(-max(limit, 1e-3), 1.4 * max(limit, 1e-3))
+    above.set_ylabel("Force (N)")
+    above.set_xlim(0, None)
+    above.set_ylim(0, None)
+    below.set_xlabel("Overlap (µm)")
+    below.set_ylabel("Fit minus curve (%)")
+    above.legend(loc="upper left")
+    below.legend(loc="upper left", ncols=2, markerscale=3)
+    return Drawing(
+        figure,
+        {
+            "branch": curve.branch,
+            "overlap_m": curve.overlap,
+            "force_N": curve.force,
+            "fit_N": fit.law.force(curve.overlap, curve.peak),
+            "deviation_percent": off,
+            "published_N": fit.published.force(curve.overlap, curve.peak),
+            "published_deviation_percent": published_off,
+        },
+    )
+
+
+def _thinned(n: int) -> slice:
+    return slice(None, None, max(n // 400, 1))

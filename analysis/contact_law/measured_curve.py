@@ -1,0 +1,181 @@
+"""Force-overlap curves to fit a contact law to: read from CSV, with the branch and the largest overlap of every row.
+
+Two forms. With a column ``branch`` (loading, unloading_N, reloading_N), as `granwave law -o x.csv` writes them;
+all rows of one N lie below the same largest overlap. Or a plain measured curve in the order in which it was measured:
+its branches follow from where the overlap turns.
+"""
+
+from __future__ import annotations
+
+import csv
+import dataclasses
+import math
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from granwave.lammps_inputs.case.schema import show
+from granwave.lammps_inputs.errors import InputError
+
+NUMBERS = ("overlap_m", "force_N")
+BRANCH = "branch"
+LOADING = "loading"
+_BRANCHES = re.compile(r"loading|(?:un|re)loading(?:_?\w+)?")
+_FAULTS = 5  # shown of one file
+_TURN = 0.01  # of the largest overlap: a reversal by less is noise of the measurement
+
+Array = NDArray[np.float64]
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Curve:
+    """A force-overlap curve.
+
+    Attributes
+    ----------
+    source
+        Where it comes from, for messages.
+    branch
+        (n,), text: loading, unloading_N, reloading_N.
+    overlap
+        (n,), m.
+    force
+        (n,), N.
+    peak
+        (n,), m: the largest overlap so far, and on loading the overlap itself.
+    """
+
+    source: str
+    branch: NDArray[np.str_]
+    overlap: Array
+    force: Array
+    peak: Array
+
+    @property
+    def loading(self) -> NDArray[np.bool_]:
+        """(n,): the rows of first loading."""
+        return self.branch == LOADING
+
+    @property
+    def turns(self) -> Array:
+        """(n_turns,), m: the largest overlaps from which the curve was unloaded, without repeats, rising."""
+        return np.unique(self.peak[~self.loading])
+
+
+def read_curve(path: str | Path) -> Curve:
+    """Read a curve from a CSV file with the columns overlap_m, force_N and perhaps branch; others are passed over.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, lacks a column, or holds what is no number, no branch or a negative overlap; each fault
+        with its line.
+    """
+    rows, lines = _rows(Path(path))
+    faults: list[str] = []
+    columns = {name: [_number(row, name, f"{path}: line {n}", faults) for n, row in rows] for name in NUMBERS}
+    named = BRANCH in lines
+    branch = [(row.get(BRANCH) or "").strip() for _, row in rows]
+    for (n, row), name, found in zip(rows, branch, columns["overlap_m"], strict=True):
+        if named and not _BRANCHES.fullmatch(name):
+            faults.append(
+                f"{path}: line {n}: branch: found {show(row.get(BRANCH) or '')}, "
+                "expected loading, unloading_N or reloading_N"
+            )
+        if found < 0:
+            faults.append(f"{path}: line {n}: overlap_m: found {found:g}, expected none below 0 (compression > 0)")
+    if faults:
+        raise InputError(faults[:_FAULTS] + [f"{path}: and {len(faults) - _FAULTS} more"] * (len(faults) > _FAULTS))
+    overlap, force = (np.array(columns[name]) for name in NUMBERS)
+    return _curve(str(path), overlap, force, branch if named else None)
+
+
+def curve_of(overlap: ArrayLike, force: ArrayLike, branch: Sequence[str] | None = None) -> Curve:
+    """A curve from numbers, m and N; without ``branch`` in the order of measurement."""
+    return _curve("curve", np.asarray(overlap, float), np.asarray(force, float), branch)
+
+
+def _curve(source: str, overlap: Array, force: Array, branch: Sequence[str] | None) -> Curve:
+    if branch is None:
+        names, peak = _branches(overlap)
+    else:
+        names = np.array(branch, dtype=np.str_)
+        turn = np.array([re.sub("^(un|re)loading_?", "", name) for name in names])
+        peak = overlap.copy()
+        for number in np.unique(turn[names != LOADING]):
+            rows = (names != LOADING) & (turn == number)
+            peak[rows] = overlap[rows].max()
+    return Curve(source, names, overlap, force, peak)
+
+
+def _branches(overlap: Array) -> tuple[NDArray[np.str_], Array]:
+    """Branch and largest overlap of every row of a measured curve, from where the overlap turns."""
+    ends = _turning_points(overlap, _TURN * float(overlap.max(initial=0.0)))
+    names, peak = np.full(overlap.size, LOADING, dtype="<U20"), overlap.copy()
+    number, largest, start = 0, 0.0, 0
+    for end in ends:
+        rows = slice(start, end + 1)
+        if overlap[end] > overlap[max(start - 1, 0)] or start == 0:
+            below = overlap[rows] < largest
+            names[rows][below] = f"reloading_{number}"
+            peak[rows][below] = largest
+        else:
+            if overlap[start - 1] >= largest:
+                number, largest = number + 1, float(overlap[start - 1])
+            names[rows] = f"unloading_{number}"
+            peak[rows] = largest
+        start = end + 1
+    return names, peak
+
+
+def _turning_points(values: Array, least: float) -> list[int]:
+    """Where a noisy sequence turns by more than ``least``, and its end."""
+    found: list[int] = []
+    extreme, rising = 0, True
+    for k in range(1, values.size):
+        ahead = values[k] - values[extreme] if rising else values[extreme] - values[k]
+        if ahead >= 0:
+            extreme = k
+        elif -ahead > least:
+            found.append(extreme)
+            extreme, rising = k, not rising
+    return [*found, values.size - 1] if values.size else []
+
+
+def _rows(path: Path) -> tuple[list[tuple[int, dict[str, str]]], list[str]]:
+    """The rows of a CSV file with their line numbers, and its columns."""
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file") from None
+    except IsADirectoryError:
+        raise InputError(f"{path}: found a directory, expected a CSV file") from None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+    except UnicodeDecodeError:
+        raise InputError(f"{path}: found no text, expected a CSV file in UTF-8") from None
+    filled = [(n, line) for n, line in enumerate(text.splitlines(), 1) if line.strip() and line.lstrip()[0] != "#"]
+    parsed = [(n, next(csv.reader([line]))) for n, line in filled]
+    columns = [name.strip() for name in parsed[0][1]] if parsed else []
+    missing = [name for name in NUMBERS if name not in columns]
+    if missing:
+        raise InputError(
+            f"{path}: lacks the column{'s' * (len(missing) > 1)} {' and '.join(missing)}; "
+            f"found {', '.join(columns) if columns else 'nothing'}, expected overlap_m, force_N and perhaps branch"
+        )
+    return [(n, dict(zip(columns, cells, strict=False))) for n, cells in parsed[1:]], columns
+
+
+def _number(row: dict[str, str], name: str, where: str, faults: list[str]) -> float:
+    text = (row.get(name) or "").strip()
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        faults.append(f"{where}: {name}: found {show(text)}, expected a number")
+        return 0.0
+    return value

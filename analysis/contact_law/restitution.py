@@ -1,0 +1,79 @@
+"""Coefficient of restitution against impact velocity, from the energies of the contact law alone.
+
+A collision of effective mass m presses the contact until the work of loading W(a_max) has taken up m v^2 / 2, and gives
+back all but the dissipated energy D(a_max):  e = sqrt(1 - D / W). Runs must give the same (tests/test_restitution.py).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granwave.analysis.figures.style import BLUE, GREEN, ORANGE, PURPLE, Drawing, new_figure, save, style, write_csv
+
+if TYPE_CHECKING:
+    from granwave._contact_laws import ContactLaw
+
+_COLOURS = (BLUE, ORANGE, GREEN, PURPLE)
+_LINES = ("-", "--", ":", "-.")
+_POINTS = 400
+_SLOWEST = 0.3  # of the overlap at first yield
+
+Table = dict[str, NDArray]
+
+
+def restitution(
+    law: ContactLaw, mass: float, max_overlap: float = 400.0
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Impact velocities, m/s, and the coefficient of restitution at each: both (n,).
+
+    Parameters
+    ----------
+    mass
+        Effective mass of the two bodies, kg.
+    max_overlap
+        Of the fastest impact, in units of that at first yield; the fit of the elasto-plastic law ends at 0.2 R*,
+        and so does the curve.
+    """
+    largest = max_overlap * law.yield_overlap
+    if law.name == "elastoplastic":
+        largest = min(largest, 0.2 * law.effective_radius)
+    peak = np.geomspace(_SLOWEST * law.yield_overlap, largest, _POINTS)
+    work = law.loading_work(peak)
+    return np.sqrt(2 * work / mass), np.sqrt(np.clip(1 - law.dissipated_energy(peak) / work, 0, 1))
+
+
+def restitution_table(contacts: Mapping[str, tuple[ContactLaw, float]], max_overlap: float = 400.0) -> Table:
+    """A curve for each named contact (law, effective mass): ``contact``, ``velocity_m_s``, ``restitution``."""
+    curves = {name: restitution(law, mass, max_overlap) for name, (law, mass) in contacts.items()}
+    return {
+        "contact": np.concatenate([np.full(_POINTS, name) for name in curves]),
+        "velocity_m_s": np.concatenate([velocity for velocity, _ in curves.values()]),
+        "restitution": np.concatenate([value for _, value in curves.values()]),
+    }
+
+
+def write_restitution(
+    contacts: Mapping[str, tuple[ContactLaw, float]], path: str | Path, max_overlap: float = 400.0, title: str = ""
+) -> Path:
+    """Write the curves as a table (.csv) or as a figure (.png or .pdf; both, and the table, are written)."""
+    path, table = Path(path), restitution_table(contacts, max_overlap)
+    if path.suffix == ".csv":
+        write_csv(table, path)
+        return path
+    with style():
+        figure = new_figure(2.4)
+        axes = figure.subplots()
+        for name, colour, line in zip(contacts, _COLOURS, _LINES, strict=False):
+            rows = table["contact"] == name
+            axes.semilogx(table["velocity_m_s"][rows], table["restitution"][rows], line, color=colour, label=name)
+        axes.set_xlabel("Impact velocity (m/s)")
+        axes.set_ylabel("Coefficient of restitution")
+        axes.set_ylim(0, 1.05)
+        axes.legend(loc="lower left", title=title or None, alignment="left")
+        save(Drawing(figure, table), path.with_suffix(""))
+    return path

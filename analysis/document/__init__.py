@@ -1,0 +1,1 @@
+"""The parts that a report consists of: tables, cells, figures, notes."""

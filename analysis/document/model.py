@@ -1,0 +1,168 @@
+"""What a report says, apart from how it is written: sections of tables, figures and notes.
+
+The content is built once (`granwave.analysis.reports.outline`); HTML, Markdown and PDF are three writers of this model.
+All texts are plain: a writer escapes what its format needs.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any, Literal, TypeVar
+
+Tone = Literal["", "good", "note", "bad"]
+_COLUMN = 4.3  # inches: a column of a journal, and a quarter
+Model = TypeVar("Model")
+
+
+@dataclasses.dataclass(frozen=True)
+class Link:
+    """A file beside the report: its name for people, and its path from the report, quoted as in a URL."""
+
+    text: str
+    href: str
+
+
+@dataclasses.dataclass(frozen=True)
+class Cell:
+    """One cell of a table.
+
+    Attributes
+    ----------
+    text
+        What is shown.
+    value
+        What rows are sorted by; None sorts last.
+    """
+
+    text: str
+    value: float | str | None = None
+    tone: Tone = ""
+    link: Link | None = None
+
+
+@dataclasses.dataclass(frozen=True)
+class Column:
+    """Head of a column; ``key`` columns say what a row is, and are repeated where a table is too wide for a page."""
+
+    heading: str
+    unit: str = ""
+    numeric: bool = False
+    key: bool = False
+
+
+@dataclasses.dataclass(frozen=True)
+class Table:
+    """Rows of cells, as many in each as there are columns.
+
+    Attributes
+    ----------
+    captioned
+        False: the heading above says enough.
+    by_row
+        Each row is a quantity of its own; else each column is.
+    """
+
+    caption: str
+    columns: tuple[Column, ...]
+    rows: tuple[tuple[Cell, ...], ...]
+    sortable: bool = False
+    captioned: bool = True
+    by_row: bool = False
+    kind: Literal["table"] = "table"
+
+
+@dataclasses.dataclass(frozen=True)
+class Figure:
+    """A picture.
+
+    Attributes
+    ----------
+    name
+        Of a file for it, without a suffix: letters, digits, dots and hyphens only.
+    size
+        Width and height, pixels.
+    data
+        The numbers that it shows.
+    inches
+        Width that it was drawn for; 0 where that is not known.
+    """
+
+    name: str
+    caption: str
+    alt: str
+    png: bytes
+    size: tuple[int, int]
+    data: Link | None = None
+    inches: float = 0.0
+
+    @property
+    def wide(self) -> bool:
+        """Drawn for more than a column, as panels side by side are; it takes a row of its own."""
+        return self.inches > _COLUMN if self.inches else self.size[0] > 2 * self.size[1]
+
+
+@dataclasses.dataclass(frozen=True)
+class Gallery:
+    """Pictures side by side."""
+
+    figures: tuple[Figure, ...]
+    kind: Literal["gallery"] = "gallery"
+
+
+@dataclasses.dataclass(frozen=True)
+class Note:
+    """A sentence that must not be overlooked, or with no tone a plain paragraph; ``section`` is where to read on."""
+
+    text: str
+    tone: Tone = ""
+    section: str = ""
+    links: tuple[Link, ...] = ()
+    kind: Literal["note"] = "note"
+
+
+@dataclasses.dataclass(frozen=True)
+class Group:
+    """Blocks under a heading of their own; folded where the format can fold."""
+
+    title: str
+    blocks: tuple[Table | Gallery | Note, ...]
+    folded: bool = False
+    kind: Literal["group"] = "group"
+
+
+Block = Table | Gallery | Note | Group
+
+
+@dataclasses.dataclass(frozen=True)
+class Section:
+    """A section; ``slug`` is its name in links."""
+
+    title: str
+    slug: str
+    blocks: tuple[Block, ...]
+
+
+@dataclasses.dataclass(frozen=True)
+class Report:
+    """A whole report."""
+
+    title: str
+    lead: str
+    sections: tuple[Section, ...]
+
+
+def cleaned(part: Model) -> Model:
+    """The same with texts that any format can hold: control characters and lone surrogates are replaced."""
+    return _clean(part)
+
+
+def _clean(part: Any) -> Any:
+    if isinstance(part, str):
+        kept = "".join(c if c in "\n\t" or c.isprintable() else "\ufffd" for c in part)
+        return kept.encode("utf-8", "replace").decode("utf-8")
+    if isinstance(part, tuple):
+        return tuple(_clean(item) for item in part)
+    if dataclasses.is_dataclass(part) and not isinstance(part, type):
+        fields = dataclasses.fields(part)
+        return dataclasses.replace(part, **{field.name: _clean(getattr(part, field.name)) for field in fields})
+    return part

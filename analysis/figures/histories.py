@@ -1,0 +1,225 @@
+"""What happened in time: energies, the impactor, the force on the bottom, and the probes."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+from matplotlib.axes import Axes
+from numpy.typing import NDArray
+
+from granwave.analysis.figures.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    SKY,
+    YELLOW,
+    Drawing,
+    legend_above,
+    new_figure,
+)
+from granwave.analysis.measures.sensors import sensor_accelerations, sensor_velocities
+from granwave.analysis.result.reader import Result
+
+_MICRO = 1e6  # microseconds in a second
+_MOST_POINTS = 20_000  # drawn of one curve; the CSV file has all
+_PROBE = re.compile(r"(?P<name>(sphere|contact)_\d+(_\d+)?)_(?P<quantity>\w+)")
+_QUANTITIES = {
+    "u": ("Displacement (µm)", 1e6),
+    "v": ("Velocity (m/s)", 1.0),
+    "f": ("Force (N)", 1.0),
+    "overlap": ("Overlap (µm)", 1e6),
+    "force": ("Contact force (N)", 1.0),
+}
+_COLOURS = (BLUE, ORANGE, GREEN, PURPLE, GREY)
+#: Parts of the energy from the bottom of the figure up, and their colours.
+_AREAS = {
+    "dissipated": ORANGE, "yielding": ORANGE, "friction": YELLOW, "support's damper": GREY, "support": PURPLE,
+    "elastic": GREEN, "rotation": SKY, "kinetic": BLUE,
+}  # fmt: skip
+_NEGLIGIBLE = 1e-3  # of the input: an energy below zero by less is one of rounding
+_IN_PANEL = 4  # sensors
+
+
+def energies(result: Result) -> Drawing | None:
+    """Where the energy is, and how far the sum is from the input."""
+    given = result.energy_input
+    if not given:
+        return None
+    time = result["energy/time"]
+    parts = _energy_parts(result)
+    residual = np.abs(sum(parts.values()) - result["energy/input"]) / given
+    figure = new_figure(3.6)
+    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
+    unit, name = (1e3, "mJ") if given < 1 else (1.0, "J")
+    as_areas = len(parts) > 3 and min(float(values.min()) for values in parts.values()) > -_NEGLIGIBLE * given
+    if as_areas:
+        colours = [_AREAS[part] for part in parts]
+        upper.stackplot(
+            time * _MICRO, np.stack(list(parts.values())) * unit, labels=list(parts), colors=colours, linewidth=0
+        )
+    else:
+        for part, values in parts.items():
+            upper.plot(time * _MICRO, values * unit, color=_AREAS[part], label=part)
+    upper.plot(time * _MICRO, result["energy/input"] * unit, color="black", linestyle=":", label="input")
+    upper.set_ylabel(f"Energy ({name})")
+    upper.set_ylim(0 if as_areas or len(parts) == 3 else None, 1.05 * given * unit)
+    legend_above(upper, 3, handlelength=1.0 if as_areas else 1.6)
+    lower.semilogy(time * _MICRO, np.where(residual > 0, residual, np.nan), color=GREY, linewidth=0.8)
+    lower.set_ylabel("|Residual|\n/ input")
+    time_axis(lower, time)
+    columns = {"time_s": time, **{f"{_column(part)}_J": values for part, values in parts.items()}}
+    columns |= {f"{part}_wall_J": result[f"energy/{part}_wall"] for part in ("elastic", "dissipated")}
+    return Drawing(figure, columns | {"input_J": result["energy/input"], "residual_over_input": residual})
+
+
+def _energy_parts(result: Result) -> dict[str, NDArray]:
+    """The energies that add up to the input; rotation, friction and the support stand apart where there are any."""
+    kinetic, elastic, dissipated = (result[f"energy/{name}"] for name in ("kinetic", "elastic", "dissipated"))
+    parts = {"kinetic": kinetic, "elastic": elastic, "dissipated": dissipated}
+    if result.has("energy/rotational"):
+        rotational = result["energy/rotational"]
+        parts = {"kinetic": kinetic - rotational, "rotation": rotational, "elastic": elastic, "dissipated": dissipated}
+    if result.has("energy/support"):
+        parts["elastic"] = elastic - result["energy/support"]
+        parts["support"] = result["energy/support"]
+    for name, source in (("friction", "friction"), ("support's damper", "support_lost")):
+        if result.has(f"energy/{source}"):
+            parts["dissipated"] = parts["dissipated"] - result[f"energy/{source}"]
+            parts[name] = result[f"energy/{source}"]
+    if "friction" in parts or "support's damper" in parts:
+        parts = {"yielding" if name == "dissipated" else name: values for name, values in parts.items()}
+    return dict(sorted(parts.items(), key=lambda item: list(_AREAS).index(item[0])))
+
+
+def _column(part: str) -> str:
+    return part.replace("'s ", "_")
+
+
+def bottom_force(result: Result) -> Drawing | None:
+    """Force on the bottom and its impulse."""
+    if "walls/bottom" not in result:
+        return None
+    time, force = result["walls/bottom/time"], result["walls/bottom/force"]
+    if not np.any(force):
+        return None
+    steps = 0.5 * (force[1:] + force[:-1]) * np.diff(time)
+    impulse = np.concatenate([[0.0], np.cumsum(steps)])
+    figure = new_figure(2.3)
+    axes = figure.subplots()
+    shown = thinned(force)
+    axes.plot(time[shown] * _MICRO, force[shown], color=BLUE, linewidth=0.8)
+    axes.set_ylabel("Force on the bottom (N)", color=BLUE)
+    time_axis(axes, time)
+    beside = axes.twinx()
+    beside.plot(time * _MICRO, impulse * 1e3, color=ORANGE, linestyle="--")
+    beside.set_ylabel("Impulse (mN s)", color=ORANGE)
+    _common_zero(axes, beside)
+    return Drawing(figure, {"time_s": time, "force_N": force, "impulse_Ns": impulse})
+
+
+def impactor_velocity(result: Result) -> Drawing | None:
+    """Velocity of the struck sphere along the impact direction; none where it only moves across that."""
+    time, velocity = result["energy/time"], result["energy/struck_velocity"]
+    if not np.any(velocity):
+        return None
+    figure = new_figure(2.1)
+    axes = figure.subplots()
+    axes.axhline(0, color="black", linewidth=0.5)
+    axes.plot(time * _MICRO, velocity, color=BLUE)
+    axes.set_ylabel("Velocity of the\nstruck sphere (m/s)")
+    time_axis(axes, time)
+    return Drawing(figure, {"time_s": time, "velocity_m_s": velocity})
+
+
+def probes(result: Result) -> Drawing | None:
+    """What the probes recorded: a panel for each quantity."""
+    wanted = {f"sphere_{probe.sphere}" for probe in result.case.output.probes if probe.sphere is not None}
+    wanted |= {"contact_{}_{}".format(*probe.contact) for probe in result.case.output.probes if probe.contact}
+    if "probes" not in result or not wanted:
+        return None
+    time = result["probes/time"]
+    panels: dict[str, list[tuple[str, NDArray]]] = {}
+    names = [name for name in result.names("probes") if name.rsplit("_", 1)[0] in wanted]  # sensors aside
+    for name in names:
+        found = _PROBE.fullmatch(name)
+        if found:
+            quantity = found["quantity"]
+            key = quantity if quantity in _QUANTITIES else quantity[0]
+            axis = "" if key == quantity else f", {quantity[1:]}"
+            label = found["name"].replace("_", " ", 1).replace("_", "-") + axis
+            panels.setdefault(key, []).append((label, result[f"probes/{name}"]))
+    figure = new_figure(0.5 + 1.5 * len(panels))
+    stack = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
+    for axes, key in zip(stack, sorted(panels, key=list(_QUANTITIES).index), strict=True):
+        curves = panels[key]
+        label, scale = _QUANTITIES[key]
+        for n, (name, values) in enumerate(curves):
+            shown = thinned(values)
+            style = ("-", "--", ":")[n // len(_COLOURS) % 3]
+            axes.plot(
+                time[shown] * _MICRO,
+                values[shown] * scale,
+                style,
+                color=_COLOURS[n % len(_COLOURS)],
+                label=name,
+            )
+        axes.set_ylabel(label)
+        if len(curves) <= 2 * len(_COLOURS):
+            axes.legend(ncols=1, fontsize=8, loc="best", handlelength=1.2)
+    time_axis(stack[-1], time)
+    units = {name: result.unit(f"probes/{name}").replace(" ", "_").replace("-", "") for name in names}
+    return Drawing(figure, {"time_s": time} | {f"{name}_{units[name]}": result[f"probes/{name}"] for name in names})
+
+
+def sensors(result: Result) -> Drawing | None:
+    """Accelerations of the spheres that carry a sensor, each along the direction in which it moves fastest."""
+    found = sensor_accelerations(result)
+    if not found:
+        return None
+    time, velocities = result["probes/time"], sensor_velocities(result)
+    names = list(found)
+    groups = [names[n : n + _IN_PANEL] for n in range(0, len(names), _IN_PANEL)]
+    figure = new_figure(0.5 + 1.5 * len(groups))
+    stack = figure.subplots(len(groups), 1, sharex=True, squeeze=False)[:, 0]
+    for axes, group in zip(stack, groups, strict=True):
+        for name, colour in zip(group, _COLOURS, strict=False):
+            velocity = velocities[name]
+            fastest = velocity[np.argmax(np.linalg.norm(velocity, axis=1))]
+            along = found[name] @ fastest / (np.linalg.norm(fastest) or 1.0)
+            shown = thinned(along)
+            line = "--" if len(axes.lines) % 2 else "-"  # neighbours often coincide
+            axes.plot(time[shown] * _MICRO, along[shown], line, color=colour, label=name, linewidth=0.9)
+        axes.set_ylabel("Acceleration (m/s²)")
+        axes.legend(ncols=1, fontsize=8, handlelength=1.2, loc="upper left")
+    time_axis(stack[-1], time)
+    columns = {f"{name}_a{axis}_m_s2": values[:, n] for name, values in found.items() for n, axis in enumerate("xyz")}
+    return Drawing(figure, {"time_s": time} | columns)
+
+
+def time_axis(axes: Axes, time: NDArray[np.float64]) -> None:
+    """Label the axis of times (s)."""
+    axes.set_xlabel("Time (µs)")
+    axes.set_xlim(0, float(time[-1]) * _MICRO or 1.0)
+
+
+def thinned(values: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Rows that draw the same curve: the lowest and the highest of every bin when there are too many."""
+    n_bins = _MOST_POINTS // 2
+    if len(values) <= _MOST_POINTS:
+        return np.arange(len(values))
+    size = len(values) // n_bins
+    whole = values[: n_bins * size].reshape(n_bins, size)
+    starts = np.arange(n_bins) * size
+    rows = np.concatenate([starts + whole.argmin(axis=1), starts + whole.argmax(axis=1), [len(values) - 1]])
+    return np.unique(rows)
+
+
+def _common_zero(first: Axes, second: Axes) -> None:
+    """Let zero lie at one height on both axes."""
+    limits = [axes.get_ylim() for axes in (first, second)]
+    below = max(max(-low, 0.0) / max(high, 1e-300) for low, high in limits)
+    for axes, (_, high) in zip((first, second), limits, strict=True):
+        axes.set_ylim(-below * high, high)

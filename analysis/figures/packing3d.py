@@ -1,0 +1,105 @@
+"""The packing in three dimensions, a quarter of it cut away, coloured by what happened to its spheres."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.colors import to_rgb
+from numpy.typing import NDArray
+
+from granwave.analysis.figures.sections import Colouring, colour_bar, dissipation_colouring, peak_force_colouring
+from granwave.analysis.figures.sphere_renderer import Camera, Picture, render
+from granwave.analysis.figures.style import BLANK, WIDTH, Drawing, new_figure
+from granwave.analysis.result.reader import Result
+
+_PIXELS = 1100  # across the picture
+_AZIMUTH, _ELEVATION = -58.0, 30.0  # degrees
+_MILLI = 1e3  # mm in a metre
+_DECADES = 4  # of peak force: far below F_y, to show the elastic wave as well
+_LEAST_SPHERES = 8
+_ROUND_LENGTHS = (1, 2, 5)
+
+
+def packing_3d(result: Result) -> Drawing | None:
+    """The cut-open packing, coloured by peak force."""
+    if not np.any(result["spheres/peak_force"] > 0):
+        return None
+    return _draw(result, peak_force_colouring(result, _DECADES))
+
+
+def packing_3d_dissipation(result: Result) -> Drawing | None:
+    """The cut-open packing, coloured by dissipation."""
+    if not np.any(result["spheres/dissipated_energy"] > 0):
+        return None
+    return _draw(result, dissipation_colouring(result))
+
+
+def _draw(result: Result, colouring: Colouring) -> Drawing | None:
+    positions = result["spheres/position"]
+    if len(positions) < _LEAST_SPHERES or np.min(np.ptp(positions, axis=0)[:2]) == 0:
+        return None  # a chain: a picture of it shows less than a curve
+    camera = Camera.looking(_AZIMUTH, _ELEVATION, np.array([0.0, 0.0, -1.0]))  # depth goes down
+    kept = np.flatnonzero(~_cut_away(positions - result.origin, camera, result.case.packing.diameter))
+    values = colouring.values[kept]
+    radius = result["spheres/radius"][kept]
+    picture = render(positions[kept], radius, _colours(values, colouring), camera, _PIXELS)
+    left, right, bottom, top = (edge * _MILLI for edge in picture.extent)
+    figure = new_figure((WIDTH - 0.1) * (top - bottom) / (right - left) + 0.75)
+    axes = figure.subplots()
+    axes.imshow(picture.pixels, extent=(left, right, bottom, top), interpolation="antialiased")
+    axes.set_axis_off()
+    _scale_bar(axes, left, right, bottom)
+    _mark_impact(axes, camera.project(result.origin[None])[0] * _MILLI, right - left)
+    colour_bar(figure, [axes], colouring, np.where(values < colouring.low, 0.0, values))
+    return Drawing(figure, _visible(result, kept, picture, colouring))
+
+
+def _cut_away(offset: NDArray[np.float64], camera: Camera, diameter: float) -> NDArray[np.bool_]:
+    """The quarter that faces the viewer; spheres on the planes of the cut stay."""
+    edge = 0.3 * diameter
+    towards = np.sign(camera.towards[:2])
+    return (offset[:, 0] * towards[0] > edge) & (offset[:, 1] * towards[1] > edge)
+
+
+def _colours(values: NDArray[np.float64], colouring: Colouring) -> NDArray[np.float64]:
+    """Red, green, blue of each sphere; blank where there is no value or one below the scale."""
+    scaled = np.clip(values, colouring.low, colouring.high)
+    colours = colormaps[colouring.map](colouring.norm(scaled))[:, :3]
+    colours[values < colouring.low] = to_rgb(BLANK)
+    return colours
+
+
+def _scale_bar(axes: Axes, left: float, right: float, bottom: float) -> None:
+    """A bar of a round length, mm, in the lower left corner."""
+    wanted = 0.2 * (right - left)
+    power = 10 ** np.floor(np.log10(wanted))
+    length = power * max(step for step in _ROUND_LENGTHS if step * power <= wanted)
+    start = left + 0.02 * (right - left)
+    axes.plot([start, start + length], [bottom, bottom], color="black", linewidth=1.5, solid_capstyle="butt")
+    axes.annotate(
+        f"{length:g} mm",
+        (start + length / 2, bottom),
+        (0, 3),
+        textcoords="offset points",
+        ha="center",
+        va="bottom",
+    )
+
+
+def _mark_impact(axes: Axes, place: NDArray[np.float64], width: float) -> None:
+    """An arrow at the struck sphere."""
+    axes.annotate(
+        "",
+        xy=(place[0], place[1] + 0.02 * width),
+        xytext=(place[0], place[1] + 0.12 * width),
+        arrowprops={"arrowstyle": "-|>", "linewidth": 1.2, "color": "black", "shrinkA": 0, "shrinkB": 0},
+        annotation_clip=False,
+    )
+
+
+def _visible(result: Result, kept: NDArray, picture: Picture, colouring: Colouring) -> dict[str, NDArray]:
+    rows = kept[picture.visible]
+    place = result["spheres/position"][rows]
+    columns = {"id": result["spheres/id"][rows], "x_m": place[:, 0], "y_m": place[:, 1], "z_m": place[:, 2]}
+    return columns | {colouring.column: colouring.values[rows]}

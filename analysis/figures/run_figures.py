@@ -1,0 +1,87 @@
+"""All figures of a run, by name; each leaves NAME.png, NAME.pdf and NAME.csv in ``figures``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+from granwave.analysis.figures import chain, directions, dissipation, histories, packing3d, sections, target
+from granwave.analysis.figures.style import Drawing, remove, save, style
+from granwave.analysis.result.reader import Result
+
+FIGURES_DIRECTORY = "figures"
+
+#: Each draws a figure of a result, or returns None when the figure makes no sense for it.
+FIGURES: dict[str, Callable[[Result], Drawing | None]] = {
+    "peak_force_principal": partial(sections.peak_force_section, name="principal"),
+    "peak_force_orthogonal": partial(sections.peak_force_section, name="orthogonal"),
+    "peak_force_depth": dissipation.peak_force_depth,
+    "dissipation_principal": partial(sections.dissipation_section, name="principal"),
+    "dissipation_orthogonal": partial(sections.dissipation_section, name="orthogonal"),
+    "dissipation_parts_principal": partial(sections.dissipation_parts_section, name="principal"),
+    "dissipation_parts_orthogonal": partial(sections.dissipation_parts_section, name="orthogonal"),
+    "dents_principal": partial(sections.dents_section, name="principal"),
+    "dents_orthogonal": partial(sections.dents_section, name="orthogonal"),
+    "dissipation_ranked": dissipation.dissipation_ranked,
+    "dissipation_cumulated": dissipation.dissipation_cumulated,
+    "plastic_zone_growth": dissipation.plastic_zone_growth,
+    "energies": histories.energies,
+    "bottom_force": histories.bottom_force,
+    "target": target.target,
+    "impactor_velocity": histories.impactor_velocity,
+    "wave_front": sections.wave_front,
+    "packing_3d": packing3d.packing_3d,
+    "packing_3d_dissipation": packing3d.packing_3d_dissipation,
+    "probes": histories.probes,
+    "force_map": chain.force_map,
+    "force_histories": chain.force_histories,
+    "along_chain": chain.along_chain,
+    "bead_velocities": chain.bead_velocities,
+    "bars": chain.bars,
+    "sensors": chain.sensors,
+    "accelerations": histories.sensors,
+    "directions": directions.directions,
+}
+
+
+def draw_figures(
+    directory: str | Path, progress: Callable[[str], None] | None = None, names: tuple[str, ...] | None = None
+) -> list[Path]:
+    """Draw the figures of a run from its ``result.h5``.
+
+    Figures that are there from before and make no sense any more are removed.
+
+    Parameters
+    ----------
+    progress
+        Called with the name of each figure before it is drawn.
+    names
+        Of the figures to draw; all if not given.
+
+    Returns
+    -------
+    list of Path
+        The PNG files that were written.
+
+    Raises
+    ------
+    MissingOutputError
+        There is no result.h5.
+    KeyError
+        There is no figure of that name.
+    """
+    folder = Path(directory) / FIGURES_DIRECTORY
+    written = []
+    with Result(directory) as result, style():
+        folder.mkdir(exist_ok=True)
+        for name in FIGURES if names is None else names:
+            if progress is not None:
+                progress(name)
+            drawing = FIGURES[name](result)
+            if drawing is None:
+                remove(folder / name)
+                continue
+            save(drawing, folder / name)
+            written.append(folder / f"{name}.png")
+    return written

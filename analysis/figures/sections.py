@@ -1,0 +1,342 @@
+"""Sections through the packing: spheres as discs at their places, coloured by what happened to them.
+
+Peak forces as in thesis Fig. 5.3, dissipation as in Fig. 5.9, and the wave at chosen times. Spheres with a
+contact pressed beyond the range of the law are drawn hollow.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import EllipseCollection
+from matplotlib.colors import LogNorm, to_rgba
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from granwave.analysis.figures.style import BLANK, DENT_MAP, DISSIPATION_MAP, FORCE_MAP, WIDTH, Drawing, new_figure
+from granwave.analysis.measures.planes import Section, planes, section
+from granwave.analysis.measures.plastic_zone import LAW_LIMIT
+from granwave.analysis.result.reader import Result
+from granwave.analysis.result.universe import universe
+
+_MILLI = 1e3  # mm in a metre
+_SNAPSHOTS = 4
+_LEAST_DECADES = 3  # of a colour scale of forces
+_DISC = 0.96  # diameter drawn over diameter
+
+
+@dataclass(frozen=True, eq=False)
+class Colouring:
+    """A quantity and the colours that stand for it.
+
+    Attributes
+    ----------
+    values
+        By sphere: (n_spheres,).
+    label
+        Of the colour bar.
+    column
+        Of the CSV file.
+    map
+        Name of a colour map.
+    low, high
+        Ends of the logarithmic scale.
+    title
+        Above a panel of its own.
+    """
+
+    values: NDArray[np.float64]
+    label: str
+    column: str
+    map: str
+    low: float
+    high: float
+    title: str = ""
+
+    @property
+    def norm(self) -> LogNorm:
+        """The scale."""
+        return LogNorm(self.low, self.high)
+
+
+def force_scale(result: Result) -> tuple[float, str, str]:
+    """The force that forces are shown in, the label of the ratio, and its name in CSV files.
+
+    F_y where contacts can yield, else the largest peak force of the run.
+    """
+    if result.yields:
+        return result.law.yield_force, r"$F/F_\mathrm{y}$", "force_over_yield_force"
+    largest = float(np.max(result["contacts/peak_force"], initial=0.0)) or 1.0
+    return largest, r"$F/F_\mathrm{max}$", "force_over_largest_force"
+
+
+def peak_force_colouring(result: Result, decades: float | None = None) -> Colouring:
+    """Largest contact force that each sphere ever felt.
+
+    Parameters
+    ----------
+    decades
+        That the scale spans; from F_y up if not given.
+    """
+    scale, label, column = force_scale(result)
+    values = result["spheres/peak_force"] / scale
+    low, high = _decades(float(values.max(initial=0.0)), 1.0 if result.yields else None)
+    if decades is not None:
+        low = high / 10**decades
+    return Colouring(values, f"Peak force {label}", f"peak_{column}", FORCE_MAP, low, high)
+
+
+def dissipation_colouring(result: Result, part: str = "") -> Colouring:
+    """Share of the input that each sphere dissipated; ``part``: only by yielding or only by friction."""
+    values = result["spheres/dissipated_energy"]
+    if part:
+        rubbed = result["spheres/friction_energy"]
+        values = rubbed if part == "friction" else values - rubbed
+    column = f"{part}_over_input" if part else "dissipated_over_input"
+    label = r"Dissipation $e_\mathrm{dis}/e_\mathrm{in}$"
+    return Colouring(values / result.energy_input, label, column, DISSIPATION_MAP, 1e-6, 1e-1, part.capitalize())
+
+
+def peak_force_section(result: Result, name: str) -> Drawing | None:
+    """Peak forces on the principal or orthogonal plane (thesis Fig. 5.3)."""
+    if not np.any(result["spheres/peak_force"] > 0):
+        return None
+    return section_drawing(result, name, peak_force_colouring(result))
+
+
+def dissipation_section(result: Result, name: str) -> Drawing | None:
+    """Dissipation on the principal or orthogonal plane (thesis Fig. 5.9)."""
+    if not np.any(result["spheres/dissipated_energy"] > 0):
+        return None
+    return section_drawing(result, name, dissipation_colouring(result))
+
+
+def dissipation_parts_section(result: Result, name: str) -> Drawing | None:
+    """Dissipation by yielding and by friction, apart, on the principal or orthogonal plane."""
+    if not result.has("spheres/friction_energy"):
+        return None
+    return section_drawing(result, name, *(dissipation_colouring(result, part) for part in ("yielding", "friction")))
+
+
+def dents_section(result: Result, name: str) -> Drawing | None:
+    """The deepest dent that each sphere had before the run, on the principal or orthogonal plane."""
+    if not result.has("contacts/initial_overlap"):
+        return None
+    unit, label, column = 1e-6, "Dent before the run (µm)", "initial_overlap_um"
+    if result.yields:
+        unit, label, column = (
+            result.law.yield_overlap,
+            r"Dent before the run $\alpha/\alpha_\mathrm{y}$",
+            "initial_over_alpha_y",
+        )
+    values = np.zeros(result.n_spheres)
+    np.maximum.at(values, result.ends, (result["contacts/initial_overlap"] / unit)[:, None])
+    low, high = _decades(float(values.max()), 1.0 if result.yields else None)
+    return section_drawing(result, name, Colouring(values, label, column, DENT_MAP, low, high))
+
+
+def wave_front(result: Result) -> Drawing | None:
+    """The force that each sphere of the vertical plane feels at four times while the wave goes down."""
+    cut = _cut(result, "orthogonal") or _cut(result, "principal")
+    chosen = _snapshots(result)
+    if cut is None or not chosen:
+        return None
+    scale, label, column = force_scale(result)
+    radius = result["spheres/radius"][cut.index]
+    forces, times = [], []
+    trajectory = universe(result.path).trajectory
+    for snapshot in trajectory[chosen]:
+        forces.append(snapshot.data["contact_force"][cut.index] / scale)
+        times.append(snapshot.time)
+    trajectory.close()
+    largest = max(float(force.max()) for force in forces)
+    if largest == 0:
+        return None
+    low, high = _decades(largest, None)
+    reached = np.max(forces, axis=0) >= low
+    window = _window(cut, reached, result.case.packing.diameter)
+    aspect = (window[3] - window[2]) / (window[1] - window[0])
+    n_columns = 2 if aspect > 0.6 else 1
+    n_rows = math.ceil(len(chosen) / n_columns)
+    panel = (WIDTH - 0.6 - 0.15 * n_columns) / n_columns * aspect + 0.3
+    figure = new_figure(min(n_rows * panel + 0.95, 8.5))
+    axes = figure.subplots(n_rows, n_columns, sharex=True, sharey=True, squeeze=False)
+    for panel_axes, force, time in zip(axes.flat, forces, times, strict=False):
+        colouring = Colouring(force, f"Contact force {label}", column, FORCE_MAP, low, high)
+        draw_discs(panel_axes, cut, force, colouring, radius)
+        frame_axes(panel_axes, window)
+        panel_axes.set_title(f"{time * 1e6:.0f} µs", pad=2)
+    for empty in axes.flat[len(chosen) :]:
+        empty.set_visible(False)
+    figure.supxlabel("Distance from the impact axis (mm)", fontsize=8)
+    figure.supylabel(f"{cut.plane.down_label} (mm)", fontsize=8)
+    colour_bar(figure, list(axes.flat), colouring, np.concatenate(forces), location="top")
+    repeat = len(chosen)
+    columns = {
+        "time_s": np.repeat(times, len(cut.index)),
+        "id": np.tile(result["spheres/id"][cut.index], repeat),
+        "across_m": np.tile(cut.across, repeat),
+        "down_m": np.tile(cut.down, repeat),
+        column: np.concatenate(forces),
+    }
+    return Drawing(figure, columns)
+
+
+def section_drawing(result: Result, name: str, *colourings: Colouring) -> Drawing | None:
+    """One plane through the packing, a panel for each colouring, which share a scale and stand one above the other.
+
+    None when there is no such plane.
+
+    Parameters
+    ----------
+    name
+        principal or orthogonal.
+    colourings
+        With titles, if there are several.
+    """
+    cut = _cut(result, name)
+    if cut is None:
+        return None
+    diameter = result.case.packing.diameter
+    values = [one.values[cut.index] for one in colourings]
+    beyond = spheres_beyond_law(result)[cut.index]
+    window = _window(cut, np.max(values, axis=0) >= colourings[0].low, diameter)
+    aspect = (window[3] - window[2]) / (window[1] - window[0])
+    height = (WIDTH - 0.6) * aspect + (0.25 if len(colourings) > 1 else 0.0)
+    figure = new_figure(min(max(len(colourings) * height + 1.05, 1.9), 6.0 if len(colourings) == 1 else 8.0))
+    panels = figure.subplots(len(colourings), 1, sharex=True, squeeze=False)[:, 0]
+    for axes, colouring, shown in zip(panels, colourings, values, strict=True):
+        draw_discs(axes, cut, shown, colouring, result["spheres/radius"][cut.index], beyond)
+        frame_axes(axes, window)
+        axes.set_title(colouring.title, pad=2)
+        axes.plot(0, -0.95 * diameter * _MILLI, marker="v", color="black", markersize=4)  # where the impact is
+    if len(panels) > 1:
+        figure.supylabel(f"{cut.plane.down_label} (mm)", fontsize=8)
+    else:
+        panels[0].set_ylabel(f"{cut.plane.down_label} (mm)")
+    panels[-1].set_xlabel("Distance from the impact axis (mm)" if cut.plane.down_label != "y" else "x (mm)")
+    colour_bar(figure, list(panels), colourings[0], np.concatenate(values))
+    columns = {"id": result["spheres/id"][cut.index], "across_m": cut.across, "down_m": cut.down}
+    columns |= {colouring.column: shown for colouring, shown in zip(colourings, values, strict=True)}
+    return Drawing(figure, columns | {"beyond_law": beyond.astype(int)})
+
+
+def _cut(result: Result, name: str) -> Section | None:
+    """The spheres on a plane; None when there is no such plane, or no more than a line of spheres on it."""
+    case = result.case
+    for plane in planes(case.packing.kind):
+        if plane.name == name:
+            cut = section(plane, result["spheres/position"], result.origin, case.packing.diameter)
+            wide = np.ptp(cut.across) > case.packing.diameter and np.ptp(cut.down) > case.packing.diameter / 2
+            return cut if wide else None
+    return None
+
+
+def draw_discs(
+    axes: Axes,
+    cut: Section,
+    values: NDArray[np.float64],
+    colouring: Colouring,
+    radius: NDArray[np.float64],
+    hollow: NDArray[np.bool_] | None = None,
+) -> None:
+    """Discs in mm; blank where there is no value, rings where the law was exceeded."""
+    size = _DISC * 2 * radius * _MILLI
+    mapped = colormaps[colouring.map]
+    colours = mapped(colouring.norm(np.maximum(values, colouring.low)))
+    faces = np.where((values > 0)[:, None], colours, to_rgba(BLANK))
+    edges = np.where((values > 0)[:, None], colours, to_rgba("#c4c4c4"))
+    if hollow is not None:
+        faces[hollow] = to_rgba("white")
+        edges[hollow] = colours[hollow]
+    discs = EllipseCollection(
+        size,
+        size,
+        np.zeros(len(size)),
+        units="xy",
+        offsets=np.stack([cut.across, cut.down], axis=1) * _MILLI,
+        offset_transform=axes.transData,
+        facecolors=faces,
+        edgecolors=edges,
+        linewidths=np.where(hollow, 1.0, 0.2) if hollow is not None else 0.2,
+    )
+    axes.add_collection(discs)
+
+
+def frame_axes(axes: Axes, window: tuple[float, float, float, float]) -> None:
+    """Show a window (left, right, top, bottom; mm), depth downwards."""
+    left, right, top, bottom = window
+    axes.set_xlim(left, right)
+    axes.set_ylim(bottom, top)
+    axes.set_aspect("equal")
+
+
+def colour_bar(
+    figure: Figure,
+    axes: list[Axes],
+    colouring: Colouring,
+    values: NDArray[np.float64],
+    location: str = "bottom",
+) -> None:
+    """A bar above or below the panels, pointed where values leave the scale."""
+    below = bool(np.any((values > 0) & (values < colouring.low)))
+    above = bool(np.any(values > colouring.high))
+    extend = {(True, True): "both", (True, False): "min", (False, True): "max"}.get((below, above), "neither")
+    mappable = ScalarMappable(colouring.norm, colormaps[colouring.map])
+    figure.colorbar(
+        mappable,
+        ax=axes,
+        label=colouring.label,
+        location=location,
+        extend=extend,
+        aspect=28,
+        fraction=0.08,
+        pad=0.03,
+        shrink=0.9,
+    )
+
+
+def _window(cut: Section, shown: NDArray[np.bool_], diameter: float) -> tuple[float, float, float, float]:
+    """Left, right, top and bottom around the spheres to show, mm."""
+    margin = 2 * diameter
+    if not shown.any():
+        shown = np.ones(len(shown), dtype=bool)
+    half = max(float(np.abs(cut.across[shown]).max()), 4 * diameter) + margin
+    left = max(-half, float(cut.across.min()) - diameter)
+    right = min(half, float(cut.across.max()) + diameter)
+    top = min(float(cut.down[shown].min()), 0.0) - 1.6 * diameter
+    bottom = min(max(float(cut.down[shown].max()), 3 * diameter) + margin, float(cut.down.max()) + diameter)
+    return left * _MILLI, right * _MILLI, top * _MILLI, bottom * _MILLI
+
+
+def _decades(largest: float, low: float | None) -> tuple[float, float]:
+    """Ends of a logarithmic scale up to the largest value, at least one decade and by default three."""
+    high = 10 ** (math.ceil(2 * math.log10(largest)) / 2) if largest > 0 else 1.0
+    if low is None or high < 10 * low:
+        low = high / 10**_LEAST_DECADES
+    return low, high
+
+
+def _snapshots(result: Result) -> list[int]:
+    """Up to four snapshots, evenly spread from the start to when the wave has reached the deepest layer."""
+    depth = result["spheres/position"][:, 2]
+    arrival = result["spheres/time_first"][depth > depth.max() - result.case.packing.diameter / 2]
+    times = result.frame_times
+    last = float(np.nanmin(arrival)) if np.any(np.isfinite(arrival)) else float(times[-1])
+    moving = np.flatnonzero((times > 0) & (times <= max(1.15 * last, times[min(_SNAPSHOTS, len(times) - 1)])))
+    if not moving.size:
+        return []
+    chosen = np.linspace(0, moving.size - 1, min(_SNAPSHOTS, moving.size))
+    return [int(moving[n]) for n in np.unique(np.rint(chosen).astype(int))]
+
+
+def spheres_beyond_law(result: Result) -> NDArray[np.bool_]:
+    """Which spheres have a contact that was pressed beyond the range of the law."""
+    found = np.zeros(result.n_spheres, dtype=bool)
+    found[result.ends[result.beyond_law(LAW_LIMIT)]] = True
+    return found

@@ -1,0 +1,1 @@
+"""Numbers, units and values of a case, as people read them."""

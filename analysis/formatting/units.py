@@ -1,0 +1,32 @@
+"""Units of the keys of cases, of whatever kind."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+
+from granwave.lammps_inputs.case.case import unit_of as granular_unit_of
+from granwave.lammps_inputs.case.supports import HalfSpace, Plate, SupportBar
+from granwave.workflows.finite_elements.punch.case import Block, ContinuumRun, Punch
+
+_CONTINUUM: dict[str, type] = {"block": Block, "punch": Punch, "run": ContinuumRun}
+_BOTTOM = "boundary.bottom."
+_SUPPORTS: dict[str, type] = {"plate": Plate, "half_space": HalfSpace, "bar": SupportBar}
+
+
+def unit_of(key: str) -> str:
+    """Unit of a dotted key, such as ``load.velocity`` or ``punch.mass``; empty where it has none."""
+    if key.startswith(_BOTTOM):
+        return _unit_in(_SUPPORTS, key.removeprefix(_BOTTOM)) or granular_unit_of(key)
+    return granular_unit_of(key) or _unit_in(_CONTINUUM, key)
+
+
+def shown_unit(key: str) -> str:
+    """The unit as people write it: kg/m³."""
+    return unit_of(key).replace("^2", "²").replace("^3", "³")
+
+
+def _unit_in(tables: Mapping[str, type], key: str) -> str:
+    table, _, name = key.partition(".")
+    fields = {field.name: field for field in dataclasses.fields(tables[table])} if table in tables else {}
+    return (fields[name].metadata.get("unit") or "") if name in fields else ""

@@ -1,0 +1,1 @@
+"""Quantities that are measured on a run: planes, plastic zone, waves, targets, sensors."""

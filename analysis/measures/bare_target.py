@@ -1,0 +1,349 @@
+"""The same impact directly on the target, without the packing: the reference for what the packing protects from.
+
+The struck spheres, side by side, hit what is below the packing: a rigid plane, a plane of a material, or one that moves
+on a support or a bar (`granwave.lammps_inputs.case.supports`). Each is a point mass whose force on the plane is that
+of the contact law, hysteresis included; their dents are local, so that they feel each other by the plane's motion only:
+
+    m x'' = -F(x - u)        sphere, x from where it touches
+    m_0 u'' = sum F + k (u_1 - u_0), ..., m_n u_n'' = k (u_(n-1) - u_n) - K u_n - C u_n'      plane and support
+
+On a plane that does not move the peak force is that of the overlap at which W(alpha) = m v^2/2. A force as load acts on
+the target itself.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+from granwave.lammps_inputs.contact.law import flat_contact
+from granwave.lammps_inputs.packing.assembly import BAR, struck_of, velocities_of
+from granwave.lammps_inputs.packing.walls import footprint_radius
+
+if TYPE_CHECKING:
+    from granwave._contact_laws import ContactLaw
+    from granwave.lammps_inputs.case.case import Case
+    from granwave.lammps_inputs.case.load import Load
+    from granwave.lammps_inputs.case.material import Material
+
+_TOLERANCE = 1e-8  # of the integration, relative
+_IN_CONTACT = 200  # steps at least, while a collision with a plane at rest would last
+_AFTER = 1000  # at least, of what comes after
+_MOST_PHASES = 200  # of loading and unloading
+
+Array = NDArray[np.float64]
+Event = Callable[[float, Array], float]
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Unprotected:
+    """What the target would feel; every array (n_times,).
+
+    Attributes
+    ----------
+    time
+        s.
+    force
+        On the target's surface, N.
+    ground_force
+        Out of the target's last spring or damper, N; the force itself where the target does not move.
+    """
+
+    time: Array
+    force: Array
+    ground_force: Array
+
+    @property
+    def peak_force(self) -> float:
+        """Of the force on the surface, N."""
+        return float(self.force.max())
+
+    @property
+    def ground_peak_force(self) -> float:
+        """Of the force on the ground, N."""
+        return float(self.ground_force.max())
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Target:
+    """What the plane moves on: a row of masses joined by springs, the plane first, the last one tied to the ground.
+
+    Attributes
+    ----------
+    material
+        Of the surface; None: rigid.
+    mass
+        Of the nodes: (n,), kg; none for a plane that does not move; a single 0 for a surface without mass.
+    stiffness
+        Of the springs between them, N/m.
+    ground_stiffness, ground_damping
+        Of what ties the last one to the ground, N/m and N s/m.
+    """
+
+    material: Material | None
+    mass: Array
+    stiffness: float = 0.0
+    ground_stiffness: float = 0.0
+    ground_damping: float = 0.0
+
+    @property
+    def settles(self) -> float:
+        """How long after a push the force on the ground may still rise, s."""
+        if not self.moves or not self.mass[0]:
+            return 0.0
+        if len(self.mass) > 1:
+            return 2 * len(self.mass) * math.sqrt(self.mass[0] * 2 / self.stiffness)
+        return 2 * math.pi * math.sqrt(self.mass[0] / self.ground_stiffness)
+
+    @property
+    def moves(self) -> bool:
+        """The plane can move."""
+        return bool(len(self.mass))
+
+    def rates(self, place: Array, speed: Array, force: float) -> tuple[Array, Array]:
+        """Velocities and accelerations of the nodes under a force (N) on the plane; (n,) each.
+
+        A surface without mass has the velocity that its damper allows, whatever ``speed`` is.
+        """
+        if not self.moves:
+            return place, place
+        if not self.mass[0]:
+            return (force - self.ground_stiffness * place) / self.ground_damping, np.zeros(1)
+        pull = self.stiffness * np.diff(place)
+        on = -np.append(-pull, self.ground_stiffness * place[-1] + self.ground_damping * speed[-1])
+        on[0] += force
+        on[1:] -= pull
+        return speed, on / self.mass
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Impactors:
+    """Equal spheres that hit the target side by side.
+
+    Attributes
+    ----------
+    count
+        How many.
+    mass
+        Of one, kg.
+    velocity
+        Normal to the target, m/s.
+    law
+        Of one with the target's surface.
+    """
+
+    count: int
+    mass: float
+    velocity: float
+    law: ContactLaw
+
+    @property
+    def largest_overlap(self) -> float:
+        """On a plane that does not move, m: all of the energy has become work of the contact."""
+        energy = 0.5 * self.mass * self.velocity**2
+
+        def missing(overlap: float) -> float:
+            return float(self.law.loading_work(np.array([overlap]))[0]) - energy
+
+        upper = self.law.effective_radius * 1e-6
+        while missing(upper) < 0:
+            upper *= 2
+        return float(brentq(missing, 0.0, upper, xtol=1e-14 * upper, rtol=1e-14))
+
+    @property
+    def largest_force(self) -> float:
+        """Of all of them on a plane that does not move, N."""
+        return self.count * float(self.law.loading_force(np.array([self.largest_overlap]))[0])
+
+    @property
+    def duration(self) -> float:
+        """About how long a collision with a plane that does not move takes, s."""
+        return 3 * self.largest_overlap / self.velocity
+
+
+def unprotected_peak(case: Case, end_time: float) -> tuple[float, float] | None:
+    """Largest force (N) of `unprotected` on the target's surface, and on the ground; quick where nothing moves."""
+    target = target_of(case)
+    if target is not None and not target.moves and case.load.kind in ("impact", "striker"):
+        groups = impactors_of(case, target.material)
+        if len(groups) == 1:
+            return groups[0].largest_force, groups[0].largest_force
+    found = unprotected(case, end_time)
+    return None if found is None else (found.peak_force, found.ground_peak_force)
+
+
+def unprotected(case: Case, end_time: float) -> Unprotected | None:
+    """The load of a case directly on its target; None where there is no target, or nothing that would hit it.
+
+    Parameters
+    ----------
+    end_time
+        When it ends at the latest, s; not before the first collision is over.
+    """
+    target = target_of(case)
+    if target is None:
+        return None
+    if case.load.kind == "force":
+        return _pushed(case.load, target, end_time)
+    groups = impactors_of(case, target.material) if case.load.kind != "displacement" else []
+    return _hit(groups, target, end_time) if groups else None
+
+
+def target_of(case: Case) -> Target | None:
+    """What the packing of a case protects: the plane below it, the bar at a chain's end, or a rigid base.
+
+    A last layer that is held in place stands for a rigid base. None if there is nothing below.
+    """
+    support, material = case.boundary.bottom_support, case.boundary.bottom_material
+    if support is not None:
+        first, *rest = support.words(material, footprint_radius(case))
+        if first != "bar":
+            return Target(material, np.array([float(first)]), 0.0, float(rest[0]), float(rest[1]))
+        elements, mass, stiffness = int(rest[0]), float(rest[1]), float(rest[2])
+        masses = np.full(elements + 1, mass / elements)
+        masses[[0, -1]] /= 2
+        if rest[3] == "fixed":
+            return Target(material, masses[:-1], stiffness, stiffness)
+        return Target(material, masses, stiffness, 0.0, 0.0 if rest[3] == "free" else float(rest[3]))
+    if case.boundary.bottom != "free":
+        return Target(material, np.empty(0))
+    bar = next((bar for bar in case.assembly.bars if bar.name == BAR), None)
+    return None if bar is None else Target(bar.material, bar.mass, bar.stiffness)
+
+
+def impactors_of(case: Case, material: Material | None) -> list[Impactors]:
+    """The spheres that the load sets in motion, as far as they go towards the target, like ones together."""
+    assembly, velocities = case.assembly, velocities_of(case)
+    kinds: dict[tuple[Material, float, float], list[int]] = {}
+    for sphere in struck_of(case):
+        velocity = velocities[sphere][2]
+        if velocity > 0:
+            kind = assembly.material_of(sphere), assembly.diameter_of(sphere), velocity
+            kinds.setdefault(kind, []).append(sphere)
+    return [
+        Impactors(len(spheres), assembly.mass_of(spheres[0]), velocity, flat_contact(case, spheres[0], material))
+        for (_, _, velocity), spheres in kinds.items()
+    ]
+
+
+def load_at(load: Load, time: Array) -> Array:
+    """The force of a load in time, N: (n_times,)."""
+    if load.table:
+        given = np.array(load.table)
+        return np.interp(time, given[:, 0], given[:, 1], left=0.0, right=0.0)
+    amplitude, acts = load.amplitude or 0.0, time <= (load.duration or math.inf)
+    if load.shape == "harmonic":
+        return amplitude * np.sin(2 * math.pi * (load.frequency or 0.0) * time)
+    if load.shape == "half-sine":
+        return np.where(acts, amplitude * np.sin(math.pi * time / (load.duration or math.inf)), 0.0)
+    return np.where(acts, amplitude, 0.0)
+
+
+def _pushed(load: Load, target: Target, end_time: float) -> Unprotected:
+    """A force on the target itself."""
+    end = min(end_time, load.lasts + target.settles)
+    time = np.linspace(0.0, end, _AFTER + 1)
+    turns = [one for one, _ in load.table or ()] + [load.lasts / 2]
+    time = np.union1d(time, [one for one in turns if one < end])
+    force = load_at(load, time)
+    if not target.moves:
+        return Unprotected(time, force, force)
+    n = len(target.mass)
+
+    def rates(now: float, state: Array) -> Array:
+        return np.concatenate(target.rates(state[:n], state[n:], float(load_at(load, np.array(now)))))
+
+    found = solve_ivp(
+        rates, (0.0, end), np.zeros(2 * n), "DOP853", time, rtol=_TOLERANCE, atol=1e-15, max_step=end / _AFTER
+    )
+    return Unprotected(time, force, _on_ground(target, force, found.y[:n], found.y[n:]))
+
+
+def _hit(groups: list[Impactors], target: Target, end_time: float) -> Unprotected:
+    """Spheres that hit the target, in phases between which one of them turns round."""
+    n, k = len(target.mass), len(groups)
+    mass, count = np.array([one.mass for one in groups]), np.array([one.count for one in groups])
+    peak = np.zeros(k)
+
+    def overlaps(state: Array) -> Array:
+        return state[:k] - (state[2 * k] if n else 0.0)
+
+    def forces(state: Array) -> Array:
+        found = np.zeros(k)
+        for place, (group, overlap) in enumerate(zip(groups, overlaps(state), strict=True)):
+            if overlap > 0:
+                deepest = max(peak[place], overlap)
+                found[place] = group.law.force(np.array([overlap]), np.array([deepest]))[0]
+        return found
+
+    def rates(_: float, state: Array) -> Array:
+        force = forces(state)
+        place, speed = state[2 * k : 2 * k + n], state[2 * k + n :]
+        return np.concatenate([state[k : 2 * k], -force / mass, *target.rates(place, speed, float(count @ force))])
+
+    def turn(place: int, direction: int) -> Event:
+        """The sphere and the plane stop to come closer (-1), or to part (+1)."""
+
+        def rate(_: float, state: Array) -> float:
+            moved = target.rates(state[2 * k : 2 * k + n], state[2 * k + n :], float(count @ forces(state)))[0]
+            return float(state[k + place] - (moved[0] if n else 0.0))
+
+        return _event(rate, direction)
+
+    def contact(direction: int) -> Event:
+        """The last sphere leaves the plane (-1), or a first one meets it (+1)."""
+        return _event(lambda _, state: float(overlaps(state).max()), direction)
+
+    scale = max(group.largest_overlap for group in groups)
+    fastest = max(group.velocity for group in groups)
+    duration = min(group.duration for group in groups)
+    lengths = np.concatenate([np.full(k, scale), np.full(k, fastest), np.full(n, scale), np.full(n, fastest)])
+    state = np.concatenate([np.zeros(k), [group.velocity for group in groups], np.zeros(2 * n)])
+    times, states, peaks = [np.zeros(1)], [state[:, None]], [peak.copy()]
+    now, end = 0.0, max(end_time, 2 * duration)
+    parted = False  # once
+    directions = [-1] * (k + 1)  # of the next event: of the turn of each sphere, and of the contact
+    for _ in range(_MOST_PHASES):
+        step = duration / _IN_CONTACT if directions[k] < 0 else max(duration, target.settles) / _AFTER
+        found = solve_ivp(
+            rates, (now, end), state, "DOP853", rtol=_TOLERANCE, atol=_TOLERANCE * lengths, max_step=step,
+            events=[*(turn(place, directions[place]) for place in range(k)), contact(directions[k])],
+        )  # fmt: skip
+        times.append(found.t[1:])
+        states.append(found.y[:, 1:])
+        peaks += [peak.copy()] * len(found.t[1:])
+        now, state = float(found.t[-1]), found.y[:, -1]
+        if found.status != 1:
+            break
+        peak[:] = np.maximum(peak, overlaps(state))
+        directions = [-way if len(at) else way for way, at in zip(directions, found.t_events, strict=True)]
+        if directions[k] > 0:  # no sphere is in contact any more
+            if not target.settles or target.ground_stiffness == target.ground_damping == 0:
+                break
+            end = min(end, now + target.settles) if not parted else end
+            parted = True
+    time, course = np.concatenate(times), np.concatenate(states, axis=1)
+    force = np.empty(len(time))
+    for place, deepest in enumerate(peaks):
+        peak[:] = deepest
+        force[place] = count @ forces(course[:, place])
+    return Unprotected(time, force, _on_ground(target, force, course[2 * k : 2 * k + n], course[2 * k + n :]))
+
+
+def _event(function: Callable[[float, Array], float], direction: int) -> Event:
+    """An event that ends a phase when the function passes zero in this direction."""
+    function.terminal, function.direction = True, direction  # type: ignore[attr-defined]
+    return function
+
+
+def _on_ground(target: Target, force: Array, place: Array, speed: Array) -> Array:
+    if not target.moves or not target.mass[0]:
+        return force
+    return target.ground_stiffness * place[-1] + target.ground_damping * speed[-1]

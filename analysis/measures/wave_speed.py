@@ -1,0 +1,80 @@
+"""How fast the wave goes down into a packing."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granwave.analysis.measures.planes import layers
+from granwave.analysis.result.reader import Result
+
+_LEAD = 5  # layers, the struck one among them, that the first disturbance passes before any contact is at its peak
+_FEWEST_LAYERS = 4  # that a wave speed is taken from
+_STRUCK_LAYER = 0.1  # diameters that the mean of the struck layer may be above the struck sphere
+_ARRIVED = 0.1  # of the largest rise of a contact's force: the wave is there, in a chain that was loaded before
+_RISEN = 0.01  # of the largest rise anywhere: a contact that rose by less was not reached
+
+
+def wave_speed(
+    depth: NDArray[np.float64], arrival: NDArray[np.float64], diameter: float, radii: NDArray[np.float64] | None = None
+) -> float | None:
+    """Speed of the wave into the depth: slope of depth over arrival, by layers of spheres.
+
+    The arrival at a layer is the earliest at any of its spheres. The slope is a least-squares fit to the deeper half
+    of the layers that were reached, without the five uppermost ones. An arrival is the first contact force at all,
+    which runs about four layers ahead of the peak force: the speed is that of the peak some four layers above. It
+    needs no threshold, and neither later pulses nor the echo of the bottom disturb it, as they do the times of peak
+    forces. On a chain of Hertz contacts it is within 2 % of the solitary wave's
+    0.6802 (2E / (D rho^1.5 (1 - nu^2)))^(1/3) F^(1/6). Where the wave gets weaker and slower it is above
+    that of the peak: in FCC brass struck at 5 m/s by 10 %, and by 15 to 25 % if compared in the same layers.
+
+    Parameters
+    ----------
+    depth
+        Below the struck sphere, of each sphere's centre at the start: (n_spheres,), m.
+    arrival
+        When any contact of the sphere was first loaded: (n_spheres,), s; NaN: never.
+    diameter
+        Of the spheres, nominal, m.
+    radii
+        Of each sphere: (n_spheres,), m; half the diameter if not given.
+
+    Returns
+    -------
+    float or None
+        m/s; None when fewer than four layers below the five uppermost were reached, or when contacts are loaded from
+        the start, as under precompression.
+    """
+    radii = np.full(len(depth), diameter / 2) if radii is None else radii
+    mean, layer = layers(depth, radii, diameter)
+    first = np.full(len(mean), np.inf)
+    np.fmin.at(first, layer, arrival)
+    reached = np.isfinite(first) & (mean > -_STRUCK_LAYER * diameter)
+    z, time = mean[reached], first[reached]
+    used = slice(max(_LEAD, len(z) // 2), None)
+    z, time = z[used], time[used]
+    if len(z) < _FEWEST_LAYERS:
+        return None
+    late, deep = time - time.mean(), z - z.mean()
+    slope = float(late @ deep / (late @ late)) if late.any() else 0.0
+    return slope if slope > 0 else None
+
+
+def wave_speed_of(result: Result) -> float | None:
+    """The `wave_speed` of a run; of one that was precompressed only in a chain whose forces were recorded.
+
+    There the wave is at a contact once its force has risen by a tenth of its largest rise, if that was over before the
+    end of the run. Of weak waves in a chain of Hertz contacts that is 3 % above the speed of sound, D sqrt(k/m) with
+    the contact stiffness k under the static force.
+    """
+    diameter = result.case.packing.diameter
+    if result.case.precompression is None:
+        depth = result["spheres/position"][:, 2] - result.origin[2]
+        return wave_speed(depth, result["spheres/time_first"], diameter, result["spheres/radius"])
+    if "chain" not in result:
+        return None
+    rise = result["chain/contact_force"] - result["chain/contact_force"][0]
+    largest = rise.max(axis=0)
+    passed = (largest >= _RISEN * largest.max()) & (rise.argmax(axis=0) < len(rise) - 1)
+    arrival = np.where(passed, result["chain/time"][(rise > _ARRIVED * largest).argmax(axis=0)], np.nan)
+    return wave_speed(result["chain/contact_position"] - result.origin[2], arrival, diameter)

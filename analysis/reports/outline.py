@@ -1,0 +1,168 @@
+"""What a report says: the sections, from what was read."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from granwave.analysis.document.cells import named, show
+from granwave.analysis.document.cleanup import tidied
+from granwave.analysis.document.model import Block, Cell, Column, Group, Note, Report, Section, Table
+from granwave.analysis.reports.inputs import Inputs, Run, Scan
+from granwave.analysis.reports.sections.balance import SLUG as BALANCE
+from granwave.analysis.reports.sections.balance import balance_notes, balance_section
+from granwave.analysis.reports.sections.comparison import comparison_section
+from granwave.analysis.reports.sections.figures import figures_section
+from granwave.analysis.reports.sections.results import failures_section, results_section, settings_blocks, status_cell
+from granwave.analysis.reports.sections.sources import sources_section
+from granwave.analysis.reports.sections.studies import studies_of, studies_section, verdicts
+
+_KIND = {"run": "granular run", "continuum": "continuum run"}
+_IN_TITLE = 3  # names
+
+
+def build_report(inputs: Inputs) -> Report:
+    """The report of runs and scans."""
+    labels = [item.label for item in inputs.items]
+    names = ", ".join(labels[:_IN_TITLE]) + (f" and {len(labels) - _IN_TITLE} more" if len(labels) > _IN_TITLE else "")
+    failures, studies = failures_section(inputs), studies_of(inputs)
+    sections = (
+        _attention(inputs, failures.slug),
+        Section("Verdict", "verdict", verdicts(studies)),
+        _what_was_run(inputs),
+        results_section(inputs),
+        comparison_section(inputs),
+        studies_section(inputs, studies),
+        sources_section(inputs),
+        balance_section(inputs),
+        failures,
+        figures_section(inputs),
+    )
+    return tidied(Report(f"Report: {names}", _lead(inputs), tuple(section for section in sections if section.blocks)))
+
+
+def _lead(inputs: Inputs) -> str:
+    n_runs, n_scans = len(inputs.runs), len(inputs.scans)
+    parts = []
+    if n_runs:
+        parts.append(f"{n_runs} run{'s' * (n_runs > 1)}")
+    if n_scans:
+        points = [point for scan in inputs.scans for point in scan.points]
+        done = sum(point.run is not None for point in points)
+        parts.append(f"{n_scans} scan{'s' * (n_scans > 1)} with {done} of {len(points)} points done")
+    return " and ".join(parts) + ". SI units."
+
+
+def _attention(inputs: Inputs, failures: str) -> Section:
+    notes: list[Note] = []
+    for scan in inputs.scans:
+        failed, missing = scan.count("failed"), sum(point.run is None for point in scan.points) - scan.count("failed")
+        if failed:
+            notes.append(Note(f"Scan {scan.label}: {failed} of {len(scan.points)} points failed.", "bad", failures))
+        if missing:
+            text = f"Scan {scan.label}: {missing} of {len(scan.points)} points are missing."
+            notes.append(Note(text, "note", failures))
+    results = list(inputs.results())
+    refused = [run.label for run in results if run.status == "refused"]
+    if refused:
+        notes.append(Note(f"Refused, as the energy balance did not close: {named(refused)}.", "bad", BALANCE))
+    notes += balance_notes(results, BALANCE)
+    without = [run.label for run in results if not run.case]
+    if without:
+        notes.append(Note(f"No readable case.toml, so settings are not known: {named(without)}.", "note"))
+    if not notes:
+        text = "Every run finished, its energy balance closed, and no contact left the range of its law."
+        notes.append(Note(text, "good"))
+    notes.sort(key=lambda note: note.tone != "bad")
+    return Section("In short", "short", tuple(notes))
+
+
+def _what_was_run(inputs: Inputs) -> Section:
+    columns = (
+        Column("Name", key=True),
+        Column("What"),
+        Column("Case"),
+        Column("Setting"),
+        Column("Status"),
+        Column("Directory"),
+    )
+    rows = tuple(_input_row(item, inputs) for item in inputs.items)
+    blocks: list[Block] = [Table("What this report is about", columns, rows), *settings_blocks(inputs)]
+    return Section("What was run", "inputs", (*blocks, *_versions(list(inputs.results()))))
+
+
+def _input_row(item: Run | Scan, inputs: Inputs) -> tuple[Cell, ...]:
+    place = inputs.link(item.directory)
+    if place.text == ".":
+        place = inputs.link(item.directory, "that of this report")
+    where = Cell(place.text, place.text, link=place)
+    if isinstance(item, Run):
+        name = item.summary.get("name")
+        case = show(name) if name is not None else ""
+        return (
+            Cell(item.label, item.label), Cell(_KIND[item.kind]), Cell(case), Cell(_setting(item)),
+            status_cell(item.status), where,
+        )  # fmt: skip
+    done, failed = sum(point.run is not None for point in item.points), item.count("failed")
+    status = f"{done} of {len(item.points)} points done"
+    complete = done == len(item.points)
+    return (
+        Cell(item.label, item.label),
+        Cell("scan"),
+        Cell(str(item.source.case_name)),
+        Cell("varied: " + ", ".join(item.source.varied) if item.source.varied else "one point"),
+        Cell(status, done, "good" if complete else "bad" if failed else "note"),
+        where,
+    )
+
+
+def _setting(run: Run) -> str:
+    """A run in a line: the packing or the block, the material, how it is hit."""
+    case = run.case
+    parts = []
+    if "packing.kind" in case:
+        size = case.get("packing.size")
+        shape = " x ".join(map(str, size)) if isinstance(size, list) else str(size)
+        parts.append(f"{case['packing.kind']} {shape}, D = {show(case.get('packing.diameter'))} m")
+    if "punch.diameter" in case:
+        parts.append(f"punch of {show(case['punch.diameter'])} m")
+    parts += [str(case[key]) for key in ("material.name", "contact.law") if key in case]
+    velocity = case.get("load.velocity", case.get("punch.velocity"))
+    if velocity is not None:
+        parts.append(f"{show(velocity)} m/s")
+    return ", ".join(parts)
+
+
+def _versions(runs: Sequence[Run]) -> tuple[Block, ...]:
+    """Versions that all have in common once, then those in which they differ; each kind of run has its programs."""
+    users: dict[str, dict[str, list[str]]] = {}
+    kinds: dict[str, set[str]] = {}
+    for run in runs:
+        for name, version in run.versions.items():
+            users.setdefault(name, {}).setdefault(version, []).append(run.label)
+            kinds.setdefault(name, set()).add(run.kind)
+    common = {
+        name: version
+        for name, found in users.items()
+        for version, labels in found.items()
+        if len(labels) == sum(run.kind in kinds[name] for run in runs)
+    }
+    blocks: list[Block] = []
+    if common:
+        columns = (Column("Program", key=True), Column("Version"))
+        rows = tuple((Cell(name), Cell(version)) for name, version in common.items())
+        title = "Versions, the same in all" if len(runs) > 1 else "Versions"
+        blocks.append(Group(title, (Table(title, columns, rows, captioned=False),), folded=True))
+    others = tuple(
+        (Cell(name), Cell(version), Cell(named(labels)))
+        for name, found in users.items()
+        if name not in common
+        for version, labels in found.items()
+    )
+    if others:
+        heads = (Column("Program", key=True), Column("Version"), Column("Runs"))
+        blocks.append(Note("Not all runs were made with the same versions.", "note"))
+        blocks.append(Table("Versions that differ", heads, others))
+    unknown = [run.label for run in runs if not run.versions]
+    if unknown:
+        blocks.append(Note(f"No versions are recorded: {named(unknown)}.", "note"))
+    return tuple(blocks)

@@ -1,0 +1,125 @@
+"""The energy balance of every run, and the contacts that left the range of the contact law."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from granwave.analysis.document.cells import named, value_cell, value_column
+from granwave.analysis.document.model import Cell, Column, Note, Section, Table, Tone
+from granwave.analysis.formatting.numbers import plain
+from granwave.analysis.reports.inputs import Inputs, Run
+
+SLUG = "balance"
+#: Largest error of the balance, over the input, that is usual, and that is fair: by kind of run.
+LIMITS = {"run": (2e-6, 1e-5), "continuum": (5e-3, 2e-2)}
+_PARTS = ("kinetic", "elastic", "dissipated", "punch", "viscous", "hourglass")
+#: Parts of these, shown where any run has them.
+_SHARES = ("energy_rotational_J", "energy_dissipated_friction_J", "support_energy_J", "support_lost_J")
+
+
+def verdict(run: Run) -> tuple[str, Tone]:
+    """What to think of the energy balance of a run."""
+    error = run.number("energy_balance_error")
+    note, poor = LIMITS[run.kind]
+    if error is None:
+        return "not known", "note"
+    if math.isnan(error) or error > poor:
+        return f"poor: above {plain(f'{poor:.0e}')}", "bad"
+    if error > note:
+        return f"fair: above {plain(f'{note:.0e}')}", "note"
+    return "good", "good"
+
+
+def balance_section(inputs: Inputs) -> Section:
+    """The section of the report."""
+    runs = list(inputs.results())
+    if not runs:
+        return Section("Energy balance", SLUG, (Note("There is no finished run."),))
+    text = "Error: the largest |kinetic + elastic + dissipated - input| of the ledger, over the input."
+    limits = {
+        "run": "Kinetic includes rotation; elastic what is stored tangentially and in the support; dissipated friction "
+        "and the support's damper. A granular run above 1e-5 is refused (the published variant of the law, which "
+        "cannot close, excepted).",
+        "continuum": "A continuum run above 2 % is stopped.",
+    }
+    text = " ".join([text, *(limits[kind] for kind in LIMITS if any(run.kind == kind for run in runs))])
+    return Section("Energy balance", SLUG, (Note(text), *balance_notes(runs), _table(runs)))
+
+
+def balance_notes(runs: Sequence[Run], section: str = "") -> list[Note]:
+    """Warnings of poor balances and of contacts beyond the law."""
+    notes = []
+    for kind, (usual, largest) in LIMITS.items():
+        found = [(run, *verdict(run)) for run in runs if run.kind == kind]
+        poor = [run for run, _, tone in found if tone == "bad"]
+        fair = [run for run, text, _ in found if text.startswith("fair")]
+        if poor:
+            text = f"Poor energy balance, do not trust ({_errors(poor)}, more than {_share(largest)}): {_labels(poor)}."
+            notes.append(Note(text, "bad", section))
+        if fair:
+            text = f"Energy balance less good than usual ({_errors(fair)}; usual is up to {_share(usual)}, and more "
+            text += f"than {_share(largest)} would be poor): {_labels(fair)}."
+            notes.append(Note(text, "note", section))
+    unknown = [run for run in runs if verdict(run)[0] == "not known"]
+    if unknown:
+        notes.append(Note(f"No energy balance is recorded: {_labels(unknown)}.", "note", section))
+    beyond = [run for run in runs if (run.number("contacts_beyond_law") or 0) > 0]
+    if beyond:
+        counts = [f"{run.label} ({run.number('contacts_beyond_law'):.0f})" for run in beyond]
+        text = f"Contacts beyond the law, which was fitted up to an overlap of 0.2 R*: {named(counts)}."
+        notes.append(Note(text, "note", section))
+    return notes
+
+
+def _errors(runs: Sequence[Run]) -> str:
+    """How far the balances of runs are off; those that are not a number apart."""
+    errors = [run.number("energy_balance_error") or 0.0 for run in runs]
+    finite = [error for error in errors if math.isfinite(error)]
+    if not finite:
+        return "the error is not a number"
+    up_to = "up to " if len(finite) > 1 else ""
+    return f"off by {up_to}{_share(max(finite))} of the input" + (", or not a number" * (len(finite) < len(errors)))
+
+
+def _share(value: float) -> str:
+    """Two digits; in per cent from a tenth of one on."""
+    return f"{100 * value:.2g} %" if value >= 1e-3 else plain(f"{value:.2g}")
+
+
+def _labels(runs: Sequence[Run]) -> str:
+    return named([run.label for run in runs])
+
+
+def _table(runs: Sequence[Run]) -> Table:
+    parts = [f"energy_{part}_J" for part in _PARTS]
+    shown = [key for key in ("energy_input_J", *parts) if any(run.summary.get(key) is not None for run in runs)]
+    shown += [key for key in _SHARES if any(run.summary.get(key) for run in runs)]
+    beyond = any(run.summary.get("contacts_beyond_law") is not None for run in runs)
+    columns = [
+        Column("Run", key=True),
+        *(value_column(key) for key in shown),
+        Column("Error over input", numeric=True),
+        Column("Balance"),
+        Column("Timestep", "s", numeric=True),
+        Column("Timesteps dropped", numeric=True),
+    ]
+    if beyond:
+        columns.append(Column("Contacts beyond the law", numeric=True))
+    rows = []
+    for run in runs:
+        text, tone = verdict(run)
+        dropped = run.record.get("attempts")
+        row = [
+            Cell(run.label, run.label),
+            *(value_cell(run.summary.get(key)) for key in shown),
+            value_cell(run.summary.get("energy_balance_error"), tone=tone if tone == "bad" else ""),
+            Cell(text, text, tone),
+            value_cell(run.summary.get("timestep_s")),
+            value_cell(len(dropped) if isinstance(dropped, list) else None),
+        ]
+        if beyond:
+            count = run.summary.get("contacts_beyond_law")
+            row.append(value_cell(count, tone="note" if (run.number("contacts_beyond_law") or 0) > 0 else ""))
+        rows.append(tuple(row))
+    return Table("Energies at the end, and the error of the balance", tuple(columns), tuple(rows), sortable=True)

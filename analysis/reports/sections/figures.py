@@ -1,0 +1,233 @@
+"""Pictures of a report: those that runs and scans left, made small, and curves of several runs in one."""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Mapping, Sequence
+from itertools import cycle
+from pathlib import Path
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from granwave.analysis.document.cells import readable
+from granwave.analysis.document.model import Block, Figure, Gallery, Group, Note, Section
+from granwave.analysis.document.pictures import RESOLUTION, picture_of
+from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing, new_figure, style
+from granwave.analysis.formatting.values import in_words
+from granwave.analysis.reports.inputs import Inputs, Run, Scan
+from granwave.analysis.result.writer import RESULT_FILE
+from granwave.analysis.scans.keys import key_of
+
+SLUG = "figures"
+WIDTH, POINT_WIDTH = 900, 600  # pixels, at most, of pictures of runs and scans, and of points of scans
+WIDEST = 1200  # pixels, of those that take a whole row
+POINTS_BUDGET = 8_000_000  # bytes, of all pictures of points; those beyond stay in their directories
+MOST_CURVES = 12
+_FOLDER = "figures"
+_COLOURS = 256
+_MOST_INSTANTS = 2000  # drawn of a curve
+
+_CAPTIONS = {
+    "peak_force_principal": "Peak contact force, principal plane",
+    "peak_force_orthogonal": "Peak contact force, plane orthogonal to it",
+    "peak_force_depth": "Peak contact force against depth",
+    "dissipation_principal": "Dissipation, principal plane",
+    "dissipation_orthogonal": "Dissipation, plane orthogonal to it",
+    "dissipation_parts_principal": "Dissipation by yielding and by friction, principal plane",
+    "dissipation_parts_orthogonal": "Dissipation by yielding and by friction, plane orthogonal to it",
+    "dents_principal": "Dents from before the run, principal plane",
+    "dents_orthogonal": "Dents from before the run, plane orthogonal to it",
+    "dissipation_ranked": "Dissipation of spheres in descending order",
+    "dissipation_cumulated": "Cumulated dissipation against the volume involved",
+    "plastic_zone_growth": "Growth of the plastic zone",
+    "energies": "Energies and the error of their balance",
+    "bottom_force": "Force and impulse on the bottom",
+    "target": "What reaches the target, and the force there without the packing",
+    "impactor_velocity": "Velocity of the struck sphere",
+    "packing_3d": "Packing cut open, peak contact force",
+    "packing_3d_dissipation": "Packing cut open, dissipation",
+    "probes": "Probes",
+    "wave_front": "Wave front",
+    "force_map": "Contact force in place and time",
+    "force_histories": "Forces of single contacts",
+    "along_chain": "Peak force and dissipation along the chain",
+    "bead_velocities": "Velocities along the chain",
+    "bars": "Bars: contact force and energy",
+    "sensors": "Sensors",
+    "accelerations": "Accelerations of the sensors",
+    "directions": "Energy and dissipation by direction from the impact point",
+    "collapse_dissipated_fraction": "Dissipated fraction against normalised velocity, of all materials",
+    "collapse_plastic_volume": "Plastic zone against normalised input energy, of all materials",
+    "dissipated_fraction_map": "Dissipated fraction by both of what varies",
+}
+_AGAINST = "_vs_"  # in names of figures of scans: of what, against which key
+
+
+def figures_section(inputs: Inputs) -> Section:
+    """The section of the report."""
+    blocks: list[Block] = []
+    n_items = len(inputs.items)
+    for number, item in enumerate(inputs.items, start=1):
+        what = "scan" if isinstance(item, Scan) else "run"
+        words = _words_of_keys(item) if isinstance(item, Scan) else {}
+        parts = _pictures(item.directory, inputs, f"{number}-{item.label}", f"{what} {item.label}", WIDTH, words)
+        if parts:
+            title = f"{what.capitalize()} {item.label}"
+            blocks.append(Group(title, parts, folded=n_items > 2 and isinstance(item, Run)))
+        if isinstance(item, Scan):
+            blocks += _points(item, inputs, number)
+    return Section("Figures", SLUG, tuple(blocks) or (Note("There are no figures."),))
+
+
+def overlay(inputs: Inputs) -> list[Block]:
+    """Dissipated share against time, a curve for each run that was given by itself; nothing for fewer than two."""
+    if len(inputs.runs) < 2:
+        return []
+    curves, missing = [], []
+    for run in inputs.runs:
+        curve = _dissipation(run)
+        if curve is None:
+            missing.append(run.label)
+        else:
+            curves.append((run.label, *curve))
+    blocks: list[Block] = []
+    if curves:
+        more = "" if len(curves) <= MOST_CURVES else f", the first {MOST_CURVES} runs"
+        caption = f"Dissipated share of the input against time{more}"
+        with style():
+            blocks.append(Gallery((picture_of(_draw(curves[:MOST_CURVES]), "dissipated-share", caption),)))
+    if missing:
+        blocks.append(Note(f"No energies against time in {RESULT_FILE}: {', '.join(missing)}.", "note"))
+    return blocks
+
+
+def shrunk(path: Path, width: int) -> tuple[bytes, tuple[int, int], float]:
+    """A picture as PNG in at most 256 colours, its size in pixels, and the inches it was drawn for; 0: not known.
+
+    Parameters
+    ----------
+    width
+        Pixels, at most; of a wide figure as many as it needs in a row of its own.
+
+    Raises
+    ------
+    OSError, ValueError, SyntaxError
+        The file is not a picture.
+    """
+    with Image.open(path) as found:
+        image = Image.new("RGB", found.size, "white")
+        image.paste(found, mask=found.getchannel("A") if "A" in found.getbands() else None)
+        dots = float(found.info.get("dpi", (0.0, 0.0))[0])
+    inches = image.width / dots if dots > 0 else 0.0
+    if Figure("", "", "", b"", image.size, inches=inches).wide:
+        width = max(width, min(round(RESOLUTION * inches), WIDEST))
+    if image.width > width:
+        image = image.resize((width, max(1, round(image.height * width / image.width))), Image.Resampling.LANCZOS)
+    image = image.quantize(_COLOURS, method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
+    stream = io.BytesIO()
+    image.save(stream, "PNG", optimize=True)
+    return stream.getvalue(), image.size, inches
+
+
+def _words_of_keys(scan: Scan) -> dict[str, str]:
+    """What the keys of a scan are called in captions, by their part of a figure's name."""
+    labels = {key: [point.result.labels.get(key, "") for point in scan.points] for key in scan.source.varied}
+    keys = [key_of(key, column) for key, column in labels.items()]
+    return {key.slug: key.naming.words[:1].lower() + key.naming.words[1:] for key in keys}
+
+
+def _caption(stem: str, words: Mapping[str, str]) -> str:
+    """Of a figure, by the name of its file."""
+    if stem in _CAPTIONS:
+        return _CAPTIONS[stem]
+    what, against, key = stem.partition(_AGAINST)
+    return f"{readable(what)} against {words.get(key, readable(key).lower())}" if against else readable(stem)
+
+
+def _points(scan: Scan, inputs: Inputs, number: int) -> list[Block]:
+    """Pictures of the points of a scan, a folded group each, as long as the page stays of a reasonable size."""
+    blocks: list[Block] = []
+    left, size = [], 0
+    seen: set[Path] = set()
+    for point in scan.points:
+        run = point.run
+        if run is None or run.directory in seen or not any((run.directory / _FOLDER).glob("*.png")):
+            continue
+        seen.add(run.directory)
+        if size > POINTS_BUDGET:
+            left.append(inputs.link(run.directory / _FOLDER, f"#{point.result.number}"))
+            continue
+        name = f"{number}-{scan.label}-{point.result.number}"
+        parts = _pictures(run.directory, inputs, name, f"run {run.label}", POINT_WIDTH, {})
+        size += sum(len(figure.png) for part in parts if isinstance(part, Gallery) for figure in part.figures)
+        labels = ", ".join(f"{key} = {in_words(value)}" for key, value in point.result.labels.items())
+        blocks.append(Group(f"Point {point.result.number} of {scan.label}: {labels}", parts, folded=True))
+    if left:
+        blocks.append(Note("The figures of further points are in their directories:", links=tuple(left)))
+    return blocks
+
+
+def _pictures(
+    directory: Path, inputs: Inputs, name: str, what: str, width: int, words: Mapping[str, str]
+) -> tuple[Gallery | Note, ...]:
+    """The PNG files of a directory's figures, in the order of the figures of a run, others by name after them."""
+    order = list(_CAPTIONS)
+    paths = sorted(
+        (directory / _FOLDER).glob("*.png"),
+        key=lambda path: (order.index(path.stem) if path.stem in order else len(order), path.name),
+    )
+    figures, damaged = [], []
+    for path in paths:
+        try:
+            png, size, inches = shrunk(path, width)
+        except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
+            damaged.append(Note(f"{inputs.path(path)} cannot be shown: {_first_line(error)}", "note"))
+            continue
+        caption = _caption(path.stem, words)
+        data = path.with_suffix(".csv")
+        link = inputs.link(data, f"{_FOLDER}/{data.name}") if data.is_file() else None
+        figures.append(Figure(_slug(f"{name}-{path.stem}"), caption, f"{caption}: {what}", png, size, link, inches))
+    gallery = (Gallery(tuple(figures)),) if figures else ()
+    return (*gallery, *damaged)
+
+
+def _dissipation(run: Run) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
+    """Time, s, and dissipated energy over the final input; None where the result has none."""
+    try:
+        with h5py.File(run.directory / RESULT_FILE, "r") as file:
+            time, lost, given = (np.asarray(file[f"energy/{n}"][()], float) for n in ("time", "dissipated", "input"))
+    except (OSError, KeyError, ValueError, TypeError):
+        return None
+    if time.ndim != 1 or not time.shape == lost.shape == given.shape or not len(time) or not given[-1] > 0:
+        return None
+    step = -(-len(time) // _MOST_INSTANTS)
+    shown = np.append(np.arange(0, len(time) - 1, step), len(time) - 1)
+    return time[shown], lost[shown] / given[-1]
+
+
+def _draw(curves: Sequence[tuple[str, NDArray, NDArray]]) -> Drawing:
+    figure = new_figure(3.0, 5.6)
+    axes = figure.subplots()
+    colours = cycle((BLUE, ORANGE, GREEN, PURPLE, SKY, GREY))
+    for n, ((label, time, share), colour) in enumerate(zip(curves, colours, strict=False)):
+        name = label if len(label) <= 32 else label[:15] + "…" + label[-16:]
+        line = ("-", "--")[n // 6 % 2]
+        axes.plot(1e6 * time, share, line, color=colour, label=name.replace("$", r"\$").lstrip("_") or "run")
+    axes.set_xlabel("Time (µs)")
+    axes.set_ylabel("Dissipated share of the input")
+    axes.set_xlim(0, 1e6 * max(time[-1] for _, time, _ in curves) or 1.0)
+    axes.set_ylim(bottom=0)
+    axes.legend(loc="lower right", ncols=1 if len(curves) <= 6 else 2)
+    return Drawing(figure, {})
+
+
+def _slug(text: str) -> str:
+    return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")
+
+
+def _first_line(error: BaseException) -> str:
+    return (str(error).splitlines() or [type(error).__name__])[0].split(": ")[0]

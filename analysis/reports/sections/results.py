@@ -1,0 +1,312 @@
+"""What came out: runs side by side, and tables of runs and of the points of scans."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from granwave.analysis.document.cells import (
+    BLANK,
+    MAIN,
+    case_column,
+    is_number,
+    label_of,
+    meanings,
+    percent,
+    show,
+    spread_cell,
+    unit_of_key,
+    unit_of_value,
+    value_cell,
+    value_column,
+)
+from granwave.analysis.document.model import Block, Cell, Column, Group, Note, Section, Table, Tone
+from granwave.analysis.formatting.values import told_apart
+from granwave.analysis.reports.inputs import Inputs, Point, Run, Scan
+from granwave.analysis.reports.sections.figures import overlay
+from granwave.analysis.scans.table import CONFIDENCE, COUNT, MEAN, SCAN_MEANS, SCAN_TABLE, SEED, scan_statistics
+
+SLUG = "results"
+MOST_SIDE_BY_SIDE = 6
+_TONES: Mapping[str, Tone] = {"done": "good", "failed": "bad", "refused": "bad", "missing": "note"}
+_NOT_COMPARED = ("name", "versions")
+_REMARKS = ("material.source",)  # keys of the case that change nothing
+_SHARES = ("plastic_fraction", "friction_fraction")
+
+
+def results_section(inputs: Inputs) -> Section:
+    """The section of the report."""
+    blocks: list[Block] = []
+    if len(inputs.runs) > 1:
+        blocks.append(_runs_table(inputs.runs))
+    if inputs.runs:
+        if len(inputs.runs) <= MOST_SIDE_BY_SIDE:
+            blocks.append(_side_by_side(inputs.runs))
+        blocks += meanings([run.summary for run in inputs.runs])
+        blocks += overlay(inputs)
+    for scan in inputs.scans:
+        blocks += _scan_blocks(scan, inputs)
+    return Section("Results", SLUG, tuple(blocks))
+
+
+def status_cell(status: str) -> Cell:
+    """Cell of a status."""
+    return Cell(status, status, _TONES.get(status, ""))
+
+
+def differing(runs: Sequence[Run]) -> list[str]:
+    """Keys of the case that are not the same in all runs, in the order of the cases."""
+    keys = list(dict.fromkeys(key for run in runs for key in run.case))
+    keys = [key for key in keys if key not in _REMARKS]
+    return [key for key in keys if any(run.case.get(key) != runs[0].case.get(key) for run in runs)]
+
+
+def _runs_table(runs: Sequence[Run]) -> Table:
+    keys = differing(runs)
+    values = [[run.case.get(key) for key in keys] for run in runs]
+    return _table(
+        "Runs",
+        [Column("Run", key=True)],
+        [[Cell(run.label, run.label)] for run in runs],
+        keys,
+        values,
+        [run.status for run in runs],
+        [run.summary for run in runs],
+    )
+
+
+def _scan_blocks(scan: Scan, inputs: Inputs) -> list[Block]:
+    points = scan.points
+    keys = list(scan.source.varied)
+    table = _table(
+        f"Scan {scan.label}",
+        [Column("#", numeric=True, key=True)],
+        [[_number_cell(point, inputs)] for point in points],
+        keys,
+        [[_label(point, key) for key in keys] for point in points],
+        [_status(point) for point in points],
+        [point.run.summary if point.run else {} for point in points],
+    )
+    blocks: list[Block] = [table]
+    if SEED in keys and all(isinstance(point.result.summary, dict) for point in points):
+        blocks += _replicates(scan)
+    files = [scan.directory / name for name in (SCAN_TABLE, SCAN_MEANS)]
+    links = tuple(inputs.link(path) for path in files if path.is_file())
+    if links:
+        blocks.append(Note("All values:", links=links))
+    return blocks
+
+
+def _label(point: Point, key: str) -> Any:
+    """The value of a key that varies; None where the point's case lacks it."""
+    value = point.result.labels.get(key)
+    return None if value == "" else value
+
+
+def _by_row(settings: Sequence[Sequence[Any]], n_rows: int) -> list[tuple[Cell, ...]]:
+    """Cells of the values of keys, a list for each key; those that are tables in words."""
+    columns = []
+    for values in settings:
+        words = told_apart(values)
+        plain = [is_number(value) or value is None or value == text for value, text in zip(values, words, strict=True)]
+        cells = [
+            value_cell(value) if flag else Cell(text, text)
+            for value, text, flag in zip(values, words, plain, strict=True)
+        ]
+        columns.append(cells)
+    return list(zip(*columns, strict=True)) if columns else [()] * n_rows
+
+
+def _status(point: Point) -> str:
+    return point.run.status if point.run else point.result.status
+
+
+def _number_cell(point: Point, inputs: Inputs) -> Cell:
+    number, directory = point.result.number, point.result.directory
+    return Cell(str(number), number, link=inputs.link(directory, str(number)) if directory else None)
+
+
+def _table(
+    caption: str,
+    first: Sequence[Column],
+    heads: Sequence[Sequence[Cell]],
+    keys: Sequence[str],
+    values: Sequence[Sequence[Any]],
+    statuses: Sequence[str],
+    summaries: Sequence[Mapping[str, Any]],
+) -> Table:
+    """First what a row is, then what varies, its status, and the main values that any row has."""
+    settings = [[row[n] for row in values] for n in range(len(keys))]
+    numeric = [all(is_number(value) or value is None for value in column) for column in settings]
+    shown = _worth_showing(summaries)
+    columns = (
+        *first,
+        *(case_column(key, numeric=flag) for key, flag in zip(keys, numeric, strict=True)),
+        Column("Status"),
+        *(value_column(key) for key in shown),
+    )
+    rows = tuple(
+        (
+            *head,
+            *row,
+            status_cell(status),
+            *(_result_cell(key, summary) for key in shown),
+        )
+        for head, row, status, summary in zip(heads, _by_row(settings, len(values)), statuses, summaries, strict=True)
+    )
+    return Table(caption, columns, rows, sortable=True)
+
+
+def _worth_showing(summaries: Sequence[Mapping[str, Any]]) -> list[str]:
+    """The main values that any of them has; the shares of yielding and friction only where there is friction."""
+    rubs = any(summary.get("friction_fraction") for summary in summaries)
+    left_out = () if rubs else _SHARES
+    there = (key for key in MAIN if any(summary.get(key) is not None for summary in summaries))
+    return [key for key in there if key not in left_out]
+
+
+def _result_cell(key: str, summary: Mapping[str, Any]) -> Cell:
+    if not summary:
+        return Cell("")
+    value = summary.get(key)
+    beyond = key == "contacts_beyond_law" and isinstance(value, (int, float)) and value > 0
+    return value_cell(value, tone="note" if beyond else "")
+
+
+def _side_by_side(runs: Sequence[Run]) -> Table:
+    """All values of the summaries, a column a run; of two runs the difference too."""
+    keys = list(dict.fromkeys(key for run in runs for key in run.summary if key not in _NOT_COMPARED))
+    pair = len(runs) == 2
+    columns = [Column("Quantity", key=True), Column("Unit", key=True)]
+    columns += [Column(run.label, numeric=True) for run in runs]
+    if pair:
+        columns.append(Column("Difference", numeric=True))
+    rows = []
+    for key in keys:
+        cells = [value_cell(run.summary.get(key)) for run in runs]
+        row = [Cell(label_of(key), label_of(key)), Cell(unit_of_value(key)), *cells]
+        if pair:
+            row.append(_difference(runs[0].summary.get(key), runs[1].summary.get(key)))
+        rows.append(tuple(row))
+    caption = "Values side by side" if len(runs) > 1 else f"Run {runs[0].label}"
+    return Table(caption, tuple(columns), tuple(rows), by_row=True)
+
+
+def _difference(first: Any, second: Any) -> Cell:
+    if not is_number(first) or not is_number(second) or not first or first != first or second != second:
+        return Cell("")
+    value = 100 * (second / first - 1)
+    return Cell(percent(value), value)
+
+
+def _replicates(scan: Scan) -> list[Block]:
+    """Mean over the seeds and its confidence interval, of points that are otherwise equal."""
+    found = scan_statistics(scan.source)
+    counts = found.get(COUNT, [])
+    if not any(count > 1 for count in counts):
+        return []
+    keys = [key for key in scan.source.varied if key != SEED]
+    means = [{key: found[key + MEAN][row] for key in MAIN if key + MEAN in found} for row in range(len(counts))]
+    shown = _worth_showing(means)
+    settings = [[None if value == "" else value for value in found[key]] for key in keys]
+    columns = (
+        *(
+            case_column(key, numeric=all(is_number(value) or value is None for value in column))
+            for key, column in zip(keys, settings, strict=True)
+        ),
+        Column("Replicates", numeric=True),
+        *(value_column(key) for key in shown),
+    )
+    cells = _by_row(settings, len(counts))
+    rows = tuple(
+        (
+            *cells[row],
+            value_cell(count),
+            *(spread_cell(found[key + MEAN][row], found[key + CONFIDENCE][row]) for key in shown),
+        )
+        for row, count in enumerate(counts)
+    )
+    return [Table(f"Scan {scan.label}: mean and 95 % confidence interval", columns, rows, sortable=True)]
+
+
+def failures_section(inputs: Inputs) -> Section:
+    """The points that failed or are missing, and why."""
+    blocks: list[Block] = []
+    for scan in inputs.scans:
+        points = [point for point in scan.points if point.run is None]
+        if not points:
+            continue
+        keys = list(scan.source.varied)
+        columns = (
+            Column("#", numeric=True, key=True),
+            *(Column(key, key=True) for key in keys),
+            Column("Status"),
+            Column("Attempts", numeric=True),
+            Column("Why"),
+            Column("Directory"),
+        )
+        settings = _by_row([[_label(point, key) for point in points] for key in keys], len(points))
+        rows = tuple(
+            (
+                value_cell(point.result.number),
+                *cells,
+                status_cell(point.result.status),
+                value_cell(point.result.attempts),
+                Cell(_short(point.reason)),
+                _place(point, inputs),
+            )
+            for point, cells in zip(points, settings, strict=True)
+        )
+        blocks.append(Table(f"Scan {scan.label}: points that are not done", columns, rows))
+    for run in inputs.runs:
+        if run.status != "done":
+            reason = run.record.get("reason") or "its energy balance did not close"
+            blocks.append(Note(f"Run {run.label} was {run.status}: {_short(str(reason))}", "bad"))
+    return Section("Failed and missing", "failures", tuple(blocks) or (Note("Nothing failed, nothing is missing."),))
+
+
+def _place(point: Point, inputs: Inputs) -> Cell:
+    directory = point.result.directory
+    if directory is None:
+        return Cell(BLANK)
+    log = directory / "point.log"
+    target = log if log.is_file() else directory
+    return Cell(inputs.path(target), link=inputs.link(target))
+
+
+def _short(text: str, longest: int = 600) -> str:
+    text = text.strip()
+    return text if len(text) <= longest else text[: longest - 1] + "…"
+
+
+def settings_blocks(inputs: Inputs) -> list[Block]:
+    """What the runs have in common, for each scan and for the runs that were given by themselves."""
+    groups: list[tuple[str, list[Run], list[str]]] = []
+    if inputs.runs:
+        groups.append(("runs" if len(inputs.runs) > 1 else f"run {inputs.runs[0].label}", list(inputs.runs), []))
+    groups += [
+        (f"scan {scan.label}", [point.run for point in scan.points if point.run], list(scan.source.varied))
+        for scan in inputs.scans
+    ]
+    blocks: list[Block] = []
+    for title, runs, varied in groups:
+        known = [run for run in runs if run.case]
+        if not known:
+            continue
+        different = {*differing(known), *varied}
+        shared = {key: value for key, value in known[0].case.items() if key not in different}
+        rows = tuple((Cell(key), Cell(show(value)), Cell(unit_of_key(key))) for key, value in _spelt_out(shared))
+        columns = (Column("Key", key=True), Column("Value"), Column("Unit"))
+        who = f"all points of {title}" if varied else f"all {title}"
+        name = f"Settings that {who} share" if len(known) > 1 else f"Settings of {title}"
+        blocks.append(Group(name, (Table(name, columns, rows, captioned=False),), folded=True))
+    return blocks
+
+
+def _spelt_out(tables: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Values by their full dotted keys, those of tables within tables too."""
+    for name, value in tables.items():
+        if isinstance(value, dict) and value:
+            yield from _spelt_out(value, f"{prefix}{name}.")
+        else:
+            yield f"{prefix}{name}", value

@@ -1,0 +1,142 @@
+"""Source against ours: what the sources give for the very cases of a report, and the errata that bear on them."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Iterable, Iterator, Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from granwave.analysis.document.cells import label_of, named, percent, unit_of_value, value_cell
+from granwave.analysis.document.model import Cell, Column, Group, Note, Section, Table
+from granwave.analysis.reports.inputs import Inputs, Run
+from granwave.lammps_inputs.case.case import load_case
+from granwave.lammps_inputs.contact.law import sphere_contact
+from granwave.lammps_inputs.deck.deck import CASE_FILE
+from granwave.lammps_inputs.errors import GranwaveError
+
+SLUG = "sources"
+_FILE = Path(__file__).with_name("source_values.toml")
+_SAME = 1e-9  # relative difference of numbers that are one
+_OF_CONTACT = ("F_y", "alpha_y", "yield_force_N", "yield_overlap_m")
+_MOST_NAMED = 4
+
+_COLUMNS = (
+    Column("Quantity", key=True),
+    Column("Run", key=True),
+    Column("Source gives", numeric=True),
+    Column("Ours", numeric=True),
+    Column("Difference", numeric=True),
+    Column("Within its rounding"),
+    Column("Source"),
+    Column("Remark"),
+)
+
+
+@cache
+def source_values() -> dict[str, Any]:
+    """What ``source_values.toml`` holds."""
+    return tomllib.loads(_FILE.read_text(encoding="utf-8"))
+
+
+def applies(entry: Mapping[str, Any], case: Mapping[str, Any], values: Mapping[str, Any]) -> bool:
+    """A case has everything that an entry asks for.
+
+    Parameters
+    ----------
+    entry
+        Of ``[[values]]`` or ``[[errata]]``.
+    case
+        By dotted key.
+    values
+        All of ``source_values.toml``, for the named conditions.
+    """
+    wanted = dict(entry.get("conditions", {}))
+    for name in entry.get("cases", ()):
+        wanted |= values["cases"][name]
+    return bool(wanted) and all(key in case and _same(case[key], value) for key, value in wanted.items())
+
+
+def sources_section(inputs: Inputs) -> Section:
+    """The section of the report; without blocks where the sources say nothing of its cases."""
+    values = source_values()
+    runs = list(inputs.results())
+    rows = [row for entry in values["values"] for row in _rows(entry, runs, values)]
+    blocks: list[Table | Note | Group] = []
+    if rows:
+        blocks.append(
+            Note(
+                "Single values that the sources give for a case of this report. The rounding is half a unit of the "
+                "last digit that a source gives, unless the remark says otherwise."
+            )
+        )
+        blocks.append(Table("Source against ours", _COLUMNS, tuple(rows), sortable=True, captioned=False, by_row=True))
+    errata = [entry for entry in values["errata"] if any(applies(entry, run.case, values) for run in runs)]
+    if errata:
+        columns = (Column("Where", key=True), Column("Printed"), Column("Right, or what to make of it"))
+        lines = tuple((Cell(e["where"], e["where"]), Cell(e["printed"]), Cell(e["right"])) for e in errata)
+        table = Table("Errata of the sources", columns, lines, captioned=False)
+        blocks.append(Group("Errata of the sources that bear on these cases", (table,), folded=True))
+    return Section("Source against ours" if rows else "Errata of the sources", SLUG, tuple(blocks))
+
+
+def _rows(entry: Mapping[str, Any], runs: Iterable[Run], values: Mapping[str, Any]) -> Iterator[tuple[Cell, ...]]:
+    """A row for each value of ours; runs that agree to the last bit share one."""
+    found: dict[float, list[str]] = {}
+    for run in runs:
+        if applies(entry, run.case, values):
+            ours = _ours(entry, run)
+            if ours is not None:
+                found.setdefault(ours, []).append(run.label)
+    scale = entry.get("scale", "")
+    unit = scale if scale in _OF_CONTACT else "" if scale else unit_of_value(entry["quantity"])
+    if scale and scale not in _OF_CONTACT:
+        name = f"{label_of(entry['quantity'])} over {label_of(scale).lower()}"
+    else:
+        name = label_of(entry["quantity"]) + (f" ({unit})" if unit else "")
+    theirs = entry["value"]
+    for ours, labels in found.items():
+        difference = 100 * (ours - theirs) / theirs
+        within = abs(ours - theirs) <= entry["rounding"] * (1 + 1e-6)
+        yield (
+            Cell(name, name),
+            Cell(named(labels, _MOST_NAMED), labels[0]),
+            value_cell(theirs),
+            value_cell(ours),
+            Cell(percent(difference), difference),
+            Cell("yes" if within else "no", "yes" if within else "no", tone="good" if within else "note"),
+            Cell(entry["source"], entry["source"]),
+            Cell(entry.get("remark", ""), entry.get("remark", "")),
+        )
+
+
+def _ours(entry: Mapping[str, Any], run: Run) -> float | None:
+    value = _value(entry["quantity"], run)
+    scale = _value(entry["scale"], run) if "scale" in entry else 1.0
+    if value is None or not scale or not math.isfinite(value / scale):
+        return None
+    return value / scale
+
+
+def _value(key: str, run: Run) -> float | None:
+    if key not in _OF_CONTACT:
+        return run.number(key)
+    try:
+        law = sphere_contact(load_case(run.directory / CASE_FILE))
+    except GranwaveError:
+        return None
+    return law.yield_force if key in ("F_y", "yield_force_N") else law.yield_overlap
+
+
+def _same(found: Any, wanted: Any) -> bool:
+    if isinstance(wanted, list):
+        return (
+            isinstance(found, list)
+            and len(found) == len(wanted)
+            and all(_same(a, b) for a, b in zip(found, wanted, strict=True))
+        )
+    if isinstance(found, (int, float)) and isinstance(wanted, (int, float)):
+        return math.isclose(found, wanted, rel_tol=_SAME)
+    return found == wanted

@@ -1,0 +1,85 @@
+"""The studies that a report's runs belong to: of the sources beside ours, of tolerances, of protected targets."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from granwave.analysis.document.cells import BLANK, percent, value_cell
+from granwave.analysis.document.model import Cell, Column, Gallery, Group, Note, Section, Table
+from granwave.analysis.document.pictures import picture_of
+from granwave.analysis.figures.run_figures import FIGURES_DIRECTORY
+from granwave.analysis.reports.inputs import Inputs
+from granwave.analysis.studies.chains.runs import collect
+from granwave.analysis.studies.chains.studies import studies
+from granwave.analysis.studies.precompression.runs import collect as collect_with_past
+from granwave.analysis.studies.precompression.studies import studies as studies_of_the_past
+from granwave.analysis.studies.protection.runs import collect as collect_targets
+from granwave.analysis.studies.protection.studies import studies as protection_studies
+from granwave.analysis.studies.square.runs import collect as collect_packings
+from granwave.analysis.studies.square.studies import studies as packing_studies
+from granwave.analysis.studies.study import Row, Study
+from granwave.analysis.studies.tolerance.runs import collect as collect_tolerances
+from granwave.analysis.studies.tolerance.study import studies as tolerance_studies
+
+SLUG = "studies"
+_COLUMNS = (
+    Column("Quantity", key=True),
+    Column("Source", numeric=True),
+    Column("Ours", numeric=True),
+    Column("Difference", numeric=True),
+    Column("Theory", numeric=True),
+    Column("Where"),
+    Column("Remark"),
+)
+
+
+def studies_section(inputs: Inputs, found: Sequence[Study]) -> Section:
+    """The section of the report; without blocks where there is no study."""
+    return Section("Studies", SLUG, tuple(_group(study, inputs) for study in found))
+
+
+def verdicts(found: Sequence[Study]) -> tuple[Group, ...]:
+    """What studies come to, for the top of the report."""
+    return tuple(Group(study.title, tuple(map(Note, study.verdict))) for study in found if study.verdict)
+
+
+def studies_of(inputs: Inputs) -> list[Study]:
+    """The studies that a report's runs belong to."""
+    found = [(run.label, run.directory, run.summary) for run in inputs.results() if run.kind == "run"]
+    chains = collect(found)
+    ours = studies([run for run in chains if not run.case.has_past]) + packing_studies(collect_packings(found), chains)
+    ours += studies_of_the_past(collect_with_past(found), chains)
+    return ours + protection_studies(collect_targets(found)) + tolerance_studies(collect_tolerances(found))
+
+
+def _group(study: Study, inputs: Inputs) -> Group:
+    blocks: list[Table | Gallery | Note] = [Note(study.text)]
+    if study.rows:
+        what = "source" if any(row.source is not None for row in study.rows) else "theory"
+        rows = tuple(map(_cells, study.rows))
+        blocks.append(Table(f"{study.title}: {what} against ours", _COLUMNS, rows, sortable=True, by_row=True))
+    blocks += study.tables
+    figures = []
+    for picture in study.pictures:
+        data = inputs.base / FIGURES_DIRECTORY / f"{picture.name}.csv"
+        link = inputs.link(data, f"{FIGURES_DIRECTORY}/{data.name}") if data.is_file() else None
+        slug = f"studies-{picture.name.replace('_', '-')}"
+        figures.append(picture_of(picture.drawing, slug, picture.caption, link))
+    if figures:
+        blocks.append(Gallery(tuple(figures)))
+    return Group(study.title, tuple(blocks))
+
+
+def _cells(row: Row) -> tuple[Cell, ...]:
+    against = row.expected if row.source is None else row.source
+    deviation = row.ours / against - 1 if against else None
+    name = f"{row.quantity} ({row.unit})" if row.unit else row.quantity
+    return (
+        Cell(name, name),
+        value_cell(row.source) if row.source is not None else Cell(BLANK),
+        value_cell(row.ours),
+        Cell(percent(100 * deviation), deviation) if deviation is not None else Cell(BLANK),
+        value_cell(row.expected) if row.expected is not None else Cell(BLANK),
+        Cell(row.where, row.where),
+        Cell(row.remark, row.remark),
+    )

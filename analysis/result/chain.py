@@ -1,0 +1,113 @@
+"""A chain in time: every bead's motion, every contact's force, and the bars, as groups of ``result.h5``.
+
+    /chain/{time, id, position, displacement, velocity, contact_i, contact_j, contact_position, contact_force}
+    /bars/NAME/{position, displacement, velocity, force}
+
+Beads and nodes run along +z; rows are the instants of ``/chain/time``. Bar forces are those of the
+elements, positive in compression.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granwave.analysis.errors import OutputFormatError
+from granwave.analysis.lammps_output.dumps import Frame, read_forces, read_history
+from granwave.lammps_inputs.case.case import Case
+
+if TYPE_CHECKING:
+    from granwave.analysis.result.reader import Result
+
+Groups = dict[str, dict[str, NDArray]]
+
+
+def read_chain(directory: str | Path, case: Case, start: Frame, timestep: float) -> Groups:
+    """The groups of a chain that was recorded, by name.
+
+    Parameters
+    ----------
+    start
+        All particles, of `granwave.analysis.lammps_output.dumps.read_data`.
+    timestep
+        s.
+
+    Raises
+    ------
+    MissingOutputError, OutputFormatError
+        A file is missing or damaged.
+    """
+    frames = list(read_history(directory))
+    steps = np.array([frame.step for frame in frames])
+    displacement, velocity = (np.stack([frame[name] for frame in frames]) for name in ("uz", "vz"))
+    if displacement.shape[1] != len(start):
+        raise OutputFormatError(f"{directory}: history of {displacement.shape[1]} particles, expected {len(start)}")
+    assembly, z = case.assembly, start["z"]
+    beads = np.argsort(z[: assembly.n_spheres], kind="stable")
+    first, second = _contacts(case, beads)
+    radius = start["diameter"] / 2
+    groups: Groups = {
+        "chain": {
+            "time": steps * timestep,
+            "id": beads + 1,
+            "position": z[beads],
+            "displacement": displacement[:, beads],
+            "velocity": velocity[:, beads],
+            "contact_i": first,
+            "contact_j": second,
+            "contact_position": z[first - 1] + radius[first - 1],
+            "contact_force": _forces(directory, steps, first, second),
+        }
+    }
+    for bar in assembly.bars:
+        nodes = slice(bar.first - 1, bar.last)
+        groups[f"bars/{bar.name}"] = {
+            "position": z[nodes],
+            "displacement": displacement[:, nodes],
+            "velocity": velocity[:, nodes],
+            "force": -bar.stiffness * np.diff(displacement[:, nodes], axis=1),
+        }
+    return groups
+
+
+def along(result: Result, column: str) -> NDArray[np.float64]:
+    """A column of ``/contacts``, and of bars' ``/wall_contacts``, in the order of the chain: (n_contacts,)."""
+    value = {
+        (int(i), int(j)): float(number)
+        for i, j, number in zip(*(result[f"contacts/{name}"] for name in ("i", "j", column)), strict=True)
+    }
+    faces = {bar.name: bar.face for bar in result.case.assembly.bars}
+    for wall, bead, number in zip(*(result[f"wall_contacts/{name}"] for name in ("wall", "id", column)), strict=True):
+        if wall in faces:
+            value[int(bead), faces[wall]] = float(number)
+    pairs = zip(result["chain/contact_i"].tolist(), result["chain/contact_j"].tolist(), strict=True)
+    return np.array([value.get((min(pair), max(pair)), 0.0) for pair in pairs])
+
+
+def _contacts(case: Case, beads: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Ids of the upper and the lower partner of every contact along the chain, faces of bars among them."""
+    order = [int(bead) + 1 for bead in beads]
+    for bar in case.assembly.bars:
+        order.insert(0 if bar.face == bar.last else len(order), bar.face)
+    return np.array(order[:-1], dtype=np.int64), np.array(order[1:], dtype=np.int64)
+
+
+def _forces(
+    directory: str | Path, steps: NDArray[np.int64], first: NDArray[np.int64], second: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    stride = 1 + max(first.max(initial=0), second.max(initial=0))
+    column = {int(code): n for n, code in enumerate(np.minimum(first, second) * stride + np.maximum(first, second))}
+    row = {int(step): n for n, step in enumerate(steps)}
+    forces = np.zeros((len(steps), len(first)))
+    for frame in read_forces(directory):
+        n = row.get(frame.step)
+        if n is None:
+            continue
+        i, j = np.sort(frame.vector("i", "j").astype(np.int64), axis=1).T
+        for code, force in zip((i * stride + j).tolist(), frame["force"].tolist(), strict=True):
+            if force > 0 and code in column:
+                forces[n, column[code]] = force
+    return forces

@@ -1,0 +1,161 @@
+"""The trajectory of a run in H5MD form (version 1.1, P. de Buyl et al., doi:10.1016/j.cpc.2014.01.018).
+
+``/particles/spheres`` holds ``position``, ``displacement``, ``velocity``, ``contact_force`` (the largest
+force of a single contact now), ``peak_force``, ``dissipated_energy`` (by yielding and friction), ``elastic_energy``
+(half of what is stored in each contact with a sphere now; NaN in runs that did not record it) and, where there is
+friction, ``friction_energy``, each as ``value``, ``step`` and ``time`` of every
+snapshot; ``id``, ``species``, ``radius`` and ``mass`` do not change. Positions are start plus displacement: a sphere
+that crosses a periodic side is not wrapped back. All values are float64; overlaps come from the displacements, which
+keep 17 digits however far from the origin a sphere is.
+"""
+
+from __future__ import annotations
+
+import getpass
+from collections.abc import Iterable
+
+import h5py
+import numpy as np
+
+from granwave.analysis.errors import OutputFormatError
+from granwave.analysis.lammps_output.dumps import Frame
+
+GROUP = "particles/spheres"
+COMPRESSION = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+_ROWS_IN_CHUNK = 32_768
+_VECTORS = {"position": "m", "displacement": "m", "velocity": "m s-1"}
+# columns of the dump whose sum it is, and the unit
+_SCALARS = {
+    "contact_force": (("force",), "N"),
+    "peak_force": (("peak_force",), "N"),
+    "dissipated_energy": (("dissipated", "friction"), "J"),
+    "elastic_energy": (("elastic", "elastic_tangential"), "J"),
+}
+_FRICTION = {"friction_energy": (("friction",), "J")}
+QUANTITIES = (*_VECTORS, *_SCALARS, *_FRICTION)
+
+
+def write_metadata(file: h5py.File, version: str) -> None:
+    """Write the group ``/h5md``: version of the form, author, and the program that wrote it."""
+    group = file.create_group("h5md")
+    group.attrs["version"] = np.array([1, 1], dtype=np.int32)
+    group.create_group("author").attrs["name"] = _user()
+    creator = group.create_group("creator")
+    creator.attrs["name"] = "granwave"
+    creator.attrs["version"] = version
+
+
+def write_trajectory(
+    file: h5py.File,
+    start: Frame,
+    frames: Iterable[Frame],
+    timestep: float,
+    periodic: tuple[bool, bool, bool],
+    *,
+    friction: bool = False,
+) -> Frame:
+    """Write ``/particles/spheres``, a snapshot at a time.
+
+    Parameters
+    ----------
+    start
+        Of `granwave.analysis.lammps_output.dumps.read_data`.
+    frames
+        Of `granwave.analysis.lammps_output.dumps.read_frames`.
+    timestep
+        s.
+    periodic
+        Along x, y, z.
+    friction
+        Write ``friction_energy`` too.
+
+    Returns
+    -------
+    Frame
+        The last snapshot.
+
+    Raises
+    ------
+    OutputFormatError
+        A snapshot has other spheres than the data file.
+    """
+    group = file.create_group(GROUP)
+    _write_box(group, start, periodic)
+    n_spheres = len(start)
+    origin = start.vector("x", "y", "z")
+    fixed = {
+        "id": (start["id"].astype(np.int64), "1"),
+        "species": (start["type"].astype(np.int32), "1"),
+        "radius": (start["diameter"] / 2, "m"),
+        "mass": (start["density"] * np.pi / 6 * start["diameter"] ** 3, "kg"),
+    }
+    for name, (values, unit) in fixed.items():
+        group.create_dataset(name, data=values, **COMPRESSION).attrs["unit"] = unit
+    scalars = _SCALARS | (_FRICTION if friction else {})
+    elements = _elements(group, n_spheres, {name: unit for name, (_, unit) in scalars.items()})
+    unknown = np.full(n_spheres, np.nan)
+    frame = start
+    for number, frame in enumerate(frames):
+        if not np.array_equal(frame["id"], start["id"]):
+            raise OutputFormatError(
+                f"snapshot {number} (step {frame.step}) holds {len(frame)} spheres that are not the "
+                f"{n_spheres} of data.granwave: spheres were lost, or the files belong to different runs"
+            )
+        values = {"position": origin + frame.displacement, "displacement": frame.displacement}
+        values["velocity"] = frame.velocity
+        for name, (columns, _) in scalars.items():
+            there = [frame[column] for column in columns if column in frame.columns]
+            values[name] = np.sum(there, axis=0) if there else unknown
+        for name, element in elements.items():
+            element.resize(number + 1, axis=0)
+            element[number] = values[name]
+        for name, value in (("step", frame.step), ("time", frame.step * timestep)):
+            dataset = group["position"][name]
+            dataset.resize(number + 1, axis=0)
+            dataset[number] = value
+    return frame
+
+
+def _write_box(group: h5py.Group, start: Frame, periodic: tuple[bool, bool, bool]) -> None:
+    box = group.create_group("box")
+    box.attrs["dimension"] = 3
+    box.attrs["boundary"] = ["periodic" if is_periodic else "none" for is_periodic in periodic]
+    edges = box.create_dataset("edges", data=start.box[:, 1] - start.box[:, 0])
+    edges.attrs["unit"] = "m"
+    lower = box.create_dataset("lower", data=start.box[:, 0])  # not of the standard, which starts at 0
+    lower.attrs["unit"] = "m"
+
+
+def _elements(group: h5py.Group, n_spheres: int, scalars: dict[str, str]) -> dict[str, h5py.Dataset]:
+    """The growing data sets; all elements share one ``step`` and one ``time``."""
+    rows = min(n_spheres, _ROWS_IN_CHUNK)
+    shapes: dict[str, tuple[tuple[int, ...], str]] = {name: ((3,), unit) for name, unit in _VECTORS.items()}
+    shapes |= {name: ((), unit) for name, unit in scalars.items()}
+    step = time = None
+    elements = {}
+    for name, (tail, unit) in shapes.items():
+        element = group.create_group(name)
+        elements[name] = element.create_dataset(
+            "value",
+            shape=(0, n_spheres, *tail),
+            maxshape=(None, n_spheres, *tail),
+            chunks=(1, rows, *tail),
+            dtype=np.float64,
+            **COMPRESSION,
+        )
+        elements[name].attrs["unit"] = unit
+        if step is None or time is None:
+            step = element.create_dataset("step", shape=(0,), maxshape=(None,), dtype=np.int64)
+            time = element.create_dataset("time", shape=(0,), maxshape=(None,), dtype=np.float64)
+            step.attrs["unit"] = "1"
+            time.attrs["unit"] = "s"
+        else:
+            element["step"], element["time"] = step, time
+    return elements
+
+
+def _user() -> str:
+    try:
+        return getpass.getuser()
+    except (KeyError, OSError):
+        return "unknown"

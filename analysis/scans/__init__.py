@@ -1,0 +1,1 @@
+"""Scans: points, table and figures."""

@@ -1,0 +1,128 @@
+"""Axes of the figures of a scan: log or linear, and tick labels that do not run together."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis
+from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, NullFormatter, NullLocator
+from numpy.typing import NDArray
+
+from granwave.analysis.figures.style import WIDTH
+from granwave.analysis.formatting.numbers import tick
+
+AXIS = 0.78 * WIDTH  # inches, of an axis of abscissae
+CHARACTER = 0.066  # inches, about
+_SPREAD = 1.5  # decades from which on an axis of values is logarithmic
+_DECADE = 10.0
+_MOST_LABELLED = 8  # values that are labelled one by one
+_DECADES = 2.2  # from which on a log axis has ticks at the decades
+_STEPS = ((1.0, 2.0, 5.0), (1.0, 3.0), (1.0,))  # of its ticks otherwise
+_FEWEST_TICKS = 2
+_EDGE = 1.02  # room beyond the scale's ends
+
+
+def even_in_log(values: NDArray[np.float64]) -> bool:
+    """Sorted values over more than a decade, whose ratios are more alike than their differences."""
+    if len(values) < 2 or values[0] <= 0 or values[-1] < _DECADE * values[0]:
+        return False
+    ratios, steps = np.diff(np.log(values)), np.diff(values)
+    return len(values) == 2 or float(np.std(ratios) / np.mean(ratios)) < float(np.std(steps) / np.mean(steps))
+
+
+def is_wide(values: NDArray[np.float64]) -> bool:
+    """Positive values that a linear axis would not show all of."""
+    return bool(values.min() > 0 and values.max() > 10**_SPREAD * values.min())
+
+
+def fit(labels: Sequence[str], inches: float) -> bool:
+    """Labels at this distance do not touch."""
+    return max(map(_width, labels)) <= inches
+
+
+def scale_abscissae(axes: Axes, values: NDArray[np.float64], room: float, *, chosen: bool) -> None:
+    """Log where the values ask for it; few chosen ones are labelled themselves, if that fits into ``room`` inches."""
+    axis, places = axes.xaxis, np.unique(values)
+    if even_in_log(places) or (not chosen and is_wide(places)):
+        axes.set_xscale("log")
+        low, high = places[0], places[-1]
+        beyond = (high / low) ** 0.05 * _EDGE
+        axes.set_xlim(low / beyond, high * beyond)
+        inches = room * np.log(places / low) / np.log(high * beyond**2 / low)
+        if not chosen or not _label_each(axis, places, inches):
+            log_ticks(axis, room)
+    elif chosen and np.all(places == np.rint(places)) and np.ptp(places) < 40:
+        _label_each(axis, places, room * (places - places[0]) / (1.1 * np.ptp(places) or 1.0))
+
+
+def scale_values(axes: Axes, values: NDArray[np.float64], half_widths: NDArray[np.float64]) -> None:
+    """Log where the values spread widely, else from 0 if they come near it; noise is not to look like a trend.
+
+    Parameters
+    ----------
+    values, half_widths
+        Of all curves: (n,); half-widths are NaN where there is none.
+    """
+    if is_wide(values):
+        axes.set_yscale("log")
+        log_ticks(axes.yaxis)
+        return
+    widths = np.nan_to_num(half_widths)
+    low, high = float(np.min(values - widths)), float(np.max(values + widths))
+    if low >= 0 and low < 0.5 * high:
+        axes.set_ylim(0, 1.08 * high)
+    elif high - low < 0.02 * abs(high):
+        middle = 0.5 * (low + high)
+        axes.set_ylim(middle - 0.1 * abs(high), middle + 0.1 * abs(high))
+
+
+def log_ticks(axis: Axis, room: float | None = None) -> None:
+    """Plain numbers at 1, 2 and 5, or fewer, over little more than a decade, at the decades beyond.
+
+    Parameters
+    ----------
+    room
+        Length of a horizontal axis, inches, on which labels may not touch.
+    """
+    low, high = sorted(axis.get_view_interval())
+    decades = np.log10(high / low)
+    if decades >= _DECADES:
+        return
+    for steps in _STEPS:
+        places = _at(steps, low, high)
+        if room is None or len(places) <= _FEWEST_TICKS or _apart(places, np.log10(places / low) / decades * room):
+            break
+    axis.set_major_locator(LogLocator(10, subs=steps))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: tick(value)))
+    axis.set_minor_formatter(NullFormatter())
+
+
+def _label_each(axis: Axis, places: NDArray[np.float64], inches: NDArray[np.float64]) -> bool:
+    """Label each of a few values, unless their labels would run together, which lie so many inches along the axis."""
+    if len(places) > _MOST_LABELLED or not _apart(places, inches):
+        return False
+    axis.set_major_locator(FixedLocator(places.tolist()))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: tick(value)))
+    axis.set_minor_locator(NullLocator())
+    return True
+
+
+def _apart(places: NDArray[np.float64], inches: NDArray[np.float64]) -> bool:
+    """Labels of these values do not touch, which lie so many inches along an axis."""
+    widths = np.array([_width(tick(place)) for place in places])
+    return bool(np.all(np.diff(inches) >= 0.5 * (widths[1:] + widths[:-1])))
+
+
+def _width(label: str) -> float:
+    """Of a label and the gap to the next, inches."""
+    return CHARACTER * (len(label) + 1)
+
+
+def _at(steps: Sequence[float], low: float, high: float) -> NDArray[np.float64]:
+    """Multiples of the powers of ten between two numbers."""
+    powers = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
+    places = np.array([step * 10.0**power for power in powers for step in steps])
+    return places[(places >= low) & (places <= high)]

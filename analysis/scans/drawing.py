@@ -1,0 +1,364 @@
+"""How the figures of a scan are drawn: curves with error bars, bars by category, and maps."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import re
+import textwrap
+from collections.abc import Sequence
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis
+from matplotlib.colors import LogNorm, Normalize
+from matplotlib.figure import Figure
+from matplotlib.ticker import NullLocator
+from numpy.typing import ArrayLike, NDArray
+
+from granwave.analysis.figures.style import BLANK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, WIDTH, Drawing, new_figure
+from granwave.analysis.scans.axes import (
+    AXIS,
+    CHARACTER,
+    even_in_log,
+    fit,
+    is_wide,
+    log_ticks,
+    scale_abscissae,
+    scale_values,
+)
+from granwave.analysis.scans.keys import Key, shown
+
+YELLOW = "#E69F00"
+_COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY, YELLOW, GREY, "black")
+_MARKERS = "os^DvPX*"
+_LINES = ("-", "--", ":", "-.", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 3)))
+_HATCHES = ("", "////", "....")
+_SCALE_MAP = "viridis"
+_HEIGHT = 2.3  # inches, without the legend
+_LINE = 0.17  # inches, of a legend
+_BAR = 0.24 * WIDTH  # inches of it that a colour scale takes
+_LONG = 12  # characters of a category, beyond which bars lie, with whole lines beside them
+_TURNED = 0.16  # inches along the axis that a turned name takes
+_LINE_OF_NAME = 28  # characters, beside a bar
+_MOST_ANNOTATED = 8  # columns and lines of a map with its numbers in it
+_MOST_MARKED = 60  # points of a curve that are marked one by one
+
+Titles = tuple[str, str]
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Series:
+    """One curve.
+
+    Attributes
+    ----------
+    row
+        Of one of its points in the scan.
+    x, mean, deviation, half_width, count
+        By abscissa: (n,). The deviation of the values, and half the width of the 95 % confidence interval of their
+        mean, are NaN where there is one value only.
+    """
+
+    label: str
+    row: int
+    x: NDArray[np.float64]
+    mean: NDArray[np.float64]
+    deviation: NDArray[np.float64]
+    half_width: NDArray[np.float64]
+    count: NDArray[np.int64]
+
+
+def draw_curves(
+    series: Sequence[Series],
+    x_title: str,
+    y_title: str,
+    others: Sequence[Key],
+    columns: Titles,
+    *,
+    scale: float = 1.0,
+    joined: bool = True,
+    chosen: bool = True,
+) -> Drawing:
+    """Curves with markers; a legend above them, or a colour scale when they are many.
+
+    Parameters
+    ----------
+    others
+        The keys that tell the curves apart.
+    columns
+        Of the CSV file: abscissa and value.
+    scale
+        SI of one unit of the abscissa.
+    joined
+        Join the points of a curve.
+    chosen
+        The abscissae are the values of a key, not what came out.
+    """
+    along = _scale_key(series, others)
+    rest = [key for key in others if key is not along]
+    labels = [", ".join(key.text(curve.row) for key in rest) for curve in series]
+    kinds = list(dict.fromkeys(labels))
+    entries = _wrapped(kinds) if len(kinds) <= len(_COLOURS) * len(_LINES) and kinds != [""] else []
+    figure = new_figure(_HEIGHT + _legend_height(entries))
+    axes = figure.subplots()
+    norm = _norm(along, series) if along else None
+    for curve, label in zip(series, labels, strict=True):
+        kind = kinds.index(label)
+        n, turn = kind % len(_COLOURS), kind // len(_COLOURS)
+        if norm is not None and along is not None:
+            colour = mpl.colormaps[_SCALE_MAP](0.92 * norm(along.values[curve.row]))
+            n, line = kind % len(_MARKERS), _LINES[kind % len(_LINES)]
+        else:
+            colour, line = _COLOURS[n], _LINES[(n + turn) % len(_LINES)]
+        axes.errorbar(
+            curve.x,
+            curve.mean,
+            yerr=curve.half_width if np.any(np.isfinite(curve.half_width)) else None,
+            color=colour,
+            linestyle=line if joined else "none",
+            marker=_MARKERS[n] if len(curve.x) <= _MOST_MARKED or not joined else None,
+            markersize=_marker_size(kind, len(kinds)),
+            markeredgewidth=0.3,
+            markeredgecolor="white",
+            capsize=2,
+            elinewidth=0.8,
+        )
+    room = AXIS - (_BAR if along is not None else 0.0)
+    scale_abscissae(axes, np.concatenate([curve.x for curve in series]), room, chosen=chosen)
+    scale_values(axes, np.concatenate([c.mean for c in series]), np.concatenate([c.half_width for c in series]))
+    axes.set_xlabel(x_title)
+    axes.set_ylabel(y_title)
+    if along is not None and norm is not None:
+        _colour_scale(figure, axes, norm, along)
+    _legend(figure, entries, coloured=along is None, joined=joined)
+    return Drawing(figure, _columns(series, others, columns, np.concatenate([curve.x for curve in series]) * scale))
+
+
+def draw_bars(
+    series: Sequence[Series], ticks: Sequence[str], x_title: str, y_title: str, others: Sequence[Key], columns: Titles
+) -> Drawing:
+    """Bars by category (the abscissa of `Series` counts them), side by side for each series; points on a log axis.
+
+    They lie where the categories have long names.
+    """
+    entries = _wrapped([curve.label for curve in series]) if others else []
+    lying = max(map(len, ticks)) > _LONG and not fit(ticks, AXIS / len(ticks))
+    height = _legend_height(entries)
+    figure = _figure_of_lying_bars(ticks, len(series), height) if lying else _figure_of_bars(ticks, height)
+    axes = figure.axes[0]
+    logarithmic = is_wide(np.concatenate([curve.mean for curve in series]))
+    for m, curve in enumerate(series):
+        _draw_bars_of(axes, curve, m, len(series), lying=lying, logarithmic=logarithmic)
+    along, across = _axes_of(axes, lying=lying)
+    along.set_label_text(x_title)
+    across.set_label_text(y_title)
+    if logarithmic:
+        (axes.set_xscale if lying else axes.set_yscale)("log")
+        log_ticks(across, 0.6 * AXIS if lying else None)
+        _legend(figure, entries, coloured=True, joined=False)
+    else:
+        (axes.set_xmargin if lying else axes.set_ymargin)(0.08)
+        _place_legend(figure, [mpl.patches.Patch(**_fill(m)) for m in range(len(entries))], entries)
+    names = np.concatenate([[ticks[int(place)] for place in curve.x] for curve in series])
+    return Drawing(figure, _columns(series, others, columns, names))
+
+
+def draw_map(
+    table: NDArray[np.float64],
+    values: tuple[Sequence[float], Sequence[float]],
+    keys: tuple[Key, Key],
+    title: str,
+    column: str,
+) -> Drawing:
+    """A value by two keys, in cells of one size: (n_lines, n_columns); NaN where there is none."""
+    columns, lines = values
+    annotated = max(table.shape) <= _MOST_ANNOTATED
+    figure = new_figure(min(max(0.34 * len(lines) + 0.7, 1.9), 3.4))
+    axes = figure.subplots()
+    axes.set_facecolor(BLANK)
+    low, high = float(np.nanmin(table)), float(np.nanmax(table))
+    mesh = axes.pcolormesh(
+        np.arange(len(columns) + 1) - 0.5, np.arange(len(lines) + 1) - 0.5, table, cmap=_SCALE_MAP,
+        vmin=low, vmax=high if high > low else low + 1e-3, rasterized=True,
+    )  # fmt: skip
+    if annotated:
+        for (line, place), value in np.ndenumerate(table):
+            if np.isfinite(value):
+                bright = (value - low) / (high - low or 1.0) > 0.6
+                axes.text(
+                    place, line, f"{value:.3g}", ha="center", va="center", fontsize=6.5,
+                    color="black" if bright else "white",
+                )  # fmt: skip
+    for axis, numbers, key in ((axes.xaxis, columns, keys[0]), (axes.yaxis, lines, keys[1])):
+        names = [shown(number) for number in numbers]
+        step = -(-len(names) // _MOST_ANNOTATED)
+        room = (AXIS - _BAR) / len(names)
+        while axis is axes.xaxis and step < len(names) and not fit(names[::step], step * room):
+            step += 1
+        axis.set_ticks(range(0, len(names), step), names[::step])
+        axis.set_label_text(key.title)
+    axes.tick_params(length=0)
+    figure.colorbar(mesh, ax=axes, pad=0.02).set_label(title)
+    place = [(line, spot) for line in range(len(lines)) for spot in range(len(columns))]
+    return Drawing(
+        figure,
+        {
+            keys[0].column: np.array([columns[spot] * keys[0].naming.scale for _, spot in place]),
+            keys[1].column: np.array([lines[line] * keys[1].naming.scale for line, _ in place]),
+            column: table.ravel(),
+        },
+    )
+
+
+def _figure_of_bars(ticks: Sequence[str], legend: float) -> Figure:
+    """Names below the bars, turned where they would touch, and only some of very many."""
+    turned = not fit(ticks, AXIS / len(ticks))
+    figure = new_figure(_HEIGHT + legend + (0.7 * CHARACTER * max(map(len, ticks)) if turned else 0.0))
+    axes = figure.subplots()
+    axes.set_xlim(-0.6, len(ticks) - 0.4)
+    _name_categories(axes.xaxis, ticks, math.ceil(len(ticks) * _TURNED / AXIS) if turned else 1)
+    if turned:
+        for label in axes.get_xticklabels():
+            label.set(rotation=35, ha="right")
+    return figure
+
+
+def _figure_of_lying_bars(ticks: Sequence[str], n_series: int, legend: float) -> Figure:
+    """Names in lines beside the bars, the first category at the top."""
+    names = [textwrap.fill(name, _LINE_OF_NAME) for name in ticks]
+    lines = max(max(name.count("\n") + 1 for name in names), 0.8 * n_series)
+    figure = new_figure(0.6 + 0.9 * _LINE * (lines + 0.5) * len(ticks) + legend, 1.5 * WIDTH)
+    axes = figure.subplots()
+    axes.set_ylim(len(ticks) - 0.4, -0.6)
+    _name_categories(axes.yaxis, names, 1)
+    return figure
+
+
+def _name_categories(axis: Axis, names: Sequence[str], step: int) -> None:
+    axis.set_minor_locator(NullLocator())
+    axis.set_tick_params(which="both", length=0)
+    axis.set_ticks(range(0, len(names), step), list(names[::step]))
+
+
+def _axes_of(axes: Axes, *, lying: bool) -> tuple[Axis, Axis]:
+    """Of the categories and of the values."""
+    return (axes.yaxis, axes.xaxis) if lying else (axes.xaxis, axes.yaxis)
+
+
+def _draw_bars_of(axes: Axes, curve: Series, m: int, n_series: int, *, lying: bool, logarithmic: bool) -> None:
+    """The bars of one series of several, or its points on a log axis."""
+    width = 0.8 / n_series if n_series > 1 else 0.6
+    place = curve.x + (m - (n_series - 1) / 2) * width
+    error = curve.half_width if np.any(np.isfinite(curve.half_width)) else None
+    errors: dict[str, Any] = {"xerr" if lying else "yerr": error, "capsize": 2}
+    if logarithmic:
+        x, y = (curve.mean, place) if lying else (place, curve.mean)
+        marker = _MARKERS[m % len(_MARKERS)]
+        axes.errorbar(x, y, color=_COLOURS[m % len(_COLOURS)], marker=marker, markersize=5, ls="none", **errors)
+    else:
+        (axes.barh if lying else axes.bar)(place, curve.mean, 0.92 * width, ecolor="black", **_fill(m), **errors)
+
+
+def _fill(m: int) -> dict[str, Any]:
+    """Colour and hatch of the bars of a series."""
+    return {"facecolor": _COLOURS[m % len(_COLOURS)], "hatch": _HATCHES[m // len(_COLOURS) % len(_HATCHES)]}
+
+
+def _columns(series: Sequence[Series], others: Sequence[Key], columns: Titles, x: NDArray) -> dict[str, ArrayLike]:
+    counts = [len(curve.x) for curve in series]
+    table: dict[str, ArrayLike] = {columns[0]: x}
+    for key in others:
+        labels = [key.labels[curve.row] for curve in series]
+        number = all(isinstance(label, int | float) and not isinstance(label, bool) for label in labels)
+        values = np.array(labels if number else [str(label) for label in labels])
+        table[key.column if number else key.name] = np.repeat(values, counts)
+    table[columns[1]] = np.concatenate([curve.mean for curve in series])
+    if any(np.any(curve.count > 1) for curve in series):
+        table["standard_deviation"] = np.concatenate([curve.deviation for curve in series])
+        table["confidence_95"] = np.concatenate([curve.half_width for curve in series])
+        table["n"] = np.concatenate([curve.count for curve in series])
+    return table
+
+
+def _scale_key(series: Sequence[Series], others: Sequence[Key]) -> Key | None:
+    """The key that colours stand for when the curves are too many for a legend: the one with most values."""
+    numeric = [key for key in others if key.numeric]
+    if len(series) <= len(_COLOURS) or not numeric:
+        return None
+    return max(numeric, key=lambda key: len({key.values[curve.row] for curve in series}))
+
+
+def _norm(key: Key, series: Sequence[Series]) -> Normalize:
+    values = np.unique([key.values[curve.row] for curve in series])
+    return (LogNorm if even_in_log(values) else Normalize)(float(values[0]), float(values[-1]) * (1 + 1e-12))
+
+
+def _colour_scale(figure: Figure, axes: Axes, norm: Normalize, key: Key) -> None:
+    colours = mpl.colors.ListedColormap(mpl.colormaps[_SCALE_MAP](np.linspace(0, 0.92, 256)))
+    bar = figure.colorbar(mpl.cm.ScalarMappable(norm, colours), ax=axes, pad=0.02)
+    bar.set_label(key.title)
+    if isinstance(norm, LogNorm):
+        log_ticks(bar.ax.yaxis)
+
+
+def _marker_size(kind: int, n_kinds: int) -> float:
+    """Points; curves that lie on each other stay visible, the first ones below being larger."""
+    return 4.0 if n_kinds == 1 else 6.5 - 2.0 * kind / (n_kinds - 1)
+
+
+def _wrapped(labels: Sequence[str]) -> list[str]:
+    """Labels of a legend, in several lines where they are longer than the figure is wide."""
+    wrapped = []
+    for label in labels:
+        lines = [""]
+        for part in label.split(", "):
+            longer = f"{lines[-1]}, {part}" if lines[-1] else part
+            if lines[-1] and _characters(longer) * CHARACTER > WIDTH:
+                lines[-1] += ","
+                lines.append(part)
+            else:
+                lines[-1] = longer
+        wrapped.append("\n".join(lines))
+    return wrapped
+
+
+def _characters(label: str) -> int:
+    """Of the longest line of an entry, its mark included."""
+    seen = re.sub(r"\\[A-Za-z]+", "x", re.sub(r"\\mathrm|[${}_]", "", label))
+    return max(map(len, seen.split("\n"))) + 5
+
+
+def _legend_columns(labels: Sequence[str]) -> int:
+    return max(1, min(len(labels), 4, int(WIDTH / (max(map(_characters, labels)) * CHARACTER))))
+
+
+def _legend_height(labels: Sequence[str]) -> float:
+    if not labels:
+        return 0.0
+    lines = -(-len(labels) // _legend_columns(labels))
+    return _LINE * (lines + sum(label.count("\n") for label in labels))
+
+
+def _legend(figure: Figure, labels: Sequence[str], *, coloured: bool, joined: bool) -> None:
+    handles = []
+    for kind in range(len(labels)):
+        n, turn = kind % len(_COLOURS), kind // len(_COLOURS)
+        line = _LINES[(n + turn if coloured else kind) % len(_LINES)]
+        size = _marker_size(kind, len(labels))
+        colour = _COLOURS[n] if coloured else "black"
+        handle = mpl.lines.Line2D([], [], color=colour, marker=_MARKERS[n], markersize=size, markeredgecolor="white")
+        handle.set(linestyle=line if joined else "none", markeredgewidth=0.3)
+        handles.append(handle)
+    _place_legend(figure, handles, labels)
+
+
+def _place_legend(figure: Figure, handles: list, labels: Sequence[str]) -> None:
+    if not labels:
+        return
+    figure.legend(
+        handles, labels, loc="outside upper center", ncols=_legend_columns(labels), columnspacing=1.2,
+        handletextpad=0.5, labelspacing=0.3, borderaxespad=0.2,
+    )  # fmt: skip

@@ -1,0 +1,167 @@
+"""How the keys that vary in a scan are called in its figures: names, symbols, units, and numbers to plot against."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from granwave.analysis.formatting.numbers import tick
+from granwave.analysis.formatting.units import shown_unit, unit_of
+from granwave.analysis.formatting.values import NONE, told_apart
+
+
+@dataclasses.dataclass(frozen=True)
+class Naming:
+    """Words, symbol (in mathtext), unit as shown and its size in SI."""
+
+    words: str
+    symbol: str = ""
+    unit: str = ""
+    scale: float = 1.0
+
+
+_NAMES: Mapping[str, Naming] = {
+    "load.velocity": Naming("Impact velocity", r"$v_0$", "m/s"),
+    "load.spheres": Naming("Struck spheres", r"$n_\mathrm{s}$"),
+    "load.angle": Naming("Angle of impact", r"$\theta$", "°"),
+    "load.amplitude": Naming("Amplitude of the load", r"$A$", "N"),
+    "load.duration": Naming("Duration of the load", r"$\tau$", "µs", 1e-6),
+    "load.frequency": Naming("Frequency of the load", r"$f$", "kHz", 1e3),
+    "packing.diameter": Naming("Sphere diameter", r"$D$", "mm", 1e-3),
+    "packing.kind": Naming("Packing"),
+    "packing.diameter_scatter": Naming("Diameter scatter", r"$\Delta D$", "µm", 1e-6),
+    "packing.vacancies": Naming("Vacancies", unit="%", scale=0.01),
+    "material": Naming("Material"),
+    "material.youngs_modulus": Naming("Young's modulus", r"$E$", "GPa", 1e9),
+    "material.poisson_ratio": Naming("Poisson's ratio", r"$\nu$"),
+    "material.density": Naming("Density", r"$\rho$", "kg/m³"),
+    "material.yield_strength": Naming("Yield strength", r"$\sigma_\mathrm{y}$", "MPa", 1e6),
+    "contact.law": Naming("Contact law"),
+    "contact.friction": Naming("Friction coefficient", r"$\mu$"),
+    "contact.initial_overlap": Naming("Dent before the run", unit="µm", scale=1e-6),
+    "contact.variant": Naming("Variant"),
+    "contact.yield_factor": Naming("Yield factor", r"$C$"),
+    "contact.beta": Naming("Residual share", r"$\beta$"),
+    "precompression.kind": Naming("Precompression"),
+    "precompression.pressure": Naming("Static pressure", r"$p_0$", "kPa", 1e3),
+    "precompression.force": Naming("Static force", r"$F_0$", "N"),
+    "boundary.bottom": Naming("Bottom"),
+    "boundary.sides": Naming("Sides"),
+    "boundary.forget_gap": Naming("Forgetting gap / diameter"),
+    "punch.velocity": Naming("Velocity of the punch", r"$v_0$", "m/s"),
+    "punch.mass": Naming("Mass of the punch", r"$m$", "kg"),
+    "punch.diameter": Naming("Diameter of the punch", r"$D$", "mm", 1e-3),
+    "punch.taper": Naming("Taper of the punch", unit="mm", scale=1e-3),
+    "run.elements": Naming("Elements"),
+    "run.edge_size": Naming("Elements at the edge", unit="mm", scale=1e-3),
+    "run.end_time": Naming("End time", unit="µs", scale=1e-6),
+    "run.timestep": Naming("Timestep", unit="ns", scale=1e-9),
+}
+_SIZES = ("Spheres along x", "Rows along y", "Layers")
+_SIZE_SYMBOLS = (r"$n_x$", r"$n_y$", r"$n_z$")
+
+
+@dataclasses.dataclass(frozen=True)
+class Key:
+    """A key that varies, over all points of the scan.
+
+    Attributes
+    ----------
+    name
+        Dotted.
+    values
+        What it is plotted as at each point, in the unit of `naming`; words where it has no numbers.
+    labels
+        As in the scan, by point.
+    """
+
+    name: str
+    naming: Naming
+    values: tuple[Any, ...]
+    labels: tuple[Any, ...]
+
+    @property
+    def numeric(self) -> bool:
+        """Every value is a number."""
+        return all(map(_is_number, self.values))
+
+    @property
+    def title(self) -> str:
+        """For an axis."""
+        unit = f" ({self.naming.unit})" if self.naming.unit else ""
+        return " ".join(filter(None, [self.naming.words, self.naming.symbol])) + unit
+
+    @property
+    def column(self) -> str:
+        """For a CSV file: the labels are in SI."""
+        unit = unit_of(self.name).replace("^", "").replace("/", "_").replace(" ", "_")
+        return f"{self.name}_{unit}" if unit and self.numeric else self.name
+
+    @property
+    def slug(self) -> str:
+        """For the name of a file."""
+        return self.name.replace(".", "_")
+
+    def text(self, row: int) -> str:
+        """The value of one point, for a legend."""
+        value = self.values[row]
+        if not _is_number(value):
+            return f"{self.naming.words}: {value}" if value == NONE else str(value)
+        unit = f" {self.naming.unit}" if self.naming.unit else ""
+        return f"{self.naming.symbol or self.naming.words} = {shown(value)}{unit}"
+
+    def tick(self, row: int) -> str:
+        """The value of one point, for an axis."""
+        value = self.values[row]
+        return shown(value) if _is_number(value) else str(value)
+
+
+def shown(value: float) -> str:
+    """A number of an axis or a legend: four digits."""
+    return tick(float(f"{value:.4g}"))
+
+
+def key_of(name: str, labels: Sequence[Any]) -> Key:
+    """The key of this name with these labels, one a point."""
+    naming = _NAMES.get(name)
+    if name == "packing.size" and (sizes := _sizes(labels)):
+        return Key(name, *_size(sizes), tuple(labels))
+    if naming is None:
+        naming = Naming(name, unit=shown_unit(name))
+    words = told_apart(labels)
+    values = tuple(
+        float(f"{label / naming.scale:.12g}") if _is_number(label) else text
+        for label, text in zip(labels, words, strict=True)
+    )
+    return Key(name, naming, values, tuple(labels))
+
+
+def _size(sizes: list[tuple[int, ...]]) -> tuple[Naming, tuple[int, ...]]:
+    """The one count that varies, or the number of spheres where several do."""
+    varying = [n for n in range(3) if len({size[n] for size in sizes}) > 1] if {len(s) for s in sizes} == {3} else []
+    if len(varying) == 1:
+        n = varying[0]
+        return Naming(_SIZES[n], _SIZE_SYMBOLS[n]), tuple(size[n] for size in sizes)
+    return Naming("Spheres in all", r"$N$"), tuple(math.prod(size) for size in sizes)
+
+
+def _sizes(labels: Sequence[Any]) -> list[tuple[int, ...]]:
+    """Lists of counts, empty if any label is no such list."""
+    found = []
+    for label in labels:
+        try:
+            counts = json.loads(label) if isinstance(label, str) else label
+        except ValueError:
+            return []
+        counts = counts if isinstance(counts, list) else [counts]
+        if not counts or not all(isinstance(count, int) and not isinstance(count, bool) for count in counts):
+            return []
+        found.append(tuple(counts))
+    return found
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)

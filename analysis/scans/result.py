@@ -1,0 +1,138 @@
+"""Reader of a scan's directory: its points, what became of each, and their summaries.
+
+A scan keeps ``scan.json`` (which points it has and what varies), ``points/ID`` (the directories of finished runs) and
+``unfinished/ID`` (runs in work, or that failed). In both, ``point.json`` says how often a point was tried and, where it
+failed, why. An ID stands for the resolved case and the versions that it was run with.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from pathlib import Path
+from typing import Any, Literal
+
+from granwave.analysis.errors import MissingOutputError, OutputFormatError
+from granwave.analysis.formatting.units import unit_of
+from granwave.analysis.summary import SUMMARY_FILE
+from granwave.lammps_inputs.files import read_json
+
+SCAN_FILE, SCAN_INDEX, POINT_FILE = "scan.toml", "scan.json", "point.json"
+SUITE_INDEX = "suite.json"  # of a directory that holds the directories of several scans
+POINTS, UNFINISHED = "points", "unfinished"
+SEED = "packing.seed"  # points that differ in it alone are replicates of one
+
+Scalar = bool | int | float | str
+Status = Literal["done", "failed", "missing"]
+
+
+@dataclasses.dataclass(frozen=True)
+class PointResult:
+    """What became of one point.
+
+    Attributes
+    ----------
+    number
+        In the order of the scan, from 1.
+    id
+        Name of its directory; equal points share one.
+    labels
+        Values of the keys that vary, by dotted key; lists and tables as text.
+    status, reason
+        Why it failed, empty otherwise.
+    directory
+        Of its run, or None when it was never begun.
+    summary
+        The contents of summary.json, empty unless done.
+    """
+
+    number: int
+    id: str
+    labels: dict[str, Scalar]
+    status: Status
+    reason: str
+    attempts: int
+    directory: Path | None
+    summary: dict[str, Any]
+
+
+class ScanResult:
+    """A scan as it is now; finished points are read once.
+
+    Parameters
+    ----------
+    directory
+        Of the scan.
+
+    Raises
+    ------
+    MissingOutputError
+        There is no scan in it.
+    OutputFormatError
+        Its index is damaged.
+    """
+
+    def __init__(self, directory: str | Path) -> None:
+        self.directory = Path(directory)
+        path = self.directory / SCAN_INDEX
+        try:
+            index = json.loads(path.read_text(encoding="utf-8"))
+            self.name: str = index["name"]
+            self.case_name: str = index["case"]
+            self.varied: tuple[str, ...] = tuple(index["varied"])
+            self._points: list[dict[str, Any]] = index["points"]
+        except FileNotFoundError:
+            raise MissingOutputError(f"{path} is missing: expected the directory of a scan") from None
+        except (OSError, ValueError, KeyError, TypeError) as error:
+            raise OutputFormatError(f"{path} cannot be read ({error}); run the scan again with --resume") from None
+        self._summaries: dict[str, dict[str, Any]] = {}
+
+    @property
+    def points(self) -> tuple[PointResult, ...]:
+        """All points, in order, as they stand now."""
+        return tuple(self._point(entry) for entry in self._points)
+
+    @property
+    def units(self) -> dict[str, str]:
+        """SI unit of each key that varies and has one."""
+        return {key: unit for key in self.varied if (unit := unit_of(key))}
+
+    def _point(self, entry: dict[str, Any]) -> PointResult:
+        name = entry["id"]
+        finished, unfinished = self.directory / POINTS / name, self.directory / UNFINISHED / name
+        status: Status = "missing"
+        summary = self._summary(name, finished)
+        directory = finished if summary else unfinished if unfinished.is_dir() else None
+        noted = read_point(directory) if directory else {}
+        if summary:
+            status = "done"
+        elif noted.get("state") == "failed":
+            status = "failed"
+        return PointResult(
+            number=entry["number"],
+            id=name,
+            labels=entry["labels"],
+            status=status,
+            reason=noted.get("reason") or "" if status == "failed" else "",
+            attempts=noted.get("attempts", 0),
+            directory=directory,
+            summary=summary,
+        )
+
+    def _summary(self, name: str, directory: Path) -> dict[str, Any]:
+        if name not in self._summaries:
+            summary = read_json(directory / SUMMARY_FILE)
+            if summary is None:
+                return {}
+            self._summaries[name] = summary
+        return self._summaries[name]
+
+
+def is_scan(directory: str | Path) -> bool:
+    """The directory is that of a scan."""
+    return (Path(directory) / SCAN_INDEX).is_file()
+
+
+def read_point(directory: Path) -> dict[str, Any]:
+    """The record of a point: ``state``, ``attempts``, ``reason``; empty where there is none."""
+    return read_json(directory / POINT_FILE) or {}

@@ -1,0 +1,368 @@
+"""The table of a scan: a row for each point, as CSV and HDF5, and a reader for scripts and notebooks.
+
+Columns: the keys that vary, what became of the point, and every value of its ``summary.json``. When ``packing.seed``
+varies, the points that differ in nothing else are summed up in a second table: means with their 95 % confidence
+intervals, and standard deviations.
+"""
+
+from __future__ import annotations
+
+import csv
+import dataclasses
+import itertools
+import math
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from granwave.analysis.formatting.units import unit_of
+from granwave.analysis.scans.result import SEED, PointResult, ScanResult
+from granwave.analysis.statistics import estimate
+from granwave.lammps_inputs.files import replacing
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+
+SCAN_TABLE, SCAN_MEANS, SCAN_DATA = "scan.csv", "scan_mean.csv", "scan.h5"
+MEAN_GROUP = "mean"
+MEAN, DEVIATION, CONFIDENCE, COUNT = ".mean", ".std", ".ci95", "n"
+
+_INT64 = range(-(2**63), 2**63)
+#: Unit by the end of a summary value's name; of several that fit the longest counts.
+_UNITS = {
+    "_per_s": "1/s",
+    "_per_kg": "1/kg",
+    "_per_m": "1/m",
+    "_m_s2": "m/s^2",
+    "_kg": "kg",
+    "_m_s": "m/s",
+    "_Ns": "N s",
+    "_m3": "m^3",
+    "_J": "J",
+    "_N": "N",
+    "_m": "m",
+    "_s": "s",
+}
+
+Columns = dict[str, list[Any]]
+
+
+def scan_table(result: ScanResult) -> Columns:
+    """The scan as columns of one length, a row for each point in order; None where there is no value.
+
+    Returns
+    -------
+    dict
+        The keys that vary; ``status``, ``reason``, ``directory`` (relative to the scan's; empty if there is none),
+        ``attempts``; every value of the summaries, in their order and SI, the versions as ``versions.NAME``. A summary
+        value whose name is taken is called ``summary.NAME``.
+    """
+    points = result.points
+    table: Columns = {key: [point.labels.get(key) for point in points] for key in result.varied}
+    table["status"] = [point.status for point in points]
+    table["reason"] = [point.reason for point in points]
+    table["directory"] = [_relative(point, result.directory) for point in points]
+    table["attempts"] = [point.attempts for point in points]
+    return table | _summaries(points, taken=table)
+
+
+def scan_statistics(result: ScanResult) -> Columns:
+    """Mean, deviation and confidence over the seeds: a row for each set of points that differ in them alone.
+
+    Returns
+    -------
+    dict
+        The other keys that vary; ``n``, how many points of the set are done; of every numeric summary value
+        ``NAME.mean``, ``NAME.std`` (over n - 1) and ``NAME.ci95``, half the width of the 95 % confidence interval of
+        the mean (both None for fewer than two). Empty when the seed does not vary.
+    """
+    if SEED not in result.varied:
+        return {}
+    keys = [key for key in result.varied if key != SEED]
+    points = result.points
+    groups: dict[tuple[Any, ...], list[int]] = {}
+    for row, point in enumerate(points):
+        groups.setdefault(tuple(point.labels.get(key) for key in keys), []).append(row)
+    table: Columns = {key: [labels[n] for labels in groups] for n, key in enumerate(keys)}
+    done = [point.status == "done" for point in points]
+    table[COUNT] = [sum(done[row] for row in rows) for rows in groups.values()]
+    for name, column in _summaries(points, taken=()).items():
+        if not _is_numeric(column):
+            continue
+        found = [[column[row] for row in rows if column[row] is not None] for rows in groups.values()]
+        estimates = [estimate(values) if values else None for values in found]
+        table[name + MEAN] = [one.mean if one else None for one in estimates]
+        table[name + DEVIATION] = [one.deviation if one and one.n > 1 else None for one in estimates]
+        table[name + CONFIDENCE] = [one.half_width if one and one.n > 1 else None for one in estimates]
+    return table
+
+
+def write_scan_table(scan: str | Path | ScanResult) -> Path:
+    """Write ``scan.csv`` and ``scan.h5``, and ``scan_mean.csv`` when the seed varies; each replaces the old one whole.
+
+    In ``scan.h5`` every column is a data set with its unit (of keys as in a case file, of summary values after their
+    names; "1" without): numbers as float64, or int64 where all are whole and none is missing; NaN where missing; other
+    values as UTF-8 text. The means are in the group ``/mean``.
+
+    Parameters
+    ----------
+    scan
+        Its directory; or the scan, whose summaries are then read only once however often the table is written.
+
+    Returns
+    -------
+    Path
+        Of scan.csv.
+
+    Raises
+    ------
+    MissingOutputError
+        There is no scan in the directory.
+    OutputFormatError
+        Its index is damaged.
+    """
+    result = scan if isinstance(scan, ScanResult) else ScanResult(scan)
+    table, means = scan_table(result), scan_statistics(result)
+    _write_csv(table, result.directory / SCAN_TABLE)
+    if means:
+        _write_csv(means, result.directory / SCAN_MEANS)
+    else:
+        (result.directory / SCAN_MEANS).unlink(missing_ok=True)
+    with replacing(result.directory / SCAN_DATA) as scratch, h5py.File(scratch, "w") as file:
+        file.attrs["name"], file.attrs["case"] = result.name, result.case_name
+        _write_group(file, table)
+        if means:
+            _write_group(file.create_group(MEAN_GROUP), means)
+    return result.directory / SCAN_TABLE
+
+
+def column_unit(name: str) -> str:
+    """Unit of a column of the table, "1" without."""
+    if unit := unit_of(name):
+        return unit
+    name = name.removeprefix("summary.").removesuffix(MEAN).removesuffix(DEVIATION).removesuffix(CONFIDENCE)
+    if "." in name:
+        return "1"
+    return next((unit for ending, unit in _UNITS.items() if name.endswith(ending)), "1")
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class ScanData(Mapping[str, NDArray]):
+    """The table of a scan as numpy arrays by column: ``data["dissipated_fraction"]``.
+
+    Numbers are float64 (NaN where missing) or int64, all else is text, empty where missing.
+
+    Attributes
+    ----------
+    name, case_name
+        Of the scan and of its case.
+    varied
+        The keys that vary.
+    columns
+        Arrays (n_points,), by name.
+    """
+
+    name: str
+    case_name: str
+    varied: tuple[str, ...]
+    columns: dict[str, NDArray]
+
+    def __getitem__(self, name: str) -> NDArray:
+        try:
+            return self.columns[name]
+        except KeyError:
+            raise KeyError(f"scan {self.name} has no column {name}; it has {', '.join(self.columns)}") from None
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.columns)
+
+    def __len__(self) -> int:
+        return len(self.columns)
+
+    @property
+    def n_points(self) -> int:
+        """How many points there are."""
+        return len(self.columns["status"])
+
+    def unit(self, name: str) -> str:
+        """SI unit of a column, "1" without.
+
+        Raises
+        ------
+        KeyError
+            There is no such column.
+        """
+        self[name]
+        return column_unit(name)
+
+    def where(self, status: str = "done", **values: Any) -> ScanData:
+        """The points with this status.
+
+        Parameters
+        ----------
+        status
+            ``done``, ``failed`` or ``missing``.
+        values
+            What further columns must be, ``material="brass"``; dotted names through ``**{"load.velocity": 5}``.
+        """
+        chosen = self["status"] == status
+        for name, value in values.items():
+            chosen &= self[name] == value
+        return dataclasses.replace(self, columns={name: column[chosen] for name, column in self.columns.items()})
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """The table as a DataFrame.
+
+        Raises
+        ------
+        ImportError
+            pandas is not installed.
+        """
+        try:
+            import pandas
+        except ImportError as error:
+            raise ImportError(f"to_pandas needs pandas ({error}): pip install pandas") from error
+        return pandas.DataFrame(self.columns)
+
+    def to_xarray(self) -> xarray.Dataset:
+        """The table as a Dataset with a dimension for each key that varies on its own.
+
+        A key that varies together with another one is a coordinate along that one's dimension.
+
+        Raises
+        ------
+        ImportError
+            xarray is not installed.
+        ValueError
+            The points do not fill a grid, each place once.
+        """
+        try:
+            import xarray
+        except ImportError as error:
+            raise ImportError(f"to_xarray needs xarray ({error}): pip install xarray") from error
+        labels = {key: self[key].tolist() for key in self.varied}
+        axes = independent_keys(labels)
+        values = {key: list(dict.fromkeys(labels[key])) for key in axes}
+        shape = tuple(len(found) for found in values.values())
+        place = tuple([values[key].index(label) for label in labels[key]] for key in axes)
+        flat = np.ravel_multi_index(place, shape) if axes else np.zeros(self.n_points, dtype=np.int64)
+        if self.n_points != math.prod(shape) or len(np.unique(flat)) != self.n_points:
+            size = " x ".join(map(str, shape)) or "1"
+            raise ValueError(
+                f"scan {self.name}: found {self.n_points} points at {len(np.unique(flat))} places of a grid of {size} "
+                f"({', '.join(axes)}), expected one at each; use to_pandas, or take a part of the points"
+            )
+        order = np.argsort(flat)
+        variables = {
+            name: (tuple(axes), column[order].reshape(shape), {"units": column_unit(name)})
+            for name, column in self.columns.items()
+            if name not in self.varied
+        }
+        coordinates: dict[str, Any] = {key: (key, found, {"units": column_unit(key)}) for key, found in values.items()}
+        for key in self.varied:
+            if key not in axes:
+                leader = next(axis for axis in axes if determines(labels[axis], labels[key]))
+                follows = dict(zip(labels[leader], labels[key], strict=True))
+                coordinates[key] = (leader, [follows[value] for value in values[leader]], {"units": column_unit(key)})
+        return xarray.Dataset(variables, coordinates, {"name": self.name, "case": self.case_name})
+
+
+def read_scan(directory: str | Path) -> ScanData:
+    """The table of a scan as it is now, for scripts and notebooks.
+
+    Raises
+    ------
+    MissingOutputError
+        There is no scan in the directory.
+    OutputFormatError
+        Its index is damaged.
+    """
+    result = ScanResult(directory)
+    columns = {name: _array(column) for name, column in scan_table(result).items()}
+    texts = {name: np.array(column, dtype=str) for name, column in columns.items() if column.dtype == object}
+    return ScanData(result.name, result.case_name, result.varied, columns | texts)
+
+
+def independent_keys(labels: Mapping[str, Sequence[Any]]) -> list[str]:
+    """The keys that vary on their own: without those that are constant or that another one decides (zipped keys).
+
+    Of keys that decide each other the first stays, but ``run`` and ``output`` make room for any other.
+    """
+    kept = [key for key, column in labels.items() if len(set(column)) > 1]
+    for key in sorted(reversed(kept), key=lambda key: not key.startswith(("run.", "output."))):
+        if any(other != key and determines(labels[other], labels[key]) for other in kept):
+            kept.remove(key)
+    return kept
+
+
+def determines(leader: Sequence[Any], follower: Sequence[Any]) -> bool:
+    """Equal values of the one always come with equal values of the other."""
+    return len(set(zip(leader, follower, strict=True))) == len(set(leader))
+
+
+def _relative(point: PointResult, directory: Path) -> str:
+    return "" if point.directory is None else os.path.relpath(point.directory, directory)
+
+
+def _summaries(points: Sequence[PointResult], taken: Any) -> Columns:
+    """The values of the summaries by column, None where a point has none."""
+    rows = [_flat(point.summary) for point in points]
+    names = dict.fromkeys(itertools.chain.from_iterable(rows))
+    return {f"summary.{name}" if name in taken else name: [row.get(name) for row in rows] for name in names}
+
+
+def _flat(summary: Mapping[str, Any]) -> dict[str, Any]:
+    flat: dict[str, Any] = {}
+    for name, value in summary.items():
+        if isinstance(value, Mapping):
+            flat |= {f"{name}.{part}": inner for part, inner in value.items()}
+        else:
+            flat[name] = value
+    return flat
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _is_numeric(column: Sequence[Any]) -> bool:
+    there = [value for value in column if value is not None]
+    return bool(there) and all(map(_is_number, there))
+
+
+def _text(value: Any) -> str:
+    """As it stands in the table: booleans as in TOML, and no character that UTF-8 or HDF5 lack."""
+    if value is None:
+        return ""
+    text = str(value).lower() if isinstance(value, bool) else str(value)
+    return text.replace("\0", "").encode("utf-8", "replace").decode("utf-8")
+
+
+def _array(column: Sequence[Any]) -> NDArray:
+    """float64, int64, or objects that are str."""
+    if not _is_numeric(column):
+        return np.array([_text(value) for value in column], dtype=object)
+    if all(isinstance(value, int) and value in _INT64 for value in column):
+        return np.array(column, dtype=np.int64)
+    return np.array([math.nan if value is None else value for value in column], dtype=np.float64)
+
+
+def _write_csv(table: Columns, path: Path) -> None:
+    columns = [[value if _is_number(value) else _text(value) for value in column] for column in table.values()]
+    with replacing(path) as scratch, open(scratch, "w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(table)
+        writer.writerows(zip(*columns, strict=True))
+
+
+def _write_group(group: h5py.Group, table: Columns) -> None:
+    for name, column in table.items():
+        values = _array(column)
+        options = {"dtype": h5py.string_dtype()} if values.dtype == object else {}
+        group.create_dataset(name, data=values, **options).attrs["unit"] = column_unit(name)

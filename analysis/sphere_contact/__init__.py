@@ -1,9 +1,0 @@
-"""The static contact of two elastic-perfectly-plastic spheres (thesis 2.1, 3.1): where the contact law comes from.
-
-Axisymmetric, large displacement, von Mises plasticity. See `granwave.analysis.sphere_contact.solver`.
-"""
-
-from granwave.analysis.sphere_contact.case import SphereContactCase
-from granwave.analysis.sphere_contact.run import run_sphere_contact
-
-__all__ = ["SphereContactCase", "run_sphere_contact"]

@@ -1,0 +1,1 @@
+"""Studies: what runs that belong together say, beside sources and theory."""

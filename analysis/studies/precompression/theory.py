@@ -1,0 +1,196 @@
+"""Waves in a line of like bodies, chain or stack of lattice layers, whose contacts bear a static force.
+
+A line has bodies of mass m at a spacing h, and springs that are linear for small waves:
+
+    chain         k = 3/2 F0/alpha0, of a Hertz contact with the overlap alpha0 under F0
+    fcc and hcp   along [111] and c: layers D sqrt(2/3) apart; a sphere has three contacts in each of the next layers,
+                  inclined with cos^2 = 2/3, so that K = 3 cos^2 k - 3 sin^2 f/D = 2 k - f/D for layers as wholes, with
+                  the static force f of a contact. The second term, of contacts that turn, is alpha/(3 D) of the first.
+
+Long waves have the speed c0 = h sqrt(K/m). For a chain of like spheres of diameter a that is, with Hertz's k,
+
+    c0 = 0.93146 (4 E^2 F0/(a^2 rho^3 (1 - nu^2)^2))^(1/6),    0.93146 = sqrt(9/pi) 3^(-1/3) 4^(-1/6)
+
+for which the composite source (equation 3) prints 0.9314. Its speed of a solitary wave of the largest force
+f = F_m/F0 has two limits: 1 for f -> 1, as (1 + eps)^(5/2) makes the bracket 15/4 eps^2 with eps = f^(2/3) - 1; and
+sqrt(8/15) f^(1/6), with 0.9314 sqrt(8/15) = 0.6802, the factor of its equation 4.
+
+An impact of velocity v on the first of a half-infinite line makes the velocities (with J of Bessel, omega^2 = K/m)
+
+    v_n(t) = v (2 (2 n - 1)/tau) J_(2n-1)(tau),   force n  F_n(t) = v sqrt(K m) (4 n/tau) J_2n(tau),   tau = 2 omega t
+
+(from v_n = J_(2n-2) + J_2n, which satisfies the equation of motion and the free end). The crest that runs ahead falls
+as n^(-1/3) and is always slower than c0.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from functools import cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+from scipy.special import jv, jvp
+
+from granwave.lammps_inputs.contact.static_load import force_of_contact
+
+if TYPE_CHECKING:
+    from granwave._contact_laws import ContactLaw
+    from granwave.lammps_inputs.case.case import Case
+
+Array = NDArray[np.float64]
+
+PRINTED_FACTOR = 0.9314  # of c0, composite source (3)
+EXACT_FACTOR = math.sqrt(9 / math.pi) * 3 ** (-1 / 3) * 4 ** (-1 / 6)
+SPACING = {"chain": 1.0, "fcc": math.sqrt(2 / 3), "hcp": math.sqrt(2 / 3)}  # of layers, diameters
+
+_GEOMETRY_ROUNDS = 20
+_PER_BODY = 64  # grid points of the travelling wave
+_ROUNDS = 1000
+_SETTLED = 1e-11
+
+
+def static_overlap(law: ContactLaw, force: float) -> float:
+    """Hertz's overlap under a force, m."""
+    return (force / (4 / 3 * law.effective_modulus * math.sqrt(law.effective_radius))) ** (2 / 3)
+
+
+@dataclasses.dataclass(frozen=True)
+class Line:
+    """The line that a chain or a packing is for long waves along it, in its static state.
+
+    Attributes
+    ----------
+    force, overlap
+        Of each contact that bears the load, N and m.
+    spacing
+        Of beads or layers before they were loaded, m: speeds are those over the places that the spheres had then.
+    frequency
+        omega = sqrt(K/m), rad/s.
+    """
+
+    force: float
+    overlap: float
+    spacing: float
+    frequency: float
+
+    @property
+    def speed(self) -> float:
+        """c0, m/s."""
+        return self.spacing * self.frequency
+
+    @property
+    def velocity(self) -> float:
+        """omega alpha0: far slower impacts make small waves, m/s."""
+        return self.frequency * self.overlap
+
+
+def line_of(case: Case, law: ContactLaw) -> Line:
+    """The line of a precompressed chain, fcc or hcp packing of like spheres.
+
+    Where the sides are periodic, the load makes the contacts of a packing less steep.
+    """
+    force, diameter, mass = force_of_contact(case), case.packing.diameter, case.sphere_mass
+    if case.packing.kind == "chain":
+        overlap = static_overlap(law, force)
+        return Line(force, overlap, diameter, math.sqrt(1.5 * force / overlap / mass))
+    cosine, on_layer = SPACING[case.packing.kind], 3 * SPACING[case.packing.kind] * force
+    for _ in range(_GEOMETRY_ROUNDS if case.boundary.sides == "periodic" else 1):
+        force = on_layer / (3 * cosine)
+        length = diameter - static_overlap(law, force)
+        if case.boundary.sides == "periodic":
+            cosine = math.sqrt(1 - diameter**2 / 3 / length**2)
+    overlap = static_overlap(law, force)
+    length = diameter - overlap
+    stiffness = 3 * (cosine**2 * 1.5 * force / overlap - (1 - cosine**2) * force / length)
+    return Line(force, overlap, SPACING[case.packing.kind] * diameter, math.sqrt(stiffness / mass))
+
+
+def printed_speed(case: Case, force: float) -> float:
+    """c0 of a chain of like spheres by the composite source's (3), m/s."""
+    own, diameter = case.material, case.packing.diameter
+    modulus = own.youngs_modulus / (1 - own.poisson_ratio**2)
+    return PRINTED_FACTOR * (4 * modulus**2 * force / (diameter**2 * own.density**3)) ** (1 / 6)
+
+
+def solitary_speed(ratio: Array) -> Array:
+    """Speed of the solitary wave over c0 by the composite source's (3), from F_m/F0; the continuum's."""
+    eps = ratio ** (2 / 3) - 1
+    bracket = 4 / 15 * (3 + 2 * ratio ** (5 / 3) - 5 * ratio ** (2 / 3))
+    near = 1 + eps / 12  # the next term; the bracket cancels there
+    return np.where(eps < 1e-4, near, np.sqrt(np.maximum(bracket, 0)) / np.where(eps < 1e-4, 1, eps))
+
+
+@cache
+def _lattice_waves() -> tuple[Array, Array]:
+    """Logarithms of F_m/F0 and of the speed over c0 of the travelling waves of the lattice."""
+    excess = np.concatenate([[0.0], np.geomspace(3e-4, 6.0, 45)])
+    ratio = [1.0, *(_travelling(1 + x) for x in excess[1:])]
+    return np.log(ratio), np.log1p(excess)
+
+
+def lattice_speed(ratio: Array) -> Array:
+    """Speed over c0 of the travelling wave of the precompressed Hertz lattice itself, from F_m/F0 up to some 1e5.
+
+    Beyond, it goes with the power 1/6.
+    """
+    known, speed = _lattice_waves()
+    x = np.log(ratio)
+    return np.exp(np.interp(x, known, speed) + np.maximum(x - known[-1], 0) / 6)
+
+
+def _travelling(speed: float) -> float:
+    """F_m/F0 of the lattice's wave of a speed over c0, above 1.
+
+    In units of D, alpha0 and the static stiffness, the overlap 1 + r of a wave obeys V^2 r = triangle * g(r) with
+    g = (2/3)((1 + r)^1.5 - 1), the triangle of height 1 and base 2. With g = r + N it is solved by Petviashvili's
+    iteration in Fourier space, (V^2 - sinc^2) r = S^2 sinc^2 N.
+    """
+    decay = min(math.sqrt(12 * (speed**2 - 1)), 10.0)
+    reach = max(8.0, 12 / decay)
+    n = 1 << math.ceil(math.log2(2 * reach * _PER_BODY))
+    x = (np.arange(n) - n // 2) / _PER_BODY
+    kernel = np.sinc(np.fft.rfftfreq(n, 1 / _PER_BODY)) ** 2
+    operator = speed**2 - kernel
+    wave = 3 * (speed**2 - 1) / np.cosh(decay * x / 2) ** 2
+    for _ in range(_ROUNDS):
+        nonlinear = 2 / 3 * (np.maximum(1 + wave, 0) ** 1.5 - 1) - wave
+        ours, theirs = np.fft.rfft(wave), kernel * np.fft.rfft(nonlinear)
+        factor = np.sum(operator * np.abs(ours) ** 2) / np.sum((theirs * ours.conj()).real)
+        new = np.fft.irfft(factor**2 * theirs / operator, n)
+        change = float(np.abs(new - wave).max() / new.max())
+        wave = new
+        if change < _SETTLED:
+            break
+    return float((1 + wave.max()) ** 1.5)
+
+
+def crest_times(n: NDArray[np.int64]) -> Array:
+    """2 omega t of the first crest of the velocity of body n of a struck line, from 1: (n_bodies,)."""
+    return np.array([_crest(2 * int(one) - 1) for one in n])
+
+
+def crest_speed(line: Line, n: NDArray[np.int64]) -> float:
+    """Mean speed of the crest of the forces over contacts n, rising, of a struck line, m/s."""
+    times = [_crest(2 * int(one)) for one in n]
+    return 2 * line.speed / float(np.polyfit(n, times, 1)[0])
+
+
+def crest_force(n: NDArray[np.int64]) -> Array:
+    """Largest force at contact n, from 1, of a struck line, over v sqrt(K m): (n_contacts,)."""
+    return np.array([4 * one * jv(2 * one, tau) / tau for one, tau in ((int(k), _crest(2 * int(k))) for k in n)])
+
+
+@cache
+def _crest(order: int) -> float:
+    """Where J_order(tau)/tau has its first maximum; order from 2."""
+    if order < 2:
+        return 0.0
+
+    def slope(tau: float) -> float:
+        return float(tau * jvp(order, tau) - jv(order, tau))
+
+    return brentq(slope, 0.8 * order, order + 1.5 * order ** (1 / 3), xtol=1e-12)

@@ -1,0 +1,83 @@
+"""Finished runs with their cases, as studies take them from a report."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Any, Self
+
+from granwave.analysis.result.writer import BALANCE_REFUSED
+from granwave.lammps_inputs.case.case import Case, load_case
+from granwave.lammps_inputs.deck.deck import CASE_FILE
+from granwave.lammps_inputs.errors import GranwaveError
+
+_NOT_OF_THE_CASE = ("name", "run", "output", "sensor")  # tables: how long and how finely it was followed
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class FinishedRun:
+    """A finished run of spheres.
+
+    Attributes
+    ----------
+    label
+        What a report calls it.
+    summary
+        Its ``summary.json``.
+    """
+
+    label: str
+    directory: Path
+    case: Case
+    summary: Mapping[str, Any]
+
+    @classmethod
+    def among(
+        cls, found: Iterable[tuple[str, Path, Mapping[str, Any]]], suits: Callable[[Case], bool]
+    ) -> tuple[Self, ...]:
+        """Those whose case suits; none whose energy balance was refused or whose case cannot be read.
+
+        Parameters
+        ----------
+        found
+            Label, directory and summary of finished runs.
+        """
+        runs = []
+        for label, directory, summary in found:
+            if summary.get("end_reason") == BALANCE_REFUSED:
+                continue
+            try:
+                case = load_case(directory / CASE_FILE)
+            except GranwaveError:
+                continue  # the report says so elsewhere
+            if suits(case):
+                runs.append(cls(label, directory, case, summary))
+        return tuple(runs)
+
+    def value(self, name: str) -> float:
+        """A number of the summary; NaN where it does not apply."""
+        found = self.summary.get(name)
+        return float(found) if isinstance(found, int | float) and not isinstance(found, bool) else math.nan
+
+
+def all_but(case: Case, *left_out: str) -> str:
+    """Everything of a case but some tables or keys, as text: equal for cases that differ in nothing else.
+
+    How long and how finely a run was followed does not count.
+
+    Parameters
+    ----------
+    left_out
+        Such as ``precompression`` or ``load.velocity``.
+    """
+    tables = case.to_dict()
+    for name in (*_NOT_OF_THE_CASE, *left_out):
+        table, _, key = name.partition(".")
+        if key:
+            tables.get(table, {}).pop(key, None)
+        else:
+            tables.pop(table, None)
+    return json.dumps(tables, sort_keys=True)

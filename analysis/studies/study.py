@@ -1,0 +1,102 @@
+"""A study of a source beside ours: rows of one table, and figures."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from granwave.analysis.document.model import Table
+    from granwave.analysis.figures.style import Drawing
+
+
+@dataclasses.dataclass(frozen=True)
+class Row:
+    """One quantity, as a source gives it and as we find it.
+
+    Attributes
+    ----------
+    quantity
+        What it is, with where and how it was measured.
+    unit
+        Of both; empty for a number.
+    source
+        The source's value; None where it gives none, and ours stands alone.
+    ours
+        From the runs.
+    where
+        Source and place: ``thesis 4.1.3``.
+    remark
+        Why the two differ, where they do by more than a few per cent.
+    expected
+        From theory, where that is closer than the source's value.
+    """
+
+    quantity: str
+    unit: str
+    source: float | None
+    ours: float
+    where: str
+    remark: str = ""
+    expected: float | None = None
+
+    @property
+    def deviation(self) -> float | None:
+        """Ours over the source's, less 1."""
+        return self.ours / self.source - 1 if self.source else None
+
+
+@dataclasses.dataclass(frozen=True)
+class Picture:
+    """A figure of a study."""
+
+    name: str
+    caption: str
+    drawing: Drawing
+
+
+@dataclasses.dataclass(frozen=True)
+class Study:
+    """What a study found.
+
+    Attributes
+    ----------
+    name
+        Short, for links and files.
+    title
+        Of its part of the report.
+    text
+        What was run, in a few sentences.
+    rows
+        Of the table "source against ours".
+    pictures
+        In the order of the report.
+    tables
+        Of its own.
+    verdict
+        What it comes to, in sentences for the top of the report.
+    """
+
+    name: str
+    title: str
+    text: str
+    rows: tuple[Row, ...] = ()
+    pictures: tuple[Picture, ...] = ()
+    tables: tuple[Table, ...] = ()
+    verdict: tuple[str, ...] = ()
+
+
+def draw_studies(found: Sequence[Study], folder: Path) -> list[Path]:
+    """Save all figures of studies with their data; returns the PNG files."""
+    from granwave.analysis.figures.style import save, style  # the drawing library takes a second to load
+
+    written = []
+    with style():
+        for study in found:
+            for picture in study.pictures:
+                folder.mkdir(exist_ok=True)
+                save(picture.drawing, folder / picture.name)
+                written.append(folder / f"{picture.name}.png")
+    return written

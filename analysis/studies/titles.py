@@ -1,0 +1,81 @@
+"""What is hit, by what, and what it stands on, as titles and tables of studies say it."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from granwave.analysis.measures.target import period_of
+from granwave.lammps_inputs.packing.assembly import velocities_of
+
+if TYPE_CHECKING:
+    from granwave.lammps_inputs.case.case import Case
+
+_KINDS = {"fcc": "FCC", "hcp": "HCP", "bcc": "BCC", "sc": "Simple cubic", "square": "Square"}
+_SQUARE_CM = 1e4
+_LAWS = {"hertz": "elastic", "elastoplastic": "elasto-plastic"}
+
+
+def impact_words(case: Case, *, height: bool = True) -> str:
+    """``FCC packing of 12 x 12 x 8 brass spheres of 10 mm, elasto-plastic contacts, 5 m/s``.
+
+    Parameters
+    ----------
+    height
+        False: of packings that differ in it.
+    """
+    return f"{packing_words(case, height=height)}, {contact_words(case)}, {load_words(case)}"
+
+
+def packing_words(case: Case, *, height: bool = True) -> str:
+    """``FCC packing of 12 x 12 x 8 brass spheres of 10 mm``; of a single sphere ``Brass sphere of 10 mm``."""
+    packing = case.packing
+    own, diameter = case.material.name or "", f"of {1e3 * packing.diameter:.4g} mm"
+    if height and case.lattice.n_spheres == 1:
+        words = f"{own} sphere {diameter}".lstrip()
+        return words[:1].upper() + words[1:]
+    whole = height or packing.kind == "square"  # which lies across the height
+    size = " x ".join(map(str, packing.size if whole else packing.size[:-1]))
+    kind = "Chain" if packing.kind == "chain" else f"{_KINDS[packing.kind]} packing"
+    spheres = " ".join(filter(None, (size, own, "spheres", diameter)))
+    return f"{kind} of {spheres}" + ("" if whole or not size else " a layer")
+
+
+def contact_words(case: Case) -> str:
+    """``elasto-plastic contacts``."""
+    return f"{law_words(case)} contacts"
+
+
+def law_words(case: Case) -> str:
+    """``elasto-plastic``."""
+    return _LAWS.get(case.contact.law, case.contact.law)
+
+
+def load_words(case: Case) -> str:
+    """How fast the fastest sphere comes, ``5 m/s``; of a force or a prescribed motion that it acts on top."""
+    if case.load.driven:
+        return f"{case.load.kind} on top"
+    return f"{max((math.hypot(*velocity) for velocity in velocities_of(case).values()), default=0.0):g} m/s"
+
+
+def bottom_words(case: Case) -> str:
+    """``rigid wall``, ``concrete half-space``, ``plate of 0.5 kg, 314 µs``."""
+    boundary = case.boundary
+    support, material = boundary.bottom_support, boundary.bottom_material
+    name = (material.name or "elastic") if material else "rigid"
+    if support is None:
+        return {"fixed": "fixed last layer", "free": "no bottom"}.get(boundary.bottom, f"{name} wall")
+    if support.plate:
+        damped = ", damped" if support.plate.damping else ""
+        return f"plate of {support.plate.mass:g} kg, {time_words(period_of(support.plate))}{damped}"
+    if support.half_space:
+        radius = support.half_space.radius
+        return f"{name} half-space" + (f", disc of {1e3 * radius:g} mm" if radius else "")
+    assert support.bar is not None
+    end = "" if support.bar.end == "infinite" else f", far end {support.bar.end}"
+    return f"{name} bar of {_SQUARE_CM * support.bar.area:.3g} cm²{end}"
+
+
+def time_words(seconds: float) -> str:
+    """``314 µs``, ``6.28 ms``."""
+    return f"{1e3 * seconds:.3g} ms" if seconds >= 1e-3 else f"{1e6 * seconds:.3g} µs"

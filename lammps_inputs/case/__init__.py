@@ -1,0 +1,1 @@
+"""The case file: what its tables may hold, and the case that comes of them."""

@@ -1,0 +1,138 @@
+"""Bodies besides the like spheres of a packing, and what is recorded of single ones.
+
+    [[replace]]                  spheres of another material or diameter
+    [[striker]]                  a sphere placed against given spheres, resting or moving
+    [bar], [incident_bar]        elastic bars at the far and at the struck end of a chain (thesis 3.2)
+    [[sensor]]                   a sphere whose mean contact force (chains) or acceleration is recorded
+
+Spheres of a chain count from the struck end, from 1; strikers come after the spheres of the packing, in the order of
+the file.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, TypeVar
+
+from granwave.lammps_inputs.case.material import Material, read_material
+from granwave.lammps_inputs.case.schema import (
+    Faults,
+    Unfit,
+    custom,
+    number,
+    parse_point,
+    plain_name,
+    read_table,
+    show,
+    whole,
+)
+
+Entry = TypeVar("Entry")
+
+_INDEX_FORM = "an id from 1 up, a list of ids, or {first = 8, last = 17}"
+_VECTOR_FORM = "[x, y, z] in m/s"
+_SPIN_FORM = "[x, y, z] in rad/s"
+_POINT_FORM = "[x, y, z] in m"
+
+
+def _parse_index(value: Any) -> tuple[int, ...]:
+    if isinstance(value, Mapping):
+        if set(value) != {"first", "last"}:
+            raise Unfit(_INDEX_FORM)
+        first, last = (whole(value[name], _INDEX_FORM) for name in ("first", "last"))
+        if last < first:
+            raise Unfit(f"{_INDEX_FORM}, the last not before the first")
+        return tuple(range(first, last + 1))
+    ids = tuple(whole(one, _INDEX_FORM) for one in (value if isinstance(value, list | tuple) else [value]))
+    if not ids:
+        raise Unfit(_INDEX_FORM)
+    return ids
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Replace:
+    """``[[replace]]``: spheres that differ from the rest; a later entry overrules an earlier one.
+
+    Which ones: by ``index``; all in a box from ``low`` to ``high``, by the sites of the lattice (in a chain of like
+    spheres); or a random ``share`` of those that there are. A larger one needs room around it: vacancies, or smaller
+    ones; the beads of a chain make room.
+    """
+
+    index: tuple[int, ...] | None = custom("which spheres", _parse_index, default=None)
+    low: tuple[float, float, float] | None = custom(
+        "corner of a box", lambda value: parse_point(value, _POINT_FORM), unit="m", default=None
+    )
+    high: tuple[float, float, float] | None = custom(
+        "opposite corner", lambda value: parse_point(value, _POINT_FORM), unit="m", default=None
+    )
+    share: float | None = number("of the spheres, chosen at random", above=0, at_most=1, default=None)
+    diameter: float | None = number("of these spheres", unit="m", above=0, default=None)
+    material: Material | None = None
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Striker:
+    """``[[striker]]``: a sphere in contact with given spheres of the packing, or with earlier strikers."""
+
+    touches: tuple[int, ...] = custom("ids of the spheres that it touches", _parse_index)
+    velocity: tuple[float, float, float] = custom(
+        "of the striker", lambda value: parse_point(value, _VECTOR_FORM), unit="m/s", default=(0.0, 0.0, 0.0)
+    )
+    spin: tuple[float, float, float] = custom(
+        "angular velocity of the striker",
+        lambda value: parse_point(value, _SPIN_FORM),
+        unit="rad/s",
+        default=(0.0, 0.0, 0.0),
+    )
+    diameter: float | None = number("of the striker; that of the packing by default", unit="m", above=0, default=None)
+    material: Material | None = None
+
+    @property
+    def moves(self) -> bool:
+        """It has a velocity or a spin."""
+        return any(self.velocity) or any(self.spin)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Bar:
+    """``[bar]``, ``[incident_bar]``: a slender elastic bar along the chain, of linear elements with lumped mass."""
+
+    length: float = number("of the bar", unit="m", above=0)
+    area: float = number("of its cross-section", unit="m^2", above=0)
+    elements: int = custom("of equal length", lambda value: whole(value, "a whole number from 1 up"), default=1000)
+    material: Material | None = None
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Sensor:
+    """``[[sensor]]``: records a sphere, as a transducer in it does.
+
+    In a chain the mean of its two contact forces; in other packings its acceleration.
+    """
+
+    name: str = custom("of the sensor", plain_name)
+    id: int = custom("of its sphere", lambda value: whole(value, "an id from 1 up"))
+
+
+def read_list(
+    section: type[Entry], tables: Any, prefix: str, faults: Faults, directory: Path | None
+) -> tuple[Entry, ...]:
+    """Read an array of tables, such as ``[[replace]]``; entry n has the dotted name ``replace.n``, from 1."""
+    if not isinstance(tables, list | tuple):
+        faults.add(prefix, f"found {show(tables)}, expected one or more [[{prefix}]] tables")
+        return ()
+    read = [read_body(section, table, f"{prefix}.{n}", faults, directory) for n, table in enumerate(tables, start=1)]
+    return tuple(entry for entry in read if entry is not None)
+
+
+def read_body(section: type[Entry], table: Any, prefix: str, faults: Faults, directory: Path | None) -> Entry | None:
+    """Read the table of one body, its material by name or by value."""
+    has_material = any(field.name == "material" for field in dataclasses.fields(section))  # type: ignore[arg-type]
+    if not has_material or not isinstance(table, Mapping) or "material" not in table:
+        return read_table(section, table, prefix, faults)
+    rest = {name: value for name, value in table.items() if name != "material"}
+    material = read_material(table["material"], faults, directory, f"{prefix}.material")
+    entry = read_table(section, rest, prefix, faults)
+    return None if entry is None or material is None else dataclasses.replace(entry, material=material)  # type: ignore[type-var]

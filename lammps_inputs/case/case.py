@@ -1,0 +1,336 @@
+"""A case: everything that decides one simulation, as read from a TOML file."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Collection, Iterable, Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import tomli_w
+
+from granwave.lammps_inputs.case.bodies import Bar, Replace, Sensor, Striker, read_body, read_list
+from granwave.lammps_inputs.case.contact_pairs import RIGID, Pair, read_pairs
+from granwave.lammps_inputs.case.load import Load, read_load
+from granwave.lammps_inputs.case.material import Material, read_material, sphere_mass
+from granwave.lammps_inputs.case.overrides import apply_overrides, parse_overrides
+from granwave.lammps_inputs.case.schema import Faults, read_name, read_table, refuse_unknown, show
+from granwave.lammps_inputs.case.sections import Boundary, Contact, Output, PackingSection, Precompression, Probe, Run
+from granwave.lammps_inputs.case.supports import read_bottom
+from granwave.lammps_inputs.checks.checks import check_case, check_together, warn_about
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.lattices import Lattice
+from granwave.lammps_inputs.packing.assembly import Assembly, assemble
+from granwave.lammps_inputs.toml_files import read_toml
+
+_SECTIONS: dict[str, type] = {
+    "packing": PackingSection,
+    "contact": Contact,
+    "load": Load,
+    "boundary": Boundary,
+    "run": Run,
+    "output": Output,
+}
+_LISTS: dict[str, type] = {"replace": Replace, "striker": Striker, "sensor": Sensor}
+_BARS = ("bar", "incident_bar")
+_PRECOMPRESSION = "precompression"
+_WALLS = ("bottom", "sides")  # keys of [boundary] that take a material
+_REQUIRED = ("packing", "material")
+_KNOWN = ("name", "material", *_SECTIONS, _PRECOMPRESSION, "pair", *_LISTS, *_BARS)
+_RECORD = "resolved"  # written beside a deck for people and programs, ignored when read
+_OF_CONTINUUM = ("block", "punch")
+_OF_SCAN = ("replicates", "ranks", "case", "set", "grid", "zip", "points")
+_HISTORY, _LEAST_HISTORY = 1000, 5  # instants; beads of a chain from which on they are recorded by themselves
+_HISTORY_VALUES, _LEAST_ROWS = 1e6, 250  # instants times particles, nodes of bars among them; fewest instants
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Case:
+    """One impact on one packing; see `load_case`."""
+
+    name: str
+    packing: PackingSection
+    material: Material
+    contact: Contact = dataclasses.field(default_factory=Contact)
+    load: Load = dataclasses.field(default_factory=Load)
+    boundary: Boundary = dataclasses.field(default_factory=Boundary)
+    run: Run = dataclasses.field(default_factory=Run)
+    output: Output = dataclasses.field(default_factory=Output)
+    precompression: Precompression | None = None
+    pair: tuple[Pair, ...] = ()
+    replace: tuple[Replace, ...] = ()
+    striker: tuple[Striker, ...] = ()
+    sensor: tuple[Sensor, ...] = ()
+    bar: Bar | None = None
+    incident_bar: Bar | None = None
+
+    @classmethod
+    def from_dict(
+        cls,
+        data: Mapping[str, Any],
+        source: str | Path = "case",
+        overridden: Iterable[str] = (),
+        directory: Path | None = None,
+    ) -> Case:
+        """Check the nested mapping of a case file and make a case of it.
+
+        Parameters
+        ----------
+        source
+            What the faults call the file; its stem is the name of a case that has none.
+        overridden
+            Dotted keys that came from the command line.
+        directory
+            Where a relative ``material.file`` starts from.
+
+        Raises
+        ------
+        InputError
+            With every fault there is.
+        """
+        faults = Faults(str(source), tuple(overridden))
+        _refuse_others(data, faults)
+        data = _with_implied(data)
+
+        def read(section: type, table: Any, name: str, faults: Faults) -> Any:
+            return _read_section(section, table, name, faults, directory)
+
+        parts = read_parts(data, source, faults, directory, sections=_SECTIONS, required=_REQUIRED, read=read)
+        if _PRECOMPRESSION in data:
+            parts[_PRECOMPRESSION] = read_table(Precompression, data[_PRECOMPRESSION], _PRECOMPRESSION, faults)
+        parts["pair"] = read_pairs(data.get("pair", ()), data.get("contact", {}), faults)
+        for name, section in _LISTS.items():
+            parts[name] = read_list(section, data.get(name, ()), name, faults, directory)
+        for name in _BARS:
+            parts[name] = read_body(Bar, data[name], name, faults, directory) if name in data else None
+        check_together(parts, faults)
+        if faults.lines:
+            raise InputError(faults.lines)
+        case = cls(**parts)
+        check_case(case, faults)
+        if faults.lines:
+            raise InputError(faults.lines)
+        warn_about(case, chose_yield_factor="yield_factor" in data.get("contact", {}))
+        return case
+
+    @cached_property
+    def lattice(self) -> Lattice:
+        """The lattice of the packing."""
+        return Lattice(self.packing.kind, self.packing.size, self.packing.diameter, self.boundary.sides == "periodic")
+
+    @cached_property
+    def assembly(self) -> Assembly:
+        """All its bodies: spheres, strikers and bars."""
+        return assemble(self)
+
+    def contact_between(self, first: Material | None, second: Material | None) -> Contact:
+        """``[contact]`` as it holds between bodies of two materials; None: a rigid wall."""
+        names = [RIGID if material is None else material.name for material in (first, second)]
+        return next((pair.contact for pair in self.pair if pair.fits(*names)), self.contact)
+
+    @property
+    def rubs(self) -> bool:
+        """There is friction somewhere."""
+        contacts = [self.contact.friction, self.boundary.friction or 0.0, *(one.contact.friction for one in self.pair)]
+        return any(contacts)
+
+    @property
+    def rotates(self) -> bool:
+        """Some sphere turns, or may be turned by friction."""
+        return self.rubs or any(self.load.spin) or any(any(striker.spin) for striker in self.striker)
+
+    @property
+    def has_past(self) -> bool:
+        """Contacts may have dents from before the run."""
+        return bool(self.contact.initial_overlap) or self.precompression is not None
+
+    @property
+    def history(self) -> int:
+        """Instants at which a chain's velocities and forces are recorded; 0: none."""
+        if self.output.history != "auto":
+            return self.output.history
+        if self.packing.kind != "chain" or self.packing.size[0] < _LEAST_HISTORY:
+            return 0
+        return int(min(_HISTORY, max(_LEAST_ROWS, _HISTORY_VALUES / self.assembly.n_particles)))
+
+    @property
+    def probes(self) -> tuple[Probe, ...]:
+        """What is recorded at the probes' rate: ``output.probes``, and the sensors of what is no chain."""
+        if self.packing.kind == "chain":
+            return self.output.probes
+        return tuple(dict.fromkeys([*self.output.probes, *(Probe(sphere=sensor.id) for sensor in self.sensor)]))
+
+    @property
+    def sphere_mass(self) -> float:
+        """Mass of one sphere of the packing, kg."""
+        return sphere_mass(self.material, self.packing.diameter / 2)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The case as nested tables, all defaults filled in, as TOML writes them."""
+        tables = _plain(self)
+        if len(self.packing.size) == 1:
+            tables["packing"]["size"] = self.packing.size[0]
+        tables["load"] = _plain(self.load.keys())
+        for key in _WALLS:
+            wall = tables["boundary"].pop(f"{key}_material", None)
+            support = tables["boundary"].pop(f"{key}_support", None)
+            if wall is not None or support is not None:
+                tables["boundary"][key] = (support or {}) | ({} if wall is None else {"material": wall})
+        if self.pair:
+            tables["pair"] = [_plain(pair.to_dict()) for pair in self.pair]
+        return {name: table for name, table in tables.items() if table != []}
+
+    def to_toml(self, resolved: Mapping[str, Any] | None = None) -> str:
+        """The case as a TOML file, followed by the table ``[resolved]`` if there is one."""
+        return tomli_w.dumps(self.to_dict() | ({_RECORD: _plain(resolved)} if resolved else {}))
+
+
+def load_case(path: str | Path, overrides: Iterable[str] | Mapping[str, Any] = ()) -> Case:
+    """Read a case file.
+
+    Parameters
+    ----------
+    overrides
+        ``KEY=VALUE`` strings (dotted keys, TOML values, bare words are strings), or a mapping of dotted keys
+        to values.
+
+    Raises
+    ------
+    InputError
+        The file or an override is wrong; every fault is named.
+    """
+    changes = parse_overrides(overrides)
+    record = [key for key in changes if key.split(".")[0] == _RECORD]
+    if record:
+        raise InputError(f"--set: {key}: [{_RECORD}] is a record of a run, it cannot be set" for key in record)
+    data = apply_overrides(read_toml(path), changes)
+    return Case.from_dict(data, path, overridden=changes, directory=Path(path).parent)
+
+
+def read_parts(
+    data: Mapping[str, Any],
+    source: str | Path,
+    faults: Faults,
+    directory: Path | None,
+    *,
+    sections: Mapping[str, type],
+    required: Collection[str] = ("material",),
+    read: Callable[[type, Any, str, Faults], Any] = read_table,
+) -> dict[str, Any]:
+    """The name, the material and the sections of a case of any kind; what is missing or wrong is added to ``faults``.
+
+    Parameters
+    ----------
+    source, directory
+        As of `Case.from_dict`.
+    sections
+        The dataclass of each table; one that is not in ``data`` has its defaults, unless it is required.
+    required
+        Tables that the case cannot do without.
+    read
+        Reads one section.
+
+    Returns
+    -------
+    dict
+        By name; None for a part that is wrong.
+    """
+    parts: dict[str, Any] = {"name": read_name(data, source, faults)}
+    for name in required:
+        if name not in data:
+            faults.add(name, f"missing; a case needs [{name}]")
+    if "material" in data:
+        parts["material"] = read_material(data["material"], faults, directory)
+    for name, section in sections.items():
+        if name in data or name not in required:
+            parts[name] = read(section, data.get(name, {}), name, faults)
+    return parts
+
+
+def unit_of(key: str) -> str:
+    """Unit of a dotted key, such as ``load.velocity``; empty where it has none."""
+    table, *between, name = [*key.split("."), ""] if "." not in key else key.split(".")
+    sections = {**_SECTIONS, **_LISTS, **dict.fromkeys(_BARS, Bar), "material": Material, "pair": Contact}
+    sections[_PRECOMPRESSION] = Precompression
+    section = Material if "material" in between else sections.get(table)
+    fields = {field.name: field for field in dataclasses.fields(section)} if section else {}
+    return (fields[name].metadata.get("unit") or "") if name in fields else ""
+
+
+def _read_section(section: type, table: Any, name: str, faults: Faults, directory: Path | None) -> Any:
+    if section is Load:
+        return read_load(table, faults, directory)
+    if section is Contact:
+        return _read_contact(table, faults, directory)
+    if section is not Boundary or not isinstance(table, Mapping):
+        return read_table(section, table, name, faults)
+    before, plain = len(faults.lines), dict(table)
+    read: dict[str, Any] = {}
+    for key in _WALLS:
+        if not isinstance(table.get(key), Mapping):
+            continue
+        plain[key] = "wall"
+        if key == "bottom":
+            read["bottom_material"], read["bottom_support"] = read_bottom(
+                table[key], f"boundary.{key}", faults, directory
+            )
+        else:
+            read[f"{key}_material"] = _read_wall(table[key], f"boundary.{key}", faults, directory)
+    boundary = read_table(Boundary, plain, name, faults)
+    if boundary is None or len(faults.lines) > before:
+        return None
+    return dataclasses.replace(boundary, **read)
+
+
+def _read_wall(table: Mapping[str, Any], key: str, faults: Faults, directory: Path | None) -> Material | None:
+    refuse_unknown(table, ("material",), key, faults)
+    if not table:
+        faults.add(key, f'found {show(table)}, expected a word, or {{material = "..."}} for a wall')
+    if "material" not in table:
+        return None
+    return read_material(table["material"], faults, directory, f"{key}.material")
+
+
+def _read_contact(table: Any, faults: Faults, directory: Path | None) -> Contact | None:
+    """``[contact]``; a path in it starts from the directory of the case, one of ``--set`` from the present one."""
+    contact = read_table(Contact, table, "contact", faults)
+    if contact is None or not isinstance(contact.initial_overlap, str):
+        return contact
+    there = None if "contact.initial_overlap" in faults.overridden else directory
+    path = (there or Path()) / contact.initial_overlap
+    return dataclasses.replace(contact, initial_overlap=str(path.absolute()))
+
+
+def _with_implied(data: Mapping[str, Any]) -> dict[str, Any]:
+    """The tables of a case, with the words that others make plain: a striker is the load, a bar the bottom."""
+    data = dict(data)
+    if "striker" in data and "load" not in data:
+        data["load"] = {"kind": "striker"}
+    boundary = data.get("boundary", {})
+    if "bar" in data and isinstance(boundary, Mapping) and "bottom" not in boundary:
+        data["boundary"] = {**boundary, "bottom": "free"}
+    return data
+
+
+def _refuse_others(data: Mapping[str, Any], faults: Faults) -> None:
+    for name in _OF_CONTINUUM:
+        if name in data:
+            faults.add(name, "belongs to a continuum case: granwave continuum runs it")
+    for name in _OF_SCAN:
+        if name in data:
+            faults.add(name, "belongs in a scan file: granwave scan runs it")
+    others = (*_OF_CONTINUUM, *_OF_SCAN, _RECORD)
+    rest = {name: value for name, value in data.items() if name not in others}
+    refuse_unknown(rest, _KNOWN, "", faults)
+
+
+def _plain(value: Any) -> Any:
+    """Dataclasses and tuples as the tables and lists of TOML, which has no null."""
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        value = {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
+    if isinstance(value, Mapping):
+        return {key: _plain(item) for key, item in value.items() if item is not None}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    return value

@@ -1,0 +1,91 @@
+"""``[[pair]]``: a contact law of their own for two materials, such as the constants that a fit gave, or a friction."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from typing import Any
+
+from granwave.lammps_inputs.case.schema import Faults, read_table, refuse_unknown, show
+from granwave.lammps_inputs.case.sections import Contact
+
+RIGID = "rigid"  # what stands for a rigid wall in `Pair.materials`
+_NOT_BY_PAIR = ("initial_overlap",)
+_KEYS = tuple(field.name for field in dataclasses.fields(Contact) if field.name not in _NOT_BY_PAIR)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Pair:
+    """The contact law between two materials.
+
+    Attributes
+    ----------
+    materials
+        Their names; the same one twice for like bodies, "rigid" for a rigid wall.
+    contact
+        ``[contact]`` with what the pair changes.
+    """
+
+    materials: tuple[str, str]
+    contact: Contact
+
+    def fits(self, first: str | None, second: str | None) -> bool:
+        """It is the law between bodies of the materials of these names, in any order."""
+        return sorted(self.materials) == sorted((str(first), str(second)))
+
+    def to_dict(self) -> dict[str, Any]:
+        """As a table of a case file."""
+        values = {name: getattr(self.contact, name) for name in _KEYS}
+        return {"materials": list(self.materials)} | {
+            name: value for name, value in values.items() if value is not None
+        }
+
+
+def read_pairs(tables: Any, contact: Any, faults: Faults) -> tuple[Pair, ...]:
+    """Read the ``[[pair]]`` tables of a case; entry n has the dotted name ``pair.n``, from 1.
+
+    Parameters
+    ----------
+    contact
+        The table ``[contact]``: what a pair does not say is said there.
+    """
+    if not isinstance(tables, list | tuple):
+        faults.add("pair", f"found {show(tables)}, expected one or more [[pair]] tables")
+        return ()
+    common = {name: value for name, value in contact.items() if name in _KEYS} if isinstance(contact, Mapping) else {}
+    found: list[Pair] = []
+    for n, table in enumerate(tables, start=1):
+        pair = _read(table, common, f"pair.{n}", faults)
+        if pair is None:
+            continue
+        if any(other.fits(*pair.materials) for other in found):
+            faults.add(f"pair.{n}.materials", f"found {show(list(pair.materials))} twice, expected each pair once")
+        found.append(pair)
+    return tuple(found)
+
+
+def _read(table: Any, common: Mapping[str, Any], key: str, faults: Faults) -> Pair | None:
+    if not isinstance(table, Mapping):
+        faults.add(key, f"found {show(table)}, expected a table of materials and keys of [contact]")
+        return None
+    before = len(faults.lines)
+    refuse_unknown(table, ("materials", *_KEYS), key, faults)
+    names, expected = table.get("materials"), 'the names of two, such as ["steel", "brass"]'
+    if "materials" not in table:
+        faults.add(f"{key}.materials", f"missing; expected {expected}")
+    elif not isinstance(names, list | tuple) or len(names) != 2 or not all(isinstance(one, str) for one in names):
+        faults.add(f"{key}.materials", f"found {show(names)}, expected {expected}")
+    own = {name: value for name, value in table.items() if name in _KEYS}
+    if not own:
+        faults.add(key, "changes nothing; give keys of [contact], such as friction")
+    contact = read_table(Contact, {**_others(common, own), **own}, key, faults)
+    if contact is None or len(faults.lines) > before or not isinstance(names, list | tuple):
+        return None
+    return Pair(materials=(names[0], names[1]), contact=contact)
+
+
+def _others(common: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
+    """What a pair takes from ``[contact]``: all but the constants of another law."""
+    if own.get("law", common.get("law")) == common.get("law"):
+        return dict(common)
+    return {name: common[name] for name in ("friction", "tangential") if name in common}

@@ -1,0 +1,213 @@
+"""``[load]``: what sets a packing in motion.
+
+    impact         an initial velocity of the struck spheres
+    striker        the velocities of the [[striker]]s, nothing else
+    force          a force on the struck spheres, or on the free end of the incident bar
+    displacement   their prescribed motion
+
+The shapes of forces and displacements, with amplitude A, duration T and frequency f:
+
+    half-sine      A sin(pi t / T) up to T (thesis 2.21)
+    rectangle      A up to T (thesis 4.2)
+    harmonic       A sin(2 pi f t)
+    table          straight lines between given points; zero before and after
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from itertools import pairwise
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from granwave.lammps_inputs.case.schema import (
+    Faults,
+    Unfit,
+    choice,
+    custom,
+    finite,
+    number,
+    parse_point,
+    read_table,
+    show,
+)
+
+DEFAULT_VELOCITY = 5.0  # m/s
+_KINDS = ("impact", "striker", "force", "displacement")
+_SHAPES = ("half-sine", "rectangle", "harmonic", "table")
+_NEEDS: dict[str, tuple[str, ...]] = {
+    "half-sine": ("amplitude", "duration"),
+    "rectangle": ("amplitude", "duration"),
+    "harmonic": ("amplitude", "frequency"),
+    "table": ("table",),
+}
+_OF_SHAPES = ("shape", "amplitude", "duration", "frequency", "table", "file")
+_OF_KIND = {
+    "impact": ("kind", "spheres", "velocity", "angle", "spin"),
+    "striker": ("kind",),
+    "force": ("kind", "spheres", *_OF_SHAPES),
+    "displacement": ("kind", "spheres", *_OF_SHAPES),
+}
+_OF_DISPLACEMENT = ("harmonic", "table")
+_TABLE_FORM = "rows [time in s, value], at least two, times rising from 0 on"
+
+
+def _parse_table(value: Any) -> tuple[tuple[float, float], ...]:
+    if not isinstance(value, list | tuple) or len(value) < 2:
+        raise Unfit(_TABLE_FORM)
+    if any(not isinstance(row, list | tuple) or len(row) != 2 for row in value):
+        raise Unfit(_TABLE_FORM)
+    rows = tuple((finite(time, _TABLE_FORM), finite(size, _TABLE_FORM)) for time, size in value)
+    if rows[0][0] < 0 or any(later[0] <= earlier[0] for earlier, later in pairwise(rows)):
+        raise Unfit(_TABLE_FORM)
+    if not any(size for _, size in rows):
+        raise Unfit("a value other than zero")
+    return rows
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Load:
+    """``[load]``: what sets the packing in motion."""
+
+    kind: Literal["impact", "striker", "force", "displacement"] = choice(
+        "velocity of the struck spheres, the strikers alone, a force, or a prescribed displacement",
+        _KINDS,
+        default="impact",
+    )
+    velocity: float = number("of the struck spheres, into the packing", unit="m/s", above=0, default=DEFAULT_VELOCITY)
+    angle: float = number(
+        "of an impact, between the velocity and +z, towards +x", unit="degrees", at_least=0, below=90, default=0.0
+    )
+    spin: tuple[float, float, float] = custom(
+        "angular velocity of the struck spheres at the start",
+        lambda value: parse_point(value, "[x, y, z] in rad/s"),
+        unit="rad/s",
+        default=(0.0, 0.0, 0.0),
+    )
+    spheres: Literal[1, 3, 7] = choice("how many spheres are struck", (1, 3, 7), default=1)
+    shape: Literal["half-sine", "rectangle", "harmonic", "table"] | None = choice(
+        "of the force or displacement in time", _SHAPES, default=None
+    )
+    amplitude: float | None = number(
+        "of the force on all struck spheres together, along +z; of a displacement in m", unit="N", above=0, default=None
+    )
+    duration: float | None = number("of a half-sine or a rectangle", unit="s", above=0, default=None)
+    frequency: float | None = number("of a harmonic force or displacement", unit="Hz", above=0, default=None)
+    table: tuple[tuple[float, float], ...] | None = custom(
+        "points of force (N) or displacement (m) against time (s)", _parse_table, default=None
+    )
+
+    @property
+    def driven(self) -> bool:
+        """Work is done while the run goes on."""
+        return self.kind in ("force", "displacement")
+
+    @property
+    def initial_velocity(self) -> tuple[float, float, float]:
+        """Of the struck spheres of an impact: (x, y, z), m/s."""
+        angle = math.radians(self.angle)
+        return self.velocity * math.sin(angle), 0.0, self.velocity * math.cos(angle)
+
+    @property
+    def lasts(self) -> float:
+        """When the last work is done, s; infinite for what is harmonic."""
+        if not self.driven:
+            return 0.0
+        if self.shape == "harmonic":
+            return math.inf
+        return self.table[-1][0] if self.table else self.duration or 0.0
+
+    @property
+    def largest(self) -> float:
+        """Largest magnitude of the force, N, or of the displacement, m."""
+        return max(abs(size) for _, size in self.table) if self.table else self.amplitude or 0.0
+
+    @property
+    def impulse(self) -> float:
+        """Largest impulse that the force has given at any time, N s; of a harmonic force that of half a period."""
+        if self.table:
+            time, size = np.array(self.table).T
+            parts = np.diff(time) * (size[1:] + size[:-1]) / 2
+            return float(np.abs(np.cumsum(parts)).max())
+        amplitude = self.amplitude or 0.0
+        if self.shape == "harmonic":
+            return amplitude / (math.pi * (self.frequency or 1.0))
+        return amplitude * (self.duration or 0.0) * (2 / math.pi if self.shape == "half-sine" else 1.0)
+
+    @property
+    def fastest(self) -> float:
+        """Largest speed of a prescribed displacement, m/s."""
+        if self.table:
+            time, size = np.array(self.table).T
+            return float(np.abs(np.diff(size) / np.diff(time)).max())
+        return 2 * math.pi * (self.frequency or 0.0) * (self.amplitude or 0.0)
+
+    def keys(self) -> dict[str, Any]:
+        """The keys that mean something for this kind of load."""
+        return {name: getattr(self, name) for name in _OF_KIND[self.kind] if name != "file"}
+
+
+def read_load(table: Any, faults: Faults, directory: Path | None) -> Load | None:
+    """Read ``[load]``; what is missing or wrong is added to ``faults``.
+
+    Parameters
+    ----------
+    directory
+        Where a relative ``load.file`` starts from. The file's points become ``table``, so that the case is whole.
+    """
+    before = len(faults.lines)
+    if isinstance(table, Mapping) and "file" in table:
+        table = {name: value for name, value in table.items() if name != "file"} | _from_file(table, faults, directory)
+        if len(faults.lines) > before:
+            return None
+    load = read_table(Load, table, "load", faults)
+    if load is None:
+        return None
+    for name in table:
+        if name not in _OF_KIND[load.kind]:
+            belongs = " or ".join(f'"{kind}"' for kind in _KINDS if name in _OF_KIND[kind])
+            faults.add(f"load.{name}", f'belongs to a load of kind {belongs}; found load.kind = "{load.kind}"')
+    if load.driven:
+        _check_shape(load, faults)
+    return load if len(faults.lines) == before else None
+
+
+def _check_shape(load: Load, faults: Faults) -> None:
+    options = _OF_DISPLACEMENT if load.kind == "displacement" else _SHAPES
+    if load.shape not in options:
+        found = "missing" if load.shape is None else f'found "{load.shape}"'
+        faults.add("load.shape", f"{found}; a {load.kind} needs one of " + ", ".join(f'"{one}"' for one in options))
+        return
+    needed = _NEEDS[str(load.shape)]
+    for name in needed:
+        if getattr(load, name) is None:
+            alternative = " (or load.file)" if name == "table" else ""
+            faults.add(f"load.{name}", f'missing; shape "{load.shape}" needs it{alternative}')
+    for name in ("amplitude", "duration", "frequency", "table"):
+        if name not in needed and getattr(load, name) is not None:
+            faults.add(f"load.{name}", f'does not belong to shape "{load.shape}", which takes {", ".join(needed)}')
+
+
+def _from_file(table: Mapping[str, Any], faults: Faults, directory: Path | None) -> dict[str, Any]:
+    name = table["file"]
+    if "table" in table:
+        faults.add("load.file", "found beside load.table; give one of them")
+        return {}
+    if not isinstance(name, str) or not name:
+        faults.add("load.file", f"found {show(name)}, expected the path of a file of two columns, time and value")
+        return {}
+    try:
+        rows = np.loadtxt((directory or Path()) / name, ndmin=2, comments="#", delimiter=None)
+    except OSError as error:
+        faults.add("load.file", f"{name}: cannot be read: {error.strerror or error}")
+        return {}
+    except (ValueError, UnicodeDecodeError):
+        rows = np.empty((0, 0))
+    if rows.shape[1] != 2:
+        faults.add("load.file", f"{name}: expected two columns of numbers, {_TABLE_FORM}")
+        return {}
+    return {"table": rows.tolist()}

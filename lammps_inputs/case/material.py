@@ -1,0 +1,134 @@
+"""Materials: elastic constants, density and yield strength, by name or by value.
+
+A ``[material]`` table gives the values, or names a ``preset`` whose values it may override one by one.
+Presets come with the package (``materials.toml``) or from the user's own ``file`` of the same form.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import difflib
+import math
+from collections.abc import Mapping
+from functools import cache
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from granwave.lammps_inputs.case.schema import Faults, number, read_table, refuse_unknown, show, text
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.toml_files import read_toml
+
+_SELECTORS = ("preset", "file")
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Material:
+    """An isotropic elastic material that yields (von Mises) at ``yield_strength``."""
+
+    name: str | None = text("what the material is called in figures and tables", default=None)
+    youngs_modulus: float = number("Young's modulus", unit="Pa", above=0)
+    poisson_ratio: float = number("Poisson's ratio", above=-1, below=0.5)
+    density: float = number("mass density", unit="kg/m^3", above=0)
+    yield_strength: float | None = number("uniaxial yield strength", unit="Pa", above=0, default=None)
+    source: str | None = text("where the values come from", default=None)
+
+
+@cache
+def presets() -> dict[str, Material]:
+    """The materials that come with the package, by name."""
+    with resources.as_file(resources.files("granwave.lammps_inputs.case") / "materials.toml") as path:
+        return load_materials(path)
+
+
+def material(name: str) -> Material:
+    """The preset called ``name``.
+
+    Raises
+    ------
+    InputError
+        There is no such preset; the nearest one is named.
+    """
+    faults = Faults("material")
+    found = _select(name, presets(), "preset", faults)
+    if found is None:
+        raise InputError(faults.lines)
+    return found
+
+
+def sphere_mass(material: Material, radius: float) -> float:
+    """Mass of a sphere, kg; the radius in m."""
+    return material.density * 4 / 3 * math.pi * radius**3
+
+
+def load_materials(path: str | Path) -> dict[str, Material]:
+    """Read a file of materials, a table each.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, or a table in it is not a material.
+    """
+    faults = Faults(str(path))
+    read = {
+        name: read_table(Material, {"name": name, **table} if isinstance(table, Mapping) else table, name, faults)
+        for name, table in read_toml(path).items()
+    }
+    if faults.lines:
+        raise InputError(faults.lines)
+    return {name: entry for name, entry in read.items() if entry is not None}
+
+
+def read_material(table: Any, faults: Faults, directory: Path | None, key: str = "material") -> Material | None:
+    """Read a material of a case: a preset's name, or a table of values and, perhaps, ``preset`` and ``file``.
+
+    Parameters
+    ----------
+    directory
+        Where a relative ``file`` starts from: the directory of the case file.
+    key
+        Dotted name of the table, for faults.
+    """
+    if isinstance(table, str):
+        return _select(table, presets(), key, faults)
+    if not isinstance(table, Mapping):
+        faults.add(key, f'found {show(table)}, expected a name ("brass") or a table [{key}]')
+        return None
+    own = {name: value for name, value in table.items() if name not in _SELECTORS}
+    if "preset" not in table:
+        if "file" in table:
+            faults.add(f"{key}.preset", f"missing; name the material to take from {key}.file")
+            return None
+        return read_table(Material, own, key, faults)
+    known = _library(table.get("file"), directory, faults, f"{key}.file")
+    base = None if known is None else _select(table["preset"], known, f"{key}.preset", faults)
+    if base is None:
+        refuse_unknown(own, [field.name for field in dataclasses.fields(Material)], key, faults)
+        return None
+    values = {name: value for name, value in dataclasses.asdict(base).items() if value is not None}
+    if own.keys() - {"name"}:
+        values.pop("source", None)  # the source does not vouch for a changed value
+    return read_table(Material, {**values, **own}, key, faults)
+
+
+def _library(file: Any, directory: Path | None, faults: Faults, key: str) -> dict[str, Material] | None:
+    if file is None:
+        return presets()
+    if not isinstance(file, str) or not file:
+        faults.add(key, f"found {show(file)}, expected the path of a TOML file of materials")
+        return None
+    try:
+        return load_materials((directory or Path()) / file)
+    except InputError as error:
+        for line in error.faults:
+            faults.add(key, line)
+        return None
+
+
+def _select(name: Any, known: Mapping[str, Material], key: str, faults: Faults) -> Material | None:
+    if isinstance(name, str) and name in known:
+        return known[name]
+    near = difflib.get_close_matches(str(name), known, n=1, cutoff=0.5)
+    hint = f"did you mean {near[0]}?" if near else ""
+    faults.add(key, f"found {show(name)}, expected one of {', '.join(known)}; {hint}".rstrip("; "))
+    return None

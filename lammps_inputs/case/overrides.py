@@ -1,0 +1,112 @@
+"""Overrides of a case from the command line or a scan: ``KEY=VALUE`` with dotted keys and TOML values.
+
+Bare words are strings: ``packing.kind=hcp``, ``material=steel``. Only the named key changes, except that a
+whole table can be replaced by naming it: ``material=steel`` drops the keys of an earlier ``[material]``. Entries of an
+array of tables go by number, from 1: ``replace.2.index=8``.
+"""
+
+from __future__ import annotations
+
+import copy
+import re
+import tomllib
+from collections.abc import Iterable, Mapping
+from itertools import pairwise
+from typing import Any
+
+from granwave.lammps_inputs.case.schema import show
+from granwave.lammps_inputs.errors import InputError
+
+_BARE_WORD = re.compile(r"""[^\s"'\[\]{}=,#][^"'\[\]{}=,#\r\n]*""")
+_KEY = re.compile(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+)*")
+
+
+def parse_override(override: str) -> tuple[str, Any]:
+    """Split ``KEY=VALUE`` into the dotted key and the value.
+
+    Raises
+    ------
+    InputError
+        There is no ``=``, the key is not a dotted path, or the value is neither TOML nor a bare word.
+    """
+    key, equals, written = (part.strip() for part in override.partition("="))
+    if not equals or not _KEY.fullmatch(key):
+        raise InputError(f"--set: found {show(override)}, expected KEY=VALUE such as load.velocity=10")
+    try:
+        document = tomllib.loads(f"value = {written}")
+    except tomllib.TOMLDecodeError:
+        document = {}
+    if list(document) == ["value"]:
+        return key, document["value"]
+    if _BARE_WORD.fullmatch(written):
+        return key, written
+    raise InputError(f"--set: {key}: found {show(written)}, expected a TOML value or a bare word")
+
+
+def parse_overrides(overrides: Iterable[str] | Mapping[str, Any]) -> dict[str, Any]:
+    """Overrides as a mapping of dotted keys to values; all faults are raised at once."""
+    if isinstance(overrides, Mapping):
+        return dict(overrides)
+    if isinstance(overrides, str):
+        overrides = [overrides]
+    parsed: dict[str, Any] = {}
+    faults: list[str] = []
+    for override in overrides:
+        try:
+            key, value = parse_override(override)
+        except InputError as error:
+            faults += error.faults
+        else:
+            parsed.pop(key, None)  # the last word counts, also in the order of application
+            parsed[key] = value
+    if faults:
+        raise InputError(faults)
+    return parsed
+
+
+def apply_overrides(data: Mapping[str, Any], overrides: Mapping[str, Any]) -> dict[str, Any]:
+    """A copy of the case ``data`` with ``overrides`` (dotted key to value) put in.
+
+    Raises
+    ------
+    InputError
+        A key leads through a value that is not a table.
+    """
+    result = copy.deepcopy(dict(data))
+    faults: list[str] = []
+    for key, value in overrides.items():
+        *path, last = key.split(".")
+        table = result
+        for name, following in pairwise([*path, last]):
+            inner = table.setdefault(name, {})
+            if name == "material" and isinstance(inner, str):
+                inner = table[name] = {"preset": inner}
+            if isinstance(inner, list) and following.isdigit():
+                inner = table[name] = _Numbered(inner)
+            if not isinstance(inner, dict):
+                faults.append(f"--set: {key}: found {name} = {show(inner)}, expected a table [{name}]")
+                break
+            if isinstance(inner, _Numbered) and following not in inner:
+                faults.append(f"--set: {key}: found {len(inner)} [[{name}]] tables, expected {following} or more")
+                break
+            table = inner
+        else:
+            table[last] = copy.deepcopy(value)
+    if faults:
+        raise InputError(faults)
+    return _with_lists(result)
+
+
+class _Numbered(dict[str, Any]):
+    """An array of tables by number, from 1, as a dotted key names its entries."""
+
+    def __init__(self, entries: list[Any]) -> None:
+        super().__init__({str(n): entry for n, entry in enumerate(entries, start=1)})
+
+
+def _with_lists(value: Any) -> Any:
+    if isinstance(value, _Numbered):
+        return [_with_lists(item) for item in value.values()]
+    if isinstance(value, dict):
+        return {name: _with_lists(item) for name, item in value.items()}
+    return value

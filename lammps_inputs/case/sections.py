@@ -1,0 +1,310 @@
+"""The tables of a case file: typed, frozen, with a description, a unit and a default for every key."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from itertools import pairwise
+from typing import Any, Literal
+
+from granwave.lammps_inputs.case.material import Material
+from granwave.lammps_inputs.case.schema import Unfit, choice, custom, finite, number, parse_point, whole
+from granwave.lammps_inputs.case.supports import Support
+from granwave.lammps_inputs.case.yield_factor import DEFAULT_YIELD_FACTOR
+from granwave.lammps_inputs.lattices import KINDS
+
+BOTTOMS = ("wall", "fixed", "free")
+LAWS = ("elastoplastic", "hertz", "bilinear", "thornton")
+AUTO_END_TIME = 5e-3  # s, the longest that `end_time = "auto"` goes on
+LAW_CONSTANTS = (
+    "pressure_limit", "pressure_rate", "area_switch", "area_slope", "area_offset",
+    "residual_slope", "residual_offset", "residual_rate", "unloading_exponent",
+)  # fmt: skip
+_CONSTANT: dict[str, Any] = {"above": 0, "default": None}
+LARGEST_ID = 2**31 - 1  # LAMMPS numbers atoms with 32 bits in its usual build
+
+
+def _parse_size(value: Any) -> tuple[int, ...]:
+    expected = "whole numbers from 1 up: [nx, ny, nz], [nx, ny] (square) or n (chain)"
+    counts = value if isinstance(value, list | tuple) else [value]
+    size = tuple(whole(count, expected) for count in counts)
+    if not 1 <= len(size) <= 3:
+        raise Unfit(expected)
+    if math.prod(size) > LARGEST_ID:
+        raise Unfit(f"at most {LARGEST_ID} spheres in all")
+    return size
+
+
+def _parse_frames(value: Any) -> int | tuple[float, ...]:
+    expected = "how many snapshots (from 1 up), or a list of rising times in s"
+    if not isinstance(value, list | tuple):
+        return whole(value, expected)
+    times = tuple(finite(time, expected) for time in value)
+    if not times or times[0] < 0 or any(later <= earlier for earlier, later in pairwise(times)):
+        raise Unfit(expected)
+    return times
+
+
+def _parse_seed(value: Any) -> int:
+    expected = f"a whole number from 0 to {LARGEST_ID}"
+    seed = whole(value, expected, at_least=0)
+    if seed > LARGEST_ID:
+        raise Unfit(expected)
+    return seed
+
+
+def _parse_vacancies(value: Any) -> float | tuple[int, ...]:
+    expected = "a share of the spheres, 0 or more and below 1, or a list of ids"
+    if isinstance(value, list | tuple):
+        return tuple(sorted({whole(one, expected) for one in value}))
+    share = finite(value, expected)
+    if not 0 <= share < 1:
+        raise Unfit(expected)
+    return share
+
+
+_DENT_FORM = (
+    "a number in m, the path of a result.h5, or tables {overlap = ...} or {force = ...} with low and high = [x, y, z]"
+)
+
+
+def _parse_dents(value: Any) -> float | str | tuple[Dents, ...]:
+    if isinstance(value, str) and value:
+        return value
+    if isinstance(value, Mapping | list | tuple):
+        tables = [value] if isinstance(value, Mapping) else value
+        if not tables:
+            raise Unfit(_DENT_FORM)
+        return tuple(_parse_dent(table) for table in tables)
+    size = finite(value, _DENT_FORM)
+    if size < 0:
+        raise Unfit(f"{_DENT_FORM}, not negative")
+    return size
+
+
+def _parse_dent(table: Any) -> Dents:
+    known = {"overlap", "force", "low", "high"}
+    if not isinstance(table, Mapping) or not set(table) <= known or ("overlap" in table) == ("force" in table):
+        raise Unfit(_DENT_FORM)
+    size = finite(table.get("overlap", table.get("force")), _DENT_FORM)
+    if size < 0:
+        raise Unfit(f"{_DENT_FORM}, not negative")
+    low, high = (parse_point(table[name], _DENT_FORM) if name in table else None for name in ("low", "high"))
+    if low is not None and high is not None and any(a > b for a, b in zip(low, high, strict=True)):
+        raise Unfit("low of a box of dents below its high, along each axis")
+    return Dents(overlap=size, low=low, high=high) if "overlap" in table else Dents(force=size, low=low, high=high)
+
+
+def _parse_history(value: Any) -> int | str:
+    return value if value == "auto" else whole(value, 'a whole number from 0 up or "auto"', at_least=0)
+
+
+def _parse_probes(value: Any) -> tuple[Probe, ...]:
+    if not isinstance(value, list | tuple):
+        raise Unfit(_PROBE_FORM)
+    return tuple(_parse_probe(probe) for probe in value)
+
+
+_PROBE_FORM = "a list such as [{sphere = 12}, {contact = [12, 34]}]"
+
+
+def _parse_probe(value: Any) -> Probe:
+    if not isinstance(value, Mapping) or len(value) != 1:
+        raise Unfit(_PROBE_FORM)
+    ((what, which),) = value.items()
+    expected = f"{_PROBE_FORM} with ids from 1 up"
+    if what == "sphere":
+        return Probe(sphere=whole(which, expected))
+    if what == "contact" and isinstance(which, list | tuple) and len(which) == 2:
+        first, second = (whole(sphere, expected) for sphere in which)
+        return Probe(contact=(first, second))
+    raise Unfit(_PROBE_FORM)
+
+
+@dataclasses.dataclass(frozen=True)
+class Probe:
+    """What is recorded at its own rate: one sphere, or the contact of two."""
+
+    sphere: int | None = None
+    contact: tuple[int, int] | None = None
+
+    @property
+    def spheres(self) -> tuple[int, ...]:
+        """The ids it names."""
+        return self.contact if self.contact is not None else (self.sphere or 0,)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Dents:
+    """Dents that the contacts in a box have from the start, by their largest overlap (m) or the force there (N)."""
+
+    overlap: float | None = None
+    force: float | None = None
+    low: tuple[float, float, float] | None = None
+    high: tuple[float, float, float] | None = None
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class PackingSection:
+    """``[packing]``: which spheres there are."""
+
+    kind: Literal["fcc", "hcp", "bcc", "sc", "square", "chain"] = choice("lattice", tuple(KINDS))
+    size: tuple[int, ...] = custom("spheres along x, rows along y, layers along z", _parse_size)
+    diameter: float = number("diameter of the spheres", unit="m", above=0)
+    diameter_scatter: float = number(
+        "tolerance: the diameters lie between this much less and the nominal one", unit="m", at_least=0, default=0.0
+    )
+    scatter_distribution: Literal["uniform", "normal"] = choice(
+        "of the diameters in the tolerance band; normal: three standard deviations to either side of its middle",
+        ("uniform", "normal"),
+        default="uniform",
+    )
+    vacancies: float | tuple[int, ...] = custom(
+        "spheres left out: a share of them, chosen at random, or their ids", _parse_vacancies, default=0.0
+    )
+    seed: int | None = custom("of what is random in the packing", _parse_seed, default=None)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Contact:
+    """``[contact]``: how two spheres press on each other."""
+
+    law: Literal["elastoplastic", "hertz", "bilinear", "thornton"] = choice(
+        "contact law", LAWS, default="elastoplastic"
+    )
+    variant: Literal["continuous", "published"] = choice(
+        "constants of the elasto-plastic law: made continuous, or as printed",
+        ("continuous", "published"),
+        default="continuous",
+    )
+    yield_factor: float = number(
+        "C = p_y / sigma_y, contact pressure at first yield", above=0, default=DEFAULT_YIELD_FACTOR
+    )
+    beta: float = number("bilinear law: residual overlap over the largest overlap", at_least=0, below=1, default=0.8)
+    friction: float = number("coefficient of Coulomb friction between spheres", at_least=0, default=0.0)
+    tangential: Literal["mindlin_rescale", "mindlin"] = choice(
+        "spring of friction where its circle shrinks: force scaled down with it, or kept, which can create energy",
+        ("mindlin_rescale", "mindlin"),
+        default="mindlin_rescale",
+    )
+    initial_overlap: float | str | tuple[Dents, ...] = custom(
+        "largest overlap that the contacts had before the run, their dents: a value, values by region, or an earlier "
+        "run's result.h5",
+        _parse_dents,
+        unit="m",
+        default=0.0,
+    )
+
+    # constants of the elasto-plastic law, for materials whose curve is not the published one (None: as published);
+    # a = alpha/alpha_y, and the pressure is in units of sigma_y, the area in units of pi R* alpha_y
+    pressure_limit: float | None = number("c1 of p = c1 - (c1 - 2C/3) exp(-c2 (a-1)); 2.48 (thesis 2.8)", **_CONSTANT)
+    pressure_rate: float | None = number("c2 of the same; 0.098 (thesis 2.8)", at_least=1e-4, at_most=10, default=None)
+    area_switch: float | None = number(
+        "a from which the area is A = c4 a - c5, a power of a below; 177.6 (thesis 2.10)", above=1, default=None
+    )
+    area_slope: float | None = number("c4 of the area; 2.37 (thesis 2.10)", **_CONSTANT)
+    area_offset: float | None = number("c5 of the area; 59.96 (thesis 2.10)", default=None)
+    residual_slope: float | None = number(
+        "c6 of a_R = c6 a_max - c7 + (c7 - c6) exp(-c8 (a_max - 1)); 0.95 (thesis 2.13)", **_CONSTANT
+    )
+    residual_offset: float | None = number("c7 of the same; 25.94 (thesis 2.13)", default=None)
+    residual_rate: float | None = number("c8 of the same; 0.015 (thesis 2.13)", **_CONSTANT)
+    unloading_exponent: float | None = number(
+        "n of f = f_max ((a - a_R)/(a_max - a_R))^n; 1.35 (thesis 2.12)", at_least=1, default=None
+    )
+
+    @property
+    def constants(self) -> dict[str, float]:
+        """The constants of the elasto-plastic law that were given, by name."""
+        given = {name: getattr(self, name) for name in LAW_CONSTANTS}
+        return {name: value for name, value in given.items() if value is not None}
+
+    @property
+    def yields(self) -> bool:
+        """The law needs a yield strength."""
+        return self.law != "hertz"
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Boundary:
+    """``[boundary]``: what is around the packing; the struck top is always free."""
+
+    bottom: Literal["wall", "fixed", "free"] = choice(
+        "below the last layer: a plane, the layer held in place, or nothing", BOTTOMS, default="wall"
+    )
+    bottom_material: Material | None = None  # of the plane, given as bottom = {material = ...}; rigid without one
+    sides: Literal["free", "wall", "periodic"] = choice(
+        "at the sides: nothing, planes, or the packing again",
+        ("free", "wall", "periodic"),
+        default="free",
+    )
+    bottom_support: Support | None = None  # what the plane moves on: plate, half_space or bar = {...}
+    sides_material: Material | None = None  # of all side planes, given as sides = {material = ...}
+    friction: float | None = number(
+        "coefficient of Coulomb friction of the walls; that of the contacts by default", at_least=0, default=None
+    )
+    forget_gap: float = number(
+        "a dent is forgotten when the gap exceeds it, never sooner",
+        unit="diameters",
+        above=0,
+        at_most=2,
+        default=0.1,
+    )
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Precompression:
+    """``[precompression]``: a static load before the impact, which stays on."""
+
+    kind: Literal["uniaxial", "uniform", "gravity"] = choice(
+        "a load along z on the top layer, the same pressure on all free faces, or the spheres' weight along +z",
+        ("uniaxial", "uniform", "gravity"),
+    )
+    pressure: float | None = number("on the faces of the packing", unit="Pa", above=0, default=None)
+    force: float | None = number("on each sphere of the top layer (uniaxial)", unit="N", above=0, default=None)
+    acceleration: float = number("of gravity", unit="m/s^2", above=0, default=9.81)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Run:
+    """``[run]``: how long, in what steps, with which snapshots."""
+
+    end_time: float | Literal["auto"] = number(
+        "when the run ends; auto: when 50 us add less than 1e-4 of the input to dissipation, at most 5 ms",
+        unit="s",
+        above=0,
+        word="auto",
+        default=1e-3,
+    )
+    timestep: float | Literal["auto"] = number(
+        "auto: from the stiffest contact expected", unit="s", above=0, word="auto", default="auto"
+    )
+    frames: int | tuple[float, ...] = custom(
+        "snapshots, the start and the end among them: how many, or the times", _parse_frames, default=20
+    )
+
+    @property
+    def longest(self) -> float:
+        """The latest time the run can reach, s."""
+        return AUTO_END_TIME if isinstance(self.end_time, str) else self.end_time
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Output:
+    """``[output]``: what is recorded besides snapshots and energies."""
+
+    probes: tuple[Probe, ...] = custom("spheres and contacts recorded at their own rate", _parse_probes, default=())
+    probe_interval: float | Literal["auto"] = number(
+        "time between records of probes and walls; auto: five timesteps",
+        unit="s",
+        above=0,
+        word="auto",
+        default="auto",
+    )
+    history: int | Literal["auto"] = custom(
+        "instants at which the velocity of every bead of a chain and the force of every contact are recorded; "
+        "auto: 1000 (fewer with long bars) for chains of five beads and more",
+        _parse_history,
+        default="auto",
+    )

@@ -1,0 +1,164 @@
+"""What a bottom plane rests on, where it is not held in place: ``boundary.bottom = {plate = {...}}`` and the like.
+
+plate        a rigid plate of some mass on a spring, with a damper if wanted
+half_space   the surface of an elastic half-space under the packing's footprint: Lysmer's analogue, a spring
+             4 G r/(1 - nu) beside a damper 3.4 r^2 sqrt(rho G)/(1 - nu) (Lysmer and Richart, 1966)
+bar          an elastic bar along z, of linear elements with lumped mass; its far end free, fixed, or without an echo
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Literal
+
+from granwave.lammps_inputs.case.material import Material, read_material
+from granwave.lammps_inputs.case.schema import Faults, choice, custom, number, read_table, refuse_unknown, show, whole
+from granwave.lammps_inputs.deck.commands import num
+
+_SPRING = 4.0  # K (1 - nu) / (G r) of a rigid disc on a half-space, exact in statics
+_DAMPER = 3.4  # C (1 - nu) / (r^2 sqrt(rho G)) (Lysmer and Richart, 1966)
+_OF_ELEMENT = 0.5  # of the time that a wave takes for an element of a bar
+_OF_OSCILLATION = 0.05  # of sqrt(mass/stiffness)
+_OF_DECAY = 0.05  # of damping/stiffness of a surface without mass
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Plate:
+    """A rigid plate on a spring and a damper."""
+
+    mass: float = number("of the plate", unit="kg", above=0)
+    stiffness: float = number("of the spring between plate and ground", unit="N/m", above=0)
+    damping: float = number("of the damper beside the spring", unit="N s/m", at_least=0, default=0.0)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class HalfSpace:
+    """The surface of an elastic half-space, moved as a whole by the packing that stands on it."""
+
+    radius: float | None = number(
+        "of the disc that moves; that of the packing's footprint by default", unit="m", above=0, default=None
+    )
+
+    def stiffness(self, material: Material, radius: float) -> float:
+        """Of a rigid disc of this radius (m) on the half-space, N/m."""
+        return _SPRING * _shear_modulus(material) * radius / (1 - material.poisson_ratio)
+
+    def damping(self, material: Material, radius: float) -> float:
+        """What it radiates, N s/m."""
+        return (
+            _DAMPER * radius**2 * math.sqrt(material.density * _shear_modulus(material)) / (1 - material.poisson_ratio)
+        )
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class SupportBar:
+    """An elastic bar under the whole packing."""
+
+    length: float = number("of the bar", unit="m", above=0)
+    area: float = number("of its cross-section", unit="m^2", above=0)
+    elements: int = custom("of equal length", lambda value: whole(value, "a whole number from 1 up"), default=200)
+    end: Literal["free", "fixed", "infinite"] = choice(
+        "far end: free, fixed, or going on without an echo", ("free", "fixed", "infinite"), default="infinite"
+    )
+
+    def mass(self, material: Material) -> float:
+        """Of the whole bar, kg."""
+        return material.density * self.area * self.length
+
+    def stiffness(self, material: Material) -> float:
+        """Of an element, N/m."""
+        return material.youngs_modulus * self.area * self.elements / self.length
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Support:
+    """One of the three, and of what material its surface is."""
+
+    plate: Plate | None = None
+    half_space: HalfSpace | None = None
+    bar: SupportBar | None = None
+
+    @property
+    def kind(self) -> str:
+        """Its name, as in the case."""
+        return "plate" if self.plate else "half_space" if self.half_space else "bar"
+
+    @property
+    def bears(self) -> bool:
+        """It holds a load that lasts: there is a spring to the ground."""
+        return self.bar is None or self.bar.end == "fixed"
+
+    def words(self, material: Material | None, footprint: float) -> list[str]:
+        """The support as ``fix wall/gran/hysteretic`` takes it, behind the word support.
+
+        Parameters
+        ----------
+        material
+            Of the surface; a plate needs none.
+        footprint
+            Radius of the packing's footprint, m.
+        """
+        if self.plate:
+            return [num(value) for value in (self.plate.mass, self.plate.stiffness, self.plate.damping)]
+        assert material is not None
+        if self.half_space:
+            radius = self.half_space.radius or footprint
+            values = self.half_space.stiffness(material, radius), self.half_space.damping(material, radius)
+            return ["0.0", *(num(value) for value in values)]
+        assert self.bar is not None
+        impedance = self.bar.area * math.sqrt(material.youngs_modulus * material.density)
+        end = num(impedance) if self.bar.end == "infinite" else self.bar.end
+        return ["bar", str(self.bar.elements), num(self.bar.mass(material)), num(self.bar.stiffness(material)), end]
+
+    def longest_timestep(self, material: Material | None, footprint: float, contacts: float) -> float:
+        """A timestep that follows its motion, s.
+
+        Parameters
+        ----------
+        material, footprint
+            As of `words`.
+        contacts
+            Stiffness of all contacts with the plane together, N/m.
+        """
+        if self.plate:
+            return _OF_OSCILLATION * math.sqrt(self.plate.mass / (self.plate.stiffness + contacts))
+        assert material is not None
+        if self.half_space:
+            return _OF_DECAY * self.half_space.damping(material, self.half_space.radius or footprint) / contacts
+        assert self.bar is not None
+        element = self.bar.length / self.bar.elements
+        front = self.bar.mass(material) / self.bar.elements / 2
+        return min(
+            _OF_ELEMENT * element * math.sqrt(material.density / material.youngs_modulus),
+            _OF_OSCILLATION * math.sqrt(front / (self.bar.stiffness(material) + contacts)),
+        )
+
+
+_KINDS: dict[str, type] = {"plate": Plate, "half_space": HalfSpace, "bar": SupportBar}
+
+
+def read_bottom(
+    table: Mapping[str, Any], key: str, faults: Faults, directory: Path | None
+) -> tuple[Material | None, Support | None]:
+    """Read ``bottom = {...}``: its material, and what it rests on; what is wrong is added to ``faults``."""
+    refuse_unknown(table, ("material", *_KINDS), key, faults)
+    chosen = [name for name in _KINDS if name in table]
+    if not table:
+        faults.add(key, f'found {show(table)}, expected a word, {{material = "..."}}, or one of {", ".join(_KINDS)}')
+    if len(chosen) > 1:
+        faults.add(key, f"found {' and '.join(chosen)}, expected one of them")
+        return None, None
+    material = read_material(table["material"], faults, directory, f"{key}.material") if "material" in table else None
+    if not chosen:
+        return material, None
+    if "material" not in table and chosen[0] != "plate":
+        faults.add(f"{key}.material", f"missing; a {chosen[0]} needs it")
+    section = read_table(_KINDS[chosen[0]], table[chosen[0]], f"{key}.{chosen[0]}", faults)
+    return material, None if section is None else Support(**{chosen[0]: section})
+
+
+def _shear_modulus(material: Material) -> float:
+    return material.youngs_modulus / (2 * (1 + material.poisson_ratio))

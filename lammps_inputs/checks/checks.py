@@ -1,0 +1,225 @@
+"""What the tables of a case must satisfy together, and what deserves a warning."""
+
+from __future__ import annotations
+
+import logging
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from granwave.lammps_inputs.case.bodies import Bar, Sensor, Striker
+from granwave.lammps_inputs.case.load import Load
+from granwave.lammps_inputs.case.schema import Faults, show
+from granwave.lammps_inputs.case.sections import Boundary, Output, PackingSection, Run
+from granwave.lammps_inputs.case.yield_factor import FITTED_POISSON_RATIO, hertz_von_mises_yield_factor
+from granwave.lammps_inputs.checks.contacts import check_contacts, check_dents
+from granwave.lammps_inputs.checks.packing import check_disorder, check_room
+from granwave.lammps_inputs.checks.precompression import check_first_yield, check_precompression, check_support
+from granwave.lammps_inputs.lattices import KINDS, Lattice
+from granwave.lammps_inputs.packing.assembly import BAR, INCIDENT_BAR
+from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
+
+if TYPE_CHECKING:
+    from granwave.lammps_inputs.case.case import Case
+
+_LOG = logging.getLogger("granwave")
+_OVERLAP = 1e-6  # diameters: how far a striker may reach into what it is not said to touch
+_LONGEST_ELEMENT = 10  # of a bar, in diameters of the beads
+_LEAST_PERIODIC = 3  # fewer spheres would touch their own images, or one neighbour twice
+
+
+def check_together(parts: Mapping[str, Any], faults: Faults) -> None:
+    """Check what concerns several keys; a part that is missing or itself wrong is None and passed over."""
+    packing: PackingSection | None = parts.get("packing")
+    boundary: Boundary | None = parts.get("boundary")
+    run: Run | None = parts.get("run")
+    output: Output | None = parts.get("output")
+    check_contacts(parts, faults)
+    if run is not None:
+        _check_times(run, output, faults)
+    if packing is None or not _size_fits(packing, faults):
+        return
+    n_spheres = Lattice(packing.kind, packing.size, packing.diameter).n_spheres
+    strikers, sensors = parts.get("striker", ()), parts.get("sensor", ())
+    _check_strikers(strikers, n_spheres, faults)
+    n_spheres += len(strikers)
+    _check_sensors(sensors, n_spheres, faults)
+    if output is not None:
+        _check_probes(output, n_spheres, faults)
+        if output.history not in (0, "auto") and packing.kind != "chain":
+            faults.add("output.history", f"found {output.history} for {packing.kind}, expected 0: only chains have one")
+    if boundary is not None and _boundary_fits(packing, boundary, faults):
+        _check_load(parts.get("load"), packing, boundary, faults)
+        _check_bars(parts, packing, boundary, faults)
+        check_precompression(parts, packing, boundary, faults)
+    check_disorder(parts, faults)
+
+
+def check_case(case: Case, faults: Faults) -> None:
+    """Check what takes the whole case: room for larger spheres, the places of strikers."""
+    check_room(case, faults)
+    try:
+        case.assembly  # noqa: B018
+    except ValueError as error:
+        faults.add("striker", str(error))
+        return
+    check_support(case, faults)
+    check_first_yield(case, faults)
+    check_dents(case, faults)
+    if case.packing.kind == "chain" and (case.boundary.bottom == "wall" or case.bar is not None):
+        _check_below(case, faults)
+
+
+def _check_below(case: Case, faults: Faults) -> None:
+    """Below a chain there is no room for a striker if a wall or a bar is there; those of other packings let it pass."""
+    bottom = case.assembly.bottom()
+    what = "bar" if case.bar is not None else "wall at the bottom"
+    for n, (_, centre) in enumerate(case.assembly.strikers, start=1):
+        beyond = centre[2] + case.assembly.diameter_of(case.lattice.n_spheres + n) / 2 - bottom
+        if beyond > _OVERLAP * case.packing.diameter:
+            faults.add(f"striker.{n}", f"the {what} cuts through it, {beyond:.3g} m deep; take one of them away")
+
+
+def warn_about(case: Case, *, chose_yield_factor: bool) -> None:
+    """Log what is allowed but may not be meant."""
+    ratio = case.material.poisson_ratio
+    uses_factor = case.contact.law in ("elastoplastic", "thornton")
+    if uses_factor and not chose_yield_factor and ratio != FITTED_POISSON_RATIO:
+        _LOG.warning(
+            "%s: the contact law was fitted for a Poisson's ratio of %.2f, found %g; "
+            "its exact Hertz-von Mises yield factor is C = %.4f (contact.yield_factor is %g)",
+            case.name,
+            FITTED_POISSON_RATIO,
+            ratio,
+            hertz_von_mises_yield_factor(ratio),
+            case.contact.yield_factor,
+        )
+    for probe in case.output.probes:
+        if probe.contact is not None and not _touch(case, *probe.contact):
+            _LOG.warning("%s: the spheres of the probed contact %s do not touch at the start", case.name, probe.contact)
+    for name, echo in case.assembly.echoes().items():
+        if case.run.longest > echo:
+            _LOG.warning(
+                "%s: an echo of the end of the %s can reach the chain after %.3g s, the run lasts %.3g s: "
+                "make the bar longer, or the run shorter",
+                case.name,
+                name,
+                echo,
+                case.run.longest,
+            )
+    if case.run.end_time == "auto" and not case.contact.yields:
+        _LOG.warning('%s: a Hertz packing dissipates nothing, so run.end_time = "auto" ends after 50 us', case.name)
+
+
+def _check_strikers(strikers: tuple[Striker, ...], n_spheres: int, faults: Faults) -> None:
+    for n, striker in enumerate(strikers, start=1):
+        known = n_spheres + n - 1
+        beyond = [sphere for sphere in striker.touches if sphere > known]
+        if beyond:
+            faults.add(
+                f"striker.{n}.touches",
+                f"found {beyond[0]}, expected ids from 1 to {known}: spheres of the packing, and earlier strikers",
+            )
+
+
+def _check_sensors(sensors: tuple[Sensor, ...], n_spheres: int, faults: Faults) -> None:
+    for n, sensor in enumerate(sensors, start=1):
+        if sensor.id > n_spheres:
+            faults.add(f"sensor.{n}.id", f"found {sensor.id}, expected an id from 1 to {n_spheres}")
+        if sensor.name in [other.name for other in sensors[: n - 1]]:
+            faults.add(f"sensor.{n}.name", f"found {show(sensor.name)} twice, expected a name of its own")
+
+
+def _check_bars(parts: Mapping[str, Any], packing: PackingSection, boundary: Boundary, faults: Faults) -> None:
+    bars: dict[str, Bar | None] = {name: parts.get(name) for name in (BAR, INCIDENT_BAR)}
+    for name, bar in bars.items():
+        if bar is not None and packing.kind != "chain":
+            faults.add(name, f"found with packing.kind = {show(packing.kind)}, expected a chain")
+        elif bar is not None and bar.length > _LONGEST_ELEMENT * packing.diameter * bar.elements:
+            least = math.ceil(bar.length / (_LONGEST_ELEMENT * packing.diameter))
+            faults.add(
+                f"{name}.elements",
+                f"found {bar.elements} in {bar.length:g} m, expected {least} or more: "
+                f"elements of at most {_LONGEST_ELEMENT} bead diameters, or they cannot carry a chain's pulses",
+            )
+    if bars[BAR] is not None and boundary.bottom != "free":
+        faults.add(
+            "boundary.bottom", f'found {show(boundary.bottom)} beside [bar], expected "free": the bar is what is below'
+        )
+    load: Load | None = parts.get("load")
+    if bars[INCIDENT_BAR] is not None and load is not None and load.kind != "force":
+        faults.add(
+            "load.kind", f"found {show(load.kind)}, expected a force: it acts on the free end of the incident_bar"
+        )
+    if bars[INCIDENT_BAR] is not None and parts.get("striker"):
+        faults.add("striker", "found beside [incident_bar]; take one of them out")
+
+
+def _check_times(run: Run, output: Output | None, faults: Faults) -> None:
+    ends = f"run.end_time, {run.longest:g} s"
+    if not isinstance(run.timestep, str) and run.timestep > run.longest:
+        faults.add("run.timestep", f"found {run.timestep:g} s, expected at most {ends}")
+    if isinstance(run.frames, tuple) and run.frames[-1] > run.longest:
+        faults.add("run.frames", f"found a time of {run.frames[-1]:g} s, expected none beyond {ends}")
+    if output is not None and not isinstance(output.probe_interval, str) and output.probe_interval > run.longest:
+        faults.add("output.probe_interval", f"found {output.probe_interval:g} s, expected at most {ends}")
+
+
+def _size_fits(packing: PackingSection, faults: Faults) -> bool:
+    axes = KINDS[packing.kind].axes
+    if len(packing.size) == len(axes):
+        return True
+    form = "a number n" if len(axes) == 1 else "[" + ", ".join(f"n{axis}" for axis in axes) + "]"
+    faults.add("packing.size", f"found {show(packing.size)}, expected {form} for {packing.kind}")
+    return False
+
+
+def _check_probes(output: Output, n_spheres: int, faults: Faults) -> None:
+    for probe in output.probes:
+        for sphere in probe.spheres:
+            if sphere > n_spheres:
+                faults.add("output.probes", f"found sphere {sphere}, expected an id from 1 to {n_spheres}")
+        if probe.contact is not None and probe.contact[0] == probe.contact[1]:
+            faults.add("output.probes", f"found contact {show(probe.contact)}, expected two different spheres")
+
+
+def _boundary_fits(packing: PackingSection, boundary: Boundary, faults: Faults) -> bool:
+    before = len(faults.lines)
+    rule = KINDS[packing.kind]
+    nx, ny, nz = Lattice(packing.kind, packing.size, packing.diameter).shape
+    if boundary.bottom == "fixed" and nz == 1:
+        faults.add(
+            "boundary.bottom",
+            'found "fixed" with a single layer, which is struck; expected two layers or more',
+        )
+    if boundary.sides == "periodic":
+        if packing.kind == "chain":
+            faults.add("boundary.sides", 'found "periodic" for a chain, expected "free" or "wall"')
+        elif min(nx, ny) < _LEAST_PERIODIC:
+            faults.add(
+                "packing.size",
+                f"found {nx} x {ny} spheres in a layer, expected at least {_LEAST_PERIODIC} each way "
+                'for boundary.sides = "periodic"',
+            )
+        elif rule.hexagonal and ny % 2:
+            faults.add("packing.size", f"found {ny} rows, expected an even number for periodic {packing.kind} layers")
+    return len(faults.lines) == before
+
+
+def _check_load(load: Load | None, packing: PackingSection, boundary: Boundary, faults: Faults) -> None:
+    if load is None or load.kind == "striker":
+        return
+    lattice = Lattice(packing.kind, packing.size, packing.diameter, boundary.sides == "periodic")
+    try:
+        struck_spheres(lattice, load.spheres)
+    except ValueError as error:
+        faults.add("load.spheres", f"found {load.spheres}, but {error}; use 1, or another packing")
+
+
+def _touch(case: Case, first: int, second: int) -> bool:
+    """Two spheres touch at the start."""
+    low, high = sorted((first, second))
+    n = case.lattice.n_spheres
+    if high > n:
+        return low in case.striker[high - n - 1].touches
+    return high in case.lattice.neighbours(low)

@@ -1,0 +1,84 @@
+"""What contact laws must satisfy together with the materials of a case, and dents with the laws."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from granwave.lammps_inputs.case.contact_pairs import RIGID, Pair
+from granwave.lammps_inputs.case.material import Material
+from granwave.lammps_inputs.case.schema import Faults, show
+from granwave.lammps_inputs.case.sections import Boundary, Contact
+from granwave.lammps_inputs.contact.initial_dents import KEY, fault_of_dents
+from granwave.lammps_inputs.contact.law import fault_of_constants
+
+if TYPE_CHECKING:
+    from granwave.lammps_inputs.case.case import Case
+
+
+def check_contacts(parts: Mapping[str, Any], faults: Faults) -> None:
+    """Check the laws of contacts; a part that is missing or itself wrong is None and passed over."""
+    contact: Contact | None = parts.get("contact")
+    if contact is not None:
+        _check_constants(contact, "contact", faults)
+    pairs: tuple[Pair, ...] = parts.get("pair", ())
+    for n, pair in enumerate(pairs, start=1):
+        _check_constants(pair.contact, f"pair.{n}", faults)
+    if parts.get("material") is not None:
+        _check_names(parts, pairs, faults)
+    if contact is not None:
+        _check_yields(parts, contact, pairs, faults)
+
+
+def check_dents(case: Case, faults: Faults) -> None:
+    """Check dents that are given by value."""
+    if fault := fault_of_dents(case):
+        faults.add(KEY, fault)
+
+
+def _check_constants(contact: Contact, key: str, faults: Faults) -> None:
+    if not contact.constants:
+        return
+    if (contact.law, contact.variant) != ("elastoplastic", "continuous"):
+        for name in contact.constants:
+            faults.add(
+                f"{key}.{name}",
+                f"belongs to law elastoplastic, variant continuous; found {contact.law}, {contact.variant}",
+            )
+        return
+    if fault := fault_of_constants(contact):
+        faults.add(key, f"{', '.join(contact.constants)}: no passive law: {fault}")
+
+
+def _check_names(parts: Mapping[str, Any], pairs: tuple[Pair, ...], faults: Faults) -> None:
+    """Every [[pair]] names materials that the case has."""
+    boundary: Boundary | None = parts.get("boundary")
+    bodies = [*parts.get("replace", ()), *parts.get("striker", ()), parts.get("bar"), parts.get("incident_bar")]
+    materials: list[Material | None] = [parts["material"], *(body.material for body in bodies if body is not None)]
+    if boundary is not None:
+        materials += [boundary.bottom_material, boundary.sides_material]
+    known = dict.fromkeys([*(material.name or "" for material in materials if material is not None), RIGID])
+    known.pop("", None)
+    for n, pair in enumerate(pairs, start=1):
+        for name in dict.fromkeys(pair.materials):
+            if name not in known:
+                faults.add(
+                    f"pair.{n}.materials",
+                    f"found {show(name)}, expected materials of the case: {', '.join(map(show, known))} (a rigid wall)",
+                )
+
+
+def _check_yields(parts: Mapping[str, Any], contact: Contact, pairs: tuple[Pair, ...], faults: Faults) -> None:
+    """Every sphere needs a yield strength if its law yields; walls and bars without one are elastic."""
+    materials: dict[str, Material | None] = {"material": parts.get("material")}
+    for name in ("replace", "striker"):
+        materials |= {f"{name}.{n}.material": body.material for n, body in enumerate(parts.get(name, ()), start=1)}
+    for key, material in materials.items():
+        if material is None or material.yield_strength is not None:
+            continue
+        own = next((pair.contact for pair in pairs if pair.fits(material.name, material.name)), contact)
+        if own.yields:
+            faults.add(
+                f"{key}.yield_strength",
+                f'missing; the {own.law} law needs it: give a number in Pa, or set contact.law = "hertz"',
+            )

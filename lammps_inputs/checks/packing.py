@@ -1,0 +1,170 @@
+"""What a packing's disorder must satisfy: its tolerance, its vacancies, and spheres that are replaced."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from granwave.lammps_inputs.case.bodies import Replace
+from granwave.lammps_inputs.case.schema import Faults
+from granwave.lammps_inputs.case.sections import Boundary, PackingSection
+from granwave.lammps_inputs.lattices import Lattice
+from granwave.lammps_inputs.packing.sites import Sites, chosen_sites, named_spheres, sites_of, vacant_sites
+
+if TYPE_CHECKING:
+    from granwave.lammps_inputs.case.case import Case
+
+_OVERLAP = 1e-9  # diameters: how far a larger sphere may reach into another one, for rounding
+_WAYS = "index, a box from low to high, or share"
+
+
+def check_disorder(parts: Mapping[str, Any], faults: Faults) -> None:
+    """Check what can be checked before there is a case; a part that is missing or itself wrong is None."""
+    packing: PackingSection = parts["packing"]
+    boundary: Boundary | None = parts.get("boundary")
+    periodic = boundary is not None and boundary.sides == "periodic"
+    lattice = Lattice(packing.kind, packing.size, packing.diameter, periodic)
+    _check_scatter(packing, faults)
+    for place, entry in enumerate(parts.get("replace", ()), start=1):
+        _check_replaced(entry, f"replace.{place}", packing, lattice, faults)
+    if packing.vacancies:
+        _check_vacancies(parts, packing, lattice, faults)
+    elif not faults.lines:
+        _check_something_is_chosen(parts, packing, lattice, np.ones(lattice.n_spheres, dtype=bool), faults)
+
+
+def check_room(case: Case, faults: Faults) -> None:
+    """Check that spheres larger than the lattice allows for have room."""
+    if case.packing.kind == "chain" or not any((entry.diameter or 0) > case.packing.diameter for entry in case.replace):
+        return
+    sites = sites_of(case)
+    if sites is None:
+        return
+    pairs, gaps = sites.near_larger()
+    slack = -_OVERLAP * case.packing.diameter
+    if gaps.min(initial=0.0) < slack:
+        one, other = pairs[gaps.argmin()].tolist()
+        large = one if sites.larger[one - 1] else other
+        more = np.count_nonzero(gaps < slack) - 1
+        faults.add(
+            _entry_of(case, sites, large),
+            f"sphere {large} of {sites.diameter[large - 1]:g} m overlaps "
+            f"{'its own image' if one == other else f'sphere {one + other - large}'} by {-gaps.min():.3g} m"
+            f"{f' (and {more} more)' if more else ''}; make it smaller, or leave out the spheres around it "
+            "(packing.vacancies)",
+        )
+    _check_walls(case, sites, faults)
+
+
+def _check_scatter(packing: PackingSection, faults: Faults) -> None:
+    if packing.diameter_scatter >= packing.diameter / 2:
+        faults.add(
+            "packing.diameter_scatter",
+            f"found {packing.diameter_scatter:g}, expected less than the radius, {packing.diameter / 2:g} m",
+        )
+
+
+def _check_replaced(entry: Replace, key: str, packing: PackingSection, lattice: Lattice, faults: Faults) -> None:
+    if entry.diameter is None and entry.material is None:
+        faults.add(key, "changes nothing; give a material, or a diameter")
+    if entry.diameter is not None and packing.diameter_scatter >= entry.diameter / 2:
+        faults.add(
+            f"{key}.diameter",
+            f"found {entry.diameter:g}, expected more than twice packing.diameter_scatter, "
+            f"{packing.diameter_scatter:g} m",
+        )
+    ways = {"index": entry.index, "a box": entry.low or entry.high, "share": entry.share}
+    found = [name for name, value in ways.items() if value is not None]
+    if len(found) != 1:
+        faults.add(key, f"found {' and '.join(found) or 'no spheres'}, expected one of {_WAYS}")
+        return
+    beyond = [sphere for sphere in entry.index or () if sphere > lattice.n_spheres]
+    if beyond:
+        faults.add(
+            f"{key}.index", f"found {beyond[0]}, expected an id from 1 to {lattice.n_spheres}, the end of the packing"
+        )
+    if (entry.low is None) != (entry.high is None):
+        faults.add(f"{key}.{'low' if entry.low is None else 'high'}", "missing; a box has both corners")
+    elif entry.low and entry.high and any(low > high for low, high in zip(entry.low, entry.high, strict=True)):
+        faults.add(f"{key}.high", f"found {list(entry.high)}, expected none of it below low, {list(entry.low)}")
+
+
+def _check_vacancies(parts: Mapping[str, Any], packing: PackingSection, lattice: Lattice, faults: Faults) -> None:
+    key, n = "packing.vacancies", lattice.n_spheres
+    if packing.kind == "chain":
+        faults.add(key, "found in a chain, which has none: it would be two chains")
+        return
+    wrong = [sphere for sphere in packing.vacancies if sphere > n] if isinstance(packing.vacancies, tuple) else []
+    if wrong:
+        faults.add(key, f"found {wrong[0]}, expected ids from 1 to {n}, the end of the packing")
+    if faults.lines:
+        return  # what the case names cannot be told
+    named = named_spheres(lattice, *(parts[name] for name in ("load", "replace", "striker", "sensor", "output")))
+    if isinstance(packing.vacancies, tuple):
+        clash = [sphere for sphere in packing.vacancies if sphere in named]
+        if clash:
+            faults.add(key, f"found {clash[0]}, which {named[clash[0]]} needs; expected a sphere that nothing names")
+        elif len(packing.vacancies) == n:
+            faults.add(key, f"found all {n} spheres, expected fewer: it leaves no sphere")
+    if faults.lines:
+        return
+    try:
+        vacant = vacant_sites(packing, n, set(named))
+    except ValueError as error:
+        faults.add(key, f"found {packing.vacancies:g} of {n} spheres, which {error}; make the share smaller")
+        return
+    present = np.ones(n, dtype=bool)
+    present[vacant] = False
+    _check_something_is_chosen(parts, packing, lattice, present, faults)
+
+
+def _check_something_is_chosen(
+    parts: Mapping[str, Any], packing: PackingSection, lattice: Lattice, present: np.ndarray, faults: Faults
+) -> None:
+    """Every ``[[replace]]`` entry replaces a sphere."""
+    for place, entry in enumerate(parts.get("replace", ()), start=1):
+        chosen = chosen_sites(packing, lattice, entry, place, present)
+        if not present[chosen].any():
+            low, high = lattice.bounds()
+            faults.add(
+                f"replace.{place}",
+                f"found a share of {entry.share:g} of {np.count_nonzero(present)} spheres, which is none"
+                if entry.share is not None
+                else f"found no sphere in the box from {list(entry.low or ())} to {list(entry.high or ())}; "
+                f"centres lie from {_point(low)} to {_point(high)}",
+            )
+
+
+def _check_walls(case: Case, sites: Sites, faults: Faults) -> None:
+    """The planes are where they touch nominal spheres of the lattice."""
+    lattice, boundary = case.lattice, case.boundary
+    low, high = lattice.bounds() + np.array([[-1.0], [1.0]]) * lattice.diameter / 2
+    planes = [("bottom", 2, high[2], 1)] if boundary.bottom == "wall" else []
+    if boundary.sides == "wall":
+        planes += [(f"{letter}{end}", axis, plane[axis], sign) for axis, letter in enumerate("xy")
+                   for end, plane, sign in (("lo", low, -1), ("hi", high, 1))]  # fmt: skip
+    large = np.flatnonzero(sites.larger & sites.present)
+    centres = sites.positions(1, lattice.n_spheres)[large]
+    for name, axis, plane, sign in planes:
+        beyond = sign * (centres[:, axis] - plane) + sites.diameter[large] / 2
+        if beyond.max(initial=0.0) > _OVERLAP * lattice.diameter:
+            sphere = int(large[beyond.argmax()]) + 1
+            faults.add(
+                _entry_of(case, sites, sphere),
+                f"sphere {sphere} of {sites.diameter[sphere - 1]:g} m overlaps the wall {name} by "
+                f"{beyond.max():.3g} m; make it smaller, or take the wall away (boundary)",
+            )
+
+
+def _entry_of(case: Case, sites: Sites, sphere: int) -> str:
+    """Key of the ``[[replace]]`` entry that a sphere's diameter comes from."""
+    for place, entry in reversed(list(enumerate(case.replace, start=1))):
+        if sphere - 1 in chosen_sites(case.packing, case.lattice, entry, place, sites.present):
+            return f"replace.{place}.diameter"
+    return "replace"
+
+
+def _point(values: np.ndarray) -> str:
+    return "[" + ", ".join(f"{value:g}" for value in values) + "]"

@@ -1,0 +1,120 @@
+"""What a precompression, and a bottom that moves, must satisfy together with the rest of a case."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from granwave.lammps_inputs.case.schema import Faults, show
+from granwave.lammps_inputs.case.sections import Boundary, PackingSection, Precompression
+from granwave.lammps_inputs.contact.initial_dents import LARGEST
+from granwave.lammps_inputs.contact.law import sphere_contact
+from granwave.lammps_inputs.contact.static_load import force_of_contact
+from granwave.lammps_inputs.packing.walls import materials_of_last_layer
+
+if TYPE_CHECKING:
+    from granwave.lammps_inputs.case.case import Case
+
+_TABLE = "precompression"
+_SET_BACK = ("fcc", "hcp", "bcc")  # layers lie in the hollows of those below
+
+
+def check_precompression(parts: Mapping[str, Any], packing: PackingSection, boundary: Boundary, faults: Faults) -> None:
+    """Check what is asked for, and whether something can bear it."""
+    stage: Precompression | None = parts.get(_TABLE)
+    if stage is None:
+        return
+    bars = [name for name in ("bar", "incident_bar") if parts.get(name) is not None]
+    if bars:
+        faults.add(_TABLE, f"found beside [{bars[0]}], whose far end nothing holds; take one of them out")
+        return
+    _check_size(stage, packing, faults)
+    if stage.kind == "uniform":
+        if packing.kind == "chain":
+            faults.add(f"{_TABLE}.kind", 'found "uniform" for a chain, expected "uniaxial" with a force')
+        elif boundary.sides != "free":
+            faults.add(
+                "boundary.sides",
+                f'found {show(boundary.sides)} with precompression.kind = "uniform", expected "free": '
+                "the pressure is on the sides too",
+            )
+    elif boundary.bottom == "free":
+        faults.add("boundary.bottom", f'found "free" under a {stage.kind} precompression, which something must bear')
+    if stage.kind == "uniaxial" and packing.kind == "square":
+        faults.add(f"{_TABLE}.kind", 'found "uniaxial" for square, a single layer; expected "uniform" or "gravity"')
+    support = boundary.bottom_support
+    if support is not None and not support.bears:
+        faults.add(
+            "boundary.bottom.bar.end",
+            f'found {show(support.bar.end if support.bar else "")} under a precompression, expected "fixed": '
+            "such a bar gives way to a load that lasts",
+        )
+
+
+def check_first_yield(case: Case, faults: Faults) -> None:
+    """A static load is refused that takes every contact beyond yield, any beyond its law, or makes layers spread."""
+    stage, contact = case.precompression, case.contact_between(case.material, case.material)
+    if stage is None:
+        return
+    name, unit = ("force", "N") if stage.force is not None else ("pressure", "Pa")
+    if stage.kind == "gravity":
+        name, unit = "acceleration", "m/s^2"
+    law, largest = sphere_contact(case), force_of_contact(case)
+    least = largest / case.lattice.shape[2] if stage.kind == "gravity" else largest  # of the contacts of the top layer
+    deepest = float(law.loading_force(np.array([LARGEST * law.effective_radius]))[0])
+    fault, force, limit = "", largest, deepest
+    # contacts with dents stay elastic beyond first yield
+    if contact.yields and contact.law != "bilinear" and not case.contact.initial_overlap and least >= law.yield_force:
+        force, limit = least, law.yield_force
+        fault = f"would yield every contact: about {force:.3g} N on each, first yield at {limit:.3g} N"
+    elif largest > deepest:
+        fault = f"would press contacts with {force:.3g} N, the law holds up to {limit:.3g} N ({LARGEST} R*)"
+    if fault:
+        faults.add(f"{_TABLE}.{name}", f"{fault}; give less than {getattr(stage, name) * limit / force:.3g} {unit}")
+    elif _spreads(case):
+        faults.add(
+            "boundary.sides",
+            f"found {show(case.boundary.sides)} under a {stage.kind} precompression of {case.packing.kind}, which "
+            'spreads without friction, also between walls; expected "periodic", or precompression.kind = "uniform"',
+        )
+
+
+def check_support(case: Case, faults: Faults) -> None:
+    """A plane that moves is one plane: spheres of one material rest on it."""
+    if case.boundary.bottom_support is None:
+        return
+    names = [material.name or "?" for material in materials_of_last_layer(case)]
+    if len(names) != 1:
+        faults.add(
+            "boundary.bottom",
+            f"found a {case.boundary.bottom_support.kind} under spheres of {' and '.join(names) or 'no material'}, "
+            "expected a last layer of one material",
+        )
+
+
+def _spreads(case: Case) -> bool:
+    """Nothing holds the spheres of a layer together against those that lie in their hollows."""
+    stage, packing, boundary = case.precompression, case.packing, case.boundary
+    nx, ny, nz = case.lattice.shape
+    free = stage is not None and stage.kind != "uniform" and boundary.sides != "periodic" and boundary.bottom != "fixed"
+    layers = packing.kind in _SET_BACK and nz > 1 and nx * ny > 1 and not isinstance(packing.vacancies, tuple)
+    return free and layers
+
+
+def _check_size(stage: Precompression, packing: PackingSection, faults: Faults) -> None:
+    given = [name for name in ("pressure", "force") if getattr(stage, name) is not None]
+    if stage.kind == "gravity":
+        for name in given:
+            faults.add(f"{_TABLE}.{name}", 'does not belong to precompression.kind = "gravity"; give acceleration')
+        return
+    if stage.acceleration != Precompression.acceleration:
+        faults.add(f"{_TABLE}.acceleration", f'belongs to precompression.kind = "gravity"; found "{stage.kind}"')
+    if stage.kind == "uniform" and stage.force is not None:
+        faults.add(f"{_TABLE}.force", 'found with precompression.kind = "uniform", expected a pressure')
+    elif len(given) != 1:
+        found = "neither pressure nor force" if not given else "both pressure and force"
+        faults.add(_TABLE, f"found {found}, expected one of them")
+    elif packing.kind == "chain" and stage.pressure is not None:
+        faults.add(f"{_TABLE}.pressure", "found for a chain, which has no face; expected a force")

@@ -1,0 +1,137 @@
+"""The compiled contact law of a case: between two of its spheres, and between a sphere and a wall or a bar."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from granwave._contact_laws import ContactLaw
+from granwave.lammps_inputs.case.sections import LAW_CONSTANTS, Contact
+from granwave.lammps_inputs.errors import InputError
+
+if TYPE_CHECKING:
+    from granwave.lammps_inputs.case.case import Case
+    from granwave.lammps_inputs.case.material import Material
+
+_RIGID = (math.inf, 0.0, math.inf)  # Young's modulus, Poisson's ratio, yield strength
+
+
+def sphere_contact(case: Case) -> ContactLaw:
+    """The law between two spheres of the packing that are not replaced."""
+    radius = case.packing.diameter / 2
+    return _law(case, (case.material, case.material), (radius, radius))
+
+
+def pair_contact(case: Case, first: int, second: int) -> ContactLaw:
+    """The law between the two spheres with these ids."""
+    assembly = case.assembly
+    return _law(
+        case,
+        (assembly.material_of(first), assembly.material_of(second)),
+        (assembly.diameter_of(first) / 2, assembly.diameter_of(second) / 2),
+    )
+
+
+def flat_contact(case: Case, sphere: int, partner: Material | None = None) -> ContactLaw:
+    """The law between a sphere and a flat: a wall or a bar of a material, or a rigid wall (None)."""
+    assembly = case.assembly
+    return _law(case, (assembly.material_of(sphere), partner), (assembly.diameter_of(sphere) / 2, math.inf))
+
+
+def _law(case: Case, materials: tuple[Material, Material | None], radii: tuple[float, float]) -> ContactLaw:
+    return law_between(case.contact_between(*materials), materials, radii)
+
+
+def law_between(
+    contact: Contact,
+    materials: tuple[Material, Material | None],
+    radii: tuple[float, float],
+    *,
+    checked: bool = True,
+) -> ContactLaw:
+    """The law of ``[contact]`` between bodies of two materials (None: rigid) and radii (m; infinite: flat).
+
+    Constants that make no passive law are refused (ValueError), unless they shall not be ``checked``.
+    """
+    bodies = [(one.youngs_modulus, one.poisson_ratio, one.yield_strength or math.inf) if one else _RIGID
+              for one in materials]  # fmt: skip
+    moduli, ratios, strengths = zip(*bodies, strict=True)
+    return ContactLaw(
+        youngs_modulus=moduli,
+        poisson_ratio=ratios,
+        yield_strength=strengths,
+        radius=radii,
+        law=contact.law,
+        variant=contact.variant,
+        yield_factor=contact.yield_factor,
+        beta=contact.beta,
+        constants=contact.constants,
+        checked=checked,
+    )
+
+
+def fault_of_constants(contact: Contact) -> str:
+    """Why the constants given for the elasto-plastic law make no passive law; empty if they do."""
+    try:
+        ContactLaw(
+            youngs_modulus=(1.0, 1.0), poisson_ratio=(0.0, 0.0), yield_strength=(1.0, 1.0), radius=(1.0, 1.0),
+            yield_factor=contact.yield_factor, constants=contact.constants,
+        )  # fmt: skip
+    except ValueError as error:
+        return str(error)
+    return ""
+
+
+def contact_of(
+    materials: Sequence[Material],
+    radii: Sequence[float],
+    law: str = "elastoplastic",
+    variant: str = "continuous",
+    constants: Mapping[str, float] | None = None,
+    *,
+    checked: bool = True,
+) -> ContactLaw:
+    """The law between two spheres of one or two materials and one or two radii (m).
+
+    Parameters
+    ----------
+    constants
+        Of the elasto-plastic law, where they are not the published ones.
+    checked
+        Refuse constants that make no passive law.
+
+    Raises
+    ------
+    InputError
+        A material lacks the yield strength that the law needs.
+    ValueError
+        The constants make no passive law.
+    """
+    _require_strength(materials, law)
+    given = dict(constants or {})
+    unknown = sorted(given.keys() - set(LAW_CONSTANTS))
+    if unknown:
+        raise ValueError(f"found the constant {unknown[0]}, expected some of {', '.join(LAW_CONSTANTS)}")
+    return law_between(
+        _contact(law, variant, given), (materials[0], materials[-1]), (radii[0], radii[-1]), checked=checked
+    )
+
+
+def rigid_wall_contact_of(
+    material: Material, radius: float, law: str = "elastoplastic", variant: str = "continuous"
+) -> ContactLaw:
+    """The law between a sphere and a rigid plane; raises as `contact_of`."""
+    _require_strength([material], law)
+    return law_between(_contact(law, variant, {}), (material, None), (radius, math.inf))
+
+
+def _contact(law: str, variant: str, constants: Mapping[str, float]) -> Contact:
+    words: dict[str, Any] = {"law": law, "variant": variant, **constants}
+    return Contact(**words)
+
+
+def _require_strength(materials: Sequence[Material], law: str) -> None:
+    for material in materials:
+        if law != "hertz" and material.yield_strength is None:
+            raise InputError(f"material {material.name}: yield_strength: missing; law {law} needs it")

@@ -1,0 +1,1 @@
+"""The LAMMPS deck: input script and data file."""

@@ -1,0 +1,55 @@
+"""Words of the LAMMPS input script: numbers, lists, long commands, and the coefficients of the contact
+law."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from granwave.lammps_inputs.case.material import Material
+    from granwave.lammps_inputs.case.sections import Contact
+
+_WIDTH = 110
+
+
+def num(value: float) -> str:
+    """The shortest text that reads back as exactly this number."""
+    short = f"{value:.6g}"
+    return short if float(short) == value else repr(float(value))
+
+
+def joined(values: Iterable[object]) -> str:
+    """Values with spaces between them."""
+    return " ".join(str(value) for value in values)
+
+
+def command(*words: str) -> list[str]:
+    """One command of many words, broken into lines that LAMMPS puts together again."""
+    lines = [words[0]]
+    for word in words[1:]:
+        if len(lines[-1]) + len(word) + 3 > _WIDTH:
+            lines[-1] += " &"
+            lines.append("                " + word)
+        else:
+            lines[-1] += " " + word
+    return lines
+
+
+def law_coefficients(contact: Contact, first: Material, second: Material | None = None, friction: float = 0.0) -> str:
+    """The contact law with the material of a sphere, and that of its partner if it has another, and the coefficient of
+    friction, as pair_coeff and the wall take it; a partner without a yield strength stays elastic."""
+    words: list[str] = [contact.law]
+    for material in (first,) if second is None else (first, second):
+        words += [num(material.youngs_modulus), num(material.poisson_ratio)]
+        if contact.yields:
+            words.append("INF" if material.yield_strength is None else num(material.yield_strength))
+    if contact.law == "elastoplastic":
+        words += ["variant", contact.variant, "yield_factor", num(contact.yield_factor)]
+        words += [word for name, value in contact.constants.items() for word in (name, num(value))]
+    if contact.law == "bilinear":
+        words += ["beta", num(contact.beta)]
+    if friction:
+        words += ["friction", num(friction)]
+        words += [] if contact.tangential == "mindlin_rescale" else ["tangential", contact.tangential]
+    return joined(words)

@@ -1,0 +1,93 @@
+"""The contacts in the LAMMPS input script: the law of every pair of types, walls, and the dents from before the run."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from granwave.lammps_inputs.case.sections import Contact
+from granwave.lammps_inputs.deck.commands import joined, law_coefficients, num
+from granwave.lammps_inputs.packing.walls import support_words, wall_fixes, wall_friction, walls
+
+if TYPE_CHECKING:
+    from granwave.lammps_inputs.case.case import Case
+
+DENTS_FILE = "dents.txt"  # beside the deck: what contacts went through before the run
+
+_ELASTIC = Contact(law="hertz")
+
+
+def contacts(case: Case) -> list[str]:
+    """The pair style with the law of every pair of types."""
+    gap = case.boundary.forget_gap * case.packing.diameter
+    return [
+        f"# Contact: {case.contact.law}; a dent is forgotten beyond the gap given here, m.",
+        f"pair_style      gran/hysteretic {num(gap)}",
+        *pair_coefficients(case),
+    ]
+
+
+def pair_coefficients(case: Case, *, elastic: bool = False) -> list[str]:
+    """The law of every pair of types; ``elastic``: Hertz's without friction, whatever the case says."""
+    lines = []
+    kinds = list(enumerate(case.assembly.species, start=1))
+    for i, first in kinds:
+        for j, second in kinds[i - 1 :]:
+            contact, partner = _ELASTIC, None if i == j else second.material
+            if first.role == "sphere" and not elastic:  # parts of bars never meet
+                contact = case.contact_between(first.material, second.material)
+            friction = contact.friction if second.role == "sphere" else 0.0  # the face of a bar has none
+            lines.append(f"pair_coeff      {i} {j} {law_coefficients(contact, first.material, partner, friction)}")
+    return lines
+
+
+def dents() -> list[str]:
+    """The dents that contacts have from the start."""
+    return ["# Dents from before the run, of pairs of spheres and on walls.", f"gran/dents      read {DENTS_FILE}"]
+
+
+def wall_commands(case: Case, *, elastic: bool = False, prefix: str = "") -> list[str]:
+    """Walls, and the last layer where it is held.
+
+    Parameters
+    ----------
+    elastic
+        Planes of Hertz's law that neither rub nor move, whatever the case says.
+    prefix
+        Of the names of the fixes.
+    """
+    lines = _groups(case)
+    for wall in walls(case):
+        if wall.held_layer:
+            nx, ny, nz = case.lattice.shape
+            last = nx * ny * nz
+            lines.append(f"group           held id {last - nx * ny + 1}:{last}")
+            lines.append(f"fix             {prefix}held held setforce 0.0 0.0 0.0")
+            continue
+        low, high = ("NULL", num(wall.coordinate)) if wall.outward > 0 else (num(wall.coordinate), "NULL")
+        style = f"{'xyz'[wall.axis]}plane {low} {high}"
+        for name, group, material in wall_fixes(case, wall):
+            words = [law_coefficients(_ELASTIC, material, wall.material)]
+            if not elastic:
+                contact = case.contact_between(material, wall.material)
+                words = [law_coefficients(contact, material, wall.material, wall_friction(case, wall, material))]
+                words += support_words(case, wall, material)
+            lines.append(f"fix             {prefix}{name} {group} wall/gran/hysteretic {style} {joined(words)}")
+    return (
+        ["# Walls: planes that touch the outermost spheres, or the last layer held in place.", *lines] if lines else []
+    )
+
+
+def _groups(case: Case) -> list[str]:
+    """Groups of the spheres of each material, where walls need them."""
+    lines = []
+    planes = [wall for wall in walls(case) if not wall.held_layer]
+    groups = [group for wall in planes[-1:] for _, group, _ in wall_fixes(case, wall) if group != "all"]
+    first, last = case.lattice.n_spheres + 1, case.assembly.last_sphere
+    outside = [f"group           strikers id {first}:{last}"] if groups and last >= first else []
+    for number, group in enumerate(groups, start=1):
+        if outside:
+            lines.append(f"group           type{number} type {number}")
+            lines.append(f"group           {group} subtract type{number} strikers")
+        else:
+            lines.append(f"group           {group} type {number}")
+    return outside + lines

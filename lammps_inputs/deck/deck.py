@@ -1,0 +1,149 @@
+"""The deck of a case: a directory that ``lmp -in in.granwave`` runs."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+import shutil
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from granwave.lammps_inputs.case.case import Case, load_case
+from granwave.lammps_inputs.contact.initial_dents import dents_table
+from granwave.lammps_inputs.deck.contacts import DENTS_FILE
+from granwave.lammps_inputs.deck.data_file import write_data
+from granwave.lammps_inputs.deck.motion import LOAD_FILE
+from granwave.lammps_inputs.deck.script import input_script
+from granwave.lammps_inputs.deck.static_stage import load_tables
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.packing.assembly import struck_of
+from granwave.lammps_inputs.packing.walls import walls
+from granwave.lammps_inputs.planning.schedule import Schedule, make_schedule
+from granwave.lammps_inputs.toml_files import read_toml
+
+CASE_FILE = "case.toml"
+DATA_FILE = "data.granwave"
+SCRIPT_FILE = "in.granwave"
+DUMPS = "dumps"
+
+
+@dataclasses.dataclass(frozen=True)
+class Deck:
+    """A deck that has been written.
+
+    Attributes
+    ----------
+    directory
+        Where it is.
+    case
+        What it computes.
+    schedule
+        When things happen in it.
+    struck
+        Ids of the spheres that the load acts on, the struck sphere first.
+    """
+
+    directory: Path
+    case: Case
+    schedule: Schedule
+    struck: tuple[int, ...]
+
+    @property
+    def script(self) -> Path:
+        """The LAMMPS input script."""
+        return self.directory / SCRIPT_FILE
+
+    @property
+    def data(self) -> Path:
+        """The LAMMPS data file."""
+        return self.directory / DATA_FILE
+
+    @property
+    def dumps(self) -> Path:
+        """Where LAMMPS puts its output."""
+        return self.directory / DUMPS
+
+
+def write_deck(case: Case, directory: str | Path, *, timestep: float | None = None) -> Deck:
+    """Write the deck of a case: case.toml, data.granwave, in.granwave, tables that it needs, and an empty dumps/.
+
+    The files are written elsewhere first and moved into place complete, the script last. Files of the same
+    names are replaced; nothing else in the directory is touched.
+
+    Parameters
+    ----------
+    timestep
+        s; takes the place of ``run.timestep``.
+
+    Raises
+    ------
+    InputError
+        The directory cannot be written to, or the dents before the run cannot be had; see `dents_table`.
+    """
+    directory = Path(directory)
+    deck = Deck(directory, case, make_schedule(case, timestep), struck_of(case))
+    tables = _tables(case)
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+        scratch = Path(tempfile.mkdtemp(prefix=".deck-", dir=directory))
+    except OSError as error:
+        raise InputError(f"{directory}: cannot be written to: {error.strerror}; choose another with -o") from None
+    try:
+        (scratch / CASE_FILE).write_text(case.to_toml(resolved=resolved(deck)), encoding="utf-8")
+        write_data(case, scratch / DATA_FILE)
+        (scratch / SCRIPT_FILE).write_text(input_script(case, deck.schedule), encoding="utf-8")
+        deck.dumps.mkdir(exist_ok=True)
+        files = [CASE_FILE, DATA_FILE, SCRIPT_FILE]
+        for name, text in tables.items():
+            (scratch / name).write_text(text, encoding="ascii")
+            files.insert(0, name)
+        for name in files:
+            os.replace(scratch / name, directory / name)
+    finally:
+        shutil.rmtree(scratch, ignore_errors=True)
+    return deck
+
+
+def _tables(case: Case) -> dict[str, str]:
+    """Tables that the script reads, by file name: points of the load, dents, dead loads."""
+    tables = load_tables(case) if case.precompression else {}
+    if case.contact.initial_overlap:
+        tables[DENTS_FILE] = dents_table(case)
+    if case.load.table:
+        rows = "".join(f"{time!r} {value!r}\n" for time, value in case.load.table)
+        tables[LOAD_FILE] = f"# time (s), {case.load.kind}, SI units\n{rows}"
+    return tables
+
+
+def read_deck(directory: str | Path) -> Deck:
+    """The deck that `write_deck` wrote into a directory.
+
+    Raises
+    ------
+    InputError
+        Its case.toml is missing, was made by hand, or has been changed.
+    """
+    directory = Path(directory)
+    path = directory / CASE_FILE
+    case, table = load_case(path), read_toml(path).get("resolved", {})
+    try:
+        table = {"history_every": 0} | table  # decks of version 0.1 have none
+        values = {field.name: table[field.name] for field in dataclasses.fields(Schedule)}
+        schedule = Schedule(**values | {"frame_steps": tuple(values["frame_steps"])})
+        return Deck(directory, case, schedule, tuple(table["struck"]))
+    except KeyError as error:
+        raise InputError(f"{path}: resolved.{error.args[0]}: missing; write the deck again") from None
+
+
+def resolved(deck: Deck) -> dict[str, Any]:
+    """What follows from the case: the table ``[resolved]`` of case.toml."""
+    case, assembly = deck.case, deck.case.assembly
+    return {
+        "n_spheres": assembly.n_spheres,
+        "n_contacts": assembly.n_contacts,
+        "struck": deck.struck,
+        "walls": [wall.name for wall in walls(case)],
+        "forget_gap_m": case.boundary.forget_gap * case.packing.diameter,
+        **dataclasses.asdict(deck.schedule),
+    }

@@ -1,0 +1,100 @@
+"""Motion in the LAMMPS input script: time integration, initial velocities and spins, and what drives the packing."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from granwave.lammps_inputs.deck.commands import joined, num
+from granwave.lammps_inputs.packing.assembly import INCIDENT_BAR, struck_of, velocities_of
+from granwave.lammps_inputs.packing.walls import walls
+
+if TYPE_CHECKING:
+    from granwave.lammps_inputs.case.case import Case
+    from granwave.lammps_inputs.planning.schedule import Schedule
+
+LOAD_FILE = "load.txt"  # beside the deck: points of a load given as a table
+
+_HALF_INERTIA = 0.2  # of a sphere, in m R^2
+
+
+def motion(case: Case, schedule: Schedule) -> list[str]:
+    """Time integration, and what sets the packing in motion; the variable ``input`` is the energy put in so far."""
+    struck = struck_of(case)
+    turning = "and rotations" if case.rotates else "(the contacts are frictionless, so nothing rotates)"
+    lines = [
+        f"# Motion: velocity Verlet {turning}, and what drives it.",
+        f"timestep        {num(schedule.timestep)}",
+        f"group           struck id {struck[0] if struck else case.assembly.ids[0]}",
+        f"group           hit id {joined(struck)}" if struck else "group           hit empty",
+        *_integration(case),
+        *_velocities(case),
+    ]
+    if case.load.driven:
+        lines += _drive(case)
+        lines.append("variable        input equal v_given+f_load")
+    else:
+        lines.append("variable        input equal v_given")
+    return lines
+
+
+def _integration(case: Case) -> list[str]:
+    """What moves, and by which fix: nodes of bars have no radius and cannot turn."""
+    lines, still = [], []
+    if any(wall.held_layer for wall in walls(case)):
+        still.append("held")
+    if case.load.kind == "displacement":
+        still.append("hit")
+    bars = [bar.name for bar in case.assembly.bars] if case.rotates else []
+    if bars or still:
+        lines.append(f"group           mobile subtract all {joined([*still, *bars])}")
+    group, style = "mobile" if bars or still else "all", "nve/sphere" if case.rotates else "nve"
+    lines.append(f"fix             motion {group} {style}")
+    return [*lines, *(f"fix             motion_{name} {name} nve" for name in bars)]
+
+
+def _velocities(case: Case) -> list[str]:
+    """Initial velocities and spins, and the kinetic energy that they are."""
+    lines: list[str] = []
+    terms: list[str] = []
+    n = case.lattice.n_spheres
+    struck = [sphere for sphere in velocities_of(case) if sphere <= n]  # all of these have one velocity
+    moving = [("hit", struck, case.load.initial_velocity, case.load.spin)] if struck else []
+    for number, striker in enumerate(case.striker, start=1):
+        if striker.moves:
+            lines.append(f"group           striker{number} id {n + number}")
+            moving.append((f"striker{number}", [n + number], striker.velocity, striker.spin))
+    for group, spheres, velocity, spin in moving:
+        lines.append(f"velocity        {group} set {_components(velocity)} units box")
+        if any(velocity):
+            terms.append(f"0.5*mass({group})*({_square(velocity)})")
+        if any(spin):
+            lines.append(f"set             group {group} omega {_components(spin)}")
+            assembly = case.assembly
+            inertia = sum(assembly.mass_of(one) * (assembly.diameter_of(one) / 2) ** 2 for one in spheres)
+            terms.append(f"{num(_HALF_INERTIA * inertia)}*({_square(spin)})")
+    given = f"$({'+'.join(terms)}:%.17g)" if terms else "0.0"
+    return [*lines, f"variable        given equal {given}"]
+
+
+def _components(vector: tuple[float, float, float]) -> str:
+    return joined(num(component) if component else "0.0" for component in vector)
+
+
+def _square(vector: tuple[float, float, float]) -> str:
+    return "+".join(f"{num(component)}^2" for component in vector if component)
+
+
+def _drive(case: Case) -> list[str]:
+    """The force, or the displacement, on the struck spheres or on the free end of the incident bar."""
+    load, group, lines = case.load, "hit", []
+    for bar in case.assembly.bars:
+        if bar.name == INCIDENT_BAR:
+            group = "driven"
+            lines.append(f"group           driven id {bar.far}")
+    shape = {
+        "half-sine": (load.amplitude, load.duration),
+        "rectangle": (load.amplitude, load.duration),
+        "harmonic": (load.amplitude, load.frequency),
+    }.get(load.shape or "", ())
+    words = joined(num(value) for value in shape if value is not None) or LOAD_FILE
+    return [*lines, f"fix             load {group} gran/load z {load.kind} {load.shape} {words}"]

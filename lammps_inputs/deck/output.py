@@ -1,0 +1,335 @@
+"""What the LAMMPS input script measures and writes: the ledger, walls, probes, snapshots, and the state at
+the end."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from granwave.lammps_inputs.deck.commands import command, joined
+from granwave.lammps_inputs.packing.walls import Wall, moving_fix, wall_fixes, walls
+
+if TYPE_CHECKING:
+    from granwave.lammps_inputs.case.case import Case
+    from granwave.lammps_inputs.packing.assembly import PlacedBar
+    from granwave.lammps_inputs.planning.schedule import Schedule
+
+POTENTIAL = "c_potential"  # energy of the dead loads of a precompression, from the data file's positions on
+STATIC = "v_static"  # that, and the elastic energy, when the run begins
+
+LEDGER_COLUMNS = {
+    "time": "v_time",
+    "kinetic": "c_kinetic",
+    "elastic": "v_elastic",
+    "dissipated": "v_dissipated",
+    "elastic_wall": "v_elastic_wall",
+    "dissipated_wall": "v_dissipated_wall",
+    "input": "v_input",
+    "contacts_yielded": "c_contact[2]",
+    "beyond_law": "c_contact[3]",
+    "beyond_half": "c_contact[4]",
+    "largest_force": "c_contact[5]",
+    "struck_velocity": "v_struck_velocity",
+}
+FRAME_COLUMNS = {
+    "id": "id",
+    "type": "type",
+    "radius": "radius",
+    "x": "x",
+    "y": "y",
+    "z": "z",
+    "ux": "c_displacement[1]",
+    "uy": "c_displacement[2]",
+    "uz": "c_displacement[3]",
+    "vx": "vx",
+    "vy": "vy",
+    "vz": "vz",
+    "force": "c_sphere[1]",
+    "peak_force": "c_sphere[2]",
+    "peak_overlap": "c_sphere[3]",
+    "dissipated": "c_sphere[4]",
+    "elastic": "c_sphere[10]",
+}
+RUBBING_FRAME_COLUMNS = {"elastic_tangential": "c_sphere[11]", "friction": "c_sphere[12]"}
+HISTORY_COLUMNS = {"id": "id", "uz": "c_displacement[3]", "vz": "vz"}
+CONTACT_COLUMNS = (
+    "i",
+    "j",
+    "overlap",
+    "force",
+    "peak_overlap",
+    "peak_force",
+    "elastic",
+    "dissipated",
+    "time_first",
+    "time_peak",
+    "time_yield",
+    "live",
+)  # of compute gran/hysteretic/local, from 1 on
+RUBBING_CONTACT_COLUMNS = {"tangential_force": 13, "elastic_tangential": 14, "friction": 15}
+DENTED_CONTACT_COLUMNS = {"initial": 16}
+WALL_COLUMNS = (
+    "overlap",
+    "force",
+    "peak_overlap",
+    "peak_force",
+    "dissipated",
+    "time_first",
+    "time_peak",
+    "time_yield",
+)  # of fix wall/gran/hysteretic, from 1 on
+RUBBING_WALL_COLUMNS = {"tangential_force": 9, "friction": 10}
+DENTED_WALL_COLUMNS = {"initial": 11}
+MOVING_WALL_COLUMNS = {"displacement": 10, "velocity": 11, "ground_force": 14}  # of its vector
+_SUPPORT_COLUMNS = {"support": 12, "support_lost": 13, "target": 15}
+_FRAME_FORMAT = "%d %d" + " %.9g" + 3 * " %.10g" + 3 * " %.17g" + 8 * " %.9g"
+
+
+def ledger(case: Case, schedule: Schedule) -> list[str]:
+    """The energy ledger: where the energy is, and how many contacts have yielded."""
+    planes = [name for wall in walls(case) if not wall.held_layer for name, _, _ in wall_fixes(case, wall)]
+    bars = [bar.name for bar in case.assembly.bars]
+    columns = LEDGER_COLUMNS | {name: f"v_energy_{name}" for name in bars}
+    # contacts with the faces of bars are among those of the pair style
+    stored, lost = ([f"f_{name}[{n}]" for name in planes] for n in (4, 5))
+    at_bars = [[f"c_on_{name}[{n}]" for name in bars] for n in (4, 5)]
+    elastic, dissipated = ["c_contact", *stored], ["c_contact[1]", *lost]
+    lines = []
+    if case.rotates:
+        columns |= {"kinetic": "v_motion", "rotational": "c_rotational"}
+        lines.append("compute         rotational all erotate/sphere")
+        lines.append("variable        motion equal c_kinetic+c_rotational")
+    if case.rubs:
+        stretched, rubbed = ([f"f_{name}[{n}]" for name in planes] for n in (8, 9))
+        columns |= {"elastic_tangential": "v_elastic_tangential", "friction": "v_friction"}
+        lines.append(f"variable        elastic_tangential equal {_sum(['c_contact[6]', *stretched])}")
+        lines.append(f"variable        friction equal {_sum(['c_contact[7]', *rubbed])}")
+        stored, lost = [*stored, *stretched], [*lost, *rubbed]
+        elastic.append("v_elastic_tangential")
+        dissipated.append("v_friction")
+    if support := moving_fix(case):
+        columns |= {name: f"f_{support}[{n}]" for name, n in _SUPPORT_COLUMNS.items()}
+        elastic.append(columns["support"])
+        dissipated.append(columns["support_lost"])
+    elastic += [f"c_elastic_{name}" for name in bars]
+    if case.precompression:
+        elastic += [POTENTIAL, f"-{STATIC}"]
+    return [
+        "# Energies, J. Their sum must stay equal to the input.",
+        "compute         kinetic all ke",
+        "compute         contact all gran/hysteretic/energy",
+        "variable        time equal step*dt",
+        *(line for bar in case.assembly.bars for line in _bar_energy(bar)),
+        *lines,
+        f"variable        elastic_wall equal {_sum(stored + at_bars[0])}",
+        f"variable        dissipated_wall equal {_sum(lost + at_bars[1])}",
+        f"variable        elastic equal {_sum(elastic)}",
+        f"variable        dissipated equal {_sum(dissipated)}",
+        "variable        struck_velocity equal vcm(struck,z)",
+        *_series("ledger", schedule.ledger_every, "dumps/energy.txt", "energy ledger, SI units", columns),
+    ]
+
+
+def _sum(terms: list[str]) -> str:
+    return "+".join(terms).replace("+-", "-") or "0.0"
+
+
+def _bar_energy(bar: PlacedBar) -> list[str]:
+    """The energy in a bar, kinetic and elastic, and its contact with the chain."""
+    name = bar.name
+    return [
+        f"compute         on_{name} all gran/hysteretic/contact {bar.touches} {bar.face}",
+        f"compute         bonds_{name} {name} pe/atom bond",
+        f"compute         elastic_{name} {name} reduce sum c_bonds_{name}",
+        f"compute         kinetic_{name} {name} ke",
+        f"variable        energy_{name} equal c_kinetic_{name}+c_elastic_{name}",
+    ]
+
+
+def wall_forces(case: Case, schedule: Schedule) -> list[str]:
+    """The force on every wall, positive if the spheres push it outwards."""
+    found, bars = walls(case), case.assembly.bars
+    if not found and not bars:
+        return []
+    columns = {wall.name: f"v_{wall.name}" for wall in found} | {bar.name: f"c_on_{bar.name}[2]" for bar in bars}
+    if support := moving_fix(case):
+        columns |= {f"bottom_{name}": f"f_{support}[{n}]" for name, n in MOVING_WALL_COLUMNS.items()}
+    return [
+        "# Force of the spheres on each wall and bar, N, positive outwards.",
+        *(f"variable        {wall.name} equal {_outward_force(case, wall)}" for wall in found),
+        *_series("walls", schedule.wall_every, "dumps/walls.txt", "wall forces, N", {"time": "v_time"} | columns),
+    ]
+
+
+def probes(case: Case, schedule: Schedule) -> list[str]:
+    """Spheres and contacts that are recorded at their own rate."""
+    if not case.probes:
+        return []
+    lines = ["# Probes: displacement, velocity and force of spheres; overlap and force of contacts."]
+    if not case.precompression:
+        lines += displacements(case)[1:]
+    columns = {"time": "v_time"}
+    for n, probe in enumerate(case.probes, start=1):
+        if probe.contact is not None:
+            lines.append(f"compute         probe{n} all gran/hysteretic/contact {joined(probe.contact)}")
+            label = "contact_{}_{}".format(*probe.contact)
+            columns |= {f"{label}_overlap": f"c_probe{n}[1]", f"{label}_force": f"c_probe{n}[2]"}
+            continue
+        for quantity, source in _sphere_probe(probe.sphere or 0).items():
+            lines.append(f"variable        probe{n}{quantity} equal {source}")
+            columns[f"sphere_{probe.sphere}_{quantity}"] = f"v_probe{n}{quantity}"
+    return lines + _series("probes", schedule.probe_every, "dumps/probes.txt", "probes, SI units", columns)
+
+
+def displacements(case: Case) -> list[str]:
+    """Displacements from the positions in the data file, of all spheres and of those probed."""
+    lines = ["compute         displacement all displace/atom"]
+    spheres = [probe.sphere for probe in case.probes if probe.sphere is not None]
+    if spheres:
+        lines.append(f"group           probes id {joined(dict.fromkeys(spheres))}")
+        lines.append("compute         probed probes displace/atom")
+    return lines
+
+
+def frames(case: Case, schedule: Schedule) -> list[str]:
+    """Snapshots of all spheres."""
+    every, chosen = schedule.frame_every, []
+    columns = FRAME_COLUMNS | (RUBBING_FRAME_COLUMNS if case.rubs else {})
+    form = _FRAME_FORMAT + " %.9g" * (len(columns) - len(FRAME_COLUMNS))
+    if not every:
+        every = schedule.n_steps
+        chosen = [
+            "# The next snapshot after each step, from the list of times.",
+            *command("variable        frame equal", f'"{_next_frame(schedule.frame_steps)}"'),
+            "dump_modify     frames every v_frame",
+        ]
+    return [
+        "# Snapshots of all spheres.",
+        *([] if case.precompression else displacements(case)[:1]),
+        "compute         sphere all gran/hysteretic/atom",
+        "compute         contacts all gran/hysteretic/local",
+        *command("dump            frames all custom", f"{every}", "dumps/spheres.dump", *columns.values()),
+        f'dump_modify     frames first yes sort id format line "{form}"',
+        *command("dump_modify     frames", *_names(columns)),
+        *chosen,
+    ]
+
+
+def history(case: Case, schedule: Schedule) -> list[str]:
+    """The whole chain at many instants: displacement and velocity of every particle, force of every contact."""
+    every = schedule.history_every
+    if not every:
+        return []
+    names = {source: name for name, source in HISTORY_COLUMNS.items() if name != source}
+    return [
+        "# The chain in time.",
+        *command(f"dump            history all custom {every} dumps/history.dump", *HISTORY_COLUMNS.values()),
+        'dump_modify     history first yes sort id format line "%d %.17g %.17g"',
+        *(f"dump_modify     history colname {source} {name}" for source, name in names.items()),
+        f"dump            forces all local {every} dumps/forces.dump c_contacts[1] c_contacts[2] c_contacts[4]",
+        'dump_modify     forces first yes format line "%.9g %.9g %.17g"',
+        *(f"dump_modify     forces colname c_contacts[{n}] {name}" for n, name in ((1, "i"), (2, "j"), (4, "force"))),
+    ]
+
+
+def thermo(case: Case, schedule: Schedule) -> list[str]:
+    """What the log shows."""
+    every = schedule.block_steps or max(1, schedule.n_steps // schedule.ledger_every // 20) * schedule.ledger_every
+    kinetic = "v_motion" if case.rotates else "c_kinetic"
+    return [
+        "# The log.",
+        f"thermo_style    custom step v_time {kinetic} v_elastic v_dissipated c_contact[2] v_struck_velocity",
+        "thermo_modify   lost error norm no flush yes",
+        f"thermo          {every}",
+        "# Nobody looks at these, and each is computed at every step at which any fix above is due.",
+        "uncompute       thermo_press",
+        "uncompute       thermo_pe",
+    ]
+
+
+def dumps_at_end(case: Case) -> list[str]:
+    """The last snapshot if it is still missing, every contact, and what each wall went through."""
+    contacts = {
+        name: f"c_contacts[{n}]"
+        for name, n in _columns(case, CONTACT_COLUMNS, RUBBING_CONTACT_COLUMNS, DENTED_CONTACT_COLUMNS).items()
+    }
+    on_walls = _columns(case, WALL_COLUMNS, RUBBING_WALL_COLUMNS, DENTED_WALL_COLUMNS)
+    lines = [
+        "# The last snapshot, if the run did not end on one.",
+        "dump_modify     frames every 1",
+        "run             0 post no",
+        "",
+        "# Every contact there was, and every sphere that touched a wall.",
+        *command(
+            "write_dump      all local dumps/contacts.dump",
+            *contacts.values(),
+            "modify format line",
+            f'"{joined(["%.17g"] * len(contacts))}"',
+            *_names(contacts),
+        ),
+    ]
+    for wall in walls(case):
+        if wall.held_layer:
+            continue
+        for fix, _, _ in wall_fixes(case, wall):
+            columns = {name: f"f_{fix}[{n}]" for name, n in on_walls.items()}
+            lines += command(
+                f"write_dump      all custom dumps/wall_{fix}.dump id",
+                *columns.values(),
+                f"modify sort id thresh {columns['peak_overlap']} > 0.0 format line",
+                f'"%d {joined(["%.17g"] * len(columns))}"',
+                *_names(columns),
+            )
+    return lines
+
+
+def _columns(case: Case, always: tuple[str, ...], rubbing: dict[str, int], dented: dict[str, int]) -> dict[str, int]:
+    """Numbers of the columns that a case records of its contacts, by name."""
+    columns = {name: n for n, name in enumerate(always, start=1)}
+    if case.rubs:
+        columns |= rubbing
+    return columns | dented if case.has_past else columns
+
+
+def _series(name: str, every: int, path: str, title: str, columns: dict[str, str]) -> list[str]:
+    """A table in time: one row every so many steps, the step first."""
+    return command(
+        f"fix             {name} all ave/time {every} 1 {every}",
+        *columns.values(),
+        f'file {path} format " %.17g" title1 "# {title}"',
+        f'title2 "# {joined(["step", *columns])}"',
+    )
+
+
+def _names(columns: dict[str, str]) -> list[str]:
+    return [f"colname {source} {name}" for name, source in columns.items() if name != source]
+
+
+def _outward_force(case: Case, wall: Wall) -> str:
+    sources = ["held"] if wall.held_layer else [name for name, _, _ in wall_fixes(case, wall)]
+    sign = "-" if wall.outward < 0 else "+"
+    return "".join(f"{sign}f_{source}[{wall.axis + 1}]" for source in sources).removeprefix("+")
+
+
+def _sphere_probe(sphere: int) -> dict[str, str]:
+    axes = list(enumerate("xyz", start=1))
+    return (
+        {f"u{letter}": f"C_probed[{sphere}][{n}]" for n, letter in axes}
+        | {f"v{letter}": f"v{letter}[{sphere}]" for _, letter in axes}
+        | {f"f{letter}": f"f{letter}[{sphere}]" for _, letter in axes}
+    )
+
+
+def _next_frame(steps: tuple[int, ...]) -> str:
+    """A formula for the first of the steps after the present one, and one beyond the run after the last.
+
+    It depends on nothing but the present step, so that it holds in a run that is continued.
+    """
+    later = [*steps[1:], 2 * steps[-1]]
+    terms = [f"(step>={a})*{b - a}" for a, b in zip(steps, later, strict=True)]
+    lines, line = [], str(steps[0])
+    for term in terms:
+        if len(line) + len(term) > 90:
+            lines.append(line)
+            line = ""
+        line += "+" + term
+    return " &\n                ".join([*lines, line])

@@ -1,0 +1,158 @@
+"""The LAMMPS input script of a case.
+
+Three parts, parted by `RUN_MARKER` and `END_MARKER`: everything up to the run, the run itself, and what is
+written at its end. A program that drives LAMMPS can execute the first part, run as it likes, and execute the
+last.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.deck.commands import num
+from granwave.lammps_inputs.deck.contacts import contacts, dents, wall_commands
+from granwave.lammps_inputs.deck.motion import motion
+from granwave.lammps_inputs.deck.output import dumps_at_end, frames, history, ledger, probes, thermo, wall_forces
+from granwave.lammps_inputs.deck.static_stage import dead_load_commands, first_half, second_half
+from granwave.lammps_inputs.planning.schedule import BLOCK_THRESHOLD, Schedule
+from granwave.lammps_inputs.planning.timestep import fastest
+
+RUN_MARKER = "# --- run ---"
+END_MARKER = "# --- end ---"
+
+_HARMFUL = re.compile(r"""[^ -~]|["&]""")  # would join lines even in a comment
+_SKIN = 0.1  # of the neighbour list, in diameters
+_MOST_STEPS_BETWEEN_CHECKS = 10
+_TRAVEL_BETWEEN_CHECKS = 0.01  # of the skin, at the impact velocity
+
+
+def input_script(case: Case, schedule: Schedule) -> str:
+    """The text of in.granwave."""
+    parts = [
+        _head(case),
+        _system(case),
+        _neighbours(case, schedule),
+        contacts(case),
+        *([dead_load_commands(case), first_half(case)] if case.precompression else []),
+        wall_commands(case),
+        dents() if case.contact.initial_overlap else [],
+        second_half(case) if case.precompression else [],
+        motion(case, schedule),
+        ledger(case, schedule),
+        wall_forces(case, schedule),
+        probes(case, schedule),
+        frames(case, schedule),
+        history(case, schedule),
+        thermo(case, schedule),
+        _run(case, schedule),
+        [END_MARKER, "", *dumps_at_end(case)],
+    ]
+    return "\n\n".join("\n".join(lines) for lines in parts if lines) + "\n"
+
+
+def _head(case: Case) -> list[str]:
+    packing, load = case.packing, case.load
+    size = " x ".join(str(n) for n in packing.size)
+    what = f"{load.spheres} sphere{'s' if load.spheres > 1 else ''} of the top layer"
+    how = {
+        "impact": f"{what} struck at {load.velocity:g} m/s along +z.",
+        "striker": f"struck by {len(case.striker)} sphere{'s' if len(case.striker) > 1 else ''} placed against it.",
+        "force": f"{load.shape} force, at most {load.largest:g} N, along +z.",
+        "displacement": f"{what} moved by a {load.shape} displacement, at most {load.largest:g} m, along z.",
+    }
+    return [
+        f"# {_HARMFUL.sub('?', case.name)}",
+        f"# Impact on an ordered packing: {size} spheres, {packing.kind}, diameter {packing.diameter:g} m;",
+        f"# {how[load.kind]}",
+        "# Written by granwave from case.toml.",
+        "# Run it here:  lmp -in in.granwave   (the pair style gran/hysteretic comes with granwave)",
+    ]
+
+
+def _system(case: Case) -> list[str]:
+    sides = "p p" if case.lattice.periodic else "m m"
+    bars = case.assembly.bars
+    return [
+        "# The packing: spheres that just touch. Both processors that share a pair compute it (newton off).",
+        "units           si",
+        f"atom_style      {'hybrid sphere bond' if bars else 'sphere'}",
+        "atom_modify     map yes",
+        "newton          off",
+        f"boundary        {sides} m",
+        *(["bond_style      harmonic"] if bars else []),
+        "read_data       data.granwave",
+        *_bars(case),
+    ]
+
+
+def _bars(case: Case) -> list[str]:
+    """Groups and springs of elastic bars: linear elements between lumped masses."""
+    lines, bars = [], case.assembly.bars
+    largest = max([case.packing.diameter, *case.assembly.diameters.values()])
+    reach = 2 * max([largest, *(bar.pitch for bar in bars)]) + _SKIN * case.packing.diameter  # of ghosts
+    for kind, bar in enumerate(bars, start=1):
+        lines.append(f"group           {bar.name} id {bar.first}:{bar.last}")
+        lines.append(f"bond_coeff      {kind} {num(bar.stiffness / 2)} {num(bar.pitch)}")
+    if lines:
+        lines.append(f"comm_modify     cutoff {num(reach)}")
+    return ["# Elastic bars: lumped masses, joined by springs E A / (length of an element).", *lines] if lines else []
+
+
+def _neighbours(case: Case, schedule: Schedule) -> list[str]:
+    skin = _SKIN * case.packing.diameter
+    checks = int(_TRAVEL_BETWEEN_CHECKS * skin / (fastest(case) * schedule.timestep))
+    every = min(max(checks, 1), _MOST_STEPS_BETWEEN_CHECKS)
+    kinds = case.assembly.species
+    nodes = [n for n, species in enumerate(kinds, start=1) if species.role == "node"]
+    apart = {tuple(sorted((node, other))) for node in nodes for other in range(1, len(kinds) + 1)}
+    return [
+        "# Neighbours: the spheres hardly move, so the lists last.",
+        f"neighbor        {num(skin)} bin",
+        f"neigh_modify    delay 0 every {every} check yes",
+        *(f"neigh_modify    exclude type {a} {b}" for a, b in sorted(apart)),
+        *(["comm_modify     vel yes"] if case.rotates else []),
+    ]
+
+
+def _run(case: Case, schedule: Schedule) -> list[str]:
+    if not schedule.block_steps:
+        return [RUN_MARKER, "", f"run             {schedule.n_steps}"]
+    n_blocks = schedule.n_steps // schedule.block_steps
+    small = f"$({BLOCK_THRESHOLD:g}*v_input:%.17g)"
+    over = f" && $(v_time:%.17g) >= {num(case.load.lasts)}" if case.load.driven else ""
+    return [
+        RUN_MARKER,
+        "",
+        f"# Blocks of {schedule.block_steps} steps, at most {n_blocks};",
+        f"# the last is the first that adds less than {BLOCK_THRESHOLD:g} of the input to dissipation.",
+        "variable        before equal 0.0",
+        f"variable        block loop {n_blocks}",
+        "label           next_block",
+        f"run             {schedule.block_steps}",
+        "variable        after equal $(v_dissipated:%.17g)",
+        f'if "$(v_after-v_before:%.17g) < {small}{over}" then "jump SELF finished"',
+        "variable        before equal ${after}",
+        "next            block",
+        "jump            SELF next_block",
+        "label           finished",
+    ]
+
+
+def part(script: str, which: str) -> str:
+    """One part of a script: "setup" (before the run), "run" or "end".
+
+    Raises
+    ------
+    ValueError
+        The script lacks a marker, or there is no such part.
+    """
+    names: Iterable[str] = ("setup", "run", "end")
+    if which not in names:
+        raise ValueError(f'found "{which}", expected one of {", ".join(names)}')
+    setup, run_marker, rest = script.partition(f"\n{RUN_MARKER}\n")
+    run, end_marker, end = rest.partition(f"\n{END_MARKER}\n")
+    if not (run_marker and end_marker):
+        raise ValueError(f"the script lacks the line {RUN_MARKER!r} or {END_MARKER!r}")
+    return {"setup": setup, "run": run, "end": end}[which] + "\n"

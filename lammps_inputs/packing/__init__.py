@@ -1,0 +1,1 @@
+"""The packing: where its spheres, strikers, walls and bars are."""

@@ -1,0 +1,378 @@
+"""All bodies of a case: the spheres of its lattice, replaced ones, strikers, and the nodes of elastic bars.
+
+Ids count from 1: the sites of the lattice, then the strikers, then the nodes of the incident bar, then those of the
+bar, each along +z. A vacant site keeps its id, which nothing has: the spheres are rows in the order of `Assembly.ids`.
+A packing of like spheres costs nothing, however large; see `granwave.lammps_inputs.lattices`.
+
+A bar is a row of point masses, half a mass at either end, joined by springs E A / (element length). The node at the
+chain's end is its face: a particle without radius, which the contact law takes as a flat (R* = R).
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granwave.lammps_inputs.case.bodies import Bar, Striker
+from granwave.lammps_inputs.case.material import Material, sphere_mass
+from granwave.lammps_inputs.lattices import TOUCHING, Lattice
+from granwave.lammps_inputs.packing.sites import Sites, sites_of
+from granwave.lammps_inputs.packing.strikers import place_strikers
+from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
+
+if TYPE_CHECKING:
+    from granwave.lammps_inputs.case.case import Case
+
+INCIDENT_BAR, BAR = "incident_bar", "bar"  # names, as in the case
+
+
+@dataclasses.dataclass(frozen=True)
+class Species:
+    """Particles of one LAMMPS type: spheres of one material, the face of a bar, or the rest of its nodes.
+
+    Attributes
+    ----------
+    role
+        ``sphere``, ``face`` or ``node``.
+    bar
+        Name of the bar that it belongs to; empty for spheres.
+    """
+
+    material: Material
+    role: str = "sphere"
+    bar: str = ""
+
+
+@dataclasses.dataclass(frozen=True)
+class PlacedBar:
+    """A bar in its place.
+
+    Attributes
+    ----------
+    name
+        ``incident_bar`` or ``bar``.
+    first, last
+        Ids of its nodes; z rises with the id.
+    face
+        Id of the node that touches the chain.
+    touches
+        Id of the sphere that the face touches.
+    position
+        Of the nodes along z: (n_nodes,), m.
+    mass
+        Of the nodes: (n_nodes,), kg.
+    """
+
+    name: str
+    section: Bar
+    material: Material
+    first: int
+    face: int
+    touches: int
+    position: NDArray[np.float64]
+    mass: NDArray[np.float64]
+
+    @property
+    def last(self) -> int:
+        """Id of the last node."""
+        return self.first + len(self.position) - 1
+
+    @property
+    def far(self) -> int:
+        """Id of the node at the end away from the chain."""
+        return self.first if self.face == self.last else self.last
+
+    @property
+    def pitch(self) -> float:
+        """Length of an element, m."""
+        return self.section.length / self.section.elements
+
+    @property
+    def stiffness(self) -> float:
+        """Of an element, N/m."""
+        return self.material.youngs_modulus * self.section.area / self.pitch
+
+    @property
+    def wave_speed(self) -> float:
+        """sqrt(E/rho), m/s."""
+        return math.sqrt(self.material.youngs_modulus / self.material.density)
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Assembly:
+    """All bodies of a case; see `assemble`.
+
+    Attributes
+    ----------
+    lattice
+        Of the spheres of the packing.
+    material
+        Of spheres that are not replaced.
+    sites
+        What is where; None where the spheres of the lattice are all alike and none is missing.
+    strikers
+        Each with its centre (3,), m.
+    bars
+        In the order of their ids.
+    species
+        What the LAMMPS types 1, 2, ... are.
+    """
+
+    lattice: Lattice
+    material: Material
+    sites: Sites | None
+    strikers: tuple[tuple[Striker, NDArray[np.float64]], ...]
+    bars: tuple[PlacedBar, ...]
+    species: tuple[Species, ...]
+
+    @property
+    def n_spheres(self) -> int:
+        """Spheres of the lattice, and strikers."""
+        return (self.lattice.n_spheres if self.sites is None else self.sites.count) + len(self.strikers)
+
+    @property
+    def last_sphere(self) -> int:
+        """Largest id that a sphere can have: of the last striker, or of the last site of the lattice."""
+        return self.lattice.n_spheres + len(self.strikers)
+
+    @property
+    def ids(self) -> NDArray[np.int64]:
+        """Of the spheres, in rising order: (n_spheres,)."""
+        if self.sites is None:
+            return np.arange(1, self.n_spheres + 1)
+        return np.append(self.sites.ids, np.arange(self.lattice.n_spheres + 1, self.last_sphere + 1))
+
+    @property
+    def n_particles(self) -> int:
+        """Spheres and nodes of bars."""
+        return self.n_spheres + sum(len(bar.position) for bar in self.bars)
+
+    @property
+    def plain(self) -> bool:
+        """Like spheres of the lattice, nothing else."""
+        return self.sites is None and not (self.strikers or self.bars)
+
+    @property
+    def like(self) -> bool:
+        """Spheres of one material and one nominal diameter, nothing else; some may be missing."""
+        return (self.sites is None or self.sites.like) and not (self.strikers or self.bars)
+
+    @property
+    def n_contacts(self) -> int:
+        """Pairs of spheres that touch at the start."""
+        return (self.lattice if self.sites is None else self.sites).n_contacts + self._n_touches
+
+    @property
+    def n_neighbours(self) -> int:
+        """Pairs of spheres that touch, or stand at neighbouring sites and can come to touch."""
+        return (self.lattice.n_contacts if self.sites is None else self.sites.n_neighbours) + self._n_touches
+
+    @cached_property
+    def diameters(self) -> dict[int, float]:
+        """By id of spheres of the lattice whose diameter is not that of the lattice, m."""
+        if self.sites is None:
+            return {}
+        odd = np.flatnonzero((self.sites.diameter != self.lattice.diameter) & self.sites.present)
+        return dict(zip((odd + 1).tolist(), self.sites.diameter[odd].tolist(), strict=True))
+
+    @cached_property
+    def materials(self) -> dict[int, Material]:
+        """By id of spheres of the lattice that have another material."""
+        if self.sites is None:
+            return {}
+        odd = np.flatnonzero(self.sites.kind)
+        return {site + 1: self.sites.materials[self.sites.kind[site]] for site in odd.tolist()}
+
+    def diameter_of(self, sphere: int) -> float:
+        """Diameter of the sphere with this id, m."""
+        if sphere > self.lattice.n_spheres:
+            return self.strikers[sphere - self.lattice.n_spheres - 1][0].diameter or self.lattice.diameter
+        return self.lattice.diameter if self.sites is None else float(self.sites.diameter[sphere - 1])
+
+    def material_of(self, sphere: int) -> Material:
+        """Material of the sphere with this id."""
+        if sphere > self.lattice.n_spheres:
+            return self.strikers[sphere - self.lattice.n_spheres - 1][0].material or self.material
+        return self.material if self.sites is None else self.sites.materials[self.sites.kind[sphere - 1]]
+
+    def mass_of(self, sphere: int) -> float:
+        """Mass of the sphere with this id, kg."""
+        return sphere_mass(self.material_of(sphere), self.diameter_of(sphere) / 2)
+
+    def sphere_diameters(self) -> NDArray[np.float64]:
+        """Diameters of all spheres: (n_spheres,), m."""
+        return self._by_sphere(
+            np.full(self.lattice.n_spheres, self.lattice.diameter) if self.sites is None else self.sites.diameter,
+            [self.diameter_of(striker) for striker in self._striker_ids],
+        )
+
+    def sphere_masses(self) -> NDArray[np.float64]:
+        """Masses of all spheres: (n_spheres,), kg."""
+        density: float | NDArray[np.float64] = self.material.density
+        if self.sites is not None:
+            density = np.array([material.density for material in self.sites.materials])[self.sites.kind]
+        densities = self._by_sphere(
+            np.broadcast_to(density, self.lattice.n_spheres),
+            [self.material_of(striker).density for striker in self._striker_ids],
+        )
+        return densities * 4 / 3 * math.pi * (self.sphere_diameters() / 2) ** 3
+
+    def type_of(self, material: Material) -> int:
+        """LAMMPS type of spheres of a material."""
+        return 1 + self.species.index(Species(material))
+
+    def lattice_positions(self, first: int, last: int) -> NDArray[np.float64]:
+        """Centres of the sites of the lattice with ids ``first`` to ``last``, vacant ones too: (n, 3), m."""
+        return (self.lattice if self.sites is None else self.sites).positions(first, last)
+
+    def positions(self) -> NDArray[np.float64]:
+        """Centres of all spheres: (n_spheres, 3), m."""
+        own = self.lattice_positions(1, self.lattice.n_spheres)
+        return self._by_sphere(own, [centre for _, centre in self.strikers])
+
+    def bounds(self) -> NDArray[np.float64]:
+        """Lowest and highest coordinate of a surface along x, y, z, nodes included: (2, 3), m."""
+        low, high = self.lattice_bounds()
+        radius = self.largest_diameter / 2
+        corners = [low - radius, high + radius]
+        for number, (_, centre) in zip(self._striker_ids, self.strikers, strict=True):
+            corners += [centre - self.diameter_of(number) / 2, centre + self.diameter_of(number) / 2]
+        for bar in self.bars:
+            corners += [np.array([low[0], low[1], z]) for z in (bar.position[0], bar.position[-1])]
+        return np.stack([np.min(corners, axis=0), np.max(corners, axis=0)])
+
+    def lattice_bounds(self) -> NDArray[np.float64]:
+        """Lowest and highest site of the lattice along x, y, z: (2, 3), m."""
+        bounds = self.lattice.bounds()
+        if self.sites is not None and self.sites.stacked is not None:
+            bounds[1, 2] = self.sites.stacked[-1]
+        return bounds
+
+    @property
+    def largest_diameter(self) -> float:
+        """Of the spheres of the lattice, at least the nominal one of the packing, m."""
+        if self.sites is None:
+            return self.lattice.diameter
+        return max(self.lattice.diameter, float(self.sites.diameter[self.sites.present].max()))
+
+    @property
+    def wall_radius(self) -> float:
+        """Distance of planes at the sides from the outermost sites: that of the nominal sphere, in a chain of the
+        largest one, m."""
+        if self.sites is None or self.lattice.kind != "chain":
+            return self.lattice.diameter / 2
+        return max(self.lattice.diameter, float(self.sites.nominal.max())) / 2
+
+    def echoes(self) -> dict[str, float]:
+        """When an echo of the far end of each bar can first reach the chain, by name of the bar, s."""
+        found, arrival = {}, 0.0
+        for bar in self.bars:
+            crossing = bar.section.length / bar.wave_speed
+            if bar.name == INCIDENT_BAR:
+                arrival = crossing  # of the load at the chain
+            found[bar.name] = arrival + 2 * crossing
+        return found
+
+    @property
+    def top_radius(self) -> float:
+        """Nominal radius of the first bead of a chain, which a bar ahead of it touches, m."""
+        return (self.lattice.diameter if self.sites is None else float(self.sites.nominal[0])) / 2
+
+    def bottom(self) -> float:
+        """Where a plane below the packing, or a bar, touches nominal spheres of the last layer, m.
+
+        Spheres that are smaller than nominal do not reach it.
+        """
+        last = self.lattice.diameter
+        if self.sites is not None and self.lattice.kind == "chain":
+            last = float(self.sites.nominal[-1])
+        return float(self.lattice_bounds()[1, 2]) + last / 2
+
+    def contacts(self) -> NDArray[np.int64]:
+        """Pairs of ids of spheres that touch at the start, i < j, in no particular order: (n_contacts, 2)."""
+        pairs = list(self.lattice.pairs() if self.sites is None else self.sites.contacts())
+        for number, (striker, _) in zip(self._striker_ids, self.strikers, strict=True):
+            pairs.append(np.array([sorted((touched, number)) for touched in sorted(set(striker.touches))]))
+        return np.concatenate(pairs) if pairs else np.empty((0, 2), dtype=np.int64)
+
+    @property
+    def _n_touches(self) -> int:
+        return sum(len(set(striker.touches)) for striker, _ in self.strikers)
+
+    @property
+    def _striker_ids(self) -> range:
+        return range(self.lattice.n_spheres + 1, self.last_sphere + 1)
+
+    def _by_sphere(self, of_sites: NDArray[np.float64], of_strikers: Sequence[Any]) -> NDArray[np.float64]:
+        """Values of the sites that hold a sphere, and of the strikers."""
+        if self.sites is not None:
+            of_sites = of_sites[self.sites.present]
+        return np.concatenate([of_sites, of_strikers]) if len(of_strikers) else of_sites
+
+
+def assemble(case: Case) -> Assembly:
+    """All bodies of a case.
+
+    Raises
+    ------
+    ValueError
+        A striker does not find a place, or vacancies leave too few spheres.
+    """
+    sites = sites_of(case)
+    materials = [case.material] if sites is None else sites.materials
+    spheres = dict.fromkeys([*materials, *(striker.material or case.material for striker in case.striker)])
+    assembly = Assembly(case.lattice, case.material, sites, (), (), tuple(Species(one) for one in spheres))
+    if case.striker:
+        centres = place_strikers(assembly, case.striker)
+        assembly = dataclasses.replace(assembly, strikers=tuple(zip(case.striker, centres, strict=True)))
+    bars: list[PlacedBar] = []
+    first = assembly.last_sphere + 1
+    for name, section in ((INCIDENT_BAR, case.incident_bar), (BAR, case.bar)):
+        if section is not None:
+            bars.append(_place_bar(assembly, name, section, section.material or case.material, first))
+            first = bars[-1].last + 1
+    ends = [Species(bar.material, role, bar.name) for bar in bars for role in ("node", "face")]
+    return dataclasses.replace(assembly, bars=tuple(bars), species=(*assembly.species, *ends))
+
+
+def struck_of(case: Case) -> tuple[int, ...]:
+    """Ids of the spheres that the load acts on, the struck sphere first; of strikers alone those that move."""
+    if case.load.kind != "striker":
+        return struck_spheres(case.lattice, case.load.spheres)
+    moving = [number for number, striker in enumerate(case.striker, start=case.lattice.n_spheres + 1) if striker.moves]
+    return tuple(moving)
+
+
+def velocities_of(case: Case) -> dict[int, tuple[float, float, float]]:
+    """Initial velocities of the spheres that have one, by id, m/s."""
+    found: dict[int, tuple[float, float, float]] = {}
+    if case.load.kind == "impact":
+        found = dict.fromkeys(struck_of(case), case.load.initial_velocity)
+    for number, striker in enumerate(case.striker, start=case.lattice.n_spheres + 1):
+        if striker.moves:
+            found[number] = striker.velocity
+    return found
+
+
+def _place_bar(assembly: Assembly, name: str, section: Bar, material: Material, first: int) -> PlacedBar:
+    n = section.elements
+    ahead = name == INCIDENT_BAR
+    face = -assembly.top_radius if ahead else assembly.bottom()
+    position = face + np.linspace(-section.length if ahead else 0.0, 0.0 if ahead else section.length, n + 1)
+    mass = np.full(n + 1, material.density * section.area * section.length / n)
+    mass[[0, -1]] /= 2
+    return PlacedBar(
+        name, section, material, first, first + n if ahead else first, 1 if ahead else assembly.lattice.n_spheres,
+        position, mass,
+    )  # fmt: skip
+
+
+def gap_tolerance(case: Case) -> float:
+    """Gap up to which two spheres count as touching at the start, m."""
+    return TOUCHING * case.packing.diameter

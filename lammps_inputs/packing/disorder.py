@@ -1,0 +1,94 @@
+"""What is random in a packing: diameters in a tolerance band, vacancies, spheres replaced by chance.
+
+Everything random follows from ``packing.seed``, by streams of random numbers of their own, so that a change of one does
+not change another:
+
+    diameters     one number for each site of the lattice; a wider band stretches the same numbers, and whatever else
+                  is at other sites does not change them
+    vacancies     one number for each site; the sites of the smallest numbers are vacant, so that a larger share
+                  contains a smaller one
+    replace       likewise, one stream for each entry, by its place in the case
+
+The numbers are the upper 53 bits of what PCG64 gives out, whose stream numpy guarantees for all versions and machines.
+Those of a normal distribution pass through a special function, whose last bits may depend on the machine; they are
+rounded to `_GRID` of the band.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import ndtr, ndtri
+
+if TYPE_CHECKING:
+    from granwave.lammps_inputs.case.bodies import Replace
+    from granwave.lammps_inputs.case.case import Case
+    from granwave.lammps_inputs.case.sections import PackingSection
+
+DEFAULT_SEED = 1
+DIAMETERS, VACANCIES, REPLACE = range(3)  # streams
+
+_DEVIATIONS = 3.0  # standard deviations from the middle of the band to either end
+_GRID = 2.0**-24  # of the band
+
+
+def is_random(case: Case) -> bool:
+    """Something in the packing of a case depends on its seed."""
+    share = isinstance(case.packing.vacancies, float) and case.packing.vacancies > 0
+    return bool(case.packing.diameter_scatter) or share or any(entry.share for entry in case.replace)
+
+
+def diameter_losses(packing: PackingSection, n: int) -> NDArray[np.float64]:
+    """How much smaller than nominal the sphere at each site is: (n,), m, from 0 to ``diameter_scatter``."""
+    place = _uniform(packing.seed, n, DIAMETERS)
+    if packing.scatter_distribution == "normal":
+        least, most = ndtr(-_DEVIATIONS), ndtr(_DEVIATIONS)
+        place = (ndtri(least + (most - least) * place) / _DEVIATIONS + 1) / 2
+        place = np.clip(np.rint(place / _GRID) * _GRID, 0, 1)
+    return packing.diameter_scatter * place
+
+
+def random_vacancies(packing: PackingSection, n: int, kept: Collection[int]) -> NDArray[np.int64]:
+    """The sites, from 0, that ``packing.vacancies`` as a share leaves empty; never those of the ids in ``kept``.
+
+    Raises
+    ------
+    ValueError
+        More than there are to choose from.
+    """
+    may_go = np.ones(n, dtype=bool)
+    may_go[np.fromiter(kept, dtype=np.int64, count=len(kept)) - 1] = False
+    number, among = round(float(packing.vacancies) * n), int(np.count_nonzero(may_go))  # type: ignore[arg-type]
+    if number >= n:
+        raise ValueError("leaves no sphere")
+    if number > among:
+        raise ValueError(f"takes {number} spheres, {among} may go: the case names the others")
+    return _smallest(_uniform(packing.seed, n, VACANCIES), may_go, number)
+
+
+def random_share(packing: PackingSection, entry: Replace, place: int, present: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """The sites, from 0, that a ``[[replace]]`` entry with a share changes, of those that are ``present``.
+
+    Parameters
+    ----------
+    place
+        Of the entry in the case, from 1.
+    """
+    number = round((entry.share or 0.0) * int(np.count_nonzero(present)))
+    return _smallest(_uniform(packing.seed, len(present), REPLACE, place), present, number)
+
+
+def _smallest(values: NDArray[np.float64], allowed: NDArray[np.bool_], number: int) -> NDArray[np.int64]:
+    """Where the ``number`` smallest of the allowed values are, in rising order."""
+    where = np.flatnonzero(allowed)
+    return np.sort(where[np.argsort(values[where], kind="stable")[:number]])
+
+
+def _uniform(seed: int | None, n: int, *stream: int) -> NDArray[np.float64]:
+    """Numbers in [0, 1): (n,)."""
+    entropy = np.random.SeedSequence(DEFAULT_SEED if seed is None else seed, spawn_key=stream)
+    upper = np.random.PCG64(entropy).random_raw(n) >> np.uint64(11)
+    return upper.astype(np.float64) * 2.0**-53

@@ -1,0 +1,140 @@
+"""Ordered packings: every sphere of a lattice with its position, its contacts and the walls around it."""
+
+from __future__ import annotations
+
+import dataclasses
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import ase
+import numpy as np
+from numpy.typing import NDArray
+
+from granwave.lammps_inputs.lattices import TOUCHING, Lattice
+from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.walls import Wall, walls
+
+if TYPE_CHECKING:
+    from granwave.lammps_inputs.case.case import Case
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Packing:
+    """Spheres on a lattice, and strikers, the struck layer at z = 0 and depth along +z.
+
+    A row of every array is a sphere; of a packing with vacancies rows are not ids less one, see `rows`.
+
+    Attributes
+    ----------
+    assembly
+        The rule behind the positions.
+    atoms
+        The spheres in the order of their ids, with the arrays ``diameters`` (n,), m, and ``ids`` (n,); positions
+        in m (not angstrom).
+    walls
+        The planes around the packing.
+    """
+
+    assembly: Assembly
+    atoms: ase.Atoms
+    walls: tuple[Wall, ...] = ()
+
+    @property
+    def n_spheres(self) -> int:
+        """How many spheres there are."""
+        return self.assembly.n_spheres
+
+    @property
+    def lattice(self) -> Lattice:
+        """Of the spheres but for strikers."""
+        return self.assembly.lattice
+
+    @property
+    def positions(self) -> NDArray[np.float64]:
+        """Centres by id: (n_spheres, 3), m."""
+        return self.atoms.positions
+
+    @property
+    def ids(self) -> NDArray[np.int64]:
+        """Ids, those of sites counted from 1, i fastest: (n_spheres,)."""
+        return self.atoms.get_array("ids", copy=False)
+
+    def rows(self, ids: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Rows of the spheres with these ids, of the same shape."""
+        return np.searchsorted(self.ids, ids) if self._vacant else ids - 1
+
+    @property
+    def _vacant(self) -> bool:
+        return self.n_spheres < self.assembly.last_sphere
+
+    @cached_property
+    def contacts(self) -> NDArray[np.int64]:
+        """Touching pairs of ids, i < j, sorted: (n_contacts, 2).
+
+        Raises
+        ------
+        RuntimeError
+            A pair that should touch does not within 1e-6 D: the positions were changed.
+        """
+        pairs = self.assembly.contacts()
+        pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
+        gaps = self.gaps(pairs)
+        if gaps.size and np.abs(gaps).max() > TOUCHING * self.lattice.diameter:
+            first, second = pairs[np.abs(gaps).argmax()]
+            raise RuntimeError(
+                f"spheres {first} and {second}: found a gap of {np.abs(gaps).max():.3g} m, expected contact"
+            )
+        return pairs
+
+    @cached_property
+    def coordination(self) -> NDArray[np.int8]:
+        """Touching spheres of each sphere: (n_spheres,); checked where the packing is of like spheres alone.
+
+        Raises
+        ------
+        RuntimeError
+            A sphere touches more spheres than the lattice allows, or none of the inner ones as many as it
+            should.
+        """
+        result = np.zeros(self.n_spheres, dtype=np.int8)
+        np.add.at(result, self.rows(self.assembly.contacts().ravel()), 1)
+        if not self.assembly.plain:
+            return result
+        expected = self.lattice.rule.coordination
+        found = int(result.max())
+        if found > expected or (found < expected and self._has_inside()):
+            raise RuntimeError(f"{self.lattice.kind}: found {found} contacts inside, expected {expected}")
+        return result
+
+    def gaps(self, pairs: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Distance between the surfaces of each pair (n, 2) of ids, the nearest image counting: (n,), m."""
+        result, radii = np.empty(len(pairs)), self.atoms.get_array("diameters") / 2
+        for start in range(0, len(pairs), 1_000_000):
+            part = slice(start, start + 1_000_000)
+            first, second = self.rows(pairs[part]).T
+            step = self.positions[second] - self.positions[first]
+            if self.lattice.periodic:
+                for axis, length in enumerate(self.lattice.lengths):
+                    step[:, axis] -= length * np.round(step[:, axis] / length)
+            result[part] = np.sqrt(np.einsum("ij,ij->i", step, step)) - (radii[first] + radii[second])
+        return result
+
+    def _has_inside(self) -> bool:
+        sides = [n for n, axis in zip(self.lattice.size, self.lattice.rule.axes, strict=True)
+                 if axis == "z" or not self.lattice.periodic]  # fmt: skip
+        return all(n >= 5 for n in sides)
+
+
+def build_packing(case: Case) -> Packing:
+    """The packing of a case, with its walls."""
+    assembly, lattice = case.assembly, case.lattice
+    low, high = assembly.lattice_bounds()
+    atoms = ase.Atoms(
+        numbers=np.zeros(assembly.n_spheres, dtype=np.int8),
+        positions=assembly.positions(),
+        cell=np.append(lattice.lengths, high[2] - low[2] + lattice.diameter),
+        pbc=(lattice.periodic, lattice.periodic, False),
+    )
+    atoms.set_array("diameters", assembly.sphere_diameters())
+    atoms.set_array("ids", assembly.ids)
+    return Packing(assembly, atoms, walls(case))

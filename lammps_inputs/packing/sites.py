@@ -1,0 +1,250 @@
+"""What is at each site of a lattice, where that is not everywhere the same: diameters, materials, vacancies.
+
+Spheres stay at the sites of the lattice of nominal spheres, whatever their diameter: smaller ones leave gaps, larger
+ones need room. The beads of a chain are stacked in contact by their nominal diameters, `[[replace]]` included, and what
+they miss of these by the tolerance is a gap too. The tolerance counts from the nominal diameter of each sphere.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator, Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import KDTree
+
+from granwave.lammps_inputs.case.bodies import Replace, Sensor, Striker
+from granwave.lammps_inputs.case.material import Material
+from granwave.lammps_inputs.lattices import TOUCHING, Lattice
+from granwave.lammps_inputs.packing.disorder import diameter_losses, random_share, random_vacancies
+from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
+
+if TYPE_CHECKING:
+    from granwave.lammps_inputs.case.case import Case
+    from granwave.lammps_inputs.case.load import Load
+    from granwave.lammps_inputs.case.sections import Output, PackingSection
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Sites:
+    """The sites of a lattice, that of id 1 first; every array (n_sites,).
+
+    Attributes
+    ----------
+    nominal
+        Diameters before the tolerance, m.
+    diameter
+        Diameters, m.
+    kind
+        Which of ``materials`` it is.
+    materials
+        That of the packing first.
+    present
+        There is a sphere.
+    """
+
+    lattice: Lattice
+    nominal: NDArray[np.float64]
+    diameter: NDArray[np.float64]
+    kind: NDArray[np.int16]
+    materials: tuple[Material, ...]
+    present: NDArray[np.bool_]
+
+    @cached_property
+    def count(self) -> int:
+        """How many spheres there are."""
+        return int(np.count_nonzero(self.present))
+
+    @property
+    def ids(self) -> NDArray[np.int64]:
+        """Of the spheres that there are, in rising order: (count,)."""
+        return np.flatnonzero(self.present) + 1
+
+    @cached_property
+    def like(self) -> bool:
+        """Of one material and one nominal diameter, that of the lattice."""
+        return not self.kind.any() and bool((self.nominal == self.lattice.diameter).all())
+
+    @cached_property
+    def stacked(self) -> NDArray[np.float64] | None:
+        """Heights of the beads of a chain whose nominal diameters differ: (n_sites,), m."""
+        if self.lattice.kind != "chain" or (self.nominal == self.lattice.diameter).all():
+            return None
+        radii = self.nominal / 2
+        return np.concatenate([[0.0], np.cumsum(radii[1:] + radii[:-1])])
+
+    @property
+    def least_reach(self) -> float:
+        """Distance up to which the largest spheres of any two materials touch, m."""
+        return min(float(self.diameter[self.present & (self.kind == k)].max()) for k in np.unique(self.kind))
+
+    def positions(self, first: int, last: int) -> NDArray[np.float64]:
+        """Centres of the sites of ids ``first`` to ``last``: (n, 3), m."""
+        positions = self.lattice.positions(first, last)
+        if self.stacked is not None:
+            positions[:, 2] = self.stacked[first - 1 : last]
+        return positions
+
+    def neighbours(self) -> Iterator[tuple[NDArray[np.int64], NDArray[np.float64]]]:
+        """Pairs of spheres at neighbouring sites in batches: ids (n, 2), i < j, and the gaps between them (n,), m."""
+        for pairs in self.lattice.pairs():
+            if self.count < len(self.present):
+                pairs = pairs[self.present[pairs - 1].all(axis=1)]
+            first, second = pairs.T - 1
+            reach = (self.diameter[first] + self.diameter[second]) / 2
+            apart = self.lattice.diameter if self.stacked is None else (self.nominal[first] + self.nominal[second]) / 2
+            yield pairs, apart - reach
+
+    @cached_property
+    def _counts(self) -> tuple[int, int]:
+        """Pairs of neighbouring spheres, and pairs that touch."""
+        stacked = self.nominal if self.lattice.kind == "chain" else self.lattice.diameter
+        if self.count == len(self.present) and (self.diameter == stacked).all():
+            return self.lattice.n_contacts, self.lattice.n_contacts  # they differ in their materials only
+        n_neighbours, n_touching = 0, len(self._contacts_of_larger())
+        for pairs, gaps in self.neighbours():
+            n_neighbours += len(pairs)
+            n_touching += int(np.count_nonzero(self._touch(pairs, gaps)))
+        return n_neighbours, n_touching
+
+    @property
+    def n_neighbours(self) -> int:
+        """Pairs of spheres at neighbouring sites, which touch or can come to touch."""
+        return self._counts[0]
+
+    @property
+    def n_contacts(self) -> int:
+        """Pairs of spheres that touch."""
+        return self._counts[1]
+
+    def contacts(self) -> Iterator[NDArray[np.int64]]:
+        """Touching pairs of ids (n, 2), i < j, in batches."""
+        for pairs, gaps in self.neighbours():
+            yield pairs[self._touch(pairs, gaps)]
+        yield self._contacts_of_larger()
+
+    def near_larger(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """Pairs (n, 2) of ids, i < j, that touch or overlap, a sphere larger than the lattice allows for one of them at
+        least, and the gaps between them (n,), m, negative where they overlap; of chains none.
+
+        Such spheres reach beyond the neighbouring sites. A pair of equal ids is a sphere and its own image.
+        """
+        present, large = np.flatnonzero(self.present), np.flatnonzero(self.larger & self.present)
+        none = np.empty((0, 2), dtype=np.int64), np.empty(0)
+        if not large.size:
+            return none
+        centres = self.positions(1, len(self.present))
+        tree = KDTree(centres[present])
+        slack = TOUCHING * self.lattice.diameter
+        reach = (self.diameter[large] + self.diameter[present].max()) / 2 + slack
+        found: list[NDArray[np.float64]] = []
+        for shift in self._images():
+            around = tree.query_ball_point(centres[large] + shift, reach)
+            one = np.repeat(large, [len(others) for others in around])
+            other = present[np.concatenate([np.asarray(others, dtype=np.int64) for others in around])]
+            apart = np.linalg.norm(centres[one] + shift - centres[other], axis=1)
+            gap = apart - (self.diameter[one] + self.diameter[other]) / 2
+            keep = (gap <= slack) & ((one != other) | bool(shift.any()))
+            found.append(np.stack([np.minimum(one, other) + 1, np.maximum(one, other) + 1, gap], axis=1)[keep])
+        rows = np.concatenate(found)
+        rows = rows[np.lexsort((rows[:, 2], rows[:, 1], rows[:, 0]))]
+        pairs, first = np.unique(rows[:, :2].astype(np.int64), axis=0, return_index=True)
+        return (pairs, rows[first, 2]) if len(pairs) else none
+
+    @cached_property
+    def larger(self) -> NDArray[np.bool_]:
+        """Larger than the lattice allows for; in a chain none is."""
+        if self.lattice.kind == "chain":
+            return np.zeros(len(self.present), dtype=bool)
+        return self.diameter > self.lattice.diameter
+
+    def _images(self) -> list[NDArray[np.float64]]:
+        if not self.lattice.periodic:
+            return [np.zeros(3)]
+        x, y = self.lattice.lengths
+        return [np.array([i * x, j * y, 0.0]) for i in (0, -1, 1) for j in (0, -1, 1)]
+
+    def _touch(self, pairs: NDArray[np.int64], gaps: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Neighbouring pairs that touch, but for those of larger spheres, which are looked for apart."""
+        touching = np.abs(gaps) <= TOUCHING * self.lattice.diameter
+        return touching & ~self.larger[pairs - 1].any(axis=1) if self.larger.any() else touching
+
+    def _contacts_of_larger(self) -> NDArray[np.int64]:
+        pairs, gaps = self.near_larger()
+        return pairs[np.abs(gaps) <= TOUCHING * self.lattice.diameter]
+
+
+def sites_of(case: Case) -> Sites | None:
+    """What is at the sites of a case's lattice; None where all spheres are alike and none is missing.
+
+    Raises
+    ------
+    ValueError
+        A share of vacancies leaves too few spheres.
+    """
+    packing, lattice = case.packing, case.lattice
+    if not (packing.diameter_scatter or packing.vacancies or case.replace):
+        return None
+    n = lattice.n_spheres
+    kept = named_spheres(lattice, case.load, case.replace, case.striker, case.sensor, case.output)
+    present = np.ones(n, dtype=bool)
+    present[vacant_sites(packing, n, set(kept))] = False
+    nominal, kind = np.full(n, packing.diameter), np.zeros(n, dtype=np.int16)
+    materials = [case.material]
+    for place, entry in enumerate(case.replace, start=1):
+        chosen = chosen_sites(packing, lattice, entry, place, present)
+        material = entry.material or case.material
+        if material not in materials:
+            materials.append(material)
+        nominal[chosen] = entry.diameter or packing.diameter
+        kind[chosen] = materials.index(material)
+    diameter = nominal - diameter_losses(packing, n) if packing.diameter_scatter else nominal
+    used = np.union1d([0], kind[present])
+    kind = np.searchsorted(used, np.where(present, kind, 0)).astype(np.int16)
+    found = Sites(lattice, nominal, diameter, kind, tuple(materials[k] for k in used), present)
+    return None if found.like and diameter is nominal and present.all() else found
+
+
+def named_spheres(
+    lattice: Lattice,
+    load: Load,
+    replaced: Sequence[Replace],
+    strikers: Sequence[Striker],
+    sensors: Sequence[Sensor],
+    output: Output,
+) -> dict[int, str]:
+    """The spheres of the lattice that a case names, and by which of its keys; these are no vacancies."""
+    struck: tuple[int, ...] = ()
+    if load.kind != "striker":
+        struck = struck_spheres(lattice, load.spheres)
+    names = [("load.spheres", struck), ("output.probes", [one for probe in output.probes for one in probe.spheres])]
+    names += [(f"sensor.{place}.id", (sensor.id,)) for place, sensor in enumerate(sensors, start=1)]
+    names += [(f"striker.{place}.touches", striker.touches) for place, striker in enumerate(strikers, start=1)]
+    names += [(f"replace.{place}.index", entry.index or ()) for place, entry in enumerate(replaced, start=1)]
+    return {sphere: key for key, spheres in reversed(names) for sphere in spheres if sphere <= lattice.n_spheres}
+
+
+def vacant_sites(packing: PackingSection, n: int, kept: set[int]) -> NDArray[np.int64]:
+    """The sites, from 0, without a sphere; raises as `random_vacancies`."""
+    if isinstance(packing.vacancies, tuple):
+        return np.array(packing.vacancies, dtype=np.int64) - 1
+    return random_vacancies(packing, n, kept) if packing.vacancies else np.empty(0, dtype=np.int64)
+
+
+def chosen_sites(
+    packing: PackingSection, lattice: Lattice, entry: Replace, place: int, present: NDArray[np.bool_]
+) -> NDArray[np.int64]:
+    """The sites, from 0, that a ``[[replace]]`` entry, the one at this place from 1, changes.
+
+    Of a box: where the centres of the lattice are, of like spheres also in a chain, with ``TOUCHING`` to spare.
+    """
+    if entry.index is not None:
+        return np.array(entry.index, dtype=np.int64) - 1
+    if entry.share is not None:
+        return random_share(packing, entry, place, present)
+    centres, slack = lattice.positions(1, lattice.n_spheres), TOUCHING * lattice.diameter
+    low, high = np.array(entry.low), np.array(entry.high)
+    return np.flatnonzero(((centres >= low - slack) & (centres <= high + slack)).all(axis=1))

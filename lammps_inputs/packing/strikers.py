@@ -1,0 +1,83 @@
+"""Where strikers sit: in contact with the spheres that they touch, outside of the packing."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from granwave.lammps_inputs.case.bodies import Striker
+
+if TYPE_CHECKING:
+    from granwave.lammps_inputs.packing.assembly import Assembly
+
+_TOLERANCE = 1e-9  # of the diameter: how exactly a striker touches
+_TELLING = 1e-6  # part of a direction across the spheres from which on it tells the side
+_OVERLAP = 1e-6  # of the diameter: how far it may reach into a sphere that it is not said to touch
+
+
+def place_strikers(assembly: Assembly, strikers: Sequence[Striker]) -> list[NDArray[np.float64]]:
+    """Centres of the strikers: (3,) each, m.
+
+    A striker touches all its spheres at once. Of several such places it takes the one on the side that it comes from;
+    a resting one takes the one away from the packing's centre, or above the packing where that does not tell.
+
+    Raises
+    ------
+    ValueError
+        A striker touches spheres that no sphere can touch at once, or overlaps another one.
+    """
+    centres, radii = assembly.positions(), assembly.sphere_diameters() / 2
+    ids = assembly.ids
+    middle = assembly.lattice_positions(1, assembly.lattice.n_spheres).mean(axis=0)
+    placed = []
+    for number, striker in enumerate(strikers, start=1):
+        radius = (striker.diameter or assembly.lattice.diameter) / 2
+        touched = np.searchsorted(ids, striker.touches)
+        at, reach = centres[touched], radii[touched] + radius
+        centre = _touching(at, reach, _side(striker, at, middle))
+        gap = np.linalg.norm(centres - centre, axis=1) - radii - radius
+        if np.abs(gap[touched]).max() > _TOLERANCE * 2 * radius:
+            raise ValueError(f"striker {number}: found no place where it touches {list(striker.touches)} all at once")
+        if gap.min() < -_OVERLAP * 2 * radius:
+            other = ids[gap.argmin()]
+            raise ValueError(f"striker {number}: its place overlaps sphere {other} by {-gap.min():.3g} m")
+        placed.append(centre)
+        centres, radii = np.vstack([centres, centre]), np.append(radii, radius)
+        ids = np.append(ids, assembly.lattice.n_spheres + number)
+    return placed
+
+
+def _side(striker: Striker, at: NDArray[np.float64], middle: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The direction, of the spheres at ``at``, in which the striker is looked for: (3,), of length 1."""
+    away = at.mean(axis=0) - middle
+    above = np.array([0.0, 0.0, -1.0])
+    span = at[1:] - at[0]
+    for guess in (-np.array(striker.velocity), away, above):
+        across = guess - np.linalg.pinv(span) @ (span @ guess) if len(span) else guess
+        size = np.linalg.norm(
+            across
+        )  # only what is across the line, or the plane, of the spheres tells the places apart
+        if size > _TELLING * np.linalg.norm(guess) and size > _TOLERANCE * np.abs(at).max(initial=0.0):
+            return across / size
+    return above
+
+
+def _touching(at: NDArray[np.float64], reach: NDArray[np.float64], side: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The point at the distances ``reach`` from the points ``at``, in the plane of ``side`` and what these span."""
+    middle = at.mean(axis=0)
+    if len(at) == 1:
+        return middle + reach[0] * side
+    _, sizes, directions = np.linalg.svd(at - middle)
+    spanned = directions[: len(sizes)][sizes > _TELLING * sizes[0]]
+    axes = np.vstack([spanned, side])
+    start = np.append(np.zeros(len(spanned)), reach.mean())
+
+    def misses(place: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.linalg.norm(at - middle - place @ axes, axis=1) / reach - 1
+
+    found = least_squares(misses, start, x_scale=float(reach.mean()), xtol=1e-15, ftol=1e-15, gtol=1e-15)
+    return middle + found.x @ axes

@@ -1,0 +1,129 @@
+"""The planes around a packing, each touching the outermost spheres of its side; rigid, or of a material."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import TYPE_CHECKING
+
+from granwave.lammps_inputs.case.material import Material
+
+if TYPE_CHECKING:
+    from granwave.lammps_inputs.case.case import Case
+    from granwave.lammps_inputs.case.supports import Support
+
+
+@dataclasses.dataclass(frozen=True)
+class Wall:
+    """A plane that spheres cannot pass, or the held last layer that acts as one.
+
+    Attributes
+    ----------
+    name
+        bottom, xlo, xhi, ylo or yhi.
+    axis
+        0, 1 or 2 for x, y or z: the normal.
+    outward
+        +1 if the packing lies below the plane along ``axis``, -1 if above.
+    coordinate
+        Where the plane is along ``axis``, m.
+    held_layer
+        There is no plane: the last layer itself is held in place.
+    material
+        Of the plane; None for a rigid one.
+    support
+        What the plane moves on; None for one that does not move.
+    """
+
+    name: str
+    axis: int
+    outward: int
+    coordinate: float
+    held_layer: bool = False
+    material: Material | None = None
+    support: Support | None = None
+
+
+def walls(case: Case) -> tuple[Wall, ...]:
+    """The walls of a case: the bottom first, then the sides."""
+    assembly, found = case.assembly, []
+    if case.boundary.bottom != "free":
+        boundary, held = case.boundary, case.boundary.bottom == "fixed"
+        found.append(Wall("bottom", 2, 1, assembly.bottom(), held, boundary.bottom_material, boundary.bottom_support))
+    if case.boundary.sides == "wall":
+        low, high = assembly.lattice_bounds()
+        radius = assembly.wall_radius
+        for axis, letter in enumerate("xy"):
+            material = case.boundary.sides_material
+            found.append(Wall(f"{letter}lo", axis, -1, float(low[axis]) - radius, material=material))
+            found.append(Wall(f"{letter}hi", axis, 1, float(high[axis]) + radius, material=material))
+    return tuple(found)
+
+
+def wall_fixes(case: Case, wall: Wall) -> list[tuple[str, str, Material]]:
+    """The LAMMPS fixes of a plane: name, group and material of the spheres that it is for; one for each material.
+
+    Walls are those of the packing: strikers, which are outside, pass them.
+    """
+    if case.packing.kind == "chain" and wall.name == "bottom":
+        return [(wall.name, "all", case.assembly.material_of(case.lattice.n_spheres))]
+    materials = [species.material for species in case.assembly.species if species.role == "sphere"]
+    if len(materials) == 1 and not case.striker:
+        return [(wall.name, "all", materials[0])]
+    names = [wall.name, *(f"{wall.name}_{n}" for n in range(2, len(materials) + 1))]
+    return [(name, f"species{n}", material) for n, (name, material) in enumerate(zip(names, materials, strict=True), 1)]
+
+
+def wall_friction(case: Case, wall: Wall, material: Material) -> float:
+    """Coefficient of friction between a wall and spheres of a material."""
+    if case.boundary.friction is not None:
+        return case.boundary.friction
+    return case.contact_between(material, wall.material).friction
+
+
+def materials_of_last_layer(case: Case) -> list[Material]:
+    """Of the spheres that rest on the bottom, each once."""
+    nx, ny, _ = case.lattice.shape
+    n, sites = case.lattice.n_spheres, case.assembly.sites
+    if sites is None:
+        return [case.material]
+    last = slice(n - nx * ny, n)
+    return list(dict.fromkeys(sites.materials[kind] for kind in sites.kind[last][sites.present[last]]))
+
+
+def moving_fix(case: Case) -> str | None:
+    """The fix whose plane moves; None where none does. Spheres of other materials than the last layer's meet one that
+    stays."""
+    for wall in walls(case):
+        if wall.support is not None:
+            resting = materials_of_last_layer(case)[0]
+            return next(name for name, _, material in wall_fixes(case, wall) if material == resting)
+    return None
+
+
+def support_words(case: Case, wall: Wall, material: Material) -> list[str]:
+    """What the fix of a plane is told of its support, if it is the one that moves."""
+    if wall.support is None or material != materials_of_last_layer(case)[0]:
+        return []
+    return ["support", *wall.support.words(wall.material, footprint_radius(case))]
+
+
+def support_timestep(case: Case, stiffness: float) -> float:
+    """A timestep that follows the motion of the bottom, s; infinite where it does not move.
+
+    Parameters
+    ----------
+    stiffness
+        Of a contact with it, N/m.
+    """
+    boundary, (nx, ny, _) = case.boundary, case.lattice.shape
+    if boundary.bottom_support is None:
+        return math.inf
+    return boundary.bottom_support.longest_timestep(
+        boundary.bottom_material, footprint_radius(case), nx * ny * stiffness
+    )
+
+
+def footprint_radius(case: Case) -> float:
+    """Radius of the disc of the same area as a layer of the packing, m."""
+    return math.sqrt(math.prod(case.lattice.lengths) / math.pi)

@@ -1,0 +1,1 @@
+"""Timestep, schedule and cost of a run, before it is run."""

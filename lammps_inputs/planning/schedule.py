@@ -1,0 +1,166 @@
+"""When things happen in a run, in whole timesteps.
+
+With an automatic timestep the step is shortened until the end time (or a block, for ``end_time = "auto"``) is
+a whole number of ledger intervals: the run ends exactly when asked, and its last step is in the ledger. With
+a timestep given by the user that step is kept, and the end time is rounded up by as few steps as possible.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from granwave.lammps_inputs.case.sections import AUTO_END_TIME
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.planning.timestep import auto_timestep
+
+if TYPE_CHECKING:
+    from granwave.lammps_inputs.case.case import Case
+
+BLOCK_TIME = 50e-6  # s, of end_time = "auto"
+BLOCK_THRESHOLD = 1e-4  # of the input energy: a block that dissipates less is the last
+_LEDGER_ROWS = 500  # aimed at, of a run with an end time
+_LEDGER_ROWS_IN_BLOCK = 250  # the run may end after one block, and a balance over fewer instants is no balance
+_AUTO_PROBE_STEPS = 5
+_WALL_STEPS = 10  # some 0.3 us of the reference; LAMMPS adds up all energies whenever anything is recorded
+_MOST_STEPS = 2e9
+_AUTO_FRAME_SPAN = 1e-3  # s, over which `frames` snapshots are spread when the end is not known
+
+
+@dataclasses.dataclass(frozen=True)
+class Schedule:
+    """A run in whole timesteps.
+
+    Attributes
+    ----------
+    timestep
+        s.
+    n_steps
+        Of the run; with ``block_steps`` the most it can be.
+    block_steps
+        Of a block of ``end_time = "auto"``; 0 if the run has an end time.
+    ledger_every
+        Steps between rows of the energy ledger.
+    wall_every
+        Steps between rows of the wall forces; the last step of the run has one.
+    probe_every
+        Steps between rows of the probes.
+    frame_every
+        Steps between snapshots if they are evenly spaced, else 0.
+    frame_steps
+        Steps of the snapshots after the first, at step 0, if they are not evenly spaced.
+    history_every
+        Steps between the instants at which a whole chain is recorded; 0: never.
+    """
+
+    timestep: float
+    n_steps: int
+    block_steps: int
+    ledger_every: int
+    wall_every: int
+    probe_every: int
+    frame_every: int
+    frame_steps: tuple[int, ...] = ()
+    history_every: int = 0
+
+    @property
+    def end_time(self) -> float:
+        """Of the last step, s."""
+        return self.n_steps * self.timestep
+
+    @property
+    def n_frames(self) -> int:
+        """Snapshots of a run that goes on to its last step, the start among them."""
+        return 1 + (len(self.frame_steps) or math.ceil(self.n_steps / self.frame_every))
+
+
+def make_schedule(case: Case, timestep: float | None = None) -> Schedule:
+    """The schedule of a case.
+
+    Parameters
+    ----------
+    timestep
+        s; takes the place of ``run.timestep``.
+    """
+    given = timestep if timestep is not None else case.run.timestep
+    if isinstance(case.run.end_time, str):
+        return _in_blocks(case, given)
+    dt, n_steps, ledger_every = _fit(case, given, case.run.end_time, _LEDGER_ROWS)
+    steps = _frame_steps(case, dt, n_steps)
+    even = steps[0] if steps == tuple(range(steps[0], n_steps + 1, steps[0])) else 0
+    return Schedule(
+        timestep=dt,
+        n_steps=n_steps,
+        block_steps=0,
+        ledger_every=ledger_every,
+        wall_every=_divisor(n_steps, _WALL_STEPS),
+        probe_every=_probe_every(case, dt, n_steps),
+        frame_every=even,
+        frame_steps=() if even else steps,
+        history_every=_history_every(case, n_steps),
+    )
+
+
+def _in_blocks(case: Case, given: float | str) -> Schedule:
+    dt, block_steps, ledger_every = _fit(case, given, BLOCK_TIME, _LEDGER_ROWS_IN_BLOCK)
+    n_steps = block_steps * max(1, round(AUTO_END_TIME / (block_steps * dt)))
+    frames = case.run.frames
+    listed = isinstance(frames, tuple)
+    every = 0 if isinstance(frames, tuple) else max(1, round(_AUTO_FRAME_SPAN / frames / dt))
+    return Schedule(
+        timestep=dt,
+        n_steps=n_steps,
+        block_steps=block_steps,
+        ledger_every=ledger_every,
+        wall_every=_divisor(block_steps, _WALL_STEPS),
+        probe_every=_probe_every(case, dt, block_steps),
+        frame_every=every,
+        frame_steps=_frame_steps(case, dt, n_steps) if listed else (),
+        history_every=_history_every(case, round(_AUTO_FRAME_SPAN / dt)),
+    )
+
+
+def _fit(case: Case, given: float | str, duration: float, rows: int) -> tuple[float, int, int]:
+    """Timestep, steps in ``duration``, and steps between the about ``rows`` rows of the ledger."""
+    step = auto_timestep(case) if isinstance(given, str) else given
+    if not duration / step <= _MOST_STEPS:
+        raise InputError(
+            f"{case.name}: run.end_time: {duration:g} s in steps of {step:g} s are more than {_MOST_STEPS:g} steps; "
+            "make the run shorter, or run.timestep longer"
+        )
+    if isinstance(given, str):
+        ledger_every = max(1, math.ceil(duration / step / rows * (1 - 1e-9)))
+        return duration / (ledger_every * rows), ledger_every * rows, ledger_every
+    n_steps = max(1, math.ceil(duration / given * (1 - 1e-9)))
+    candidates = range(max(1, n_steps // (2 * rows)), max(1, 2 * n_steps // rows) + 1)
+    ledger_every = min(candidates, key=lambda every: (-n_steps % every, abs(every - n_steps / rows)))
+    return given, n_steps + -n_steps % ledger_every, ledger_every
+
+
+def _divisor(n_steps: int, most: int) -> int:
+    """The largest number of steps, of at most so many, that fits into the run a whole number of times."""
+    return max(every for every in range(1, most + 1) if n_steps % every == 0)
+
+
+def _history_every(case: Case, n_steps: int) -> int:
+    return max(1, round(n_steps / case.history)) if case.history else 0
+
+
+def _probe_every(case: Case, dt: float, n_steps: int) -> int:
+    interval = case.output.probe_interval
+    if isinstance(interval, str):
+        return _divisor(n_steps, _AUTO_PROBE_STEPS)
+    return max(1, round(interval / dt))
+
+
+def _frame_steps(case: Case, dt: float, n_steps: int) -> tuple[int, ...]:
+    """Steps of the snapshots after step 0; the last step is always one."""
+    if isinstance(case.run.frames, tuple):
+        wanted = np.rint(np.array(case.run.frames) / dt)
+    else:
+        wanted = np.rint(np.linspace(0, n_steps, max(2, case.run.frames)))
+    steps = np.union1d(np.minimum(wanted, n_steps).astype(np.int64), [n_steps])
+    return tuple(int(step) for step in steps if step > 0)

@@ -1,0 +1,323 @@
+"""The timestep, from the stiffest contact that the load can make.
+
+The hardest encounter bounds every overlap of the run. Candidates, each a collision of effective mass m_eff at
+the normal velocity v_n, so that the contact takes up at most W = m_eff v_n^2 / 2 on loading:
+
+* the struck sphere against one resting sphere, head on: m_eff = m/2, v_n = v;
+* the struck sphere against the spheres it rests on, symmetrically (n of them at the angle theta to the
+  impact): m_eff = m / (1 + n cos^2 theta), v_n = v cos theta (for fcc and hcp n = 3, cos^2 theta = 2/3);
+* a sphere against a wall: m_eff = m, v_n = v if a line of contacts carries the pulse there undivided
+  (chain, simple cubic), else v halved with each layer on the way.
+
+Where bodies differ, every kind of touching pair is a candidate for the whole energy that the load brings in, of which
+a pair of masses m1 < m2 takes up at most m2/(m1 + m2). A force F that lasts brings at most the energy of its
+impulse J in a free sphere, J^2/2m, and no contact beyond some 2.5 F (thesis 4.1: 2.3 F in a chain). Where there are
+many diameters, those within 10 % of each other count as the smallest of them, which makes the stiffest contact for its
+mass. Like spheres within a tolerance all count as the smallest one, struck by one of nominal size. Under a static load
+each contact also takes up the work of that load.
+
+The timestep dt is chosen for the energy balance; stability (dt < 2/omega) would allow some fifty times more. The
+error of velocity Verlet is proportional to dt^2 and largest in the first collisions, where few contacts hold all the
+energy. There the work W is done on the slope of loading, and the recoverable part E of it is given back on the
+steeper slope of unloading, so that the stiffness that counts is
+
+    k = (E/W) k_unloading + (1 - E/W) k_loading        at the largest overlap
+
+or, with a dent from before the run that is larger than this overlap, k_unloading where the contact holds all of W.
+
+With it the largest error, over the input, is c k dt^2 / m with one c: 0.105 to 0.135 over 24 impacts on fcc packings
+(brass, steel, aluminium; 0.5 to 40 m/s), less on the other lattices, 0.15 for Hertz and Thornton contacts, 0.2 for
+bilinear ones. dt is set so that `_ERROR` k dt^2 / m is `_TOLERANCE`: 29 ns for brass spheres of 10 mm struck at 5 m/s
+in fcc. m is twice the effective mass of the pair. A bar limits dt to half the time that a wave takes for an element.
+
+It is rounded down to two significant digits. At one velocity it is proportional to the diameter, as every
+time is.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from granwave.lammps_inputs.contact.initial_dents import largest_dent
+from granwave.lammps_inputs.contact.law import flat_contact, pair_contact
+from granwave.lammps_inputs.contact.static_load import force_of_contact
+from granwave.lammps_inputs.packing.assembly import INCIDENT_BAR, struck_of, velocities_of
+from granwave.lammps_inputs.packing.walls import support_timestep
+
+if TYPE_CHECKING:
+    from granwave._contact_laws import ContactLaw
+    from granwave.lammps_inputs.case.case import Case
+    from granwave.lammps_inputs.case.load import Load
+    from granwave.lammps_inputs.case.material import Material
+    from granwave.lammps_inputs.packing.sites import Sites
+
+_TOLERANCE = 1e-6  # of the input: error of the energy balance at any instant
+_ERROR = 0.135
+_SUPPORTS = {"fcc": (3, 2 / 3), "hcp": (3, 2 / 3), "bcc": (4, 1 / 3), "sc": (1, 1.0), "chain": (1, 1.0)}
+_SLOPE_SPAN = 1e-6  # of the overlap, over which a slope is taken
+_UNDIVIDED = ("chain", "sc", "square")  # the pulse reaches the wall along a line of contacts, or at once
+_LARGEST_FORCE = 2.5  # of the force that drives a chain: no contact is pressed harder by it
+_OF_ELEMENT = 0.5  # of the time that a wave takes for an element of a bar
+_OF_LOAD = 0.01  # of the duration or period of a load
+_OF_LOAD_ON_BAR = 5e-4  # where a bar carries it: its energy balance has an error of some (pi dt/T)^2
+_OF_PRECOMPRESSION = 2.5  # F alpha over the work of a Hertz contact up to the force F of a static load
+_MOST_KINDS, _NEAR = 50, 1.1  # kinds of spheres told apart; of more, diameters in this ratio count as one
+_LARGEST_OVERLAP = 2.0  # in effective radii; brackets the search, far beyond every law
+
+
+@dataclasses.dataclass(frozen=True)
+class Encounter:
+    """A collision that bounds the overlaps of the run.
+
+    Attributes
+    ----------
+    law
+        Of the contact.
+    energy
+        That the contact takes up on loading, J.
+    mass
+        Twice the effective mass: of one of two like spheres, or twice that of a sphere against a wall, kg.
+    against_wall
+        There is no second sphere.
+    dent
+        Largest overlap that such a contact had before the run, m: up to it the slope is that of unloading.
+    """
+
+    law: ContactLaw
+    energy: float
+    mass: float
+    against_wall: bool = False
+    dent: float = 0.0
+
+    @property
+    def overlap(self) -> float:
+        """At which the work of loading reaches the energy, m."""
+        limit = _LARGEST_OVERLAP * self.law.effective_radius
+        if _work(self.law, limit) <= self.energy:
+            return limit
+
+        def excess(logarithm: float) -> float:
+            return math.log(_work(self.law, math.exp(logarithm)) / self.energy)
+
+        low = math.log(limit)
+        while excess(low) > 0:
+            low -= 5.0
+        return math.exp(brentq(excess, low, math.log(limit), xtol=1e-10))
+
+    @property
+    def stiffness(self) -> float:
+        """Slope of the force at that overlap, N/m: of unloading for what is given back, of loading for the rest."""
+        peak = np.array([self.overlap])
+        if self.dent > peak[0]:
+            return self._within_dent
+        below = peak * (1 - _SLOPE_SPAN)
+        loading = (self.law.loading_force(peak) - self.law.loading_force(below)) / (peak - below)
+        unloading = self.law.unloading_stiffness(peak)
+        returned = 1 - self.law.dissipated_energy(peak) / self.law.loading_work(peak)
+        return float((returned * unloading + (1 - returned) * loading)[0])
+
+    @property
+    def _within_dent(self) -> float:
+        """Slope where an elastic contact with the dent holds the energy, N/m: unloading is a power of the overlap."""
+        dent = np.array([self.dent])
+        force, steepest = self.law.loading_force(dent), self.law.unloading_stiffness(dent)
+        held = self.law.loading_work(dent) - self.law.dissipated_energy(dent)
+        ratio = steepest * held / force**2  # n/(n + 1) of the exponent n, and (n - 1)/(n + 1) = 2 ratio - 1
+        return float((steepest * np.minimum(1.0, self.energy / held) ** (2 * ratio - 1))[0])
+
+
+def expected_peak_overlap(case: Case) -> float:
+    """A bound on the largest overlap of two spheres in the run, m."""
+    between = [encounter.overlap for encounter in _encounters(case) if not encounter.against_wall]
+    return max(between, default=0.0)
+
+
+def auto_timestep(case: Case) -> float:
+    """The timestep for ``run.timestep = "auto"``, s."""
+    encounters = _encounters(case)
+    slowest = min(encounter.mass / encounter.stiffness for encounter in encounters)
+    limits = [math.sqrt(_TOLERANCE / _ERROR * slowest)]
+    limits.append(support_timestep(case, max(encounter.stiffness for encounter in encounters)))
+    limits += [_OF_ELEMENT * bar.pitch / bar.wave_speed for bar in case.assembly.bars]
+    limits += [(_OF_LOAD_ON_BAR if case.incident_bar else _OF_LOAD) * time for time in _times_of_load(case.load)]
+    return _round_down(min(limits))
+
+
+def expected_energy(case: Case) -> float:
+    """The energy that the load brings in, of a force a bound, J."""
+    energy = sum(0.5 * case.assembly.mass_of(k) * math.hypot(*v) ** 2 for k, v in velocities_of(case).items())
+    return energy + (_energy_of_force(case) if case.load.kind == "force" else 0.0)
+
+
+def fastest(case: Case) -> float:
+    """A bound on the velocity of any sphere, m/s."""
+    given = max((math.hypot(*velocity) for velocity in velocities_of(case).values()), default=0.0)
+    if case.load.kind == "force":
+        given = max(given, math.sqrt(2 * _energy_of_force(case) / _least_mass(case)))
+    elif case.load.kind == "displacement":
+        given = max(given, case.load.fastest)
+    return given
+
+
+def _encounters(case: Case) -> list[Encounter]:
+    plain = case.assembly.like and case.boundary.bottom_material is None and case.load.kind == "impact"
+    found = _of_impact(case) if plain else _of_any(case)
+    if case.precompression is not None:
+        force = force_of_contact(case)  # stored, and done by the load that stays on
+        found = [
+            dataclasses.replace(one, energy=one.energy + _OF_PRECOMPRESSION * _work_to_force(one.law, force))
+            for one in found
+        ]
+    if case.contact.initial_overlap:
+        found = [dataclasses.replace(one, dent=largest_dent(case, one.law)) for one in found]
+    return [encounter for encounter in found if encounter.energy > 0]
+
+
+def _of_impact(case: Case) -> list[Encounter]:
+    """Like spheres, within a tolerance, some of which have a velocity."""
+    kind, striking, velocity = case.packing.kind, case.sphere_mass, case.load.velocity
+    sites = case.assembly.sites
+    smallest = 1 if sites is None else int(np.where(sites.present, sites.diameter, np.inf).argmin()) + 1
+    law, mass = pair_contact(case, smallest, smallest), case.assembly.mass_of(smallest)
+    found = [Encounter(law, striking * velocity**2 / 2 * (striking / (striking + mass)), mass)]
+    if kind in _SUPPORTS:
+        n, cosine_squared = _SUPPORTS[kind]
+        found.append(Encounter(law, striking * velocity**2 * cosine_squared / (1 + n * cosine_squared) / 2, mass))
+    if case.boundary.bottom == "wall":
+        halvings = 0 if kind in _UNDIVIDED else case.lattice.shape[2] - 1
+        energy = striking * (velocity * 0.5**halvings) ** 2 / 2
+        found.append(Encounter(flat_contact(case, smallest), energy, 2 * mass, against_wall=True))
+    return found
+
+
+def _of_any(case: Case) -> list[Encounter]:
+    """Every kind of touching pair, for the whole energy that the load brings in."""
+    assembly, energy = case.assembly, expected_energy(case)
+    found = []
+    for first, second in _kinds_of_pairs(case):
+        masses = assembly.mass_of(first), assembly.mass_of(second)
+        law, effective = pair_contact(case, first, second), math.prod(masses) / sum(masses)
+        found.append(Encounter(law, _limited(case, law, energy * max(masses) / sum(masses)), 2 * effective))
+    flats: list[tuple[int, Material | None]] = [(bar.touches, bar.material) for bar in assembly.bars]
+    if case.boundary.bottom == "wall":
+        flats += [(sphere, case.boundary.bottom_material) for sphere in _kinds_of_last_layer(case)]
+    for sphere, material in flats:
+        law = flat_contact(case, sphere, material)
+        found.append(Encounter(law, _limited(case, law, energy), 2 * assembly.mass_of(sphere), against_wall=True))
+    return found
+
+
+def _limited(case: Case, law: ContactLaw, energy: float) -> float:
+    """The energy that a contact takes up, where the size of the load sets a limit too, J."""
+    load = case.load
+    if load.kind == "displacement":
+        return energy + _work(law, 2 * load.largest) + case.sphere_mass * (2 * load.fastest) ** 2
+    if load.kind != "force" or velocities_of(case):
+        return energy
+    bound = _work_to_force(law, _LARGEST_FORCE * load.largest)
+    return bound if load.shape == "harmonic" else min(energy, bound)
+
+
+def _energy_of_force(case: Case) -> float:
+    """The energy that the force brings in, J: that of its impulse in what it acts on, or of the wave in the bar."""
+    load, assembly = case.load, case.assembly
+    for bar in assembly.bars:
+        if bar.name == INCIDENT_BAR:
+            impedance = bar.section.area * math.sqrt(bar.material.youngs_modulus * bar.material.density)
+            return load.largest * load.impulse / impedance
+    masses = [assembly.mass_of(sphere) for sphere in struck_of(case)]
+    return load.impulse**2 / (2 * sum(masses))
+
+
+def _least_mass(case: Case) -> float:
+    return float(case.assembly.sphere_masses().min()) if not case.assembly.plain else case.sphere_mass
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class _Kinds:
+    """The kinds of spheres at the sites of a lattice.
+
+    Attributes
+    ----------
+    of
+        By site: (n_sites,); -1 of a vacant one.
+    example
+        Id of a sphere of each kind.
+    """
+
+    of: NDArray[np.int64]
+    example: NDArray[np.int64]
+
+
+def _kinds(sites: Sites) -> _Kinds:
+    """Kinds of spheres: of one material and one diameter, or, of too many, diameters near each other."""
+    diameters, size = np.unique(sites.diameter, return_inverse=True)
+    if len(diameters) * len(sites.materials) > _MOST_KINDS:
+        size = (np.log(sites.diameter / diameters[0]) / math.log(_NEAR)).astype(np.int64)
+    code = np.where(sites.present, sites.kind * (size.max() + 1) + size, -1)
+    order = np.lexsort((sites.diameter, code))  # the smallest of each kind first
+    codes, first = np.unique(code[order], return_index=True)
+    example = order[first][codes >= 0] + 1
+    return _Kinds(np.searchsorted(codes[codes >= 0], code) - (code < 0), example)
+
+
+def _kinds_of_last_layer(case: Case) -> list[int]:
+    """A sphere of each kind in the last layer."""
+    n, sites = case.lattice.n_spheres, case.assembly.sites
+    if sites is None:
+        return [n]
+    kinds, (nx, ny, _) = _kinds(sites), case.lattice.shape
+    there = np.unique(kinds.of[n - nx * ny :])
+    return kinds.example[there[there >= 0]].tolist()
+
+
+def _kinds_of_pairs(case: Case) -> list[tuple[int, int]]:
+    """One pair of each kind of neighbours, and one of like spheres of the packing's own, wherever there are two."""
+    assembly, sites = case.assembly, case.assembly.sites
+    pairs: list[tuple[int, int]] = []
+    if sites is None:
+        pairs += [(1, 1)] if case.lattice.n_spheres > 1 else []
+    else:
+        kinds = _kinds(sites)
+        n = len(kinds.example)
+        codes = {
+            int(code) for near, _ in sites.neighbours() for code in np.unique(kinds.of[near - 1] @ np.array([n, 1]))
+        }
+        pairs += [(int(kinds.example[code // n]), int(kinds.example[code % n])) for code in sorted(codes)]
+        plain = np.flatnonzero(sites.present & (sites.kind == 0) & (sites.diameter == case.lattice.diameter)) + 1
+        pairs += [(int(plain[0]), int(plain[0]))] if len(plain) > 1 else []
+    for number, (striker, _) in enumerate(assembly.strikers, start=case.lattice.n_spheres + 1):
+        pairs += [(number, touched) for touched in striker.touches]
+    alike = {frozenset((assembly.material_of(k), assembly.diameter_of(k)) for k in pair): pair for pair in pairs}
+    return list(alike.values())
+
+
+def _times_of_load(load: Load) -> list[float]:
+    """Times within which the load changes, s."""
+    if load.shape == "harmonic" and load.frequency:
+        return [1 / load.frequency]
+    return [load.duration] if load.duration else []
+
+
+def _work_to_force(law: ContactLaw, force: float) -> float:
+    """The work of loading up to a force, J."""
+    low, high = 0.0, _LARGEST_OVERLAP * law.effective_radius
+    if float(law.loading_force(np.array([high]))[0]) <= force:
+        return _work(law, high)
+    overlap = brentq(lambda a: float(law.loading_force(np.array([a]))[0]) - force, low, high, xtol=1e-16, rtol=1e-10)
+    return _work(law, overlap)
+
+
+def _work(law: ContactLaw, overlap: float) -> float:
+    return float(law.loading_work(np.array([overlap]))[0])
+
+
+def _round_down(value: float, digits: int = 2) -> float:
+    scale = digits - 1 - math.floor(math.log10(value))
+    return float(f"{math.floor(value * 10.0**scale * (1 + 1e-12))}e{-scale}")

@@ -1,0 +1,50 @@
+/* Carries the contact history of pair style gran/hysteretic with the spheres: through separation, reneighbouring,
+   migration between processors and restart. Made by the pair style under the fixed ID below, never by the user. */
+
+#ifndef LMP_FIX_GRAN_HYSTERETIC_HISTORY_H
+#define LMP_FIX_GRAN_HYSTERETIC_HISTORY_H
+
+#include "../laws/contact_history.h"
+#include "fix.h"
+
+namespace LAMMPS_NS {
+
+class PairGranHysteretic;
+
+class FixGranHystereticHistory : public Fix {
+ public:
+  static constexpr const char *STYLE = "gran/hysteretic/history";
+  static constexpr const char *ID = "GRAN_HYSTERETIC_HISTORY";
+
+  FixGranHystereticHistory(LAMMPS *, int, char **);
+  ~FixGranHystereticHistory() override;
+
+  int setmask() override;
+  void setup_pre_exchange() override;
+  void pre_exchange() override;
+  void min_pre_exchange() override;
+
+  void grow_arrays(int) override;
+  void copy_arrays(int, int, int) override;
+  void set_arrays(int) override;
+  int pack_exchange(int, double *) override;
+  int unpack_exchange(int, double *) override;
+  int pack_restart(int, double *) override;
+  void unpack_restart(int, int) override;
+  int size_restart(int) override;
+  int maxsize_restart() override;
+  double memory_usage() override;
+
+  granwave::ContactHistory history;
+  PairGranHysteretic *pair = nullptr;    // whose flat contact list is the newer copy while it is valid
+
+ private:
+  void gather();
+  int record_size() const;
+  int pack(int, double *) const;
+  int unpack(int, const double *);
+};
+
+}    // namespace LAMMPS_NS
+
+#endif

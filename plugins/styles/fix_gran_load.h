@@ -1,0 +1,61 @@
+/* Fix gran/load: a force pulse on a group, or its prescribed displacement, with the work done and the impulse given.
+
+   fix ID group gran/load x|y|z force half-sine|rectangle AMPLITUDE DURATION
+   fix ID group gran/load x|y|z force|displacement harmonic AMPLITUDE FREQUENCY
+   fix ID group gran/load x|y|z force|displacement table FILE
+
+   The force of a step is the mean of the shape over the timestep around it, from the closed-form integral: the impulse
+   of a pulse is exact whatever the timestep. */
+
+#ifndef LMP_FIX_GRAN_LOAD_H
+#define LMP_FIX_GRAN_LOAD_H
+
+#include "fix.h"
+#include "../laws/load_shape.h"
+
+namespace LAMMPS_NS {
+
+class FixGranLoad : public Fix {
+ public:
+  static constexpr const char *STYLE = "gran/load";
+
+  FixGranLoad(LAMMPS *, int, char **);
+
+  int setmask() override;
+  void init() override;
+  void setup(int) override;
+  void initial_integrate(int) override;
+  void post_force(int) override;
+  void final_integrate() override;
+  double compute_scalar() override;
+  double compute_vector(int) override;
+  void write_restart(FILE *) override;
+  void restart(char *) override;
+
+ private:
+  enum { WORK, IMPULSE, DISPLACEMENT, FORCE, N_GIVEN };
+
+  void read_table(const char *file);
+  void give_force();
+  void set_velocity(double along);
+  double force_on_group() const;
+  double in_half_kick() const;
+  void totals(double (&sum)[N_GIVEN]) const;
+  double mass_of(int i) const;
+
+  int axis = 2;
+  bool moves = false;    // prescribed displacement
+  granwave::LoadShape shape;
+  double atoms = 0.0, mass = 0.0;    // of the group
+  bool started = false;
+  // this processor's part of what was given so far; a restart gives the whole to the first one
+  double given[N_GIVEN - 1] = {};
+  double force = 0.0;                     // on the group, of the shape
+  double resistance = 0.0;                // of this processor's part, before the step
+  double place = 0.0, moved = 0.0, velocity = 0.0;    // of the prescribed motion: now, in this step
+  int extensive[N_GIVEN - 1] = {1, 1, 0};
+};
+
+}    // namespace LAMMPS_NS
+
+#endif

@@ -1,0 +1,365 @@
+/* The forces of plane walls, their motion, and the totals. What travels with the spheres, what is set from outside and restart
+   files are in fix_wall_gran_hysteretic_state.cpp. */
+
+#include "fix_wall_gran_hysteretic.h"
+
+#include "atom.h"
+#include "domain.h"
+#include "error.h"
+#include "../laws/law_arguments.h"
+#include "simulated_time.h"
+#include "update.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <iterator>
+
+using namespace LAMMPS_NS;
+using granwave::ContactScale;
+using granwave::INFINITE;
+using granwave::Spring;
+using granwave::Turning;
+
+namespace {
+
+constexpr double ROUNDING = 1e-12;    // of the radius: overlaps below are rounding of positions
+
+}    // namespace
+
+FixWallGranHysteretic::FixWallGranHysteretic(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg)
+{
+  if (narg < 7)
+    error->all(FLERR, "Illegal fix {}: expected xplane|yplane|zplane LO HI law and its constants", STYLE);
+  axis = arg[3][0] - 'x';
+  if (axis < 0 || axis > 2 || std::strcmp(arg[3] + 1, "plane") != 0)
+    error->all(FLERR, "Illegal fix {}: expected xplane, yplane or zplane, found {}", STYLE, arg[3]);
+  const double absent[2] = {-INFINITE, INFINITE};
+  for (int side = 0; side < 2; side++)
+    plane[side] = std::strcmp(arg[4 + side], "NULL") == 0 ? absent[side] : utils::numeric(FLERR, arg[4 + side], false, lmp);
+  if (!(plane[0] < plane[1])) error->all(FLERR, "Illegal fix {}: LO must be below HI, found {} {}", STYLE, arg[4], arg[5]);
+  std::vector<std::string> words(arg + 6, arg + narg);
+  try {
+    if (const auto at = std::find(words.begin(), words.end(), "support"); at != words.end()) {
+      std::size_t used = 0;
+      support = std::make_unique<granwave::Support>(std::vector<std::string>(at + 1, words.end()), used);
+      words.erase(at, at + 1 + used);
+      if (std::isfinite(plane[0]) && std::isfinite(plane[1]))
+        throw std::invalid_argument("support moves one plane, found two: take a fix for each");
+      if (!std::isfinite(plane[0]) && !std::isfinite(plane[1])) throw std::invalid_argument("support moves a plane, found none");
+      moving = std::isfinite(plane[0]) ? 0 : 1;
+    }
+    const granwave::LawArguments args = granwave::parse_law(words);
+    law = args.contact(args.first, args.second.value_or(granwave::Material{INFINITE, 0.0, INFINITE}));
+    friction = args.friction;
+    grip = args.grip;
+  } catch (const std::invalid_argument &fault) {
+    error->all(FLERR, "Illegal fix {}: {}", STYLE, fault.what());
+  }
+
+  restart_peratom = 1;
+  restart_global = support ? 1 : 0;
+  create_attribute = 1;
+  scalar_flag = vector_flag = 1;
+  size_vector = std::size(extensive);
+  global_freq = 1;
+  extscalar = 1;
+  extvector = -1;
+  extlist = extensive;
+  peratom_flag = 1;
+  size_peratom_cols = N_REPORTED;
+  peratom_freq = 1;
+  maxexchange = n_state();
+  std::fill_n(wall_force, 3, 0.0);
+  std::fill_n(totals, static_cast<int>(N_TOTALS), 0.0);
+
+  FixWallGranHysteretic::grow_arrays(atom->nmax);
+  atom->add_callback(Atom::GROW);
+  atom->add_callback(Atom::RESTART);
+  for (int i = 0; i < atom->nlocal; i++) FixWallGranHysteretic::set_arrays(i);
+}
+
+int FixWallGranHysteretic::setmask()
+{
+  const int forces = FixConst::POST_FORCE | FixConst::MIN_POST_FORCE;
+  return support ? forces | FixConst::INITIAL_INTEGRATE | FixConst::FINAL_INTEGRATE : forces;
+}
+
+void FixWallGranHysteretic::init()
+{
+  if (std::strncmp(update->integrate_style, "respa", 5) == 0)
+    error->all(FLERR, "Fix {} does not work with run_style respa", STYLE);
+  if (!atom->radius_flag) error->all(FLERR, "Fix {} requires atom attribute radius (atom_style sphere)", STYLE);
+  if (friction > 0.0 && !(atom->omega_flag && atom->torque_flag))
+    error->all(FLERR, "Fix {} with friction requires atom attributes omega and torque (atom_style sphere)", STYLE);
+  if (domain->periodicity[axis]) error->all(FLERR, "Fix {}: the box is periodic across the wall", STYLE);
+  reset_dt();
+}
+
+void FixWallGranHysteretic::reset_dt()
+{
+  if (update->whichflag == 1) check_timestep(0.0);
+}
+
+/* ---------------------------------------------------------------------- the plane in step with the spheres */
+
+void FixWallGranHysteretic::setup(int) { evaluate(); }
+void FixWallGranHysteretic::min_setup(int) { evaluate(); }
+
+void FixWallGranHysteretic::initial_integrate(int) { support->advance(update->dt); }
+void FixWallGranHysteretic::post_force(int) { evaluate(); }
+void FixWallGranHysteretic::final_integrate() { support->finish(update->dt); }
+
+void FixWallGranHysteretic::min_post_force(int)
+{
+  if (support) support->settle(contact_stiffness);
+  evaluate();
+}
+
+/* Where the low or high plane is now. */
+
+double FixWallGranHysteretic::level(int side) const
+{
+  if (!support || side != moving) return plane[side];
+  return plane[side] + (side == 0 ? -1.0 : 1.0) * support->displacement();
+}
+
+double FixWallGranHysteretic::depth(int i, int side) const
+{
+  const double along = atom->x[i][axis], radius = atom->radius[i];
+  return side == 0 ? level(0) + radius - along : along + radius - level(1);
+}
+
+/* The whole force on the plane, on every processor the same bits. */
+
+void FixWallGranHysteretic::push_support()
+{
+  constexpr int n = granwave::ExactSum::SIZE;
+  std::int64_t mine[2 * n], all[2 * n];
+  std::copy_n(pressed.data(), n, mine);
+  std::copy_n(stiffness.data(), n, mine + n);
+  MPI_Allreduce(mine, all, 2 * n, MPI_INT64_T, MPI_SUM, world);
+  std::copy_n(all, n, pressed.data());
+  std::copy_n(all + n, n, stiffness.data());
+  contact_stiffness = stiffness.value();
+  support->push(pressed.value());
+  if (update->whichflag == 1) check_timestep(contact_stiffness);
+}
+
+void FixWallGranHysteretic::check_timestep(double contacts) const
+{
+  if (!support || update->dt <= support->critical_timestep(contacts)) return;
+  error->all(FLERR, "Fix {} {}: the timestep {:.4g} is beyond the critical one of the support{}, {:.4g}: shorten it", STYLE, id,
+             update->dt, contacts > 0.0 ? " with the spheres on it" : "", support->critical_timestep(contacts));
+}
+
+/* ---------------------------------------------------------------------- forces */
+
+void FixWallGranHysteretic::evaluate()
+{
+  double **f = atom->f;
+  const double *const *x = atom->x;
+  const double *radius = atom->radius;
+  const double now = granwave::simulated_time(*update);
+  const double at[2] = {level(0), level(1)};
+  std::fill_n(wall_force, 3, 0.0);
+  pressed = stiffness = {};
+  tallied = -1;
+  for (int i = 0; i < atom->nlocal; i++) {
+    if (!(atom->mask[i] & groupbit) || radius[i] == 0.0) continue;    // a flat face meets no wall
+    const double overlap[2] = {at[0] + radius[i] - x[i][axis], x[i][axis] + radius[i] - at[1]};
+    const double least = ROUNDING * radius[i];
+    const bool touches[2] = {overlap[0] > least, overlap[1] > least};
+    if (!touches[0] && !touches[1] && !near[i]) continue;
+    near[i] = touches[0] || touches[1];
+    array_atom[i][OVERLAP] = array_atom[i][FORCE] = array_atom[i][TANGENTIAL] = 0.0;
+    for (int side = 0; side < 2; side++) {
+      Side &mine = sides[2 * i + side];
+      if (!touches[side] && mine.touching == 0.0) continue;
+      Contact contact{};
+      if (touches[side]) {
+        contact = touch(i, side, overlap[side], now);
+        const double push = contact.force * (side == 0 ? 1.0 : -1.0);
+        f[i][axis] += push;
+        wall_force[axis] -= push;
+        if (support) {
+          pressed.add(contact.force);
+          stiffness.add(contact.stiffness);
+        }
+      } else {
+        mine.touching = 0.0;
+      }
+      if (friction > 0.0) rub(i, side, overlap[side], contact);
+    }
+  }
+  if (support) push_support();
+}
+
+/* The distance along an axis to the nearest image. */
+
+double FixWallGranHysteretic::apart(int along, double distance) const
+{
+  if (!domain->periodicity[along]) return distance;
+  return distance - domain->prd[along] * std::round(distance / domain->prd[along]);
+}
+
+/* Energy that yielding at one wall took in this run. */
+
+double FixWallGranHysteretic::lost(const Side &side, const ContactScale &scale) const
+{
+  double sum = side.lost_before;
+  if (side.dent > scale.elastic_limit) sum += scale.force * scale.overlap * law.dissipated_energy(law.turning(side.dent / scale.overlap));
+  if (side.initial > 0.0) sum -= scale.force * scale.overlap * law.dissipated_energy(law.turning(side.initial / scale.overlap));
+  return sum;
+}
+
+/* The normal force of one wall on sphere i, which overlaps it; keeps its dent and its report. */
+
+FixWallGranHysteretic::Contact FixWallGranHysteretic::touch(int i, int which, double overlap, double now)
+{
+  double *const state = array_atom[i];
+  Side &side = sides[2 * i + which];
+  const double radius = atom->radius[i];
+  if (overlap > radius)
+    error->one(FLERR, "Sphere {} reaches {:.3g} into the wall of fix {}, more than its radius {:.3g}: it was placed into "
+                      "it, or the timestep is far too large", atom->tag[i], overlap, id, radius);
+  const ContactScale scale = law.scale(radius);
+  const double place[2] = {atom->x[i][(axis + 1) % 3], atom->x[i][(axis + 2) % 3]};
+  if (state[TIME_FIRST] < 0.0) state[TIME_FIRST] = now;
+  if (side.touching == 0.0) {
+    side.touching = 1.0;
+    if (side.dent > 0.0) {
+      const double circle_sq = std::isfinite(scale.overlap) ? radius * scale.overlap * law.area(side.dent / scale.overlap) : radius * side.dent;
+      const double d1 = apart((axis + 1) % 3, place[0] - side.place[0]), d2 = apart((axis + 2) % 3, place[1] - side.place[1]);
+      if (d1 * d1 + d2 * d2 > circle_sq) {
+        side.lost_before = lost(side, scale);
+        side.dent = side.initial = 0.0;
+      }
+    }
+  }
+  const bool raised = overlap > side.dent;
+  if (raised) {
+    side.dent = overlap;
+    side.place[0] = place[0];
+    side.place[1] = place[1];
+  }
+  Contact contact{};
+  if (side.dent <= scale.elastic_limit) {
+    contact.force = scale.hertz * overlap * std::sqrt(overlap);
+    if (support) contact.stiffness = 1.5 * contact.force / overlap;
+    contact.circle_sq = radius * overlap;
+  } else {
+    const Turning turning = law.turning(side.dent / scale.overlap);
+    contact.force = scale.force * (raised ? turning.force : granwave::ContactLaw::unloading(overlap / scale.overlap, turning));
+    if (support) contact.stiffness = scale.force / scale.overlap * law.unloading_slope(turning);
+    if (friction > 0.0) {
+      const double circle = law.area(turning.peak);
+      contact.circle_sq = radius * scale.overlap *
+          (raised ? circle : granwave::ContactLaw::unloading_area(overlap / scale.overlap, turning, circle));
+    }
+    if (raised) {
+      if (state[TIME_YIELD] < 0.0) state[TIME_YIELD] = now;
+      state[DISSIPATED] = lost(sides[2 * i], scale) + lost(sides[2 * i + 1], scale);
+    }
+  }
+  if (contact.force > state[FORCE] || state[FORCE] == 0.0) {
+    state[FORCE] = contact.force;
+    state[OVERLAP] = overlap;
+  }
+  if (contact.force > state[PEAK_FORCE]) {
+    state[PEAK_FORCE] = contact.force;
+    state[TIME_PEAK] = now;
+  }
+  state[PEAK_OVERLAP] = std::max(state[PEAK_OVERLAP], overlap);
+  return contact;
+}
+
+/* The tangential force of one wall on sphere i, and its torque. The spring is that of the last step unless a step was made. */
+
+void FixWallGranHysteretic::rub(int i, int which, double overlap, const Contact &contact)
+{
+  Spring &spring = springs[2 * i + which];
+  double *const state = array_atom[i];
+  if (contact.force > 0.0) {
+    double normal[3] = {};
+    normal[axis] = which == 0 ? 1.0 : -1.0;
+    const double lever = atom->radius[i] - 0.5 * overlap;
+    if (update->whichflag == 1 && !update->setupflag) {
+      const double *const v = atom->v[i], *const omega = atom->omega[i];
+      const double velocity[3] = {v[0], v[1], v[2]}, spin[3] = {lever * omega[0], lever * omega[1], lever * omega[2]};
+      double slip[3];
+      granwave::slip_of_step(velocity, spin, normal, update->dt, slip);
+      granwave::advance(spring, normal, slip, law.tangential_stiffness(contact.circle_sq), friction * contact.force, grip);
+    }
+    double torque[3];
+    granwave::torque_per_lever(normal, spring.force, torque);
+    for (int d = 0; d < 3; d++) {
+      atom->f[i][d] += spring.force[d];
+      atom->torque[i][d] += lever * torque[d];
+      wall_force[d] -= spring.force[d];
+    }
+    if (contact.force == state[FORCE]) state[TANGENTIAL] = granwave::tangential_force(spring);
+  } else {
+    granwave::release(spring);
+  }
+  state[FRICTION_LOSS] = springs[2 * i].loss + springs[2 * i + 1].loss;
+}
+
+/* ---------------------------------------------------------------------- totals */
+
+void FixWallGranHysteretic::tally()
+{
+  if (tallied == update->ntimestep) return;
+  tallied = update->ntimestep;
+  double mine[N_TOTALS] = {};
+  for (int i = 0; i < atom->nlocal; i++) {
+    const double *state = array_atom[i];
+    if (state[PEAK_OVERLAP] == 0.0) continue;
+    const double radius = atom->radius[i];
+    const ContactScale scale = law.scale(radius);
+    mine[DISSIPATED_SUM] += state[DISSIPATED];
+    mine[FRICTION_LOSS_SUM] += state[FRICTION_LOSS];
+    if (law.plastic() && state[TIME_YIELD] >= 0.0) mine[YIELDED] += 1.0;
+    if (law.fitted() && state[PEAK_OVERLAP] > 0.2 * radius) mine[BEYOND_LAW] += 1.0;
+    for (int side = 0; side < 2; side++) {
+      const Side &own = sides[2 * i + side];
+      const double overlap = depth(i, side);
+      if (friction > 0.0) mine[TANGENTIAL_STORED] += granwave::tangential_energy(springs[2 * i + side]);
+      if (own.touching == 0.0 || overlap <= 0.0) continue;
+      if (own.dent > scale.elastic_limit)
+        mine[STORED] += scale.force * scale.overlap *
+            granwave::ContactLaw::elastic_energy(overlap / scale.overlap, law.turning(own.dent / scale.overlap));
+      else
+        mine[STORED] += 0.4 * scale.hertz * overlap * overlap * std::sqrt(overlap);
+    }
+  }
+  MPI_Allreduce(mine, totals, N_TOTALS, MPI_DOUBLE, MPI_SUM, world);
+}
+
+double FixWallGranHysteretic::compute_scalar()
+{
+  tally();
+  return totals[STORED];
+}
+
+double FixWallGranHysteretic::compute_vector(int n)
+{
+  if (n < 3) {
+    double sum = 0.0;
+    MPI_Allreduce(&wall_force[n], &sum, 1, MPI_DOUBLE, MPI_SUM, world);
+    return sum;
+  }
+  if (n < 3 + N_TOTALS) {
+    tally();
+    return totals[n - 3];
+  }
+  if (!support) return 0.0;
+  switch (n - 3 - N_TOTALS) {
+    case 0: return support->displacement();
+    case 1: return support->velocity();
+    case 2: return support->energy();
+    case 3: return support->damped();
+    case 4: return support->force_on_ground();
+    default: return support->work();
+  }
+}

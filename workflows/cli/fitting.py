@@ -1,0 +1,100 @@
+"""granwave fit: the constants of the elasto-plastic law from a force-overlap curve."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from granwave.lammps_inputs.case.material import Material, load_materials, material
+from granwave.lammps_inputs.errors import InputError
+
+if TYPE_CHECKING:
+    from granwave.analysis.contact_law.fit import Fit
+
+
+def fit(options: argparse.Namespace) -> int:
+    """Fit the law to ``options.curve`` and write the outcome into ``options.directory``; returns the exit status.
+
+    Raises
+    ------
+    InputError
+        An option or the curve is wrong; nothing was written.
+    """
+    from granwave.analysis.contact_law.fit import fit_law
+    from granwave.analysis.contact_law.fit_output import pair_toml, write_fit
+    from granwave.analysis.contact_law.measured_curve import read_curve
+
+    for name, values in (("--material", options.material), ("--radius", options.radius)):
+        if len(values) > 2:
+            raise InputError(f"{name}: found {len(values)} values, expected one or two")
+    if not all(radius > 0 for radius in options.radius) or not math.isfinite(options.radius[0]):
+        raise InputError("--radius: expected positive lengths in m (the second may be inf, a plane)")
+    directory: Path = options.directory or Path("fit")
+    pair: list[str] | None = options.pair
+    _refuse_directory(directory, options.force)
+    materials = [_material(text) for text in options.material]
+    found = fit_law(read_curve(options.curve), materials, options.radius, options.free, fit_yield=options.fit_yield)
+    try:
+        written = write_fit(found, directory, pair)
+    except OSError as error:
+        raise InputError(f"{directory}: cannot be written to: {error.strerror}; choose another with -o") from None
+    print(fit_summary(found))
+    if pair:
+        print(f"\n{pair_toml(found, pair)}")
+    print(f"\n{written[0]} holds [contact] for a case file, and runs by itself: granwave run {written[0]}")
+    return 0
+
+
+def fit_summary(found: Fit) -> str:
+    """The constants with their uncertainties, and the misfits, for the terminal."""
+    from granwave.analysis.contact_law.fit_output import constants_table
+
+    rows: list[tuple[str, ...]] = [("constant", "value", "+-", "published", "")]
+    for name, value, spread, published, how in zip(*constants_table(found).values(), strict=True):
+        rows.append((name, f"{value:.5g}", f"{spread:.2g}" if spread == spread else "", f"{published:.5g}", how))
+    fits: list[tuple[str, ...]] = [("off by, per cent", "rows", "rms", "largest", "published rms", "largest")]
+    for here, there in zip(found.misfit, found.published_misfit, strict=True):
+        numbers = (here.rms, here.largest, there.rms, there.largest)
+        fits.append((here.part, str(here.rows), *(f"{number:.3g}" for number in numbers)))
+    text = f"{_columns(rows, left=(0, 4))}\n\n{_columns(fits, left=(0,))}\n"
+    text += f"(overlaps in units of that at first yield, {found.law.yield_overlap:.4g} m)"
+    if found.correlation:
+        text += (
+            f"\nneighbouring rows err alike (correlation {found.correlation:.2f}): the uncertainties are widened for it"
+        )
+    return text
+
+
+def _columns(rows: list[tuple[str, ...]], left: tuple[int, ...]) -> str:
+    """Rows under each other; the columns ``left`` begin at the left, the others end at the right."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    aligned = [
+        [
+            text.ljust(width) if k in left else text.rjust(width)
+            for k, (text, width) in enumerate(zip(row, widths, strict=True))
+        ]
+        for row in rows
+    ]
+    return "\n".join("  ".join(row).rstrip() for row in aligned)
+
+
+def _material(text: str) -> Material:
+    """A preset, or FILE.toml:NAME of the user's own file of materials."""
+    path, colon, name = text.rpartition(":")
+    if not colon:
+        return material(text)
+    known = load_materials(path)
+    if name not in known:
+        raise InputError(f"--material {text}: found no {name} in {path}, expected one of {', '.join(known)}")
+    return known[name]
+
+
+def _refuse_directory(directory: Path, force: bool) -> None:
+    if directory.exists() and not directory.is_dir():
+        raise InputError(f"-o {directory}: is a file, expected a directory")
+    if not directory.absolute().parent.is_dir():
+        raise InputError(f"-o {directory}: there is no directory {directory.absolute().parent}")
+    if (directory / "fit.toml").exists() and not force:
+        raise InputError(f"{directory}: already holds a fit; --force replaces it, or choose another with -o")

@@ -1,0 +1,230 @@
+"""The command line.
+
+Exit status: 0 done; 2 the input is wrong and nothing was run; 1 it failed while running; 130 after Ctrl-C.
+"""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from granwave import __version__
+from granwave.lammps_inputs.errors import GranwaveError, InputError
+from granwave.workflows.cli import commands
+from granwave.workflows.cli.messages import each_warning_once
+from granwave.workflows.run import mpi
+
+DONE, FAILED, WRONG_INPUT, STOPPED = 0, 1, 2, 130
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; returns the exit status."""
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    options = _parser().parse_args(words)
+    _set_up_logging()
+    try:
+        return int(options.command(options, words))
+    except InputError as error:
+        return _report(error.faults, WRONG_INPUT)
+    except GranwaveError as error:
+        return _report([str(error)], FAILED)
+    except OSError as error:
+        return _report([f"{error.filename or 'a file'}: {error.strerror or error}"], FAILED)
+    except KeyboardInterrupt:
+        return _report(["stopped"], STOPPED)
+
+
+def _set_up_logging() -> None:
+    """Our own messages from INFO on, warnings marked as such and given once; of the libraries only what went wrong."""
+    handler = logging.StreamHandler(sys.stderr)
+    handler.setFormatter(_Messages())
+    handler.addFilter(each_warning_once())
+    logging.basicConfig(level=logging.ERROR, handlers=[handler])
+    logging.getLogger("granwave").setLevel(logging.INFO)
+
+
+class _Messages(logging.Formatter):
+    def format(self, record: logging.LogRecord) -> str:
+        text = super().format(record)
+        return f"granwave: warning: {text}" if record.levelno == logging.WARNING else text
+
+
+def _report(lines: Sequence[str], status: int) -> int:
+    if not mpi.launched() or mpi.world().rank == 0:
+        for line in lines:
+            print(f"granwave: {line}", file=sys.stderr)
+    return status
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="granwave", description="Impact and waves in ordered granular packings, on LAMMPS."
+    )
+    parser.add_argument("--version", action="version", version=f"granwave {__version__}")
+    verbs = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
+
+    run = _verb(verbs, "run", commands.run, "run a case: deck, LAMMPS, analysis, figures")
+    _case(run)
+    run.add_argument("-o", dest="directory", type=Path, metavar="DIR", help="where everything goes (default: ./NAME)")
+    run.add_argument("--np", type=_positive, default=1, metavar="N", help="number of MPI ranks (default: 1)")
+    run.add_argument(
+        "--checkpoint", type=float, default=60.0, metavar="SECONDS", help="wall time between checkpoints (default: 60)"
+    )
+    _figures(run)
+    _again(run)
+
+    write = _verb(verbs, "write", commands.write, "write the LAMMPS deck alone; it runs by hand: lmp -in in.granwave")
+    _case(write)
+    write.add_argument("-o", dest="directory", type=Path, metavar="DIR", required=True)
+    write.add_argument("--force", action="store_true", help="replace what is there")
+
+    analyse = _verb(verbs, "analyse", commands.analyse, "once more from the dumps: result.h5, figures, summary.json")
+    analyse.add_argument("directory", type=Path, metavar="DIR")
+    _figures(analyse)
+
+    scan = _verb(verbs, "scan", commands.scan, "run a case many times with some keys varied; table, figures and report")
+    scan.add_argument("scan", metavar="SCAN", help="a scan file, or the name of a built-in scan")
+    _overrides(scan)
+    scan.add_argument("-o", dest="directory", type=Path, metavar="DIR", help="where everything goes (default: ./NAME)")
+    scan.add_argument(
+        "--executor", default="local", metavar="local|slurm", help="where the points run (default: local)"
+    )
+    scan.add_argument(
+        "--profile", type=Path, metavar="FILE", help="how to use the cluster: partition, account, time, ..."
+    )
+    scan.add_argument(
+        "--jobs",
+        type=_positive,
+        metavar="N",
+        help="jobs at once (default: the cores of this machine; 100 on a cluster)",
+    )
+    scan.add_argument("--plan", action="store_true", help="say what the scan would be, and run nothing")
+    _again(scan)
+
+    continuum = _verb(
+        verbs, "continuum", commands.continuum, "the continuum reference: a rigid punch on an elastic-plastic block"
+    )
+    _case(continuum)
+    continuum.add_argument(
+        "-o", dest="directory", type=Path, metavar="DIR", help="where everything goes (default: ./NAME)"
+    )
+    _figures(continuum)
+    _again(continuum)
+
+    report = _verb(verbs, "report", commands.report, "a page that compares any number of runs and scans")
+    report.add_argument("directories", nargs="+", type=Path, metavar="DIR")
+    report.add_argument(
+        "-o",
+        dest="output",
+        type=Path,
+        default=Path("report.html"),
+        metavar="FILE",
+        help=".html, .pdf or .md (default: report.html)",
+    )
+
+    export = _verb(verbs, "export", commands.export, "the results for other programs: ParaView, pandas, xarray, OVITO")
+    export.add_argument("directory", type=Path, metavar="DIR")
+    export.add_argument("--to", required=True, metavar="FORMAT", help="vtp, csv, netcdf or ovito")
+    export.add_argument("-o", dest="output", type=Path, metavar="DIR", help="where to (default: DIR/export)")
+
+    check = _verb(verbs, "check", commands.check, "what a run would be: size, memory, disk, timestep, time, overlap")
+    _case(check)
+    check.add_argument("--np", type=_positive, default=1, metavar="N", help="number of MPI ranks (default: 1)")
+
+    show = _verb(verbs, "show", commands.show, "an editable copy of a built-in study, on stdout")
+    show.add_argument("name", metavar="NAME")
+
+    law = _verb(verbs, "law", commands.law, "force-overlap curves of a contact: a plot or a table")
+    law.add_argument(
+        "--material", nargs="+", default=["brass"], metavar="M", help="one material or two (default: brass)"
+    )
+    law.add_argument(
+        "--radius", nargs="+", type=float, default=[0.005], metavar="R", help="one radius or two, m (default: 0.005)"
+    )
+    law.add_argument("--law", default="elastoplastic", choices=["elastoplastic", "hertz", "bilinear", "thornton"])
+    law.add_argument("--variant", default="continuous", choices=["continuous", "published"])
+    law.add_argument(
+        "--max-overlap",
+        type=float,
+        default=200.0,
+        metavar="A",
+        help="largest overlap, in units of that at first yield (default: 200)",
+    )
+    law.add_argument(
+        "--restitution",
+        action="store_true",
+        help="coefficient of restitution against velocity instead, of two spheres and of a sphere and a rigid wall",
+    )
+    law.add_argument(
+        "-o", dest="output", type=Path, metavar="FILE", help=".png, .pdf or .csv (default: law.png, restitution.png)"
+    )
+
+    fit = _verb(verbs, "fit", commands.fit, "fit the contact law's constants to a measured or computed curve")
+    fit.add_argument("curve", type=Path, metavar="CURVE.csv", help="columns overlap_m, force_N, perhaps branch")
+    fit.add_argument(
+        "--material", nargs="+", default=["brass"], metavar="M", help="one or two: a name, or FILE.toml:NAME"
+    )
+    fit.add_argument(
+        "--radius", nargs="+", type=float, default=[0.005], metavar="R",
+        help="one radius or two, m; the second may be inf, a plane (default: 0.005)",
+    )  # fmt: skip
+    fit.add_argument(
+        "--free", nargs="+", metavar="NAME", help="constants to fit (default: all that the curve can tell)"
+    )
+    fit.add_argument(
+        "--pair", nargs=2, metavar=("A", "B"), help="also write pair.toml: the law of these two materials in a case"
+    )
+    fit.add_argument("--fit-yield", action="store_true", help="fit the yield strength too")
+    fit.add_argument("-o", dest="directory", type=Path, metavar="DIR", help="where everything goes (default: ./fit)")
+    fit.add_argument("--force", action="store_true", help="replace the fit that is there")
+
+    bench = _verb(verbs, "bench", commands.bench, "speed beside LAMMPS's own granular styles, on this machine")
+    bench.add_argument("--json", type=Path, metavar="FILE", help="write the results there too")
+    bench.add_argument("--repeats", type=_positive, default=5, metavar="N", help="timings of each (default: 5)")
+    bench.add_argument("--styles-only", action="store_true", help="leave out sizes and ranks")
+
+    _verb(verbs, "cases", commands.cases, "the studies that come with the package")
+    _verb(verbs, "doctor", commands.doctor, "versions, plugin, MPI: what works and how to mend what does not")
+    return parser
+
+
+def _verb(verbs: argparse._SubParsersAction, name: str, command: object, what: str) -> argparse.ArgumentParser:
+    parser: argparse.ArgumentParser = verbs.add_parser(name, help=what, description=what)
+    parser.set_defaults(command=command)
+    return parser
+
+
+def _case(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("case", metavar="CASE", help="a case file, or the name of a built-in study")
+    _overrides(parser)
+
+
+def _overrides(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--set",
+        dest="overrides",
+        action="append",
+        default=[],
+        metavar="KEY=VALUE",
+        help="override a key: --set load.velocity=10 --set packing.size=[24,24,12] (may be repeated)",
+    )
+
+
+def _again(parser: argparse.ArgumentParser) -> None:
+    again = parser.add_mutually_exclusive_group()
+    again.add_argument("--resume", action="store_true", help="go on with what is there")
+    again.add_argument("--force", action="store_true", help="replace what is there")
+
+
+def _figures(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--no-figures", dest="figures", action="store_false", help="leave the figures out")
+
+
+def _positive(text: str) -> int:
+    value = int(text)
+    if value < 1:
+        raise argparse.ArgumentTypeError(f"found {text}, expected 1 or more")
+    return value

@@ -1,0 +1,230 @@
+"""`granwave scan` at the terminal: the plan, the bar, what came of it."""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import difflib
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from granwave.analysis.scans.result import ScanResult
+from granwave.lammps_inputs.errors import InputError, RunError
+from granwave.lammps_inputs.planning.plan import Plan
+from granwave.workflows.cli.tables import duration, lines, static_words
+from granwave.workflows.scanning import driver, layout
+from granwave.workflows.scanning.batches import expected_scan_time, expected_time
+from granwave.workflows.scanning.calibrate import slowness_of
+from granwave.workflows.scanning.driver import ScanOutcome, default_jobs, run_scan
+from granwave.workflows.scanning.engine import EXECUTORS, LOCAL, SLURM, check_installed
+from granwave.workflows.scanning.profile import Profile, load_profile
+from granwave.workflows.scanning.scan_file import Point, Scan, load_scan
+from granwave.workflows.scanning.suite import REPORT, is_suite, load_suite, run_suite
+
+_WORTH_MEASURING = 20.0  # s of expected time, beyond which the speed of this machine is measured first
+_MOST_ROWS = 40
+_COLUMNS = {  # of the table at the end
+    "dissipated_fraction": ("dissipated", "{:.5f}"),
+    "n_plastic_spheres": ("plastic spheres", "{}"),
+    "plastic_zone_volume_m3": ("plastic zone (m3)", "{:.4g}"),
+    "peak_force_N": ("peak force (N)", "{:.5g}"),
+    "max_force_N": ("largest force (N)", "{:.5g}"),
+    "force_deviation_rms_percent": ("less the law (%, rms)", "{:.2f}"),
+}
+
+
+def scan(options: argparse.Namespace) -> int:
+    """Run it; returns the exit status."""
+    profile = _executor(options)
+    jobs = options.jobs or default_jobs(profile)
+    try:
+        if is_suite(options.scan):
+            return _suite(options, profile, jobs)
+        return _scan(options, profile, jobs)
+    except OSError as error:  # a full disk, above all
+        place = options.directory or error.filename or options.scan
+        reason = error.strerror or error
+        raise RunError(f"{place}: {reason}; mend that, then the same command with --resume goes on") from error
+
+
+def _scan(options: argparse.Namespace, profile: Profile | None, jobs: int) -> int:
+    found = load_scan(options.scan, options.overrides, here=options.executor == LOCAL)
+    directory = (options.directory or Path(found.name)).absolute()
+    if not options.plan:
+        _check_directory(found, directory, options)
+    slowness = _slowness(found, directory, options, jobs)
+    print(plan_text(found, directory, profile, jobs, slowness, fresh=options.force))
+    if options.plan:
+        return 0
+    sys.stdout.flush()
+    outcome = run_scan(found, directory, slowness=slowness or 1.0, **_how(options, profile))
+    print(outcome_text(outcome))
+    return _status(outcome.stopped, [outcome])
+
+
+def _suite(options: argparse.Namespace, profile: Profile | None, jobs: int) -> int:
+    if options.overrides:
+        raise InputError(
+            f"--set: {options.scan} is a suite of scans, which have different cases; set keys in its scan files"
+        )
+    found = load_suite(options.scan, here=options.executor == LOCAL)
+    directory = (options.directory or Path(found.name)).absolute()
+    if not options.plan:
+        for part in found.scans:
+            _check_directory(part, directory / part.name, options)
+    slowness: dict[str, float] = {}
+    for part in found.scans:
+        place = directory / part.name
+        measured = _slowness(part, place, options, jobs)
+        slowness[part.name] = measured or 1.0
+        print(plan_text(part, place, profile, jobs, measured, fresh=options.force) + "\n")
+    total = sum(
+        expected_scan_time(_left(part, directory / part.name, fresh=options.force), profile, jobs, slowness[part.name])
+        for part in found.scans
+    )
+    print(f"suite {found.name}: {len(found.scans)} scans, about {duration(total)} in all\n")
+    if options.plan:
+        return 0
+    sys.stdout.flush()
+    outcome = run_suite(found, directory, slowness=slowness, **_how(options, profile))
+    for done in outcome.scans:
+        print(f"{outcome_text(done)}\n")
+    if not outcome.stopped:
+        print(f"report of all: {directory / REPORT}")
+    return _status(outcome.stopped, outcome.scans)
+
+
+def _how(options: argparse.Namespace, profile: Profile | None) -> dict[str, Any]:
+    return {
+        "executor": options.executor,
+        "profile": profile,
+        "jobs": options.jobs,
+        "resume": options.resume,
+        "force": options.force,
+        "progress": True,
+    }
+
+
+def _check_directory(scan: Scan, directory: Path, options: argparse.Namespace) -> None:
+    check_installed(options.executor)
+    try:
+        driver.decide(scan, directory, resume=options.resume, force=options.force)
+    except OSError as error:  # it cannot be looked into
+        raise InputError(f"{directory}: {error.strerror or error}; choose another directory with -o") from None
+
+
+def _status(stopped: str | None, outcomes: Sequence[ScanOutcome]) -> int:
+    """Say what is left to do; returns the exit status."""
+    if stopped == driver.STOPPED:
+        print("granwave: stopped before its end; the same command with --resume goes on", file=sys.stderr)
+        return 130
+    if stopped:
+        print(f"granwave: {stopped}; make room, then the same command with --resume goes on", file=sys.stderr)
+        return 1
+    for outcome in outcomes:
+        left = " and ".join(
+            f"{n} {what}" for n, what in ((outcome.failed, "failed"), (outcome.missing, "missing")) if n
+        )
+        if left:
+            print(f"granwave: {left} of the points; the reasons are in {outcome.directory / 'scan.csv'}; "
+                  "the same command with --resume tries them again", file=sys.stderr)  # fmt: skip
+    return 0 if all(outcome.complete for outcome in outcomes) else 1
+
+
+def _executor(options: argparse.Namespace) -> Profile | None:
+    if options.executor not in EXECUTORS:
+        near = difflib.get_close_matches(options.executor, EXECUTORS, n=1)
+        hint = f"; did you mean {near[0]}?" if near else ""
+        raise InputError(f"--executor: found {options.executor}, expected {' or '.join(EXECUTORS)}{hint}")
+    if options.executor == LOCAL:
+        if options.profile:
+            raise InputError("--profile: is for --executor slurm; leave it out, or choose that")
+        return None
+    return load_profile(options.profile) if options.profile else Profile()
+
+
+def _slowness(scan: Scan, directory: Path, options: argparse.Namespace, jobs: int) -> float | None:
+    """How much longer a point takes here than planned; None where it was not worth measuring."""
+    left = _left(scan, directory, fresh=options.force)
+    if options.executor == SLURM or sum(map(expected_time, left)) / jobs < _WORTH_MEASURING:
+        return None
+    typical = sorted(left, key=expected_time)[len(left) // 2]
+    return slowness_of(typical, jobs)
+
+
+def _left(scan: Scan, directory: Path, *, fresh: bool) -> list[Point]:
+    """The points that are still to be run."""
+    return [p for p in scan.distinct.values() if fresh or not layout.is_done(directory, p.id)]
+
+
+def plan_text(
+    scan: Scan,
+    directory: Path,
+    profile: Profile | None,
+    jobs: int,
+    slowness: float | None,
+    *,
+    fresh: bool = False,
+) -> str:
+    """What the scan would be."""
+    points = scan.distinct.values()
+    left = _left(scan, directory, fresh=fresh)
+    counts = f"{len(scan.points)}"
+    if len(points) < len(scan.points):
+        counts += f", {len(points)} of them different"
+    if len(left) < len(points):
+        counts += f", {len(points) - len(left)} done already"
+    kinds = ", ".join(f"{key} ({len({str(p.labels[key]) for p in scan.points})})" for key in scan.varied)
+    at_once = sorted((p.plan.memory for p in left), reverse=True)[:jobs]
+    sizes = [p.size for p in points]
+    times = [p.plan.times for p in left if isinstance(p.plan, Plan)]
+    unknown = [time for time in times if time.most_static > time.static]
+    rows = [
+        ("scan", scan.name),
+        ("points", counts),
+        ("varies", kinds),
+        (scan.points[0].kind.parts, f"{min(sizes)}" + (f" to {max(sizes)}" if max(sizes) > min(sizes) else "")),
+        ("jobs at once", f"{jobs}"),
+        (
+            "expected time",
+            f"about {duration(expected_scan_time(left, profile, jobs, slowness or 1.0))}"
+            + (", from the speed measured here" if slowness else ""),
+        ),
+        *([("static stages", static_words(unknown, jobs / (slowness or 1.0)))] if unknown else []),
+        ("memory", f"about {sum(at_once) / 2**30:.2f} GiB"),
+        ("disk", f"about {sum(p.plan.disk for p in left) / 1e9:.3g} GB"),
+        ("directory", str(directory)),
+    ]
+    return lines(rows)
+
+
+def outcome_text(outcome: ScanOutcome) -> str:
+    """The main values of each point, and where everything is."""
+    result = ScanResult(outcome.directory)
+    points = [point for point in result.points if point.status != "missing"]
+    shown = [key for key in _COLUMNS if any(point.summary.get(key) is not None for point in points)]
+    head = ["", *result.varied, *(_COLUMNS[key][0] for key in shown), ""]
+    table = [head]
+    for point in points[:_MOST_ROWS]:
+        summary = point.summary
+        values = [_COLUMNS[key][1].format(summary[key]) if summary.get(key) is not None else "" for key in shown]
+        labels = [f"{value:.5g}" if isinstance(value, float) else str(value) for value in point.labels.values()]
+        ending = "" if point.status == "done" else f"{point.status}: {point.reason}".rstrip(": ")
+        table.append([str(point.number), *labels, *values, ending])
+    widths = [max(len(row[n]) for row in table) for n in range(len(head) - 1)]
+    text = "\n".join(
+        "  ".join([*(f"{cell:>{width}}" for cell, width in zip(row, widths, strict=False)), row[-1]]).rstrip()
+        for row in table
+    )
+    if len(points) > _MOST_ROWS:
+        text += f"\n... {len(points) - _MOST_ROWS} more in scan.csv"
+    text = f"{text}\n\n" if points else ""
+    counts = ", ".join(
+        f"{value} {field.name}"
+        for field in dataclasses.fields(outcome)
+        if field.name in ("done", "failed", "missing") and (value := getattr(outcome, field.name)) is not None
+    )
+    there = "table, figures and report.html" if (outcome.directory / "report.html").exists() else "the table"
+    return f"{text}{counts}; {there} in {outcome.directory}"

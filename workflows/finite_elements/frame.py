@@ -1,0 +1,207 @@
+"""What the two finite-element problems share: the form of their cases, the directory of a run, ``result.h5``."""
+
+from __future__ import annotations
+
+import abc
+import dataclasses
+import json
+import tomllib
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, ClassVar, Self
+
+import h5py
+import tomli_w
+from numpy.typing import NDArray
+
+from granwave.analysis.errors import MissingOutputError
+from granwave.analysis.result.writer import RESULT_FILE
+from granwave.analysis.summary import SUMMARY_FILE
+from granwave.lammps_inputs.case.case import read_parts
+from granwave.lammps_inputs.case.overrides import apply_overrides, parse_overrides
+from granwave.lammps_inputs.case.schema import Faults, refuse_unknown
+from granwave.lammps_inputs.deck.deck import CASE_FILE
+from granwave.lammps_inputs.directories import clear, decide
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import read_json, replace_text
+from granwave.lammps_inputs.planning.plan import refuse_too_large
+from granwave.lammps_inputs.toml_files import read_toml
+
+FIGURES_DIRECTORY = "figures"
+_MEMORY_BASE = 350e6  # bytes; the interpreter with numba and the drawing library
+_MEMORY_PER_ELEMENT = 2500.0  # measured, setting up included, rounded up
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class ElementCase(abc.ABC):
+    """A case with a mesh: ``run.elements`` tells how fine.
+
+    Attributes
+    ----------
+    SECTIONS
+        The dataclass of each table.
+    REQUIRED
+        Tables that the case cannot do without.
+    """
+
+    SECTIONS: ClassVar[Mapping[str, type]]
+    REQUIRED: ClassVar[tuple[str, ...]] = ("material",)
+
+    name: str
+
+    @classmethod
+    def from_dict(
+        cls,
+        data: Mapping[str, Any],
+        source: str | Path = "case",
+        overridden: Iterable[str] = (),
+        directory: Path | None = None,
+    ) -> Self:
+        """Check the nested mapping of a case file and make a case of it; parameters as of `Case.from_dict`.
+
+        Raises
+        ------
+        InputError
+            With every fault there is.
+        """
+        faults = Faults(str(source), tuple(overridden))
+        refuse_unknown(data, [field.name for field in dataclasses.fields(cls)], "", faults)
+        parts = read_parts(data, source, faults, directory, sections=cls.SECTIONS, required=cls.REQUIRED)
+        cls._complete(parts, data, faults, directory)
+        if faults.lines:
+            raise InputError(faults.lines)
+        return cls(**parts)
+
+    @staticmethod
+    @abc.abstractmethod
+    def _complete(parts: dict[str, Any], data: Mapping[str, Any], faults: Faults, directory: Path | None) -> None:
+        """Read what is no section, and check what concerns several keys; a part that is wrong is None."""
+
+    @classmethod
+    def load(cls, path: str | Path, overrides: Iterable[str] | Mapping[str, Any] = ()) -> Self:
+        """Read a case file; ``overrides`` as of `granwave.lammps_inputs.load_case`.
+
+        Raises
+        ------
+        InputError
+            The file or an override is wrong; every fault is named.
+        """
+        changes = parse_overrides(overrides)
+        data = apply_overrides(read_toml(path), changes)
+        return cls.from_dict(data, path, overridden=changes, directory=Path(path).parent)
+
+    @property
+    @abc.abstractmethod
+    def elements(self) -> int:
+        """About how many elements the mesh has."""
+
+    @property
+    def memory(self) -> float:
+        """Bytes that a run needs, an estimate."""
+        return _MEMORY_BASE + _MEMORY_PER_ELEMENT * self.elements
+
+    def to_dict(self) -> dict[str, Any]:
+        """The case as nested tables, all defaults filled in, as TOML writes them."""
+        return _without_none(dataclasses.asdict(self))
+
+    def to_toml(self) -> str:
+        """The case as a TOML file."""
+        return tomli_w.dumps(self.to_dict())
+
+
+def check_memory(case: ElementCase, available: float | None = None) -> None:
+    """Refuse a mesh that does not fit into memory (``available`` bytes; by default what is free now).
+
+    Raises
+    ------
+    InputError
+        The run needs more than there is.
+    """
+    what = f"{case.name}: run.elements: {case.elements} elements"
+    refuse_too_large(what, case.memory, "take fewer elements", available)
+
+
+def begin(
+    case: ElementCase,
+    directory: Path,
+    results: Sequence[str],
+    finished: Sequence[str],
+    *,
+    resume: bool,
+    force: bool,
+) -> dict[str, Any] | None:
+    """Make a directory ready for a run, or find what a finished run of the same case left.
+
+    Parameters
+    ----------
+    results
+        Names that a run leaves.
+    finished
+        Values of ``end_reason`` of a run that is finished.
+
+    Returns
+    -------
+    dict or None
+        What summary.json of the finished run holds; None if there is a run to do, and case.toml has been written.
+
+    Raises
+    ------
+    InputError
+        The directory holds results, or another case, or the mesh does not fit into memory; nothing was changed.
+    """
+
+    def there(path: Path) -> Mapping[str, Any]:
+        try:
+            return type(case).load(path).to_dict()
+        except InputError:
+            return {}  # of another kind, or damaged: another case in any event
+
+    if decide(directory, results, resume=resume, force=force, case=case.to_dict(), read=there):
+        summary = read_json(directory / SUMMARY_FILE) or {}
+        if summary.get("end_reason") in finished:
+            return summary
+    check_memory(case)
+    clear(directory, results)
+    directory.mkdir(parents=True, exist_ok=True)
+    replace_text(directory / CASE_FILE, case.to_toml())
+    return None
+
+
+class ElementResult:
+    """The ``result.h5`` of a finite-element run: all its data sets, its case and its summary.
+
+    Raises
+    ------
+    MissingOutputError
+        There is no result.h5.
+    """
+
+    def __init__(self, directory: str | Path) -> None:
+        path = Path(directory) / RESULT_FILE
+        if not path.exists():
+            raise MissingOutputError(f"{path} is missing: make it with  granwave continuum CASE -o {directory}")
+        with h5py.File(path, "r") as file:
+            names: list[str] = []
+            file.visititems(lambda name, item: names.append(name) if isinstance(item, h5py.Dataset) else None)
+            self._values: dict[str, NDArray] = {name: file[name][()] for name in names}
+            self.tables: dict[str, Any] = tomllib.loads(str(file.attrs["case"]))
+            self.summary: dict[str, Any] = json.loads(str(file.attrs["summary"]))
+            self._read_more(file)
+
+    def _read_more(self, file: h5py.File) -> None:
+        """What a kind of result reads besides."""
+
+    def __getitem__(self, name: str) -> NDArray:
+        """A data set by its name."""
+        return self._values[name]
+
+    def __contains__(self, name: str) -> bool:
+        return name in self._values
+
+
+def _without_none(tables: dict[str, Any]) -> dict[str, Any]:
+    return {
+        key: _without_none(value) if isinstance(value, dict) else value
+        for key, value in tables.items()
+        if value is not None
+    }

@@ -1,0 +1,118 @@
+"""The case of a continuum run: a block, a punch, a material, as read from a TOML file."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, ClassVar, Literal
+
+from granwave.lammps_inputs.case.material import Material
+from granwave.lammps_inputs.case.schema import Faults, custom, number, whole
+from granwave.workflows.finite_elements.frame import ElementCase
+
+AUTO_END_TIME = 5e-3  # s, the longest that `end_time = "auto"` goes on
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Block:
+    """``[block]``: a cylinder, its bottom fixed, its other surfaces free."""
+
+    diameter: float = number("diameter of the block", unit="m", above=0, default=0.10)
+    height: float = number("height of the block", unit="m", above=0, default=0.10)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Punch:
+    """``[punch]``: rigid, flat, frictionless, edge rounded over ``taper``."""
+
+    diameter: float = number("diameter of the punch", unit="m", above=0, default=0.010)
+    mass: float = number("mass of the punch", unit="kg", above=0, default=0.10)
+    velocity: float = number("of the punch, into the block", unit="m/s", above=0, default=10.0)
+    taper: float = number("radius of the rounded edge", unit="m", at_least=0, default=1e-4)
+
+    @property
+    def energy(self) -> float:
+        """Kinetic energy of the punch at the start: all the input there is, J."""
+        return 0.5 * self.mass * self.velocity**2
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class ContinuumRun:
+    """``[run]``: how long, on how fine a mesh, in what steps."""
+
+    end_time: float | Literal["auto"] = number(
+        "when the run ends; auto: when the punch has left and 10 us add less than 1e-4 of the input to dissipation",
+        unit="s",
+        above=0,
+        word="auto",
+        default="auto",
+    )
+    elements: int = custom(
+        "about how many elements the mesh has",
+        lambda value: whole(value, "a whole number from 100 up", at_least=100),
+        default=62_500,
+    )
+    timestep: float | Literal["auto"] = number(
+        "auto: just below the limit of stability", unit="s", above=0, word="auto", default="auto"
+    )
+    edge_size: float | Literal["auto"] = number(
+        "width of the elements at the punch's edge; auto: follows from elements (32 um for 62500 and a punch of 10 mm)",
+        unit="m",
+        above=0,
+        word="auto",
+        default="auto",
+    )
+    frame_interval: float = number(
+        "time between snapshots of the fields; doubled whenever there are more than 64", unit="s", above=0, default=2e-6
+    )
+
+    @property
+    def longest(self) -> float:
+        """The latest time the run can reach, s."""
+        return AUTO_END_TIME if isinstance(self.end_time, str) else self.end_time
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class ContinuumCase(ElementCase):
+    """One impact of a punch on a block."""
+
+    SECTIONS: ClassVar[Mapping[str, type]] = {"block": Block, "punch": Punch, "run": ContinuumRun}
+
+    material: Material
+    block: Block = dataclasses.field(default_factory=Block)
+    punch: Punch = dataclasses.field(default_factory=Punch)
+    run: ContinuumRun = dataclasses.field(default_factory=ContinuumRun)
+
+    @property
+    def energy_unit(self) -> float:
+        """sigma_y^2 D^3/E with the diameter of the punch, J (thesis 5.30)."""
+        material = self.material
+        assert material.yield_strength is not None  # checked when read
+        return material.yield_strength**2 * self.punch.diameter**3 / material.youngs_modulus
+
+    @property
+    def elements(self) -> int:
+        """About how many elements the mesh has."""
+        return self.run.elements
+
+    @staticmethod
+    def _complete(parts: dict[str, Any], data: Mapping[str, Any], faults: Faults, directory: Path | None) -> None:
+        block: Block | None = parts["block"]
+        punch: Punch | None = parts["punch"]
+        run: ContinuumRun | None = parts["run"]
+        material: Material | None = parts.get("material")
+        if material is not None and material.yield_strength is None:
+            faults.add("material.yield_strength", "missing; a continuum case needs it: give a number in Pa")
+        if punch is not None and 2 * punch.taper > punch.diameter:
+            faults.add(
+                "punch.taper", f"found {punch.taper:g} m, expected at most the punch's radius, {punch.diameter / 2:g} m"
+            )
+        if block is not None and punch is not None and punch.diameter >= block.diameter:
+            faults.add(
+                "punch.diameter",
+                f"found {punch.diameter:g} m, expected less than block.diameter, {block.diameter:g} m; "
+                "make the punch narrower or the block wider",
+            )
+        if run is not None and not isinstance(run.timestep, str) and run.timestep > run.longest:
+            faults.add("run.timestep", f"found {run.timestep:g} s, expected at most run.end_time, {run.longest:g} s")

@@ -1,0 +1,208 @@
+"""Figures of a continuum run; each leaves NAME.png, NAME.pdf and NAME.csv in ``figures``."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import ListedColormap, Normalize
+from numpy.typing import NDArray
+
+from granwave.analysis.figures.style import (
+    BLANK,
+    BLUE,
+    FORCE_MAP,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    SKY,
+    Drawing,
+    new_figure,
+    save,
+    style,
+)
+from granwave.workflows.finite_elements.frame import ElementResult
+from granwave.workflows.finite_elements.punch.solver import AT_YIELD
+
+_MICRO, _MILLI, _MEGA = 1e6, 1e3, 1e-6
+_SHOWN = 1.5  # punch diameters in depth, and to either side, that a section shows at least
+_PANELS = 6
+_YIELDED_MAP = ListedColormap([BLANK, SKY, ORANGE])
+
+
+class ContinuumResult(ElementResult):
+    """The ``result.h5`` of a continuum run, with what the figures need of its mesh; raises as `ElementResult`."""
+
+    def __init__(self, directory: str | Path) -> None:
+        super().__init__(directory)
+        self.r, self.z = np.unique(self["nodes"][:, 0]), np.unique(self["nodes"][:, 1])
+
+    def grid(self, values: NDArray) -> NDArray:
+        """Values of the elements as (n_z, n_r)."""
+        return values.reshape(len(self.z) - 1, len(self.r) - 1)
+
+    @property
+    def centres(self) -> dict[str, NDArray[np.float64]]:
+        """Radius and depth of the elements' centres, (n_elements,), m."""
+        r, z = np.meshgrid((self.r[1:] + self.r[:-1]) / 2, (self.z[1:] + self.z[:-1]) / 2)
+        return {"r_m": r.ravel(), "z_m": z.ravel()}
+
+
+def energies(result: ContinuumResult) -> Drawing:
+    """Where the energy is, and how far the sum is from the input."""
+    time, given = result["energy/time"], result["energy/input"]
+    names = ("punch", "kinetic", "elastic", "plastic", "viscous", "hourglass", "contact")
+    parts = {name: result[f"energy/{name}"] for name in names}
+    residual = np.abs(np.sum(list(parts.values()), axis=0) - given) / given
+    figure = new_figure(3.6)
+    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
+    for (name, values), colour in zip(parts.items(), (GREY, BLUE, GREEN, ORANGE, PURPLE, SKY, "black"), strict=True):
+        dashed = "--" if name in ("viscous", "hourglass", "contact") else "-"
+        upper.plot(time * _MICRO, values, dashed, color=colour, label=name)
+    upper.plot(time * _MICRO, given, ":", color="black", label="input")
+    upper.set_ylabel("Energy (J)")
+    upper.set_ylim(0, 1.45 * given[0])
+    upper.legend(ncols=3, loc="upper center", columnspacing=1.0)
+    lower.semilogy(time * _MICRO, np.where(residual > 0, residual, np.nan), color=GREY, linewidth=0.8)
+    lower.set_ylabel("|Residual|\n/ input")
+    _time_axis(lower, time)
+    columns = {"time_s": time, **{f"{name}_J": values for name, values in parts.items()}}
+    return Drawing(figure, columns | {"input_J": given, "residual_over_input": residual})
+
+
+def plastic_zone_volume(result: ContinuumResult) -> Drawing:
+    """Volume at yield now, and volume that ever yielded, over that of a sphere of the punch's diameter."""
+    time = result["plastic_zone/time"]
+    sphere = math.pi / 6 * result.tables["punch"]["diameter"] ** 3
+    now, ever = result["plastic_zone/volume"], result["plastic_zone/volume_ever"]
+    figure = new_figure(2.3)
+    axes = figure.subplots()
+    axes.plot(time * _MICRO, now / sphere, color=ORANGE, label="at yield now")
+    axes.plot(time * _MICRO, ever / sphere, "--", color=BLUE, label="ever at yield")
+    axes.set_ylabel("Plastic volume / ($\\pi D^3/6$)")
+    axes.set_ylim(bottom=0)
+    axes.legend()
+    _time_axis(axes, time)
+    return Drawing(figure, {"time_s": time, "volume_m3": now, "volume_ever_m3": ever})
+
+
+def punch(result: ContinuumResult) -> Drawing:
+    """Force on the punch and its velocity."""
+    time, force, velocity = (result[f"punch/{name}"] for name in ("time", "force", "velocity"))
+    figure = new_figure(3.0)
+    upper, lower = figure.subplots(2, 1, sharex=True)
+    upper.plot(time * _MICRO, force / 1e3, color=BLUE)
+    upper.set_ylabel("Force (kN)")
+    lower.axhline(0, color="black", linewidth=0.5)
+    lower.plot(time * _MICRO, velocity, color=ORANGE)
+    lower.set_ylabel("Velocity (m/s)")
+    _time_axis(lower, time)
+    columns = {"time_s": time, "force_N": force, "velocity_m_s": velocity}
+    return Drawing(figure, columns | {"displacement_m": result["punch/displacement"]})
+
+
+def von_mises(result: ContinuumResult) -> Drawing:
+    """Von Mises stress in a section, at the snapshot nearest to when the plastic zone is largest."""
+    frame = _frame_of_largest_zone(result)
+    stress = result["fields/von_mises"][frame]
+    limit = result.tables["material"]["yield_strength"]
+    figure = new_figure(2.6)
+    axes = figure.subplots()
+    scale = Normalize(0, limit * _MEGA)
+    _section(axes, result, result.grid(stress) * _MEGA, FORCE_MAP, scale)
+    figure.colorbar(ScalarMappable(scale, FORCE_MAP), ax=axes, label="Von Mises stress (MPa)", shrink=0.8)
+    axes.set_title(f"{result['fields/time'][frame] * _MICRO:.1f} µs")
+    return Drawing(figure, result.centres | {"von_mises_Pa": stress})
+
+
+def plastic_zone(result: ContinuumResult) -> Drawing:
+    """What is at yield, and what has been, at times spread over the growth of the zone."""
+    times, stresses = result["fields/time"], result["fields/von_mises"]
+    at_yield = stresses >= AT_YIELD * result.tables["material"]["yield_strength"]
+    active = np.flatnonzero(at_yield.any(axis=1))
+    last = int(active[-1]) if len(active) else len(times) - 1
+    frames = np.unique(np.linspace(min(1, last), last, _PANELS).round().astype(int))
+    figure = new_figure(4.2, 5.2)
+    panels = figure.subplots(2, 3, sharex=True, sharey=True).ravel()
+    columns = result.centres
+    for axes, frame in zip(panels, frames, strict=False):
+        state = np.where(at_yield[frame], 2, np.where(at_yield[: frame + 1].any(axis=0), 1, 0))
+        _section(axes, result, result.grid(state), _YIELDED_MAP, Normalize(0, 2))
+        axes.set_title(f"{times[frame] * _MICRO:.1f} µs")
+        columns[f"state_{times[frame] * _MICRO:.2f}us"] = state
+    for n, axes in enumerate(panels):
+        axes.set_visible(n < len(frames))
+        axes.label_outer()
+    return Drawing(figure, columns)
+
+
+def plastic_strain(result: ContinuumResult) -> Drawing:
+    """Equivalent plastic strain at the end, in a section."""
+    strain = result["fields/plastic_strain"]
+    largest = float(np.quantile(strain[strain > 0], 0.99)) if np.any(strain > 0) else 1.0
+    figure = new_figure(2.6)
+    axes = figure.subplots()
+    scale = Normalize(0, 100 * largest)
+    _section(axes, result, 100 * result.grid(strain), "inferno", scale)
+    mappable = ScalarMappable(scale, "inferno")
+    figure.colorbar(mappable, ax=axes, label="Equivalent plastic strain (%)", shrink=0.8, extend="max")
+    return Drawing(figure, result.centres | {"plastic_strain": strain})
+
+
+#: Each draws a figure of a result.
+FIGURES: dict[str, Callable[[ContinuumResult], Drawing]] = {
+    "energies": energies,
+    "plastic_zone": plastic_zone,
+    "plastic_zone_volume": plastic_zone_volume,
+    "von_mises": von_mises,
+    "plastic_strain": plastic_strain,
+    "punch": punch,
+}
+
+
+def draw_figures(directory: str | Path) -> list[Path]:
+    """Draw the figures of a continuum run from its ``result.h5``; the PNG files that were written.
+
+    Raises
+    ------
+    MissingOutputError
+        There is no result.h5.
+    """
+    folder = Path(directory) / "figures"
+    result = ContinuumResult(directory)
+    folder.mkdir(exist_ok=True)
+    with style():
+        for name, draw in FIGURES.items():
+            save(draw(result), folder / name)
+    return [folder / f"{name}.png" for name in FIGURES]
+
+
+def _frame_of_largest_zone(result: ContinuumResult) -> int:
+    when = result["plastic_zone/time"][result["plastic_zone/volume"].argmax()]
+    return int(np.abs(result["fields/time"] - when).argmin())
+
+
+def _section(axes: Axes, result: ContinuumResult, values: NDArray, colours: str | ListedColormap, scale) -> None:
+    """Both sides of the axis, the punch above them, cropped to what happens."""
+    diameter = result.tables["punch"]["diameter"]
+    zone = max(result.summary["plastic_zone_depth_m"], result.summary["plastic_zone_radius_m"])
+    reach = max(_SHOWN * diameter / 2, 1.3 * zone)
+    columns, rows = (int(np.searchsorted(line, reach)) + 1 for line in (result.r, result.z))
+    r, z = result.r[:columns] * _MILLI, result.z[:rows] * _MILLI
+    part = values[: len(z) - 1, : len(r) - 1]
+    for side in (-1, 1):
+        axes.pcolormesh(side * r, z, part, cmap=colours, norm=scale, rasterized=True)
+    half = diameter / 2 * _MILLI
+    axes.fill_between([-half, half], 0, -0.15 * reach * _MILLI, color=GREY, linewidth=0)
+    axes.set(xlim=(-reach * _MILLI, reach * _MILLI), ylim=(reach * _MILLI, -0.15 * reach * _MILLI), aspect="equal")
+    axes.set(xlabel="r (mm)", ylabel="Depth (mm)")
+
+
+def _time_axis(axes: Axes, time: NDArray[np.float64]) -> None:
+    axes.set_xlabel("Time (µs)")
+    axes.set_xlim(0, float(time[-1]) * _MICRO or 1.0)

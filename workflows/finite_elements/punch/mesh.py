@@ -1,0 +1,134 @@
+"""The mesh: rectangles of a tensor product that grow in proportion to the distance from the punch's edge.
+
+    h_r = s (L + |r - a|)        h_z = s (k L + z)        s = sqrt(I_r I_z / elements)
+
+with L = `NEAR` of the radius a, k = `ASPECT` and ``I`` the integrals of ``s dx/h``: one number, ``elements``,
+refines the whole mesh without changing its shape. The plastic zone begins at the edge and grows from there, and waves
+are as long as the contact lasts, so the same share of elements goes to every scale. With an edge size given, L follows
+from it instead.
+
+The place a, where contact ends (`contact_end` in `punch.contact`), lies midway between two nodes, as
+the contact of a mesh ends half an element beyond the last node that touches. On the rounded edge it moves out as the
+load grows, on fine meshes by 26 um at 4 m/s and 60 um at 8 m/s (0.1 kg, taper 0.1 mm), on coarse ones a node at a time.
+The stress under the edge needs elements finer than that, not another contact: forces spread over the segments between
+nodes (penalty, 1 to 8 points each) leave the same scatter. Of the dissipated share, with the nodes moved by parts of an
+element:
+
+    elements at the edge (um)      37      25      18
+    0.1 kg, 8 m/s, scatter (%)     3.3     2.3     1.5
+    0.1 kg, 4 m/s                  19      14      7
+
+The default has elements of 32 um there; finer ones cost timesteps. Brass, D = 10 mm, taper 0.1 mm, against 62 500
+elements with 8 um at the edge:
+
+    kg, m/s     input    fraction dissipated        plastic volume (mm^3)
+                         default  finer             default  finer
+    0.1,  4      0.30    0.0142   0.0151  -6 %          5.2     5.0    5 %
+    0.1,  6      0.68    0.0425   0.0421  0.9 %       30.8    30.2    2 %
+    0.1,  8      1.22    0.0982   0.1003  -2 %          157     157    0 %
+    0.2,  6      1.37    0.142    0.143  -0.9 %         247     245  0.5 %
+    0.1, 12      2.74    0.296    0.298  -0.6 %         580     577  0.6 %
+    0.1, 20      7.60    0.532    0.533  -0.2 %        1550    1505    3 %
+
+With 16 000 elements, half and twice the hourglass stiffness change the fraction by 1 and -1.5 %, the volume by -2 and
+3 %; half and twice the bulk viscosity change the fraction by up to 1.4 and -0.4 %, the volume by -3 and 0.6 %.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+Line = NDArray[np.float64]
+
+NEAR = 0.455  # of the radius of contact
+ASPECT = 2.5  # of the smallest elements, depth over width
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Mesh:
+    """Rectangles between the lines ``r`` and ``z``; z = 0 is the struck top and depth goes along +z.
+
+    Attributes
+    ----------
+    r, z
+        Node lines, (n_r + 1,) and (n_z + 1,), m.
+    """
+
+    r: Line
+    z: Line
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows in depth, columns in radius."""
+        return len(self.z) - 1, len(self.r) - 1
+
+    @property
+    def n_elements(self) -> int:
+        """Elements in all."""
+        return self.shape[0] * self.shape[1]
+
+    @property
+    def nodes(self) -> NDArray[np.float64]:
+        """(n_nodes, 2), m: (r, z), r fastest."""
+        r, z = np.meshgrid(self.r, self.z)
+        return np.column_stack([r.ravel(), z.ravel()])
+
+    @property
+    def elements(self) -> NDArray[np.int64]:
+        """(n_elements, 4): nodes of each element in turn around it, elements with r fastest."""
+        rows, columns = self.shape
+        first = (np.arange(rows)[:, None] * (columns + 1) + np.arange(columns)).ravel()
+        return np.column_stack([first, first + 1, first + columns + 2, first + columns + 1])
+
+    @property
+    def centres(self) -> tuple[Line, Line]:
+        """Radii (n_r,) and depths (n_z,) of the elements' centres, m."""
+        return (self.r[1:] + self.r[:-1]) / 2, (self.z[1:] + self.z[:-1]) / 2
+
+
+def block_mesh(radius: float, height: float, edge: float, elements: int, *, edge_size: float | None = None) -> Mesh:
+    """The mesh of a block under a punch.
+
+    Parameters
+    ----------
+    radius, height
+        Of the block, m.
+    edge
+        Radius at which contact ends, m; midway between two nodes.
+    elements
+        About how many.
+    edge_size
+        Width of the elements there, m, if not that of the rule; what is too large gives equal elements.
+    """
+
+    def counts(near: float) -> tuple[float, float, float]:
+        return math.log1p(edge / near), math.log1p((radius - edge) / near), math.log1p(height / (ASPECT * near))
+
+    def growth(near: float) -> float:
+        inner, outer, deep = counts(near)
+        return math.sqrt((inner + outer) * deep / elements)
+
+    near = NEAR * edge
+    if edge_size is not None:
+        low, high = 1e-9 * radius, 1e3 * radius
+        for _ in range(100):
+            near = math.sqrt(low * high)
+            low, high = (low, near) if growth(near) * near > edge_size else (near, high)
+    inner, outer, deep = counts(near)
+    n_r = max(2, round((inner + outer) / growth(near)))
+    n_z = max(1, round(elements / n_r))
+    n_edge = min(max(1, round(inner / growth(near) + 0.5)), n_r - 1)
+    inside, outside = np.arange(n_edge) / (n_edge - 0.5), (np.arange(n_edge, n_r + 1) - n_edge + 0.5)
+    r = np.concatenate(
+        [
+            edge - near * np.expm1(inner * (1 - inside)),
+            edge + near * np.expm1(outer * outside / outside[-1]),
+        ]
+    )
+    z = ASPECT * near * np.expm1(deep * np.arange(n_z + 1) / n_z)
+    r[0], r[-1], z[-1] = 0.0, radius, height
+    return Mesh(r, z)

@@ -1,0 +1,85 @@
+"""The numbers that sum a continuum run up, for ``summary.json``: SI units."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from granwave.analysis.versions import versions_of
+from granwave.workflows.finite_elements.punch.case import ContinuumCase
+from granwave.workflows.finite_elements.punch.history import History, equivalent_strain
+from granwave.workflows.finite_elements.punch.solver import Solver
+
+_PACKAGES = ("numpy", "numba", "scikit-fem", "h5py", "matplotlib")
+_RARE = 0.01  # of the plastic zone: the strain that more than this part exceeds is called that of the zone
+LARGE_STRAIN = 0.1
+
+
+def summarise(case: ContinuumCase, solver: Solver, history: History, wall_time: float) -> dict[str, Any]:
+    """What summary.json holds.
+
+    Parameters
+    ----------
+    wall_time
+        Of the time integration, s.
+    """
+    last, given = history.instants[-1], case.punch.energy
+    volumes = history.column("plastic_volume")
+    peak = int(volumes.argmax())
+    depth, radius = _extent(solver)
+    return {
+        "name": case.name,
+        "kind": "continuum",
+        "n_elements": solver.mesh.n_elements,
+        "timestep_s": solver.timestep,
+        "n_steps": solver.n_steps,
+        "end_time_s": last.time,
+        "end_reason": history.end_reason,
+        "energy_input_J": given,
+        "energy_kinetic_J": last.kinetic,
+        "energy_elastic_J": last.elastic,
+        "energy_dissipated_J": last.plastic,
+        "energy_punch_J": last.punch,
+        "energy_hourglass_J": last.hourglass,
+        "energy_viscous_J": last.viscous,
+        "energy_contact_J": last.contact,
+        "dissipated_fraction": last.plastic / given,
+        "energy_balance_error": history.balance_error,
+        "energy_input_normalised": given / case.energy_unit,
+        "plastic_zone_volume_m3": volumes[peak],
+        "plastic_zone_time_s": history.instants[peak].time,
+        "plastic_zone_volume_ever_m3": last.plastic_volume_ever,
+        "plastic_zone_depth_m": depth,
+        "plastic_zone_radius_m": radius,
+        "plastic_zone_strain": zone_strain(solver),
+        "largest_strain": float(history.column("largest_strain").max()),
+        "peak_force_N": float(history.column("contact_force").max()),
+        "punch_peak_displacement_m": float(history.column("punch_displacement").max()),
+        "impactor_velocity_m_s": last.punch_velocity,
+        "wall_time_s": wall_time,
+        "element_steps_per_s": solver.mesh.n_elements * solver.n_steps / wall_time,
+        "n_ranks": 1,
+        "versions": versions_of(_PACKAGES),
+    }
+
+
+def zone_strain(solver: Solver) -> float:
+    """The equivalent strain that 1 % of the volume that ever yielded exceeds; 0 if none did.
+
+    The largest strain of all is that of one element at the punch's edge and grows as elements get smaller.
+    """
+    strain, volume = equivalent_strain(solver)[solver.ever], solver.operators.volume[solver.ever]
+    if not len(strain):
+        return 0.0
+    order = np.argsort(strain)[::-1]
+    reached = np.cumsum(volume[order]) >= _RARE * volume.sum()
+    return float(strain[order][reached.argmax()])
+
+
+def _extent(solver: Solver) -> tuple[float, float]:
+    """Depth and radius, m, of the lowest and the outermost side of an element that ever yielded."""
+    if not solver.ever.any():
+        return 0.0, 0.0
+    rows, columns = np.nonzero(solver.ever)
+    return float(solver.mesh.z[rows.max() + 1]), float(solver.mesh.r[columns.max() + 1])

@@ -1,0 +1,135 @@
+"""The case of a contact of two spheres: radii, materials, how far, as read from a TOML file."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from granwave.lammps_inputs.case.material import Material, read_material
+from granwave.lammps_inputs.case.schema import Faults, custom, number, read_table, whole
+from granwave.workflows.finite_elements.frame import ElementCase
+
+if TYPE_CHECKING:
+    from granwave._contact_laws import ContactLaw
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Sphere:
+    """``[sphere]``: the first sphere, of the case's material."""
+
+    radius: float = number("radius of the sphere", unit="m", above=0)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Partner:
+    """``[partner]``: the second sphere where it differs from the first."""
+
+    radius: float
+    material: Material
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class SphereContactRun:
+    """``[run]``: how far, how often back, how fine and how slowly."""
+
+    max_overlap: float = number("largest overlap, over R*", above=0, at_most=0.3, default=0.2)
+    unloadings: int = custom(
+        "unload-reload cycles, the last from the largest overlap",
+        lambda value: whole(value, "a whole number from 0 up", at_least=0),
+        default=10,
+    )
+    elements: int = custom(
+        "about how many elements the mesh has, both spheres together",
+        lambda value: whole(value, "a whole number from 100 up", at_least=100),
+        default=6000,
+    )
+    speed: float = number("1: as usual; 0.5: half as fast, twice the steps", above=0, at_most=10, default=1.0)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class SphereContactCase(ElementCase):
+    """Two spheres that are pressed together."""
+
+    SECTIONS: ClassVar[Mapping[str, type]] = {"sphere": Sphere, "run": SphereContactRun}
+    REQUIRED: ClassVar[tuple[str, ...]] = ("material", "sphere")
+
+    material: Material
+    sphere: Sphere
+    partner: Partner | None = None
+    run: SphereContactRun = dataclasses.field(default_factory=SphereContactRun)
+
+    @staticmethod
+    def _complete(parts: dict[str, Any], data: Mapping[str, Any], faults: Faults, directory: Path | None) -> None:
+        if "partner" in data:
+            parts["partner"] = _read_partner(data["partner"], parts, faults, directory)
+
+    @property
+    def radii(self) -> tuple[float, float]:
+        """Of the first and the second sphere, m."""
+        return self.sphere.radius, self.sphere.radius if self.partner is None else self.partner.radius
+
+    @property
+    def materials(self) -> tuple[Material, Material]:
+        """Of the first and the second sphere."""
+        return self.material, self.material if self.partner is None else self.partner.material
+
+    @property
+    def identical(self) -> bool:
+        """Both spheres are alike: one of them on the plane of symmetry tells all."""
+        first, second = (_constants(material) for material in self.materials)
+        return self.radii[0] == self.radii[1] and first == second
+
+    @property
+    def yields(self) -> bool:
+        """At least one sphere can yield."""
+        return any(material.yield_strength is not None for material in self.materials)
+
+    @cached_property
+    def law(self) -> ContactLaw:
+        """The project's contact law of this pair; Hertz's where neither sphere can yield."""
+        return self.contact_law("elastoplastic" if self.yields else "hertz")
+
+    def contact_law(self, name: str) -> ContactLaw:
+        """Any law of this pair; a sphere without a yield strength stays elastic."""
+        from granwave.lammps_inputs.contact.law import contact_of
+
+        return contact_of([_or_elastic(material) for material in self.materials], self.radii, name)
+
+    @property
+    def max_overlap(self) -> float:
+        """Largest overlap, m."""
+        return self.run.max_overlap * self.law.effective_radius
+
+    @property
+    def elements(self) -> int:
+        """About how many elements the mesh has, both spheres together."""
+        return self.run.elements
+
+
+def _read_partner(table: Any, parts: Mapping[str, Any], faults: Faults, directory: Path | None) -> Partner | None:
+    """The partner; what it leaves out is as of the first sphere."""
+    own = {key: value for key, value in table.items() if key != "material"} if isinstance(table, Mapping) else table
+    sphere: Sphere | None = parts.get("sphere")
+    if isinstance(own, Mapping) and "radius" not in own and sphere is not None:
+        own = {**own, "radius": sphere.radius}
+    body = read_table(Sphere, own, "partner", faults)
+    material: Material | None = parts.get("material")
+    if isinstance(table, Mapping) and "material" in table:
+        apart = Faults("")
+        material = read_material(table["material"], apart, directory)
+        for line in apart.lines:
+            key, _, message = line.removeprefix(": ").partition(": ")
+            faults.add(f"partner.{key}", message)
+    return None if body is None or material is None else Partner(radius=body.radius, material=material)
+
+
+def _constants(material: Material) -> tuple[float, float, float | None]:
+    return material.youngs_modulus, material.poisson_ratio, material.yield_strength
+
+
+def _or_elastic(material: Material) -> Material:
+    return dataclasses.replace(material, yield_strength=material.yield_strength or math.inf)

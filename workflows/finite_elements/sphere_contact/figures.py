@@ -1,0 +1,316 @@
+"""Figures of a sphere-contact study, after thesis 2.2 to 2.8 and 3.1; each leaves NAME.png, .pdf and .csv."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import PolyCollection
+from matplotlib.colors import Normalize
+from numpy.typing import NDArray
+
+from granwave.analysis.figures.style import (
+    BLUE,
+    FORCE_MAP,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    Drawing,
+    new_figure,
+    save,
+    style,
+)
+from granwave.workflows.finite_elements.sphere_contact.deviations import RESOLVED
+from granwave.workflows.finite_elements.sphere_contact.result import SphereContactResult
+from granwave.workflows.finite_elements.sphere_contact.study import LOADING, RELOADING, UNLOADING
+
+_MILLI, _MEGA = 1e3, 1e-6
+_SHOWN = 2.5  # contact radii that the section shows
+_CURVE = 500  # points of a curve of a law
+_LIMIT = 6.0  # per cent, the source's own claim for its law
+
+
+def force_overlap(result: SphereContactResult) -> Drawing:
+    """Force against overlap with all cycles, beside the law, Hertz and Thornton (thesis 2.2)."""
+    unit, force_unit = result.units
+    overlap, force = result["history/overlap"] / unit, result["history/force"] / force_unit
+    curve = result.overlaps
+    figure = new_figure(3.0)
+    axes = figure.subplots()
+    for cycle in result.cycles:
+        down = result.branch(UNLOADING, cycle)
+        down, up = np.append(down[0] - 1, down), result.branch(RELOADING, cycle)
+        axes.plot(
+            overlap[down],
+            force[down],
+            color=ORANGE,
+            linewidth=0.8,
+            label="unloading" if cycle == result.cycles[0] else None,
+        )
+        axes.plot(
+            overlap[up],
+            force[up],
+            ":",
+            color=BLUE,
+            linewidth=0.8,
+            label="reloading" if cycle == result.cycles[0] else None,
+        )
+    rows = result.branch(LOADING)
+    rows = rows[np.argsort(overlap[rows], kind="stable")]
+    axes.plot(overlap[rows], force[rows], color="black", label="loading")
+    law = result.law.loading_force(curve) / force_unit
+    axes.plot(curve / unit, law, "--", color=GREEN, label="contact law")
+    columns: dict[str, NDArray] = {"overlap_normalised": overlap, "force_normalised": force}
+    columns |= {"branch": result["history/branch"], "cycle": result["history/cycle"]}
+    columns |= {"curve_overlap_normalised": curve / unit, "law_normalised": law}
+    thornton = result.thornton()
+    if thornton is not None:
+        values = thornton.loading_force(curve) / force_unit
+        axes.plot(curve / unit, values, "-.", color=PURPLE, label="Thornton")
+        columns["thornton_normalised"] = values
+    hertz = result.hertz(curve) / force_unit
+    axes.plot(curve / unit, hertz, color=GREY, linewidth=0.8, label="Hertz")
+    axes.set(xlim=(0, None), ylim=(0, 1.15 * force.max()))
+    _labels(axes, result.overlap_label, r"Force $F/F_\mathrm{y}$")
+    axes.legend(loc="upper left", fontsize=7)
+    return Drawing(figure, columns | {"hertz_normalised": hertz})
+
+
+def pressure_profiles(result: SphereContactResult) -> Drawing:
+    """Contact pressure along the surface (thesis 2.3)."""
+    effective = result.law.effective_radius
+    figure = new_figure(2.9)
+    axes = figure.subplots()
+    columns: dict[str, NDArray] = {}
+    scale = Normalize(0, max(1, len(result.profiles) - 1))
+    for n, (overlap, name) in enumerate(result.profiles):
+        radius, pressure = result[f"{name}/radius"] / effective, result[f"{name}/pressure"] / result.strength
+        end = int(np.flatnonzero(pressure).max(initial=0)) + 2
+        label = f"{overlap / effective:.3g}"
+        axes.plot(radius[:end], pressure[:end], color=_colour(scale(n)), linewidth=0.9, label=label)
+        columns |= {f"r_over_R*_{label}": radius[:end], f"pressure_normalised_{label}": pressure[:end]}
+    axes.set(xlim=(0, None), ylim=(0, None))
+    _labels(axes, "Distance from the axis $r/R^*$", r"Contact pressure $p/\sigma_\mathrm{y}$")
+    axes.legend(title=r"$\alpha/R^*$", loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize=7)
+    return Drawing(figure, columns)
+
+
+def mean_pressure(result: SphereContactResult) -> Drawing:
+    """Mean contact pressure against overlap (thesis 2.4)."""
+    unit, _ = result.units
+    overlap = result["loading/overlap"]
+    found = result["loading/mean_pressure"] / result.strength
+    area = math.pi * result["loading/law_contact_radius"] ** 2
+    law = result["loading/law_force"] / area / result.strength
+    hertz = result.hertz(overlap) / (math.pi * result.law.effective_radius * overlap) / result.strength
+    figure = new_figure(2.5)
+    axes = figure.subplots()
+    order = np.argsort(overlap)
+    axes.plot(overlap[order] / unit, found[order], color=BLUE, linewidth=0.9, label="finite elements")
+    axes.plot(overlap[order] / unit, law[order], "--", color=GREEN, label="contact law")
+    axes.plot(overlap[order] / unit, hertz[order], color=GREY, linewidth=0.8, label="Hertz")
+    axes.set(xscale="log", xlim=(RESOLVED, None), ylim=(0, 1.15 * found[overlap > unit].max(initial=found.max())))
+    _labels(axes, result.overlap_label, r"Mean pressure $\bar p/\sigma_\mathrm{y}$")
+    axes.legend(loc="lower right")
+    return Drawing(figure, {"overlap_normalised": overlap / unit, "finite_elements": found, "law": law, "hertz": hertz})
+
+
+def contact_area(result: SphereContactResult) -> Drawing:
+    """Contact area against overlap (thesis 2.5)."""
+    unit, _ = result.units
+    overlap = result["loading/overlap"] / unit
+    area_unit = result.law.effective_radius * unit
+    found, law = (result[f"loading/{name}"] ** 2 / area_unit for name in ("contact_radius", "law_contact_radius"))
+    order = np.argsort(overlap)
+    figure = new_figure(2.5)
+    axes = figure.subplots()
+    axes.plot(overlap[order], found[order], color=BLUE, label="finite elements")
+    axes.plot(overlap[order], law[order], "--", color=GREEN, label="contact law")
+    axes.plot(overlap[order], overlap[order], color=GREY, linewidth=0.8, label="Hertz, Thornton")
+    axes.set(xlim=(0, None), ylim=(0, None))
+    _labels(axes, result.overlap_label, r"Contact area $A/A_\mathrm{y}$")
+    axes.legend(loc="upper left")
+    return Drawing(figure, {"overlap_normalised": overlap, "finite_elements": found, "law": law})
+
+
+def unloading(result: SphereContactResult) -> Drawing:
+    """Unloading curves, normalised (thesis 2.6)."""
+    figure = new_figure(2.9)
+    axes = figure.subplots()
+    columns: dict[str, NDArray] = {}
+    scale = Normalize(0, max(1, len(result.cycles) - 1))
+    grid = np.linspace(0, 1, 101)
+    for n, cycle in enumerate(result.cycles):
+        peak, residual, most = (
+            result[f"cycles/{name}"][n] for name in ("peak_overlap", "residual_overlap", "peak_force")
+        )
+        rows = result.branch(UNLOADING, cycle)
+        rows = np.append(rows[0] - 1, rows)
+        scaled, force = (result["history/overlap"][rows] - residual) / (peak - residual), result["history/force"][rows]
+        label = f"{peak / result.law.effective_radius:.3g}"
+        axes.plot(scaled, force / most, color=_colour(scale(n)), linewidth=0.9, label=label)
+        columns |= {f"scaled_overlap_{label}": scaled, f"force_over_peak_{label}": force / most}
+    if result.case.yields:
+        axes.plot(grid, grid**1.35, "--", color="black", label="$n$ = 1.35")
+    axes.set(xlim=(0, 1), ylim=(0, 1))
+    _labels(
+        axes,
+        r"$(\alpha-\alpha_\mathrm{R})/(\alpha_\mathrm{max}-\alpha_\mathrm{R})$",
+        r"Force $F/F_\mathrm{max}$",
+    )
+    axes.legend(title=r"$\alpha_\mathrm{max}/R^*$", loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize=7)
+    return Drawing(figure, columns)
+
+
+def residual_overlap(result: SphereContactResult) -> Drawing:
+    """Residual overlap and unloading exponent against the largest overlap (thesis 2.7)."""
+    unit, _ = result.units
+    peak, residual, exponent = (result[f"cycles/{name}"] for name in ("peak_overlap", "residual_overlap", "exponent"))
+    curve = np.geomspace(min(unit, peak.min()), peak.max(), _CURVE)
+    figure = new_figure(3.6)
+    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
+    law = result.law.residual_overlap(curve)
+    upper.loglog(peak / unit, residual / unit, "o", color=BLUE, markersize=4, label="finite elements")
+    upper.loglog(curve / unit, law / unit, "--", color=GREEN, label="contact law")
+    upper.set_ylim(bottom=0.3 * max(residual.min() / unit, 1e-2))
+    upper.set_ylabel(r"Residual overlap $\alpha_\mathrm{R}/\alpha_\mathrm{y}$")
+    upper.legend(loc="upper left")
+    lower.semilogx(peak / unit, exponent, "o", color=BLUE, markersize=4)
+    lower.semilogx(curve / unit, result.law.unloading_exponent(curve), "--", color=GREEN)
+    lower.set_ylabel("Exponent $n$")
+    lower.set_ylim(1.2, 1.6)
+    lower.set_xlabel(r"Largest overlap $\alpha_\mathrm{max}/\alpha_\mathrm{y}$")
+    columns = {"peak_overlap_m": peak, "residual_overlap_m": residual, "exponent": exponent}
+    return Drawing(figure, columns | {"law_peak_overlap_m": curve, "law_residual_overlap_m": law})
+
+
+def deviation(result: SphereContactResult) -> Drawing:
+    """Force on loading beside the law, and how far it deviates (thesis 2.8)."""
+    unit, force_unit = result.units
+    overlap, force, law = (result[f"loading/{name}"] for name in ("overlap", "force", "law_force"))
+    order = np.argsort(overlap)
+    order = order[overlap[order] >= RESOLVED * unit]
+    x = overlap[order] / unit
+    figure = new_figure(3.8)
+    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
+    upper.loglog(x, force[order] / force_unit, color=BLUE, label="finite elements")
+    upper.loglog(x, law[order] / force_unit, "--", color=GREEN, label="contact law")
+    upper.set_ylabel(r"Force $F/F_\mathrm{y}$")
+    upper.legend(loc="upper left")
+    lower.axhspan(-_LIMIT, _LIMIT, color=GREY, alpha=0.2, linewidth=0)
+    lower.axhline(0, color="black", linewidth=0.5)
+    columns: dict[str, NDArray] = {"overlap_normalised": x, "force_N": force[order], "law_force_N": law[order]}
+    for name, colour in (("force", BLUE), ("contact_radius", ORANGE)):
+        values = result[f"deviation/{name}"][order]
+        lower.semilogx(x, values, color=colour, linewidth=0.8, label=name.replace("_", " "))
+        columns[f"{name}_deviation_percent"] = values
+    lower.set_ylabel("Deviation from\nthe law (%)")
+    lower.set_xlabel(result.overlap_label)
+    lower.legend(loc="upper right", fontsize=7)
+    lower.set_xlim(RESOLVED, float(x.max()))
+    return Drawing(figure, columns)
+
+
+def quasi_static(result: SphereContactResult) -> Drawing:
+    """Energies that a static solution has none of over the internal energy, and force at the face, in loading."""
+    rows = result.branch(LOADING)
+    overlap = result["history/overlap"] / result.units[0]
+    rows = rows[(overlap[rows] >= RESOLVED) & (result["history/force"][rows] > 0)]
+    rows = rows[np.argsort(overlap[rows], kind="stable")]
+    x, internal = overlap[rows], (result["energy/elastic"] + result["energy/plastic"])[rows]
+    figure = new_figure(3.6)
+    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
+    columns: dict[str, NDArray] = {"overlap_normalised": x}
+    for name, colour in (("kinetic", BLUE), ("hourglass", ORANGE), ("damping", GREEN), ("contact", PURPLE)):
+        columns[f"{name}_over_internal"] = share = result[f"energy/{name}"][rows] / internal
+        upper.loglog(x, share, color=colour, linewidth=0.8, label=name)
+    upper.set(ylabel="Energy / internal energy", ylim=(1e-6, None))
+    upper.legend(ncols=2, fontsize=7)
+    difference = 100 * (result["history/face_force"] / np.maximum(result["history/force"], 1e-300) - 1)[rows]
+    lower.semilogx(x, difference, color=GREY, linewidth=0.6)
+    lower.axhline(0, color="black", linewidth=0.5)
+    lower.set_ylabel("Force at the face\nover contact, less 1 (%)")
+    lower.set_xlabel(result.overlap_label)
+    lower.set_xlim(RESOLVED, float(x.max()))
+    return Drawing(figure, columns | {"face_force_difference_percent": difference})
+
+
+def von_mises(result: SphereContactResult) -> Drawing:
+    """Von Mises stress at the largest overlap, both spheres (thesis 3.1)."""
+    position, elements = result["fields/position"] * _MILLI, result["fields/elements"]
+    body, stress = result["fields/body"], result["fields/von_mises"] * _MEGA
+    radius = result.summary["contact_radius_m"] * _MILLI
+    scale = Normalize(0, float(stress.max()))
+    reach = min(_SHOWN * radius, 1.05 * _MILLI * max(result.case.radii))
+    figure = new_figure(3.2)
+    axes = figure.subplots()
+    corners = position[elements]
+    for half, up in ((0, 1), (int(body.max()), -1)):  # of identical spheres the mirror image
+        own = body == half
+        quads = corners[own] - [0.0, position[elements[own].min(), 1]]  # its first node is the contact point
+        for side in (-1, 1):
+            points = quads * [side, up]
+            part = PolyCollection(points, array=stress[own], cmap=FORCE_MAP, norm=scale, rasterized=True)
+            part.set_edgecolor("face")
+            part.set_linewidth(0.2)
+            axes.add_collection(part)
+    axes.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal", xlabel="r (mm)", ylabel="z (mm)")
+    figure.colorbar(ScalarMappable(scale, FORCE_MAP), ax=axes, label="Von Mises stress (MPa)", shrink=0.8)
+    axes.set_title(rf"$\alpha/R^*$ = {result['history/overlap'].max() / result.law.effective_radius:.3g}")
+    centre = corners.mean(axis=1) / _MILLI
+    return Drawing(figure, {"body": body, "r_m": centre[:, 0], "z_m": centre[:, 1], "von_mises_Pa": stress / _MEGA})
+
+
+#: Each draws a figure of a result.
+FIGURES: dict[str, Callable[[SphereContactResult], Drawing]] = {
+    "force_overlap": force_overlap,
+    "pressure_profiles": pressure_profiles,
+    "mean_pressure": mean_pressure,
+    "contact_area": contact_area,
+    "unloading": unloading,
+    "residual_overlap": residual_overlap,
+    "deviation": deviation,
+    "quasi_static": quasi_static,
+    "von_mises": von_mises,
+}
+_OF_CYCLES = ("unloading", "residual_overlap")
+
+
+def draw_figures(directory: str | Path) -> list[Path]:
+    """Draw the figures of a study from its ``result.h5``; the PNG files that were written.
+
+    Raises
+    ------
+    MissingOutputError
+        There is no result.h5.
+    """
+    folder = Path(directory) / "figures"
+    result = SphereContactResult(directory)
+    folder.mkdir(exist_ok=True)
+    drawn = {
+        name: draw
+        for name, draw in FIGURES.items()
+        if (name not in _OF_CYCLES or len(result.cycles))
+        and (name != "residual_overlap" or result.plastic)
+        and (name != "von_mises" or "fields/von_mises" in result)
+    }
+    with style():
+        for name, draw in drawn.items():
+            save(draw(result), folder / name)
+    return [folder / f"{name}.png" for name in drawn]
+
+
+def _colour(share: float) -> Any:
+    return colormaps[FORCE_MAP](0.92 * share)
+
+
+def _labels(axes: Axes, x: str, y: str) -> None:
+    axes.set_xlabel(x)
+    axes.set_ylabel(y)

@@ -1,0 +1,37 @@
+"""What a sphere-contact study would cost, before it is run: estimates."""
+
+from __future__ import annotations
+
+import math
+
+from granwave.workflows.finite_elements.punch.plan import ContinuumPlan
+from granwave.workflows.finite_elements.sphere_contact.case import SphereContactCase
+from granwave.workflows.finite_elements.sphere_contact.study import (
+    SMOOTHING,
+    START,
+    STEPS_PER_E_FOLD,
+    STEPS_PER_UNLOADING,
+    squares,
+    yield_unit,
+)
+
+_ELEMENT_STEPS_PER_SECOND = 18e6  # measured on one core
+_BEGINNING = 2.0  # s, set-up, results and figures
+_TURNS = 5.2  # times `SMOOTHING`, in a cycle
+_DISK_PER_ELEMENT = 100.0  # bytes
+_DISK_BASE = 4e6  # bytes, of the record and the figures
+
+
+def plan(case: SphereContactCase) -> ContinuumPlan:
+    """What the study of a case would be."""
+    n, start = squares(case), START * yield_unit(case)
+    loading = STEPS_PER_E_FOLD * math.log1p(case.max_overlap / start)
+    cycle = 2 * STEPS_PER_UNLOADING + _TURNS * SMOOTHING
+    n_steps = n / case.run.speed * (loading + case.run.unloadings * cycle)
+    return ContinuumPlan(
+        name=case.name,
+        n_elements=case.run.elements,
+        memory=case.memory,
+        disk=_DISK_BASE + _DISK_PER_ELEMENT * case.run.elements,
+        wall_time=_BEGINNING + n_steps * case.run.elements / _ELEMENT_STEPS_PER_SECOND,
+    )

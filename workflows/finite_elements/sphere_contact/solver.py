@@ -1,0 +1,335 @@
+"""Two half-spheres that are pressed together slowly: explicit steps with updated geometry and free masses.
+
+The flat faces are displaced towards each other and may move radially; the curved surfaces are free of traction but for
+the contact, which is frictionless. Each body is solved in the frame of its own flat face: there the face is at rest and
+the overlap enters the contact alone,
+
+    gap(r) = z_1(r) + z_2(r) - overlap        z: height of the surface over the contact point, into its body
+
+so that moving the faces costs no inertia. Identical spheres mirror each other in the plane of contact: one of them
+against a rigid frictionless plane that advances by half the overlap is the same problem, exactly.
+
+The contact is a penalty on the gap at two points of each surface segment, of both bodies alike, its stiffness `PENALTY`
+times that of an element, which mass added to the surface nodes makes stable. What the surfaces overlap by is reported.
+
+The overlap is that of the flat faces, as in the source, not of points far away as in Hertz's theory: a half-sphere
+between its face and its contact is somewhat stiffer than a half-space. See `sphere_contact.study` for
+how much.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granwave.workflows.finite_elements.punch.kernels import N_STATE
+from granwave.workflows.finite_elements.punch.material import Elastoplastic
+from granwave.workflows.finite_elements.punch.operators import LINEAR_VISCOSITY, hourglass_stiffness
+from granwave.workflows.finite_elements.sphere_contact import kernels
+from granwave.workflows.finite_elements.sphere_contact.mesh import HalfSphere
+
+PENALTY = 20.0  # stiffness of the contact over that of the elements at it
+_REFRESH = 500  # steps between two settings of the masses
+_STEEPEST = 1.2  # rad: the surface beyond this angle from the contact point never touches
+
+Array = NDArray[np.float64]
+
+
+@dataclasses.dataclass(frozen=True)
+class Ledger:
+    """Forces (N), energies and work (J) now, of both spheres together."""
+
+    overlap: float
+    force: float
+    face_force: float
+    kinetic: float
+    elastic: float
+    plastic: float
+    hourglass: float
+    viscous: float
+    damping: float
+    penalty: float
+    work: float
+
+    @property
+    def balance(self) -> float:
+        """All energies less the work of the faces, J."""
+        stored = self.kinetic + self.elastic + self.penalty + self.hourglass
+        return stored + self.plastic + self.viscous + self.damping - self.work
+
+
+@dataclasses.dataclass(frozen=True)
+class Contact:
+    """The contact along the surface of the first sphere.
+
+    Attributes
+    ----------
+    radius, pressure
+        Of the nodes of the surface but its ends (that on the axis has next to no area), (n_nodes - 2,), m, Pa.
+    contact_radius
+        Where the pressure drops to zero, m.
+    penetration
+        What the surfaces overlap by at most, m.
+    """
+
+    radius: Array
+    pressure: Array
+    contact_radius: float
+    penetration: float
+
+
+class Solver:
+    """One half-sphere on the plane of symmetry, or two against each other.
+
+    Parameters
+    ----------
+    bodies
+        One or two meshes.
+    materials
+        As many.
+    smoothing
+        Steps over which the rate of the overlap follows what is asked for.
+    damping, memory
+        As of `kernels.advance`.
+    """
+
+    def __init__(
+        self,
+        bodies: tuple[HalfSphere, ...],
+        materials: tuple[Elastoplastic, ...],
+        *,
+        smoothing: float,
+        damping: float,
+        memory: float,
+    ) -> None:
+        self.bodies, self.materials = bodies, materials
+        self.damping, self.smoothing, self.memory = damping, smoothing, memory
+        self.n_steps = 0
+        self._halves = 1.0 if len(bodies) == 2 else 0.5
+        self.offsets = np.cumsum([0, *(len(body.nodes) for body in bodies)])
+        first = bodies[0]
+        plane = np.array([[0.0, 0.0], [100 * first.radius, 0.0]])
+        nodes = np.concatenate([*(body.nodes for body in bodies), *([plane] if len(bodies) == 1 else [])])
+        self.elements = np.concatenate([body.elements + at for body, at in zip(bodies, self.offsets, strict=False)])
+        self.kind = np.repeat(np.arange(len(bodies)), [len(body.elements) for body in bodies])
+        self._constants = np.array([_constants_of(material) for material in materials])
+        self.motion = np.zeros((4, *nodes.shape))
+        self.motion[0] = nodes
+        self._free = np.ones(nodes.shape)
+        for body, at in zip(bodies, self.offsets, strict=False):
+            self._free[body.axis + at, 0] = 0.0
+            self._free[body.face + at, 1] = 0.0
+        if len(bodies) == 1:
+            self._free[-2:] = 0.0
+        self.state = np.zeros((len(self.elements), N_STATE))
+        self.tally = np.zeros(kernels.N_TALLY)
+        self._mesh = (self.elements, self.kind, self._constants, self._hourglass(), self.state)
+        self._surfaces = [self._surface(body, at) for body, at in zip(bodies, self.offsets, strict=False)]
+        if len(bodies) == 1:
+            self._surfaces.append(_plane(len(nodes) - 2))
+        self._extra = np.zeros(len(nodes))
+        for surface in self._surfaces:
+            on_segment = len(bodies) * surface.stiffness.sum(axis=1)
+            np.add.at(self._extra, surface.around[:, 1], on_segment / 2)
+            np.add.at(self._extra, surface.around[:, 2], on_segment / 2)
+        if len(bodies) == 1:
+            self._extra[-2:] = 1.0  # the plane's, never used
+        self._contact = tuple(surface.tables for surface in self._surfaces)
+        self.mass = np.zeros(len(nodes))
+        self._set_masses()
+
+    @property
+    def n_elements(self) -> int:
+        """Elements in all."""
+        return len(self.elements)
+
+    @property
+    def overlap(self) -> float:
+        """Of the flat faces now, m."""
+        return float(self.tally[kernels.OVERLAP])
+
+    @property
+    def force(self) -> float:
+        """Of the contact now, N."""
+        return float(self.tally[kernels.FORCE])
+
+    @property
+    def rate(self) -> float:
+        """Change of the overlap in a step now, m."""
+        return float(self.tally[kernels.RATE])
+
+    @property
+    def wish(self) -> float:
+        """The rate that is being approached, m."""
+        return float(self.tally[kernels.WISH])
+
+    @property
+    def von_mises(self) -> Array:
+        """Von Mises stress, (n_elements,), Pa."""
+        return kernels.von_mises(self.state)
+
+    def advance(self, n_steps: int, wanted: float, growth: float = 0.0) -> None:
+        """Take ``n_steps`` in which the overlap is to change by ``wanted + growth * overlap`` (m) each."""
+        while n_steps > 0:
+            part = min(n_steps, _REFRESH - self.n_steps % _REFRESH)
+            kernels.advance(
+                part,
+                wanted,
+                growth,
+                self.smoothing,
+                self.damping,
+                self.memory,
+                self._halves,
+                self.tally,
+                self.motion,
+                self.mass,
+                self._free,
+                self._mesh,
+                self._contact,
+            )
+            self.n_steps += part
+            n_steps -= part
+            if self.n_steps % _REFRESH == 0:
+                self._set_masses()
+
+    def ledger(self) -> Ledger:
+        """Forces and energies now."""
+        elastic, plastic = kernels.stored(self.motion[0], self.elements, self.kind, self._constants, self.state)
+        both, tally = 1 / self._halves, self.tally
+        face = self.bodies[0].face
+        return Ledger(
+            overlap=self.overlap,
+            force=self.force,
+            face_force=-float(self.motion[2, face, 1].sum()),
+            kinetic=both * tally[kernels.KINETIC],
+            elastic=both * elastic,
+            plastic=both * plastic,
+            hourglass=both * tally[kernels.HOURGLASS],
+            viscous=both * tally[kernels.VISCOUS],
+            damping=both * tally[kernels.DAMPING],
+            penalty=both * tally[kernels.PENALTY],
+            work=both * tally[kernels.WORK],
+        )
+
+    def contact(self) -> Contact:
+        """The contact now."""
+        line = self.motion[0, self._surfaces[0].line]
+        r, force, places, gaps = line[:, 0], np.zeros(len(line)), [], []
+        for surface in self._surfaces:
+            at = _gauss_points(self.motion[0, surface.line, 0])[: len(surface.gaps)].ravel()
+            push = (surface.stiffness * np.maximum(0.0, -surface.gaps)).ravel()
+            segment = np.clip(np.searchsorted(r, at) - 1, 0, len(r) - 2)
+            share = (at - r[segment]) / (r[segment + 1] - r[segment])
+            np.add.at(force, segment, push * (1 - share))
+            np.add.at(force, segment + 1, push * share)
+            places.append(at)
+            gaps.append(surface.gaps.ravel())
+        middle = 0.5 * (r[1:] + r[:-1])
+        pressure = force[1:-1] / (math.pi * np.diff(middle**2))
+        edge = max(_edge(at, gap) for at, gap in zip(places, gaps, strict=True) if len(gap))
+        return Contact(r[1:-1], pressure, edge, float(max(0.0, -min(gap.min() for gap in gaps if len(gap)))))
+
+    def _set_masses(self) -> None:
+        kernels.masses(self.motion[0], self.elements, self.kind, self._constants, self._extra, self.mass)
+
+    def _hourglass(self) -> Array:
+        r, z = self.motion[0, self.elements].transpose(2, 0, 1)
+        p, q = (np.array([part[:, i] - part[:, i + 2] for part in (r, z)]) for i in (0, 1))
+        area = 0.5 * (p[0] * q[1] - q[0] * p[1])
+        squares = ((p**2).sum(axis=0) + (q**2).sum(axis=0)) / (8 * area**2)
+        volume = 2 * math.pi * r.mean(axis=1) * area
+        stiffness = np.empty(len(area))
+        for n, material in enumerate(self.materials):
+            own = self.kind == n
+            stiffness[own] = hourglass_stiffness(volume[own], squares[own], material)
+        return stiffness
+
+    def _surface(self, body: HalfSphere, at: int) -> _Surface:
+        modulus = min(material.longitudinal_modulus for material in self.materials)
+        line = _facing(body)
+        r, z = body.nodes[line].T
+        length = np.hypot(np.diff(r), np.diff(z))
+        stiffness = PENALTY * modulus * math.pi * _gauss_points(r) / len(self.bodies)  # over length, times length
+        line = line + at
+        arc = np.concatenate([[0.0], np.cumsum(length)])
+        return _Surface(line, *_curve(line, arc), stiffness, np.ones_like(stiffness))
+
+
+@dataclasses.dataclass(frozen=True)
+class _Surface:
+    """What `kernels.press` takes of one surface."""
+
+    line: NDArray[np.int64]
+    around: NDArray[np.int64]
+    weights: Array
+    stiffness: Array
+    gaps: Array
+
+    @property
+    def tables(self) -> tuple[NDArray, ...]:
+        return self.line, self.around, self.weights, self.stiffness, self.gaps
+
+
+def _edge(radius: Array, gap: Array) -> float:
+    """The contact radius, m, from the gaps (m) at the Gauss points.
+
+    A gap opens as ``(r - a)^(3/2)`` beyond the edge: the line through its power 2/3 at the two points next to the
+    contact gives a, kept between those that press and those that do not.
+    """
+    pressed = np.flatnonzero(gap < 0)
+    if not len(pressed):
+        return 0.0
+    last = int(pressed[-1])
+    if last + 2 >= len(gap):
+        return float(radius[last])
+    near, far = radius[last + 1], radius[last + 2]
+    low, high = gap[last + 1] ** (2 / 3), gap[last + 2] ** (2 / 3)
+    edge = near - low * (far - near) / (high - low) if high > low else near
+    return float(np.clip(edge, radius[last], near))
+
+
+def _plane(node: int) -> _Surface:
+    none = np.zeros((0, 2))
+    return _Surface(np.array([node, node + 1]), np.zeros((0, 4), dtype=np.int64), np.zeros((0, 2, 4)), none, none)
+
+
+def _gauss_points(values: Array) -> Array:
+    """Values of the nodes of a line at the Gauss points of its segments, (n_segments, 2)."""
+    return values[:-1, None] + np.diff(values)[:, None] * np.array([kernels.NEAR_END, kernels.FAR_END])
+
+
+def _curve(line: NDArray[np.int64], arc: Array) -> tuple[NDArray[np.int64], Array]:
+    """``around`` and ``weights`` of a surface: between two nodes the mean of the parabolas through three of four.
+
+    Straight segments would lie down on the other surface one at a time, and the force would climb in stairs.
+    """
+    n = len(line) - 1
+    around = np.column_stack([np.append(line[1], line[: n - 1]), line[:-1], line[1:], np.append(line[2:], line[-1])])
+    places = np.column_stack([np.append(-arc[1], arc[: n - 1]), arc[:-1], arc[1:], np.append(arc[2:], arc[-1])])
+    weights = np.zeros((n, 2, 4))
+    for k in range(n):
+        for side, x in enumerate(_gauss_points(arc)[k]):
+            if k == n - 1:
+                share = (x - places[k, 1]) / (places[k, 2] - places[k, 1])
+                weights[k, side, 1:3] = 1 - share, share
+                continue
+            for first in (0, 1):
+                at = places[k, first : first + 3]
+                for m in range(3):
+                    others = np.delete(at, m)
+                    weights[k, side, first + m] += 0.5 * np.prod((x - others) / (at[m] - others))
+    return around, weights
+
+
+def _constants_of(material: Elastoplastic) -> tuple[float, float, float, float]:
+    viscosity = LINEAR_VISCOSITY * material.longitudinal_modulus * kernels.STABLE
+    return *material.lame, material.yield_strength, viscosity
+
+
+def _facing(body: HalfSphere) -> NDArray[np.int64]:
+    """Surface nodes that may touch, from the axis outwards."""
+    r, z = body.nodes[body.surface].T
+    return body.surface[np.arctan2(r, body.radius - z) <= _STEEPEST]

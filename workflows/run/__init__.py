@@ -1,0 +1,1 @@
+"""One run: LAMMPS driven from case to figures."""

@@ -1,0 +1,341 @@
+"""One run from case to figures: deck, LAMMPS in pieces, energy balance, checkpoints, analysis.
+
+The deck is the whole truth: LAMMPS gets the lines of in.granwave, and only its run section is taken over here, in
+pieces between which the balance is read, the bar moves, and a request to stop is heard.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import logging
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from granwave.analysis import analyse
+from granwave.analysis.result.writer import BALANCE_REFUSED
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.contact.initial_dents import dents_table
+from granwave.lammps_inputs.deck.deck import Deck, read_deck, write_deck
+from granwave.lammps_inputs.deck.script import part
+from granwave.lammps_inputs.errors import RunError
+from granwave.lammps_inputs.planning.schedule import BLOCK_THRESHOLD
+from granwave.workflows.run import checkpoint, record
+from granwave.workflows.run.balance import TOLERANCE, Balance
+from granwave.workflows.run.directory import ANALYSE, CONTINUE, FINISHED, START, clear, decide, held
+from granwave.workflows.run.equilibrium import check_equilibrium
+from granwave.workflows.run.lammps_engine import Engine, LonelyError, open_engine
+from granwave.workflows.run.mpi import StopRequest, abort, nodes, on_first, world
+from granwave.workflows.run.progress import Progress
+from granwave.workflows.run.record import Record
+from granwave.workflows.run.versions import versions
+
+if TYPE_CHECKING:
+    from mpi4py.MPI import Intracomm
+
+logger = logging.getLogger(__name__)
+
+MOST_ATTEMPTS = 4  # timesteps tried when the balance does not close, each half of the one before
+_PIECE = 1.0  # s of wall time between looks at the balance
+
+
+@dataclasses.dataclass(frozen=True)
+class Outcome:
+    """What became of a run.
+
+    Attributes
+    ----------
+    state
+        ``finished``, ``interrupted`` or ``refused`` (the energy balance does not close).
+    summary
+        The contents of summary.json; on ranks other than the first the same.
+    """
+
+    directory: Path
+    state: str
+    summary: dict[str, Any]
+
+
+def run_case(
+    case: Case,
+    directory: str | Path,
+    *,
+    resume: bool = False,
+    force: bool = False,
+    progress: bool = False,
+    checkpoint_interval: float = 60.0,
+    figures: bool = True,
+    comm: Intracomm | None = None,
+) -> Outcome:
+    """Run a case, and analyse it.
+
+    Parameters
+    ----------
+    directory
+        Where everything goes; see the README on its files.
+    resume
+        Go on with what is there; a finished run is left alone, and an empty directory is a new run.
+    force
+        Replace what is there.
+    progress
+        Show a bar (on a terminal) or lines (in a log).
+    checkpoint_interval
+        Wall time between checkpoints, s.
+    figures
+        Draw them too.
+    comm
+        MPI communicator; default is that of all ranks.
+
+    Raises
+    ------
+    InputError
+        The directory holds results, or another case; the machine is too small. Nothing was run.
+    RunError
+        LAMMPS failed; what was computed is kept.
+    """
+    comm = world() if comm is None else comm
+    directory = Path(directory).absolute()
+    with held(directory, comm):
+        what = on_first(comm, lambda: decide(case, directory, resume=resume, force=force, n_ranks=comm.size))
+        if what == START:
+            on_first(comm, lambda: dents_table(case) if case.contact.initial_overlap else "")  # or nothing is removed
+            on_first(comm, lambda: clear(directory))
+        if what == FINISHED:
+            return Outcome(directory, record.FINISHED, on_first(comm, lambda: _summary(directory)))
+        run = _Run(case, directory, comm, progress, checkpoint_interval)
+        if what == ANALYSE:
+            run.take_up()
+        else:
+            with StopRequest(comm) as stop, contextlib.chdir(directory):
+                run.integrate(stop, go_on=what == CONTINUE)
+        summary = on_first(comm, lambda: analyse(directory, progress=progress, figures=figures))
+        run.close_record()
+        return Outcome(directory, run.record.state, summary)
+
+
+def _summary(directory: Path) -> dict[str, Any]:
+    import json
+
+    return dict(json.loads((directory / "summary.json").read_text(encoding="utf-8")))
+
+
+class _Run:
+    def __init__(self, case: Case, directory: Path, comm: Intracomm, show: bool, checkpoint_interval: float) -> None:
+        self.case, self.directory, self.comm = case, directory, comm
+        self.show = show and comm.rank == 0
+        self.checkpoint_interval = checkpoint_interval
+        self.record = Record(name=case.name, n_ranks=comm.size)
+        self.balance = Balance(directory / "dumps" / "energy.txt")
+        self.state = record.RUNNING  # of the integration; the record says it when the analysis is done
+        self.lost_before_block = 0.0  # dissipated energy at the start of the present block of end_time = "auto", J
+
+    # ------------------------------------------------------------------ attempts
+
+    def integrate(self, stop: StopRequest, *, go_on: bool) -> None:
+        """Integrate in time; a timestep that was chosen here is halved while the balance does not close."""
+        if go_on:
+            self.record = on_first(self.comm, lambda: record.read(self.directory) or Record())
+        timestep = None
+        while True:
+            deck = self._deck(timestep, go_on)
+            try:
+                self._attempt(deck, stop, go_on)
+            except RunError as error:
+                self._fail(error)
+                raise
+            if self.state != record.REFUSED:
+                break
+            misses = self.balance.error
+            chosen = self.case.run.timestep == "auto"
+            if not chosen or len(self.record.attempts) + 1 >= MOST_ATTEMPTS:
+                self._log(
+                    f"the energy balance does not close: {misses:.1e} of the input, {TOLERANCE:.0e} is accepted"
+                    + ("" if chosen else '; give a shorter run.timestep, or leave it to "auto"')
+                )
+                break
+            self.record.attempts.append({"timestep_s": deck.schedule.timestep, "energy_balance_error": misses})
+            timestep, go_on = deck.schedule.timestep / 2, False
+            self.balance = Balance(self.balance.path)
+            self._log(
+                f"the energy balance misses by {misses:.1e} of the input; "
+                f"once more with half the timestep, {timestep:.3g} s"
+            )
+
+        self._note(state=self.state if self.state == record.INTERRUPTED else record.INTEGRATED)
+
+    def _fail(self, error: RunError) -> None:
+        if isinstance(error, LonelyError) and self.comm.size > 1:
+            # the first rank may be waiting inside LAMMPS: this one writes the record, and ends all
+            dataclasses.replace(self.record, state=record.FAILED, reason=str(error)).write(self.directory)
+            abort(self.comm, str(error))
+        self._note(state=record.FAILED, reason=str(error))
+
+    def take_up(self) -> None:
+        """Stand where a run stopped that was integrated, but not analysed."""
+        self.record = on_first(self.comm, lambda: record.read(self.directory) or Record())
+        self.state = record.REFUSED if self.record.end_reason == BALANCE_REFUSED else record.FINISHED
+
+    def _deck(self, timestep: float | None, go_on: bool) -> Deck:
+        def write() -> Deck:
+            if go_on:
+                return read_deck(self.directory)
+            deck = write_deck(self.case, self.directory, timestep=timestep)
+            for path in deck.dumps.iterdir():
+                path.unlink()
+            checkpoint.keep_only(self.directory, None)
+            return deck
+
+        deck = on_first(self.comm, write)
+        if not go_on:
+            self.record = dataclasses.replace(
+                self.record, versions=versions(), checkpoint=None, n_steps=0, end_time_s=0.0, wall_time_s=0.0
+            )
+        self.record.n_ranks, self.record.nodes = self.comm.size, nodes(self.comm)
+        self.record.timestep_s = deck.schedule.timestep
+        return deck
+
+    # ------------------------------------------------------------------ one attempt
+
+    def _attempt(self, deck: Deck, stop: StopRequest, go_on: bool) -> None:
+        script = on_first(self.comm, lambda: deck.script.read_text(encoding="utf-8"))
+        setup = part(script, "setup")
+        self.state, self.lost_before_block = record.RUNNING, 0.0
+        self._note(state=record.RUNNING, reason=None, end_reason=None)
+        saved = self.record.checkpoint
+        with open_engine(self.comm, log="none" if go_on else "log.lammps") as engine:
+            if go_on and saved:
+                on_first(self.comm, lambda: checkpoint.cut_back(self.directory, saved))
+                self.balance.read()
+                self.lost_before_block = saved["lost_before_block"]
+                engine.commands("log log.lammps append")
+                setup = checkpoint.continued(setup, saved)
+            if not go_on and self.case.precompression and self.show:
+                logger.info("%s: static stage, until the packing is in balance ...", self.case.name)
+            engine.commands(setup)
+            if not go_on and self.case.precompression:
+                self._check_equilibrium()
+            elif not go_on:
+                self._check_coordination(engine)
+            self._advance(engine, deck, stop)
+            engine.commands(part(script, "end"))
+
+    def _check_equilibrium(self) -> None:
+        found = on_first(self.comm, lambda: check_equilibrium(self.case, self.directory))
+        if found["yielded"] and self.case.contact.law != "bilinear":
+            self._log(f"{found['yielded']:.0f} contacts yielded, or their dents grew, under the precompression")
+
+    def _check_coordination(self, engine: Engine) -> None:
+        """LAMMPS sees every contact of the lattice, none lost to rounding of positions."""
+        packing, assembly, sites = self.case.packing, self.case.assembly, self.case.assembly.sites
+        if assembly.strikers or assembly.bars or (sites is not None and sites.stacked is not None):
+            return  # one cutoff does not tell contacts of unlike bodies
+        # The sites are one diameter apart, whatever the diameters of the spheres there.
+        expected = assembly.n_neighbours
+        forget_gap = self.case.boundary.forget_gap
+        reach = packing.diameter * (1 + min(1e-6, 0.5 * forget_gap))
+        if sites is not None and sites.least_reach + forget_gap * packing.diameter < reach:
+            return  # LAMMPS lists no pairs of spheres that are so small at neighbouring sites
+        engine.commands(
+            f"compute start_coordination all coord/atom cutoff {reach!r}\n"
+            "compute start_contacts all reduce sum c_start_coordination\nrun 0 post no"
+        )
+        found = engine.lammps.extract_compute("start_contacts", 0, 0) / 2
+        engine.commands("uncompute start_contacts\nuncompute start_coordination")
+        if round(found) != expected:
+            raise RunError(
+                f"{packing.kind}: LAMMPS finds {found:.0f} neighbours at the start, the lattice has {expected}"
+            )
+
+    def _advance(self, engine: Engine, deck: Deck, stop: StopRequest) -> None:
+        schedule = deck.schedule
+        bar = Progress(
+            schedule.n_steps,
+            self.case.name,
+            enabled=self.show,
+            done=engine.step,
+            at_most=schedule.block_steps > 0,
+        )
+        begin = last_checkpoint = time.monotonic()
+        before = self.record.wall_time_s
+        piece, fresh = 20, True
+        try:
+            while self.state == record.RUNNING:
+                left = schedule.n_steps - engine.step
+                if schedule.block_steps:
+                    left = min(left, schedule.block_steps - engine.step % schedule.block_steps)
+                started = time.monotonic()
+                engine.commands(f"run {min(piece, left)}{'' if fresh else ' pre no'} post no")
+                fresh = False
+                now = time.monotonic()
+                piece = self._shared(max(1, int(min(4 * piece, piece * _PIECE / max(now - started, 1e-3)))))
+                self._look(engine, deck)
+                self.record.n_steps, self.record.end_time_s = engine.step, engine.step * schedule.timestep
+                self.record.wall_time_s = before + now - begin
+                bar.update(engine.step, self._where(schedule.end_time))
+                if self.state == record.RUNNING and stop.wanted():
+                    self.state, self.record.end_reason = record.INTERRUPTED, "interrupted"
+                if self.state == record.INTERRUPTED or (
+                    self.state == record.RUNNING and self._shared(now - last_checkpoint > self.checkpoint_interval)
+                ):
+                    self._checkpoint(engine)
+                    last_checkpoint, fresh = time.monotonic(), True
+        finally:
+            bar.close()
+
+    def _look(self, engine: Engine, deck: Deck) -> None:
+        """Read the ledger, and decide whether this was the end."""
+        schedule = deck.schedule
+
+        def decide() -> tuple[Balance, str, str | None]:
+            balance = self.balance.read()
+            row, step = balance.row, engine.step
+            given = step * schedule.timestep >= self.case.load.lasts  # nothing more is put in
+            judged = given or step >= schedule.n_steps
+            if judged and not balance.closed and self.case.contact.variant != "published":
+                return balance, record.REFUSED, BALANCE_REFUSED
+            at_block_end = given and schedule.block_steps and step % schedule.block_steps == 0
+            if at_block_end and row["dissipated"] - self.lost_before_block < BLOCK_THRESHOLD * row["input"]:
+                return balance, record.FINISHED, "settled"
+            if step >= schedule.n_steps:
+                return balance, record.FINISHED, "longest" if schedule.block_steps else "end_time"
+            return balance, record.RUNNING, None
+
+        self.balance, self.state, self.record.end_reason = on_first(self.comm, decide)
+        if schedule.block_steps and engine.step % schedule.block_steps == 0:
+            self.lost_before_block = self.balance.row["dissipated"]
+
+    def _checkpoint(self, engine: Engine) -> None:
+        self.record.checkpoint = checkpoint.write(engine, self.comm, self.directory)
+        self.record.checkpoint["lost_before_block"] = self.lost_before_block
+        on_first(self.comm, lambda: self.record.write(self.directory))
+        on_first(self.comm, lambda: checkpoint.keep_only(self.directory, self.record.checkpoint))
+
+    # ------------------------------------------------------------------ the record
+
+    def close_record(self) -> None:
+        """Say in run.json what became of the run; only now is a finished run finished."""
+        self._note(state=self.state)
+        if self.comm.rank == 0 and self.state != record.INTERRUPTED:
+            checkpoint.keep_only(self.directory, None)
+
+    def _note(self, **changes: Any) -> None:
+        self.record = dataclasses.replace(self.record, **changes)
+        if self.comm.rank == 0:
+            self.record.write(self.directory)
+
+    def _where(self, end_time: float) -> str:
+        row = self.balance.row
+        share = row["dissipated"] / row["input"] if row and row["input"] else 0.0
+        return (
+            f"{1e3 * self.record.end_time_s:.3f}/{1e3 * end_time:g} ms, dissipated {share:.3f}, "
+            f"balance {self.balance.error:.1e}"
+        )
+
+    def _shared(self, value: Any) -> Any:
+        """The first rank's opinion."""
+        return self.comm.bcast(value) if self.comm.size > 1 else value
+
+    def _log(self, text: str) -> None:
+        if self.comm.rank == 0:
+            logger.warning("%s: %s", self.case.name, text)

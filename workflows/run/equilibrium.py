@@ -1,0 +1,48 @@
+"""Is a precompressed packing in balance before the impact? The static stage's own record is checked."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.deck.deck import DUMPS
+from granwave.lammps_inputs.deck.static_stage import PRESTAGE_FILE, largest_move
+from granwave.lammps_inputs.errors import RunError
+
+LARGEST_RESIDUAL = 1e-6  # of the largest contact force: net force on a sphere
+
+_ADVICE = (
+    'the packing is not confined: take boundary.sides = "periodic", or precompression.kind = "uniform" (without '
+    "friction a pile spreads, also between walls, and a sphere beside a vacancy may lose its hold)"
+)
+_SUPPORT = "; or the bottom gave way: take a stiffer boundary.bottom"
+
+
+def check_equilibrium(case: Case, directory: Path) -> dict[str, float]:
+    """Read the record of the static stage, and check it.
+
+    Returns
+    -------
+    dict
+        Its columns, see `granwave.lammps_inputs.deck.static_stage.RECORD`; SI units.
+
+    Raises
+    ------
+    RunError
+        The packing found no balance, or lost its shape.
+    """
+    title, values = (directory / DUMPS / PRESTAGE_FILE).read_text(encoding="ascii").splitlines()[:2]
+    found = dict(zip(title.lstrip("#").split(), map(float, values.split()), strict=True))
+    advice = _ADVICE + (_SUPPORT if case.boundary.bottom_support is not None else "")
+    moved, limit = (length / case.packing.diameter for length in (found["displacement"], largest_move(case)))
+    if not moved <= limit:
+        raise RunError(
+            f"precompression: a sphere moved by {moved:.2g} diameters, expected at most {limit:.2g}; {advice}"
+        )
+    if not found["residual"] <= LARGEST_RESIDUAL:
+        raise RunError(
+            f"precompression: no balance after {found['iterations']:.0f} iterations: a net force of "
+            f"{found['residual']:.1e} of the largest contact force is left, expected at most {LARGEST_RESIDUAL:.0e}; "
+            f"{advice}"
+        )
+    return found

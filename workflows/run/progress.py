@@ -1,0 +1,67 @@
+"""How far a run is: a bar on a terminal, a line now and then in a batch log."""
+
+from __future__ import annotations
+
+import logging
+import sys
+import time
+
+from tqdm import tqdm
+
+from granwave.workflows.cli.tables import duration
+
+logger = logging.getLogger(__name__)
+
+_LINE_EVERY = 30.0  # s, between lines of a batch log
+
+
+class Progress:
+    """Steps done of so many, with a note; silent where it is not wanted (other ranks, library use).
+
+    Parameters
+    ----------
+    total
+        Steps.
+    label
+        In front of the bar.
+    at_most
+        There may be fewer steps.
+    """
+
+    def __init__(self, total: int, label: str, *, enabled: bool, done: int = 0, at_most: bool = False) -> None:
+        self._terminal = enabled and sys.stderr.isatty()
+        self._lines = enabled and not self._terminal
+        self._total, self._label, self._done = total, label, done
+        self._about = "at most" if at_most else "about"
+        self._begin = self._last = time.monotonic()
+        self._first = done
+        self._bar = tqdm(
+            total=total,
+            initial=done,
+            desc=label,
+            disable=not self._terminal,
+            leave=True,
+            miniters=0,  # the note changes between steps too
+            bar_format="{desc} {percentage:3.0f}%|{bar}|{postfix}",
+        )
+
+    def update(self, done: int, note: str, times: str | None = None) -> None:
+        """``done`` steps in all; ``note`` says where the run is, ``times`` how long it takes, else the steps do."""
+        text = f"{note} [{times or self._times(done)}]".lstrip()
+        self._bar.set_postfix_str(text, refresh=False)
+        self._bar.update(done - self._done)
+        ended = done == self._total and done != self._done
+        self._done = done
+        now = time.monotonic()
+        if self._lines and (now - self._last > _LINE_EVERY or ended):
+            self._last = now
+            logger.info("%s %3.0f %% %s", self._label, 100 * done / self._total, text)
+
+    def _times(self, done: int) -> str:
+        passed = time.monotonic() - self._begin
+        left = passed * (self._total - done) / max(1, done - self._first)
+        return f"{duration(passed)}, {self._about} {duration(left)} left"
+
+    def close(self) -> None:
+        """End the bar where it is."""
+        self._bar.close()
