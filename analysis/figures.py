@@ -14,6 +14,7 @@ from granwave.analysis import (
     figures_packing,
     figures_planes,
     figures_target,
+    figures_zone,
 )
 from granwave.analysis.figure_style import Drawing, remove, save, style
 from granwave.analysis.result import Result
@@ -34,6 +35,7 @@ FIGURES: dict[str, Callable[[Result], Drawing | None]] = {
     "dissipation_ranked": figures_dissipation.dissipation_ranked,
     "dissipation_cumulated": figures_dissipation.dissipation_cumulated,
     "plastic_zone_growth": figures_dissipation.plastic_zone_growth,
+    "plastic_zone_size": figures_zone.plastic_zone_size,
     "energies": figures_history.energies,
     "bottom_force": figures_history.bottom_force,
     "target": figures_target.target,

@@ -103,8 +103,7 @@ def dissipation_colouring(result: Result, part: str = "") -> Colouring:
     """Share of the input that each sphere dissipated; ``part``: only by yielding or only by friction."""
     values = result["spheres/dissipated_energy"]
     if part:
-        rubbed = result["spheres/friction_energy"]
-        values = rubbed if part == "friction" else values - rubbed
+        values = result["spheres/friction_energy"] if part == "friction" else result.yield_energy
     column = f"{part}_over_input" if part else "dissipated_over_input"
     label = r"Dissipation $e_\mathrm{dis}/e_\mathrm{in}$"
     return Colouring(values / result.energy_input, label, column, DISSIPATION_MAP, 1e-6, 1e-1, part.capitalize())

@@ -180,6 +180,18 @@ class Result:
         return len(self["spheres/id"])
 
     @property
+    def yield_energy(self) -> NDArray[np.float64]:
+        """Energy that each sphere dissipated by yielding, at walls too, without friction: (n_spheres,), J."""
+        lost = self["spheres/dissipated_energy"]
+        return lost - self["spheres/friction_energy"] if self.has("spheres/friction_energy") else lost
+
+    @property
+    def yield_ledger(self) -> NDArray[np.float64]:
+        """Energy dissipated by yielding so far, without friction and dampers: (n_times,), J."""
+        lost = self["energy/dissipated"] - self["energy/friction"]
+        return lost - self["energy/support_lost"] if "energy/support_lost" in self else lost
+
+    @property
     def energy_input(self) -> float:
         """Work done on the packing up to the end, J."""
         return float(self["energy/input"][-1])

@@ -14,6 +14,7 @@ from granwave.analysis.result import Result
 from granwave.analysis.sensors import sensor_accelerations, sensor_forces, sensor_velocities
 from granwave.analysis.target import protection, reached
 from granwave.analysis.wave_speed import wave_speed_of
+from granwave.analysis.zone_of_packing import zone_summary
 from granwave.lammps_inputs.assembly import velocities_of
 from granwave.lammps_inputs.files import plain, replace_text
 
@@ -59,6 +60,7 @@ def summary_of(result: Result) -> Summary:
         **_precompression(result),
         **_contacts(result),
         **_plasticity(result),
+        **zone_summary(result),
         **_normalised(result),
         **_bottom(result),
         **protection(result),
@@ -139,8 +141,7 @@ def _energies(result: Result) -> Summary:
     def share(energy: float) -> float | None:
         return energy / given if given else None
 
-    rubbed, damped = final("friction"), final("support_lost") if "energy/support_lost" in result else 0.0
-    plastic = final("dissipated") - rubbed - damped
+    rubbed, plastic = final("friction"), float(result.yield_ledger[-1])
     return {
         "energy_input_J": given,
         **{f"energy_{name}_J": final(name) for name in ("kinetic", "elastic", "dissipated", "rotational")},

@@ -6,10 +6,12 @@ from typing import Any
 
 import numpy as np
 
+from granwave.analysis.continuum import kernels
 from granwave.analysis.continuum.case import ContinuumCase
 from granwave.analysis.continuum.history import History, equivalent_strain
 from granwave.analysis.continuum.solver import Solver
 from granwave.analysis.versions import versions_of
+from granwave.analysis.zone_size import BOTTOM, SIDES, wave_returns, zone_sizes
 
 _PACKAGES = ("numpy", "numba", "scikit-fem", "h5py", "matplotlib")
 _RARE = 0.01  # of the plastic zone: the strain that more than this part exceeds is called that of the zone
@@ -53,6 +55,7 @@ def summarise(case: ContinuumCase, solver: Solver, history: History, wall_time: 
         "plastic_zone_depth_m": depth,
         "plastic_zone_radius_m": radius,
         "plastic_zone_strain": zone_strain(solver),
+        **_zone(case, solver, history),
         "largest_strain": float(history.column("largest_strain").max()),
         "peak_force_N": float(history.column("contact_force").max()),
         "punch_peak_displacement_m": float(history.column("punch_displacement").max()),
@@ -75,6 +78,28 @@ def zone_strain(solver: Solver) -> float:
     order = np.argsort(strain)[::-1]
     reached = np.cumsum(volume[order]) >= _RARE * volume.sum()
     return float(strain[order][reached.argmax()])
+
+
+def _zone(case: ContinuumCase, solver: Solver, history: History) -> dict[str, Any]:
+    """Size of the plastic zone, the bounds that it reaches, and the waves that come back from them.
+
+    The fastest wave goes from the punch straight to the bound and back to the border of what holds 99 % of the plastic
+    work, at the speed of compression waves.
+    """
+    volume = solver.operators.volume
+    r, z = solver.mesh.centres
+    depth, radius = np.broadcast_to(z[:, None], volume.shape), np.broadcast_to(r, volume.shape)
+    work = solver.state[:, :, kernels.PLASTIC] * volume
+    sizes = zone_sizes(work.ravel(), volume.ravel(), depth.ravel(), radius.ravel())
+    edge, block = case.punch.diameter / 2, case.block
+    ways = {
+        BOTTOM: 2 * block.height - (sizes["zone_depth_99_m"] or 0.0),
+        SIDES: block.diameter - edge - max(sizes["zone_radius_99_m"] or 0.0, edge),
+    }
+    times = {name: way / solver.material.longitudinal_speed for name, way in ways.items()}
+    touched = {BOTTOM: solver.ever[-1].any(), SIDES: solver.ever[:, -1].any()}
+    cut = {"zone_cut": [name for name, touches in touched.items() if touches]}
+    return sizes | cut | wave_returns(times, history.column("time"), history.column("plastic"))
 
 
 def _extent(solver: Solver) -> tuple[float, float]:

@@ -44,6 +44,7 @@ _CAPTIONS = {
     "dissipation_ranked": "Dissipation of spheres in descending order",
     "dissipation_cumulated": "Cumulated dissipation against the volume involved",
     "plastic_zone_growth": "Growth of the plastic zone",
+    "plastic_zone_size": "Size of the plastic zone: energy of yielding that lies farther out",
     "energies": "Energies and the error of their balance",
     "bottom_force": "Force and impulse on the bottom",
     "target": "What reaches the target, and the force there without the packing",
