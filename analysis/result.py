@@ -17,7 +17,7 @@ from granwave.analysis.dumps import rows_of
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.h5md import GROUP, QUANTITIES
 from granwave.analysis.result_file import RESULT_FILE
-from granwave.lammps_inputs.assembly import struck_of
+from granwave.lammps_inputs.assembly import struck_of, struck_site
 from granwave.lammps_inputs.case import Case
 from granwave.lammps_inputs.laws import sphere_contact
 
@@ -139,9 +139,7 @@ class Result:
     @property
     def origin(self) -> NDArray[np.float64]:
         """Centre of the struck sphere of the packing at the start: (3,), m."""
-        sphere = self.struck[0] if self.struck else int(self["spheres/id"][0])
-        while sphere > self.case.lattice.n_spheres:  # a striker: what it strikes
-            sphere = self.case.striker[sphere - self.case.lattice.n_spheres - 1].touches[0]
+        sphere = struck_site(self.case) or int(self["spheres/id"][0])
         return self["spheres/position"][self.rows(sphere)]
 
     def rows(self, ids: ArrayLike) -> NDArray[np.int64]:

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from granwave.analysis.scan_result import SEED, PointResult, ScanResult
 from granwave.analysis.statistics import estimate
 from granwave.analysis.units import unit_of
+from granwave.analysis.zone_marks import bounds_in_words
 from granwave.lammps_inputs.files import replacing
 
 if TYPE_CHECKING:
@@ -60,8 +61,8 @@ def scan_table(result: ScanResult) -> Columns:
     -------
     dict
         The keys that vary; ``status``, ``reason``, ``directory`` (relative to the scan's; empty if there is none),
-        ``attempts``; every value of the summaries, in their order and SI, the versions as ``versions.NAME``. A summary
-        value whose name is taken is called ``summary.NAME``.
+        ``attempts``; every value of the summaries, in their order and SI, the versions as ``versions.NAME``, lists in
+        words, ``none`` where they are empty. A summary value whose name is taken is called ``summary.NAME``.
     """
     points = result.points
     table: Columns = {key: [point.labels.get(key) for point in points] for key in result.varied}
@@ -323,7 +324,7 @@ def _flat(summary: Mapping[str, Any]) -> dict[str, Any]:
         if isinstance(value, Mapping):
             flat |= {f"{name}.{part}": inner for part, inner in value.items()}
         else:
-            flat[name] = value
+            flat[name] = bounds_in_words(value) if isinstance(value, list) else value
     return flat
 
 

@@ -12,6 +12,7 @@ from granwave.lammps_inputs.laws import sphere_contact
 from granwave.lammps_inputs.schedule import Schedule, make_schedule
 from granwave.lammps_inputs.timestep import expected_peak_overlap
 from granwave.lammps_inputs.wall_time import WallTime, expected_wall_time
+from granwave.lammps_inputs.zone_estimate import ExpectedZone, expected_zone
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case import Case
@@ -43,6 +44,8 @@ class Plan:
         The same over the effective radius; beyond 0.2 it is outside the fitted law.
     times
         What it takes, part by part.
+    zone
+        How far the plastic zone will reach; None where nothing yields, or there is no estimate.
     """
 
     name: str
@@ -55,6 +58,7 @@ class Plan:
     peak_overlap_yield: float | None
     peak_overlap_radius: float
     times: WallTime
+    zone: ExpectedZone | None = None
 
     @property
     def wall_time(self) -> float:
@@ -90,6 +94,7 @@ def plan(case: Case, *, n_ranks: int = 1, figures: bool = True) -> Plan:
         peak_overlap_yield=overlap / law.yield_overlap if case.contact.yields else None,
         peak_overlap_radius=overlap / law.effective_radius,
         times=expected_wall_time(case, schedule, n_ranks=n_ranks, figures=figures),
+        zone=expected_zone(case),
     )
 
 

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
+from granwave.analysis.zone_marks import zone_warnings
 from granwave.lammps_inputs.case import Case
 from granwave.lammps_inputs.deck import write_deck
 from granwave.lammps_inputs.errors import InputError
@@ -17,7 +19,7 @@ from granwave.lammps_inputs.plan import check_memory, plan
 from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows import mpi, record, studies
 from granwave.workflows.kinds import GRANULAR, SPHERE_CONTACT, kind_of
-from granwave.workflows.tables import continuum_plan_table, plan_table, summary_table
+from granwave.workflows.tables import continuum_plan_table, expected_cut, plan_table, summary_table
 
 Words = Sequence[str]
 
@@ -61,6 +63,7 @@ def run(options: argparse.Namespace, words: Words) -> int:
     if comm.rank == 0:
         print(summary_table(outcome.summary))
         print(f"\nresults in {outcome.directory}")
+        _warn_of_zone(outcome.summary)
         beyond = outcome.summary.get("contacts_beyond_law")
         if beyond:
             print(
@@ -117,10 +120,18 @@ def analyse(options: argparse.Namespace, _: Words) -> int:
     if not options.directory.is_dir():
         raise InputError(f"{options.directory}: no such directory; run a case into it first")
     try:
-        print(summary_table(analyse_directory(options.directory, progress=True, figures=options.figures)))
+        summary = analyse_directory(options.directory, progress=True, figures=options.figures)
     except MissingOutputError as error:
         raise InputError(str(error)) from None
+    print(summary_table(summary))
+    _warn_of_zone(summary)
     return 0
+
+
+def _warn_of_zone(summary: Mapping[str, Any]) -> None:
+    """Say where the size of the packing or block decides that of the plastic zone."""
+    for warning in zone_warnings(summary):
+        print(f"granwave: warning: {summary['name']}: {warning}", file=sys.stderr)
 
 
 def scan(options: argparse.Namespace, _: Words) -> int:
@@ -155,6 +166,7 @@ def continuum(options: argparse.Namespace, _: Words) -> int:
         )
     print(continuum_table(summary))
     print(f"\nresults in {directory}")
+    _warn_of_zone(summary)
     return 0
 
 
@@ -188,6 +200,8 @@ def check(options: argparse.Namespace, _: Words) -> int:
     case = _case(options)
     expected = plan(case, n_ranks=options.np)
     print(plan_table(case, expected))
+    if warning := expected_cut(expected.zone):
+        print(f"granwave: warning: {case.name}: {warning}", file=sys.stderr)
     check_memory(expected)
     return 0
 

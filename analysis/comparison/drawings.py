@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from granwave.analysis.comparison import both, continuum, forces, granular
+from granwave.analysis.comparison import both, continuum, forces, granular, zone
 from granwave.analysis.comparison.impacts import Impacts
 from granwave.analysis.figure_style import Drawing, save, style
 
@@ -21,6 +21,7 @@ def drawings(impacts: Impacts) -> Iterator[tuple[str, str, Drawing]]:
             both.dissipated_fraction(impacts),
         ),
         ("plastic_volume", "Volume involved, granular and continuum", both.plastic_volume(impacts)),
+        ("plastic_zone", "Size of the plastic zone: what holds 50, 90 and 99 %", zone.zone_sizes(impacts)),
         ("granular_scaling", "Granular: diameter, density, modulus and yield strength", granular.scaling(impacts)),
         ("granular_velocity", "Granular: dissipation against velocity", granular.dissipation_against_velocity(impacts)),
         ("loading_area", "Granular: number of struck spheres", granular.loading_area(impacts)),

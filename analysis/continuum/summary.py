@@ -55,7 +55,7 @@ def summarise(case: ContinuumCase, solver: Solver, history: History, wall_time: 
         "plastic_zone_depth_m": depth,
         "plastic_zone_radius_m": radius,
         "plastic_zone_strain": zone_strain(solver),
-        **_zone(case, solver, history),
+        **zone_summary(case, solver, history),
         "largest_strain": float(history.column("largest_strain").max()),
         "peak_force_N": float(history.column("contact_force").max()),
         "punch_peak_displacement_m": float(history.column("punch_displacement").max()),
@@ -67,21 +67,8 @@ def summarise(case: ContinuumCase, solver: Solver, history: History, wall_time: 
     }
 
 
-def zone_strain(solver: Solver) -> float:
-    """The equivalent strain that 1 % of the volume that ever yielded exceeds; 0 if none did.
-
-    The largest strain of all is that of one element at the punch's edge and grows as elements get smaller.
-    """
-    strain, volume = equivalent_strain(solver)[solver.ever], solver.operators.volume[solver.ever]
-    if not len(strain):
-        return 0.0
-    order = np.argsort(strain)[::-1]
-    reached = np.cumsum(volume[order]) >= _RARE * volume.sum()
-    return float(strain[order][reached.argmax()])
-
-
-def _zone(case: ContinuumCase, solver: Solver, history: History) -> dict[str, Any]:
-    """Size of the plastic zone, the bounds that it reaches, and the waves that come back from them.
+def zone_summary(case: ContinuumCase, solver: Solver, history: History) -> dict[str, Any]:
+    """Return the size of the plastic zone, the bounds that it reaches, and the waves that come back from them.
 
     The fastest wave goes from the punch straight to the bound and back to the border of what holds 99 % of the plastic
     work, at the speed of compression waves.
@@ -100,6 +87,19 @@ def _zone(case: ContinuumCase, solver: Solver, history: History) -> dict[str, An
     touched = {BOTTOM: solver.ever[-1].any(), SIDES: solver.ever[:, -1].any()}
     cut = {"zone_cut": [name for name, touches in touched.items() if touches]}
     return sizes | cut | wave_returns(times, history.column("time"), history.column("plastic"))
+
+
+def zone_strain(solver: Solver) -> float:
+    """The equivalent strain that 1 % of the volume that ever yielded exceeds; 0 if none did.
+
+    The largest strain of all is that of one element at the punch's edge and grows as elements get smaller.
+    """
+    strain, volume = equivalent_strain(solver)[solver.ever], solver.operators.volume[solver.ever]
+    if not len(strain):
+        return 0.0
+    order = np.argsort(strain)[::-1]
+    reached = np.cumsum(volume[order]) >= _RARE * volume.sum()
+    return float(strain[order][reached.argmax()])
 
 
 def _extent(solver: Solver) -> tuple[float, float]:

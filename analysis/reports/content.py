@@ -11,6 +11,7 @@ from granwave.analysis.reports.figures import figures_section
 from granwave.analysis.reports.inputs import Inputs, Run, Scan
 from granwave.analysis.reports.model import Block, Cell, Column, Group, Note, Report, Section, Table
 from granwave.analysis.reports.quantities import named, show
+from granwave.analysis.reports.results import SLUG as RESULTS
 from granwave.analysis.reports.results import (
     failures_section,
     results_section,
@@ -20,6 +21,7 @@ from granwave.analysis.reports.results import (
 from granwave.analysis.reports.sources import sources_section
 from granwave.analysis.reports.studies import studies_of, studies_section, verdicts
 from granwave.analysis.reports.tidy import tidied
+from granwave.analysis.reports.zone import zone_notes
 
 _KIND = {"run": "granular run", "continuum": "continuum run"}
 _IN_TITLE = 3  # names
@@ -71,6 +73,7 @@ def _attention(inputs: Inputs, failures: str) -> Section:
     if refused:
         notes.append(Note(f"Refused, as the energy balance did not close: {named(refused)}.", "bad", BALANCE))
     notes += balance_notes(results, BALANCE)
+    notes += zone_notes(results, RESULTS)
     without = [run.label for run in results if not run.case]
     if without:
         notes.append(Note(f"No readable case.toml, so settings are not known: {named(without)}.", "note"))

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from granwave.analysis.scan_result import ScanResult
+from granwave.analysis.zone_marks import LABELS, bounds_in_words, mark_of
 from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.plan import Plan
 from granwave.workflows.scanning import driver, layout
@@ -29,6 +30,9 @@ _COLUMNS = {  # of the table at the end
     "dissipated_fraction": ("dissipated", "{:.5f}"),
     "n_plastic_spheres": ("plastic spheres", "{}"),
     "plastic_zone_volume_m3": ("plastic zone (m3)", "{:.4g}"),
+    "zone_depth_90_m": ("90 % depth (m)", "{:.4g}"),
+    "zone_volume_90_m3": ("90 % volume (m3)", "{:.4g}"),
+    "zone_cut": ("zone reaches", "{}"),
     "peak_force_N": ("peak force (N)", "{:.5g}"),
     "max_force_N": ("largest force (N)", "{:.5g}"),
     "force_deviation_rms_percent": ("less the law (%, rms)", "{:.2f}"),
@@ -181,6 +185,8 @@ def plan_text(
     sizes = [p.size for p in points]
     times = [p.plan.times for p in left if isinstance(p.plan, Plan)]
     unknown = [time for time in times if time.most_static > time.static]
+    zones = [p.plan.zone for p in points if isinstance(p.plan, Plan) and p.plan.zone]
+    cut = sum(bool(zone.reaches) for zone in zones)
     rows = [
         ("scan", scan.name),
         ("points", counts),
@@ -195,6 +201,7 @@ def plan_text(
         *([("static stages", static_words(unknown, jobs / (slowness or 1.0)))] if unknown else []),
         ("memory", f"about {sum(at_once) / 2**30:.2f} GiB"),
         ("disk", f"about {sum(p.plan.disk for p in left) / 1e9:.3g} GB"),
+        *([("plastic zone", f"expected to reach a bound of the packing in {cut} of {len(points)} points")] * bool(cut)),
         ("directory", str(directory)),
     ]
     return lines(rows)
@@ -209,7 +216,7 @@ def outcome_text(outcome: ScanOutcome) -> str:
     table = [head]
     for point in points[:_MOST_ROWS]:
         summary = point.summary
-        values = [_COLUMNS[key][1].format(summary[key]) if summary.get(key) is not None else "" for key in shown]
+        values = [_value(key, summary.get(key)) for key in shown]
         labels = [f"{value:.5g}" if isinstance(value, float) else str(value) for value in point.labels.values()]
         ending = "" if point.status == "done" else f"{point.status}: {point.reason}".rstrip(": ")
         table.append([str(point.number), *labels, *values, ending])
@@ -221,6 +228,10 @@ def outcome_text(outcome: ScanOutcome) -> str:
     if len(points) > _MOST_ROWS:
         text += f"\n... {len(points) - _MOST_ROWS} more in scan.csv"
     text = f"{text}\n\n" if points else ""
+    marks = [mark_of(point.summary) for point in points]
+    for mark, label in LABELS.items():
+        if count := marks.count(mark):
+            text += f"plastic zone: {label} in {count} of {len(points)} points, which figures and report mark\n\n"
     counts = ", ".join(
         f"{value} {field.name}"
         for field in dataclasses.fields(outcome)
@@ -228,3 +239,10 @@ def outcome_text(outcome: ScanOutcome) -> str:
     )
     there = "table, figures and report.html" if (outcome.directory / "report.html").exists() else "the table"
     return f"{text}{counts}; {there} in {outcome.directory}"
+
+
+def _value(key: str, value: Any) -> str:
+    """A value of a summary for the table at the end; empty where there is none."""
+    if value is None:
+        return ""
+    return bounds_in_words(value) if isinstance(value, list) else _COLUMNS[key][1].format(value)
