@@ -19,6 +19,7 @@ Section = TypeVar("Section")
 Parse = Callable[[Any], Any]
 
 REQUIRED: Any = dataclasses.MISSING
+LARGEST_COUNT = 2**31 - 1  # of anything: LAMMPS counts with 32 bits in its usual build
 _SHOWN_CHARACTERS = 60
 _LONGEST_NAME = 200  # bytes; file systems end at 255, and endings come on top
 
@@ -119,11 +120,19 @@ def finite(value: Any, expected: str) -> float:
     return result
 
 
-def whole(value: Any, expected: str, *, at_least: int = 1) -> int:
-    """``value`` as an integer; booleans and floats are `Unfit`."""
+def whole(value: Any, expected: str, *, at_least: int = 1, at_most: int = LARGEST_COUNT) -> int:
+    """``value`` as an integer within bounds; booleans and floats are `Unfit`."""
     if isinstance(value, bool) or not isinstance(value, int) or value < at_least:
         raise Unfit(expected)
+    if value > at_most:
+        raise Unfit(f"at most {at_most}")
     return value
+
+
+def count(description: str, *, default: Any = REQUIRED, at_least: int = 1, at_most: int = LARGEST_COUNT) -> Any:
+    """A whole number within bounds."""
+    expected = f"a whole number from {at_least} up"
+    return _field(description, None, default, lambda value: whole(value, expected, at_least=at_least, at_most=at_most))
 
 
 def parse_point(value: Any, expected: str) -> tuple[float, float, float]:

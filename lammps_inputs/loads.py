@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, Literal
@@ -141,23 +141,21 @@ class Load:
         return {name: getattr(self, name) for name in _OF_KIND[self.kind] if name != "file"}
 
 
-def read_load(table: Any, faults: Faults, directory: Path | None) -> Load | None:
+def read_load(table: Any, faults: Faults) -> Load | None:
     """Read ``[load]``; what is missing or wrong is added to ``faults``.
 
-    Parameters
-    ----------
-    directory
-        Where a relative ``load.file`` starts from. The file's points become ``table``, so that the case is whole.
+    The points of ``load.file`` become ``table``, so that the case is whole.
     """
-    before = len(faults.lines)
+    before, names = len(faults.lines), list(table) if isinstance(table, Mapping) else []
     if isinstance(table, Mapping) and "file" in table:
-        table = {name: value for name, value in table.items() if name != "file"} | _from_file(table, faults, directory)
+        rest = {name: value for name, value in table.items() if name != "file"}
+        table = {"shape": "table"} | rest | _from_file(table, faults)
         if len(faults.lines) > before:
             return None
     load = read_table(Load, table, "load", faults)
     if load is None:
         return None
-    for name in table:
+    for name in names:
         if name not in _OF_KIND[load.kind]:
             belongs = " or ".join(f'"{kind}"' for kind in _KINDS if name in _OF_KIND[kind])
             faults.add(f"load.{name}", f'belongs to a load of kind {belongs}; found load.kind = "{load.kind}"')
@@ -182,7 +180,7 @@ def _check_shape(load: Load, faults: Faults) -> None:
             faults.add(f"load.{name}", f'does not belong to shape "{load.shape}", which takes {", ".join(needed)}')
 
 
-def _from_file(table: Mapping[str, Any], faults: Faults, directory: Path | None) -> dict[str, Any]:
+def _from_file(table: Mapping[str, Any], faults: Faults) -> dict[str, Any]:
     name = table["file"]
     if "table" in table:
         faults.add("load.file", "found beside load.table; give one of them")
@@ -191,13 +189,30 @@ def _from_file(table: Mapping[str, Any], faults: Faults, directory: Path | None)
         faults.add("load.file", f"found {show(name)}, expected the path of a file of two columns, time and value")
         return {}
     try:
-        rows = np.loadtxt((directory or Path()) / name, ndmin=2, comments="#", delimiter=None)
+        rows = _numbers(Path(name).read_text(encoding="utf-8-sig").splitlines())
     except OSError as error:
         faults.add("load.file", f"{name}: cannot be read: {error.strerror or error}")
         return {}
-    except (ValueError, UnicodeDecodeError):
-        rows = np.empty((0, 0))
-    if rows.shape[1] != 2:
-        faults.add("load.file", f"{name}: expected two columns of numbers, {_TABLE_FORM}")
+    except ValueError as error:
+        faults.add("load.file", f"{name}: {error}; expected two columns of numbers, {_TABLE_FORM}")
         return {}
-    return {"table": rows.tolist()}
+    try:
+        return {"table": _parse_table(rows)}
+    except Unfit as unfit:
+        faults.add("load.file", f"{name}: found {show(rows)}, expected {unfit}")
+        return {}
+
+
+def _numbers(lines: Sequence[str]) -> list[list[float]]:
+    """Two numbers of each line; raises ValueError that names the line where there are others."""
+    rows = []
+    for n, line in enumerate(lines, start=1):
+        words = line.partition("#")[0].split()
+        if not words:
+            continue
+        try:
+            time, size = map(float, words)
+        except ValueError:
+            raise ValueError(f"found {show(line.strip())} in line {n}") from None
+        rows.append([time, size])
+    return rows

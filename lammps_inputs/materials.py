@@ -79,13 +79,11 @@ def load_materials(path: str | Path) -> dict[str, Material]:
     return {name: entry for name, entry in read.items() if entry is not None}
 
 
-def read_material(table: Any, faults: Faults, directory: Path | None, key: str = "material") -> Material | None:
+def read_material(table: Any, faults: Faults, key: str = "material") -> Material | None:
     """Read a material of a case: a preset's name, or a table of values and, perhaps, ``preset`` and ``file``.
 
     Parameters
     ----------
-    directory
-        Where a relative ``file`` starts from: the directory of the case file.
     key
         Dotted name of the table, for faults.
     """
@@ -100,7 +98,7 @@ def read_material(table: Any, faults: Faults, directory: Path | None, key: str =
             faults.add(f"{key}.preset", f"missing; name the material to take from {key}.file")
             return None
         return read_table(Material, own, key, faults)
-    known = _library(table.get("file"), directory, faults, f"{key}.file")
+    known = _library(table.get("file"), faults, f"{key}.file")
     base = None if known is None else _select(table["preset"], known, f"{key}.preset", faults)
     if base is None:
         refuse_unknown(own, [field.name for field in dataclasses.fields(Material)], key, faults)
@@ -111,14 +109,14 @@ def read_material(table: Any, faults: Faults, directory: Path | None, key: str =
     return read_table(Material, {**values, **own}, key, faults)
 
 
-def _library(file: Any, directory: Path | None, faults: Faults, key: str) -> dict[str, Material] | None:
+def _library(file: Any, faults: Faults, key: str) -> dict[str, Material] | None:
     if file is None:
         return presets()
     if not isinstance(file, str) or not file:
         faults.add(key, f"found {show(file)}, expected the path of a TOML file of materials")
         return None
     try:
-        return load_materials((directory or Path()) / file)
+        return load_materials(file)
     except InputError as error:
         for line in error.faults:
             faults.add(key, line)

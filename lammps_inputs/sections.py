@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from itertools import pairwise
 from typing import Any, Literal
 
-from granwave.lammps_inputs.keys import Unfit, choice, custom, finite, number, parse_point, whole
+from granwave.lammps_inputs.keys import LARGEST_COUNT, Unfit, choice, custom, finite, number, parse_point, whole
 from granwave.lammps_inputs.lattices import KINDS
 from granwave.lammps_inputs.materials import Material
 from granwave.lammps_inputs.supports import Support
@@ -17,12 +17,14 @@ from granwave.lammps_inputs.yield_factor import DEFAULT_YIELD_FACTOR
 BOTTOMS = ("wall", "fixed", "free")
 LAWS = ("elastoplastic", "hertz", "bilinear", "thornton")
 AUTO_END_TIME = 5e-3  # s, the longest that `end_time = "auto"` goes on
+DEFAULT_FRAMES = 20  # `run.frames` where it is not given; a run of fewer steps has fewer
 LAW_CONSTANTS = (
     "pressure_limit", "pressure_rate", "area_switch", "area_slope", "area_offset",
     "residual_slope", "residual_offset", "residual_rate", "unloading_exponent",
 )  # fmt: skip
 _CONSTANT: dict[str, Any] = {"above": 0, "default": None}
-LARGEST_ID = 2**31 - 1  # LAMMPS numbers atoms with 32 bits in its usual build
+LARGEST_ID = LARGEST_COUNT
+_NO_LIMIT = 2**63 - 1  # the schedule knows how many there can be
 
 
 def _parse_size(value: Any) -> tuple[int, ...]:
@@ -39,7 +41,7 @@ def _parse_size(value: Any) -> tuple[int, ...]:
 def _parse_frames(value: Any) -> int | tuple[float, ...]:
     expected = "how many snapshots (from 1 up), or a list of rising times in s"
     if not isinstance(value, list | tuple):
-        return whole(value, expected)
+        return whole(value, expected, at_most=_NO_LIMIT)
     times = tuple(finite(time, expected) for time in value)
     if not times or times[0] < 0 or any(later <= earlier for earlier, later in pairwise(times)):
         raise Unfit(expected)
@@ -97,7 +99,8 @@ def _parse_dent(table: Any) -> Dents:
 
 
 def _parse_history(value: Any) -> int | str:
-    return value if value == "auto" else whole(value, 'a whole number from 0 up or "auto"', at_least=0)
+    expected = 'a whole number from 0 up or "auto"'
+    return value if value == "auto" else whole(value, expected, at_least=0, at_most=_NO_LIMIT)
 
 
 def _parse_probes(value: Any) -> tuple[Probe, ...]:
@@ -281,7 +284,7 @@ class Run:
         "auto: from the stiffest contact expected", unit="s", above=0, word="auto", default="auto"
     )
     frames: int | tuple[float, ...] = custom(
-        "snapshots, the start and the end among them: how many, or the times", _parse_frames, default=20
+        "snapshots, the start and the end among them: how many, or the times", _parse_frames, default=DEFAULT_FRAMES
     )
 
     @property

@@ -11,10 +11,9 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any, Literal
 
-from granwave.lammps_inputs.keys import Faults, choice, custom, number, read_table, refuse_unknown, show, whole
+from granwave.lammps_inputs.keys import Faults, choice, count, number, read_table, refuse_unknown, show
 from granwave.lammps_inputs.materials import Material, read_material
 from granwave.lammps_inputs.script_text import num
 
@@ -59,7 +58,7 @@ class SupportBar:
 
     length: float = number("of the bar", unit="m", above=0)
     area: float = number("of its cross-section", unit="m^2", above=0)
-    elements: int = custom("of equal length", lambda value: whole(value, "a whole number from 1 up"), default=200)
+    elements: int = count("of equal length", at_most=10_000_000, default=200)
     end: Literal["free", "fixed", "infinite"] = choice(
         "far end: free, fixed, or going on without an echo", ("free", "fixed", "infinite"), default="infinite"
     )
@@ -140,9 +139,7 @@ class Support:
 _KINDS: dict[str, type] = {"plate": Plate, "half_space": HalfSpace, "bar": SupportBar}
 
 
-def read_bottom(
-    table: Mapping[str, Any], key: str, faults: Faults, directory: Path | None
-) -> tuple[Material | None, Support | None]:
+def read_bottom(table: Mapping[str, Any], key: str, faults: Faults) -> tuple[Material | None, Support | None]:
     """Read ``bottom = {...}``: its material, and what it rests on; what is wrong is added to ``faults``."""
     refuse_unknown(table, ("material", *_KINDS), key, faults)
     chosen = [name for name in _KINDS if name in table]
@@ -151,7 +148,7 @@ def read_bottom(
     if len(chosen) > 1:
         faults.add(key, f"found {' and '.join(chosen)}, expected one of them")
         return None, None
-    material = read_material(table["material"], faults, directory, f"{key}.material") if "material" in table else None
+    material = read_material(table["material"], faults, f"{key}.material") if "material" in table else None
     if not chosen:
         return material, None
     if "material" not in table and chosen[0] != "plate":

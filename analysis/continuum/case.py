@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any, ClassVar, Literal
 
 from granwave.analysis.finite_elements import ElementCase
-from granwave.lammps_inputs.keys import Faults, custom, number, whole
+from granwave.lammps_inputs.keys import Faults, count, number
 from granwave.lammps_inputs.materials import Material
 
 AUTO_END_TIME = 5e-3  # s, the longest that `end_time = "auto"` goes on
@@ -48,11 +47,7 @@ class ContinuumRun:
         word="auto",
         default="auto",
     )
-    elements: int = custom(
-        "about how many elements the mesh has",
-        lambda value: whole(value, "a whole number from 100 up", at_least=100),
-        default=62_500,
-    )
+    elements: int = count("about how many elements the mesh has", at_least=100, at_most=100_000_000, default=62_500)
     timestep: float | Literal["auto"] = number(
         "auto: just below the limit of stability", unit="s", above=0, word="auto", default="auto"
     )
@@ -97,7 +92,7 @@ class ContinuumCase(ElementCase):
         return self.run.elements
 
     @staticmethod
-    def _complete(parts: dict[str, Any], data: Mapping[str, Any], faults: Faults, directory: Path | None) -> None:
+    def _complete(parts: dict[str, Any], data: Mapping[str, Any], faults: Faults) -> None:
         block: Block | None = parts["block"]
         punch: Punch | None = parts["punch"]
         run: ContinuumRun | None = parts["run"]

@@ -94,7 +94,7 @@ def load_suite(file: str | Path, *, here: bool = True) -> Suite:
     scans: list[Scan] = []
     for entry in header.scans:
         try:
-            scans.append(load_scan(_beside(path, entry), here=here))
+            scans.append(load_scan(find_scan(entry, path.parent), here=here))
         except InputError as error:
             faults.lines += [f"{path}: {_SCANS}: {entry}: {fault}" for fault in error.faults]
     for entry in header.cases:
@@ -108,11 +108,6 @@ def load_suite(file: str | Path, *, here: bool = True) -> Suite:
     if faults.lines:
         raise InputError(faults.lines)
     return Suite(header.name or path.stem, tuple(scans), path.read_text(encoding="utf-8"))
-
-
-def _beside(path: Path, scan: str) -> str:
-    beside = path.parent / scan
-    return str(beside) if beside.is_file() else scan
 
 
 def run_suite(
