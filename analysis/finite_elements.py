@@ -22,7 +22,8 @@ from granwave.lammps_inputs.deck import CASE_FILE
 from granwave.lammps_inputs.directories import clear, decide
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json, replace_text
-from granwave.lammps_inputs.keys import Faults, refuse_unknown
+from granwave.lammps_inputs.keys import Faults, keys_of, refuse_unknown
+from granwave.lammps_inputs.materials import Material
 from granwave.lammps_inputs.memory import refuse_too_large
 from granwave.lammps_inputs.named_files import with_absolute_paths
 from granwave.lammps_inputs.overrides import apply_overrides, parse_overrides
@@ -64,12 +65,14 @@ class ElementCase(abc.ABC):
         InputError
             With every fault there is.
         """
-        faults, data = Faults(str(source), tuple(overridden)), with_absolute_paths(data, Path())
+        known = (*cls.SECTIONS, *keys_of({**cls.SECTIONS, "material": Material}))
+        faults, data = Faults(str(source), tuple(overridden), known), with_absolute_paths(data, Path())
         refuse_unknown(data, [field.name for field in dataclasses.fields(cls)], "", faults)
         parts = read_parts(data, source, faults, sections=cls.SECTIONS, required=cls.REQUIRED)
         cls._complete(parts, data, faults)
         if faults.lines:
             raise InputError(faults.lines)
+        faults.log_notes(parts["name"])
         return cls(**parts)
 
     @staticmethod

@@ -28,6 +28,7 @@ from granwave.lammps_inputs.keys import (
     whole,
 )
 from granwave.lammps_inputs.materials import Material, read_material
+from granwave.lammps_inputs.si_values import AREA, DIAMETER, LENGTH, VELOCITY, Usual
 
 Entry = TypeVar("Entry")
 
@@ -71,7 +72,7 @@ class Replace:
         "opposite corner", lambda value: parse_point(value, _POINT_FORM), unit="m", default=None
     )
     share: float | None = number("of the spheres, chosen at random", above=0, at_most=1, default=None)
-    diameter: float | None = number("of these spheres", unit="m", above=0, default=None)
+    diameter: float | None = number("of these spheres", unit="m", above=0, default=None, usual=DIAMETER)
     material: Material | None = None
 
 
@@ -81,15 +82,22 @@ class Striker:
 
     touches: tuple[int, ...] = custom("ids of the spheres that it touches", _parse_index)
     velocity: tuple[float, float, float] = custom(
-        "of the striker", lambda value: parse_point(value, _VECTOR_FORM), unit="m/s", default=(0.0, 0.0, 0.0)
+        "of the striker",
+        lambda value: parse_point(value, _VECTOR_FORM),
+        unit="m/s",
+        default=(0.0, 0.0, 0.0),
+        usual=VELOCITY,
     )
     spin: tuple[float, float, float] = custom(
         "angular velocity of the striker",
         lambda value: parse_point(value, _SPIN_FORM),
         unit="rad/s",
         default=(0.0, 0.0, 0.0),
+        usual=Usual(1e-6, 1e6),
     )
-    diameter: float | None = number("of the striker; that of the packing by default", unit="m", above=0, default=None)
+    diameter: float | None = number(
+        "of the striker; that of the packing by default", unit="m", above=0, default=None, usual=DIAMETER
+    )
     material: Material | None = None
 
     @property
@@ -102,8 +110,8 @@ class Striker:
 class Bar:
     """``[bar]``, ``[incident_bar]``: a slender elastic bar along the chain, of linear elements with lumped mass."""
 
-    length: float = number("of the bar", unit="m", above=0)
-    area: float = number("of its cross-section", unit="m^2", above=0)
+    length: float = number("of the bar", unit="m", above=0, usual=LENGTH)
+    area: float = number("of its cross-section", unit="m^2", above=0, usual=AREA)
     elements: int = count("of equal length", at_most=10_000_000, default=1000)
     material: Material | None = None
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Collection, Iterable, Mapping
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
@@ -15,10 +15,10 @@ from granwave.lammps_inputs.bodies import Bar, Replace, Sensor, Striker, read_bo
 from granwave.lammps_inputs.checks import check_case, check_together, warn_about
 from granwave.lammps_inputs.contact_pairs import RIGID, Pair, read_pairs
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.keys import Faults, read_name, read_table, refuse_unknown, show
+from granwave.lammps_inputs.keys import Faults, keys_of, read_name, read_table, refuse_unknown, show
 from granwave.lammps_inputs.lattices import Lattice
 from granwave.lammps_inputs.loads import Load, read_load
-from granwave.lammps_inputs.materials import Material, read_material, sphere_mass
+from granwave.lammps_inputs.materials import SELECTORS, Material, read_material, sphere_mass
 from granwave.lammps_inputs.named_files import with_absolute_paths
 from granwave.lammps_inputs.overrides import apply_overrides, parse_overrides
 from granwave.lammps_inputs.sections import Boundary, Contact, Output, PackingSection, Precompression, Probe, Run
@@ -87,7 +87,7 @@ class Case:
         InputError
             With every fault there is.
         """
-        faults = Faults(str(source), tuple(overridden))
+        faults = Faults(str(source), tuple(overridden), case_keys())
         _refuse_others(data, faults)
         data = _with_implied(with_absolute_paths(data, Path()))
 
@@ -106,6 +106,7 @@ class Case:
         check_case(case, faults)
         if faults.lines:
             raise InputError(faults.lines)
+        faults.log_notes(case.name)
         warn_about(case, chose_yield_factor="yield_factor" in data.get("contact", {}))
         return case
 
@@ -240,6 +241,14 @@ def read_parts(
         if name in data or name not in required:
             parts[name] = read(section, data.get(name, {}), name, faults)
     return parts
+
+
+@cache
+def case_keys() -> tuple[str, ...]:
+    """Dotted keys of a case; entries of an array of tables have the number 1."""
+    tables = {**_SECTIONS, _PRECOMPRESSION: Precompression, "material": Material, **dict.fromkeys(_BARS, Bar)}
+    numbered = {f"{name}.1": section for name, section in _LISTS.items()}
+    return (*_KNOWN, *keys_of(tables), *(f"material.{name}" for name in SELECTORS), *keys_of(numbered))
 
 
 def unit_of(key: str) -> str:

@@ -25,6 +25,7 @@ from typing import Any, Literal
 import numpy as np
 
 from granwave.lammps_inputs.keys import Faults, Unfit, choice, custom, finite, number, parse_point, read_table, show
+from granwave.lammps_inputs.si_values import FREQUENCY, TIME, VELOCITY, Usual
 
 DEFAULT_VELOCITY = 5.0  # m/s
 _KINDS = ("impact", "striker", "force", "displacement")
@@ -68,7 +69,9 @@ class Load:
         _KINDS,
         default="impact",
     )
-    velocity: float = number("of the struck spheres, into the packing", unit="m/s", above=0, default=DEFAULT_VELOCITY)
+    velocity: float = number(
+        "of the struck spheres, into the packing", unit="m/s", above=0, default=DEFAULT_VELOCITY, usual=VELOCITY
+    )
     angle: float = number(
         "of an impact, between the velocity and +z, towards +x", unit="degrees", at_least=0, below=90, default=0.0
     )
@@ -77,6 +80,7 @@ class Load:
         lambda value: parse_point(value, "[x, y, z] in rad/s"),
         unit="rad/s",
         default=(0.0, 0.0, 0.0),
+        usual=Usual(1e-6, 1e6),
     )
     spheres: Literal[1, 3, 7] = choice("how many spheres are struck", (1, 3, 7), default=1)
     shape: Literal["half-sine", "rectangle", "harmonic", "table"] | None = choice(
@@ -85,8 +89,10 @@ class Load:
     amplitude: float | None = number(
         "of the force on all struck spheres together, along +z; of a displacement in m", unit="N", above=0, default=None
     )
-    duration: float | None = number("of a half-sine or a rectangle", unit="s", above=0, default=None)
-    frequency: float | None = number("of a harmonic force or displacement", unit="Hz", above=0, default=None)
+    duration: float | None = number("of a half-sine or a rectangle", unit="s", above=0, default=None, usual=TIME)
+    frequency: float | None = number(
+        "of a harmonic force or displacement", unit="Hz", above=0, default=None, usual=FREQUENCY
+    )
     table: tuple[tuple[float, float], ...] | None = custom(
         "points of force (N) or displacement (m) against time (s)", _parse_table, default=None
     )

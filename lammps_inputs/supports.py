@@ -16,6 +16,7 @@ from typing import Any, Literal
 from granwave.lammps_inputs.keys import Faults, choice, count, number, read_table, refuse_unknown, show
 from granwave.lammps_inputs.materials import Material, read_material
 from granwave.lammps_inputs.script_text import num
+from granwave.lammps_inputs.si_values import AREA, LENGTH, MASS
 
 _SPRING = 4.0  # K (1 - nu) / (G r) of a rigid disc on a half-space, exact in statics
 _DAMPER = 3.4  # C (1 - nu) / (r^2 sqrt(rho G)) (Lysmer and Richart, 1966)
@@ -28,7 +29,7 @@ _OF_DECAY = 0.05  # of damping/stiffness of a surface without mass
 class Plate:
     """A rigid plate on a spring and a damper."""
 
-    mass: float = number("of the plate", unit="kg", above=0)
+    mass: float = number("of the plate", unit="kg", above=0, usual=MASS)
     stiffness: float = number("of the spring between plate and ground", unit="N/m", above=0)
     damping: float = number("of the damper beside the spring", unit="N s/m", at_least=0, default=0.0)
 
@@ -38,7 +39,11 @@ class HalfSpace:
     """The surface of an elastic half-space, moved as a whole by the packing that stands on it."""
 
     radius: float | None = number(
-        "of the disc that moves; that of the packing's footprint by default", unit="m", above=0, default=None
+        "of the disc that moves; that of the packing's footprint by default",
+        unit="m",
+        above=0,
+        default=None,
+        usual=LENGTH,
     )
 
     def stiffness(self, material: Material, radius: float) -> float:
@@ -56,8 +61,8 @@ class HalfSpace:
 class SupportBar:
     """An elastic bar under the whole packing."""
 
-    length: float = number("of the bar", unit="m", above=0)
-    area: float = number("of its cross-section", unit="m^2", above=0)
+    length: float = number("of the bar", unit="m", above=0, usual=LENGTH)
+    area: float = number("of its cross-section", unit="m^2", above=0, usual=AREA)
     elements: int = count("of equal length", at_most=10_000_000, default=200)
     end: Literal["free", "fixed", "infinite"] = choice(
         "far end: free, fixed, or going on without an echo", ("free", "fixed", "infinite"), default="infinite"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import logging
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -22,9 +23,12 @@ Words = Sequence[str]
 
 def run(options: argparse.Namespace, words: Words) -> int:
     """granwave run"""
+    starts_ranks = options.np > 1 and not mpi.launched()
+    if starts_ranks:
+        logging.getLogger("granwave").setLevel(logging.ERROR)  # the ranks read the case too, and warn
     case = studies.load_case(options.case, options.overrides)
     directory = (options.directory or Path(case.name)).absolute()
-    if options.np > 1 and not mpi.launched():
+    if starts_ranks:
         from granwave.workflows.directory import decide
 
         decide(case, directory, resume=options.resume, force=options.force, n_ranks=options.np)

@@ -66,15 +66,15 @@ def find(study: str, kind: str = CASES, directory: Path = Path()) -> Path:
     raise InputError(f"{show(study)[1:-1] or '(empty)'}: neither a file nor a built-in {what}; {hint}")
 
 
-def find_for(study: str, *verbs: str) -> Path:
-    """The file of a study that one of these words of the command line runs.
+def find_for(study: str, *verbs: str, directory: Path = Path()) -> Path:
+    """The file of a study that one of these words of the command line runs; ``directory`` as of `find`.
 
     Raises
     ------
     InputError
         There is none, or another word runs it.
     """
-    path = find(study, SCANS if verbs == (SCAN,) else CASES)
+    path = find(study, SCANS if verbs == (SCAN,) else CASES, directory)
     if (verb := verb_of(path)) not in verbs:
         raise _other_word(study, verb, verbs[0])
     return path

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from granwave.analysis.finite_elements import ElementCase
 from granwave.lammps_inputs.keys import Faults, count, number, read_table
 from granwave.lammps_inputs.materials import Material, read_material
+from granwave.lammps_inputs.si_values import DIAMETER
 
 if TYPE_CHECKING:
     from granwave._contact_laws import ContactLaw
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 class Sphere:
     """``[sphere]``: the first sphere, of the case's material."""
 
-    radius: float = number("radius of the sphere", unit="m", above=0)
+    radius: float = number("radius of the sphere", unit="m", above=0, usual=DIAMETER)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

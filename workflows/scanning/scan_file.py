@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from granwave.analysis.scan_result import SEED, Scalar
-from granwave.lammps_inputs.case import Case
+from granwave.lammps_inputs.case import Case, case_keys
 from granwave.lammps_inputs.disorder import is_random
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.keys import Faults, Unfit, read_table, show
@@ -26,7 +26,7 @@ from granwave.lammps_inputs.named_files import with_short_paths
 from granwave.lammps_inputs.overrides import apply_overrides, parse_overrides
 from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows import studies
-from granwave.workflows.kinds import AnyCase, Cost, Kind, kind_of
+from granwave.workflows.kinds import CONTINUUM, GRANULAR, AnyCase, Cost, Kind, kind_of
 from granwave.workflows.messages import each_warning_once
 from granwave.workflows.scanning.header import Header
 from granwave.workflows.scanning.labels import labels_of
@@ -113,7 +113,7 @@ def find_scan(scan: str | Path, directory: Path = Path()) -> Path:
         There is none, or it cannot be read.
     """
     try:
-        return studies.find(str(scan), studies.SCANS, directory)
+        return studies.find_for(str(scan), studies.SCAN, directory=directory)
     except OSError as error:
         raise InputError(f"{scan}: cannot be read: {error.strerror}") from None
 
@@ -140,9 +140,9 @@ def load_scan(scan: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (
     data = read_toml(path)
     if "scans" in data:
         raise InputError(f"{path}: is a suite of scans, expected one scan: one of {', '.join(map(str, data['scans']))}")
-    faults = Faults(str(path))
+    faults = Faults(str(path), vocabulary=[f"set.{key}" for key in case_keys()])
     tables: dict[str, Any] = {name: data.pop(name) for name in ("set", "grid", "zip", "points") if name in data}
-    header = read_table(Header, data, "", faults)
+    header = read_table(Header, {"name": path.stem, **data}, "", faults)
     fixed = {
         key: value
         for key, value in _flat(tables.get("set", {}), "set", faults).items()
@@ -291,7 +291,7 @@ def _build(
     if faults:
         raise InputError(_fault_lines(path, faults, len(variations)))
     return Scan(
-        name=header.name or path.stem,
+        name=header.name,
         case_name=str(template["name"]),
         varied=varied,
         points=tuple(_labelled(points, varied, path.parent)),
@@ -316,7 +316,7 @@ def _replicates(
 def _find_case(case: str, path: Path) -> Path:
     """A case file as seen from the scan file, or a built-in study."""
     try:
-        return studies.find(case, directory=path.parent)
+        return studies.find_for(case, GRANULAR.verb, CONTINUUM.verb, directory=path.parent)
     except InputError as error:
         raise InputError(f"{path}: case: {fault}" for fault in error.faults) from None
     except OSError as error:

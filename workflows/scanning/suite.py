@@ -88,7 +88,7 @@ def load_suite(file: str | Path, *, here: bool = True) -> Suite:
     path = find_scan(file)
     data = read_toml(path)
     faults = Faults(str(path))
-    header = read_table(_File, data, "", faults)
+    header = read_table(_File, {"name": path.stem, **data}, "", faults)
     if header is None or faults.lines:
         raise InputError(faults.lines)
     scans: list[Scan] = []
@@ -107,7 +107,7 @@ def load_suite(file: str | Path, *, here: bool = True) -> Suite:
         faults.add(_SCANS, f"found two scans of the name {twice}, expected different names: each has its directory")
     if faults.lines:
         raise InputError(faults.lines)
-    return Suite(header.name or path.stem, tuple(scans), path.read_text(encoding="utf-8"))
+    return Suite(header.name, tuple(scans), path.read_text(encoding="utf-8"))
 
 
 def run_suite(
