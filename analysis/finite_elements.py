@@ -70,9 +70,7 @@ class ElementCase(abc.ABC):
         refuse_unknown(data, [field.name for field in dataclasses.fields(cls)], "", faults)
         parts = read_parts(data, source, faults, sections=cls.SECTIONS, required=cls.REQUIRED)
         cls._complete(parts, data, faults)
-        if faults.lines:
-            raise InputError(faults.lines)
-        faults.log_notes(parts["name"])
+        faults.report(parts["name"])
         return cls(**parts)
 
     @staticmethod

@@ -100,13 +100,10 @@ class Case:
         for name in _BARS:
             parts[name] = read_body(Bar, data[name], name, faults) if name in data else None
         check_together(parts, faults)
-        if faults.lines:
-            raise InputError(faults.lines)
+        faults.report(parts["name"])
         case = cls(**parts)
         check_case(case, faults)
-        if faults.lines:
-            raise InputError(faults.lines)
-        faults.log_notes(case.name)
+        faults.report(case.name)
         warn_about(case, chose_yield_factor="yield_factor" in data.get("contact", {}))
         return case
 

@@ -16,6 +16,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
+from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.hints import hint_for
 from granwave.lammps_inputs.si_values import Usual, impossible, unusual
 
@@ -63,10 +64,13 @@ class Faults:
         source = "--set" if any(name in self.overridden for name in top_down) else self.source
         self.lines.append(" ".join(f"{source}: {key}: {message}".split()))
 
-    def log_notes(self, name: str) -> None:
-        """Log the notes on a case of this name as warnings."""
+    def report(self, name: str) -> None:
+        """Log the notes on a case of this name as warnings; raise InputError if there are faults."""
         for note in self.notes:
             _LOG.warning("%s: %s", name, note)
+        self.notes.clear()
+        if self.lines:
+            raise InputError(self.lines)
 
 
 def number(

@@ -69,9 +69,8 @@ def unusual(value: Any, unit: str | None, usual: Usual) -> str:
     odd = [number for number in _numbers(value) if number and not usual.low <= abs(number) <= usual.high]
     if not odd:
         return ""
-    text = (
-        f"found {_plain(odd[0])}, expected some {_plain(usual.low)} to {_plain(usual.high)}{f' {unit}' if unit else ''}"
-    )
+    of_unit = f" {unit}" if unit else ""
+    text = f"found {_plain(odd[0])}{of_unit}, expected some {_plain(usual.low)} to {_plain(usual.high)}{of_unit}"
     for other in usual.units:
         meant = odd[0] * 10.0 ** _EXPONENTS[other]
         if usual.low <= abs(meant) <= usual.high:
