@@ -22,9 +22,11 @@ from granwave.lammps_inputs.deck import CASE_FILE
 from granwave.lammps_inputs.directories import clear, decide
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json, replace_text
-from granwave.lammps_inputs.keys import Faults, refuse_unknown
+from granwave.lammps_inputs.keys import Faults, keys_of, refuse_unknown
+from granwave.lammps_inputs.materials import Material
+from granwave.lammps_inputs.memory import refuse_too_large
+from granwave.lammps_inputs.named_files import with_absolute_paths
 from granwave.lammps_inputs.overrides import apply_overrides, parse_overrides
-from granwave.lammps_inputs.plan import refuse_too_large
 from granwave.lammps_inputs.toml_files import read_toml
 
 FIGURES_DIRECTORY = "figures"
@@ -55,7 +57,6 @@ class ElementCase(abc.ABC):
         data: Mapping[str, Any],
         source: str | Path = "case",
         overridden: Iterable[str] = (),
-        directory: Path | None = None,
     ) -> Self:
         """Check the nested mapping of a case file and make a case of it; parameters as of `Case.from_dict`.
 
@@ -64,17 +65,17 @@ class ElementCase(abc.ABC):
         InputError
             With every fault there is.
         """
-        faults = Faults(str(source), tuple(overridden))
+        known = (*cls.SECTIONS, *keys_of({**cls.SECTIONS, "material": Material}))
+        faults, data = Faults(str(source), tuple(overridden), known), with_absolute_paths(data, Path())
         refuse_unknown(data, [field.name for field in dataclasses.fields(cls)], "", faults)
-        parts = read_parts(data, source, faults, directory, sections=cls.SECTIONS, required=cls.REQUIRED)
-        cls._complete(parts, data, faults, directory)
-        if faults.lines:
-            raise InputError(faults.lines)
+        parts = read_parts(data, source, faults, sections=cls.SECTIONS, required=cls.REQUIRED)
+        cls._complete(parts, data, faults)
+        faults.report(parts["name"])
         return cls(**parts)
 
     @staticmethod
     @abc.abstractmethod
-    def _complete(parts: dict[str, Any], data: Mapping[str, Any], faults: Faults, directory: Path | None) -> None:
+    def _complete(parts: dict[str, Any], data: Mapping[str, Any], faults: Faults) -> None:
         """Read what is no section, and check what concerns several keys; a part that is wrong is None."""
 
     @classmethod
@@ -88,7 +89,7 @@ class ElementCase(abc.ABC):
         """
         changes = parse_overrides(overrides)
         data = apply_overrides(read_toml(path), changes)
-        return cls.from_dict(data, path, overridden=changes, directory=Path(path).parent)
+        return cls.from_dict(data, path, overridden=changes)
 
     @property
     @abc.abstractmethod

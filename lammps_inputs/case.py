@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Collection, Iterable, Mapping
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
@@ -15,10 +15,11 @@ from granwave.lammps_inputs.bodies import Bar, Replace, Sensor, Striker, read_bo
 from granwave.lammps_inputs.checks import check_case, check_together, warn_about
 from granwave.lammps_inputs.contact_pairs import RIGID, Pair, read_pairs
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.keys import Faults, read_name, read_table, refuse_unknown, show
+from granwave.lammps_inputs.keys import Faults, keys_of, read_name, read_table, refuse_unknown, show
 from granwave.lammps_inputs.lattices import Lattice
 from granwave.lammps_inputs.loads import Load, read_load
-from granwave.lammps_inputs.materials import Material, read_material, sphere_mass
+from granwave.lammps_inputs.materials import SELECTORS, Material, read_material, sphere_mass
+from granwave.lammps_inputs.named_files import with_absolute_paths
 from granwave.lammps_inputs.overrides import apply_overrides, parse_overrides
 from granwave.lammps_inputs.sections import Boundary, Contact, Output, PackingSection, Precompression, Probe, Run
 from granwave.lammps_inputs.supports import read_bottom
@@ -71,9 +72,8 @@ class Case:
         data: Mapping[str, Any],
         source: str | Path = "case",
         overridden: Iterable[str] = (),
-        directory: Path | None = None,
     ) -> Case:
-        """Check the nested mapping of a case file and make a case of it.
+        """Check the nested mapping of a case file and make a case of it; its paths start from the working directory.
 
         Parameters
         ----------
@@ -81,36 +81,29 @@ class Case:
             What the faults call the file; its stem is the name of a case that has none.
         overridden
             Dotted keys that came from the command line.
-        directory
-            Where a relative ``material.file`` starts from.
 
         Raises
         ------
         InputError
             With every fault there is.
         """
-        faults = Faults(str(source), tuple(overridden))
+        faults = Faults(str(source), tuple(overridden), case_keys())
         _refuse_others(data, faults)
-        data = _with_implied(data)
+        data = _with_implied(with_absolute_paths(data, Path()))
 
-        def read(section: type, table: Any, name: str, faults: Faults) -> Any:
-            return _read_section(section, table, name, faults, directory)
-
-        parts = read_parts(data, source, faults, directory, sections=_SECTIONS, required=_REQUIRED, read=read)
+        parts = read_parts(data, source, faults, sections=_SECTIONS, required=_REQUIRED, read=_read_section)
         if _PRECOMPRESSION in data:
             parts[_PRECOMPRESSION] = read_table(Precompression, data[_PRECOMPRESSION], _PRECOMPRESSION, faults)
         parts["pair"] = read_pairs(data.get("pair", ()), data.get("contact", {}), faults)
         for name, section in _LISTS.items():
-            parts[name] = read_list(section, data.get(name, ()), name, faults, directory)
+            parts[name] = read_list(section, data.get(name, ()), name, faults)
         for name in _BARS:
-            parts[name] = read_body(Bar, data[name], name, faults, directory) if name in data else None
+            parts[name] = read_body(Bar, data[name], name, faults) if name in data else None
         check_together(parts, faults)
-        if faults.lines:
-            raise InputError(faults.lines)
+        faults.report(parts["name"])
         case = cls(**parts)
         check_case(case, faults)
-        if faults.lines:
-            raise InputError(faults.lines)
+        faults.report(case.name)
         warn_about(case, chose_yield_factor="yield_factor" in data.get("contact", {}))
         return case
 
@@ -205,14 +198,13 @@ def load_case(path: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (
     if record:
         raise InputError(f"--set: {key}: [{_RECORD}] is a record of a run, it cannot be set" for key in record)
     data = apply_overrides(read_toml(path), changes)
-    return Case.from_dict(data, path, overridden=changes, directory=Path(path).parent)
+    return Case.from_dict(data, path, overridden=changes)
 
 
 def read_parts(
     data: Mapping[str, Any],
     source: str | Path,
     faults: Faults,
-    directory: Path | None,
     *,
     sections: Mapping[str, type],
     required: Collection[str] = ("material",),
@@ -222,7 +214,7 @@ def read_parts(
 
     Parameters
     ----------
-    source, directory
+    source
         As of `Case.from_dict`.
     sections
         The dataclass of each table; one that is not in ``data`` has its defaults, unless it is required.
@@ -241,11 +233,19 @@ def read_parts(
         if name not in data:
             faults.add(name, f"missing; a case needs [{name}]")
     if "material" in data:
-        parts["material"] = read_material(data["material"], faults, directory)
+        parts["material"] = read_material(data["material"], faults)
     for name, section in sections.items():
         if name in data or name not in required:
             parts[name] = read(section, data.get(name, {}), name, faults)
     return parts
+
+
+@cache
+def case_keys() -> tuple[str, ...]:
+    """Dotted keys of a case; entries of an array of tables have the number 1."""
+    tables = {**_SECTIONS, _PRECOMPRESSION: Precompression, "material": Material, **dict.fromkeys(_BARS, Bar)}
+    numbered = {f"{name}.1": section for name, section in _LISTS.items()}
+    return (*_KNOWN, *keys_of(tables), *(f"material.{name}" for name in SELECTORS), *keys_of(numbered))
 
 
 def unit_of(key: str) -> str:
@@ -258,11 +258,9 @@ def unit_of(key: str) -> str:
     return (fields[name].metadata.get("unit") or "") if name in fields else ""
 
 
-def _read_section(section: type, table: Any, name: str, faults: Faults, directory: Path | None) -> Any:
+def _read_section(section: type, table: Any, name: str, faults: Faults) -> Any:
     if section is Load:
-        return read_load(table, faults, directory)
-    if section is Contact:
-        return _read_contact(table, faults, directory)
+        return read_load(table, faults)
     if section is not Boundary or not isinstance(table, Mapping):
         return read_table(section, table, name, faults)
     before, plain = len(faults.lines), dict(table)
@@ -272,34 +270,22 @@ def _read_section(section: type, table: Any, name: str, faults: Faults, director
             continue
         plain[key] = "wall"
         if key == "bottom":
-            read["bottom_material"], read["bottom_support"] = read_bottom(
-                table[key], f"boundary.{key}", faults, directory
-            )
+            read["bottom_material"], read["bottom_support"] = read_bottom(table[key], f"boundary.{key}", faults)
         else:
-            read[f"{key}_material"] = _read_wall(table[key], f"boundary.{key}", faults, directory)
+            read[f"{key}_material"] = _read_wall(table[key], f"boundary.{key}", faults)
     boundary = read_table(Boundary, plain, name, faults)
     if boundary is None or len(faults.lines) > before:
         return None
     return dataclasses.replace(boundary, **read)
 
 
-def _read_wall(table: Mapping[str, Any], key: str, faults: Faults, directory: Path | None) -> Material | None:
+def _read_wall(table: Mapping[str, Any], key: str, faults: Faults) -> Material | None:
     refuse_unknown(table, ("material",), key, faults)
     if not table:
         faults.add(key, f'found {show(table)}, expected a word, or {{material = "..."}} for a wall')
     if "material" not in table:
         return None
-    return read_material(table["material"], faults, directory, f"{key}.material")
-
-
-def _read_contact(table: Any, faults: Faults, directory: Path | None) -> Contact | None:
-    """``[contact]``; a path in it starts from the directory of the case, one of ``--set`` from the present one."""
-    contact = read_table(Contact, table, "contact", faults)
-    if contact is None or not isinstance(contact.initial_overlap, str):
-        return contact
-    there = None if "contact.initial_overlap" in faults.overridden else directory
-    path = (there or Path()) / contact.initial_overlap
-    return dataclasses.replace(contact, initial_overlap=str(path.absolute()))
+    return read_material(table["material"], faults, f"{key}.material")
 
 
 def _with_implied(data: Mapping[str, Any]) -> dict[str, Any]:

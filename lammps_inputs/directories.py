@@ -91,6 +91,18 @@ def refuse_results(
         raise InputError(f"{directory}: already holds results ({names}); {ways}, or choose another directory with -o")
 
 
+def refuse_source(directory: Path, results: Iterable[str], name: str, source: Path | None) -> None:
+    """Raise InputError where the case ``name`` takes its dents from a file among the ``results`` that it replaces."""
+    if source is None:
+        return
+    places = [(directory / result).resolve() for result in results]
+    if any(place in (source, *source.parents) for place in places):
+        raise InputError(
+            f"{name}: contact.initial_overlap: {source}: is among the results that would be replaced; "
+            "choose another directory with -o"
+        )
+
+
 def refuse_other_case(directory: Path, there: Mapping[str, Any], here: Mapping[str, Any]) -> None:
     """Raise InputError where two cases, as tables, differ."""
     if there != here:

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, Literal
@@ -25,6 +25,7 @@ from typing import Any, Literal
 import numpy as np
 
 from granwave.lammps_inputs.keys import Faults, Unfit, choice, custom, finite, number, parse_point, read_table, show
+from granwave.lammps_inputs.si_values import FREQUENCY, TIME, VELOCITY, Usual
 
 DEFAULT_VELOCITY = 5.0  # m/s
 _KINDS = ("impact", "striker", "force", "displacement")
@@ -68,7 +69,9 @@ class Load:
         _KINDS,
         default="impact",
     )
-    velocity: float = number("of the struck spheres, into the packing", unit="m/s", above=0, default=DEFAULT_VELOCITY)
+    velocity: float = number(
+        "of the struck spheres, into the packing", unit="m/s", above=0, default=DEFAULT_VELOCITY, usual=VELOCITY
+    )
     angle: float = number(
         "of an impact, between the velocity and +z, towards +x", unit="degrees", at_least=0, below=90, default=0.0
     )
@@ -77,6 +80,7 @@ class Load:
         lambda value: parse_point(value, "[x, y, z] in rad/s"),
         unit="rad/s",
         default=(0.0, 0.0, 0.0),
+        usual=Usual(1e-6, 1e6),
     )
     spheres: Literal[1, 3, 7] = choice("how many spheres are struck", (1, 3, 7), default=1)
     shape: Literal["half-sine", "rectangle", "harmonic", "table"] | None = choice(
@@ -85,8 +89,10 @@ class Load:
     amplitude: float | None = number(
         "of the force on all struck spheres together, along +z; of a displacement in m", unit="N", above=0, default=None
     )
-    duration: float | None = number("of a half-sine or a rectangle", unit="s", above=0, default=None)
-    frequency: float | None = number("of a harmonic force or displacement", unit="Hz", above=0, default=None)
+    duration: float | None = number("of a half-sine or a rectangle", unit="s", above=0, default=None, usual=TIME)
+    frequency: float | None = number(
+        "of a harmonic force or displacement", unit="Hz", above=0, default=None, usual=FREQUENCY
+    )
     table: tuple[tuple[float, float], ...] | None = custom(
         "points of force (N) or displacement (m) against time (s)", _parse_table, default=None
     )
@@ -141,23 +147,21 @@ class Load:
         return {name: getattr(self, name) for name in _OF_KIND[self.kind] if name != "file"}
 
 
-def read_load(table: Any, faults: Faults, directory: Path | None) -> Load | None:
+def read_load(table: Any, faults: Faults) -> Load | None:
     """Read ``[load]``; what is missing or wrong is added to ``faults``.
 
-    Parameters
-    ----------
-    directory
-        Where a relative ``load.file`` starts from. The file's points become ``table``, so that the case is whole.
+    The points of ``load.file`` become ``table``, so that the case is whole.
     """
-    before = len(faults.lines)
+    before, names = len(faults.lines), list(table) if isinstance(table, Mapping) else []
     if isinstance(table, Mapping) and "file" in table:
-        table = {name: value for name, value in table.items() if name != "file"} | _from_file(table, faults, directory)
+        rest = {name: value for name, value in table.items() if name != "file"}
+        table = {"shape": "table"} | rest | _from_file(table, faults)
         if len(faults.lines) > before:
             return None
     load = read_table(Load, table, "load", faults)
     if load is None:
         return None
-    for name in table:
+    for name in names:
         if name not in _OF_KIND[load.kind]:
             belongs = " or ".join(f'"{kind}"' for kind in _KINDS if name in _OF_KIND[kind])
             faults.add(f"load.{name}", f'belongs to a load of kind {belongs}; found load.kind = "{load.kind}"')
@@ -182,7 +186,7 @@ def _check_shape(load: Load, faults: Faults) -> None:
             faults.add(f"load.{name}", f'does not belong to shape "{load.shape}", which takes {", ".join(needed)}')
 
 
-def _from_file(table: Mapping[str, Any], faults: Faults, directory: Path | None) -> dict[str, Any]:
+def _from_file(table: Mapping[str, Any], faults: Faults) -> dict[str, Any]:
     name = table["file"]
     if "table" in table:
         faults.add("load.file", "found beside load.table; give one of them")
@@ -191,13 +195,30 @@ def _from_file(table: Mapping[str, Any], faults: Faults, directory: Path | None)
         faults.add("load.file", f"found {show(name)}, expected the path of a file of two columns, time and value")
         return {}
     try:
-        rows = np.loadtxt((directory or Path()) / name, ndmin=2, comments="#", delimiter=None)
+        rows = _numbers(Path(name).read_text(encoding="utf-8-sig").splitlines())
     except OSError as error:
         faults.add("load.file", f"{name}: cannot be read: {error.strerror or error}")
         return {}
-    except (ValueError, UnicodeDecodeError):
-        rows = np.empty((0, 0))
-    if rows.shape[1] != 2:
-        faults.add("load.file", f"{name}: expected two columns of numbers, {_TABLE_FORM}")
+    except ValueError as error:
+        faults.add("load.file", f"{name}: {error}; expected two columns of numbers, {_TABLE_FORM}")
         return {}
-    return {"table": rows.tolist()}
+    try:
+        return {"table": _parse_table(rows)}
+    except Unfit as unfit:
+        faults.add("load.file", f"{name}: found {show(rows)}, expected {unfit}")
+        return {}
+
+
+def _numbers(lines: Sequence[str]) -> list[list[float]]:
+    """Two numbers of each line; raises ValueError that names the line where there are others."""
+    rows = []
+    for n, line in enumerate(lines, start=1):
+        words = line.partition("#")[0].split()
+        if not words:
+            continue
+        try:
+            time, size = map(float, words)
+        except ValueError:
+            raise ValueError(f"found {show(line.strip())} in line {n}") from None
+        rows.append([time, size])
+    return rows

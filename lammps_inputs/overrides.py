@@ -12,10 +12,12 @@ import re
 import tomllib
 from collections.abc import Iterable, Mapping
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.keys import show
+from granwave.lammps_inputs.named_files import with_absolute_paths
 
 _BARE_WORD = re.compile(r"""[^\s"'\[\]{}=,#][^"'\[\]{}=,#\r\n]*""")
 _KEY = re.compile(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+)*")
@@ -44,9 +46,12 @@ def parse_override(override: str) -> tuple[str, Any]:
 
 
 def parse_overrides(overrides: Iterable[str] | Mapping[str, Any]) -> dict[str, Any]:
-    """Overrides as a mapping of dotted keys to values; all faults are raised at once."""
+    """Overrides as a mapping of dotted keys to values; all faults are raised at once.
+
+    Files that they name are found from the working directory.
+    """
     if isinstance(overrides, Mapping):
-        return dict(overrides)
+        return dict(with_absolute_paths(overrides, Path()))
     if isinstance(overrides, str):
         overrides = [overrides]
     parsed: dict[str, Any] = {}
@@ -61,7 +66,7 @@ def parse_overrides(overrides: Iterable[str] | Mapping[str, Any]) -> dict[str, A
             parsed[key] = value
     if faults:
         raise InputError(faults)
-    return parsed
+    return dict(with_absolute_paths(parsed, Path()))
 
 
 def apply_overrides(data: Mapping[str, Any], overrides: Mapping[str, Any]) -> dict[str, Any]:

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import dataclasses
-import os
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.dents import check_earlier_result
+from granwave.lammps_inputs.directories import check_disk
+from granwave.lammps_inputs.errors import InputError, raise_all
 from granwave.lammps_inputs.laws import sphere_contact
+from granwave.lammps_inputs.memory import refuse_too_large
 from granwave.lammps_inputs.schedule import Schedule, make_schedule
 from granwave.lammps_inputs.timestep import expected_peak_overlap
 from granwave.lammps_inputs.wall_time import WallTime, expected_wall_time
@@ -73,9 +76,21 @@ def plan(case: Case, *, n_ranks: int = 1, figures: bool = True) -> Plan:
     ----------
     figures
         They are drawn too.
+
+    Raises
+    ------
+    InputError
+        There is no timestep for these values, or too many steps or snapshots.
     """
-    schedule, law, assembly = make_schedule(case), sphere_contact(case), case.assembly
-    overlap = expected_peak_overlap(case)
+    try:
+        schedule, law, assembly = make_schedule(case), sphere_contact(case), case.assembly
+        overlap = expected_peak_overlap(case)
+    except (ArithmeticError, ValueError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(
+            f"{case.name}: no timestep can be found for these values ({error}); are they all in SI units?"
+        ) from None
     rows = schedule.n_steps / schedule.ledger_every + schedule.n_steps / schedule.probe_every
     if schedule.history_every:
         rows += _ROWS_PER_PARTICLE * assembly.n_particles * schedule.n_steps / schedule.history_every
@@ -98,6 +113,29 @@ def plan(case: Case, *, n_ranks: int = 1, figures: bool = True) -> Plan:
     )
 
 
+def check_run(case: Case, expected: Plan, directory: Path | None = None, *, here: bool = True) -> None:
+    """Check what a run needs beside a case that is right: the files that it names, memory, and room on the disk.
+
+    Parameters
+    ----------
+    directory
+        Where the results go; None: the disk is not looked at.
+    here
+        The run is for this machine; others may have more memory.
+
+    Raises
+    ------
+    InputError
+        With every fault there is.
+    """
+    checks: list[Callable[[], None]] = [lambda: check_earlier_result(case)]
+    if here:
+        checks.append(lambda: check_memory(expected))
+    if directory is not None:
+        checks.append(lambda: check_disk(directory, expected.disk))
+    raise_all(checks)
+
+
 def check_memory(plan: Plan, available: float | None = None) -> None:
     """Refuse a run that does not fit into memory.
 
@@ -113,24 +151,3 @@ def check_memory(plan: Plan, available: float | None = None) -> None:
     """
     what = f"{plan.name}: packing.size: {plan.n_spheres} spheres"
     refuse_too_large(what, plan.memory, "make the packing smaller", available)
-
-
-def refuse_too_large(what: str, memory: float, remedy: str, available: float | None = None) -> None:
-    """Raise InputError where ``what`` needs more ``memory`` than is ``available``, bytes; by default what is free."""
-    available = available_memory() if available is None else available
-    if memory > available:
-        raise InputError(
-            f"{what} need about {memory / 2**30:.1f} GiB of memory, there is {available / 2**30:.1f} GiB; "
-            f"{remedy} or change machine"
-        )
-
-
-def available_memory() -> float:
-    """Bytes of memory that this machine could still give to a program."""
-    try:
-        for line in Path("/proc/meminfo").read_text(encoding="ascii").splitlines():
-            if line.startswith("MemAvailable:"):
-                return float(line.split()[1]) * 1024
-    except OSError:
-        pass  # not Linux: fall back on the memory that the machine has
-    return float(os.sysconf("SC_PAGE_SIZE")) * os.sysconf("SC_PHYS_PAGES")

@@ -93,7 +93,7 @@ def test_what_is_wrong_with_every_point_is_said_once(faults_of) -> None:
             [["found 101000 points", "at most 100000"]],
         ),
         ("packing.kind = 'hpc'\n" + VELOCITIES, [["packing.kind", "did you mean hcp"]]),
-        (f"run.frames = 1{'0' * 400}\n" + VELOCITIES, [["no timestep can be found"]]),
+        (f"run.frames = 1{'0' * 400}\n" + VELOCITIES, [["run.frames", "expected at most"]]),
         ("[[points]]\nrun.frames = 3\n[[points]]\nload.spheres = 2", [["point 2", "load.spheres"]]),
     ],
 )

@@ -6,13 +6,18 @@ Exit status: 0 done; 2 the input is wrong and nothing was run; 1 it failed while
 from __future__ import annotations
 
 import argparse
+import difflib
 import logging
+import math
+import re
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import NoReturn
 
 from granwave import __version__
 from granwave.lammps_inputs.errors import GranwaveError, InputError
+from granwave.lammps_inputs.keys import show
 from granwave.workflows import commands, mpi
 from granwave.workflows.messages import each_warning_once
 
@@ -37,12 +42,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _set_up_logging() -> None:
-    """Our own messages from INFO on, warnings marked as such and given once; of the libraries only what went wrong."""
+    """Our own messages from INFO on, warnings marked as such and given once; of the libraries only what went wrong.
+
+    Of several ranks the first alone speaks.
+    """
     handler = logging.StreamHandler(sys.stderr)
     handler.setFormatter(_Messages())
     handler.addFilter(each_warning_once())
     logging.basicConfig(level=logging.ERROR, handlers=[handler])
-    logging.getLogger("granwave").setLevel(logging.INFO)
+    logging.getLogger("granwave").setLevel(logging.INFO if mpi.is_first() else logging.ERROR)
 
 
 class _Messages(logging.Formatter):
@@ -59,9 +67,7 @@ def _report(lines: Sequence[str], status: int) -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        prog="granwave", description="Impact and waves in ordered granular packings, on LAMMPS."
-    )
+    parser = _Parser(prog="granwave", description="Impact and waves in ordered granular packings, on LAMMPS.")
     parser.add_argument("--version", action="version", version=f"granwave {__version__}")
     verbs = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
 
@@ -70,7 +76,11 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument("-o", dest="directory", type=Path, metavar="DIR", help="where everything goes (default: ./NAME)")
     run.add_argument("--np", type=_positive, default=1, metavar="N", help="number of MPI ranks (default: 1)")
     run.add_argument(
-        "--checkpoint", type=float, default=60.0, metavar="SECONDS", help="wall time between checkpoints (default: 60)"
+        "--checkpoint",
+        type=_seconds,
+        default=60.0,
+        metavar="SECONDS",
+        help="wall time between checkpoints (default: 60)",
     )
     _figures(run)
     _again(run)
@@ -141,13 +151,13 @@ def _parser() -> argparse.ArgumentParser:
         "--material", nargs="+", default=["brass"], metavar="M", help="one material or two (default: brass)"
     )
     law.add_argument(
-        "--radius", nargs="+", type=float, default=[0.005], metavar="R", help="one radius or two, m (default: 0.005)"
+        "--radius", nargs="+", type=_number, default=[0.005], metavar="R", help="one radius or two, m (default: 0.005)"
     )
     law.add_argument("--law", default="elastoplastic", choices=["elastoplastic", "hertz", "bilinear", "thornton"])
     law.add_argument("--variant", default="continuous", choices=["continuous", "published"])
     law.add_argument(
         "--max-overlap",
-        type=float,
+        type=_number,
         default=200.0,
         metavar="A",
         help="largest overlap, in units of that at first yield (default: 200)",
@@ -167,7 +177,7 @@ def _parser() -> argparse.ArgumentParser:
         "--material", nargs="+", default=["brass"], metavar="M", help="one or two: a name, or FILE.toml:NAME"
     )
     fit.add_argument(
-        "--radius", nargs="+", type=float, default=[0.005], metavar="R",
+        "--radius", nargs="+", type=_number, default=[0.005], metavar="R",
         help="one radius or two, m; the second may be inf, a plane (default: 0.005)",
     )  # fmt: skip
     fit.add_argument(
@@ -223,7 +233,39 @@ def _figures(parser: argparse.ArgumentParser) -> None:
 
 
 def _positive(text: str) -> int:
-    value = int(text)
-    if value < 1:
-        raise argparse.ArgumentTypeError(f"found {text}, expected 1 or more")
+    value = _number(text)
+    if not value.is_integer() or value < 1:
+        raise argparse.ArgumentTypeError(f"found {text}, expected a whole number, 1 or more")
+    return int(value)
+
+
+def _seconds(text: str) -> float:
+    value = _number(text)
+    if not 0 < value < math.inf:
+        raise argparse.ArgumentTypeError(f"found {text}, expected a number above 0 (s)")
     return value
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"found {text or 'nothing'}, expected a number") from None
+
+
+class _Parser(argparse.ArgumentParser):
+    """Says what is wrong in one line, as all faults are said."""
+
+    def error(self, message: str) -> NoReturn:
+        choice = re.fullmatch(r"argument (\S+): invalid choice: '(.*?)' \(choose from (.*)\)", message, re.DOTALL)
+        if choice:
+            name, found, listed = choice.groups()
+            options = re.findall(r"[\w-]+", listed)
+            near = difflib.get_close_matches(found.lower(), options, n=1)
+            hint = f"; did you mean {near[0]}?" if near else ""
+            message = f"{name}: found {show(found)}, expected one of {', '.join(options)}{hint}"
+        elif message.startswith("unrecognized arguments: "):
+            message += "; keys of a case are set by --set KEY=VALUE"
+        message = message.removeprefix("argument ")
+        help_text = "" if "found " in message else f"; {self.prog} --help tells more"
+        self.exit(WRONG_INPUT, f"granwave: {' '.join(message.split())}{help_text}\n")

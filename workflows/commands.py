@@ -3,45 +3,34 @@
 from __future__ import annotations
 
 import argparse
+import logging
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from granwave.analysis.zone_marks import zone_warnings
-from granwave.lammps_inputs.case import Case
 from granwave.lammps_inputs.deck import write_deck
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.laws import contact_of, rigid_wall_contact_of
 from granwave.lammps_inputs.materials import Material, material, sphere_mass
 from granwave.lammps_inputs.overrides import apply_overrides, parse_overrides
-from granwave.lammps_inputs.plan import check_memory, plan
 from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows import mpi, record, studies
-from granwave.workflows.kinds import GRANULAR, SPHERE_CONTACT, kind_of
+from granwave.workflows.kinds import CONTINUUM, GRANULAR, SPHERE_CONTACT, kind_of
 from granwave.workflows.tables import continuum_plan_table, expected_cut, plan_table, summary_table
 
 Words = Sequence[str]
 
 
-def _case(options: argparse.Namespace) -> Case:
-    case = studies.load_case(options.case, options.overrides)
-    try:
-        plan(case)
-    except (ArithmeticError, ValueError) as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(
-            f"{options.case}: no timestep can be found for these values ({error}); are they all in SI units?"
-        ) from None
-    return case
-
-
 def run(options: argparse.Namespace, words: Words) -> int:
     """granwave run"""
-    case = _case(options)
+    starts_ranks = options.np > 1 and not mpi.launched()
+    if starts_ranks:
+        logging.getLogger("granwave").setLevel(logging.ERROR)  # the ranks read the case too, and warn
+    case = studies.load_case(options.case, options.overrides)
     directory = (options.directory or Path(case.name)).absolute()
-    if options.np > 1 and not mpi.launched():
+    if starts_ranks:
         from granwave.workflows.directory import decide
 
         decide(case, directory, resume=options.resume, force=options.force, n_ranks=options.np)
@@ -95,10 +84,10 @@ def _without_ranks(words: Words) -> list[str]:
 
 def write(options: argparse.Namespace, _: Words) -> int:
     """granwave write"""
-    from granwave.workflows.directory import clear, held, refuse_results
+    from granwave.workflows.directory import check_start, clear, held, refuse_results
 
-    case = _case(options)
-    check_memory(plan(case))
+    case = studies.load_case(options.case, options.overrides)
+    check_start(case, options.directory, write_only=True)
     if not options.force:
         refuse_results(options.directory, "--force removes them all")
     with held(options.directory.absolute(), mpi.world()):
@@ -146,7 +135,7 @@ def continuum(options: argparse.Namespace, _: Words) -> int:
     from granwave.workflows.directory import clear, held
     from granwave.workflows.tables import continuum_table
 
-    path = studies.find(options.case)
+    path = studies.find_for(options.case, CONTINUUM.verb)
     kind = kind_of(read_toml(path))
     if kind is SPHERE_CONTACT:
         from granwave.analysis.sphere_contact import SphereContactCase as OwnCase
@@ -157,7 +146,7 @@ def continuum(options: argparse.Namespace, _: Words) -> int:
 
     case = OwnCase.load(path, options.overrides)
     directory = (options.directory or Path(case.name)).absolute()
-    kind.check_memory(case, None)
+    kind.check(case, kind.cost(case, 1, options.figures), directory)
     with held(directory):
         if options.force:
             clear(directory)  # of another kind, perhaps
@@ -189,20 +178,19 @@ def export(options: argparse.Namespace, _: Words) -> int:
 
 def check(options: argparse.Namespace, _: Words) -> int:
     """granwave check"""
-    path = studies.find(options.case)
+    path = studies.find_for(options.case, GRANULAR.verb, CONTINUUM.verb)
     kind = kind_of(read_toml(path))
-    if kind is not GRANULAR:
-        data = apply_overrides(read_toml(path), parse_overrides(options.overrides))
-        other = kind.read(data, path, overridden=parse_overrides(options.overrides), directory=path.parent)
-        print(continuum_plan_table(other.name, kind.size(other), kind.cost(other, 1, True)))
-        kind.check_memory(other, None)
-        return 0
-    case = _case(options)
-    expected = plan(case, n_ranks=options.np)
-    print(plan_table(case, expected))
-    if warning := expected_cut(expected.zone):
-        print(f"granwave: warning: {case.name}: {warning}", file=sys.stderr)
-    check_memory(expected)
+    changes = parse_overrides(options.overrides)
+    case = kind.read(apply_overrides(read_toml(path), changes), path, overridden=changes)
+    expected = kind.cost(case, options.np, True)
+    if kind is GRANULAR:
+        print(plan_table(case, expected))
+        if warning := expected_cut(expected.zone):
+            print(f"granwave: warning: {case.name}: {warning}", file=sys.stderr)
+    else:
+        print(continuum_plan_table(case.name, kind.size(case), expected))
+    sys.stdout.flush()
+    kind.check(case, expected, Path(case.name).absolute())
     return 0
 
 

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any
 from granwave.lammps_inputs import directories
 from granwave.lammps_inputs.case import Case, load_case
 from granwave.lammps_inputs.deck import CASE_FILE, DATA_FILE, DUMPS, SCRIPT_FILE
-from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.plan import check_memory, plan
+from granwave.lammps_inputs.dents import earlier_result
+from granwave.lammps_inputs.errors import InputError, raise_all
+from granwave.lammps_inputs.plan import check_run, plan
 from granwave.workflows import checkpoint, record
 from granwave.workflows.mpi import on_first
 
@@ -54,7 +55,8 @@ def decide(case: Case, directory: Path, *, resume: bool, force: bool, n_ranks: i
     Raises
     ------
     InputError
-        It holds results and neither resume nor force was given, holds another case, or the machine is too small.
+        It holds results and neither resume nor force was given, holds another case, or the machine is too small; a file
+        that the case names does not serve.
     """
     if directories.decide(directory, _RESULTS, resume=resume, force=force, case=case.to_dict(), read=_case_there):
         seen = record.read(directory)
@@ -64,10 +66,29 @@ def decide(case: Case, directory: Path, *, resume: bool, force: bool, n_ranks: i
             return ANALYSE
         if seen and checkpoint.usable(directory, seen.checkpoint):
             return CONTINUE
-    expected = plan(case, n_ranks=n_ranks)
-    check_memory(expected)
-    directories.check_disk(directory, expected.disk)
+    check_start(case, directory, n_ranks=n_ranks)
     return START
+
+
+def check_start(case: Case, directory: Path, *, n_ranks: int = 1, write_only: bool = False) -> None:
+    """Check all that a new run of a case in ``directory`` needs; changes nothing.
+
+    Parameters
+    ----------
+    write_only
+        The deck is written and not run here.
+
+    Raises
+    ------
+    InputError
+        With every fault there is.
+    """
+    raise_all(
+        [
+            lambda: check_run(case, plan(case, n_ranks=n_ranks), None if write_only else directory),
+            lambda: directories.refuse_source(directory, _RESULTS, case.name, earlier_result(case)),
+        ]
+    )
 
 
 def clear(directory: Path) -> None:

@@ -17,7 +17,6 @@ from granwave.analysis import analyse
 from granwave.analysis.result_file import BALANCE_REFUSED
 from granwave.lammps_inputs.case import Case
 from granwave.lammps_inputs.deck import Deck, read_deck, write_deck
-from granwave.lammps_inputs.dents import dents_table
 from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.schedule import BLOCK_THRESHOLD
 from granwave.lammps_inputs.script import part
@@ -99,7 +98,6 @@ def run_case(
     with held(directory, comm):
         what = on_first(comm, lambda: decide(case, directory, resume=resume, force=force, n_ranks=comm.size))
         if what == START:
-            on_first(comm, lambda: dents_table(case) if case.contact.initial_overlap else "")  # or nothing is removed
             on_first(comm, lambda: clear(directory))
         if what == FINISHED:
             return Outcome(directory, record.FINISHED, on_first(comm, lambda: _summary(directory)))

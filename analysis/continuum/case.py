@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any, ClassVar, Literal
 
 from granwave.analysis.finite_elements import ElementCase
-from granwave.lammps_inputs.keys import Faults, custom, number, whole
+from granwave.lammps_inputs.keys import Faults, count, number
 from granwave.lammps_inputs.materials import Material
+from granwave.lammps_inputs.si_values import DIAMETER, INTERVAL, MASS, TIME, VELOCITY, Usual
 
 AUTO_END_TIME = 5e-3  # s, the longest that `end_time = "auto"` goes on
 
@@ -18,18 +18,24 @@ AUTO_END_TIME = 5e-3  # s, the longest that `end_time = "auto"` goes on
 class Block:
     """``[block]``: a cylinder, its bottom fixed, its other surfaces free."""
 
-    diameter: float = number("diameter of the block", unit="m", above=0, default=0.10)
-    height: float = number("height of the block", unit="m", above=0, default=0.10)
+    diameter: float = number(
+        "diameter of the block", unit="m", above=0, default=0.10, usual=Usual(1e-5, 10.0, ("mm", "um"))
+    )
+    height: float = number(
+        "height of the block", unit="m", above=0, default=0.10, usual=Usual(1e-5, 10.0, ("mm", "um"))
+    )
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Punch:
     """``[punch]``: rigid, flat, frictionless, edge rounded over ``taper``."""
 
-    diameter: float = number("diameter of the punch", unit="m", above=0, default=0.010)
-    mass: float = number("mass of the punch", unit="kg", above=0, default=0.10)
-    velocity: float = number("of the punch, into the block", unit="m/s", above=0, default=10.0)
-    taper: float = number("radius of the rounded edge", unit="m", at_least=0, default=1e-4)
+    diameter: float = number("diameter of the punch", unit="m", above=0, default=0.010, usual=DIAMETER)
+    mass: float = number("mass of the punch", unit="kg", above=0, default=0.10, usual=MASS)
+    velocity: float = number("of the punch, into the block", unit="m/s", above=0, default=10.0, usual=VELOCITY)
+    taper: float = number(
+        "radius of the rounded edge", unit="m", at_least=0, default=1e-4, usual=Usual(1e-9, 0.1, ("mm", "um"))
+    )
 
     @property
     def energy(self) -> float:
@@ -47,14 +53,16 @@ class ContinuumRun:
         above=0,
         word="auto",
         default="auto",
+        usual=TIME,
     )
-    elements: int = custom(
-        "about how many elements the mesh has",
-        lambda value: whole(value, "a whole number from 100 up", at_least=100),
-        default=62_500,
-    )
+    elements: int = count("about how many elements the mesh has", at_least=100, at_most=100_000_000, default=62_500)
     timestep: float | Literal["auto"] = number(
-        "auto: just below the limit of stability", unit="s", above=0, word="auto", default="auto"
+        "auto: just below the limit of stability",
+        unit="s",
+        above=0,
+        word="auto",
+        default="auto",
+        usual=INTERVAL,
     )
     edge_size: float | Literal["auto"] = number(
         "width of the elements at the punch's edge; auto: follows from elements (32 um for 62500 and a punch of 10 mm)",
@@ -62,9 +70,14 @@ class ContinuumRun:
         above=0,
         word="auto",
         default="auto",
+        usual=Usual(1e-9, 0.1, ("mm", "um")),
     )
     frame_interval: float = number(
-        "time between snapshots of the fields; doubled whenever there are more than 64", unit="s", above=0, default=2e-6
+        "time between snapshots of the fields; doubled whenever there are more than 64",
+        unit="s",
+        above=0,
+        default=2e-6,
+        usual=INTERVAL,
     )
 
     @property
@@ -97,7 +110,7 @@ class ContinuumCase(ElementCase):
         return self.run.elements
 
     @staticmethod
-    def _complete(parts: dict[str, Any], data: Mapping[str, Any], faults: Faults, directory: Path | None) -> None:
+    def _complete(parts: dict[str, Any], data: Mapping[str, Any], faults: Faults) -> None:
         block: Block | None = parts["block"]
         punch: Punch | None = parts["punch"]
         run: ContinuumRun | None = parts["run"]

@@ -10,6 +10,7 @@ import numpy as np
 from granwave.analysis.continuum.case import AUTO_END_TIME, ContinuumCase
 from granwave.analysis.continuum.history import mesh_of
 from granwave.analysis.continuum.material import Elastoplastic
+from granwave.lammps_inputs.schedule import check_steps
 
 _ELEMENT_STEPS_PER_SECOND = 25e6  # measured on one core
 _START = 1.0  # s, set-up and results
@@ -38,12 +39,13 @@ class ContinuumPlan:
 
 
 def plan(case: ContinuumCase) -> ContinuumPlan:
-    """What the run of a case would be."""
+    """What the run of a case would be; raises InputError where it has too many steps."""
     mesh = mesh_of(case)
     material = Elastoplastic.of(case.material)
     thinnest = min(np.diff(mesh.r).min(), np.diff(mesh.z).min())
     speed = math.sqrt(material.longitudinal_modulus / material.density)
     step = _STEP_OVER_CROSSING * thinnest / speed if isinstance(case.run.timestep, str) else case.run.timestep
+    check_steps(case.name, case.run.longest, step)
     n_steps = _expected_end(case) / step
     return ContinuumPlan(
         name=case.name,

@@ -17,7 +17,7 @@ from typing import cast
 import tomli_w
 
 from granwave.lammps_inputs.case import Case
-from granwave.lammps_inputs.plan import available_memory
+from granwave.lammps_inputs.memory import available_memory
 from granwave.lammps_inputs.wall_time import seconds_per_step
 from granwave.workflows import mpi
 from granwave.workflows.engine import Engine, open_engine

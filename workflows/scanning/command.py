@@ -7,12 +7,13 @@ import dataclasses
 import difflib
 import sys
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from granwave.analysis.scan_result import ScanResult
 from granwave.analysis.zone_marks import LABELS, bounds_in_words, mark_of
-from granwave.lammps_inputs.errors import InputError, RunError
+from granwave.lammps_inputs.errors import InputError, RunError, raise_all
 from granwave.lammps_inputs.plan import Plan
 from granwave.workflows.scanning import driver, layout
 from granwave.workflows.scanning.batches import expected_scan_time, expected_time
@@ -61,6 +62,7 @@ def _scan(options: argparse.Namespace, profile: Profile | None, jobs: int) -> in
     slowness = _slowness(found, directory, options, jobs)
     print(plan_text(found, directory, profile, jobs, slowness, fresh=options.force))
     if options.plan:
+        driver.check_room(found, directory, force=options.force)
         return 0
     sys.stdout.flush()
     outcome = run_scan(found, directory, slowness=slowness or 1.0, **_how(options, profile))
@@ -90,6 +92,7 @@ def _suite(options: argparse.Namespace, profile: Profile | None, jobs: int) -> i
     )
     print(f"suite {found.name}: {len(found.scans)} scans, about {duration(total)} in all\n")
     if options.plan:
+        raise_all(partial(driver.check_room, part, directory / part.name, force=options.force) for part in found.scans)
         return 0
     sys.stdout.flush()
     outcome = run_suite(found, directory, slowness=slowness, **_how(options, profile))

@@ -13,7 +13,7 @@ from importlib import util
 from pathlib import Path
 
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.plan import available_memory
+from granwave.lammps_inputs.memory import available_memory
 from granwave.workflows import mpi
 from granwave.workflows.scanning import layout, worker
 from granwave.workflows.scanning.batches import Batch

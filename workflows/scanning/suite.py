@@ -88,13 +88,13 @@ def load_suite(file: str | Path, *, here: bool = True) -> Suite:
     path = find_scan(file)
     data = read_toml(path)
     faults = Faults(str(path))
-    header = read_table(_File, data, "", faults)
+    header = read_table(_File, {"name": path.stem, **data}, "", faults)
     if header is None or faults.lines:
         raise InputError(faults.lines)
     scans: list[Scan] = []
     for entry in header.scans:
         try:
-            scans.append(load_scan(_beside(path, entry), here=here))
+            scans.append(load_scan(find_scan(entry, path.parent), here=here))
         except InputError as error:
             faults.lines += [f"{path}: {_SCANS}: {entry}: {fault}" for fault in error.faults]
     for entry in header.cases:
@@ -107,12 +107,7 @@ def load_suite(file: str | Path, *, here: bool = True) -> Suite:
         faults.add(_SCANS, f"found two scans of the name {twice}, expected different names: each has its directory")
     if faults.lines:
         raise InputError(faults.lines)
-    return Suite(header.name or path.stem, tuple(scans), path.read_text(encoding="utf-8"))
-
-
-def _beside(path: Path, scan: str) -> str:
-    beside = path.parent / scan
-    return str(beside) if beside.is_file() else scan
+    return Suite(header.name, tuple(scans), path.read_text(encoding="utf-8"))
 
 
 def run_suite(
