@@ -30,7 +30,6 @@ from granwave.analysis.figure_style import (
 from granwave.analysis.planes import Section, planes, section
 from granwave.analysis.plasticity import LAW_LIMIT
 from granwave.analysis.result import Result
-from granwave.analysis.trajectory import universe
 
 _MILLI = 1e3  # mm in a metre
 _SNAPSHOTS = 4
@@ -155,12 +154,8 @@ def wave_front(result: Result) -> Drawing | None:
         return None
     scale, label, column = force_scale(result)
     radius = result["spheres/radius"][cut.index]
-    forces, times = [], []
-    trajectory = universe(result.path).trajectory
-    for snapshot in trajectory[chosen]:
-        forces.append(snapshot.data["contact_force"][cut.index] / scale)
-        times.append(snapshot.time)
-    trajectory.close()
+    forces = [result.frame(number, "contact_force")[cut.index] / scale for number in chosen]
+    times = [float(result.frame_times[number]) for number in chosen]
     largest = max(float(force.max()) for force in forces)
     if largest == 0:
         return None

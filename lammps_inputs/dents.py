@@ -118,7 +118,7 @@ class _Earlier:
         with h5py.File(path, "r") as file:
 
             def column(name: str, kind: type, *width: int) -> NDArray:
-                values = np.asarray(file[name][()], dtype=kind)
+                values: NDArray = np.asarray(file[name][()], dtype=kind)
                 if values.shape[1:] != width or values.ndim != 1 + len(width):
                     raise ValueError(f"{name}: found the shape {values.shape}")
                 if not np.isfinite(values).all() or (name.endswith("peak_overlap") and (values < 0).any()):

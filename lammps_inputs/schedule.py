@@ -90,11 +90,11 @@ def make_schedule(case: Case, timestep: float | None = None) -> Schedule:
     if isinstance(case.run.end_time, str):
         return _in_blocks(case, given)
     dt, n_steps, ledger_every = _fit(case, given, case.run.end_time, _LEDGER_ROWS)
-    even, steps = _even_frames(case, n_steps), ()
+    even = _even_frames(case, n_steps)
     _check_counts(case, n_steps, even=even > 0)
-    if not even:
-        steps = _frame_steps(case, dt, n_steps)
-        even = steps[0] if steps == tuple(range(steps[0], n_steps + 1, steps[0])) else 0
+    steps = () if even else _frame_steps(case, dt, n_steps)
+    if steps and steps == tuple(range(steps[0], n_steps + 1, steps[0])):
+        even, steps = steps[0], ()
     return Schedule(
         timestep=dt,
         n_steps=n_steps,
@@ -103,7 +103,7 @@ def make_schedule(case: Case, timestep: float | None = None) -> Schedule:
         wall_every=_divisor(n_steps, _WALL_STEPS),
         probe_every=_probe_every(case, dt, n_steps),
         frame_every=even,
-        frame_steps=() if even else steps,
+        frame_steps=steps,
         history_every=_history_every(case, n_steps),
     )
 
@@ -201,8 +201,9 @@ def _check_counts(case: Case, n_steps: int, *, even: bool) -> None:
 def _even_frames(case: Case, n_steps: int) -> int:
     """Steps between snapshots where their number divides the run into equal parts; else 0."""
     frames = case.run.frames
-    even = isinstance(frames, int) and frames > 1 and n_steps % (frames - 1) == 0
-    return n_steps // (frames - 1) if even else 0
+    if not isinstance(frames, int) or frames < 2 or n_steps % (frames - 1):
+        return 0
+    return n_steps // (frames - 1)
 
 
 def _frame_steps(case: Case, dt: float, n_steps: int) -> tuple[int, ...]:

@@ -32,11 +32,20 @@ _EXPONENTS = {  # of ten
 
 @dataclasses.dataclass(frozen=True)
 class Usual:
-    """Magnitudes that a key usually has, and units other than SI that are often meant, the likeliest first."""
+    """Magnitudes that a key usually has.
+
+    Attributes
+    ----------
+    units
+        Others than those of SI that are often meant, the likeliest first.
+    beyond
+        How many times larger than ``high`` a value may be without a word: of bodies that stand for rigid or heavy ones.
+    """
 
     low: float
     high: float
     units: tuple[str, ...] = ()
+    beyond: float = 1.0
 
 
 LENGTH = Usual(1e-9, 1e2, ("mm", "um"))
@@ -50,9 +59,9 @@ ACCELERATION = Usual(1e-3, 5e3, ("mm/s^2",))
 FORCE = Usual(1e-9, 1e9, ("kN", "mN"))
 PRESSURE = Usual(10.0, 1e10, ("MPa", "kPa"))
 MASS = Usual(1e-9, 1e6, ("g",))
-YOUNGS_MODULUS = Usual(1e6, 1e12, ("GPa", "MPa"))  # rubber to diamond
-YIELD_STRENGTH = Usual(1e4, 5e10, ("MPa", "GPa"))
-DENSITY = Usual(10.0, 3e4, ("g/cm^3",))  # foam to osmium
+YOUNGS_MODULUS = Usual(1e6, 1e12, ("GPa", "MPa"), beyond=100.0)  # rubber to diamond
+YIELD_STRENGTH = Usual(1e4, 5e10, ("MPa", "GPa"), beyond=1e4)
+DENSITY = Usual(10.0, 3e4, ("g/cm^3",), beyond=100.0)  # foam to osmium
 FRICTION = Usual(0.0, 2.0)
 
 
@@ -66,7 +75,8 @@ def impossible(value: Any, unit: str | None) -> str:
 
 def unusual(value: Any, unit: str | None, usual: Usual) -> str:
     """What was found and expected where a value, or a number in it, is not usual; empty if all are."""
-    odd = [number for number in _numbers(value) if number and not usual.low <= abs(number) <= usual.high]
+    most = usual.high * usual.beyond
+    odd = [number for number in _numbers(value) if number and not usual.low <= abs(number) <= most]
     if not odd:
         return ""
     of_unit = f" {unit}" if unit else ""

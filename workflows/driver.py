@@ -270,7 +270,8 @@ class _Run:
                 self._look(engine, deck)
                 self.record.n_steps, self.record.end_time_s = engine.step, engine.step * schedule.timestep
                 self.record.wall_time_s = before + now - begin
-                bar.update(engine.step, self._where(schedule.end_time))
+                last = self.state == record.FINISHED
+                bar.update(engine.step, self._where(schedule.end_time), last=last)
                 if self.state == record.RUNNING and stop.wanted():
                     self.state, self.record.end_reason = record.INTERRUPTED, "interrupted"
                 if self.state == record.INTERRUPTED or (
