@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import re
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from granwave.analysis.figure_style import SUFFIXES, Drawing, save, style
-from granwave.analysis.figures import FIGURES_DIRECTORY
+from granwave.analysis.figure_style import Drawing, FigureFolder, style
 from granwave.analysis.scan_drawing import Series, draw_bars, draw_curves, draw_map
 from granwave.analysis.scan_keys import Key, key_of
 from granwave.analysis.scan_result import SEED, PointResult, ScanResult
@@ -24,12 +24,15 @@ from granwave.analysis.statistics import estimate
 from granwave.lammps_inputs.case import load_case
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.laws import sphere_contact
+from granwave.lammps_inputs.run_directory import CASE_FILE
 
 _UNITS_OF_ITS_OWN = ("load.", "run.", "boundary.", "output.", SEED, "packing.size", "packing.kind")
 _TIMES = ("run.", "output.")  # of no physical meaning beside a key that they vary with
 _FEWEST = 2  # points in a figure
 _MOST_SINGLE = 8  # points that are shown though no two belong to a curve
 _NOTHING = 1e-12  # what is shown is about 1 or more, unless it is nothing but rounding
+
+_OF_A_SCAN = re.compile(r".+_vs_.+|collapse_.+|.+_map")  # names of figures, as below
 
 Value = Callable[[PointResult], float]
 
@@ -72,20 +75,13 @@ def draw_scan_figures(scan: str | Path | ScanResult, *, pdf: bool = True) -> lis
         Its index is damaged.
     """
     result = scan if isinstance(scan, ScanResult) else ScanResult(scan)
-    folder = result.directory / FIGURES_DIRECTORY
-    written = []
+    folder = FigureFolder(result.directory)
     with style():
         found = drawings(result)
-        if found:
-            folder.mkdir(exist_ok=True)
         for name, drawing in found.items():
-            save(drawing, folder / name, pdf=pdf)
-            written.append(folder / f"{name}.png")
-    kept = set(found)
-    for path in [*folder.glob("*_vs_*"), *folder.glob("collapse_*"), *folder.glob("*_map.*")]:
-        if path.suffix in SUFFIXES and path.stem not in kept:
-            path.unlink(missing_ok=True)
-    return written
+            folder.save(drawing, name, pdf=pdf)
+    folder.remove(*(name for name in folder.names() if _OF_A_SCAN.fullmatch(name) and name not in found))
+    return folder.written
 
 
 def drawings(result: ScanResult) -> dict[str, Drawing]:
@@ -202,7 +198,7 @@ class _Units:
     @staticmethod
     def _read(point: PointResult) -> tuple[float, float]:
         try:
-            case = load_case((point.directory or Path()) / "case.toml")
+            case = load_case((point.directory or Path()) / CASE_FILE)
         except (InputError, OSError):
             return math.nan, math.nan
         force = sphere_contact(case).yield_force if case.contact.yields else math.nan

@@ -16,8 +16,8 @@ from granwave.analysis.target import protection, reached
 from granwave.analysis.wave_speed import wave_speed_of
 from granwave.lammps_inputs.assembly import velocities_of
 from granwave.lammps_inputs.files import plain, replace_text
+from granwave.lammps_inputs.run_directory import SUMMARY_FILE, claim
 
-SUMMARY_FILE = "summary.json"
 Summary = dict[str, Any]
 
 
@@ -33,11 +33,14 @@ def summarise(directory: str | Path) -> Summary:
     ------
     MissingOutputError
         There is no result.h5.
+    InputError
+        There is a summary.json that granwave did not write.
     """
     directory = Path(directory)
     with Result(directory) as result:
         summary = summary_of(result)
     text = json.dumps(plain(summary), indent=2, allow_nan=False)
+    claim(directory, [SUMMARY_FILE])
     replace_text(directory / SUMMARY_FILE, text + "\n")
     return json.loads(text)
 

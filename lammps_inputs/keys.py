@@ -135,10 +135,10 @@ def parse_point(value: Any, expected: str) -> tuple[float, float, float]:
 
 
 def plain_name(value: Any) -> str:
-    """``value`` as a name that can be that of a directory too, and leads nowhere else."""
-    fits = isinstance(value, str) and value.strip() and value.isprintable() and "/" not in value and value[0] != "."
-    if not fits or len(value.encode()) > _LONGEST_NAME:
-        raise Unfit("a plain name that can be that of a directory")
+    """``value`` as a name that can be that of a directory too, leads nowhere else, and is no option of a command."""
+    fits = isinstance(value, str) and value.strip() and value.isprintable() and "/" not in value
+    if not fits or value[0] in ".-~" or len(value.encode()) > _LONGEST_NAME:
+        raise Unfit("a plain name that can be that of a directory, and does not begin with . - or ~")
     return value
 
 

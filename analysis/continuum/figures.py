@@ -23,8 +23,8 @@ from granwave.analysis.figure_style import (
     PURPLE,
     SKY,
     Drawing,
+    FigureFolder,
     new_figure,
-    save,
     style,
 )
 from granwave.analysis.finite_elements import ElementResult
@@ -173,13 +173,11 @@ def draw_figures(directory: str | Path) -> list[Path]:
     MissingOutputError
         There is no result.h5.
     """
-    folder = Path(directory) / "figures"
-    result = ContinuumResult(directory)
-    folder.mkdir(exist_ok=True)
+    result, folder = ContinuumResult(directory), FigureFolder(directory)
     with style():
         for name, draw in FIGURES.items():
-            save(draw(result), folder / name)
-    return [folder / f"{name}.png" for name in FIGURES]
+            folder.save(draw(result), name)
+    return folder.written
 
 
 def _frame_of_largest_zone(result: ContinuumResult) -> int:
