@@ -19,6 +19,17 @@ from numpy.typing import ArrayLike, NDArray
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.lammps_inputs import script_output
+from granwave.lammps_inputs.run_directory import (
+    CASE_FILE,
+    CONTACTS_FILE,
+    DATA_FILE,
+    DUMPS,
+    FORCES_FILE,
+    FRAMES_FILE,
+    HISTORY_FILE,
+    WALL_CONTACTS_FILE,
+    output_names,
+)
 
 # What the readers cannot do without; runs have more or fewer of the others, see `Frame.get`.
 SPHERE_COLUMNS = (
@@ -131,17 +142,17 @@ def read_frames(directory: str | Path) -> Iterator[Frame]:
     OutputFormatError
         It lacks a column, a snapshot in its middle is damaged, or it holds no complete one.
     """
-    yield from _rising(_frames(_dump(directory, "spheres.dump"), SPHERE_COLUMNS, sort_by="id"))
+    yield from _rising(_frames(_dump(directory, FRAMES_FILE), SPHERE_COLUMNS, sort_by="id"))
 
 
 def read_history(directory: str | Path) -> Iterator[Frame]:
     """Instants of ``dumps/history.dump`` in turn, `HISTORY_COLUMNS`, rows sorted by id; raises as `read_frames`."""
-    yield from _rising(_frames(_dump(directory, "history.dump"), HISTORY_COLUMNS, sort_by="id"))
+    yield from _rising(_frames(_dump(directory, HISTORY_FILE), HISTORY_COLUMNS, sort_by="id"))
 
 
 def read_forces(directory: str | Path) -> Iterator[Frame]:
     """Contacts at the same instants (``dumps/forces.dump``), columns i, j, force; raises as `read_frames`."""
-    yield from _rising(_frames(_dump(directory, "forces.dump"), ("i", "j", "force")))
+    yield from _rising(_frames(_dump(directory, FORCES_FILE), ("i", "j", "force")))
 
 
 def read_contacts(directory: str | Path) -> Frame:
@@ -151,7 +162,7 @@ def read_contacts(directory: str | Path) -> Frame:
     (dent before the run): overlaps in m, forces in N, energies in J, times in s (-1: never). Raises as
     `read_frames`.
     """
-    return _only_frame(_dump(directory, "contacts.dump"), CONTACT_COLUMNS)
+    return _only_frame(_dump(directory, CONTACTS_FILE), CONTACT_COLUMNS)
 
 
 def read_wall_contacts(directory: str | Path) -> dict[str, Frame]:
@@ -162,14 +173,18 @@ def read_wall_contacts(directory: str | Path) -> dict[str, Frame]:
     Empty when there is no plane.
     """
     found: dict[str, list[Frame]] = {}
-    for path in sorted(
-        (Path(directory) / "dumps").glob("wall_*.dump")
-    ):  # wall_NAME, and wall_NAME_2 of further materials
+    for path in _wall_dumps(Path(directory)):  # wall_NAME, and wall_NAME_2 of further materials
         found.setdefault(path.stem.split("_")[1], []).append(_only_frame(path, ("id", *WALL_COLUMNS), sort_by="id"))
     return {
         name: _sorted(dataclasses.replace(parts[0], values=np.concatenate([part.values for part in parts])), "id")
         for name, parts in found.items()
     }
+
+
+def _wall_dumps(directory: Path) -> list[Path]:
+    """Dumps of walls; where the deck says which there are, no others."""
+    paths, own = sorted((directory / DUMPS).glob(WALL_CONTACTS_FILE.format("*"))), output_names(directory)
+    return [path for path in paths if not own or f"{DUMPS}/{path.name}" in own]
 
 
 def read_data(directory: str | Path) -> Frame:
@@ -184,13 +199,13 @@ def read_data(directory: str | Path) -> Frame:
     OutputFormatError
         It does not hold the spheres it announces.
     """
-    path = Path(directory) / "data.granwave"
+    path = Path(directory) / DATA_FILE
     if not path.exists():
         raise MissingOutputError(f"{path} is missing: write the deck again (granwave write CASE -o {directory})")
     n_spheres = 0
     columns: tuple[str, ...] = DATA_COLUMNS
     box = np.zeros((3, 2))
-    with open(path, encoding="ascii") as file:
+    with open(path, encoding="ascii", errors="replace") as file:
         file.readline()  # the title
         for line in file:
             words = line.split()
@@ -219,11 +234,11 @@ def _rising(frames: Iterator[Frame]) -> Iterator[Frame]:
 
 
 def _dump(directory: str | Path, name: str) -> Path:
-    path = Path(directory) / "dumps" / name
+    path = Path(directory) / DUMPS / name
     if not path.exists():
         raise MissingOutputError(
             f"{path} is missing: the run did not get as far as writing it; finish the run "
-            f"(granwave run {Path(directory) / 'case.toml'} -o {directory} --resume)"
+            f"(granwave run {Path(directory) / CASE_FILE} -o {directory} --resume)"
         )
     return path
 
@@ -235,8 +250,8 @@ def _only_frame(path: Path, required: tuple[str, ...], sort_by: str | None = Non
 
 def _frames(path: Path, required: tuple[str, ...], sort_by: str | None = None) -> Iterator[Frame]:
     number = 0
-    with open(path, encoding="ascii") as file:
-        while (frame := _next_frame(file, path, number)) is not None:
+    with open(path, encoding="ascii", errors="replace") as file:
+        while (frame := _whole_frame(file, path, number)) is not None:
             missing = [name for name in required if name not in frame.columns]
             if missing:
                 raise OutputFormatError(
@@ -247,6 +262,15 @@ def _frames(path: Path, required: tuple[str, ...], sort_by: str | None = None) -
             yield _sorted(frame, sort_by) if sort_by else frame
     if not number:
         raise OutputFormatError(f"{path} holds no complete snapshot; finish the run or run it again")
+
+
+def _whole_frame(file: TextIO, path: Path, number: int) -> Frame | None:
+    try:
+        return _next_frame(file, path, number)
+    except (LookupError, ValueError) as error:
+        if isinstance(error, OutputFormatError):
+            raise
+        raise OutputFormatError(f"{path}: the header of snapshot {number} is damaged; run the case again") from None
 
 
 def _next_frame(file: TextIO, path: Path, number: int) -> Frame | None:

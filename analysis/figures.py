@@ -16,10 +16,8 @@ from granwave.analysis import (
     figures_target,
     figures_zone,
 )
-from granwave.analysis.figure_style import Drawing, remove, save, style
+from granwave.analysis.figure_style import Drawing, FigureFolder, style
 from granwave.analysis.result import Result
-
-FIGURES_DIRECTORY = "figures"
 
 #: Each draws a figure of a result, or returns None when the figure makes no sense for it.
 FIGURES: dict[str, Callable[[Result], Drawing | None]] = {
@@ -81,17 +79,10 @@ def draw_figures(
     KeyError
         There is no figure of that name.
     """
-    folder = Path(directory) / FIGURES_DIRECTORY
-    written = []
+    folder = FigureFolder(directory)
     with Result(directory) as result, style():
-        folder.mkdir(exist_ok=True)
         for name in FIGURES if names is None else names:
             if progress is not None:
                 progress(name)
-            drawing = FIGURES[name](result)
-            if drawing is None:
-                remove(folder / name)
-                continue
-            save(drawing, folder / name)
-            written.append(folder / f"{name}.png")
-    return written
+            folder.save(FIGURES[name](result), name)
+    return folder.written

@@ -18,9 +18,7 @@ from granwave.analysis.figure_style import (
     PURPLE,
     Drawing,
     new_figure,
-    save,
-    style,
-    write_csv,
+    save_as,
 )
 
 if TYPE_CHECKING:
@@ -112,16 +110,14 @@ def write_law(law: ContactLaw, path: str | Path, max_overlap: float = _MAX_OVERL
     ------
     ValueError
         The path has another suffix.
+    InputError
+        A file of such a name is there, and granwave did not write it.
     """
     path = Path(path)
     if path.suffix not in (".csv", ".png", ".pdf"):
         raise ValueError(f"{path}: found the suffix {path.suffix or 'none'!r}, expected .png, .pdf or .csv")
     path.parent.mkdir(parents=True, exist_ok=True)
-    if path.suffix == ".csv":
-        write_csv(law_table(law, max_overlap), path)
-    else:
-        with style():
-            save(law_drawing(law, max_overlap, title), path.with_suffix(""))
+    save_as(path, law_table(law, max_overlap), lambda: law_drawing(law, max_overlap, title))
     return path
 
 

@@ -16,10 +16,10 @@ from numpy.typing import ArrayLike, NDArray
 from granwave.analysis.dumps import rows_of
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.h5md import GROUP, QUANTITIES
-from granwave.analysis.result_file import RESULT_FILE
 from granwave.lammps_inputs.assembly import struck_of, struck_site
 from granwave.lammps_inputs.case import Case
 from granwave.lammps_inputs.laws import sphere_contact
+from granwave.lammps_inputs.run_directory import CASE_FILE, RESULT_FILE
 
 if TYPE_CHECKING:
     from granwave._contact_laws import ContactLaw
@@ -104,7 +104,7 @@ class Result:
     @cached_property
     def case(self) -> Case:
         """The case that was run."""
-        return Case.from_dict(tomllib.loads(self.file.attrs["case"]), self.path.parent / "case.toml")
+        return Case.from_dict(tomllib.loads(self.file.attrs["case"]), self.path.parent / CASE_FILE)
 
     @cached_property
     def record(self) -> dict[str, Any]:

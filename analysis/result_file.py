@@ -40,9 +40,9 @@ from granwave.lammps_inputs.assembly import gap_tolerance
 from granwave.lammps_inputs.case import Case, load_case
 from granwave.lammps_inputs.files import replacing
 from granwave.lammps_inputs.materials import Material
+from granwave.lammps_inputs.run_directory import CASE_FILE, RECORD_FILE, RESULT_FILE, claim
 from granwave.lammps_inputs.walls import walls
 
-RESULT_FILE, RECORD_FILE = "result.h5", "run.json"
 BALANCE_REFUSED = "energy balance refused"  # end_reason of a run whose energies do not add up
 _COMPRESSED_FROM = 4096  # values; smaller data sets are kept plain
 
@@ -114,11 +114,12 @@ def write_result(directory: str | Path) -> Path:
         The run did not leave a file that is needed.
     OutputFormatError
         A file is damaged.
+    InputError
+        There is a result.h5 that granwave did not write.
     """
     directory = Path(directory)
     path = directory / RESULT_FILE
-    for left in directory.glob(f".{RESULT_FILE}.*"):
-        left.unlink(missing_ok=True)  # of an analysis that was killed
+    claim(directory, [RESULT_FILE])
     with replacing(path) as scratch, h5py.File(scratch, "w", libver="v110") as file:
         _write(file, directory)
     return path
@@ -162,7 +163,7 @@ def _write(file: h5py.File, directory: Path) -> None:
 
 
 def _read_case(directory: Path) -> tuple[str, Case]:
-    path = directory / "case.toml"
+    path = directory / CASE_FILE
     if not path.exists():
         raise MissingOutputError(f"{path} is missing: {directory} is not the directory of a run")
     return path.read_text(encoding="utf-8"), load_case(path)

@@ -7,14 +7,14 @@ confidence interval as error bar. A quantity that is 0 in all of them, as dissip
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from granwave.analysis.figure_style import SUFFIXES, Drawing, save, style
-from granwave.analysis.figures import FIGURES_DIRECTORY
+from granwave.analysis.figure_style import Drawing, FigureFolder, style
 from granwave.analysis.scan_drawing import Series, draw_bars, draw_curves, draw_map
 from granwave.analysis.scan_keys import Key, key_of
 from granwave.analysis.scan_quantities import Quantity, Value, plastic_spheres, quantities, value_of
@@ -29,6 +29,7 @@ _MOST_SINGLE = 8  # points that are shown though no two belong to a curve
 _NOTHING = 1e-12  # what is shown is about 1 or more, unless it is nothing but rounding
 
 Marks = Mapping[int, Mark]
+_OF_A_SCAN = re.compile(r".+_vs_.+|collapse_.+|.+_map")  # names of figures, as below
 
 
 def draw_scan_figures(scan: str | Path | ScanResult, *, pdf: bool = True) -> list[Path]:
@@ -59,20 +60,13 @@ def draw_scan_figures(scan: str | Path | ScanResult, *, pdf: bool = True) -> lis
         Its index is damaged.
     """
     result = scan if isinstance(scan, ScanResult) else ScanResult(scan)
-    folder = result.directory / FIGURES_DIRECTORY
-    written = []
+    folder = FigureFolder(result.directory)
     with style():
         found = drawings(result)
-        if found:
-            folder.mkdir(exist_ok=True)
         for name, drawing in found.items():
-            save(drawing, folder / name, pdf=pdf)
-            written.append(folder / f"{name}.png")
-    kept = set(found)
-    for path in [*folder.glob("*_vs_*"), *folder.glob("collapse_*"), *folder.glob("*_map.*")]:
-        if path.suffix in SUFFIXES and path.stem not in kept:
-            path.unlink(missing_ok=True)
-    return written
+            folder.save(drawing, name, pdf=pdf)
+    folder.remove(*(name for name in folder.names() if _OF_A_SCAN.fullmatch(name) and name not in found))
+    return folder.written
 
 
 def drawings(result: ScanResult) -> dict[str, Drawing]:

@@ -13,13 +13,11 @@ from pathlib import Path
 from typing import Any, Literal
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
-from granwave.analysis.summary import SUMMARY_FILE
 from granwave.analysis.units import unit_of
 from granwave.lammps_inputs.files import read_json
+from granwave.lammps_inputs.run_directory import POINT_FILE, POINTS, SCAN_INDEX, SUMMARY_FILE, UNFINISHED
+from granwave.lammps_inputs.run_state import read_summary
 
-SCAN_FILE, SCAN_INDEX, POINT_FILE = "scan.toml", "scan.json", "point.json"
-SUITE_INDEX = "suite.json"  # of a directory that holds the directories of several scans
-POINTS, UNFINISHED = "points", "unfinished"
 SEED = "packing.seed"  # points that differ in it alone are replicates of one
 
 Scalar = bool | int | float | str
@@ -39,7 +37,7 @@ class PointResult:
     labels
         Values of the keys that vary, by dotted key; lists and tables as text.
     status, reason
-        Why it failed, empty otherwise.
+        Why it failed, or what is damaged; empty otherwise.
     directory
         Of its run, or None when it was never begun.
     summary
@@ -104,16 +102,19 @@ class ScanResult:
         summary = self._summary(name, finished)
         directory = finished if summary else unfinished if unfinished.is_dir() else None
         noted = read_point(directory) if directory else {}
+        reason = ""
         if summary:
             status = "done"
         elif noted.get("state") == "failed":
-            status = "failed"
+            status, reason = "failed", noted.get("reason") or ""
+        elif finished.is_dir():
+            reason = f"its {SUMMARY_FILE} is {'damaged' if (finished / SUMMARY_FILE).exists() else 'missing'}"
         return PointResult(
             number=entry["number"],
             id=name,
             labels=entry["labels"],
             status=status,
-            reason=noted.get("reason") or "" if status == "failed" else "",
+            reason=reason,
             attempts=noted.get("attempts", 0),
             directory=directory,
             summary=summary,
@@ -121,8 +122,8 @@ class ScanResult:
 
     def _summary(self, name: str, directory: Path) -> dict[str, Any]:
         if name not in self._summaries:
-            summary = read_json(directory / SUMMARY_FILE)
-            if summary is None:
+            summary = read_summary(directory)
+            if not summary:
                 return {}
             self._summaries[name] = summary
         return self._summaries[name]

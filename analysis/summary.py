@@ -17,8 +17,8 @@ from granwave.analysis.wave_speed import wave_speed_of
 from granwave.analysis.zone_of_packing import zone_summary
 from granwave.lammps_inputs.assembly import velocities_of
 from granwave.lammps_inputs.files import plain, replace_text
+from granwave.lammps_inputs.run_directory import SUMMARY_FILE, claim
 
-SUMMARY_FILE = "summary.json"
 Summary = dict[str, Any]
 
 
@@ -34,11 +34,14 @@ def summarise(directory: str | Path) -> Summary:
     ------
     MissingOutputError
         There is no result.h5.
+    InputError
+        There is a summary.json that granwave did not write.
     """
     directory = Path(directory)
     with Result(directory) as result:
         summary = summary_of(result)
     text = json.dumps(plain(summary), indent=2, allow_nan=False)
+    claim(directory, [SUMMARY_FILE])
     replace_text(directory / SUMMARY_FILE, text + "\n")
     return json.loads(text)
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
+from granwave.lammps_inputs.run_directory import DUMPS, ENERGY_FILE, PRESTAGE_FILE, PROBES_FILE, WALLS_FILE
 
 #: Columns of the energy ledger: times in s, energies in J, forces in N, velocities in m/s.
 ENERGY_COLUMNS = (
@@ -21,6 +22,7 @@ ENERGY_COLUMNS = (
 )  # fmt: skip
 #: Columns that the ledger of a run without friction may lack; they are 0 then.
 FRICTION_COLUMNS = ("rotational", "elastic_tangential", "friction")
+_SHOWN = 60  # characters of what is no number, in a message
 
 Table = dict[str, NDArray[np.float64]]
 
@@ -38,7 +40,7 @@ def read_energy(directory: str | Path) -> Table:
     OutputFormatError
         The ledger lacks a column, or holds no row.
     """
-    path = Path(directory) / "dumps" / "energy.txt"
+    path = Path(directory) / DUMPS / ENERGY_FILE
     if not path.exists():
         raise MissingOutputError(f"{path} is missing: run the case first (granwave run CASE -o {directory})")
     table = _read(path)
@@ -55,7 +57,7 @@ def read_prestage(directory: str | Path) -> Table:
     ``residual`` (largest net force over the largest force of a contact), ``largest_force`` N, ``contacts``,
     ``yielded``, ``stored`` (elastic energy) J, ``displacement`` m, ``iterations``.
     """
-    return _read_if_there(Path(directory) / "dumps" / "prestage.txt")
+    return _read_if_there(Path(directory) / DUMPS / PRESTAGE_FILE)
 
 
 def read_walls(directory: str | Path) -> Table:
@@ -63,7 +65,7 @@ def read_walls(directory: str | Path) -> Table:
 
     Empty when the run has no wall.
     """
-    return _read_if_there(Path(directory) / "dumps" / "walls.txt")
+    return _read_if_there(Path(directory) / DUMPS / WALLS_FILE)
 
 
 def read_probes(directory: str | Path) -> Table:
@@ -72,7 +74,7 @@ def read_probes(directory: str | Path) -> Table:
     Columns: ``sphere_ID_ux`` (uy, uz) displacement in m, ``_vx`` velocity in m/s, ``_fx`` force in N;
     ``contact_I_J_overlap`` in m and ``contact_I_J_force`` in N.
     """
-    return _read_if_there(Path(directory) / "dumps" / "probes.txt")
+    return _read_if_there(Path(directory) / DUMPS / PROBES_FILE)
 
 
 def _read_if_there(path: Path) -> Table:
@@ -82,7 +84,7 @@ def _read_if_there(path: Path) -> Table:
 def _read(path: Path) -> Table:
     names: list[str] = []
     rows = []
-    with open(path, encoding="ascii") as file:
+    with open(path, encoding="ascii", errors="replace") as file:
         for line in file:
             if line.startswith("#"):
                 names = line[1:].split()
@@ -93,7 +95,7 @@ def _read(path: Path) -> Table:
     try:
         values = np.array(" ".join(rows).split(), dtype=float)
     except ValueError as error:
-        raise OutputFormatError(f"{path}: {error}; expected rows of numbers") from None
+        raise OutputFormatError(f"{path}: {str(error)[:_SHOWN]}; expected rows of numbers") from None
     if values.size != len(names) * len(rows):
         raise OutputFormatError(
             f"{path}: {values.size} numbers in {len(rows)} rows, expected {len(names)} in each ({' '.join(names)})"

@@ -176,8 +176,8 @@ def parse_point(value: Any, expected: str) -> tuple[float, float, float]:
 def plain_name(value: Any) -> str:
     """``value`` as a name that can be that of a directory too, and leads nowhere else."""
     fits = isinstance(value, str) and value.strip() == value != "" and value.isprintable()
-    if not fits or "/" in value or value[0] in ".-":
-        raise Unfit('a plain name, as of a directory: without "/", not beginning with "." or "-"')
+    if not fits or "/" in value or value[0] in ".-~":
+        raise Unfit('a plain name, as of a directory: without "/", not beginning with ".", "-" or "~"')
     if len(value.encode()) > _LONGEST_NAME:
         raise Unfit(f"a plain name of at most {_LONGEST_NAME} bytes")
     return value

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from granwave.lammps_inputs.run_directory import DENTS_FILE
 from granwave.lammps_inputs.script_text import joined, law_coefficients, num
 from granwave.lammps_inputs.sections import Contact
 from granwave.lammps_inputs.walls import support_words, wall_fixes, wall_friction, walls
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case import Case
-
-DENTS_FILE = "dents.txt"  # beside the deck: what contacts went through before the run
 
 _ELASTIC = Contact(law="hertz")
 

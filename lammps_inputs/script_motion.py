@@ -5,14 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from granwave.lammps_inputs.assembly import INCIDENT_BAR, struck_of, velocities_of
+from granwave.lammps_inputs.run_directory import LOAD_FILE
 from granwave.lammps_inputs.script_text import joined, num
 from granwave.lammps_inputs.walls import walls
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case import Case
     from granwave.lammps_inputs.schedule import Schedule
-
-LOAD_FILE = "load.txt"  # beside the deck: points of a load given as a table
 
 _HALF_INERTIA = 0.2  # of a sphere, in m R^2
 

@@ -9,6 +9,7 @@ import argparse
 import difflib
 import logging
 import math
+import os
 import re
 import sys
 from collections.abc import Sequence
@@ -16,6 +17,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from granwave import __version__
+from granwave.lammps_inputs.directories import output_path
 from granwave.lammps_inputs.errors import GranwaveError, InputError
 from granwave.lammps_inputs.keys import show
 from granwave.workflows import commands, mpi
@@ -30,15 +32,26 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(words)
     _set_up_logging()
     try:
-        return int(options.command(options, words))
+        status = int(options.command(options, words))
+        _flush()
+        return status
     except InputError as error:
         return _report(error.faults, WRONG_INPUT)
     except GranwaveError as error:
         return _report([str(error)], FAILED)
     except OSError as error:
-        return _report([f"{error.filename or 'a file'}: {error.strerror or error}"], FAILED)
+        return _report([f"{error.filename or 'a file, or the standard output'}: {error.strerror or error}"], FAILED)
     except KeyboardInterrupt:
         return _report(["stopped"], STOPPED)
+
+
+def _flush() -> None:
+    """Write out what was printed, as long as an error can be told."""
+    try:
+        sys.stdout.flush()
+    except OSError as error:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or Python tries once more at its end
+        raise OSError(error.errno, error.strerror, "standard output") from None
 
 
 def _set_up_logging() -> None:
@@ -73,7 +86,7 @@ def _parser() -> argparse.ArgumentParser:
 
     run = _verb(verbs, "run", commands.run, "run a case: deck, LAMMPS, analysis, figures")
     _case(run)
-    run.add_argument("-o", dest="directory", type=Path, metavar="DIR", help="where everything goes (default: ./NAME)")
+    _into(run)
     run.add_argument("--np", type=_positive, default=1, metavar="N", help="number of MPI ranks (default: 1)")
     run.add_argument(
         "--checkpoint",
@@ -87,22 +100,22 @@ def _parser() -> argparse.ArgumentParser:
 
     write = _verb(verbs, "write", commands.write, "write the LAMMPS deck alone; it runs by hand: lmp -in in.granwave")
     _case(write)
-    write.add_argument("-o", dest="directory", type=Path, metavar="DIR", required=True)
+    write.add_argument("-o", dest="directory", type=_output, metavar="DIR", required=True)
     write.add_argument("--force", action="store_true", help="replace what is there")
 
     analyse = _verb(verbs, "analyse", commands.analyse, "once more from the dumps: result.h5, figures, summary.json")
-    analyse.add_argument("directory", type=Path, metavar="DIR")
+    analyse.add_argument("directory", type=_input, metavar="DIR")
     _figures(analyse)
 
     scan = _verb(verbs, "scan", commands.scan, "run a case many times with some keys varied; table, figures and report")
     scan.add_argument("scan", metavar="SCAN", help="a scan file, or the name of a built-in scan")
     _overrides(scan)
-    scan.add_argument("-o", dest="directory", type=Path, metavar="DIR", help="where everything goes (default: ./NAME)")
+    _into(scan)
     scan.add_argument(
         "--executor", default="local", metavar="local|slurm", help="where the points run (default: local)"
     )
     scan.add_argument(
-        "--profile", type=Path, metavar="FILE", help="how to use the cluster: partition, account, time, ..."
+        "--profile", type=_input, metavar="FILE", help="how to use the cluster: partition, account, time, ..."
     )
     scan.add_argument(
         "--jobs",
@@ -117,27 +130,25 @@ def _parser() -> argparse.ArgumentParser:
         verbs, "continuum", commands.continuum, "the continuum reference: a rigid punch on an elastic-plastic block"
     )
     _case(continuum)
-    continuum.add_argument(
-        "-o", dest="directory", type=Path, metavar="DIR", help="where everything goes (default: ./NAME)"
-    )
+    _into(continuum)
     _figures(continuum)
     _again(continuum)
 
     report = _verb(verbs, "report", commands.report, "a page that compares any number of runs and scans")
-    report.add_argument("directories", nargs="+", type=Path, metavar="DIR")
+    report.add_argument("directories", nargs="+", type=_input, metavar="DIR")
     report.add_argument(
         "-o",
         dest="output",
-        type=Path,
+        type=_output,
         default=Path("report.html"),
         metavar="FILE",
         help=".html, .pdf or .md (default: report.html)",
     )
 
     export = _verb(verbs, "export", commands.export, "the results for other programs: ParaView, pandas, xarray, OVITO")
-    export.add_argument("directory", type=Path, metavar="DIR")
+    export.add_argument("directory", type=_input, metavar="DIR")
     export.add_argument("--to", required=True, metavar="FORMAT", help="vtp, csv, netcdf or ovito")
-    export.add_argument("-o", dest="output", type=Path, metavar="DIR", help="where to (default: DIR/export)")
+    export.add_argument("-o", dest="output", type=_output, metavar="DIR", help="where to (default: DIR/export)")
 
     check = _verb(verbs, "check", commands.check, "what a run would be: size, memory, disk, timestep, time, overlap")
     _case(check)
@@ -168,11 +179,11 @@ def _parser() -> argparse.ArgumentParser:
         help="coefficient of restitution against velocity instead, of two spheres and of a sphere and a rigid wall",
     )
     law.add_argument(
-        "-o", dest="output", type=Path, metavar="FILE", help=".png, .pdf or .csv (default: law.png, restitution.png)"
+        "-o", dest="output", type=_output, metavar="FILE", help=".png, .pdf or .csv (default: law.png, restitution.png)"
     )
 
     fit = _verb(verbs, "fit", commands.fit, "fit the contact law's constants to a measured or computed curve")
-    fit.add_argument("curve", type=Path, metavar="CURVE.csv", help="columns overlap_m, force_N, perhaps branch")
+    fit.add_argument("curve", type=_input, metavar="CURVE.csv", help="columns overlap_m, force_N, perhaps branch")
     fit.add_argument(
         "--material", nargs="+", default=["brass"], metavar="M", help="one or two: a name, or FILE.toml:NAME"
     )
@@ -187,11 +198,11 @@ def _parser() -> argparse.ArgumentParser:
         "--pair", nargs=2, metavar=("A", "B"), help="also write pair.toml: the law of these two materials in a case"
     )
     fit.add_argument("--fit-yield", action="store_true", help="fit the yield strength too")
-    fit.add_argument("-o", dest="directory", type=Path, metavar="DIR", help="where everything goes (default: ./fit)")
+    fit.add_argument("-o", dest="directory", type=_output, metavar="DIR", help="where everything goes (default: ./fit)")
     fit.add_argument("--force", action="store_true", help="replace the fit that is there")
 
     bench = _verb(verbs, "bench", commands.bench, "speed beside LAMMPS's own granular styles, on this machine")
-    bench.add_argument("--json", type=Path, metavar="FILE", help="write the results there too")
+    bench.add_argument("--json", type=_output, metavar="FILE", help="write the results there too")
     bench.add_argument("--repeats", type=_positive, default=5, metavar="N", help="timings of each (default: 5)")
     bench.add_argument("--styles-only", action="store_true", help="leave out sizes and ranks")
 
@@ -222,6 +233,12 @@ def _overrides(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def _into(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "-o", dest="directory", type=_output, metavar="DIR", help="where everything goes (default: ./NAME)"
+    )
+
+
 def _again(parser: argparse.ArgumentParser) -> None:
     again = parser.add_mutually_exclusive_group()
     again.add_argument("--resume", action="store_true", help="go on with what is there")
@@ -230,6 +247,19 @@ def _again(parser: argparse.ArgumentParser) -> None:
 
 def _figures(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--no-figures", dest="figures", action="store_false", help="leave the figures out")
+
+
+def _output(text: str) -> Path:
+    try:
+        return output_path(text)
+    except InputError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
+
+
+def _input(text: str) -> Path:
+    if not text:
+        raise argparse.ArgumentTypeError('found the empty name "" (. is the present directory)')
+    return Path(text)
 
 
 def _positive(text: str) -> int:

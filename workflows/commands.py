@@ -11,10 +11,24 @@ from typing import Any
 
 from granwave.analysis.zone_marks import zone_warnings
 from granwave.lammps_inputs.deck import write_deck
+from granwave.lammps_inputs.directories import refuse_other_file, results_directory
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import replace_text
 from granwave.lammps_inputs.laws import contact_of, rigid_wall_contact_of
 from granwave.lammps_inputs.materials import Material, material, sphere_mass
 from granwave.lammps_inputs.overrides import apply_overrides, parse_overrides
+from granwave.lammps_inputs.plan import check_run, plan
+from granwave.lammps_inputs.run_directory import (
+    CASE_FILE,
+    EXPORT_DIRECTORY,
+    RESULT_FILE,
+    RUN,
+    SUMMARY_FILE,
+    refuse_foreign,
+    refuse_other_kind,
+    refuse_results,
+)
+from granwave.lammps_inputs.run_state import restore_case
 from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows import mpi, record, studies
 from granwave.workflows.kinds import CONTINUUM, GRANULAR, SPHERE_CONTACT, kind_of
@@ -29,11 +43,12 @@ def run(options: argparse.Namespace, words: Words) -> int:
     if starts_ranks:
         logging.getLogger("granwave").setLevel(logging.ERROR)  # the ranks read the case too, and warn
     case = studies.load_case(options.case, options.overrides)
-    directory = (options.directory or Path(case.name)).absolute()
+    directory = results_directory(options.directory or case.name)
     if starts_ranks:
         from granwave.workflows.directory import decide
 
-        decide(case, directory, resume=options.resume, force=options.force, n_ranks=options.np)
+        how = {"resume": options.resume, "force": options.force, "figures": options.figures}
+        decide(case, directory, n_ranks=options.np, **how)
         return mpi.launch(options.np, _without_ranks(words))
 
     from granwave.workflows.driver import run_case
@@ -84,14 +99,18 @@ def _without_ranks(words: Words) -> list[str]:
 
 def write(options: argparse.Namespace, _: Words) -> int:
     """granwave write"""
-    from granwave.workflows.directory import check_start, clear, held, refuse_results
+    from granwave.workflows.directory import held, run_files, start
 
     case = studies.load_case(options.case, options.overrides)
-    check_start(case, options.directory, write_only=True)
-    if not options.force:
-        refuse_results(options.directory, "--force removes them all")
-    with held(options.directory.absolute(), mpi.world()):
-        clear(options.directory)
+    expected = plan(case)
+    check_run(case, expected)
+    directory = results_directory(options.directory, force=options.force)
+    with held(directory, mpi.world()):
+        refuse_other_kind(directory, RUN)
+        if not options.force:
+            refuse_results(directory, "--force removes them all")
+        refuse_foreign(directory, run_files(case, expected.schedule))
+        start(case, directory)
         deck = write_deck(case, options.directory)
     print(
         f"{deck.directory}: {deck.case.assembly.n_spheres} spheres, "
@@ -105,13 +124,18 @@ def analyse(options: argparse.Namespace, _: Words) -> int:
     """granwave analyse"""
     from granwave.analysis import MissingOutputError
     from granwave.analysis import analyse as analyse_directory
+    from granwave.workflows.directory import held
 
     if not options.directory.is_dir():
         raise InputError(f"{options.directory}: no such directory; run a case into it first")
-    try:
-        summary = analyse_directory(options.directory, progress=True, figures=options.figures)
-    except MissingOutputError as error:
-        raise InputError(str(error)) from None
+    with held(options.directory.absolute()):
+        refuse_foreign(options.directory, [RESULT_FILE, SUMMARY_FILE])
+        if restore_case(options.directory):
+            print(f"granwave: {options.directory / CASE_FILE}: written again as it was run", file=sys.stderr)
+        try:
+            summary = analyse_directory(options.directory, progress=True, figures=options.figures)
+        except MissingOutputError as error:
+            raise InputError(str(error)) from None
     print(summary_table(summary))
     _warn_of_zone(summary)
     return 0
@@ -132,7 +156,7 @@ def scan(options: argparse.Namespace, _: Words) -> int:
 
 def continuum(options: argparse.Namespace, _: Words) -> int:
     """granwave continuum"""
-    from granwave.workflows.directory import clear, held
+    from granwave.workflows.directory import held
     from granwave.workflows.tables import continuum_table
 
     path = studies.find_for(options.case, CONTINUUM.verb)
@@ -145,11 +169,9 @@ def continuum(options: argparse.Namespace, _: Words) -> int:
         from granwave.analysis.continuum import run_continuum as run_it  # type: ignore[assignment]
 
     case = OwnCase.load(path, options.overrides)
-    directory = (options.directory or Path(case.name)).absolute()
+    directory = results_directory(options.directory or case.name)
     kind.check(case, kind.cost(case, 1, options.figures), directory)
     with held(directory):
-        if options.force:
-            clear(directory)  # of another kind, perhaps
         summary = run_it(
             case, directory, progress=True, force=options.force, resume=options.resume, figures=options.figures
         )
@@ -170,8 +192,14 @@ def report(options: argparse.Namespace, _: Words) -> int:
 def export(options: argparse.Namespace, _: Words) -> int:
     """granwave export"""
     from granwave.analysis.exports.export import export as export_directory
+    from granwave.workflows.directory import held
 
-    for path in export_directory(options.directory, options.to, options.output):
+    output = options.output or options.directory / EXPORT_DIRECTORY
+    if not options.directory.is_dir():
+        raise InputError(f"{options.directory}: no such directory; expected that of a run or a scan")
+    with held(results_directory(output)):
+        placed = export_directory(options.directory, options.to, options.output)
+    for path in placed:
         print(path)
     return 0
 
@@ -262,13 +290,15 @@ def bench(options: argparse.Namespace, _: Words) -> int:
 
     if options.json and not options.json.absolute().parent.is_dir():
         raise InputError(f"--json {options.json}: there is no directory {options.json.absolute().parent}")
+    if options.json:
+        refuse_other_file(options.json, rb'"triad_GB_per_s"')
     results = run_bench(options.repeats, sizes=not options.styles_only)
     print(
         f"\nmemory bandwidth of one core (triad): {results['triad_GB_per_s']:.1f} GB/s; "
         f"load now {results['load_after'][0]:.2f}"
     )
     if options.json:
-        options.json.write_text(json.dumps(results, indent=2) + "\n", encoding="utf-8")
+        replace_text(options.json, json.dumps(results, indent=2) + "\n")
     return 0
 
 

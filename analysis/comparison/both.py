@@ -14,11 +14,11 @@ from granwave.analysis.comparison.continuum import masses
 from granwave.analysis.comparison.granular import variants
 from granwave.analysis.comparison.impacts import Continuum, Granular, Impacts, constants, energy_unit
 from granwave.analysis.comparison.scaling import FRACTION, MARKERS
-from granwave.analysis.continuum.output import RESULT_FILE
 from granwave.analysis.fields import cumulated
 from granwave.analysis.figure_style import BLUE, ORANGE, SKY, Drawing, new_figure
 from granwave.analysis.result import Result
 from granwave.lammps_inputs.errors import GranwaveError
+from granwave.lammps_inputs.run_directory import RESULT_FILE
 
 SHARE = 0.9  # of the dissipation: the material that did so much of it is called involved
 _SHOWN_SHARE = 0.95  # of the dissipation: how far curves of cumulated dissipation go

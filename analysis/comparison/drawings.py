@@ -7,7 +7,7 @@ from pathlib import Path
 
 from granwave.analysis.comparison import both, continuum, forces, granular, zone
 from granwave.analysis.comparison.impacts import Impacts
-from granwave.analysis.figure_style import Drawing, save, style
+from granwave.analysis.figure_style import Drawing, FigureFolder, style
 
 _LOWEST = 0.1  # of the largest velocity: from where on peak forces are compared
 
@@ -34,15 +34,13 @@ def drawings(impacts: Impacts) -> Iterator[tuple[str, str, Drawing]]:
             yield name, caption, drawing
 
 
-def draw_comparison(impacts: Impacts, folder: Path) -> list[Path]:
-    """Save all figures with their data; returns the PNG files."""
-    written = []
+def draw_comparison(impacts: Impacts, directory: Path) -> list[Path]:
+    """Save all figures with their data into ``directory/figures``; returns the PNG files."""
+    folder = FigureFolder(directory)
     with style():
         for name, _, drawing in drawings(impacts):
-            folder.mkdir(exist_ok=True)
-            save(drawing, folder / name)
-            written.append(folder / f"{name}.png")
-    return written
+            folder.save(drawing, name)
+    return folder.written
 
 
 def lowest_velocity(impacts: Impacts) -> float:

@@ -14,10 +14,10 @@ from granwave._contact_laws import ContactLaw
 from granwave.analysis.continuum.case import ContinuumCase
 from granwave.analysis.finished import FinishedRun
 from granwave.lammps_inputs.case import load_case
-from granwave.lammps_inputs.deck import CASE_FILE
 from granwave.lammps_inputs.errors import GranwaveError
 from granwave.lammps_inputs.laws import sphere_contact
 from granwave.lammps_inputs.materials import Material
+from granwave.lammps_inputs.run_directory import CASE_FILE
 
 SAME = 1e-4  # relative difference of normalised velocities and energies that are meant to be equal
 

@@ -23,9 +23,8 @@ from granwave.analysis.figure_style import (
     PURPLE,
     SKY,
     Drawing,
+    FigureFolder,
     new_figure,
-    remove,
-    save,
     style,
 )
 from granwave.analysis.figures_zone import draw_zone_size
@@ -187,19 +186,11 @@ def draw_figures(directory: str | Path) -> list[Path]:
     MissingOutputError
         There is no result.h5.
     """
-    folder = Path(directory) / "figures"
-    result = ContinuumResult(directory)
-    folder.mkdir(exist_ok=True)
-    written = []
+    result, folder = ContinuumResult(directory), FigureFolder(directory)
     with style():
         for name, draw in FIGURES.items():
-            drawing = draw(result)
-            if drawing is None:
-                remove(folder / name)
-                continue
-            save(drawing, folder / name)
-            written.append(folder / f"{name}.png")
-    return written
+            folder.save(draw(result), name)
+    return folder.written
 
 
 def _frame_of_largest_zone(result: ContinuumResult) -> int:

@@ -26,9 +26,8 @@ from granwave.analysis.continuum.case import ContinuumCase
 from granwave.analysis.continuum.history import History
 from granwave.analysis.continuum.solver import Solver
 from granwave.analysis.h5md import COMPRESSION
-from granwave.analysis.result_file import RESULT_FILE
-from granwave.analysis.summary import SUMMARY_FILE
 from granwave.lammps_inputs.files import replace_text, replacing
+from granwave.lammps_inputs.run_directory import RESULT_FILE, SUMMARY_FILE
 
 _ENERGIES = ("kinetic", "elastic", "plastic", "viscous", "hourglass", "contact", "punch")
 _COMPRESSED_FROM = 4096  # values; smaller data sets are kept plain

@@ -11,12 +11,12 @@ from granwave.analysis.errors import MissingOutputError
 from granwave.analysis.exports import ovito_scene, to_csv, to_netcdf, to_vtp
 from granwave.analysis.exports.staging import staged
 from granwave.analysis.result import Result
-from granwave.analysis.result_file import RESULT_FILE
 from granwave.analysis.scan_result import is_scan
 from granwave.analysis.scan_table import read_scan
+from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.run_directory import EXPORT_DIRECTORY, RESULT_FILE, claim
 
-EXPORT_DIRECTORY = "export"
 OVITO_SCRIPT = "open_in_ovito.py"
 
 #: What --to may be, and the program it is for.
@@ -63,7 +63,15 @@ def export(directory: str | Path, to: str, output: str | Path | None = None) -> 
     _check_format(to)
     if not directory.is_dir():
         raise InputError(f"{directory}: no such directory; expected that of a run or a scan")
-    output = Path(output) if output is not None else directory / EXPORT_DIRECTORY
+    if output is not None:
+        results_directory(output)
+        return _export(directory, to, Path(output))
+    placed = _export(directory, to, directory / EXPORT_DIRECTORY)
+    claim(directory, [f"{EXPORT_DIRECTORY}/"])  # so that --force removes it with the results
+    return placed
+
+
+def _export(directory: Path, to: str, output: Path) -> list[Path]:
     outdated = _OUTDATED.get(to, _NOTHING)
     if is_scan(directory):
         if to not in _SCAN_WRITERS:

@@ -11,6 +11,8 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import naming
+from granwave.lammps_inputs.run_directory import claim, clear, read_marker
 
 
 class Staging:
@@ -41,15 +43,21 @@ class Staging:
         Parameters
         ----------
         outdated
-            A regular expression; files of the output whose whole names match, and that were not written now, are
+            A regular expression; files of earlier exports whose whole names match, and that were not written now, are
             removed.
+
+        Raises
+        ------
+        InputError
+            A file of such a name is there, and granwave did not write it; none was put into place.
         """
+        claim(self.output, self._names)
         for name in self._names:
             os.replace(self.scratch / name, self.output / name)
             self.placed.append(self.output / name)
-        for path in self.output.iterdir():
-            if path.name not in self._names and re.fullmatch(outdated, path.name):
-                path.unlink()
+        marker = read_marker(self.output)
+        own = [name for name in (marker.files if marker else ()) if name not in self._names]
+        clear(self.output, [name for name in own if re.fullmatch(outdated, name)])
 
 
 @contextmanager
@@ -66,7 +74,7 @@ def staged(output: Path, outdated: str = "(?!)") -> Iterator[Staging]:
     Raises
     ------
     InputError
-        Nothing can be written there.
+        Nothing can be written there, or a file is there that granwave did not write.
     """
     made = [path for path in (output, *output.parents) if not path.exists()]
     try:
@@ -79,8 +87,9 @@ def staged(output: Path, outdated: str = "(?!)") -> Iterator[Staging]:
         ) from None
     staging = Staging(output, scratch)
     try:
-        yield staging
-        staging.place(outdated)
+        with naming(output):
+            yield staging
+            staging.place(outdated)
     finally:
         shutil.rmtree(scratch, ignore_errors=True)
         if not staging.placed:

@@ -8,13 +8,13 @@ from granwave.analysis.comparison import both, continuum, forces, granular, zone
 from granwave.analysis.comparison.drawings import drawings, lowest_velocity
 from granwave.analysis.comparison.impacts import Granular, Impacts, collect
 from granwave.analysis.figure_style import style
-from granwave.analysis.figures import FIGURES_DIRECTORY
 from granwave.analysis.reports.inputs import Inputs
 from granwave.analysis.reports.model import Block, Cell, Column, Figure, Gallery, Note, Section, Table, Tone
 from granwave.analysis.reports.pictures import picture_of
 from granwave.analysis.reports.quantities import BLANK, percent, show, spread_cell, value_cell
 from granwave.analysis.zone_marks import Mark, bounds_in_words
 from granwave.analysis.zone_size import SHARES
+from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY
 
 SLUG = "comparison"
 _LAYERS = (1, 4, 8, 16)  # below the struck one, whose uniformity is told

@@ -18,16 +18,15 @@ from granwave.analysis.reports.inputs import Inputs, Run, Scan
 from granwave.analysis.reports.model import Block, Figure, Gallery, Group, Note, Section
 from granwave.analysis.reports.pictures import RESOLUTION, picture_of
 from granwave.analysis.reports.quantities import readable
-from granwave.analysis.result_file import RESULT_FILE
 from granwave.analysis.scan_keys import key_of
 from granwave.analysis.value_words import in_words
+from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY, RESULT_FILE
 
 SLUG = "figures"
 WIDTH, POINT_WIDTH = 900, 600  # pixels, at most, of pictures of runs and scans, and of points of scans
 WIDEST = 1200  # pixels, of those that take a whole row
 POINTS_BUDGET = 8_000_000  # bytes, of all pictures of points; those beyond stay in their directories
 MOST_CURVES = 12
-_FOLDER = "figures"
 _COLOURS = 256
 _MOST_INSTANTS = 2000  # drawn of a curve
 
@@ -156,11 +155,11 @@ def _points(scan: Scan, inputs: Inputs, number: int) -> list[Block]:
     seen: set[Path] = set()
     for point in scan.points:
         run = point.run
-        if run is None or run.directory in seen or not any((run.directory / _FOLDER).glob("*.png")):
+        if run is None or run.directory in seen or not any((run.directory / FIGURES_DIRECTORY).glob("*.png")):
             continue
         seen.add(run.directory)
         if size > POINTS_BUDGET:
-            left.append(inputs.link(run.directory / _FOLDER, f"#{point.result.number}"))
+            left.append(inputs.link(run.directory / FIGURES_DIRECTORY, f"#{point.result.number}"))
             continue
         name = f"{number}-{scan.label}-{point.result.number}"
         parts = _pictures(run.directory, inputs, name, f"run {run.label}", POINT_WIDTH, {})
@@ -178,7 +177,7 @@ def _pictures(
     """The PNG files of a directory's figures, in the order of the figures of a run, others by name after them."""
     order = list(_CAPTIONS)
     paths = sorted(
-        (directory / _FOLDER).glob("*.png"),
+        (directory / FIGURES_DIRECTORY).glob("*.png"),
         key=lambda path: (order.index(path.stem) if path.stem in order else len(order), path.name),
     )
     figures, damaged = [], []
@@ -190,7 +189,7 @@ def _pictures(
             continue
         caption = _caption(path.stem, words)
         data = path.with_suffix(".csv")
-        link = inputs.link(data, f"{_FOLDER}/{data.name}") if data.is_file() else None
+        link = inputs.link(data, f"{FIGURES_DIRECTORY}/{data.name}") if data.is_file() else None
         figures.append(Figure(_slug(f"{name}-{path.stem}"), caption, f"{caption}: {what}", png, size, link, inches))
     gallery = (Gallery(tuple(figures)),) if figures else ()
     return (*gallery, *damaged)

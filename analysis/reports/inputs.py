@@ -13,13 +13,19 @@ from urllib.parse import quote
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.reports.model import Link
-from granwave.analysis.result_file import RECORD_FILE, RESULT_FILE
-from granwave.analysis.scan_result import POINTS, SCAN_INDEX, SUITE_INDEX, PointResult, ScanResult, is_scan
-from granwave.analysis.summary import SUMMARY_FILE
-from granwave.lammps_inputs.deck import CASE_FILE
+from granwave.analysis.scan_result import PointResult, ScanResult, is_scan
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json
-from granwave.lammps_inputs.toml_files import read_toml
+from granwave.lammps_inputs.run_directory import (
+    CASE_FILE,
+    POINTS,
+    RECORD_FILE,
+    RESULT_FILE,
+    SCAN_INDEX,
+    SUITE_INDEX,
+    SUMMARY_FILE,
+)
+from granwave.lammps_inputs.run_state import check_case, read_tables, tables_as_run
 
 _OF_A_RUN = (CASE_FILE, SUMMARY_FILE, RECORD_FILE, RESULT_FILE)
 _UNFINISHED = ("running", "interrupted", "failed")  # states of run.json with nothing to report
@@ -243,6 +249,7 @@ def _summary(path: Path) -> dict[str, Any]:
 
 
 def _read_run(path: Path, label: str, summary: Mapping[str, Any]) -> Run:
+    check_case(path)
     case, record = _case(path), _record(path)
     continuum = "n_elements" in summary or any(key.startswith(("punch.", "block.")) for key in case)
     return Run(
@@ -261,10 +268,7 @@ def _record(path: Path) -> dict[str, Any]:
 
 
 def _case(path: Path) -> dict[str, Any]:
-    try:
-        tables = read_toml(path / CASE_FILE)
-    except InputError:
-        return {}
+    tables = read_tables(path / CASE_FILE) or tables_as_run(path) or {}
     return dict(_flat({name: value for name, value in tables.items() if name not in ("name", "resolved")}))
 
 
@@ -287,15 +291,21 @@ def _read_scan(path: Path, label: str) -> Scan:
             f"{path / SCAN_INDEX}: a point lacks what it needs ({error!r}); run the scan again with --resume"
         ) from None
     runs: dict[str, Run] = {}
-    points = []
+    points: list[Point] = []
+    faults: list[str] = []
     for result in results:
         run = None
         if result.status == "done" and result.directory is not None:
             if result.id not in runs:
-                place = result.directory
-                runs[result.id] = _read_run(place, f"{label} #{result.number}", result.summary)
+                try:
+                    runs[result.id] = _read_run(result.directory, f"{label} #{result.number}", result.summary)
+                except InputError as error:
+                    faults += error.faults
+                    continue
             run = runs[result.id]
         points.append(_point(result, path, run))
+    if faults:
+        raise InputError(dict.fromkeys(faults))
     return Scan(label, source, tuple(points))
 
 

@@ -13,9 +13,9 @@ from granwave.analysis.reports.inputs import Inputs, Run
 from granwave.analysis.reports.model import Cell, Column, Group, Note, Section, Table
 from granwave.analysis.reports.quantities import label_of, named, percent, unit_of_value, value_cell
 from granwave.lammps_inputs.case import load_case
-from granwave.lammps_inputs.deck import CASE_FILE
 from granwave.lammps_inputs.errors import GranwaveError
 from granwave.lammps_inputs.laws import sphere_contact
+from granwave.lammps_inputs.run_directory import CASE_FILE
 
 SLUG = "sources"
 _FILE = Path(__file__).with_name("source_values.toml")

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 from granwave.analysis.chains.runs import collect
 from granwave.analysis.chains.studies import studies
-from granwave.analysis.figures import FIGURES_DIRECTORY
 from granwave.analysis.prestress.runs import collect as collect_with_past
 from granwave.analysis.prestress.studies import studies as studies_of_the_past
 from granwave.analysis.protection.runs import collect as collect_targets
@@ -20,6 +19,7 @@ from granwave.analysis.square.studies import studies as packing_studies
 from granwave.analysis.study import Row, Study
 from granwave.analysis.tolerance.runs import collect as collect_tolerances
 from granwave.analysis.tolerance.study import studies as tolerance_studies
+from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY
 
 SLUG = "studies"
 _COLUMNS = (

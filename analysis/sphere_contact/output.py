@@ -32,8 +32,8 @@ from granwave.analysis.sphere_contact.deviations import Cycle, compare_cycles, c
 from granwave.analysis.sphere_contact.solver import Solver
 from granwave.analysis.sphere_contact.study import LOADING, RELOADING, UNLOADING, History
 from granwave.lammps_inputs.files import replace_text, replacing
+from granwave.lammps_inputs.run_directory import CONTACT_TABLE, RESULT_FILE, SUMMARY_FILE
 
-RESULT_FILE, SUMMARY_FILE, TABLE_FILE = "result.h5", "summary.json", "contact.csv"
 _ENERGIES = {name: name for name in ("kinetic", "elastic", "plastic", "hourglass", "viscous", "damping")} | {
     "contact": "penalty",
     "input": "work",
@@ -46,7 +46,7 @@ def write_results(
     directory: Path, case: SphereContactCase, solver: Solver, history: History, summary: dict[str, Any]
 ) -> None:
     """Write all three files into ``directory``."""
-    with replacing(directory / TABLE_FILE) as scratch:
+    with replacing(directory / CONTACT_TABLE) as scratch:
         write_csv(contact_table(case, history), scratch)
     with replacing(directory / RESULT_FILE) as scratch, h5py.File(scratch, "w", libver="v110") as file:
         _write(file, case, solver, history)

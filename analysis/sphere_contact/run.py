@@ -5,23 +5,26 @@ from __future__ import annotations
 import logging
 import math
 import time
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 from tqdm import tqdm
 
-from granwave.analysis.finite_elements import FIGURES_DIRECTORY, begin
+from granwave.analysis.finite_elements import begin
 from granwave.analysis.sphere_contact import output
 from granwave.analysis.sphere_contact.case import SphereContactCase
 from granwave.analysis.sphere_contact.study import TOLERANCE, History, integrate, make_solver, yield_unit
 from granwave.analysis.sphere_contact.summary import summarise
-from granwave.lammps_inputs.deck import CASE_FILE
+from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.files import plain
+from granwave.lammps_inputs.run_directory import CASE_FILE, CONTACT_TABLE, RESULT_FILE, SUMMARY_FILE
+from granwave.lammps_inputs.run_state import note_sizes
 
 logger = logging.getLogger("granwave")
 
-_RESULTS = (CASE_FILE, output.RESULT_FILE, output.SUMMARY_FILE, output.TABLE_FILE, FIGURES_DIRECTORY)
+_RESULTS = (CASE_FILE, RESULT_FILE, SUMMARY_FILE, CONTACT_TABLE)
 _FINISHED = ("done",)
 _MOST_KINETIC = 0.01  # of the internal energy
 
@@ -58,8 +61,10 @@ def run_sphere_contact(
     RunError
         The energy balance was refused; what was computed is kept.
     """
-    directory = Path(directory)
-    there = begin(case, directory, _RESULTS, _FINISHED, resume=resume, force=force)
+    directory = results_directory(directory)
+    there = begin(
+        case, directory, _RESULTS, _FINISHED, resume=resume, force=force, figures=_figures if figures else None
+    )
     if there is not None:
         return there
     solver, history = make_solver(case), History()
@@ -71,6 +76,7 @@ def run_sphere_contact(
         if len(history.ledgers) > 1:
             summary = plain(summarise(case, solver, history, time.perf_counter() - started))
             output.write_results(directory, case, solver, history, summary)
+            note_sizes(directory, [CONTACT_TABLE])
     if history.end_reason == "refused":
         last = history.ledgers[-1]
         raise RunError(
@@ -92,6 +98,12 @@ def run_sphere_contact(
 
         draw_figures(directory)
     return summary
+
+
+def _figures() -> Iterable[str]:
+    from granwave.analysis.sphere_contact.figures import FIGURES  # the drawing library takes a second to load
+
+    return FIGURES
 
 
 class _Bar:

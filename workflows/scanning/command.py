@@ -6,23 +6,25 @@ import argparse
 import dataclasses
 import difflib
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from granwave.analysis.scan_result import ScanResult
 from granwave.analysis.zone_marks import LABELS, bounds_in_words, mark_of
+from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError, RunError, raise_all
 from granwave.lammps_inputs.plan import Plan
-from granwave.workflows.scanning import driver, layout
+from granwave.lammps_inputs.run_directory import SCAN_REPORT
+from granwave.workflows.scanning import driver
 from granwave.workflows.scanning.batches import expected_scan_time, expected_time
 from granwave.workflows.scanning.calibrate import slowness_of
 from granwave.workflows.scanning.driver import ScanOutcome, default_jobs, run_scan
 from granwave.workflows.scanning.engine import EXECUTORS, LOCAL, SLURM, check_installed
 from granwave.workflows.scanning.profile import Profile, load_profile
-from granwave.workflows.scanning.scan_file import Point, Scan, load_scan
-from granwave.workflows.scanning.suite import REPORT, is_suite, load_suite, run_suite
+from granwave.workflows.scanning.scan_file import Scan, load_scan
+from granwave.workflows.scanning.suite import Suite, check_suite, is_suite, load_suite, run_suite
 from granwave.workflows.tables import duration, lines, static_words
 
 _WORTH_MEASURING = 20.0  # s of expected time, beyond which the speed of this machine is measured first
@@ -56,9 +58,10 @@ def scan(options: argparse.Namespace) -> int:
 
 def _scan(options: argparse.Namespace, profile: Profile | None, jobs: int) -> int:
     found = load_scan(options.scan, options.overrides, here=options.executor == LOCAL)
-    directory = (options.directory or Path(found.name)).absolute()
+    directory = results_directory(options.directory or found.name)
     if not options.plan:
-        _check_directory(found, directory, options)
+        check_installed(options.executor)
+        _check(driver.decide, found, directory, options)
     slowness = _slowness(found, directory, options, jobs)
     print(plan_text(found, directory, profile, jobs, slowness, fresh=options.force))
     if options.plan:
@@ -76,10 +79,10 @@ def _suite(options: argparse.Namespace, profile: Profile | None, jobs: int) -> i
             f"--set: {options.scan} is a suite of scans, which have different cases; set keys in its scan files"
         )
     found = load_suite(options.scan, here=options.executor == LOCAL)
-    directory = (options.directory or Path(found.name)).absolute()
+    directory = results_directory(options.directory or found.name)
     if not options.plan:
-        for part in found.scans:
-            _check_directory(part, directory / part.name, options)
+        check_installed(options.executor)
+        _check(check_suite, found, directory, options)
     slowness: dict[str, float] = {}
     for part in found.scans:
         place = directory / part.name
@@ -87,7 +90,9 @@ def _suite(options: argparse.Namespace, profile: Profile | None, jobs: int) -> i
         slowness[part.name] = measured or 1.0
         print(plan_text(part, place, profile, jobs, measured, fresh=options.force) + "\n")
     total = sum(
-        expected_scan_time(_left(part, directory / part.name, fresh=options.force), profile, jobs, slowness[part.name])
+        expected_scan_time(
+            driver.left(part, directory / part.name, fresh=options.force), profile, jobs, slowness[part.name]
+        )
         for part in found.scans
     )
     print(f"suite {found.name}: {len(found.scans)} scans, about {duration(total)} in all\n")
@@ -99,7 +104,7 @@ def _suite(options: argparse.Namespace, profile: Profile | None, jobs: int) -> i
     for done in outcome.scans:
         print(f"{outcome_text(done)}\n")
     if not outcome.stopped:
-        print(f"report of all: {directory / REPORT}")
+        print(f"report of all: {directory / SCAN_REPORT}")
     return _status(outcome.stopped, outcome.scans)
 
 
@@ -114,10 +119,9 @@ def _how(options: argparse.Namespace, profile: Profile | None) -> dict[str, Any]
     }
 
 
-def _check_directory(scan: Scan, directory: Path, options: argparse.Namespace) -> None:
-    check_installed(options.executor)
+def _check(decide: Callable[..., None], found: Scan | Suite, directory: Path, options: argparse.Namespace) -> None:
     try:
-        driver.decide(scan, directory, resume=options.resume, force=options.force)
+        decide(found, directory, resume=options.resume, force=options.force)
     except OSError as error:  # it cannot be looked into
         raise InputError(f"{directory}: {error.strerror or error}; choose another directory with -o") from None
 
@@ -154,16 +158,11 @@ def _executor(options: argparse.Namespace) -> Profile | None:
 
 def _slowness(scan: Scan, directory: Path, options: argparse.Namespace, jobs: int) -> float | None:
     """How much longer a point takes here than planned; None where it was not worth measuring."""
-    left = _left(scan, directory, fresh=options.force)
+    left = driver.left(scan, directory, fresh=options.force)
     if options.executor == SLURM or sum(map(expected_time, left)) / jobs < _WORTH_MEASURING:
         return None
     typical = sorted(left, key=expected_time)[len(left) // 2]
     return slowness_of(typical, jobs)
-
-
-def _left(scan: Scan, directory: Path, *, fresh: bool) -> list[Point]:
-    """The points that are still to be run."""
-    return [p for p in scan.distinct.values() if fresh or not layout.is_done(directory, p.id)]
 
 
 def plan_text(
@@ -177,7 +176,7 @@ def plan_text(
 ) -> str:
     """What the scan would be."""
     points = scan.distinct.values()
-    left = _left(scan, directory, fresh=fresh)
+    left = driver.left(scan, directory, fresh=fresh)
     counts = f"{len(scan.points)}"
     if len(points) < len(scan.points):
         counts += f", {len(points)} of them different"
