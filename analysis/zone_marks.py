@@ -32,7 +32,7 @@ def mark_of(summary: Mapping[str, Any]) -> Mark:
 
 
 def bounds_in_words(bounds: object) -> str:
-    """Return a list of bounds as words: ``bottom, sides``, or ``none`` where it is empty."""
+    """Return a list of bounds, or of other names, as words: ``bottom, sides``, or ``none`` where it is empty."""
     return (", ".join(map(str, bounds)) or "none") if isinstance(bounds, list | tuple) else ""
 
 

@@ -17,7 +17,8 @@ from granwave.analysis.result import Result
 from granwave.analysis.target import reached
 from granwave.analysis.zone_size import BOTTOM, SIDES, WAVE_KEYS, Array, wave_returns, zone_sizes
 
-_AT_BORDER = 1e-9  # diameters: lengths that differ by less are equal
+_SAME = 1e-9  # relative, of lengths that are equal but for rounding
+_LATE = 0.05  # of a run: what yields outermost within so much of its end may go on
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -42,6 +43,8 @@ class PackingZone:
         where a zone meets its image. A packing of one layer has no bottom, a chain no sides.
     arrival
         When a contact of the sphere was first loaded, s; NaN: never. None where contacts are loaded from the start.
+    yield_time
+        When a contact of the sphere first yielded, s; NaN: never.
     """
 
     energy: Array
@@ -51,11 +54,24 @@ class PackingZone:
     yielded: NDArray[np.bool_]
     bounds: dict[str, NDArray[np.bool_]]
     arrival: Array | None
+    yield_time: Array
 
     @property
     def cut(self) -> list[str]:
         """Bounds that a yielded sphere touches."""
         return [name for name, touching in self.bounds.items() if np.any(self.yielded & touching)]
+
+    def growing(self, end_time: float) -> list[str]:
+        """``depth``, ``radius``: outermost yields that still moved out in the last 5 % of a run, of so many seconds."""
+        spheres = np.isfinite(self.yield_time)
+        found = []
+        for name, distance in (("depth", self.depth), ("radius", self.radius)):
+            if distance is None or not spheres.any():
+                continue
+            outermost = distance[spheres] >= (1 - _SAME) * distance[spheres].max()
+            if self.yield_time[spheres][outermost].min() > (1 - _LATE) * end_time:
+                found.append(name)
+        return found
 
 
 def packing_zone(result: Result) -> PackingZone:
@@ -75,18 +91,20 @@ def packing_zone(result: Result) -> PackingZone:
         yielded=(result["spheres/contacts_yielded"][own] > 0) | (energy > 0),
         bounds=_bounds(result, own, offset, periods),
         arrival=None if result.case.precompression is not None else result["spheres/time_first"][own],
+        yield_time=result["spheres/time_yield"][own],
     )
 
 
 def zone_summary(result: Result) -> dict[str, Any]:
     """Return the part of the summary that is about the size of the plastic zone; null where nothing can yield."""
     if not result.yields:
-        return zone_sizes(None) | dict.fromkeys(("zone_cut", *WAVE_KEYS))
+        return zone_sizes(None) | dict.fromkeys(("zone_cut", "zone_growing", *WAVE_KEYS))
     zone = packing_zone(result)
     sizes = zone_sizes(zone.energy, zone.volume, zone.depth, zone.radius)
     times = _return_times(result, zone, {BOTTOM: sizes["zone_depth_99_m"], SIDES: sizes["zone_radius_99_m"]})
     waves = wave_returns(times, result["energy/time"], result.yield_ledger)
-    return sizes | {"zone_cut": zone.cut} | waves
+    reached = {"zone_cut": zone.cut, "zone_growing": zone.growing(float(result["energy/time"][-1]))}
+    return sizes | reached | waves
 
 
 def _bounds(result: Result, own: NDArray[np.bool_], offset: Array, periods: Array | None) -> dict[str, NDArray]:
@@ -133,7 +151,7 @@ def _return_times(result: Result, zone: PackingZone, border: dict[str, float | N
         distance, inner = distances[name], border[name]
         assert distance is not None and inner is not None
         at_bound = float(arrival[touching].min(initial=np.inf))
-        outside = distance >= inner - _AT_BORDER * result.case.packing.diameter
+        outside = distance >= (1 - _SAME) * inner
         at_border = float(arrival[outside].min(initial=np.inf))
         if np.isfinite(at_bound):
             times[name] = at_bound + max(at_bound - at_border, 0.0)

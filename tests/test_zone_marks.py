@@ -62,6 +62,8 @@ def test_terminal_tells_the_sizes_and_the_bounds():
     assert "volume 1e-06, 1.8e-06, 1.98e-06 m3" in text
     assert text.splitlines()[-1].split() == ["bounds", "that", "it", "reaches", "bottom,", "sides"]
     assert "none" in continuum_table({"name": "x", "plastic_zone_radius_m": 0.1} | SIZES | FREE)
+    growing = summary_table({"name": "x", "plastic_zone_depth_m": 0.1, "zone_growing": ["depth"]})
+    assert growing.endswith("0.1 m, still moving out at the end")
     hertz = dict.fromkeys([*SIZES, *CUT, "plastic_zone_radius_m"])
     assert summary_table({"name": "x"} | hertz) == "case  x"
 

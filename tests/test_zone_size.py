@@ -148,7 +148,7 @@ def test_what_a_packing_does_not_extend_along_has_no_size(tmp_path):
 
 def test_hertz_has_no_zone(tmp_path):
     summary = summary_of(tmp_path, law="hertz")
-    names = [*SIZES, "zone_cut", "wave_returned", "wave_return_s", "wave_return_share"]
+    names = [*SIZES, "zone_cut", "zone_growing", "wave_returned", "wave_return_s", "wave_return_share"]
     assert [summary[name] for name in names] == [None] * len(names)
     assert mark_of(summary) is Mark.NONE
     assert zone_warnings(summary) == []
@@ -199,6 +199,17 @@ def test_periodic_zone_meets_its_image(tmp_path):
             found = zone_summary(result)
         assert found["zone_cut"] == cut
         assert found["zone_radius_99_m"] == pytest.approx(np.sort(radius[inside])[math.ceil(0.99 * inside.sum()) - 1])
+
+
+@pytest.mark.parametrize(("end", "growing"), [(1.1, False), (1.02, True)])
+def test_yield_that_still_moves_out_at_the_end(tmp_path, end, growing):
+    """The farther out a contact of a synthetic run the later it yields: in a chain the deepest one last."""
+    summary_of(tmp_path, kind="chain", size=8, dent=30.0)
+    with h5py.File(tmp_path / "result.h5", "r+") as file:
+        time = file["spheres/time_yield"][()]
+        file["energy/time"][-1] = end * time[np.isfinite(time)][-1]
+    with Result(tmp_path) as result:
+        assert zone_summary(result)["zone_growing"] == (["depth"] if growing else [])
 
 
 # ---------------------------------------------------------------------- waves that come back

@@ -14,6 +14,7 @@ from granwave.lammps_inputs.zone_estimate import ExpectedZone
 from granwave.workflows.kinds import Cost
 
 _ZONE_AFTER = "plastic_zone_radius_m"  # the row that the size of the plastic zone follows
+_GROWING = {"plastic_zone_depth_m": "depth", "plastic_zone_radius_m": "radius"}  # as `zone_growing` calls them
 _SUMMARY = {
     "n_spheres": ("spheres", "{:d}"),
     "n_contacts": ("touching at the start", "{:d}"),
@@ -89,7 +90,8 @@ def _table(names: Mapping[str, tuple[str, str]], summary: Mapping[str, Any]) -> 
     rows = [("case", str(summary["name"]))]
     for key, (label, form) in names.items():
         if summary.get(key) is not None:
-            rows.append((label, form.format(summary[key])))
+            growing = _GROWING.get(key) in (summary.get("zone_growing") or ())
+            rows.append((label, form.format(summary[key]) + (", still moving out at the end" if growing else "")))
         if key == _ZONE_AFTER:
             rows += _zone_rows(summary)
     return lines(rows)

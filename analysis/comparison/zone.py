@@ -24,6 +24,7 @@ from granwave.analysis.comparison.impacts import (
 )
 from granwave.analysis.comparison.scaling import GRANULAR_ENERGY
 from granwave.analysis.figure_style import BLUE, ORANGE, Drawing, new_figure
+from granwave.analysis.scan_axes import log_ticks
 from granwave.analysis.scan_marks import draw_marks, marked_marker, marks_of
 from granwave.analysis.zone_marks import Mark, mark_of
 from granwave.analysis.zone_size import SHARES
@@ -46,6 +47,8 @@ class Zone:
         That hold each of `SHARES`; None where a size does not apply.
     outermost
         Depth and radius of the outermost yield; None as above.
+    open_ended
+        The same of both: the run ended, or a bound cut it, before the outermost yield was reached.
     """
 
     run: Granular | Continuum
@@ -54,6 +57,7 @@ class Zone:
     radius: tuple[float | None, ...]
     volume: tuple[float | None, ...]
     outermost: tuple[float | None, ...]
+    open_ended: tuple[bool, bool]
 
     @property
     def mark(self) -> Mark:
@@ -71,6 +75,7 @@ def zone_of(run: Granular | Continuum) -> Zone | None:
         found = [run.summary.get(name) for name in names]
         return tuple(None if value is None else float(value) / unit for value in found)
 
+    cut, growing = run.summary.get("zone_cut") or (), run.summary.get("zone_growing") or ()
     return Zone(
         run=run,
         energy=run.energy / energy_unit(run.case.material, diameter),
@@ -78,6 +83,7 @@ def zone_of(run: Granular | Continuum) -> Zone | None:
         radius=sizes(diameter, *(f"zone_radius_{percent}_m" for percent in SHARES)),
         volume=sizes(math.pi * diameter**3 / 6, *(f"zone_volume_{percent}_m3" for percent in SHARES)),
         outermost=sizes(diameter, "plastic_zone_depth_m", "plastic_zone_radius_m"),
+        open_ended=("bottom" in cut or "depth" in growing, "sides" in cut or "radius" in growing),
     )
 
 
@@ -116,6 +122,7 @@ def zone_sizes(impacts: Impacts) -> Drawing | None:
     panels = figure.subplots(1, 3)
     columns: dict[str, list] = {"what": [], "energy_normalised": [], "mark": []}
     columns |= {f"{name}_{percent}": [] for name in _QUANTITIES for percent in SHARES}
+    columns |= {f"outermost_{name}": [] for name in ("depth", "depth_open_ended", "radius", "radius_open_ended")}
     for what, zones in sides.items():
         columns["what"] += [what] * len(zones)
         columns["energy_normalised"] += [zone.energy for zone in zones]
@@ -125,9 +132,16 @@ def zone_sizes(impacts: Impacts) -> Drawing | None:
                 values = [getattr(zone, name)[n] for zone in zones]
                 columns[f"{name}_{percent}"] += [math.nan if value is None else value for value in values]
                 _curve(axes, zones, values, n, what)
+        for n, (axes, name) in enumerate(zip(panels, ("depth", "radius"), strict=False)):
+            outermost = [zone.outermost[n] for zone in zones]
+            columns[f"outermost_{name}"] += [math.nan if value is None else value for value in outermost]
+            columns[f"outermost_{name}_open_ended"] += [int(zone.open_ended[n]) for zone in zones]
+            x, y = [zone.energy for zone in zones], [value or math.nan for value in outermost]
+            axes.plot(x, y, ":", color=_LOOKS[what][0], linewidth=0.9)
     for axes, title in zip(panels, _QUANTITIES.values(), strict=True):
         axes.set_xscale("log")
         axes.set_yscale("log")
+        log_ticks(axes.yaxis)
         axes.set_ylabel(title)
         axes.set_xlabel(r"$e_\mathrm{in} E/(\sigma_\mathrm{y}^2 D^3)$")
     _axis_of_contacts(panels, sides["packing"][0])
@@ -141,8 +155,9 @@ def zone_sizes(impacts: Impacts) -> Drawing | None:
         Line2D([], [], color="black", marker=marker, linestyle="none", markersize=4, label=f"{percent} %")
         for marker, percent in zip(_MARKERS, SHARES, strict=True)
     ]
+    handles.append(Line2D([], [], color="black", linestyle=":", linewidth=0.9, label="outermost yield"))
     handles += [Line2D([], [], label=label, **marked_marker(mark, "o", 4, "black")) for mark, label in marks.items()]
-    figure.legend(handles=handles, loc="outside upper center", ncols=len(handles), fontsize=7, columnspacing=1.2)
+    figure.legend(handles=handles, loc="outside upper center", ncols=len(handles), fontsize=6.5, columnspacing=1.0)
     return Drawing(figure, columns)
 
 

@@ -64,6 +64,12 @@ _CAPTIONS = {
     "collapse_plastic_volume": "Plastic zone against normalised input energy, of all materials",
     "dissipated_fraction_map": "Dissipated fraction by both of what varies",
 }
+_QUANTITIES = {  # of figures of scans, where their names do not tell
+    "plastic_zone_depth": "Depth of the outermost yield",
+    "zone_depth_90": "Depth that holds 90 % of the energy of yielding",
+    "zone_radius_90": "Radius that holds 90 % of the energy of yielding",
+    "zone_volume_90": "Volume that holds 90 % of the energy of yielding",
+}
 _AGAINST = "_vs_"  # in names of figures of scans: of what, against which key
 
 
@@ -145,7 +151,8 @@ def _caption(stem: str, words: Mapping[str, str]) -> str:
     if stem in _CAPTIONS:
         return _CAPTIONS[stem]
     what, against, key = stem.partition(_AGAINST)
-    return f"{readable(what)} against {words.get(key, readable(key).lower())}" if against else readable(stem)
+    name = _QUANTITIES.get(what, readable(what))
+    return f"{name} against {words.get(key, readable(key).lower())}" if against else readable(stem)
 
 
 def _points(scan: Scan, inputs: Inputs, number: int) -> list[Block]:

@@ -110,6 +110,7 @@ _LABELS = {
         for percent in SHARES
     },
     "zone_cut": "Bounds that the zone reaches",
+    "zone_growing": "Outermost yield that still moved out at the end",
     "wave_returned": "Bounds whose waves came back",
     "wave_return_s": "Earliest return of a wave",
     "wave_return_share": "Share dissipated after that",
@@ -138,6 +139,7 @@ MEANINGS = {
     "zone_volume_90_m3": "Volume of the fewest spheres (elements) that hold 90 % of it, those with most for their "
     "volume; without the voids between spheres.",
     "zone_cut": "A sphere (element) that yielded touches them: the outermost yield is cut there.",
+    "zone_growing": "The outermost sphere in depth, or radius, yielded in the last 5 % of the run.",
     "wave_returned": "A wave that they reflect can have come back, within the run, to what holds 99 %.",
     "wave_return_s": "From the first arrivals at the bound and at the zone (continuum: from the speed of compression "
     "waves).",
