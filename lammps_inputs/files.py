@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import json
 import math
 import os
@@ -34,6 +35,19 @@ def replace_bytes(path: Path, content: bytes) -> None:
     """Replace a file whole or not at all."""
     with replacing(path) as scratch:
         scratch.write_bytes(content)
+
+
+def read_regular(path: Path) -> bytes:
+    """Read a file whole, if it has an end.
+
+    Raises
+    ------
+    OSError
+        It cannot be read, or is a pipe or a device, which may never end.
+    """
+    if path.exists() and not path.is_file() and not path.is_dir():
+        raise OSError(errno.EINVAL, "is a pipe or a device, expected a file", str(path))
+    return path.read_bytes()
 
 
 def read_json(path: Path) -> dict[str, Any] | None:

@@ -47,7 +47,7 @@ class Faults:
         """Record one fault of the dotted ``key``."""
         top_down = [key.rsplit(".", n)[0] for n in range(key.count(".") + 1)]
         source = "--set" if any(name in self.overridden for name in top_down) else self.source
-        self.lines.append(" ".join(f"{source}: {key}: {message}".split()))
+        self.lines.append(" ".join(f"{source}: {_cut(key)}: {message}".split()))
 
 
 def number(
@@ -164,7 +164,12 @@ def show(value: Any) -> str:
         shown = "[" + ", ".join(show(item) for item in value[:_SHOWN_CHARACTERS]) + "]"
     else:
         shown = str(value)
-    return shown if len(shown) <= _SHOWN_CHARACTERS else shown[: _SHOWN_CHARACTERS - 3] + "..."
+    return _cut(shown)
+
+
+def _cut(text: str) -> str:
+    """``text``, cut to a readable length."""
+    return text if len(text) <= _SHOWN_CHARACTERS else text[: _SHOWN_CHARACTERS - 3] + "..."
 
 
 def read_table(section: type[Section], table: Any, prefix: str, faults: Faults) -> Section | None:

@@ -1,12 +1,15 @@
 """The command line.
 
-Exit status: 0 done; 2 the input is wrong and nothing was run; 1 it failed while running; 130 after Ctrl-C.
+Exit status: 0 done; 2 the input is wrong and nothing was run; 1 it failed while running; 130 after Ctrl-C; 141 if what
+reads its output has left, as of other commands in a pipe.
 """
 
 from __future__ import annotations
 
 import argparse
+import io
 import logging
+import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -16,24 +19,52 @@ from granwave.lammps_inputs.errors import GranwaveError, InputError
 from granwave.workflows import commands, mpi
 from granwave.workflows.messages import each_warning_once
 
-DONE, FAILED, WRONG_INPUT, STOPPED = 0, 1, 2, 130
+DONE, FAILED, WRONG_INPUT, STOPPED, READER_LEFT = 0, 1, 2, 130, 141
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit status."""
     words = list(sys.argv[1:] if arguments is None else arguments)
+    _set_up_output()
     options = _parser().parse_args(words)
     _set_up_logging()
     try:
-        return int(options.command(options, words))
+        status = int(options.command(options, words))
+        if sys.stdout is not None:
+            sys.stdout.flush()  # here, where a full disk is told, and not when the interpreter ends
+        return status
     except InputError as error:
         return _report(error.faults, WRONG_INPUT)
     except GranwaveError as error:
         return _report([str(error)], FAILED)
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # where the rest of the output goes, without an error
+        return READER_LEFT
     except OSError as error:
-        return _report([f"{error.filename or 'a file'}: {error.strerror or error}"], FAILED)
+        return _report_file(error, words)
+    except MemoryError as error:
+        return _report([f"there is not enough memory ({error or 'none left'})"], FAILED)
     except KeyboardInterrupt:
         return _report(["stopped"], STOPPED)
+
+
+def _set_up_output() -> None:
+    """Whatever the terminal or the user's settings are, text can be printed and figures drawn."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
+    os.environ["MPLBACKEND"] = "agg"  # figures go to files
+
+
+def _report_file(error: OSError, words: Sequence[str]) -> int:
+    """What is wrong with a file: of the input if the command line itself names it, for nothing was run yet then."""
+    try:
+        named = [os.path.abspath(word) for word in words if word]
+        wrong = error.filename is not None and os.path.abspath(os.fsdecode(error.filename)) in named
+    except OSError:
+        return _report(["the working directory does not exist any more; change to another"], WRONG_INPUT)
+    fault = f"{error.filename or 'the output'}: {error.strerror or error}"
+    return _report([fault], WRONG_INPUT if wrong else FAILED)
 
 
 def _set_up_logging() -> None:
@@ -54,8 +85,13 @@ class _Messages(logging.Formatter):
 def _report(lines: Sequence[str], status: int) -> int:
     if not mpi.launched() or mpi.world().rank == 0:
         for line in lines:
-            print(f"granwave: {line}", file=sys.stderr)
+            print(f"granwave: {_printable(line)}", file=sys.stderr)
     return status
+
+
+def _printable(line: str) -> str:
+    """One line that no name of a file in it can break, recolour or turn around."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape", "surrogatepass").decode() for c in line)
 
 
 def _parser() -> argparse.ArgumentParser:
