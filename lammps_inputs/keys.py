@@ -157,7 +157,7 @@ def show(value: Any) -> str:
     if isinstance(value, bool):
         shown = "true" if value else "false"
     elif isinstance(value, str):
-        shown = '"' + value.encode("unicode_escape").decode() + '"'
+        shown = '"' + printable(value.replace("\\", "\\\\")) + '"'
     elif isinstance(value, Mapping):
         shown = "{" + ", ".join(f"{key} = {show(item)}" for key, item in value.items()) + "}"
     elif isinstance(value, list | tuple):
@@ -165,6 +165,11 @@ def show(value: Any) -> str:
     else:
         shown = str(value)
     return _cut(shown)
+
+
+def printable(text: str) -> str:
+    """``text`` with line ends, controls and marks of direction escaped: one line that nothing in it can break."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
 def _cut(text: str) -> str:

@@ -7,6 +7,7 @@ reads its output has left, as of other commands in a pipe.
 from __future__ import annotations
 
 import argparse
+import errno
 import io
 import logging
 import os
@@ -16,10 +17,13 @@ from pathlib import Path
 
 from granwave import __version__
 from granwave.lammps_inputs.errors import GranwaveError, InputError
+from granwave.lammps_inputs.keys import printable
 from granwave.workflows import commands, mpi
 from granwave.workflows.messages import each_warning_once
 
 DONE, FAILED, WRONG_INPUT, STOPPED, READER_LEFT = 0, 1, 2, 130, 141
+
+_OF_NAMES = (errno.ENAMETOOLONG, errno.ELOOP)  # errors of the system that no wait and no other machine mends
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -30,8 +34,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     _set_up_logging()
     try:
         status = int(options.command(options, words))
-        if sys.stdout is not None:
-            sys.stdout.flush()  # here, where a full disk is told, and not when the interpreter ends
+        sys.stdout.flush()  # here, where a full disk is told, and not when the interpreter ends
         return status
     except InputError as error:
         return _report(error.faults, WRONG_INPUT)
@@ -43,13 +46,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except OSError as error:
         return _report_file(error, words)
     except MemoryError as error:
-        return _report([f"there is not enough memory ({error or 'none left'})"], FAILED)
+        return _report([f"there is not enough memory ({str(error) or 'none left'})"], FAILED)
     except KeyboardInterrupt:
         return _report(["stopped"], STOPPED)
 
 
 def _set_up_output() -> None:
     """Whatever the terminal or the user's settings are, text can be printed and figures drawn."""
+    if sys.stdout is None:  # it was closed
+        sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
@@ -60,7 +65,9 @@ def _report_file(error: OSError, words: Sequence[str]) -> int:
     """What is wrong with a file: of the input if the command line itself names it, for nothing was run yet then."""
     try:
         named = [os.path.abspath(word) for word in words if word]
-        wrong = error.filename is not None and os.path.abspath(os.fsdecode(error.filename)) in named
+        wrong = error.errno in _OF_NAMES or (
+            error.filename is not None and os.path.abspath(os.fsdecode(error.filename)) in named
+        )
     except OSError:
         return _report(["the working directory does not exist any more; change to another"], WRONG_INPUT)
     fault = f"{error.filename or 'the output'}: {error.strerror or error}"
@@ -85,13 +92,8 @@ class _Messages(logging.Formatter):
 def _report(lines: Sequence[str], status: int) -> int:
     if not mpi.launched() or mpi.world().rank == 0:
         for line in lines:
-            print(f"granwave: {_printable(line)}", file=sys.stderr)
+            print(f"granwave: {printable(line)}", file=sys.stderr)
     return status
-
-
-def _printable(line: str) -> str:
-    """One line that no name of a file in it can break, recolour or turn around."""
-    return "".join(c if c.isprintable() else c.encode("unicode_escape", "surrogatepass").decode() for c in line)
 
 
 def _parser() -> argparse.ArgumentParser:
