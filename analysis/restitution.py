@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.figure_style import BLUE, GREEN, ORANGE, PURPLE, Drawing, new_figure, save_as
+from granwave.analysis.law import check_forces
 
 if TYPE_CHECKING:
     from granwave._contact_laws import ContactLaw
@@ -39,6 +40,7 @@ def restitution(
         Of the fastest impact, in units of that at first yield; the fit of the elasto-plastic law ends at 0.2 R*,
         and so does the curve.
     """
+    check_forces(law)
     largest = max_overlap * law.yield_overlap
     if law.name == "elastoplastic":
         largest = min(largest, 0.2 * law.effective_radius)

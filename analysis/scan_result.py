@@ -78,7 +78,7 @@ class ScanResult:
             self.name: str = index["name"]
             self.case_name: str = index["case"]
             self.varied: tuple[str, ...] = tuple(index["varied"])
-            self._points: list[dict[str, Any]] = index["points"]
+            self._points: list[dict[str, Any]] = [_checked(point) for point in index["points"]]
         except FileNotFoundError:
             raise MissingOutputError(f"{path} is missing: expected the directory of a scan") from None
         except (OSError, ValueError, KeyError, TypeError) as error:
@@ -127,6 +127,14 @@ class ScanResult:
                 return {}
             self._summaries[name] = summary
         return self._summaries[name]
+
+
+def _checked(entry: dict[str, Any]) -> dict[str, Any]:
+    """A point of the index; raises KeyError, TypeError or ValueError where it lacks what it needs."""
+    number, name, labels = entry["number"], entry["id"], entry["labels"]
+    if not isinstance(number, int) or not isinstance(name, str) or not isinstance(labels, dict):
+        raise ValueError(f"a point has no number, id or labels: {entry}")
+    return entry
 
 
 def is_scan(directory: str | Path) -> bool:

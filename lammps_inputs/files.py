@@ -71,6 +71,19 @@ def replace_bytes(path: Path, content: bytes) -> None:
         scratch.write_bytes(content)
 
 
+def read_regular(path: Path) -> bytes:
+    """Read a file whole, if it has an end.
+
+    Raises
+    ------
+    OSError
+        It cannot be read, or is a pipe or a device, which may never end.
+    """
+    if path.exists() and not path.is_file() and not path.is_dir():
+        raise OSError(errno.EINVAL, "is a pipe or a device, expected a file", str(path))
+    return path.read_bytes()
+
+
 def read_json(path: Path) -> dict[str, Any] | None:
     """The JSON table in a file; None where there is none, or none that can be read."""
     try:

@@ -62,7 +62,7 @@ class Faults:
         """Record one fault of the dotted ``key``."""
         top_down = [key.rsplit(".", n)[0] for n in range(key.count(".") + 1)]
         source = "--set" if any(name in self.overridden for name in top_down) else self.source
-        self.lines.append(" ".join(f"{source}: {key}: {message}".split()))
+        self.lines.append(" ".join(f"{source}: {_cut(key)}: {message}".split()))
 
     def report(self, name: str) -> None:
         """Log the notes on a case of this name as warnings; raise InputError if there are faults."""
@@ -199,14 +199,24 @@ def show(value: Any) -> str:
     if isinstance(value, bool):
         shown = "true" if value else "false"
     elif isinstance(value, str):
-        shown = '"' + value.encode("unicode_escape").decode() + '"'
+        shown = '"' + printable(value.replace("\\", "\\\\")) + '"'
     elif isinstance(value, Mapping):
         shown = "{" + ", ".join(f"{key} = {show(item)}" for key, item in value.items()) + "}"
     elif isinstance(value, list | tuple):
         shown = "[" + ", ".join(show(item) for item in value[:_SHOWN_CHARACTERS]) + "]"
     else:
         shown = str(value)
-    return shown if len(shown) <= _SHOWN_CHARACTERS else shown[: _SHOWN_CHARACTERS - 3] + "..."
+    return _cut(shown)
+
+
+def printable(text: str) -> str:
+    """``text`` with line ends, controls and marks of direction escaped: one line that nothing in it can break."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+
+
+def _cut(text: str) -> str:
+    """``text``, cut to a readable length."""
+    return text if len(text) <= _SHOWN_CHARACTERS else text[: _SHOWN_CHARACTERS - 3] + "..."
 
 
 def read_table(section: type[Section], table: Any, prefix: str, faults: Faults) -> Section | None:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import read_regular
 from granwave.lammps_inputs.named_files import with_absolute_paths
 
 
@@ -21,7 +22,7 @@ def read_toml(path: str | Path) -> dict[str, Any]:
     """
     path = Path(path)
     try:
-        raw = path.read_bytes()
+        raw = read_regular(path)
     except FileNotFoundError:
         raise InputError(f"{path}: no such file{_similar(path)}") from None
     except IsADirectoryError:

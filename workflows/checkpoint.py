@@ -57,14 +57,20 @@ def keep_only(directory: Path, checkpoint: dict[str, Any] | None) -> None:
 
 
 def usable(directory: Path, checkpoint: dict[str, Any] | None) -> bool:
-    """The checkpoint's files are all there: what grows no shorter than it was, the rest as it was."""
+    """The checkpoint's files are all there: what grows no shorter than it was, the rest as it was.
+
+    False for a record that was damaged.
+    """
     if checkpoint is None:
         return False
-    for name, size in checkpoint["whole"].items():
-        if not (directory / name).is_file() or (directory / name).stat().st_size != size:
-            return False
-    paths = {directory / name: size for name, size in checkpoint["sizes"].items()}
-    return all(path.is_file() and path.stat().st_size >= size for path, size in paths.items())
+    try:
+        for name, size in checkpoint["whole"].items():
+            if not (directory / name).is_file() or (directory / name).stat().st_size != size:
+                return False
+        paths = {directory / name: size for name, size in checkpoint["sizes"].items()}
+        return all(path.is_file() and path.stat().st_size >= size for path, size in paths.items())
+    except (AttributeError, KeyError, TypeError):
+        return False
 
 
 def cut_back(directory: Path, checkpoint: dict[str, Any]) -> None:

@@ -1,12 +1,15 @@
 """The command line.
 
-Exit status: 0 done; 2 the input is wrong and nothing was run; 1 it failed while running; 130 after Ctrl-C.
+Exit status: 0 done; 2 the input is wrong and nothing was run; 1 it failed while running; 130 after Ctrl-C; 141 if what
+reads its output has left, as of other commands in a pipe.
 """
 
 from __future__ import annotations
 
 import argparse
 import difflib
+import errno
+import io
 import logging
 import math
 import os
@@ -19,16 +22,19 @@ from typing import NoReturn
 from granwave import __version__
 from granwave.lammps_inputs.directories import output_path
 from granwave.lammps_inputs.errors import GranwaveError, InputError
-from granwave.lammps_inputs.keys import show
+from granwave.lammps_inputs.keys import printable, show
 from granwave.workflows import commands, mpi
 from granwave.workflows.messages import each_warning_once
 
-DONE, FAILED, WRONG_INPUT, STOPPED = 0, 1, 2, 130
+DONE, FAILED, WRONG_INPUT, STOPPED, READER_LEFT = 0, 1, 2, 130, 141
+
+_OF_NAMES = (errno.ENAMETOOLONG, errno.ELOOP)  # errors of the system that no wait and no other machine mends
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit status."""
     words = list(sys.argv[1:] if arguments is None else arguments)
+    _set_up_output()
     options = _parser().parse_args(words)
     _set_up_logging()
     try:
@@ -39,8 +45,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _report(error.faults, WRONG_INPUT)
     except GranwaveError as error:
         return _report([str(error)], FAILED)
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # where the rest of the output goes, without an error
+        return READER_LEFT
     except OSError as error:
-        return _report([f"{error.filename or 'a file, or the standard output'}: {error.strerror or error}"], FAILED)
+        return _report_file(error, words)
+    except MemoryError as error:
+        return _report([f"there is not enough memory ({str(error) or 'none left'})"], FAILED)
     except KeyboardInterrupt:
         return _report(["stopped"], STOPPED)
 
@@ -52,6 +63,29 @@ def _flush() -> None:
     except OSError as error:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or Python tries once more at its end
         raise OSError(error.errno, error.strerror, "standard output") from None
+
+
+def _set_up_output() -> None:
+    """Whatever the terminal or the user's settings are, text can be printed and figures drawn."""
+    if sys.stdout is None:  # it was closed
+        sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
+    os.environ["MPLBACKEND"] = "agg"  # figures go to files
+
+
+def _report_file(error: OSError, words: Sequence[str]) -> int:
+    """What is wrong with a file: of the input if the command line itself names it, for nothing was run yet then."""
+    try:
+        named = [os.path.abspath(word) for word in words if word]
+        wrong = error.errno in _OF_NAMES or (
+            error.filename is not None and os.path.abspath(os.fsdecode(error.filename)) in named
+        )
+    except OSError:
+        return _report(["the working directory does not exist any more; change to another"], WRONG_INPUT)
+    fault = f"{error.filename or 'the output'}: {error.strerror or error}"
+    return _report([fault], WRONG_INPUT if wrong else FAILED)
 
 
 def _set_up_logging() -> None:
@@ -75,7 +109,7 @@ class _Messages(logging.Formatter):
 def _report(lines: Sequence[str], status: int) -> int:
     if not mpi.launched() or mpi.world().rank == 0:
         for line in lines:
-            print(f"granwave: {line}", file=sys.stderr)
+            print(f"granwave: {printable(line)}", file=sys.stderr)
     return status
 
 

@@ -115,7 +115,8 @@ def load_case(case: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (
 
 def text(name: str) -> str:
     """The file of a built-in study, case or scan, comments and all."""
-    return find(name, SCANS if name in names(SCANS) else CASES).read_text(encoding="utf-8")
+    nearest = difflib.get_close_matches(name, [*names(CASES), *names(SCANS)], n=1)
+    return find(name, SCANS if set(nearest) & set(names(SCANS)) else CASES).read_text(encoding="utf-8")
 
 
 def title(name: str) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Mapping
 from typing import Any, ClassVar, Literal
 
@@ -40,7 +41,7 @@ class Punch:
     @property
     def energy(self) -> float:
         """Kinetic energy of the punch at the start: all the input there is, J."""
-        return 0.5 * self.mass * self.velocity**2
+        return 0.5 * self.mass * self.velocity * self.velocity  # infinite, not an error, where it is beyond all numbers
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -117,6 +118,12 @@ class ContinuumCase(ElementCase):
         material: Material | None = parts.get("material")
         if material is not None and material.yield_strength is None:
             faults.add("material.yield_strength", "missing; a continuum case needs it: give a number in Pa")
+        if punch is not None and not 0 < punch.energy < math.inf:
+            faults.add(
+                "punch",
+                f"found {punch.mass:g} kg at {punch.velocity:g} m/s, an energy of {punch.energy:g} J as a number; "
+                "are they in SI units?",
+            )
         if punch is not None and 2 * punch.taper > punch.diameter:
             faults.add(
                 "punch.taper", f"found {punch.taper:g} m, expected at most the punch's radius, {punch.diameter / 2:g} m"
