@@ -97,6 +97,24 @@ def test_estimate_is_one_of_the_normalised_energy():
     assert other.room["bottom"] == pytest.approx(one.room["bottom"] / 2, rel=1e-9)
 
 
+#: Outermost yield of brass spheres in packings that did not cut it, in runs that ended after it: kind, velocity (m/s),
+#: struck spheres, depth and radius in diameters.
+MEASURED = [
+    ("fcc", 0.2, 1, 2.45, 1.73), ("fcc", 0.3, 1, 3.27, 2.31), ("fcc", 0.6, 1, 4.08, 2.89), ("fcc", 1, 1, 5.72, 4.04),
+    ("fcc", 2, 1, 8.98, 6.03), ("fcc", 3, 1, 10.61, 7.55), ("fcc", 6, 1, 14.70, 15.72), ("fcc", 10, 1, 17.96, 19.00),
+    ("fcc", 20, 1, 21.23, 23.58), ("fcc", 2, 7, 16.33, 10.69), ("hcp", 0.6, 1, 4.08, 2.52), ("hcp", 3, 1, 10.61, 7.94),
+    ("bcc", 0.2, 1, 2.89, 4.08), ("bcc", 0.6, 1, 6.35, 8.98), ("bcc", 1.2, 1, 9.24, 10.61), ("bcc", 2, 1, 13.28, 14.26),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("kind", "velocity", "spheres", "depth", "radius"), MEASURED)
+def test_estimate_is_as_certain_as_it_says(kind, velocity, spheres, depth, radius):
+    zone = expected_zone(make([24, 24, 12], kind, load={"velocity": velocity, "spheres": spheres}))
+    assert zone is not None
+    for expected, found in ((zone.depth / 0.01, depth), (zone.radius / 0.01, radius)):
+        assert 1 / zone.spread < found / expected < zone.spread
+
+
 def test_no_estimate_where_there_is_no_zone_to_speak_of():
     assert expected_zone(make([24, 24, 12], contact={"law": "hertz"})) is None
     assert expected_zone(make([20, 20], "square")) is None
