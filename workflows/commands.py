@@ -111,14 +111,12 @@ def write(options: argparse.Namespace, _: Words) -> int:
 
 def analyse(options: argparse.Namespace, _: Words) -> int:
     """granwave analyse"""
-    from granwave.analysis import MissingOutputError
+    from granwave.analysis import MissingOutputError, OutputFormatError
     from granwave.analysis import analyse as analyse_directory
 
-    if not options.directory.is_dir():
-        raise InputError(f"{options.directory}: no such directory; run a case into it first")
     try:
         print(summary_table(analyse_directory(options.directory, progress=True, figures=options.figures)))
-    except MissingOutputError as error:
+    except (MissingOutputError, OutputFormatError) as error:
         raise InputError(str(error)) from None
     return 0
 
