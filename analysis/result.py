@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import tomllib
 from functools import cached_property
 from pathlib import Path
@@ -78,7 +77,7 @@ class Result:
         if not self.path.is_file():
             return f"{self.path}: is no file, expected the result.h5 of a run"
         if isinstance(error, PermissionError):
-            return f"{self.path}: cannot be read: {os.strerror(error.errno)}"
+            return f"{self.path}: cannot be read: {error.strerror or error}"
         if given.is_file() and given.name != RESULT_FILE and not h5py.is_hdf5(given):
             return _why_no_run(given)
         return self.damaged(_REASONS.get(next((known for known in _REASONS if known in str(error)), ""), error))
