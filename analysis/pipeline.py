@@ -9,8 +9,11 @@ from pathlib import Path
 from tqdm import tqdm
 
 from granwave.analysis.completeness import check_complete
+from granwave.analysis.errors import MissingOutputError
+from granwave.analysis.not_a_run import is_continuum, why_no_run
 from granwave.analysis.result_file import write_result
 from granwave.analysis.summary import Summary, summarise
+from granwave.lammps_inputs.deck import CASE_FILE
 
 logger = logging.getLogger(__name__)
 
@@ -35,7 +38,7 @@ def analyse(directory: str | Path, progress: bool | Callable[[str], None] = Fals
     Raises
     ------
     MissingOutputError
-        The run did not leave a file that is needed.
+        It is not the directory of a run, or the run did not leave a file that is needed.
     OutputFormatError
         A file is damaged.
     """
@@ -59,6 +62,8 @@ def _figures() -> tuple[str, ...]:
 
 
 def _analyse(directory: Path, report: Callable[[str], None], figures: bool) -> Summary:
+    if not (directory / CASE_FILE).exists() or is_continuum(directory):
+        raise MissingOutputError(why_no_run(directory))
     check_complete(directory)
     report("result.h5")
     write_result(directory)

@@ -31,19 +31,29 @@ from numpy.typing import NDArray
 import granwave
 from granwave.analysis.chain_history import Groups, read_chain
 from granwave.analysis.contacts import Contacts, list_contacts, merge_dents, sphere_values, touching_pairs
-from granwave.analysis.dumps import WALL_COLUMNS, Frame, read_contacts, read_data, read_frames, read_wall_contacts
-from granwave.analysis.errors import MissingOutputError
+from granwave.analysis.dumps import (
+    WALL_COLUMNS,
+    Frame,
+    check_ids,
+    read_contacts,
+    read_data,
+    read_frames,
+    read_wall_contacts,
+)
+from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.h5md import COMPRESSION, write_metadata, write_trajectory
+from granwave.analysis.number_rows import AGAIN, CUT
 from granwave.analysis.pairs import PairLaws, dissipated_share, pair_laws
 from granwave.analysis.tables import Table, read_energy, read_prestage, read_probes, read_walls
 from granwave.lammps_inputs.assembly import gap_tolerance
 from granwave.lammps_inputs.case import Case, load_case
-from granwave.lammps_inputs.files import replacing
+from granwave.lammps_inputs.files import read_json, replacing
 from granwave.lammps_inputs.materials import Material
 from granwave.lammps_inputs.run_directory import CASE_FILE, RECORD_FILE, RESULT_FILE, claim
 from granwave.lammps_inputs.walls import walls
 
 BALANCE_REFUSED = "energy balance refused"  # end_reason of a run whose energies do not add up
+_RECORDED = {"n_steps": int, "wall_time_s": int | float, "versions": dict}  # what is taken from run.json
 _COMPRESSED_FROM = 4096  # values; smaller data sets are kept plain
 
 _UNITS = {
@@ -126,9 +136,20 @@ def write_result(directory: str | Path) -> Path:
 
 
 def read_record(directory: str | Path) -> dict[str, Any]:
-    """What the driver noted of the run (``run.json``); empty when there is nothing."""
+    """What the driver noted of the run (``run.json``); empty when there is nothing.
+
+    Raises
+    ------
+    OutputFormatError
+        It is damaged.
+    """
     path = Path(directory) / RECORD_FILE
-    return json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
+    if not path.exists():
+        return {}
+    record = read_json(path)
+    if record is None or any(not isinstance(record[name], kind) for name, kind in _RECORDED.items() if name in record):
+        raise OutputFormatError(f"{path} cannot be read: delete it, or {AGAIN}")
+    return record
 
 
 def _write(file: h5py.File, directory: Path) -> None:
@@ -147,12 +168,19 @@ def _write(file: h5py.File, directory: Path) -> None:
     write_metadata(file, versions["granwave"])
 
     timestep = _timestep(text, ledger)
-    frames = (frame.up_to(last) for frame in read_frames(directory))
-    write_trajectory(file, start, frames, timestep, _periodic(case), friction=case.rubs)
-    if _resolved(text).get("history_every"):
-        for name, columns in read_chain(directory, case, everything, timestep).items():
+    path = directory / "dumps" / "spheres.dump"
+    frames = (frame.up_to(last) for frame in read_frames(directory, partial=False))
+    end = write_trajectory(file, start, frames, timestep, _periodic(case), path, friction=case.rubs).step
+    n_steps = int(ledger["step"][-1])
+    if end < n_steps:  # the end of a run is always a snapshot
+        raise OutputFormatError(f"{path} ends with the snapshot of step {end}, the run at step {n_steps}: {CUT}")
+    if every := _resolved(text).get("history_every"):
+        for name, columns in read_chain(directory, case, everything, timestep, n_steps - n_steps % every).items():
             write_group(file, name, columns)
-    _write_contacts(file, case, start, dents, read_wall_contacts(directory))
+    planes = read_wall_contacts(directory)
+    for dump, frame in {"contacts": dents, **{f"wall_{name}": frame for name, frame in planes.items()}}.items():
+        check_ids(directory / "dumps" / f"{dump}.dump", frame, everything)
+    _write_contacts(file, case, start, dents, planes)
     write_group(file, "energy", ledger)
     if prestage := read_prestage(directory):
         write_group(file, "prestage", prestage)

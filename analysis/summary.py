@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from granwave.analysis.contacts import LISTED_FROM
 from granwave.analysis.plasticity import HALF_LAW_LIMIT, LAW_LIMIT, PlasticZone, plastic_zone
 from granwave.analysis.result import Result
 from granwave.analysis.sensors import sensor_accelerations, sensor_forces, sensor_velocities
@@ -56,6 +57,7 @@ def summary_of(result: Result) -> Summary:
         "name": result.case.name,
         "n_spheres": result.n_spheres,
         "n_contacts": int(np.count_nonzero(result["contacts/touching"])),
+        "n_loaded_contacts": _loaded(result),
         "timestep_s": end_time / n_steps if n_steps else None,
         "n_steps": n_steps,
         "end_time_s": end_time,
@@ -165,6 +167,13 @@ def _precompression(result: Result) -> Summary:
         key: float(result[f"prestage/{name}"][-1]) if f"prestage/{name}" in result else None
         for key, name in found.items()
     }
+
+
+def _loaded(result: Result) -> int:
+    """Pairs of spheres that bore a force in this run, those left out that were pressed by rounding alone."""
+    least = LISTED_FROM * result["contacts/yield_overlap"]
+    pressed = result["contacts/peak_overlap"] > np.where(np.isfinite(least), least, 0.0)
+    return int(np.count_nonzero(pressed & (result["contacts/peak_force"] > 0)))
 
 
 def _contacts(result: Result) -> Summary:

@@ -44,7 +44,7 @@ def test_unknown_form_is_refused(run, tmp_path, to, hint):
 
 @pytest.mark.parametrize("to", FORMATS)
 def test_directory_without_result_is_refused(tmp_path, to):
-    with pytest.raises(InputError, match=r"data\.granwave" if to == "ovito" else "granwave analyse"):
+    with pytest.raises(InputError, match=r"data\.granwave" if to == "ovito" else "is no run: it is empty"):
         export(tmp_path, to)
     assert not list(tmp_path.iterdir())
     with pytest.raises(InputError, match="no such directory"):
@@ -71,7 +71,7 @@ def test_missing_library_is_named(run, tmp_path, monkeypatch, to, module):
 def test_failure_leaves_the_old_files_and_nothing_else(run, tmp_path, monkeypatch):
     export(run, "csv", tmp_path)
     before = {path: path.read_bytes() for path in tmp_path.iterdir()}
-    monkeypatch.setattr(Result, "frame", lambda *_: (_ for _ in ()).throw(OSError("disk full")))
+    monkeypatch.setattr(Result, "frame", lambda *_: (_ for _ in ()).throw(OSError(28, "disk full")))
     with pytest.raises(OSError, match="disk full"):
         export(run, "csv", tmp_path)
     assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before

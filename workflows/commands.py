@@ -122,7 +122,7 @@ def write(options: argparse.Namespace, _: Words) -> int:
 
 def analyse(options: argparse.Namespace, _: Words) -> int:
     """granwave analyse"""
-    from granwave.analysis import MissingOutputError
+    from granwave.analysis import MissingOutputError, OutputFormatError
     from granwave.analysis import analyse as analyse_directory
     from granwave.workflows.directory import held
 
@@ -134,7 +134,7 @@ def analyse(options: argparse.Namespace, _: Words) -> int:
             print(f"granwave: {options.directory / CASE_FILE}: written again as it was run", file=sys.stderr)
         try:
             summary = analyse_directory(options.directory, progress=True, figures=options.figures)
-        except MissingOutputError as error:
+        except (MissingOutputError, OutputFormatError) as error:
             raise InputError(str(error)) from None
     print(summary_table(summary))
     _warn_of_zone(summary)

@@ -17,7 +17,8 @@ _ZONE_AFTER = "plastic_zone_radius_m"  # the row that the size of the plastic zo
 _GROWING = {"plastic_zone_depth_m": "depth", "plastic_zone_radius_m": "radius"}  # as `zone_growing` calls them
 _SUMMARY = {
     "n_spheres": ("spheres", "{:d}"),
-    "n_contacts": ("touching at the start", "{:d}"),
+    "n_contacts": ("contacts at the start", "{:d}"),
+    "n_loaded_contacts": ("contacts that bore a force", "{:d}"),
     "end_time_s": ("simulated", "{:.6g} s"),
     "end_reason": ("ended", "{}"),
     "timestep_s": ("timestep", "{:.4g} s"),
@@ -126,7 +127,7 @@ def plan_table(case: Case, plan: Plan) -> str:
         [
             ("case", plan.name),
             ("spheres", f"{plan.n_spheres}"),
-            ("touching at the start", f"{plan.n_contacts}"),
+            ("contacts at the start", f"{plan.n_contacts}"),
             ("memory", f"about {plan.memory / 2**30:.2f} GiB"),
             ("disk", f"about {plan.disk / 1e9:.3g} GB"),
             ("timestep", f"{schedule.timestep:.4g} s"),

@@ -7,15 +7,16 @@ import json
 import os
 from pathlib import Path
 
-from granwave.analysis.errors import MissingOutputError
+from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.exports import ovito_scene, to_csv, to_netcdf, to_vtp
 from granwave.analysis.exports.staging import staged
+from granwave.analysis.not_a_run import around, similar
 from granwave.analysis.result import Result
 from granwave.analysis.scan_result import is_scan
 from granwave.analysis.scan_table import read_scan
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.run_directory import EXPORT_DIRECTORY, RESULT_FILE, claim
+from granwave.lammps_inputs.run_directory import EXPORT_DIRECTORY, claim
 
 OVITO_SCRIPT = "open_in_ovito.py"
 
@@ -54,15 +55,15 @@ def export(directory: str | Path, to: str, output: str | Path | None = None) -> 
     Raises
     ------
     InputError
-        There is no such form or directory, it holds no result, a library is missing, or the output cannot be written
-        to; nothing was written.
-    OutputFormatError
-        The result is damaged.
+        There is no such form or directory, it holds no result or a damaged one, a library is missing, or the output
+        cannot be written to; nothing was written.
     """
     directory = Path(directory)
     _check_format(to)
+    if not directory.exists():
+        raise InputError(f"{directory}: no such directory{similar(directory)}; expected that of a run or a scan")
     if not directory.is_dir():
-        raise InputError(f"{directory}: no such directory; expected that of a run or a scan")
+        raise InputError(f"{directory}: is a file, expected the directory of a run or of a scan{around(directory)}")
     if output is not None:
         results_directory(output)
         return _export(directory, to, Path(output))
@@ -87,10 +88,15 @@ def _export(directory: Path, to: str, output: Path) -> list[Path]:
         return _export_recipe(directory, output)
     try:
         result = Result(directory)
-    except MissingOutputError:
-        raise InputError(f"{directory / RESULT_FILE} is missing: make it with  granwave analyse {directory}") from None
+    except (MissingOutputError, OutputFormatError) as error:
+        raise InputError(str(error)) from None
     with result, staged(output, outdated) as staging:
-        _RUN_WRITERS[to](result, staging)
+        try:
+            _RUN_WRITERS[to](result, staging)
+        except OSError as error:
+            if error.errno is not None or "errno" in str(error):  # of writing
+                raise
+            raise InputError(result.damaged(error)) from None
     return staging.placed
 
 

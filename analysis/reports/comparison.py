@@ -50,7 +50,7 @@ def comparison_section(inputs: Inputs) -> Section:
 
 def impacts_of(inputs: Inputs) -> Impacts:
     """What of a report's runs can be compared."""
-    return collect((run.label, run.directory, run.summary) for run in inputs.results())
+    return collect((run.label, run.directory, run.summary) for run in inputs.whole())
 
 
 def _lead(impacts: Impacts) -> str:

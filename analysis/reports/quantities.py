@@ -59,7 +59,8 @@ MAIN = (
 
 _LABELS = {
     "n_spheres": "Spheres",
-    "n_contacts": "Contacts",
+    "n_contacts": "Contacts at the start",
+    "n_loaded_contacts": "Contacts that bore a force",
     "n_elements": "Elements",
     "n_steps": "Steps",
     "n_ranks": "MPI ranks",
@@ -124,6 +125,8 @@ _LABELS = {
 
 #: What values of a granular run mean, as far as their names do not tell.
 MEANINGS = {
+    "n_contacts": "Pairs of spheres that touch before the run; smaller spheres on the sites of a lattice leave gaps.",
+    "n_loaded_contacts": "Pairs of spheres that bore a force at any time of the run.",
     "plastic_fraction": "Energy dissipated by yielding of contacts in this run, over the input.",
     "friction_fraction": "Energy dissipated by sliding between spheres and at walls, over the input.",
     "energy_rotational_J": "Part of the kinetic energy.",

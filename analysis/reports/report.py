@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from urllib.parse import quote
 
+from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.reports.content import build_report
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.model import Report, cleaned
@@ -57,7 +58,10 @@ def write_report(directories: Sequence[str | Path], output: str | Path) -> Path:
         faults += error.faults
     if faults:
         raise InputError(faults)
-    report = cleaned(build_report(inputs))
+    try:
+        report = cleaned(build_report(inputs))
+    except (MissingOutputError, OutputFormatError) as error:  # of a file that a study needs
+        raise InputError(str(error)) from None
     try:
         _write(report, output)
     except OSError as error:

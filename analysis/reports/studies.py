@@ -45,7 +45,7 @@ def verdicts(found: Sequence[Study]) -> tuple[Group, ...]:
 
 def studies_of(inputs: Inputs) -> list[Study]:
     """The studies that a report's runs belong to."""
-    found = [(run.label, run.directory, run.summary) for run in inputs.results() if run.kind == "run"]
+    found = [(run.label, run.directory, run.summary) for run in inputs.whole() if run.kind == "run"]
     chains = collect(found)
     ours = studies([run for run in chains if not run.case.has_past]) + packing_studies(collect_packings(found), chains)
     ours += studies_of_the_past(collect_with_past(found), chains)
