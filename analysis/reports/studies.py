@@ -49,7 +49,8 @@ def studies_of(inputs: Inputs) -> list[Study]:
     chains = collect(found)
     ours = studies([run for run in chains if not run.case.has_past]) + packing_studies(collect_packings(found), chains)
     ours += studies_of_the_past(collect_with_past(found), chains)
-    return ours + protection_studies(collect_targets(found)) + tolerance_studies(collect_tolerances(found))
+    undone = [point.result.labels for scan in inputs.scans for point in scan.points if point.run is None]
+    return ours + protection_studies(collect_targets(found)) + tolerance_studies(collect_tolerances(found), undone)
 
 
 def _group(study: Study, inputs: Inputs) -> Group:
