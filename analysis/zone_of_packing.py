@@ -18,7 +18,7 @@ from granwave.analysis.target import reached
 from granwave.analysis.zone_size import BOTTOM, SIDES, WAVE_KEYS, Array, wave_returns, zone_sizes
 
 _SAME = 1e-9  # relative, of lengths that are equal but for rounding
-_LATE = 0.05  # of a run: what yields outermost within so much of its end may go on
+_LATE = 0.1  # of a run: where the outermost yield came within so much of its end it may go on
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -62,7 +62,7 @@ class PackingZone:
         return [name for name, touching in self.bounds.items() if np.any(self.yielded & touching)]
 
     def growing(self, end_time: float) -> list[str]:
-        """``depth``, ``radius``: outermost yields that still moved out in the last 5 % of a run, of so many seconds."""
+        """Outermost yields, ``depth`` or ``radius``, that moved out in the last tenth of a run of so many seconds."""
         spheres = np.isfinite(self.yield_time)
         found = []
         for name, distance in (("depth", self.depth), ("radius", self.radius)):

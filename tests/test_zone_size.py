@@ -201,7 +201,7 @@ def test_periodic_zone_meets_its_image(tmp_path):
         assert found["zone_radius_99_m"] == pytest.approx(np.sort(radius[inside])[math.ceil(0.99 * inside.sum()) - 1])
 
 
-@pytest.mark.parametrize(("end", "growing"), [(1.1, False), (1.02, True)])
+@pytest.mark.parametrize(("end", "growing"), [(1.2, False), (1.05, True)])
 def test_yield_that_still_moves_out_at_the_end(tmp_path, end, growing):
     """The farther out a contact of a synthetic run the later it yields: in a chain the deepest one last."""
     summary_of(tmp_path, kind="chain", size=8, dent=30.0)

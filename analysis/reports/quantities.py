@@ -142,7 +142,7 @@ MEANINGS = {
     "zone_volume_90_m3": "Volume of the fewest spheres (elements) that hold 90 % of it, those with most for their "
     "volume; without the voids between spheres.",
     "zone_cut": "A sphere (element) that yielded touches them: the outermost yield is cut there.",
-    "zone_growing": "The outermost sphere in depth, or radius, yielded in the last 5 % of the run.",
+    "zone_growing": "The outermost sphere in depth, or radius, yielded in the last tenth of the run.",
     "wave_returned": "A wave that they reflect can have come back, within the run, to what holds 99 %.",
     "wave_return_s": "From the first arrivals at the bound and at the zone (continuum: from the speed of compression "
     "waves).",
