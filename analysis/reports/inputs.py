@@ -262,6 +262,8 @@ def _no_numbers(summary: Mapping[str, Any]) -> list[str]:
     for key, value in summary.items():
         if value is None or not (unit_of_value(key) or key in MAIN):
             continue
+        if isinstance(value, list) and not unit_of_value(key) and all(isinstance(item, str) for item in value):
+            continue  # words, such as the bounds that a zone reaches
         number = isinstance(value, int | float) and not isinstance(value, bool)
         if not number or abs(value) > sys.float_info.max:
             found.append(f"{key}: found {_short(repr(value))}, expected a number")
