@@ -113,7 +113,14 @@ def refuse_other_case(directory: Path, there: Mapping[str, Any], here: Mapping[s
         )
 
 
-def check_disk(directory: Path, needed: float, *, what: str = "the results", spare: float = 0.0) -> None:
+def check_disk(
+    directory: Path,
+    needed: float,
+    *,
+    what: str = "the results",
+    spare: float = 0.0,
+    remedy: str = "fewer run.frames",
+) -> None:
     """Refuse what does not fit on the disk.
 
     Parameters
@@ -122,6 +129,8 @@ def check_disk(directory: Path, needed: float, *, what: str = "the results", spa
         Bytes that ``what`` need; nothing is refused that needs none.
     spare
         Bytes that must be left.
+    remedy
+        What else would do.
 
     Raises
     ------
@@ -133,5 +142,5 @@ def check_disk(directory: Path, needed: float, *, what: str = "the results", spa
     if needed and needed + spare > free:
         raise InputError(
             f"{directory}: {what} need about {needed / 1e9:.3g} GB, {free / 1e9:.3g} GB are free there; "
-            "choose another directory with -o, or fewer run.frames"
+            f"choose another directory with -o, or {remedy}"
         )

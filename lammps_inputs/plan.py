@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
+import logging
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,11 +16,13 @@ from granwave.lammps_inputs.errors import InputError, raise_all
 from granwave.lammps_inputs.laws import sphere_contact
 from granwave.lammps_inputs.memory import refuse_too_large
 from granwave.lammps_inputs.schedule import Schedule, make_schedule
-from granwave.lammps_inputs.timestep import expected_peak_overlap
+from granwave.lammps_inputs.timestep import auto_timestep, expected_peak_overlap
 from granwave.lammps_inputs.wall_time import WallTime, expected_wall_time
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case import Case
+
+_LOG = logging.getLogger("granwave")
 
 # Measured on fcc packings of 1.5e5 spheres (whole runs) and 1e7 spheres (set-up and first steps), rounded up.
 _MEMORY_BASE = 300e6  # bytes; the interpreter with LAMMPS, or with matplotlib, loaded
@@ -27,6 +32,7 @@ _DISK_DATA_PER_SPHERE = 75.0
 _DISK_FRAME_PER_SPHERE = 130.0  # the text dump and its copy in result.h5
 _DISK_PER_CONTACT = 110.0
 _DISK_PER_ROW = 400.0
+_FAR_TOO_LONG = 20.0  # times the automatic timestep: the balance misses by more than 1e-4, half way to instability
 _ROWS_PER_PARTICLE = 0.25  # what a particle costs at an instant of a chain's history
 
 
@@ -87,6 +93,7 @@ def plan(case: Case, *, n_ranks: int = 1, figures: bool = True) -> Plan:
         raise InputError(
             f"{case.name}: no timestep can be found for these values ({error}); are they all in SI units?"
         ) from None
+    _note_times(case, schedule)
     rows = schedule.n_steps / schedule.ledger_every + schedule.n_steps / schedule.probe_every
     if schedule.history_every:
         rows += _ROWS_PER_PARTICLE * assembly.n_particles * schedule.n_steps / schedule.history_every
@@ -106,6 +113,28 @@ def plan(case: Case, *, n_ranks: int = 1, figures: bool = True) -> Plan:
         peak_overlap_radius=overlap / law.effective_radius,
         times=expected_wall_time(case, schedule, n_ranks=n_ranks, figures=figures),
     )
+
+
+def _note_times(case: Case, schedule: Schedule) -> None:
+    """Log times that are allowed but cannot be meant: a timestep that is too long, records oftener than steps."""
+    given, interval = case.run.timestep, case.output.probe_interval
+    best = math.inf
+    with contextlib.suppress(ArithmeticError, ValueError):  # there is none
+        best = auto_timestep(case) if not isinstance(given, str) else math.inf
+    if not isinstance(given, str) and given > _FAR_TOO_LONG * best:
+        _LOG.warning(
+            '%s: run.timestep: found %g s, "auto" takes %g s; the energy balance will hardly close',
+            case.name,
+            given,
+            best,
+        )
+    if not isinstance(interval, str) and interval < schedule.timestep / 2:
+        _LOG.warning(
+            "%s: output.probe_interval: found %g s, there is at most a record each timestep, %.3g s",
+            case.name,
+            interval,
+            schedule.timestep,
+        )
 
 
 def check_run(case: Case, expected: Plan, directory: Path | None = None, *, here: bool = True) -> None:

@@ -18,10 +18,12 @@ from typing import NoReturn
 from granwave import __version__
 from granwave.lammps_inputs.errors import GranwaveError, InputError
 from granwave.lammps_inputs.keys import show
+from granwave.lammps_inputs.si_values import POSSIBLE
 from granwave.workflows import commands, mpi
 from granwave.workflows.messages import each_warning_once
 
 DONE, FAILED, WRONG_INPUT, STOPPED = 0, 1, 2, 130
+_LARGEST_OVERLAP = 1e6  # over that at first yield; spheres end at some 1e4
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -73,7 +75,7 @@ def _parser() -> argparse.ArgumentParser:
 
     run = _verb(verbs, "run", commands.run, "run a case: deck, LAMMPS, analysis, figures")
     _case(run)
-    run.add_argument("-o", dest="directory", type=Path, metavar="DIR", help="where everything goes (default: ./NAME)")
+    run.add_argument("-o", dest="directory", type=_path, metavar="DIR", help="where everything goes (default: ./NAME)")
     run.add_argument("--np", type=_positive, default=1, metavar="N", help="number of MPI ranks (default: 1)")
     run.add_argument(
         "--checkpoint",
@@ -87,22 +89,22 @@ def _parser() -> argparse.ArgumentParser:
 
     write = _verb(verbs, "write", commands.write, "write the LAMMPS deck alone; it runs by hand: lmp -in in.granwave")
     _case(write)
-    write.add_argument("-o", dest="directory", type=Path, metavar="DIR", required=True)
+    write.add_argument("-o", dest="directory", type=_path, metavar="DIR", required=True)
     write.add_argument("--force", action="store_true", help="replace what is there")
 
     analyse = _verb(verbs, "analyse", commands.analyse, "once more from the dumps: result.h5, figures, summary.json")
-    analyse.add_argument("directory", type=Path, metavar="DIR")
+    analyse.add_argument("directory", type=_path, metavar="DIR")
     _figures(analyse)
 
     scan = _verb(verbs, "scan", commands.scan, "run a case many times with some keys varied; table, figures and report")
     scan.add_argument("scan", metavar="SCAN", help="a scan file, or the name of a built-in scan")
     _overrides(scan)
-    scan.add_argument("-o", dest="directory", type=Path, metavar="DIR", help="where everything goes (default: ./NAME)")
+    scan.add_argument("-o", dest="directory", type=_path, metavar="DIR", help="where everything goes (default: ./NAME)")
     scan.add_argument(
         "--executor", default="local", metavar="local|slurm", help="where the points run (default: local)"
     )
     scan.add_argument(
-        "--profile", type=Path, metavar="FILE", help="how to use the cluster: partition, account, time, ..."
+        "--profile", type=_path, metavar="FILE", help="how to use the cluster: partition, account, time, ..."
     )
     scan.add_argument(
         "--jobs",
@@ -118,26 +120,26 @@ def _parser() -> argparse.ArgumentParser:
     )
     _case(continuum)
     continuum.add_argument(
-        "-o", dest="directory", type=Path, metavar="DIR", help="where everything goes (default: ./NAME)"
+        "-o", dest="directory", type=_path, metavar="DIR", help="where everything goes (default: ./NAME)"
     )
     _figures(continuum)
     _again(continuum)
 
     report = _verb(verbs, "report", commands.report, "a page that compares any number of runs and scans")
-    report.add_argument("directories", nargs="+", type=Path, metavar="DIR")
+    report.add_argument("directories", nargs="+", type=_path, metavar="DIR")
     report.add_argument(
         "-o",
         dest="output",
-        type=Path,
+        type=_path,
         default=Path("report.html"),
         metavar="FILE",
         help=".html, .pdf or .md (default: report.html)",
     )
 
     export = _verb(verbs, "export", commands.export, "the results for other programs: ParaView, pandas, xarray, OVITO")
-    export.add_argument("directory", type=Path, metavar="DIR")
+    export.add_argument("directory", type=_path, metavar="DIR")
     export.add_argument("--to", required=True, metavar="FORMAT", help="vtp, csv, netcdf or ovito")
-    export.add_argument("-o", dest="output", type=Path, metavar="DIR", help="where to (default: DIR/export)")
+    export.add_argument("-o", dest="output", type=_path, metavar="DIR", help="where to (default: DIR/export)")
 
     check = _verb(verbs, "check", commands.check, "what a run would be: size, memory, disk, timestep, time, overlap")
     _case(check)
@@ -151,13 +153,13 @@ def _parser() -> argparse.ArgumentParser:
         "--material", nargs="+", default=["brass"], metavar="M", help="one material or two (default: brass)"
     )
     law.add_argument(
-        "--radius", nargs="+", type=_number, default=[0.005], metavar="R", help="one radius or two, m (default: 0.005)"
+        "--radius", nargs="+", type=_radius, default=[0.005], metavar="R", help="one radius or two, m (default: 0.005)"
     )
     law.add_argument("--law", default="elastoplastic", choices=["elastoplastic", "hertz", "bilinear", "thornton"])
     law.add_argument("--variant", default="continuous", choices=["continuous", "published"])
     law.add_argument(
         "--max-overlap",
-        type=_number,
+        type=_overlap,
         default=200.0,
         metavar="A",
         help="largest overlap, in units of that at first yield (default: 200)",
@@ -168,16 +170,16 @@ def _parser() -> argparse.ArgumentParser:
         help="coefficient of restitution against velocity instead, of two spheres and of a sphere and a rigid wall",
     )
     law.add_argument(
-        "-o", dest="output", type=Path, metavar="FILE", help=".png, .pdf or .csv (default: law.png, restitution.png)"
+        "-o", dest="output", type=_path, metavar="FILE", help=".png, .pdf or .csv (default: law.png, restitution.png)"
     )
 
     fit = _verb(verbs, "fit", commands.fit, "fit the contact law's constants to a measured or computed curve")
-    fit.add_argument("curve", type=Path, metavar="CURVE.csv", help="columns overlap_m, force_N, perhaps branch")
+    fit.add_argument("curve", type=_path, metavar="CURVE.csv", help="columns overlap_m, force_N, perhaps branch")
     fit.add_argument(
         "--material", nargs="+", default=["brass"], metavar="M", help="one or two: a name, or FILE.toml:NAME"
     )
     fit.add_argument(
-        "--radius", nargs="+", type=_number, default=[0.005], metavar="R",
+        "--radius", nargs="+", type=_radius, default=[0.005], metavar="R",
         help="one radius or two, m; the second may be inf, a plane (default: 0.005)",
     )  # fmt: skip
     fit.add_argument(
@@ -187,11 +189,11 @@ def _parser() -> argparse.ArgumentParser:
         "--pair", nargs=2, metavar=("A", "B"), help="also write pair.toml: the law of these two materials in a case"
     )
     fit.add_argument("--fit-yield", action="store_true", help="fit the yield strength too")
-    fit.add_argument("-o", dest="directory", type=Path, metavar="DIR", help="where everything goes (default: ./fit)")
+    fit.add_argument("-o", dest="directory", type=_path, metavar="DIR", help="where everything goes (default: ./fit)")
     fit.add_argument("--force", action="store_true", help="replace the fit that is there")
 
     bench = _verb(verbs, "bench", commands.bench, "speed beside LAMMPS's own granular styles, on this machine")
-    bench.add_argument("--json", type=Path, metavar="FILE", help="write the results there too")
+    bench.add_argument("--json", type=_path, metavar="FILE", help="write the results there too")
     bench.add_argument("--repeats", type=_positive, default=5, metavar="N", help="timings of each (default: 5)")
     bench.add_argument("--styles-only", action="store_true", help="leave out sizes and ranks")
 
@@ -237,6 +239,27 @@ def _positive(text: str) -> int:
     if not value.is_integer() or value < 1:
         raise argparse.ArgumentTypeError(f"found {text}, expected a whole number, 1 or more")
     return int(value)
+
+
+def _path(text: str) -> Path:
+    if not text.strip() or "\0" in text:
+        raise argparse.ArgumentTypeError(f"found {show(text)}, expected a path")
+    return Path(text)
+
+
+def _radius(text: str) -> float:
+    value = _number(text)
+    low, high = POSSIBLE["m"]
+    if not (low <= value <= high or value == math.inf):  # infinite: a plane, where one may be
+        raise argparse.ArgumentTypeError(f"found {text}, expected a length from {low:g} to {high:g} m")
+    return value
+
+
+def _overlap(text: str) -> float:
+    value = _number(text)
+    if not 0 < value <= _LARGEST_OVERLAP:
+        raise argparse.ArgumentTypeError(f"found {text}, expected a number above 0 and at most {_LARGEST_OVERLAP:g}")
+    return value
 
 
 def _seconds(text: str) -> float:

@@ -88,7 +88,7 @@ def _check_mesh(case: Any, expected: Any, directory: Path | None = None, *, here
 
     checks: list[Callable[[], None]] = [lambda: check_memory(case)] if here else []
     if directory is not None:
-        checks.append(lambda: check_disk(directory, expected.disk))
+        checks.append(lambda: check_disk(directory, expected.disk, remedy="take fewer elements"))
     raise_all(checks)
 
 

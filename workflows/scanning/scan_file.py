@@ -384,7 +384,7 @@ def _look_up(tables: Mapping[str, Any], key: str) -> Any:
 def _fault_lines(path: Path, faults: Sequence[tuple[int, Mapping[str, Any], list[str]]], count: int) -> list[str]:
     """What is wrong with every point once; otherwise a line for each invalid point."""
     shared = [fault for fault in faults[0][2] if len(faults) == count and all(fault in f for _, _, f in faults)]
-    lines = list(shared)
+    lines = [fault if fault.startswith((f"{path}: ", "--set: ")) else f"{path}: {fault}" for fault in shared]
     for n, values, found in faults:
         own = [fault for fault in found if fault not in shared]
         if own:
