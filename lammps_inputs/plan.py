@@ -137,23 +137,29 @@ def _note_times(case: Case, schedule: Schedule) -> None:
         )
 
 
-def check_run(case: Case, expected: Plan, directory: Path | None = None, *, here: bool = True) -> None:
+def check_run(
+    case: Case, expected: Plan, directory: Path | None = None, *, files: bool = True, memory: bool = True
+) -> None:
     """Check what a run needs beside a case that is right: the files that it names, memory, and room on the disk.
 
     Parameters
     ----------
     directory
         Where the results go; None: the disk is not looked at.
-    here
-        The run is for this machine; others may have more memory.
+    files
+        The files are looked at.
+    memory
+        The memory of this machine is looked at.
 
     Raises
     ------
     InputError
         With every fault there is.
     """
-    checks: list[Callable[[], None]] = [lambda: check_earlier_result(case)]
-    if here:
+    checks: list[Callable[[], None]] = []
+    if files:
+        checks.append(lambda: check_earlier_result(case))
+    if memory:
         checks.append(lambda: check_memory(expected))
     if directory is not None:
         checks.append(lambda: check_disk(directory, expected.disk))

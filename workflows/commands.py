@@ -135,7 +135,9 @@ def continuum(options: argparse.Namespace, _: Words) -> int:
 
     case = OwnCase.load(path, options.overrides)
     directory = (options.directory or Path(case.name)).absolute()
-    kind.check(case, kind.cost(case, 1, options.figures), directory)
+    expected = kind.cost(case, 1, options.figures)
+    if not options.resume:  # what is finished needs nothing
+        kind.check(case, expected, directory)
     with held(directory):
         if options.force:
             clear(directory)  # of another kind, perhaps

@@ -19,6 +19,7 @@ from granwave.workflows.scanning.batches import expected_scan_time, expected_tim
 from granwave.workflows.scanning.calibrate import slowness_of
 from granwave.workflows.scanning.driver import ScanOutcome, default_jobs, run_scan
 from granwave.workflows.scanning.engine import EXECUTORS, LOCAL, SLURM, check_installed
+from granwave.workflows.scanning.needs import check_points
 from granwave.workflows.scanning.profile import Profile, load_profile
 from granwave.workflows.scanning.scan_file import Point, Scan, load_scan
 from granwave.workflows.scanning.suite import REPORT, is_suite, load_suite, run_suite
@@ -58,7 +59,7 @@ def _scan(options: argparse.Namespace, profile: Profile | None, jobs: int) -> in
     slowness = _slowness(found, directory, options, jobs)
     print(plan_text(found, directory, profile, jobs, slowness, fresh=options.force))
     if options.plan:
-        driver.check_room(found, directory, force=options.force)
+        check_points(found, directory, force=options.force)
         return 0
     sys.stdout.flush()
     outcome = run_scan(found, directory, slowness=slowness or 1.0, **_how(options, profile))
@@ -88,7 +89,7 @@ def _suite(options: argparse.Namespace, profile: Profile | None, jobs: int) -> i
     )
     print(f"suite {found.name}: {len(found.scans)} scans, about {duration(total)} in all\n")
     if options.plan:
-        raise_all(partial(driver.check_room, part, directory / part.name, force=options.force) for part in found.scans)
+        raise_all(partial(check_points, part, directory / part.name, force=options.force) for part in found.scans)
         return 0
     sys.stdout.flush()
     outcome = run_suite(found, directory, slowness=slowness, **_how(options, profile))

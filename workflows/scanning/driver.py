@@ -9,17 +9,14 @@ import logging
 import os
 import time
 from collections.abc import Sequence
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.scan_result import SCAN_FILE, SCAN_INDEX, ScanResult, is_scan
 from granwave.analysis.scan_table import ScanData, read_scan, write_scan_table
-from granwave.lammps_inputs.case import Case
-from granwave.lammps_inputs.dents import earlier_result
-from granwave.lammps_inputs.directories import check_directory, check_disk, clear, refuse_results, refuse_source
-from granwave.lammps_inputs.errors import InputError, RunError, raise_all
+from granwave.lammps_inputs.directories import check_directory, clear, refuse_results
+from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.files import replace_text
 from granwave.workflows.directory import held, results_in
 from granwave.workflows.interrupts import Interrupts
@@ -27,6 +24,7 @@ from granwave.workflows.progress import Progress
 from granwave.workflows.scanning import layout, queue
 from granwave.workflows.scanning.batches import make_batches, start_of_job
 from granwave.workflows.scanning.engine import SLURM, Engine, check_installed
+from granwave.workflows.scanning.needs import check_points
 from granwave.workflows.scanning.outlook import Outlook
 from granwave.workflows.scanning.profile import Profile
 from granwave.workflows.scanning.scan_file import Point, Scan
@@ -157,27 +155,7 @@ def decide(scan: Scan, directory: Path, *, resume: bool, force: bool) -> None:
                 f"{directory}: holds another scan ({there.name}), without a point of {scan.name}; "
                 "--force replaces it, or choose another directory with -o"
             )
-    check_room(scan, directory, force=force)
-
-
-def check_room(scan: Scan, directory: Path, *, force: bool) -> None:
-    """Check that what is left of a scan fits on the disk, and that it removes no file that its points need.
-
-    Raises
-    ------
-    InputError
-        With every fault there is.
-    """
-    left = [p for p in scan.distinct.values() if force or not layout.is_done(directory, p.id)]
-    needed = sum(point.plan.disk for point in left)
-    cases = [point.case for point in left if force and isinstance(point.case, Case)]
-    sources = {source: case.name for case in cases if (source := earlier_result(case)) is not None}
-    raise_all(
-        [
-            lambda: check_disk(directory, needed, what="the points", spare=layout.LEAST_FREE),
-            *(partial(refuse_source, directory, layout.RESULTS, name, source) for source, name in sources.items()),
-        ]
-    )
+    check_points(scan, directory, force=force)
 
 
 def _index(directory: Path) -> ScanResult | None:

@@ -283,7 +283,7 @@ def _build(
                 for replicate in _replicates(values, header, read):
                     case = read(replicate)
                     points.append(_point(len(points) + 1, replicate, case, kind, header, varied))
-                    kind.check(case, points[-1].plan, here=here)
+                    kind.check(case, points[-1].plan, files=False, memory=here)
             except InputError as error:
                 faults.append((n, values, error.faults))
     if header.replicates > 1 and len(points) == len(variations):
