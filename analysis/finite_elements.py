@@ -17,7 +17,7 @@ import tomli_w
 from numpy.typing import NDArray
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
-from granwave.lammps_inputs.case import read_parts
+from granwave.lammps_inputs.case import KNOWN, read_parts
 from granwave.lammps_inputs.directories import decide
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import replace_text
@@ -78,7 +78,11 @@ class ElementCase(abc.ABC):
         """
         known = (*cls.SECTIONS, *keys_of({**cls.SECTIONS, "material": Material}))
         faults, data = Faults(str(source), tuple(overridden), known), with_absolute_paths(data, Path())
-        refuse_unknown(data, [field.name for field in dataclasses.fields(cls)], "", faults)
+        own = [field.name for field in dataclasses.fields(cls)]
+        others = [name for name in data if name in KNOWN and name not in own]
+        for name in others:
+            faults.add_unknown(name, "belongs to a granular case: granwave run runs it")
+        refuse_unknown({name: table for name, table in data.items() if name not in others}, own, "", faults)
         parts = read_parts(data, source, faults, sections=cls.SECTIONS, required=cls.REQUIRED)
         cls._complete(parts, data, faults)
         faults.report(parts["name"])

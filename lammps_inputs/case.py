@@ -38,9 +38,9 @@ _BARS = ("bar", "incident_bar")
 _PRECOMPRESSION = "precompression"
 _WALLS = ("bottom", "sides")  # keys of [boundary] that take a material
 _REQUIRED = ("packing", "material")
-_KNOWN = ("name", "material", *_SECTIONS, _PRECOMPRESSION, "pair", *_LISTS, *_BARS)
+KNOWN = ("name", "material", *_SECTIONS, _PRECOMPRESSION, "pair", *_LISTS, *_BARS)
 _RECORD = "resolved"  # written beside a deck for people and programs, ignored when read
-_OF_CONTINUUM = ("block", "punch")
+_OF_CONTINUUM = ("block", "punch", "sphere", "partner")
 _OF_SCAN = ("replicates", "ranks", "case", "set", "grid", "zip", "points")
 _HISTORY, _LEAST_HISTORY = 1000, 5  # instants; beads of a chain from which on they are recorded by themselves
 _HISTORY_VALUES, _LEAST_ROWS = 1e6, 250  # instants times particles, nodes of bars among them; fewest instants
@@ -245,7 +245,7 @@ def case_keys() -> tuple[str, ...]:
     """Dotted keys of a case; entries of an array of tables have the number 1."""
     tables = {**_SECTIONS, _PRECOMPRESSION: Precompression, "material": Material, **dict.fromkeys(_BARS, Bar)}
     numbered = {f"{name}.1": section for name, section in _LISTS.items()}
-    return (*_KNOWN, *keys_of(tables), *(f"material.{name}" for name in SELECTORS), *keys_of(numbered))
+    return (*KNOWN, *keys_of(tables), *(f"material.{name}" for name in SELECTORS), *keys_of(numbered))
 
 
 def unit_of(key: str) -> str:
@@ -302,13 +302,13 @@ def _with_implied(data: Mapping[str, Any]) -> dict[str, Any]:
 def _refuse_others(data: Mapping[str, Any], faults: Faults) -> None:
     for name in _OF_CONTINUUM:
         if name in data:
-            faults.add(name, "belongs to a continuum case: granwave continuum runs it")
+            faults.add_unknown(name, "belongs to a continuum case: granwave continuum runs it")
     for name in _OF_SCAN:
         if name in data:
-            faults.add(name, "belongs in a scan file: granwave scan runs it")
+            faults.add_unknown(name, "belongs in a scan file: granwave scan runs it")
     others = (*_OF_CONTINUUM, *_OF_SCAN, _RECORD)
     rest = {name: value for name, value in data.items() if name not in others}
-    refuse_unknown(rest, _KNOWN, "", faults)
+    refuse_unknown(rest, KNOWN, "", faults)
 
 
 def _plain(value: Any) -> Any:

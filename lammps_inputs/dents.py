@@ -8,6 +8,7 @@ no dent, nor do contacts whose law knows no yielding.
 from __future__ import annotations
 
 import dataclasses
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -210,7 +211,7 @@ def largest_dent(case: Case, law: ContactLaw) -> float:
     if path is None:
         return _deepest(case, law)
     try:
-        earlier = _Earlier.read(path)
+        earlier = _read_earlier(path)
     except _UNREADABLE:  # `check_earlier_result` says so
         return 0.0
     return float(max(earlier.peak.max(initial=0.0), earlier.wall_peak.max(initial=0.0)))
@@ -336,7 +337,7 @@ def _read_result(case: Case, path: Path) -> dict[tuple[int | str, int], float]:
     """The dents that an earlier run left: by two ids, or the fix of a wall and an id, m."""
     source = f"{case.name}: {KEY}"
     try:
-        earlier = _Earlier.read(path)
+        earlier = _read_earlier(path)
     except FileNotFoundError:
         raise InputError(
             f"{source}: {path}: there is no such file; expected the result.h5 of a run, or its directory"
@@ -358,6 +359,17 @@ def _read_result(case: Case, path: Path) -> dict[tuple[int | str, int], float]:
         if what is not None:
             found[what, sphere] = max(peak, found.get((what, sphere), 0.0))
     return found
+
+
+def _read_earlier(path: Path) -> _Earlier:
+    """Read a result.h5 as `_Earlier.read` does, but once for all that ask for it while it stays as it is."""
+    state = path.stat()
+    return _read_once(path, state.st_mtime_ns, state.st_size)
+
+
+@lru_cache(maxsize=1)
+def _read_once(path: Path, changed: int, size: int) -> _Earlier:
+    return _Earlier.read(path)
 
 
 def _result_file(path: Path) -> Path:

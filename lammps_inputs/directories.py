@@ -172,7 +172,14 @@ def refuse_other_file(path: Path, own: bytes) -> None:
 # ---------------------------------------------------------------------- disks
 
 
-def check_disk(directory: Path, needed: float, *, what: str = "the results", spare: float = 0.0) -> None:
+def check_disk(
+    directory: Path,
+    needed: float,
+    *,
+    what: str = "the results",
+    spare: float = 0.0,
+    remedy: str = "fewer run.frames",
+) -> None:
     """Refuse what does not fit on the disk.
 
     Parameters
@@ -181,6 +188,8 @@ def check_disk(directory: Path, needed: float, *, what: str = "the results", spa
         Bytes that ``what`` need; nothing is refused that needs none.
     spare
         Bytes that must be left.
+    remedy
+        What else would do.
 
     Raises
     ------
@@ -190,8 +199,7 @@ def check_disk(directory: Path, needed: float, *, what: str = "the results", spa
     free = free_space(directory)
     if needed and needed + spare > free:
         raise InputError(
-            f"{directory}: {room_words(what, needed, spare, free)}; "
-            "choose another directory with -o, or fewer run.frames"
+            f"{directory}: {room_words(what, needed, spare, free)}; choose another directory with -o, or {remedy}"
         )
 
 

@@ -64,6 +64,10 @@ class Faults:
         source = "--set" if any(name in self.overridden for name in top_down) else self.source
         self.lines.append(" ".join(f"{source}: {_cut(key)}: {message}".split()))
 
+    def add_unknown(self, key: str, message: str) -> None:
+        """Record one fault of a key that cannot be; of a table that ``--set`` made, that of the key in it."""
+        self.add(next((one for one in self.overridden if one.startswith(f"{key}.")), key), message)
+
     def report(self, name: str) -> None:
         """Log the notes on a case of this name as warnings; raise InputError if there are faults."""
         for note in self.notes:
@@ -260,8 +264,7 @@ def refuse_unknown(table: Mapping[str, Any], known: Collection[str], prefix: str
     for name in table:
         key = f"{prefix}.{name}" if prefix else name
         if name not in known:
-            written = next((one for one in faults.overridden if one.startswith(f"{key}.")), key)  # a table of --set
-            faults.add(written, f"unknown key; {hint_for(name, known, prefix, faults.vocabulary)}")
+            faults.add_unknown(key, f"unknown key; {hint_for(name, known, prefix, faults.vocabulary)}")
 
 
 def keys_of(sections: Mapping[str, type]) -> list[str]:

@@ -24,8 +24,9 @@ from typing import Any, Literal
 
 import numpy as np
 
+from granwave.lammps_inputs.files import read_regular
 from granwave.lammps_inputs.keys import Faults, Unfit, choice, custom, finite, number, parse_point, read_table, show
-from granwave.lammps_inputs.si_values import FREQUENCY, TIME, VELOCITY, Usual
+from granwave.lammps_inputs.si_values import DISPLACEMENT, FORCE, FREQUENCY, TIME, VELOCITY, Usual, impossible, unusual
 
 DEFAULT_VELOCITY = 5.0  # m/s
 _KINDS = ("impact", "striker", "force", "displacement")
@@ -55,6 +56,8 @@ def _parse_table(value: Any) -> tuple[tuple[float, float], ...]:
     rows = tuple((finite(time, _TABLE_FORM), finite(size, _TABLE_FORM)) for time, size in value)
     if rows[0][0] < 0 or any(later[0] <= earlier[0] for earlier, later in pairwise(rows)):
         raise Unfit(_TABLE_FORM)
+    if expected := impossible([time for time, _ in rows], "s"):
+        raise Unfit(f"times of {expected}")
     if not any(size for _, size in rows):
         raise Unfit("a value other than zero")
     return rows
@@ -167,6 +170,12 @@ def read_load(table: Any, faults: Faults) -> Load | None:
             faults.add(f"load.{name}", f'belongs to a load of kind {belongs}; found load.kind = "{load.kind}"')
     if load.driven:
         _check_shape(load, faults)
+        unit, usual = ("N", FORCE) if load.kind == "force" else ("m", DISPLACEMENT)
+        key = "load.table" if load.table else "load.amplitude"
+        if expected := impossible(load.largest, unit):
+            faults.add(key, f"found {load.largest:g}, expected {expected}")
+        elif odd := unusual(load.largest, unit, usual):
+            faults.notes.append(f"{key}: {odd}")
     return load if len(faults.lines) == before else None
 
 
@@ -195,7 +204,7 @@ def _from_file(table: Mapping[str, Any], faults: Faults) -> dict[str, Any]:
         faults.add("load.file", f"found {show(name)}, expected the path of a file of two columns, time and value")
         return {}
     try:
-        rows = _numbers(Path(name).read_text(encoding="utf-8-sig").splitlines())
+        rows = _numbers(read_regular(Path(name)).decode("utf-8-sig").splitlines())
     except OSError as error:
         faults.add("load.file", f"{name}: cannot be read: {error.strerror or error}")
         return {}

@@ -77,6 +77,8 @@ def load_materials(path: str | Path) -> dict[str, Material]:
         name: read_table(Material, {"name": name, **table} if isinstance(table, Mapping) else table, name, faults)
         for name, table in read_toml(path).items()
     }
+    if not read and not faults.lines:
+        raise InputError(f"{path}: found no material, expected tables such as [my-steel] with youngs_modulus and so on")
     if faults.lines:
         raise InputError(faults.lines)
     return {name: entry for name, entry in read.items() if entry is not None}
@@ -102,7 +104,7 @@ def read_material(table: Any, faults: Faults, key: str = "material") -> Material
             return None
         return read_table(Material, own, key, faults)
     known = _library(table.get("file"), faults, f"{key}.file")
-    base = None if known is None else _select(table["preset"], known, f"{key}.preset", faults)
+    base = None if known is None else _select(table["preset"], known, f"{key}.preset", faults, table.get("file"))
     if base is None:
         refuse_unknown(own, [field.name for field in dataclasses.fields(Material)], key, faults)
         return None
@@ -126,10 +128,13 @@ def _library(file: Any, faults: Faults, key: str) -> dict[str, Material] | None:
         return None
 
 
-def _select(name: Any, known: Mapping[str, Material], key: str, faults: Faults) -> Material | None:
+def _select(
+    name: Any, known: Mapping[str, Material], key: str, faults: Faults, file: str | None = None
+) -> Material | None:
     if isinstance(name, str) and name in known:
         return known[name]
     near = difflib.get_close_matches(str(name).lower(), known, n=1, cutoff=0.5)
     hint = f"did you mean {near[0]}?" if near else ""
-    faults.add(key, f"found {show(name)}, expected one of {', '.join(known)}; {hint}".rstrip("; "))
+    there = f" in {file}" if file else ""
+    faults.add(key, f"found {show(name)}, expected one of {', '.join(known)}{there}; {hint}".rstrip("; "))
     return None

@@ -42,7 +42,8 @@ def parse_override(override: str) -> tuple[str, Any]:
         return key, document["value"]
     if _BARE_WORD.fullmatch(written):
         return key, written
-    raise InputError(f"--set: {key}: found {show(written)}, expected a TOML value or a bare word")
+    hint = f"; a list is [{written}]" if "," in written and "[" not in written else ""
+    raise InputError(f"--set: {key}: found {show(written)}, expected a TOML value or a bare word{hint}")
 
 
 def parse_overrides(overrides: Iterable[str] | Mapping[str, Any]) -> dict[str, Any]:
@@ -83,6 +84,11 @@ def apply_overrides(data: Mapping[str, Any], overrides: Mapping[str, Any]) -> di
         *path, last = key.split(".")
         table = result
         for name, following in pairwise([*path, last]):
+            if following.isdigit() and name not in table:
+                faults.append(
+                    f"--set: {key}: found no [[{name}]] tables, expected {following} or more; give them whole"
+                )
+                break
             inner = table.setdefault(name, {})
             if name == "material" and isinstance(inner, str):
                 inner = table[name] = {"preset": inner}

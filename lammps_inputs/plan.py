@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
+import logging
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,12 +16,14 @@ from granwave.lammps_inputs.errors import InputError, raise_all
 from granwave.lammps_inputs.laws import sphere_contact
 from granwave.lammps_inputs.memory import refuse_too_large
 from granwave.lammps_inputs.schedule import Schedule, make_schedule
-from granwave.lammps_inputs.timestep import expected_peak_overlap
+from granwave.lammps_inputs.timestep import auto_timestep, expected_peak_overlap
 from granwave.lammps_inputs.wall_time import WallTime, expected_wall_time
 from granwave.lammps_inputs.zone_estimate import ExpectedZone, expected_zone
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case import Case
+
+_LOG = logging.getLogger("granwave")
 
 # Measured on fcc packings of 1.5e5 spheres (whole runs) and 1e7 spheres (set-up and first steps), rounded up.
 _MEMORY_BASE = 300e6  # bytes; the interpreter with LAMMPS, or with matplotlib, loaded
@@ -29,6 +34,7 @@ _DISK_FRAME_PER_SPHERE = 130.0  # the text dump and its copy in result.h5
 _DISK_PER_CONTACT = 110.0
 _DISK_CHECKPOINT_PER_SPHERE, _DISK_CHECKPOINT_PER_CONTACT = 250.0, 250.0  # measured with friction, all yielded
 _DISK_PER_ROW = 400.0
+_FAR_TOO_LONG = 20.0  # times the automatic timestep: the balance misses by more than 1e-4, half way to instability
 _ROWS_PER_PARTICLE = 0.25  # what a particle costs at an instant of a chain's history
 
 
@@ -95,6 +101,7 @@ def plan(case: Case, *, n_ranks: int = 1, figures: bool = True) -> Plan:
         raise InputError(
             f"{case.name}: no timestep can be found for these values ({error}); are they all in SI units?"
         ) from None
+    _note_times(case, schedule)
     rows = schedule.n_steps / schedule.ledger_every + schedule.n_steps / schedule.probe_every
     if schedule.history_every:
         rows += _ROWS_PER_PARTICLE * assembly.n_particles * schedule.n_steps / schedule.history_every
@@ -119,23 +126,51 @@ def plan(case: Case, *, n_ranks: int = 1, figures: bool = True) -> Plan:
     )
 
 
-def check_run(case: Case, expected: Plan, directory: Path | None = None, *, here: bool = True) -> None:
+def _note_times(case: Case, schedule: Schedule) -> None:
+    """Log times that are allowed but cannot be meant: a timestep that is too long, records oftener than steps."""
+    given, interval = case.run.timestep, case.output.probe_interval
+    best = math.inf
+    with contextlib.suppress(ArithmeticError, ValueError):  # there is none
+        best = auto_timestep(case) if not isinstance(given, str) else math.inf
+    if not isinstance(given, str) and given > _FAR_TOO_LONG * best:
+        _LOG.warning(
+            '%s: run.timestep: found %g s, "auto" takes %g s; the energy balance will hardly close',
+            case.name,
+            given,
+            best,
+        )
+    if not isinstance(interval, str) and interval < schedule.timestep / 2:
+        _LOG.warning(
+            "%s: output.probe_interval: found %g s, there is at most a record each timestep, %.3g s",
+            case.name,
+            interval,
+            schedule.timestep,
+        )
+
+
+def check_run(
+    case: Case, expected: Plan, directory: Path | None = None, *, files: bool = True, memory: bool = True
+) -> None:
     """Check what a run needs beside a case that is right: the files that it names, memory, and room on the disk.
 
     Parameters
     ----------
     directory
         Where the results go; None: the disk is not looked at.
-    here
-        The run is for this machine; others may have more memory.
+    files
+        The files are looked at.
+    memory
+        The memory of this machine is looked at.
 
     Raises
     ------
     InputError
         With every fault there is.
     """
-    checks: list[Callable[[], None]] = [lambda: check_earlier_result(case)]
-    if here:
+    checks: list[Callable[[], None]] = []
+    if files:
+        checks.append(lambda: check_earlier_result(case))
+    if memory:
         checks.append(lambda: check_memory(expected))
     if directory is not None:
         checks.append(lambda: check_disk(directory, expected.disk, spare=expected.disk_reserve))

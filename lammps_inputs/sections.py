@@ -187,10 +187,12 @@ class Contact:
         default="continuous",
     )
     yield_factor: float = number(
-        "C = p_y / sigma_y, contact pressure at first yield", above=0, default=DEFAULT_YIELD_FACTOR
+        "C = p_y / sigma_y, contact pressure at first yield", at_least=0.1, at_most=10, default=DEFAULT_YIELD_FACTOR
     )
     beta: float = number("bilinear law: residual overlap over the largest overlap", at_least=0, below=1, default=0.8)
-    friction: float = number("coefficient of Coulomb friction between spheres", at_least=0, default=0.0, usual=FRICTION)
+    friction: float = number(
+        "coefficient of Coulomb friction between spheres", at_least=0, at_most=1e4, default=0.0, usual=FRICTION
+    )
     tangential: Literal["mindlin_rescale", "mindlin"] = choice(
         "spring of friction where its circle shrinks: force scaled down with it, or kept, which can create energy",
         ("mindlin_rescale", "mindlin"),
@@ -252,6 +254,7 @@ class Boundary:
     friction: float | None = number(
         "coefficient of Coulomb friction of the walls; that of the contacts by default",
         at_least=0,
+        at_most=1e4,
         default=None,
         usual=FRICTION,
     )

@@ -56,6 +56,7 @@ INTERVAL = Usual(1e-13, 0.5, ("ns", "us"))  # of a step or a record
 VELOCITY = Usual(1e-6, 1e3, ("mm/s",))
 FREQUENCY = Usual(0.1, 1e8, ("kHz", "MHz"))
 ACCELERATION = Usual(1e-3, 5e3, ("mm/s^2",))
+DISPLACEMENT = Usual(1e-12, 0.1, ("um", "mm"))
 FORCE = Usual(1e-9, 1e9, ("kN", "mN"))
 PRESSURE = Usual(10.0, 1e10, ("MPa", "kPa"))
 MASS = Usual(1e-9, 1e6, ("g",))

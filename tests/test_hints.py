@@ -107,7 +107,7 @@ def test_hints_of_continuum_cases_and_scans(tmp_path: Path) -> None:
         (["run", "FCC-small"], "FCC-small: neither a file nor a built-in case; did you mean fcc-small?"),
         (["run", "fcc_small"], "did you mean fcc-small?"),
         (["run", "results"], "results: found a directory, expected a case file; its case is results/case.toml"),
-        (["run", "empty"], "empty: found a directory, expected a case file or one of: bar-pulse"),
+        (["run", "empty"], "empty: found a directory, expected a case file; granwave cases lists the built-in ones"),
         (["run", ""], "(empty)"),
         (["run", "a\0b"], "neither a file nor a built-in case"),
     ],

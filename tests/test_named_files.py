@@ -16,6 +16,8 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.named_files import with_absolute_paths, with_short_paths
 from granwave.workflows import load_case, load_scan
 from granwave.workflows.cli import main
+from granwave.workflows.scanning import layout
+from granwave.workflows.scanning.needs import check_points
 from granwave.workflows.scanning.suite import load_suite
 
 MINE = "[mine]\nyoungs_modulus = {modulus}\npoisson_ratio = 0.3\ndensity = 7000\nyield_strength = 4e8\n"
@@ -223,9 +225,9 @@ def test_scans_and_cases_of_a_suite(places: tuple[Path, Path]) -> None:
         (folder / name).rename(here / name)
     with pytest.raises(InputError) as caught:
         load_suite(folder / "suite.toml")
-    assert [fault.split(": ")[1:4] for fault in caught.value.faults] == [
-        ["scans", "scan.toml", "scan.toml"],
-        ["cases", "my.toml", f"{folder / 'suite.toml'}"],
+    assert [fault.removeprefix(f"{folder / 'suite.toml'}: ").partition("; ")[0] for fault in caught.value.faults] == [
+        "scans: scan.toml: neither a file nor a built-in scan",
+        "cases: my.toml: neither a file nor a built-in case",
     ]
 
 
@@ -303,6 +305,25 @@ def test_all_words_refuse_dents_that_cannot_be_had(
         error = capsys.readouterr().err
         assert error.count("\n") == 1 and f"contact.initial_overlap: {result}: " in error and expected in error, words
         assert not (tmp_path / "out").exists()
+
+
+def test_points_that_are_done_need_no_files(tmp_path: Path) -> None:
+    (tmp_path / "my.toml").write_text(SMALL, encoding="utf-8")
+    (tmp_path / "scan.toml").write_text(
+        'case = "my.toml"\n[grid]\ncontact.initial_overlap = [0, "gone", "gone-too"]\n', encoding="utf-8"
+    )
+    scan, out = load_scan(tmp_path / "scan.toml"), tmp_path / "out"
+    with pytest.raises(InputError) as caught:
+        check_points(scan, out, force=False)
+    assert [fault.partition(" (")[0] for fault in caught.value.faults] == ["scan: point 2", "scan: point 3"]
+    assert "contact.initial_overlap = gone-too): small: contact.initial_overlap: " in caught.value.faults[1]
+    for point in scan.points[1:]:
+        summary = layout.finished(out, point.id) / "summary.json"
+        summary.parent.mkdir(parents=True)
+        summary.write_text("{}", encoding="utf-8")
+    check_points(scan, out, force=False)
+    with pytest.raises(InputError):
+        check_points(scan, out, force=True)
 
 
 def test_results_are_not_replaced_that_the_run_itself_needs(

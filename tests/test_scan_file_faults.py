@@ -110,7 +110,7 @@ def test_faults_of_the_tables(faults_of, text: str, expected: list[list[str]]) -
         ('case = "fcc-smal"\n', [["case", "fcc-smal", "did you mean fcc-small"]]),
         ('case = "velocity-fcc"\n', [["case", "is a scan, expected a case"]]),
         ('case = "."\n', [["case", "found a directory"]]),
-        (f'case = "{"a" * 5000}"\n', [["case", "cannot be read"]]),
+        (f'case = "{"a" * 5000}"\n', [["case", "neither a file nor a built-in"]]),
         ("case = 3\n", [["case", "found 3"]]),
         ("", [["case", "missing"]]),
         ('case = "fcc-small"\nrepliactes = 3\n', [["repliactes", "did you mean replicates"]]),

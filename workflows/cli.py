@@ -23,12 +23,14 @@ from granwave import __version__
 from granwave.lammps_inputs.directories import output_path
 from granwave.lammps_inputs.errors import GranwaveError, InputError
 from granwave.lammps_inputs.keys import printable, show
+from granwave.lammps_inputs.si_values import POSSIBLE
 from granwave.workflows import commands, mpi
 from granwave.workflows.messages import each_warning_once
 
 DONE, FAILED, WRONG_INPUT, STOPPED, READER_LEFT = 0, 1, 2, 130, 141
 
 _OF_NAMES = (errno.ENAMETOOLONG, errno.ELOOP)  # errors of the system that no wait and no other machine mends
+_LARGEST_OVERLAP = 1e6  # over that at first yield; spheres end at some 1e4
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -196,13 +198,13 @@ def _parser() -> argparse.ArgumentParser:
         "--material", nargs="+", default=["brass"], metavar="M", help="one material or two (default: brass)"
     )
     law.add_argument(
-        "--radius", nargs="+", type=_number, default=[0.005], metavar="R", help="one radius or two, m (default: 0.005)"
+        "--radius", nargs="+", type=_radius, default=[0.005], metavar="R", help="one radius or two, m (default: 0.005)"
     )
     law.add_argument("--law", default="elastoplastic", choices=["elastoplastic", "hertz", "bilinear", "thornton"])
     law.add_argument("--variant", default="continuous", choices=["continuous", "published"])
     law.add_argument(
         "--max-overlap",
-        type=_number,
+        type=_overlap,
         default=200.0,
         metavar="A",
         help="largest overlap, in units of that at first yield (default: 200)",
@@ -222,7 +224,7 @@ def _parser() -> argparse.ArgumentParser:
         "--material", nargs="+", default=["brass"], metavar="M", help="one or two: a name, or FILE.toml:NAME"
     )
     fit.add_argument(
-        "--radius", nargs="+", type=_number, default=[0.005], metavar="R",
+        "--radius", nargs="+", type=_radius, default=[0.005], metavar="R",
         help="one radius or two, m; the second may be inf, a plane (default: 0.005)",
     )  # fmt: skip
     fit.add_argument(
@@ -303,6 +305,27 @@ def _positive(text: str) -> int:
     return int(value)
 
 
+def _path(text: str) -> Path:
+    if not text.strip() or "\0" in text:
+        raise argparse.ArgumentTypeError(f"found {show(text)}, expected a path")
+    return Path(text)
+
+
+def _radius(text: str) -> float:
+    value = _number(text)
+    low, high = POSSIBLE["m"]
+    if not (low <= value <= high or value == math.inf):  # infinite: a plane, where one may be
+        raise argparse.ArgumentTypeError(f"found {text}, expected a length from {low:g} to {high:g} m")
+    return value
+
+
+def _overlap(text: str) -> float:
+    value = _number(text)
+    if not 0 < value <= _LARGEST_OVERLAP:
+        raise argparse.ArgumentTypeError(f"found {text}, expected a number above 0 and at most {_LARGEST_OVERLAP:g}")
+    return value
+
+
 def _seconds(text: str) -> float:
     value = _number(text)
     if not 0 < value < math.inf:
@@ -332,4 +355,4 @@ class _Parser(argparse.ArgumentParser):
             message += "; keys of a case are set by --set KEY=VALUE"
         message = message.removeprefix("argument ")
         help_text = "" if "found " in message else f"; {self.prog} --help tells more"
-        self.exit(WRONG_INPUT, f"granwave: {' '.join(message.split())}{help_text}\n")
+        self.exit(WRONG_INPUT, f"granwave: {printable(' '.join(message.split()))}{help_text}\n")

@@ -83,12 +83,14 @@ def kind_of(tables: Mapping[str, Any]) -> Kind:
     return CONTINUUM if any(name in tables for name in _OF_CONTINUUM) else GRANULAR
 
 
-def _check_mesh(case: Any, expected: Any, directory: Path | None = None, *, here: bool = True) -> None:
+def _check_mesh(
+    case: Any, expected: Any, directory: Path | None = None, *, files: bool = True, memory: bool = True
+) -> None:
     from granwave.analysis.finite_elements import check_memory
 
-    checks: list[Callable[[], None]] = [lambda: check_memory(case)] if here else []
+    checks: list[Callable[[], None]] = [lambda: check_memory(case)] if memory else []
     if directory is not None:
-        checks.append(lambda: check_disk(directory, expected.disk))
+        checks.append(lambda: check_disk(directory, expected.disk, remedy="take fewer elements"))
     raise_all(checks)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -48,7 +48,7 @@ def find(study: str, kind: str = CASES, directory: Path = Path()) -> Path:
         It is neither; the nearest name is given.
     """
     path = directory / study
-    if "\0" not in study and path.is_file():
+    if _is(path.is_file):
         return path
     built_in = {known: _folder(known) / f"{study}{_SUFFIX}" for known in _WHAT} if study in _all_names() else {}
     if kind in built_in and built_in[kind].is_file():
@@ -56,14 +56,36 @@ def find(study: str, kind: str = CASES, directory: Path = Path()) -> Path:
     if built_in:
         other = next(file for file in built_in.values() if file.is_file())
         raise _other_word(study, verb_of(other), SCAN if kind == SCANS else GRANULAR.verb)
-    what = _WHAT[kind]
-    if "\0" not in study and path.is_dir():
+    what, known = _WHAT[kind], "granwave cases lists the built-in ones"
+    if _is(path.is_dir):
         case = path / CASE_FILE
-        hint = f"; its case is {case}" if case.is_file() else f" or one of: {', '.join(names(kind))}"
-        raise InputError(f"{study or '(empty)'}: found a directory, expected a {what} file{hint}")
-    near = difflib.get_close_matches(study.lower(), names(kind), n=1)
-    hint = f"did you mean {near[0]}?" if near else f"built-in {kind}: {', '.join(names(kind))}"
+        hint = f"its case is {case}" if case.is_file() else known
+        raise InputError(f"{study or '(empty)'}: found a directory, expected a {what} file; {hint}")
+    near = _nearest(study, names(kind)) or _nearest(study, _all_names()) or _file_near(study, directory)
+    hint = f"did you mean {near}?" if near else known
     raise InputError(f"{show(study)[1:-1] or '(empty)'}: neither a file nor a built-in {what}; {hint}")
+
+
+def _is(question: Callable[[], bool]) -> bool:
+    """The answer of the file system; no where a path cannot be one, or cannot be looked at."""
+    try:
+        return question()
+    except (OSError, ValueError):
+        return False
+
+
+def _nearest(name: str, options: Iterable[str]) -> str:
+    """The option that is spelt most like a name; empty where none is like it."""
+    return next(iter(difflib.get_close_matches(name.lower(), list(options), n=1)), "")
+
+
+def _file_near(study: str, directory: Path) -> str:
+    """A TOML file that may have been meant by a path, as seen from a folder; empty where there is none."""
+    folder = directory / Path(study).parent
+    files = [file.name for file in folder.glob(f"*{_SUFFIX}")] if _is(folder.is_dir) else []
+    name = Path(study).name
+    near = f"{name}{_SUFFIX}" if f"{name}{_SUFFIX}" in files else _nearest(name, files)
+    return str(Path(study).with_name(near)) if near else ""
 
 
 def find_for(study: str, *verbs: str, directory: Path = Path()) -> Path:

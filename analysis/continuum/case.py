@@ -56,7 +56,7 @@ class ContinuumRun:
         default="auto",
         usual=TIME,
     )
-    elements: int = count("about how many elements the mesh has", at_least=100, at_most=100_000_000, default=62_500)
+    elements: int = count("about how many elements the mesh has", at_least=100, at_most=1_000_000_000, default=62_500)
     timestep: float | Literal["auto"] = number(
         "auto: just below the limit of stability",
         unit="s",
@@ -133,6 +133,11 @@ class ContinuumCase(ElementCase):
                 "punch.diameter",
                 f"found {punch.diameter:g} m, expected less than block.diameter, {block.diameter:g} m; "
                 "make the punch narrower or the block wider",
+            )
+        edge = None if run is None or isinstance(run.edge_size, str) else run.edge_size
+        if punch is not None and edge is not None and edge > punch.diameter / 2:
+            faults.add(
+                "run.edge_size", f"found {edge:g} m, expected at most the punch's radius, {punch.diameter / 2:g} m"
             )
         if run is not None and not isinstance(run.timestep, str) and run.timestep > run.longest:
             faults.add("run.timestep", f"found {run.timestep:g} s, expected at most run.end_time, {run.longest:g} s")

@@ -36,12 +36,12 @@ class Partner:
 class SphereContactRun:
     """``[run]``: how far, how often back, how fine and how slowly."""
 
-    max_overlap: float = number("largest overlap, over R*", above=0, at_most=0.3, default=0.2)
+    max_overlap: float = number("largest overlap, over R*", at_least=1e-6, at_most=0.3, default=0.2)
     unloadings: int = count(
         "unload-reload cycles, the last from the largest overlap", at_least=0, at_most=1000, default=10
     )
     elements: int = count(
-        "about how many elements the mesh has, both spheres together", at_least=100, at_most=100_000_000, default=6000
+        "about how many elements the mesh has, both spheres together", at_least=100, at_most=1_000_000_000, default=6000
     )
     speed: float = number("1: as usual; 0.5: half as fast, twice the steps", above=0, at_most=10, default=1.0)
 

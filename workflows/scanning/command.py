@@ -17,11 +17,12 @@ from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError, RunError, raise_all
 from granwave.lammps_inputs.plan import Plan
 from granwave.lammps_inputs.run_directory import SCAN_REPORT
-from granwave.workflows.scanning import driver
+from granwave.workflows.scanning import driver, needs
 from granwave.workflows.scanning.batches import expected_scan_time, expected_time
 from granwave.workflows.scanning.calibrate import slowness_of
 from granwave.workflows.scanning.driver import ScanOutcome, default_jobs, run_scan
 from granwave.workflows.scanning.engine import EXECUTORS, LOCAL, SLURM, check_installed
+from granwave.workflows.scanning.needs import check_points
 from granwave.workflows.scanning.profile import Profile, load_profile
 from granwave.workflows.scanning.scan_file import Scan, load_scan
 from granwave.workflows.scanning.suite import Suite, check_suite, is_suite, load_suite, run_suite
@@ -65,7 +66,7 @@ def _scan(options: argparse.Namespace, profile: Profile | None, jobs: int) -> in
     slowness = _slowness(found, directory, options, jobs)
     print(plan_text(found, directory, profile, jobs, slowness, fresh=options.force))
     if options.plan:
-        driver.check_room(found, directory, force=options.force)
+        check_points(found, directory, force=options.force)
         return 0
     sys.stdout.flush()
     outcome = run_scan(found, directory, slowness=slowness or 1.0, **_how(options, profile))
@@ -91,13 +92,13 @@ def _suite(options: argparse.Namespace, profile: Profile | None, jobs: int) -> i
         print(plan_text(part, place, profile, jobs, measured, fresh=options.force) + "\n")
     total = sum(
         expected_scan_time(
-            driver.left(part, directory / part.name, fresh=options.force), profile, jobs, slowness[part.name]
+            needs.left(part, directory / part.name, fresh=options.force), profile, jobs, slowness[part.name]
         )
         for part in found.scans
     )
     print(f"suite {found.name}: {len(found.scans)} scans, about {duration(total)} in all\n")
     if options.plan:
-        raise_all(partial(driver.check_room, part, directory / part.name, force=options.force) for part in found.scans)
+        raise_all(partial(check_points, part, directory / part.name, force=options.force) for part in found.scans)
         return 0
     sys.stdout.flush()
     outcome = run_suite(found, directory, slowness=slowness, **_how(options, profile))
@@ -158,7 +159,7 @@ def _executor(options: argparse.Namespace) -> Profile | None:
 
 def _slowness(scan: Scan, directory: Path, options: argparse.Namespace, jobs: int) -> float | None:
     """How much longer a point takes here than planned; None where it was not worth measuring."""
-    left = driver.left(scan, directory, fresh=options.force)
+    left = needs.left(scan, directory, fresh=options.force)
     if options.executor == SLURM or sum(map(expected_time, left)) / jobs < _WORTH_MEASURING:
         return None
     typical = sorted(left, key=expected_time)[len(left) // 2]
@@ -176,7 +177,7 @@ def plan_text(
 ) -> str:
     """What the scan would be."""
     points = scan.distinct.values()
-    left = driver.left(scan, directory, fresh=fresh)
+    left = needs.left(scan, directory, fresh=fresh)
     counts = f"{len(scan.points)}"
     if len(points) < len(scan.points):
         counts += f", {len(points)} of them different"

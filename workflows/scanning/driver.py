@@ -9,17 +9,14 @@ import logging
 import os
 import time
 from collections.abc import Sequence
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.scan_result import ScanResult, is_scan
 from granwave.analysis.scan_table import ScanData, read_scan, write_scan_table
-from granwave.lammps_inputs.case import Case
-from granwave.lammps_inputs.dents import earlier_result
-from granwave.lammps_inputs.directories import check_directory, check_disk, refuse_source, results_directory
-from granwave.lammps_inputs.errors import InputError, RunError, raise_all
+from granwave.lammps_inputs.directories import check_directory, results_directory
+from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.files import replace_text
 from granwave.lammps_inputs.run_directory import (
     SCAN,
@@ -39,6 +36,7 @@ from granwave.workflows.progress import Progress
 from granwave.workflows.scanning import layout, queue
 from granwave.workflows.scanning.batches import make_batches, start_of_job
 from granwave.workflows.scanning.engine import SLURM, Engine, check_installed
+from granwave.workflows.scanning.needs import check_points
 from granwave.workflows.scanning.outlook import Outlook
 from granwave.workflows.scanning.profile import Profile
 from granwave.workflows.scanning.scan_file import Point, Scan
@@ -170,48 +168,7 @@ def decide(scan: Scan, directory: Path, *, resume: bool, force: bool) -> None:
                 f"{directory}: holds another scan ({there.name}), without a point of {scan.name}; "
                 "--force replaces it, or choose another directory with -o"
             )
-    check_room(scan, directory, force=force)
-
-
-def check_room(scan: Scan, directory: Path, *, force: bool) -> None:
-    """Check that what is left of a scan fits on the disk, and that it removes no file that its points need.
-
-    Raises
-    ------
-    InputError
-        With every fault there is.
-    """
-    points = left(scan, directory, fresh=force)
-    needed = sum(point.plan.disk for point in points)
-    cases = [point.case for point in points if force and isinstance(point.case, Case)]
-    sources = {source: case.name for case in cases if (source := earlier_result(case)) is not None}
-    raise_all(
-        [
-            lambda: check_disk(directory, needed, what="the points", spare=layout.LEAST_FREE),
-            *(partial(refuse_source, directory, name, source) for source, name in sources.items()),
-        ]
-    )
-
-
-def left(scan: Scan, directory: Path, *, fresh: bool = False) -> list[Point]:
-    """The points that are still to be run, or analysed again; all where the scan starts ``fresh``.
-
-    Raises
-    ------
-    InputError
-        The case.toml of finished points was changed.
-    """
-    if fresh:
-        return list(scan.distinct.values())
-    found, faults = [], []
-    for name, point in scan.distinct.items():
-        try:
-            found += [] if layout.is_whole(directory, name) else [point]
-        except InputError as error:
-            faults += error.faults
-    if faults:
-        raise InputError(faults)
-    return found
+    check_points(scan, directory, force=force)
 
 
 def _index(directory: Path) -> ScanResult | None:

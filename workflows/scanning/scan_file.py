@@ -283,7 +283,7 @@ def _build(
                 for replicate in _replicates(values, header, read):
                     case = read(replicate)
                     points.append(_point(len(points) + 1, replicate, case, kind, header, varied))
-                    kind.check(case, points[-1].plan, here=here)
+                    kind.check(case, points[-1].plan, files=False, memory=here)
             except InputError as error:
                 faults.append((n, values, error.faults))
     if header.replicates > 1 and len(points) == len(variations):
@@ -384,7 +384,7 @@ def _look_up(tables: Mapping[str, Any], key: str) -> Any:
 def _fault_lines(path: Path, faults: Sequence[tuple[int, Mapping[str, Any], list[str]]], count: int) -> list[str]:
     """What is wrong with every point once; otherwise a line for each invalid point."""
     shared = [fault for fault in faults[0][2] if len(faults) == count and all(fault in f for _, _, f in faults)]
-    lines = list(shared)
+    lines = [fault if fault.startswith((f"{path}: ", "--set: ")) else f"{path}: {fault}" for fault in shared]
     for n, values, found in faults:
         own = [fault for fault in found if fault not in shared]
         if own:

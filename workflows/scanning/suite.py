@@ -107,12 +107,13 @@ def load_suite(file: str | Path, *, here: bool = True) -> Suite:
         try:
             scans.append(load_scan(find_scan(entry, path.parent), here=here))
         except InputError as error:
-            faults.lines += [f"{path}: {_SCANS}: {entry}: {fault}" for fault in error.faults]
+            faults.lines += [f"{path}: {_SCANS}: {entry}: {fault.removeprefix(f'{entry}: ')}" for fault in error.faults]
     for entry in header.cases:
         try:
             scans.append(scan_of_case(entry, path, here=here))
         except InputError as error:
-            faults.lines += [f"{path}: cases: {entry}: {fault}" for fault in error.faults]
+            known = f"{path}: case: {entry}: "
+            faults.lines += [f"{path}: cases: {entry}: {fault.removeprefix(known)}" for fault in error.faults]
     names = [scan.name for scan in scans]
     for twice in sorted({name for name in names if names.count(name) > 1}):
         faults.add(_SCANS, f"found two scans of the name {twice}, expected different names: each has its directory")
