@@ -7,6 +7,7 @@ reads its output has left, as of other commands in a pipe.
 from __future__ import annotations
 
 import argparse
+import contextlib
 import difflib
 import errno
 import io
@@ -58,15 +59,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _report(["stopped"], STOPPED)
 
 
-def _flush() -> None:
-    """Write out what was printed, as long as an error can be told."""
-    try:
-        sys.stdout.flush()
-    except OSError as error:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or Python tries once more at its end
-        raise OSError(error.errno, error.strerror, "standard output") from None
-
-
 def _set_up_output() -> None:
     """Whatever the terminal or the user's settings are, text can be printed and figures drawn."""
     if sys.stdout is None:  # it was closed
@@ -86,8 +78,17 @@ def _report_file(error: OSError, words: Sequence[str]) -> int:
         )
     except OSError:
         return _report(["the working directory does not exist any more; change to another"], WRONG_INPUT)
-    fault = f"{error.filename or 'the output'}: {error.strerror or error}"
+    fault = f"{error.filename or 'a file'}: {error.strerror or error}"
     return _report([fault], WRONG_INPUT if wrong else FAILED)
+
+
+def _flush() -> None:
+    """Write out what was printed, as long as an error can be told."""
+    try:
+        sys.stdout.flush()
+    except OSError as error:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or Python tries once more at its end
+        raise OSError(error.errno, error.strerror, "standard output") from None
 
 
 def _set_up_logging() -> None:
@@ -110,8 +111,9 @@ class _Messages(logging.Formatter):
 
 def _report(lines: Sequence[str], status: int) -> int:
     if not mpi.launched() or mpi.world().rank == 0:
-        for line in lines:
-            print(f"granwave: {printable(line)}", file=sys.stderr)
+        with contextlib.suppress(OSError):  # nobody can be told
+            for line in lines:
+                print(f"granwave: {printable(line)}", file=sys.stderr)
     return status
 
 

@@ -155,10 +155,21 @@ def _named(folder: Path, names: Sequence[str]) -> list[Path]:
     return [path for paths in found.values() for path in paths]
 
 
-def run_here(words: Sequence[str], folder: Path, env: Mapping[str, str], capfd: pytest.CaptureFixture[str]) -> Answer:
+def run_here(
+    words: Sequence[str],
+    folder: Path,
+    env: Mapping[str, str],
+    capfd: pytest.CaptureFixture[str],
+    seconds: float = SECONDS,
+) -> Answer:
     """Run the command line in this process, from ``folder``, within bounds of time and memory."""
     capfd.readouterr()
-    with pytest.MonkeyPatch.context() as patch, _as_if_started_anew(), _within_bounds(), without_power_over_files():
+    with (
+        pytest.MonkeyPatch.context() as patch,
+        _as_if_started_anew(),
+        _within_bounds(seconds),
+        without_power_over_files(),
+    ):
         patch.chdir(folder)
         for name, value in env.items():
             patch.setenv(name, value)
@@ -189,7 +200,8 @@ def run_row(row: Row, folder: Path, capfd: pytest.CaptureFixture[str]) -> Answer
     """Run what the row says, in its folder."""
     if row.shell:
         return run_shell(row.shell, folder, row.env)
-    return run_here(shlex.split(row.granwave), folder, row.env, capfd)
+    seconds = PROCESS_SECONDS if row.slow else SECONDS
+    return run_here(shlex.split(row.granwave), folder, row.env, capfd, seconds)
 
 
 @contextlib.contextmanager
@@ -221,14 +233,14 @@ class OverTime(BaseException):
 
 
 @contextlib.contextmanager
-def _within_bounds() -> Iterator[None]:
+def _within_bounds(seconds: float) -> Iterator[None]:
     def stop(*_: object) -> None:
-        raise OverTime(f"longer than {SECONDS:g} s")
+        raise OverTime(f"longer than {seconds:g} s")
 
     soft, hard = resource.getrlimit(resource.RLIMIT_AS)
     pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
     before = signal.signal(signal.SIGALRM, stop)
-    signal.setitimer(signal.ITIMER_REAL, SECONDS)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
     resource.setrlimit(resource.RLIMIT_AS, (pages * resource.getpagesize() + MEMORY, hard))
     try:
         yield

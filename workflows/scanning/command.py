@@ -51,6 +51,8 @@ def scan(options: argparse.Namespace) -> int:
         if is_suite(options.scan):
             return _suite(options, profile, jobs)
         return _scan(options, profile, jobs)
+    except BrokenPipeError:
+        raise  # nobody reads the plan any more
     except OSError as error:  # a full disk, above all
         place = options.directory or error.filename or options.scan
         reason = error.strerror or error
