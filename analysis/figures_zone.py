@@ -75,7 +75,9 @@ def draw_zone_size(
     axes.set_yscale("log")
     axes.set_ylim(_LEAST, 1)
     axes.set_xlim(0, 1.05 * (reach or diameter) / diameter)
-    axes.set_xlabel(f"Depth, or distance from the impact axis $/{unit}$")
+    words = {"depth": "depth", "radius": "distance from the impact axis"}
+    title = ", or ".join(words[name] for name in distances)
+    axes.set_xlabel(f"{title[:1].upper()}{title[1:]} $/{unit}$")
     axes.set_ylabel("Energy of yielding farther out\n/ whole energy of yielding")
     axes.plot([], [], "o", color=GREY, markersize=4, label="holds 50, 90, 99 %")
     legend_above(axes, 3, fontsize=7)
