@@ -11,6 +11,7 @@ from tqdm import tqdm
 from granwave.analysis.completeness import check_complete
 from granwave.analysis.result_file import write_result
 from granwave.analysis.summary import Summary, summarise
+from granwave.lammps_inputs.run_state import check_case
 
 logger = logging.getLogger(__name__)
 
@@ -38,6 +39,8 @@ def analyse(directory: str | Path, progress: bool | Callable[[str], None] = Fals
         The run did not leave a file that is needed.
     OutputFormatError
         A file is damaged.
+    InputError
+        case.toml was changed after the run, or there are files of such names that granwave did not write.
     """
     if callable(progress):
         return _analyse(Path(directory), progress, figures)
@@ -59,6 +62,7 @@ def _figures() -> tuple[str, ...]:
 
 
 def _analyse(directory: Path, report: Callable[[str], None], figures: bool) -> Summary:
+    check_case(directory)
     check_complete(directory)
     report("result.h5")
     write_result(directory)

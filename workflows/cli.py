@@ -15,6 +15,7 @@ from pathlib import Path
 from granwave import __version__
 from granwave.lammps_inputs.directories import output_path
 from granwave.lammps_inputs.errors import GranwaveError, InputError
+from granwave.lammps_inputs.files import DISK_IS_FULL
 from granwave.workflows import commands, mpi
 from granwave.workflows.messages import each_warning_once
 
@@ -28,25 +29,29 @@ def main(arguments: Sequence[str] | None = None) -> int:
     _set_up_logging()
     try:
         status = int(options.command(options, words))
-        _flush()
+        sys.stdout.flush()  # as long as an error can be told
         return status
     except InputError as error:
         return _report(error.faults, WRONG_INPUT)
     except GranwaveError as error:
         return _report([str(error)], FAILED)
     except OSError as error:
-        return _report([f"{error.filename or 'a file, or the standard output'}: {error.strerror or error}"], FAILED)
+        return _report_system(error)
     except KeyboardInterrupt:
         return _report(["stopped"], STOPPED)
 
 
-def _flush() -> None:
-    """Write out what was printed, as long as an error can be told."""
+def _report_system(error: OSError) -> int:
+    """Report an error of the system; returns the exit status."""
     try:
         sys.stdout.flush()
-    except OSError as error:
+    except OSError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or Python tries once more at its end
-        raise OSError(error.errno, error.strerror, "standard output") from None
+    if isinstance(error, BrokenPipeError):  # who reads it, `head` perhaps, has enough
+        return FAILED
+    # whatever writes a file names it, see `granwave.lammps_inputs.files`
+    name = error.filename or ("standard output" if error.errno in DISK_IS_FULL else "a file")
+    return _report([f"{name}: {error.strerror or error}"], FAILED)
 
 
 def _set_up_logging() -> None:
