@@ -42,14 +42,16 @@ from granwave.analysis.dumps import (
 )
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.h5md import COMPRESSION, write_metadata, write_trajectory
+from granwave.analysis.hdf5_file import new_hdf5
 from granwave.analysis.number_rows import AGAIN, CUT
 from granwave.analysis.pairs import PairLaws, dissipated_share, pair_laws
 from granwave.analysis.tables import Table, read_energy, read_prestage, read_probes, read_walls
 from granwave.lammps_inputs.assembly import gap_tolerance
 from granwave.lammps_inputs.case import Case, load_case
-from granwave.lammps_inputs.files import read_json, replacing
+from granwave.lammps_inputs.files import read_json
 from granwave.lammps_inputs.materials import Material
 from granwave.lammps_inputs.run_directory import CASE_FILE, RECORD_FILE, RESULT_FILE, claim
+from granwave.lammps_inputs.run_state import check_case
 from granwave.lammps_inputs.walls import walls
 
 BALANCE_REFUSED = "energy balance refused"  # end_reason of a run whose energies do not add up
@@ -125,12 +127,13 @@ def write_result(directory: str | Path) -> Path:
     OutputFormatError
         A file is damaged.
     InputError
-        There is a result.h5 that granwave did not write.
+        There is a result.h5 that granwave did not write, or case.toml was changed after the run.
     """
     directory = Path(directory)
     path = directory / RESULT_FILE
+    check_case(directory)
     claim(directory, [RESULT_FILE])
-    with replacing(path) as scratch, h5py.File(scratch, "w", libver="v110") as file:
+    with new_hdf5(path, libver="v110") as file:
         _write(file, directory)
     return path
 

@@ -165,6 +165,8 @@ def refuse_other_file(path: Path, own: bytes) -> None:
     """
     if path.is_dir():
         raise InputError(f"{path}: is a directory, expected the name of a file; choose another with -o")
+    if not os.access(path.absolute().parent, os.W_OK | os.X_OK):
+        raise InputError(f"{path}: the directory {path.absolute().parent} cannot be written to; choose another with -o")
     if os.path.lexists(path) and not re.search(own, head(path)):
         raise InputError(f"{path}: is there, and granwave did not write it; choose another name with -o")
 

@@ -26,8 +26,17 @@ def replacing(path: Path) -> Iterator[Path]:
             yield scratch
             os.replace(scratch, path)
     finally:
-        with contextlib.suppress(OSError):  # what went wrong before is what matters
-            scratch.unlink(missing_ok=True)
+        discard(scratch)
+
+
+def discard(scratch: Path) -> None:
+    """Remove a file that may still be open, and free its room at once.
+
+    HDF5 crashes at the end of the program where it cannot write the rest of a file for want of room.
+    """
+    with contextlib.suppress(OSError):  # what went wrong before is what matters
+        os.truncate(scratch, 0)
+        scratch.unlink()
 
 
 @contextlib.contextmanager
@@ -42,7 +51,8 @@ def naming(path: Path) -> Iterator[None]:
         number = error.errno or _number_in(str(error))
         if number is None or (error.filename is not None and not _is_scratch(error.filename, path)):
             raise
-        raise OSError(number, os.strerror(number), str(path)) from error
+        reason = os.strerror(number) if error.errno is None or "errno = " in str(error) else error.strerror
+        raise OSError(number, reason, str(path)) from error
     except RuntimeError as error:  # h5py, when it closes a file
         if (number := _number_in(str(error))) is None:
             raise

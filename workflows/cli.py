@@ -23,6 +23,7 @@ from typing import NoReturn
 from granwave import __version__
 from granwave.lammps_inputs.directories import output_path
 from granwave.lammps_inputs.errors import GranwaveError, InputError
+from granwave.lammps_inputs.files import DISK_IS_FULL
 from granwave.lammps_inputs.keys import printable, show
 from granwave.lammps_inputs.si_values import POSSIBLE
 from granwave.workflows import commands, mpi
@@ -42,7 +43,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     _set_up_logging()
     try:
         status = int(options.command(options, words))
-        _flush()
+        sys.stdout.flush()  # as long as an error can be told
         return status
     except InputError as error:
         return _report(error.faults, WRONG_INPUT)
@@ -78,7 +79,9 @@ def _report_file(error: OSError, words: Sequence[str]) -> int:
         )
     except OSError:
         return _report(["the working directory does not exist any more; change to another"], WRONG_INPUT)
-    fault = f"{error.filename or 'a file'}: {error.strerror or error}"
+    # whatever writes a file names it, see `granwave.lammps_inputs.files`
+    name = error.filename or ("standard output" if error.errno in DISK_IS_FULL else "a file")
+    fault = f"{name}: {error.strerror or error}"
     return _report([fault], WRONG_INPUT if wrong else FAILED)
 
 

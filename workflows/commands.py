@@ -128,7 +128,7 @@ def analyse(options: argparse.Namespace, _: Words) -> int:
 
     if not options.directory.is_dir():
         raise InputError(f"{options.directory}: no such directory; run a case into it first")
-    with held(options.directory.absolute()):
+    with held(options.directory.absolute(), way=""):
         refuse_foreign(options.directory, [RESULT_FILE, SUMMARY_FILE])
         if restore_case(options.directory):
             print(f"granwave: {options.directory / CASE_FILE}: written again as it was run", file=sys.stderr)

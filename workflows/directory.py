@@ -144,13 +144,15 @@ def busy(directory: Path) -> bool:
 
 
 @contextlib.contextmanager
-def held(directory: Path, comm: Intracomm | None = None) -> Iterator[None]:
+def held(directory: Path, comm: Intracomm | None = None, way: str = "; choose another with -o") -> Iterator[None]:
     """Keep other runs out of a directory for as long as this lasts; one that is not there is made.
 
     Parameters
     ----------
     comm
         All ranks take part; None for a program that has no MPI.
+    way
+        Out of it where it cannot be written to.
 
     Raises
     ------
@@ -169,7 +171,7 @@ def held(directory: Path, comm: Intracomm | None = None) -> Iterator[None]:
                 f"{directory}: another run or scan is at work there; wait for it, or choose another with -o"
             ) from None
         except OSError as error:
-            raise InputError(f"{directory}: cannot be written to: {error.strerror}; choose another with -o") from None
+            raise InputError(f"{directory}: cannot be written to: {error.strerror}{way}") from None
 
     on_first(comm, take) if comm is not None else take()
     try:

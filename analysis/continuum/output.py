@@ -26,7 +26,8 @@ from granwave.analysis.continuum.case import ContinuumCase
 from granwave.analysis.continuum.history import History
 from granwave.analysis.continuum.solver import Solver
 from granwave.analysis.h5md import COMPRESSION
-from granwave.lammps_inputs.files import replace_text, replacing
+from granwave.analysis.hdf5_file import new_hdf5
+from granwave.lammps_inputs.files import replace_text
 from granwave.lammps_inputs.run_directory import RESULT_FILE, SUMMARY_FILE
 
 _ENERGIES = ("kinetic", "elastic", "plastic", "viscous", "hourglass", "contact", "punch")
@@ -38,7 +39,7 @@ def write_result(
 ) -> Path:
     """Write ``result.h5`` into ``directory``."""
     path = directory / RESULT_FILE
-    with replacing(path) as scratch, h5py.File(scratch, "w", libver="v110") as file:
+    with new_hdf5(path, libver="v110") as file:
         _write(file, case, solver, history)
         file.attrs["kind"] = "continuum"
         file.attrs["name"] = case.name

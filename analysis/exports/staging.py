@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.files import naming
+from granwave.lammps_inputs.files import discard, naming
 from granwave.lammps_inputs.run_directory import claim, clear, read_marker
 
 
@@ -36,6 +36,19 @@ class Staging:
         """Where to write the file that is to be called so."""
         self._names.append(name)
         return self.scratch / name
+
+    @contextmanager
+    def naming(self) -> Iterator[None]:
+        """Within it, an error of the system that names no file names the one that was begun last."""
+        try:
+            with naming(self.output):
+                yield
+        except OSError as error:
+            if error.filename == str(self.output) and self._names:
+                error.filename = str(self.output / self._names[-1])
+            elif error.filename is not None:
+                error.filename = str(error.filename).replace(str(self.scratch), str(self.output))
+            raise
 
     def place(self, outdated: str) -> None:
         """Put the files into place, the last one last, and remove what an earlier export left.
@@ -87,10 +100,12 @@ def staged(output: Path, outdated: str = "(?!)") -> Iterator[Staging]:
         ) from None
     staging = Staging(output, scratch)
     try:
-        with naming(output):
+        with staging.naming():
             yield staging
             staging.place(outdated)
     finally:
+        for path in scratch.iterdir():
+            discard(path)
         shutil.rmtree(scratch, ignore_errors=True)
         if not staging.placed:
             _remove_empty(made)

@@ -27,6 +27,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from granwave.analysis.figure_style import write_csv
 from granwave.analysis.h5md import COMPRESSION
+from granwave.analysis.hdf5_file import new_hdf5
 from granwave.analysis.sphere_contact.case import SphereContactCase
 from granwave.analysis.sphere_contact.deviations import Cycle, compare_cycles, compare_loading
 from granwave.analysis.sphere_contact.solver import Solver
@@ -48,7 +49,7 @@ def write_results(
     """Write all three files into ``directory``."""
     with replacing(directory / CONTACT_TABLE) as scratch:
         write_csv(contact_table(case, history), scratch)
-    with replacing(directory / RESULT_FILE) as scratch, h5py.File(scratch, "w", libver="v110") as file:
+    with new_hdf5(directory / RESULT_FILE, libver="v110") as file:
         _write(file, case, solver, history)
         file.attrs["kind"] = "sphere-contact"
         file.attrs["name"] = case.name

@@ -54,7 +54,7 @@ def scan(options: argparse.Namespace) -> int:
     except BrokenPipeError:
         raise  # nobody reads the plan any more
     except OSError as error:  # a full disk, above all
-        place = options.directory or error.filename or options.scan
+        place = error.filename or options.directory or options.scan
         reason = error.strerror or error
         raise RunError(f"{place}: {reason}; mend that, then the same command with --resume goes on") from error
 

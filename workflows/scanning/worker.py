@@ -155,7 +155,9 @@ class _Worker:
         free = free_space(self.directory)
         if free > point["disk"] + layout.LEAST_FREE:
             return True
-        self._halt(f"{self.directory}: {room_words('the next point', point['disk'], layout.LEAST_FREE, free)}")
+        self._halt(
+            f"{self.directory}: {room_words('the results of the next point', point['disk'], layout.LEAST_FREE, free)}"
+        )
         return False
 
     def _halt(self, reason: str) -> None:
