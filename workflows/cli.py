@@ -31,6 +31,7 @@ from granwave.workflows.messages import each_warning_once
 
 DONE, FAILED, WRONG_INPUT, STOPPED, READER_LEFT = 0, 1, 2, 130, 141
 
+_LONGEST_SHOWN = 300  # characters of a path in a message
 _OF_NAMES = (errno.ENAMETOOLONG, errno.ELOOP)  # errors of the system that no wait and no other machine mends
 _LARGEST_OVERLAP = 1e6  # over that at first yield; spheres end at some 1e4
 
@@ -81,7 +82,8 @@ def _report_file(error: OSError, words: Sequence[str]) -> int:
         return _report(["the working directory does not exist any more; change to another"], WRONG_INPUT)
     # whatever writes a file names it, see `granwave.lammps_inputs.files`
     name = error.filename or ("standard output" if error.errno in DISK_IS_FULL else "a file")
-    fault = f"{name}: {error.strerror or error}"
+    shown = str(name) if len(str(name)) <= _LONGEST_SHOWN else f"{str(name)[:_LONGEST_SHOWN]}..."
+    fault = f"{shown}: {error.strerror or error}"
     return _report([fault], WRONG_INPUT if wrong else FAILED)
 
 

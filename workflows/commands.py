@@ -215,12 +215,12 @@ def check(options: argparse.Namespace, _: Words) -> int:
     expected = kind.cost(case, options.np, True)
     if kind is GRANULAR:
         print(plan_table(case, expected))
-        if warning := expected_cut(expected.zone):
-            print(f"granwave: warning: {case.name}: {warning}", file=sys.stderr)
     else:
         print(continuum_plan_table(case.name, kind.size(case), expected))
     sys.stdout.flush()
     kind.check(case, expected, Path(case.name).absolute())
+    if kind is GRANULAR and (warning := expected_cut(expected.zone)):
+        print(f"granwave: warning: {case.name}: {warning}", file=sys.stderr)
     return 0
 
 

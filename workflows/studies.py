@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import os
 from collections.abc import Callable, Iterable, Mapping
 from importlib import resources
 from pathlib import Path
@@ -61,6 +62,12 @@ def find(study: str, kind: str = CASES, directory: Path = Path()) -> Path:
         case = path / CASE_FILE
         hint = f"its case is {case}" if case.is_file() else known
         raise InputError(f"{study or '(empty)'}: found a directory, expected a {what} file; {hint}")
+    try:
+        os.stat(path)
+    except PermissionError as error:
+        raise InputError(f"{study}: cannot be read: {error.strerror}") from None
+    except (OSError, ValueError):
+        pass
     near = _nearest(study, names(kind)) or _nearest(study, _all_names()) or _file_near(study, directory)
     hint = f"did you mean {near}?" if near else known
     raise InputError(f"{show(study)[1:-1] or '(empty)'}: neither a file nor a built-in {what}; {hint}")
