@@ -39,6 +39,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _report([str(error)], FAILED)
     except OSError as error:
         return _report([f"{error.filename or 'a file'}: {error.strerror or error}"], FAILED)
+    except MemoryError:
+        return _report(["out of memory; granwave check tells what a case needs"], FAILED)
     except KeyboardInterrupt:
         return _report(["stopped"], STOPPED)
 
