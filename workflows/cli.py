@@ -54,15 +54,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # where the rest of the output goes, without an error
         return READER_LEFT
     except OSError as error:
-<<<<<<< HEAD
         return _report_file(error, words)
     except MemoryError as error:
-        return _report([f"there is not enough memory ({str(error) or 'none left'})"], FAILED)
-=======
-        return _report([f"{error.filename or 'a file'}: {error.strerror or error}"], FAILED)
-    except MemoryError:
-        return _report(["out of memory; granwave check tells what a case needs"], FAILED)
->>>>>>> paths
+        why = str(error) or "none left"
+        return _report([f"there is not enough memory ({why}); granwave check tells what a case needs"], FAILED)
     except KeyboardInterrupt:
         return _report(["stopped"], STOPPED)
 
