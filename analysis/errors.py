@@ -11,3 +11,9 @@ class MissingOutputError(GranwaveError, FileNotFoundError):
 
 class OutputFormatError(GranwaveError, ValueError):
     """A file of the run is there but does not hold what it should."""
+
+
+class MissingDataError(OutputFormatError, KeyError):
+    """A result has no such data set."""
+
+    __str__ = Exception.__str__  # KeyError puts quotes around its message

@@ -8,9 +8,13 @@ from pathlib import Path
 
 from tqdm import tqdm
 
+from granwave.analysis.errors import MissingOutputError
 from granwave.analysis.lammps_output.completeness import check_complete
+from granwave.analysis.result.not_a_run import is_continuum, why_no_run
 from granwave.analysis.result.writer import write_result
 from granwave.analysis.summary import Summary, summarise
+from granwave.lammps_inputs.deck.deck import CASE_FILE
+from granwave.lammps_inputs.run_state import check_case
 
 logger = logging.getLogger(__name__)
 
@@ -35,9 +39,11 @@ def analyse(directory: str | Path, progress: bool | Callable[[str], None] = Fals
     Raises
     ------
     MissingOutputError
-        The run did not leave a file that is needed.
+        It is not the directory of a run, or the run did not leave a file that is needed.
     OutputFormatError
         A file is damaged.
+    InputError
+        case.toml was changed after the run, or there are files of such names that granwave did not write.
     """
     if callable(progress):
         return _analyse(Path(directory), progress, figures)
@@ -59,6 +65,9 @@ def _figures() -> tuple[str, ...]:
 
 
 def _analyse(directory: Path, report: Callable[[str], None], figures: bool) -> Summary:
+    if not (directory / CASE_FILE).exists() or is_continuum(directory):
+        raise MissingOutputError(why_no_run(directory))
+    check_case(directory)
     check_complete(directory)
     report("result.h5")
     write_result(directory)

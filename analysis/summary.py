@@ -13,11 +13,13 @@ from granwave.analysis.measures.plastic_zone import HALF_LAW_LIMIT, LAW_LIMIT, P
 from granwave.analysis.measures.sensors import sensor_accelerations, sensor_forces, sensor_velocities
 from granwave.analysis.measures.target import protection, reached
 from granwave.analysis.measures.wave_speed import wave_speed_of
+from granwave.analysis.measures.zone_of_packing import zone_summary
+from granwave.analysis.result.contacts import LISTED_FROM
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.files import plain, replace_text
 from granwave.lammps_inputs.packing.assembly import velocities_of
+from granwave.lammps_inputs.run_directory import SUMMARY_FILE, claim
 
-SUMMARY_FILE = "summary.json"
 Summary = dict[str, Any]
 
 
@@ -33,11 +35,14 @@ def summarise(directory: str | Path) -> Summary:
     ------
     MissingOutputError
         There is no result.h5.
+    InputError
+        There is a summary.json that granwave did not write.
     """
     directory = Path(directory)
     with Result(directory) as result:
         summary = summary_of(result)
     text = json.dumps(plain(summary), indent=2, allow_nan=False)
+    claim(directory, [SUMMARY_FILE])
     replace_text(directory / SUMMARY_FILE, text + "\n")
     return json.loads(text)
 
@@ -52,6 +57,7 @@ def summary_of(result: Result) -> Summary:
         "name": result.case.name,
         "n_spheres": result.n_spheres,
         "n_contacts": int(np.count_nonzero(result["contacts/touching"])),
+        "n_loaded_contacts": _loaded(result),
         "timestep_s": end_time / n_steps if n_steps else None,
         "n_steps": n_steps,
         "end_time_s": end_time,
@@ -59,6 +65,7 @@ def summary_of(result: Result) -> Summary:
         **_precompression(result),
         **_contacts(result),
         **_plasticity(result),
+        **zone_summary(result),
         **_normalised(result),
         **_bottom(result),
         **protection(result),
@@ -139,8 +146,7 @@ def _energies(result: Result) -> Summary:
     def share(energy: float) -> float | None:
         return energy / given if given else None
 
-    rubbed, damped = final("friction"), final("support_lost") if "energy/support_lost" in result else 0.0
-    plastic = final("dissipated") - rubbed - damped
+    rubbed, plastic = final("friction"), float(result.yield_ledger[-1])
     return {
         "energy_input_J": given,
         **{f"energy_{name}_J": final(name) for name in ("kinetic", "elastic", "dissipated", "rotational")},
@@ -161,6 +167,13 @@ def _precompression(result: Result) -> Summary:
         key: float(result[f"prestage/{name}"][-1]) if f"prestage/{name}" in result else None
         for key, name in found.items()
     }
+
+
+def _loaded(result: Result) -> int:
+    """Pairs of spheres that bore a force in this run, those left out that were pressed by rounding alone."""
+    least = LISTED_FROM * result["contacts/yield_overlap"]
+    pressed = result["contacts/peak_overlap"] > np.where(np.isfinite(least), least, 0.0)
+    return int(np.count_nonzero(pressed & (result["contacts/peak_force"] > 0)))
 
 
 def _contacts(result: Result) -> Summary:

@@ -1,41 +1,48 @@
-"""The rules of an output directory that may hold results: start, go on, or leave it alone.
+"""The rules of a directory for results: start, go on, or leave it alone; places that nobody means, and full disks.
 
 Nothing is ever overwritten unasked: ``--resume`` goes on with what is there if it is of the same case, ``--force``
-replaces it, and without either a directory that holds results is refused.
+replaces what granwave wrote, and without either a directory that holds results is refused. What granwave did not write
+stays in any event, see `granwave.lammps_inputs.run_directory`.
 """
 
 from __future__ import annotations
 
+import contextlib
+import os
+import re
 import shutil
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from granwave.lammps_inputs.deck.deck import CASE_FILE
 from granwave.lammps_inputs.errors import InputError
-
-_SHOWN = 3  # names of results in a message
+from granwave.lammps_inputs.files import head
+from granwave.lammps_inputs.run_directory import refuse_foreign, refuse_other_kind, refuse_results, results_in
+from granwave.lammps_inputs.run_state import check_case, tables_as_run
 
 
 def decide(
     directory: Path,
-    results: Iterable[str],
+    kind: str,
+    names: Iterable[str],
     *,
     resume: bool,
     force: bool,
     case: Mapping[str, Any],
-    read: Callable[[Path], Mapping[str, Any]],
+    read: Callable[[Mapping[str, Any]], Mapping[str, Any]],
 ) -> bool:
     """Is there something of the same case to go on with? If not, a new start is allowed. Changes nothing.
 
     Parameters
     ----------
-    results
-        Names of the files and directories that a study of this kind leaves.
+    kind
+        Of the results, see `granwave.lammps_inputs.run_directory`.
+    names
+        Of the files that will be written.
     case
         The case as tables, all defaults filled in.
     read
-        Gives the same of the case.toml that is there; called only to resume.
+        Gives the same of the tables of a case that was run; called only to resume.
 
     Returns
     -------
@@ -45,50 +52,41 @@ def decide(
     Raises
     ------
     InputError
-        The directory holds results and neither ``resume`` nor ``force`` was given, or holds another case, or is a
-        file; or both were given.
+        The directory holds results and neither ``resume`` nor ``force`` was given, or holds another case, or files of
+        somebody else that would be overwritten, or is no place for results; or both were given.
     """
     check_directory(directory, resume=resume, force=force)
-    if resume and (directory / CASE_FILE).exists():
-        refuse_other_case(directory, read(directory / CASE_FILE), case)
+    refuse_other_kind(directory, kind)
+    if resume and results_in(directory) and (there := tables_as_run(directory)) is not None:
+        check_case(directory)
+        refuse_other_case(directory, read(there), case)
         return True
     if not force:
-        refuse_results(directory, results)
+        refuse_results(directory)
+    refuse_foreign(directory, names)
     return False
 
 
-def results_in(directory: Path, results: Iterable[str]) -> list[str]:
-    """Those of ``results`` that a directory holds."""
-    return [name for name in results if (directory / name).exists()]
-
-
-def clear(directory: Path, results: Iterable[str]) -> None:
-    """Remove ``results`` from a directory, and nothing else."""
-    for name in results_in(directory, results):
-        path = directory / name
-        shutil.rmtree(path) if path.is_dir() else path.unlink()
-
-
 def check_directory(directory: Path, *, resume: bool, force: bool) -> None:
-    """Raise InputError where a directory cannot be one, or where it shall be both kept and replaced."""
+    """Raise InputError where a directory cannot be one for results, or where it shall be both kept and replaced."""
     if resume and force:
         raise InputError(
             "--resume and --force exclude each other: one goes on with what is there, the other replaces it"
         )
-    if directory.exists() and not directory.is_dir():
-        raise InputError(f"{directory}: is a file, expected a directory; choose another with -o")
+    results_directory(directory, force=force)
 
 
-def refuse_results(
-    directory: Path,
-    results: Iterable[str],
-    ways: str = "--resume goes on with them, --force replaces them",
-) -> None:
-    """Raise InputError where a directory holds ``results``; ``ways`` are those that lead on."""
-    found = results_in(directory, results)
-    if found:
-        names = ", ".join(found[:_SHOWN]) + (", ..." if len(found) > _SHOWN else "")
-        raise InputError(f"{directory}: already holds results ({names}); {ways}, or choose another directory with -o")
+def refuse_source(directory: Path, name: str, source: Path | None) -> None:
+    """Raise InputError where the case ``name`` takes its dents from a file among the results that it replaces."""
+    if source is None:
+        return
+    there = source.resolve()
+    places = [(directory / result).resolve() for result in results_in(directory)]
+    if any(place in (there, *there.parents) for place in places):
+        raise InputError(
+            f"{name}: contact.initial_overlap: {source}: is among the results that would be replaced; "
+            "choose another directory with -o"
+        )
 
 
 def refuse_other_case(directory: Path, there: Mapping[str, Any], here: Mapping[str, Any]) -> None:
@@ -101,7 +99,89 @@ def refuse_other_case(directory: Path, there: Mapping[str, Any], here: Mapping[s
         )
 
 
-def check_disk(directory: Path, needed: float, *, what: str = "the results", spare: float = 0.0) -> None:
+# ---------------------------------------------------------------------- places
+
+
+def output_path(name: str | Path) -> Path:
+    """The path of a file or directory that shall be written.
+
+    Raises
+    ------
+    InputError
+        The name is empty, or begins with a "~" that the shell did not replace.
+    """
+    if not str(name):
+        raise InputError('found the empty name "", expected that of a file or directory (. is the present directory)')
+    path = Path(name)
+    if path.parts and path.parts[0].startswith("~"):
+        raise InputError(f"{path}: the shell did not replace {path.parts[0]}; write the whole path, or $HOME")
+    return path
+
+
+def results_directory(name: str | Path, *, force: bool = False) -> Path:
+    """The absolute path of a directory for results.
+
+    Parameters
+    ----------
+    force
+        Results that are there shall be replaced.
+
+    Raises
+    ------
+    InputError
+        As of `output_path`; or it is a file, the root or the home directory, or a link and the results behind it shall
+        be replaced.
+    """
+    path = output_path(name)
+    try:
+        there = path.resolve()
+        is_file = there.exists() and not there.is_dir()
+        with contextlib.suppress(FileNotFoundError):
+            path.lstat()
+    except (OSError, RuntimeError, ValueError) as error:  # too long, links in a circle, a NUL
+        reason = getattr(error, "strerror", None) or error
+        raise InputError(f"{path}: {reason}; choose another directory with -o") from None
+    if is_file:
+        raise InputError(f"{path}: is a file, expected a directory; choose another with -o")
+    places = {Path(there.anchor): "the root directory"}
+    with contextlib.suppress(RuntimeError, OSError):  # a user without a home
+        places[Path.home().resolve()] = "your home directory"
+    if there in places:
+        raise InputError(f"{path}: is {places[there]}; choose a directory for the results alone with -o")
+    if force and path.is_symlink() and results_in(path):
+        raise InputError(
+            f"{path}: is a link to {there}, and --force removes nothing through a link; give that directory with -o"
+        )
+    return path.absolute()
+
+
+def refuse_other_file(path: Path, own: bytes) -> None:
+    """Raise InputError where a single file that shall be written is there, and is none that granwave wrote.
+
+    Parameters
+    ----------
+    own
+        Regular expression, found in every file of its kind that granwave writes.
+    """
+    if path.is_dir():
+        raise InputError(f"{path}: is a directory, expected the name of a file; choose another with -o")
+    if not os.access(path.absolute().parent, os.W_OK | os.X_OK):
+        raise InputError(f"{path}: the directory {path.absolute().parent} cannot be written to; choose another with -o")
+    if os.path.lexists(path) and not re.search(own, head(path)):
+        raise InputError(f"{path}: is there, and granwave did not write it; choose another name with -o")
+
+
+# ---------------------------------------------------------------------- disks
+
+
+def check_disk(
+    directory: Path,
+    needed: float,
+    *,
+    what: str = "the results",
+    spare: float = 0.0,
+    remedy: str = "fewer run.frames",
+) -> None:
     """Refuse what does not fit on the disk.
 
     Parameters
@@ -110,16 +190,31 @@ def check_disk(directory: Path, needed: float, *, what: str = "the results", spa
         Bytes that ``what`` need; nothing is refused that needs none.
     spare
         Bytes that must be left.
+    remedy
+        What else would do.
 
     Raises
     ------
     InputError
         There is less.
     """
-    place = next(path for path in (directory, *directory.parents) if path.exists())
-    free = shutil.disk_usage(place).free
+    free = free_space(directory)
     if needed and needed + spare > free:
         raise InputError(
-            f"{directory}: {what} need about {needed / 1e9:.3g} GB, {free / 1e9:.3g} GB are free there; "
-            "choose another directory with -o, or fewer run.frames"
+            f"{directory}: {room_words(what, needed, spare, free)}; choose another directory with -o, or {remedy}"
         )
+
+
+def free_space(directory: Path) -> float:
+    """Bytes that are free on the disk of a directory, which need not be there yet."""
+    return shutil.disk_usage(next(path for path in (directory, *directory.parents) if path.exists())).free
+
+
+def room_words(what: str, needed: float, spare: float, free: float) -> str:
+    """Say how much of a disk is needed, must stay free and is free; all in bytes."""
+    left = f" and {_gigabytes(spare)} must stay free" if spare else ""
+    return f"{what} need about {_gigabytes(needed)}{left}, {_gigabytes(free)} are free there"
+
+
+def _gigabytes(size: float) -> str:
+    return f"{size / 1e9:.3g} GB"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 
 class GranwaveError(Exception):
@@ -24,6 +24,18 @@ class InputError(GranwaveError, ValueError):
 
     def __reduce__(self) -> tuple[type[InputError], tuple[list[str]]]:
         return type(self), (self.faults,)
+
+
+def raise_all(checks: Iterable[Callable[[], object]]) -> None:
+    """Do all ``checks``; raise one InputError with the faults of all that failed."""
+    faults: list[str] = []
+    for check in checks:
+        try:
+            check()
+        except InputError as error:
+            faults += error.faults
+    if faults:
+        raise InputError(faults)
 
 
 class RunError(GranwaveError, RuntimeError):

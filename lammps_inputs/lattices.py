@@ -141,12 +141,10 @@ class Lattice:
         nx, ny, nz = self.shape
         total = 0
         for k, j in itertools.product(range(min(nz, self.rule.layer_period)), range(self.rule.row_period)):
-            layers = np.arange(k, nz, self.rule.layer_period)
-            rows = np.arange(j, ny, self.rule.row_period)
+            layers, rows = range(k, nz, self.rule.layer_period), range(j, ny, self.rule.row_period)
             for di, dj, dk in self._offsets(j, k):
-                inside = np.count_nonzero((layers + dk >= 0) & (layers + dk < nz))
-                across = rows.size if self.periodic else np.count_nonzero((rows + dj >= 0) & (rows + dj < ny))
-                total += int(inside) * int(across) * (nx if self.periodic else max(nx - abs(di), 0))
+                across = len(rows) if self.periodic else _still_inside(rows, dj)
+                total += _still_inside(layers, dk) * across * (nx if self.periodic else max(nx - abs(di), 0))
         return total // 2
 
     def positions(self, first: int, last: int) -> NDArray[np.float64]:
@@ -241,6 +239,12 @@ def _offset_table(kind: str, movable: tuple[bool, ...]) -> dict[tuple[int, int],
             if abs(math.dist(here, rule.site(*map(np.asarray, np.add(base, offset)))) - 1.0) <= TOUCHING
         ]
     return table
+
+
+def _still_inside(places: range, shift: int) -> int:
+    """How many of the places, of which there are `places.stop` from 0 on, are places when shifted."""
+    first = places.start + max(0, -((places.start + shift) // places.step)) * places.step
+    return len(range(first, min(places.stop, places.stop - shift), places.step))
 
 
 def _ends(n: int, period: int) -> NDArray[np.int64]:

@@ -8,10 +8,12 @@ from pathlib import Path
 from typing import Any
 
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import read_regular
+from granwave.lammps_inputs.named_files import with_absolute_paths
 
 
 def read_toml(path: str | Path) -> dict[str, Any]:
-    """Read a TOML file (UTF-8, with or without a byte-order mark).
+    """Read a TOML file (UTF-8, with or without a byte-order mark); the files that it names become absolute paths.
 
     Raises
     ------
@@ -20,7 +22,7 @@ def read_toml(path: str | Path) -> dict[str, Any]:
     """
     path = Path(path)
     try:
-        raw = path.read_bytes()
+        raw = read_regular(path)
     except FileNotFoundError:
         raise InputError(f"{path}: no such file{_similar(path)}") from None
     except IsADirectoryError:
@@ -36,7 +38,7 @@ def read_toml(path: str | Path) -> dict[str, Any]:
             f"{path}: found bytes that are not UTF-8 (line {line}), expected UTF-8 text; save it as UTF-8"
         ) from None
     try:
-        return tomllib.loads(content)
+        return dict(with_absolute_paths(tomllib.loads(content), path.parent))
     except (ValueError, RecursionError) as error:  # of TOML, of a number's length, of nesting
         raise InputError(f"{path}: not valid TOML: {error}") from None
 

@@ -49,9 +49,12 @@ def granwave():
 def lmp():
     """Run the plain `lmp` command on an input script."""
 
-    def run(script: Path, *arguments: str, ranks: int = 1, timeout: float = 300) -> subprocess.CompletedProcess[str]:
+    def run(
+        script: Path, *arguments: str, ranks: int = 1, timeout: float = 300, screen: bool = False
+    ) -> subprocess.CompletedProcess[str]:
         launch = [str(BIN / "mpiexec"), "-n", str(ranks)] if ranks > 1 else []
-        command = [*launch, str(BIN / "lmp"), "-in", script.name, "-screen", "none", *arguments]
+        quiet = [] if screen else ["-screen", "none"]
+        command = [*launch, str(BIN / "lmp"), "-in", script.name, *quiet, *arguments]
         return subprocess.run(command, cwd=script.parent, capture_output=True, text=True, timeout=timeout, env=PLAIN)
 
     return run

@@ -29,9 +29,19 @@ def write_run(directory: Path, figures: bool = True, name: str = "synthetic", **
     write_json(directory / "summary.json", summary | {"name": name} | values)
     write_json(directory / "run.json", {"state": "finished", "attempts": []})
     with h5py.File(directory / "result.h5", "w") as file:
+        file.attrs.update({"case": case.to_toml(), "run": "{}", "versions": "{}"})
         time = np.linspace(0, 1e-3, 50)
-        file["energy/time"], file["energy/input"] = time, np.full(50, 2.0)
-        file["energy/dissipated"] = 1.6 * (1 - np.exp(-time / 1e-4))
+        lost = 1.6 * (1 - np.exp(-time / 1e-4))
+        energies = {"time": time, "input": np.full(50, 2.0), "dissipated": lost, "kinetic": 2.0 - lost}
+        tables = {"energy": energies | {"step": np.arange(50), "elastic": np.zeros(50)}}
+        tables["spheres"] = dict.fromkeys(("id", "radius", "mass", "peak_force", "dissipated_energy"), np.ones(1))
+        tables["spheres"]["position"] = np.zeros((1, 3))
+        tables["contacts"] = dict.fromkeys(("i", "j", "peak_force", "peak_overlap", "dissipated_energy"), np.empty(0))
+        for table, columns in tables.items():
+            for column, values in columns.items():
+                file[f"{table}/{column}"] = values
+        file["particles/spheres/position/value"] = np.zeros((1, 1, 3))
+        file["particles/spheres/position/time"] = np.zeros(1)
     if figures:
         draw(directory, "zebra", "energies", "peak_force_principal")
     return directory

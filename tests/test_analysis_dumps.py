@@ -90,7 +90,7 @@ def test_damage_in_the_middle_is_an_error(run):
     lines = path.read_text().splitlines(keepends=True)
     lines[20] = "1 2 oops\n"
     path.write_text("".join(lines))
-    with pytest.raises(OutputFormatError, match="snapshot 0 does not hold 144 rows of 17"):
+    with pytest.raises(OutputFormatError, match=r"spheres\.dump: line 21 \(snapshot 0\): found 3 values, expected 17"):
         list(read_frames(run))
 
 

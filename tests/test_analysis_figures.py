@@ -16,7 +16,7 @@ from tests import synthetic
 
 MOVING = {"energies", "bottom_force", "target", "impactor_velocity"}
 PLANES = {"peak_force_principal", "peak_force_orthogonal", "wave_front", "packing_3d", "directions"}
-LOST = {"dissipation_ranked", "dissipation_cumulated", "plastic_zone_growth"}
+LOST = {"dissipation_ranked", "dissipation_cumulated", "plastic_zone_growth", "plastic_zone_size"}
 LOST_PLANES = {"dissipation_principal", "dissipation_orthogonal", "packing_3d_dissipation"}
 
 

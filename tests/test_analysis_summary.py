@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 
 import numpy as np
 import pytest
@@ -12,12 +13,14 @@ from granwave.analysis import summarise, velocity_normalised, write_result
 from granwave.analysis.document import cells
 from granwave.analysis.lammps_output import time_series
 from granwave.lammps_inputs import sphere_contact, struck_spheres
+from granwave.workflows.cli.tables import summary_table
 from tests import synthetic
 
 PROMISED = (
     "name",
     "n_spheres",
     "n_contacts",
+    "n_loaded_contacts",
     "timestep_s",
     "n_steps",
     "end_time_s",
@@ -155,6 +158,27 @@ def test_every_loaded_contact_of_the_bilinear_law_is_plastic(tmp_path):
     summary, case = summary_of(tmp_path, law="bilinear", dent=0.5)
     assert summary["n_plastic_contacts"] == case.lattice.n_contacts
     assert summary["contacts_beyond_law"] is None
+
+
+def test_loaded_contacts_are_those_that_bore_a_force(tmp_path):
+    """Nothing touches at the start where diameters are scattered; contacts form all the same."""
+    scattered, case = summary_of(tmp_path / "scattered", packing={"diameter_scatter": 5e-6}.items())
+    assert case.assembly.n_contacts == scattered["n_contacts"] == 0
+    dents = synthetic.make_case().lattice.n_contacts
+    synthetic.write_run(tmp_path / "loaded", synthetic.make_case())
+    path = tmp_path / "loaded" / "dumps" / "contacts.dump"
+    head, rows = path.read_text().splitlines()[:9], np.loadtxt(path, skiprows=9)
+    law = sphere_contact(case)
+    rows[:10, 4:6] = 0.0  # touched, and bore nothing
+    rows[10:14, 4] = 1e-7 * law.yield_overlap  # rounding
+    path.write_text("\n".join([*head, *(" ".join(f"{v:.17g}" for v in row) for row in rows)]) + "\n")
+    write_result(tmp_path / "loaded")
+    summary = summarise(tmp_path / "loaded")
+    assert summary["n_contacts"] == dents and summary["n_loaded_contacts"] == dents - 14
+    text = summary_table(summary)
+    assert re.search(rf"contacts at the start +{dents}\ncontacts that bore a force +{dents - 14}\n", text)
+    labels = [cells.label_of(name) for name in ("n_contacts", "n_loaded_contacts")]
+    assert labels == ["Contacts at the start", "Contacts that bore a force"]
 
 
 def test_contacts_beyond_the_law_are_counted(tmp_path):

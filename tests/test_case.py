@@ -189,7 +189,7 @@ class TestOverrides:
             {"load": TABLE | {"table": [[0, 0], [1, 0]]}},
             "load.table: found [[0, 0], [1, 0]], expected a value other than",
         ),
-        ({"load": TABLE | {"file": "no.txt"}}, "load.file: no.txt: cannot be read: "),
+        ({"load": TABLE | {"file": "/no/such.txt"}}, "load.file: /no/such.txt: cannot be read: No such file"),
         (
             {"load": FORCE | {"kind": "displacement"}},
             'load.shape: found "half-sine"; a displacement needs one of "harmonic"',

@@ -208,7 +208,7 @@ def test_the_study_of_elastoplastic_chains(plastic, tmp_path):
     assert row(study, "d2").deviation == pytest.approx(0, abs=0.02)
     assert row(study, "Dissipated up to", "0.46").deviation == pytest.approx(0, abs=0.06)
     assert len(study.pictures) == 5 and all(picture.drawing.columns for picture in study.pictures)
-    (file,) = draw_studies([dataclasses.replace(study, pictures=study.pictures[-1:])], tmp_path / "figures")
+    (file,) = draw_studies([dataclasses.replace(study, pictures=study.pictures[-1:])], tmp_path)
     assert file.is_file() and file.with_suffix(".csv").stat().st_size > 1000
 
 

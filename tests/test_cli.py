@@ -231,7 +231,7 @@ def test_end_time_auto_settles(granwave, lmp, tmp_path):
         (["load.velocity=0"], ["load.velocity"]),
         (["load.velocity=-3", "packing.diameter=0"], ["load.velocity", "packing.diameter"]),
         (["packing.size=[20000,20000,20000]"], []),
-        (["packing.size=[2000,2000,200]"], ["GiB"]),
+        (["packing.size=[2000,2000,200]", "run.frames=1000"], ["GiB of memory", "GB are free"]),
     ],
 )
 def test_bad_input_is_refused_before_anything_happens(granwave, tmp_path, overrides, words):
@@ -258,7 +258,7 @@ def test_bad_input_is_refused_before_anything_happens(granwave, tmp_path, overri
         (["run", "fcc-small", "--np", "0"], ["1 or more"]),
         (["run", "fcc-small", "--resume", "--force"], ["not allowed with"]),
         (["run"], ["required"]),
-        (["walk"], ["invalid choice"]),
+        (["walk"], ["expected one of run, write, analyse"]),
     ],
 )
 def test_wrong_words_are_refused(granwave, tmp_path, arguments, words):

@@ -14,7 +14,7 @@ import pytest
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.report import write_report
 from granwave.analysis.reports.sections.comparison import impacts_of
-from granwave.analysis.studies.granular_continuum import both, continuum, forces, granular
+from granwave.analysis.studies.granular_continuum import both, continuum, forces, granular, zone
 from granwave.analysis.studies.granular_continuum.impacts import Impacts, collect
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows import library, load_scan
@@ -152,13 +152,44 @@ def test_front_loses_its_peak(impacts: Impacts) -> None:
         assert np.all((front.uniformity > 0) & (front.uniformity <= 1))
 
 
+def test_zones_are_those_of_the_runs(impacts: Impacts) -> None:
+    packings, blocks = zone.packing_zones(impacts), zone.continuum_zones(impacts)
+    assert [one.run.case.load.velocity for one in packings] == [1, 2, 4, 8, 16, 32]
+    assert len(blocks) == 3
+    for one, diameter in ((packings[-1], 0.01), (blocks[-1], 0.01)):
+        summary = one.run.summary
+        assert one.depth == tuple(summary[f"zone_depth_{share}_m"] / diameter for share in (50, 90, 99))
+        assert one.volume[1] == pytest.approx(summary["zone_volume_90_m3"] / (math.pi * diameter**3 / 6))
+        assert one.energy == pytest.approx(one.run.energy / 2.630, rel=1e-3)  # J, of brass and 10 mm
+    assert packings[-1].mark == zone.Mark.CUT
+    assert all(one.mark != zone.Mark.CUT for one in blocks)
+
+
+def test_zones_are_shown_in_the_largest_packing(impacts: Impacts) -> None:
+    run = impacts.reference[2]
+    larger = dataclasses.replace(run.case, packing=dataclasses.replace(run.case.packing, size=(10, 10, 8)))
+    twin = dataclasses.replace(run, label="larger", case=larger)
+    labels = [one.run.label for one in zone.packing_zones(Impacts((*impacts.granular, twin), ()))]
+    assert "larger" in labels
+    assert len(labels) == len(impacts.reference)
+    old = dataclasses.replace(run, summary={key: run.summary[key] for key in run.summary if "zone_" not in key})
+    assert zone.zone_of(old) is None
+
+
 def test_suite_leaves_one_report_and_its_figures(suite: Path) -> None:
     assert (suite / "granular" / "scan.csv").is_file()
     page = (suite / "report.html").read_text(encoding="utf-8")
-    for text in ("Comparison", "Granular scaling", "Loading area", "modulus 230 GPa"):
+    for text in ("Comparison", "Granular scaling", "Loading area", "modulus 230 GPa", "what holds 50, 90 and 99 %"):
         assert text in page
     names = {path.stem for path in (suite / "figures").glob("*.png")}
-    assert {"dissipated_fraction", "plastic_volume", "granular_scaling", "loading_area", "continuum_mass"} <= names
+    assert {
+        "dissipated_fraction",
+        "plastic_volume",
+        "plastic_zone",
+        "granular_scaling",
+        "loading_area",
+        "continuum_mass",
+    } <= names
     with (suite / "figures" / "dissipated_fraction.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert {row["curve"] for row in rows} >= {"granular, D = 10 mm", "continuum, m = 0.1 kg"}
@@ -223,4 +254,4 @@ def test_nothing_runs_where_one_directory_is_taken(suite: Path, tmp_path: Path) 
 def test_built_in_suite_is_sound() -> None:
     names = {scan.name for scan in load_suite("granular-continuum").scans}
     assert names <= set(library.names(library.SCANS))
-    assert len(names) == 5
+    assert len(names) == 6

@@ -131,7 +131,7 @@ class TestDeck:
     def test_what_is_written(self, tmp_path: Path) -> None:
         deck = write_deck(make(), tmp_path / "a b" / "run")
         found = sorted(path.name for path in deck.directory.iterdir())
-        assert found == ["case.toml", "data.granwave", "dumps", "in.granwave"]
+        assert found == [".granwave", "case.toml", "data.granwave", "dumps", "in.granwave"]
         assert load_case(deck.directory / "case.toml") == deck.case
 
     def test_resolved_values(self, tmp_path: Path) -> None:

@@ -1,26 +1,27 @@
-"""Output directories that may hold results, and files that are replaced whole or not at all."""
+"""Directories for results, places and disks that are refused, and files that are replaced whole or not at all."""
 
 from __future__ import annotations
 
 import json
 import math
-import tomllib
+import os
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from granwave.lammps_inputs.directories import check_disk, clear, decide
+from granwave.lammps_inputs.directories import check_disk, decide, output_path, refuse_other_file, results_directory
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.files import plain, read_json, replace_text, replacing
+from granwave.lammps_inputs.files import naming, plain, read_json, replace_text, replacing
+from granwave.lammps_inputs.run_directory import RUN, SCAN, claim, clear
 
-RESULTS = ("case.toml", "summary.json", "figures", "log")
+RESULTS = ("case.toml", "summary.json", "figures/a.png", "log")
 CASE = {"name": "a", "load": {"velocity": 5.0}}
+TEXT = 'name = "a"\n[load]\nvelocity = 5.0\n'
 
 
-def ask(directory, *, resume=False, force=False, case=CASE):
-    return decide(
-        directory, RESULTS, resume=resume, force=force, case=case, read=lambda path: tomllib.loads(path.read_text())
-    )
+def ask(directory, *, resume=False, force=False, case=CASE, kind=RUN):
+    return decide(directory, kind, RESULTS, resume=resume, force=force, case=case, read=dict)
 
 
 @pytest.fixture
@@ -28,9 +29,10 @@ def filled(tmp_path):
     """A directory with results of `CASE`, and with something of the user's."""
     directory = tmp_path / "r"
     (directory / "figures").mkdir(parents=True)
-    (directory / "case.toml").write_text('name = "a"\n[load]\nvelocity = 5.0\n')
-    for name in ("summary.json", "log", "notes.txt", "figures/a.png"):
+    claim(directory, RESULTS, kind=RUN, case=TEXT)
+    for name in (*RESULTS, "notes.txt", "figures/mine.png"):
         (directory / name).write_text("{}")
+    (directory / "case.toml").write_text(TEXT)
     return directory
 
 
@@ -46,13 +48,16 @@ def test_results_are_refused_resumed_or_replaced(filled):
     with pytest.raises(InputError) as caught:
         ask(filled)
     assert str(caught.value) == (
-        f"{filled}: already holds results (case.toml, summary.json, figures, ...); "
+        f"{filled}: already holds results (case.toml, summary.json, figures/a.png, ...); "
         "--resume goes on with them, --force replaces them, or choose another directory with -o"
     )
     assert ask(filled, resume=True) is True
     assert ask(filled, force=True) is False
-    clear(filled, RESULTS)
-    assert [path.name for path in filled.iterdir()] == ["notes.txt"]
+    clear(filled)
+    assert sorted(path.relative_to(filled).as_posix() for path in filled.rglob("*.*")) == [
+        "figures/mine.png",
+        "notes.txt",
+    ]
 
 
 def test_another_case_is_not_resumed(filled):
@@ -62,10 +67,29 @@ def test_another_case_is_not_resumed(filled):
     assert ask(filled, force=True, case=other) is False
 
 
-def test_results_without_a_case_are_not_resumed(filled):
-    (filled / "case.toml").unlink()
-    with pytest.raises(InputError, match=r"already holds results \(summary\.json, figures, log\);"):
+def test_results_whose_case_is_known_to_nobody_are_not_resumed(filled):
+    claim(filled, [], case="")
+    with pytest.raises(InputError, match="already holds results"):
         ask(filled, resume=True)
+
+
+def test_a_scan_is_not_replaced_by_a_run(filled):
+    for force in (False, True):
+        with pytest.raises(InputError, match="holds a run, expected a scan or nothing"):
+            ask(filled, force=force, kind=SCAN)
+
+
+@pytest.mark.parametrize("words", [{}, {"resume": True}, {"force": True}])
+def test_files_of_somebody_else_are_never_overwritten(tmp_path, words):
+    (tmp_path / "figures").mkdir()
+    for name in ("summary.json", "figures/a.png", "figures/mine.png"):
+        (tmp_path / name).write_text("mine")
+    with pytest.raises(InputError) as caught:
+        ask(tmp_path, **words)
+    assert str(caught.value) == (
+        f"{tmp_path}: summary.json, figures/a.png would be overwritten, and granwave did not write them; "
+        "move them away, or choose another directory with -o"
+    )
 
 
 def test_words_and_places_that_make_no_sense(filled):
@@ -75,12 +99,60 @@ def test_words_and_places_that_make_no_sense(filled):
         ask(filled / "log", force=True)
 
 
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("", 'the empty name ""'),
+        ("~/runs", "the shell did not replace ~"),
+        ("~nobody", "the shell did not replace ~nobody"),
+        ("/", "is the root directory"),
+        ("/..", "is the root directory"),
+        (Path.home(), "is your home directory"),
+        ("a" * 300, "File name too long"),
+        ("a\0b", "null byte"),
+    ],
+)
+def test_places_that_nobody_means(name, message):
+    with pytest.raises(InputError, match=message):
+        results_directory(name)
+
+
+def test_the_present_directory_is_a_place(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert results_directory(".") == tmp_path and results_directory("new") == tmp_path / "new"
+    assert output_path("law.png") == Path("law.png")
+
+
+def test_results_behind_a_link_are_kept(filled):
+    link = filled.with_name("link")
+    link.symlink_to(filled)
+    assert results_directory(link) == link
+    with pytest.raises(InputError, match=f"is a link to {filled}, and --force removes nothing through a link"):
+        ask(link, force=True)
+    link.with_name("circle").symlink_to(link.with_name("circle"))
+    with pytest.raises(InputError, match="choose another directory"):
+        results_directory(link.with_name("circle"))
+
+
 def test_disk_that_is_too_small(tmp_path):
     check_disk(tmp_path / "not" / "yet", 1.0)
     check_disk(tmp_path, 0.0, spare=1e30)
-    for needed, spare in ((1e30, 0.0), (1.0, 1e30)):
-        with pytest.raises(InputError, match=r"the points need about .* GB, .* GB are free there"):
-            check_disk(tmp_path, needed, what="the points", spare=spare)
+    with pytest.raises(InputError, match=r"the points need about 1e\+21 GB, [\d.e+]+ GB are free there; choose"):
+        check_disk(tmp_path, 1e30, what="the points")
+    with pytest.raises(InputError, match=r"the results need about 1e-06 GB and 1e\+21 GB must stay free, [\d.e+]+ GB"):
+        check_disk(tmp_path, 1e3, spare=1e30)
+
+
+def test_a_single_file_of_somebody_else_is_not_overwritten(tmp_path):
+    path = tmp_path / "curve.csv"
+    refuse_other_file(path, b"own")
+    path.write_text("our own\n")
+    refuse_other_file(path, b"own")
+    path.write_text("mine")
+    with pytest.raises(InputError, match=r"curve\.csv: is there, and granwave did not write it"):
+        refuse_other_file(path, b"own")
+    with pytest.raises(InputError, match="is a directory"):
+        refuse_other_file(tmp_path, b"own")
 
 
 def test_a_file_is_replaced_whole_or_not_at_all(tmp_path):
@@ -93,6 +165,19 @@ def test_a_file_is_replaced_whole_or_not_at_all(tmp_path):
     assert path.read_bytes() == "ä\n".encode()
     replace_text(path, "ö")
     assert [file.read_text(encoding="utf-8") for file in tmp_path.iterdir()] == ["ö"]
+
+
+def test_an_error_of_the_system_names_its_file(tmp_path):
+    path = tmp_path / "a.txt"
+    with pytest.raises(OSError) as caught, replacing(path), open("/dev/full", "w") as file:
+        file.write("x" * 100_000)
+    assert caught.value.filename == str(path) and caught.value.strerror == os.strerror(28)
+    with pytest.raises(OSError) as caught, naming(path):
+        raise OSError("Can't write data (file write failed: errno = 28, error message = ...)")  # as h5py does
+    assert (caught.value.errno, caught.value.filename) == (28, str(path))
+    with pytest.raises(FileNotFoundError) as caught, naming(path):
+        (tmp_path / "b.txt").read_text()
+    assert caught.value.filename == str(tmp_path / "b.txt")
 
 
 @pytest.mark.parametrize("text", [None, "", "{", "[1]", "3", "\xff", "[" * 100_000])

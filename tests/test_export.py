@@ -10,6 +10,7 @@ from granwave.analysis import Result
 from granwave.analysis.exports.export import FORMATS, export
 from granwave.analysis.exports.staging import staged
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.run_directory import claim
 from tests import synthetic_scan
 from tests.export_inputs import write_walled_run
 
@@ -43,7 +44,7 @@ def test_unknown_form_is_refused(run, tmp_path, to, hint):
 
 @pytest.mark.parametrize("to", FORMATS)
 def test_directory_without_result_is_refused(tmp_path, to):
-    with pytest.raises(InputError, match=r"data\.granwave" if to == "ovito" else "granwave analyse"):
+    with pytest.raises(InputError, match=r"data\.granwave" if to == "ovito" else "is no run: it is empty"):
         export(tmp_path, to)
     assert not list(tmp_path.iterdir())
     with pytest.raises(InputError, match="no such directory"):
@@ -54,7 +55,7 @@ def test_directory_without_result_is_refused(tmp_path, to):
 def test_unwritable_output_is_refused(run, tmp_path, to):
     (tmp_path / "file").write_text("mine")
     for output in (tmp_path / "file", tmp_path / "file" / "below"):
-        with pytest.raises(InputError, match=r"cannot be written to.*-o"):
+        with pytest.raises(InputError, match=r"(is a file|Not a directory).*-o"):
             export(run, to, output)
     assert (tmp_path / "file").read_text() == "mine" and len(list(tmp_path.iterdir())) == 1
 
@@ -68,8 +69,9 @@ def test_missing_library_is_named(run, tmp_path, monkeypatch, to, module):
 
 
 def test_failure_leaves_the_old_files_and_nothing_else(run, tmp_path, monkeypatch):
-    before = {path: path.read_bytes() for path in export(run, "csv", tmp_path)}
-    monkeypatch.setattr(Result, "frame", lambda *_: (_ for _ in ()).throw(OSError("disk full")))
+    export(run, "csv", tmp_path)
+    before = {path: path.read_bytes() for path in tmp_path.iterdir()}
+    monkeypatch.setattr(Result, "frame", lambda *_: (_ for _ in ()).throw(OSError(28, "disk full")))
     with pytest.raises(OSError, match="disk full"):
         export(run, "csv", tmp_path)
     assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
@@ -80,12 +82,20 @@ def test_failure_leaves_the_old_files_and_nothing_else(run, tmp_path, monkeypatc
 
 def test_outdated_files_go_and_others_stay(run, tmp_path):
     export(run, "csv", tmp_path)
-    for name in ("snapshot_0099.csv", "snapshot_mine.csv", "notes.txt", "walls_xlo.csv"):
+    claim(tmp_path, ["snapshot_0099.csv", "walls_xlo.csv"])
+    for name in ("snapshot_0099.csv", "snapshot_0098.csv", "snapshot_mine.csv", "notes.txt", "walls_xlo.csv"):
         (tmp_path / name).write_text("old")
     export(run, "csv", tmp_path)
     names = {path.name for path in tmp_path.iterdir()}
-    assert {"snapshot_mine.csv", "notes.txt", "snapshot_0003.csv"} <= names
+    assert {"snapshot_0098.csv", "snapshot_mine.csv", "notes.txt", "snapshot_0003.csv"} <= names
     assert not {"snapshot_0099.csv", "walls_xlo.csv"} & names
+
+
+def test_files_of_somebody_else_are_not_overwritten(run, tmp_path):
+    (tmp_path / "energy.csv").write_text("mine")
+    with pytest.raises(InputError, match=r"energy\.csv would be overwritten, and granwave did not write it"):
+        export(run, "csv", tmp_path)
+    assert [(path.name, path.read_text()) for path in tmp_path.iterdir()] == [("energy.csv", "mine")]
 
 
 def test_snapshots_are_read_one_at_a_time(run, tmp_path, monkeypatch):

@@ -213,7 +213,7 @@ def test_files(tmp_path, capsys):
     assert fit(options(tmp_path / "m.csv", tmp_path / "out")) == 0
     shown = capsys.readouterr().out
     assert all(name in shown for name in OTHER) and "published" in shown and "un- and reloading" in shown
-    found = {path.relative_to(tmp_path / "out").as_posix() for path in (tmp_path / "out").rglob("*.*")}
+    found = {path.relative_to(tmp_path / "out").as_posix() for path in (tmp_path / "out").rglob("[!.]*.*")}
     assert found == {"fit.toml", "fit.csv", "misfit.csv", "figures/fit.png", "figures/fit.pdf", "figures/fit.csv"}
     rows = {row["constant"]: row for row in csv.DictReader((tmp_path / "out" / "fit.csv").open())}
     assert list(rows) == list(LAW_CONSTANTS) and all(row["state"] == "fitted" for row in rows.values())

@@ -183,7 +183,7 @@ def test_frames_of_another_run_are_refused(run, tmp_path_factory):
 
 
 def test_reader_refuses_other_files(tmp_path):
-    with pytest.raises(MissingOutputError, match="granwave analyse"):
+    with pytest.raises(MissingOutputError, match="is no run: it is empty"):
         Result(tmp_path)
     (tmp_path / "result.h5").write_text("no")
     with pytest.raises(OutputFormatError):

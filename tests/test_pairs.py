@@ -163,7 +163,7 @@ class TestLaws:
             ({"pair": [{"materials": ["brass", "stel"], "friction": 0.1}]},
              r'pair.1.materials: found "stel", expected materials of the case: "brass", "rigid"'),
             ({"pair": [{"materials": ["brass", "brass"], "friction": -0.1}]}, "pair.1.friction: found -0.1, expected .* at least 0"),
-            ({"pair": [{"materials": ["brass", "brass"], "pressure_limit": 0.1}]}, "pair.1: pressure_limit: no passive law"),
+            ({"pair": [{"materials": ["brass", "brass"], "pressure_limit": 0.1}]}, "pair.1.pressure_limit: no passive law"),
             ({"contact": {"friction": -1}}, "contact.friction: found -1, expected a number at least 0"),
             ({"boundary": {"friction": -1}}, "boundary.friction: found -1"),
         ],

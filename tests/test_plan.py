@@ -159,6 +159,8 @@ def test_until_a_point_is_done_the_plan_is_shown(points: list[Point], clock: lis
         words[clock[0]] = outlook.words(points, {})
     assert words[101.0].startswith("1 s of about ") and words[130.0].startswith("30 s of about ")
     assert words[101.0].split("about")[1] == words[130.0].split("about")[1]
+    clock[0] = 1e6
+    assert ", longer than the planned " in outlook.words(points, {}) and outlook.words([], {}).endswith("are next")
 
 
 def test_then_the_points_that_are_done_tell(points: list[Point], clock: list[float]) -> None:
@@ -170,7 +172,7 @@ def test_then_the_points_that_are_done_tell(points: list[Point], clock: list[flo
     ages = {longest.id: 100 * expected_time(longest), others[0].id: 1e9}  # nothing is taken off twice
     left = 100 * sum(map(expected_time, others[1:])) + batches.PUBLISH
     assert outlook.words([*others, longest], ages) == f"70 s, about {left:.0f} s left"
-    assert outlook.words([], {}) == f"70 s, about {batches.PUBLISH:.0f} s left"
+    assert outlook.words([], {}) == "70 s; table, figures and report are next"
 
 
 def test_points_of_an_earlier_start_do_not_tell(points: list[Point], clock: list[float]) -> None:
@@ -199,3 +201,13 @@ def test_lines_say_about(at_most: bool, words: str, clock: list[float], caplog: 
         f"mine  50 % half way {words}",
         "mine 100 % there [60 s of about 2 min]",
     ]
+
+
+@pytest.mark.parametrize("settles", [False, True])
+def test_at_the_end_nothing_is_left(settles: bool, clock: list[float], caplog: pytest.LogCaptureFixture) -> None:
+    caplog.set_level(logging.INFO)
+    bar = Progress(10, "mine", enabled=True, at_most=settles)
+    clock[0] += 20
+    bar.update(4 if settles else 10, "there", last=True)
+    bar.close()
+    assert [record.getMessage() for record in caplog.records] == ["mine 100 % there [20 s]"]

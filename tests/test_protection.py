@@ -146,7 +146,7 @@ def test_studies_of_bottoms_and_heights(packings: Found, tmp_path: Path) -> None
     assert "as layers^" in found["protected-height"].verdict[0]
     drawn = draw_studies(list(found.values()), tmp_path)
     assert [path.stem for path in drawn] == ["protected_height", "protected_bottoms"]
-    header = (tmp_path / "protected_bottoms.csv").read_text(encoding="utf-8").partition("\n")[0]
+    header = (tmp_path / "figures" / "protected_bottoms.csv").read_text(encoding="utf-8").partition("\n")[0]
     assert "rigid_wall_force_N" in header and "concrete_half_space_energy_J" in header
     titles = [study.title.partition(": ")[2] for study in found.values()]
     assert titles[0] == "FCC packing of 6 x 6 brass spheres of 10 mm a layer, elasto-plastic contacts, 5 m/s"

@@ -124,5 +124,7 @@ def test_the_program_itself(granwave, tmp_path: Path) -> None:
     (tmp_path / "c.toml").write_text(CASE.format(kind="fcc", size="[6, 6, 4]", packing=""), encoding="utf-8")
     done = granwave("run", "c.toml", "--set", "contact.friction=-0.1", cwd=tmp_path)
     assert (done.returncode, done.stdout) == (2, "")
-    assert done.stderr == "granwave: --set: contact.friction: found -0.1, expected a number at least 0\n"
+    assert (
+        done.stderr == "granwave: --set: contact.friction: found -0.1, expected a number at least 0 and at most 10000\n"
+    )
     assert [path.name for path in tmp_path.iterdir()] == ["c.toml"]

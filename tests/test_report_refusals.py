@@ -42,7 +42,7 @@ def test_all_faults_at_once_and_nothing_written(runs, tmp_path):
         "it holds notes.txt; expected summary.json or scan.json",
         f"cannot be read (Expecting property name enclosed in double quotes: line 1 column 2 (char 1)); make it anew with  granwave analyse {runs[0]}",
         f"a run without summary.json; make it with  granwave analyse {runs[1]}",
-        "but holds some (first, scan); give those",
+        "but holds some (first, scan, second); give those",
         "is a file, expected the directory",
     ):
         assert any(part in fault for fault in faults), part

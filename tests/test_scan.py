@@ -16,7 +16,8 @@ from pathlib import Path
 
 import pytest
 
-from granwave.analysis.scans.table import read_scan
+from granwave.analysis.scans.table import read_scan, write_scan_table
+from granwave.workflows.scanning.worker import _Worker
 from tests.conftest import PLAIN
 
 HEAD = """
@@ -245,6 +246,56 @@ def test_resume_does_what_is_missing_and_force_replaces_all(finished, granwave, 
     assert [row["load.velocity"] for row in rows(out)] == ["3"]
     assert len(list((out / "points").iterdir())) == 1
     assert (out / "notes.txt").read_text() == "mine"
+
+
+def test_damaged_points_are_made_again(granwave, tmp_path) -> None:
+    """What the terminal counts is what the table says, and --resume mends it."""
+    text = 'case = "two-spheres"\n[set]\nrun.frames = 2\n[grid]\nload.velocity = [1, 2, 3, 4, 5]\n'
+    (tmp_path / "my.toml").write_text(text)
+    words, out = ("scan", "my.toml", "-o", "out", "--resume"), tmp_path / "out"
+    assert granwave(*words, cwd=tmp_path).returncode == 0
+    places = [out / row["directory"] for row in rows(out)]
+    before, whole = marks(out), [json.loads((place / "summary.json").read_text()) for place in places]
+    for place, name in zip(places, ("summary.json", "result.h5", "dumps/contacts.dump", "case.toml"), strict=False):
+        os.truncate(place / name, 60)
+    (places[0] / "notes").write_text("mine")
+
+    table = write_scan_table(out)
+    first = next(iter(csv.DictReader(table.open())))
+    assert (first["status"], first["reason"]) == ("missing", "its summary.json is damaged")
+    mended = granwave(*words, cwd=tmp_path)
+    assert mended.returncode == 0, mended.stderr
+    assert "5, 1 done already" in mended.stdout and "5 done, 0 failed, 0 missing" in mended.stdout
+    assert [line.partition(": is damaged")[0] for line in mended.stderr.splitlines() if "summary.json" in line] == [
+        f"granwave: warning: {places[0] / 'summary.json'}"
+    ]
+    assert [row["status"] for row in rows(out)] == ["done"] * 5 and (places[0] / "notes").read_text() == "mine"
+    for place, was in zip(places, whole, strict=True):
+        now = json.loads((place / "summary.json").read_text())
+        assert {key: now[key] for key in was if not key.endswith("_s")} == {
+            key: value for key, value in was.items() if not key.endswith("_s")
+        }
+        # only the cut output made LAMMPS run once more
+        assert (now["wall_time_s"] == was["wall_time_s"]) == (place != places[2])
+    after = marks(out)
+    last = [name for name in before if places[4].name in name]
+    assert last and all(after[name] == before[name] for name in last)
+
+    (places[1] / "case.toml").write_text((places[1] / "case.toml").read_text().replace("velocity = 2", "velocity = 7"))
+    for command in (words, ("report", "out", "-o", "r.html")):
+        refused = granwave(*command, cwd=tmp_path)
+        (line,) = refused.stderr.splitlines()
+        assert refused.returncode == 2 and "load.velocity is 7" in line and str(places[1].name) in line
+
+
+def test_too_little_room_for_a_point_is_told(tmp_path, monkeypatch) -> None:
+    (tmp_path / ".scan").mkdir()
+    worker = _Worker(tmp_path, {}, tmp_path)
+    monkeypatch.setattr("granwave.workflows.scanning.worker.free_space", lambda _: 21e6)
+    assert not worker._room({"disk": 1e6})
+    assert (tmp_path / ".scan" / "stop").read_text() == (
+        f"{tmp_path}: the results of the next point need about 0.001 GB and 0.05 GB must stay free, 0.021 GB are free there"
+    )
 
 
 # ---------------------------------------------------------------------- what goes wrong on the way

@@ -28,6 +28,7 @@ from granwave.analysis.scans.table import (
     write_scan_table,
 )
 from granwave.lammps_inputs import load_case, sphere_contact, write_deck
+from granwave.lammps_inputs.run_directory import claim
 from granwave.workflows import library
 from tests import synthetic
 from tests.synthetic_scan import case_of, grid, point_id, summary_of, write_json, write_scan
@@ -279,8 +280,9 @@ def test_figures_that_make_no_sense_any_more_go(tmp_path):
     write_scan(tmp_path, grid(load__velocity=[1, 2], contact__law=["hertz"]))
     folder = tmp_path / "figures"
     folder.mkdir()
-    (folder / "plastic_spheres_vs_load_velocity.png").touch()
-    (folder / "own.png").touch()
+    claim(tmp_path, ["figures/plastic_spheres_vs_load_velocity.png"])
+    for name in ("plastic_spheres_vs_load_velocity.png", "mine_vs_theirs.png", "own.png"):
+        (folder / name).touch()
     assert stems(draw_scan_figures(tmp_path, pdf=False)) == {
         "peak_force_vs_load_velocity",
         "wave_speed_vs_load_velocity",
@@ -289,7 +291,8 @@ def test_figures_that_make_no_sense_any_more_go(tmp_path):
     header = (folder / "peak_force_vs_load_velocity.csv").read_text().splitlines()[0]
     assert header.endswith("peak_force_N")  # no yield force to divide by
     os.remove(tmp_path / "points" / point_id({"load.velocity": 1, "contact.law": "hertz"}) / "summary.json")
-    assert draw_scan_figures(tmp_path) == [] and [path.name for path in folder.iterdir()] == ["own.png"]
+    assert draw_scan_figures(tmp_path) == []
+    assert sorted(path.name for path in folder.iterdir()) == ["mine_vs_theirs.png", "own.png"]
 
 
 def test_wave_speed_of_known_arrivals(tmp_path):

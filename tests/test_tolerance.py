@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import json
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -22,7 +23,7 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.packing.disorder import is_random
 from granwave.workflows import load_case, run_case
 from tests.synthetic_report import build, notes, table
-from tests.synthetic_scan import case_of, write_json
+from tests.synthetic_scan import case_of, grid, write_json, write_scan
 
 FORCE_IDEAL, SHARE_IDEAL = 1332.0, 0.88
 TABLE = "Mean and 95 % confidence interval"
@@ -166,9 +167,27 @@ def test_the_report_says_what_is_left(tmp_path: Path) -> None:
 def test_doubt_is_said_where_it_is_due(tmp_path: Path) -> None:
     (single,) = found_in(write(tmp_path / "a", settings([0, 2], seeds=1)), tmp_path)
     assert "one seed: its confidence is not known" in single.verdict[1]
-    (lost,) = found_in(write(tmp_path / "b", settings([2, 5])), tmp_path)
-    assert len(lost.verdict) >= 1 and "the ideal packing" in lost.verdict[0].lower()
-    assert "was not run" in lost.verdict[0] and [t.caption for t in lost.tables] == [TABLE]
+
+
+def test_the_ideal_packing_is_missed_only_where_it_was_asked_for(tmp_path: Path) -> None:
+    alone = write(tmp_path / "alone", settings([2, 5]))
+    (study,) = found_in(alone, tmp_path)
+    assert study.verdict == () and [table.caption for table in study.tables] == [TABLE]
+    frictions = grid(contact__friction=[0.0, 0.1, 0.2])
+    for name, undone, scatter, n_said in (
+        ("ideal", {"failed": {1: "it broke"}}, 0.0, 1), ("missing", {"missing": [1]}, 0.0, 1),
+        ("other", {"failed": {2: "it broke"}}, 5e-6, 0), ("scattered", {"failed": {1: "it broke"}}, 5e-6, 0),
+    ):  # fmt: skip
+        points = [point | ({"packing.diameter_scatter": scatter} if scatter else {}) for point in frictions]
+        scan = write_scan(tmp_path / name, points, **undone)
+        index = json.loads((scan / "scan.json").read_text())
+        index["varied"] = ["contact.friction"]  # the scatter is set for all points
+        for entry in index["points"]:
+            entry["labels"].pop("packing.diameter_scatter", None)
+        write_json(scan / "scan.json", index)
+        (study,) = found_in([scan], tmp_path)
+        said = [text for text in study.verdict if "ideal packing (no scatter, no friction) has not finished" in text]
+        assert len(said) == n_said, name
 
 
 def test_real_packings(tmp_path: Path) -> None:

@@ -3,18 +3,26 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Mapping
+import os
+from collections.abc import Callable, Iterable, Mapping
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.case import load_case as load_case_file
+from granwave.lammps_inputs.case.schema import show
+from granwave.lammps_inputs.deck.deck import CASE_FILE
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.toml_files import read_toml
+from granwave.workflows.solvers import CONTINUUM, GRANULAR, kind_of
 
 CASES, SCANS = "cases", "scans"
+SCAN = "scan"  # word of the command line
 _SUFFIX = ".toml"
 _WHAT = {CASES: "case", SCANS: "scan"}
+_NOUNS = {GRANULAR.verb: "a granular case", CONTINUUM.verb: "a continuum case"}
+_OF_SCAN, _OF_CASE = ("case", "scans", "grid", "zip", "points"), ("packing", "block", "punch", "sphere")
 
 
 def _folder(kind: str) -> Path:
@@ -27,30 +35,95 @@ def names(kind: str = CASES) -> list[str]:
     return sorted(path.name.removesuffix(_SUFFIX) for path in _folder(kind).glob(f"*{_SUFFIX}"))
 
 
-def find(study: str, kind: str = CASES) -> Path:
+def find(study: str, kind: str = CASES, directory: Path = Path()) -> Path:
     """The file of a case or a scan: a path, or the name of a built-in study.
+
+    Parameters
+    ----------
+    directory
+        Folder that a relative path starts from.
 
     Raises
     ------
     InputError
         It is neither; the nearest name is given.
     """
-    path = Path(study)
-    if path.is_file():
+    path = directory / study
+    if _is(path.is_file):
         return path
-    built_in = _folder(kind) / f"{study}{_SUFFIX}"
-    if "/" not in study and built_in.is_file():
-        return built_in
-    what = _WHAT[kind]
-    if path.is_dir():
-        raise InputError(f"{study}: found a directory, expected a {what} file or one of: {', '.join(names(kind))}")
-    other = SCANS if kind == CASES else CASES
-    if study in names(other):
-        verb = "scan" if other == SCANS else "run"
-        raise InputError(f"{study}: is a {_WHAT[other]}, expected a {what}: granwave {verb} {study}")
-    near = difflib.get_close_matches(study, names(kind), n=1)
-    hint = f"did you mean {near[0]}?" if near else f"built-in {kind}: {', '.join(names(kind))}"
-    raise InputError(f"{study or '(empty)'}: neither a file nor a built-in {what}; {hint}")
+    built_in = {known: _folder(known) / f"{study}{_SUFFIX}" for known in _WHAT} if study in _all_names() else {}
+    if kind in built_in and built_in[kind].is_file():
+        return built_in[kind]
+    if built_in:
+        other = next(file for file in built_in.values() if file.is_file())
+        raise _other_word(study, verb_of(other), SCAN if kind == SCANS else GRANULAR.verb)
+    what, known = _WHAT[kind], "granwave cases lists the built-in ones"
+    if _is(path.is_dir):
+        case = path / CASE_FILE
+        hint = f"its case is {case}" if case.is_file() else known
+        raise InputError(f"{study or '(empty)'}: found a directory, expected a {what} file; {hint}")
+    try:
+        os.stat(path)
+    except PermissionError as error:
+        raise InputError(f"{study}: cannot be read: {error.strerror}") from None
+    except (OSError, ValueError):
+        pass
+    near = _nearest(study, names(kind)) or _nearest(study, _all_names()) or _file_near(study, directory)
+    hint = f"did you mean {near}?" if near else known
+    raise InputError(f"{show(study)[1:-1] or '(empty)'}: neither a file nor a built-in {what}; {hint}")
+
+
+def _is(question: Callable[[], bool]) -> bool:
+    """The answer of the file system; no where a path cannot be one, or cannot be looked at."""
+    try:
+        return question()
+    except (OSError, ValueError):
+        return False
+
+
+def _nearest(name: str, options: Iterable[str]) -> str:
+    """The option that is spelt most like a name; empty where none is like it."""
+    return next(iter(difflib.get_close_matches(name.lower(), list(options), n=1)), "")
+
+
+def _file_near(study: str, directory: Path) -> str:
+    """A TOML file that may have been meant by a path, as seen from a folder; empty where there is none."""
+    folder = directory / Path(study).parent
+    files = [file.name for file in folder.glob(f"*{_SUFFIX}")] if _is(folder.is_dir) else []
+    name = Path(study).name
+    near = f"{name}{_SUFFIX}" if f"{name}{_SUFFIX}" in files else _nearest(name, files)
+    return str(Path(study).with_name(near)) if near else ""
+
+
+def find_for(study: str, *verbs: str, directory: Path = Path()) -> Path:
+    """The file of a study that one of these words of the command line runs; ``directory`` as of `find`.
+
+    Raises
+    ------
+    InputError
+        There is none, or another word runs it.
+    """
+    path = find(study, SCANS if verbs == (SCAN,) else CASES, directory)
+    if (verb := verb_of(path)) not in verbs:
+        raise _other_word(study, verb, verbs[0])
+    return path
+
+
+def verb_of(path: Path) -> str:
+    """Word of the command line that runs a file: run, continuum or scan."""
+    tables = read_toml(path)
+    of_scan = any(name in tables for name in _OF_SCAN) and not any(name in tables for name in _OF_CASE)
+    return SCAN if of_scan else kind_of(tables).verb
+
+
+def _all_names() -> list[str]:
+    return [name for kind in _WHAT for name in names(kind)]
+
+
+def _other_word(study: str, found: str, wanted: str) -> InputError:
+    nouns = _NOUNS if SCAN not in (found, wanted) else dict.fromkeys(_NOUNS, "a case")
+    nouns = nouns | {SCAN: "a scan"}
+    return InputError(f"{study}: is {nouns[found]}, expected {nouns[wanted]}: granwave {found} {study}")
 
 
 def load_case(case: str | Path, overrides: Iterable[str] | Mapping[str, Any] = ()) -> Case:
@@ -66,12 +139,13 @@ def load_case(case: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (
     InputError
         There is no such case, or it is wrong; every fault is named.
     """
-    return load_case_file(find(str(case)), overrides)
+    return load_case_file(find_for(str(case), GRANULAR.verb), overrides)
 
 
 def text(name: str) -> str:
     """The file of a built-in study, case or scan, comments and all."""
-    return find(name, SCANS if name in names(SCANS) else CASES).read_text(encoding="utf-8")
+    nearest = difflib.get_close_matches(name, [*names(CASES), *names(SCANS)], n=1)
+    return find(name, SCANS if set(nearest) & set(names(SCANS)) else CASES).read_text(encoding="utf-8")
 
 
 def title(name: str) -> str:

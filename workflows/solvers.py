@@ -5,10 +5,13 @@ from __future__ import annotations
 import dataclasses
 import importlib
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Any, Protocol
 
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.planning.plan import check_memory, plan
+from granwave.lammps_inputs.directories import check_disk
+from granwave.lammps_inputs.errors import raise_all
+from granwave.lammps_inputs.planning.plan import check_run, plan
 
 _OF_CONTINUUM, _OF_SPHERE_CONTACT = ("block", "punch"), ("sphere", "partner")
 
@@ -58,8 +61,9 @@ class Kind:
         How many parts a case has.
     cost
         Of a case on a number of ranks, with its figures or without.
-    check_memory
-        Raises InputError where a case of this cost does not fit into this machine.
+    check
+        Raises InputError where a case of this cost cannot be run: a file that it names does not serve, memory, disk;
+        parameters as of `granwave.lammps_inputs.planning.plan.check_run`.
     """
 
     verb: str
@@ -68,7 +72,7 @@ class Kind:
     read: Callable[..., Any]
     size: Callable[[Any], int]
     cost: Callable[[Any, int, bool], Any]
-    check_memory: Callable[[Any, Any], None]
+    check: Callable[..., None]
     parallel: bool = False
 
 
@@ -79,10 +83,15 @@ def kind_of(tables: Mapping[str, Any]) -> Kind:
     return CONTINUUM if any(name in tables for name in _OF_CONTINUUM) else GRANULAR
 
 
-def _check_mesh(case: Any) -> None:
-    from granwave.workflows.finite_elements.frame import check_memory as check
+def _check_mesh(
+    case: Any, expected: Any, directory: Path | None = None, *, files: bool = True, memory: bool = True
+) -> None:
+    from granwave.workflows.finite_elements.frame import check_memory
 
-    check(case)
+    checks: list[Callable[[], None]] = [lambda: check_memory(case)] if memory else []
+    if directory is not None:
+        checks.append(lambda: check_disk(directory, expected.disk, remedy="take fewer elements"))
+    raise_all(checks)
 
 
 def _continuum_kind(package: str, case: str) -> Kind:
@@ -98,7 +107,7 @@ def _continuum_kind(package: str, case: str) -> Kind:
         read=lambda data, source, **options: part("case", case).from_dict(data, source, **options),
         size=lambda found: found.run.elements,
         cost=lambda found, *_: part("plan", "plan")(found),
-        check_memory=lambda found, _: _check_mesh(found),
+        check=_check_mesh,
     )
 
 
@@ -109,7 +118,7 @@ GRANULAR = Kind(
     read=Case.from_dict,
     size=lambda case: case.assembly.n_spheres,
     cost=lambda case, n_ranks, figures: plan(case, n_ranks=n_ranks, figures=figures),
-    check_memory=lambda _, expected: check_memory(expected),
+    check=check_run,
     parallel=True,
 )
 CONTINUUM = _continuum_kind("punch", "ContinuumCase")

@@ -10,18 +10,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from granwave.analysis.figures.style import (
-    BLUE,
-    GREEN,
-    GREY,
-    ORANGE,
-    PURPLE,
-    Drawing,
-    new_figure,
-    save,
-    style,
-    write_csv,
-)
+from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, Drawing, new_figure, save_as
+from granwave.lammps_inputs.errors import InputError
 
 if TYPE_CHECKING:
     from granwave._contact_laws import ContactLaw
@@ -55,9 +45,12 @@ def law_table(law: ContactLaw, max_overlap: float = _MAX_OVERLAP) -> Table:
     ------
     ValueError
         The largest overlap is not positive.
+    InputError
+        Forces are too small or too large for numbers of 64 bits.
     """
     if not 0 < max_overlap < math.inf:
         raise ValueError(f"max_overlap: found {max_overlap}, expected a positive number")
+    check_forces(law)
     yields = math.isfinite(law.yield_overlap)
     largest = max_overlap * (law.yield_overlap if yields else _UNIT_WITHOUT_YIELD * law.effective_radius)
     grid = np.linspace(0.0, 1.0, _POINTS)
@@ -71,6 +64,8 @@ def law_table(law: ContactLaw, max_overlap: float = _MAX_OVERLAP) -> Table:
         branches += [(f"unloading_{n}", overlap[::-1], force[::-1]), (f"reloading_{n}", overlap, force)]
     overlap = np.concatenate([branch[1] for branch in branches])
     force = np.concatenate([branch[2] for branch in branches])
+    if not np.all(np.isfinite(force)):
+        raise InputError(f"--max-overlap: found {max_overlap:g}, where forces are beyond all numbers; expected less")
     return {
         "branch": np.concatenate([np.full(len(values), name) for name, values, _ in branches]),
         "overlap_m": overlap,
@@ -78,6 +73,17 @@ def law_table(law: ContactLaw, max_overlap: float = _MAX_OVERLAP) -> Table:
         "overlap_normalised": overlap / law.yield_overlap if yields else np.full_like(overlap, np.nan),
         "force_normalised": force / law.yield_force if yields else np.full_like(force, np.nan),
     }
+
+
+def check_forces(law: ContactLaw) -> None:
+    """Raise InputError where the force at a typical overlap is zero or infinite as a number of 64 bits."""
+    overlap = law.yield_overlap if math.isfinite(law.yield_overlap) else _UNIT_WITHOUT_YIELD * law.effective_radius
+    force = float(law.loading_force(np.array([overlap]))[0])
+    if not 0 < force < math.inf:
+        raise InputError(
+            f"--radius: found R* = {law.effective_radius:g} m, where forces are {force:g} N as a number; "
+            "expected lengths in m"
+        )
 
 
 def law_drawing(law: ContactLaw, max_overlap: float = _MAX_OVERLAP, title: str = "") -> Drawing:
@@ -112,16 +118,14 @@ def write_law(law: ContactLaw, path: str | Path, max_overlap: float = _MAX_OVERL
     ------
     ValueError
         The path has another suffix.
+    InputError
+        A file of such a name is there, and granwave did not write it.
     """
     path = Path(path)
     if path.suffix not in (".csv", ".png", ".pdf"):
         raise ValueError(f"{path}: found the suffix {path.suffix or 'none'!r}, expected .png, .pdf or .csv")
     path.parent.mkdir(parents=True, exist_ok=True)
-    if path.suffix == ".csv":
-        write_csv(law_table(law, max_overlap), path)
-    else:
-        with style():
-            save(law_drawing(law, max_overlap, title), path.with_suffix(""))
+    save_as(path, law_table(law, max_overlap), lambda: law_drawing(law, max_overlap, title))
     return path
 
 

@@ -12,10 +12,23 @@ import numpy as np
 import tomli_w
 
 from granwave.analysis.contact_law.fit import YIELD, Fit, bearing, deviation
-from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Columns, Drawing, new_figure, save, style, write_csv
+from granwave.analysis.figures.style import (
+    BLUE,
+    GREY,
+    ORANGE,
+    Columns,
+    Drawing,
+    FigureFolder,
+    new_figure,
+    style,
+    write_csv,
+)
 from granwave.lammps_inputs.case.sections import LAW_CONSTANTS
+from granwave.lammps_inputs.files import replace_text, replacing
+from granwave.lammps_inputs.run_directory import FIT, claim, clear, figure_files, read_marker
 
 TOML_FILE, PAIR_FILE, CSV_FILE, MISFIT_FILE, FIGURE = "fit.toml", "pair.toml", "fit.csv", "misfit.csv", "fit"
+FIT_FILES = (TOML_FILE, PAIR_FILE, CSV_FILE, MISFIT_FILE, *figure_files(FIGURE))
 
 _MICRO = 1e6  # micrometres in a metre
 _POINTS = 300
@@ -23,6 +36,8 @@ _POINTS = 300
 
 def write_fit(fit: Fit, directory: str | Path, pair: Sequence[str] | None = None) -> list[Path]:
     """Write fit.toml, fit.csv, misfit.csv and figures/fit (.png, .pdf, .csv) into a directory, which is made.
+
+    A fit that is there is replaced.
 
     Parameters
     ----------
@@ -33,19 +48,28 @@ def write_fit(fit: Fit, directory: str | Path, pair: Sequence[str] | None = None
     -------
     list of Path
         What was written.
+
+    Raises
+    ------
+    InputError
+        A file of such a name is there, and granwave did not write it.
     """
     directory = Path(directory)
-    figures = directory / "figures"
-    figures.mkdir(parents=True, exist_ok=True)
-    (directory / TOML_FILE).write_text(fit_toml(fit), encoding="utf-8")
-    write_csv(constants_table(fit), directory / CSV_FILE)
-    write_csv(misfit_table(fit), directory / MISFIT_FILE)
-    with style():
-        save(fit_drawing(fit), figures / FIGURE)
+    directory.mkdir(parents=True, exist_ok=True)
+    clear(directory, FIT_FILES)
+    files = [TOML_FILE, *([PAIR_FILE] if pair else []), CSV_FILE, MISFIT_FILE]
+    marker = read_marker(directory)
+    claim(directory, [*files, *figure_files(FIGURE)], kind=marker.kind if marker else FIT)
+    replace_text(directory / TOML_FILE, fit_toml(fit))
+    for name, table in ((CSV_FILE, constants_table(fit)), (MISFIT_FILE, misfit_table(fit))):
+        with replacing(directory / name) as scratch:
+            write_csv(table, scratch)
     if pair:
-        (directory / PAIR_FILE).write_text(pair_toml(fit, pair), encoding="utf-8")
-    files = [TOML_FILE, *([PAIR_FILE] if pair else []), CSV_FILE, MISFIT_FILE, f"figures/{FIGURE}.png"]
-    return [directory / name for name in files]
+        replace_text(directory / PAIR_FILE, pair_toml(fit, pair))
+    folder = FigureFolder(directory)
+    with style():
+        folder.save(fit_drawing(fit), FIGURE)
+    return [directory / name for name in files] + folder.written
 
 
 def constants_table(fit: Fit) -> Columns:

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import read_regular
 
 NUMBERS = ("overlap_m", "force_N")
 BRANCH = "branch"
@@ -148,7 +149,7 @@ def _turning_points(values: Array, least: float) -> list[int]:
 def _rows(path: Path) -> tuple[list[tuple[int, dict[str, str]]], list[str]]:
     """The rows of a CSV file with their line numbers, and its columns."""
     try:
-        text = path.read_text(encoding="utf-8-sig")
+        text = read_regular(path).decode("utf-8-sig")
     except FileNotFoundError:
         raise InputError(f"{path}: no such file") from None
     except IsADirectoryError:

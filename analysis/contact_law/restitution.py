@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.figures.style import BLUE, GREEN, ORANGE, PURPLE, Drawing, new_figure, save, style, write_csv
+from granwave.analysis.contact_law.curves import check_forces
+from granwave.analysis.figures.style import BLUE, GREEN, ORANGE, PURPLE, Drawing, new_figure, save_as
 
 if TYPE_CHECKING:
     from granwave._contact_laws import ContactLaw
@@ -39,6 +40,7 @@ def restitution(
         Of the fastest impact, in units of that at first yield; the fit of the elasto-plastic law ends at 0.2 R*,
         and so does the curve.
     """
+    check_forces(law)
     largest = max_overlap * law.yield_overlap
     if law.name == "elastoplastic":
         largest = min(largest, 0.2 * law.effective_radius)
@@ -60,12 +62,16 @@ def restitution_table(contacts: Mapping[str, tuple[ContactLaw, float]], max_over
 def write_restitution(
     contacts: Mapping[str, tuple[ContactLaw, float]], path: str | Path, max_overlap: float = 400.0, title: str = ""
 ) -> Path:
-    """Write the curves as a table (.csv) or as a figure (.png or .pdf; both, and the table, are written)."""
+    """Write the curves as a table (.csv) or as a figure (.png or .pdf; both, and the table, are written).
+
+    Raises
+    ------
+    InputError
+        A file of such a name is there, and granwave did not write it.
+    """
     path, table = Path(path), restitution_table(contacts, max_overlap)
-    if path.suffix == ".csv":
-        write_csv(table, path)
-        return path
-    with style():
+
+    def draw() -> Drawing:
         figure = new_figure(2.4)
         axes = figure.subplots()
         for name, colour, line in zip(contacts, _COLOURS, _LINES, strict=False):
@@ -75,5 +81,7 @@ def write_restitution(
         axes.set_ylabel("Coefficient of restitution")
         axes.set_ylim(0, 1.05)
         axes.legend(loc="lower left", title=title or None, alignment="left")
-        save(Drawing(figure, table), path.with_suffix(""))
+        return Drawing(figure, table)
+
+    save_as(path, table, draw)
     return path

@@ -10,6 +10,7 @@ from granwave.analysis.document.model import Cell, Column, Group, Table
 from granwave.analysis.formatting.numbers import interval, plain
 from granwave.analysis.formatting.units import shown_unit
 from granwave.analysis.formatting.values import in_words
+from granwave.analysis.measures.zone_size import SHARES
 
 BLANK = "\u2013"  # a value that does not apply
 _DIGITS = 5
@@ -17,6 +18,8 @@ _UNITS = {
     "_m_s2": "m/s²", "_m_s": "m/s", "_per_kg": "1/kg", "_per_m": "1/m", "_per_s": "1/s", "_kg": "kg", "_m3": "m³",
     "_Ns": "N s", "_J": "J", "_N": "N", "_s": "s", "_m": "m",
 }  # fmt: skip
+
+_ZONE_UNITS = {"depth": "m", "radius": "m", "volume": "m3"}
 
 #: Columns of a table of results, in this order, as far as there are values.
 MAIN = (
@@ -30,6 +33,9 @@ MAIN = (
     "plastic_zone_volume_ever_m3",
     "plastic_zone_depth_m",
     "plastic_zone_radius_m",
+    *(f"zone_{size}_90_{unit}" for size, unit in _ZONE_UNITS.items()),
+    "zone_cut",
+    "wave_return_share",
     "wall_peak_force_N",
     "wall_impulse_Ns",
     "base_arrival_s",
@@ -53,7 +59,8 @@ MAIN = (
 
 _LABELS = {
     "n_spheres": "Spheres",
-    "n_contacts": "Contacts",
+    "n_contacts": "Contacts at the start",
+    "n_loaded_contacts": "Contacts that bore a force",
     "n_elements": "Elements",
     "n_steps": "Steps",
     "n_ranks": "MPI ranks",
@@ -96,6 +103,18 @@ _LABELS = {
     "energy_input_normalised": "Energy input, normalised",
     "velocity_normalised": "Velocity, normalised",
     "plastic_zone_volume_ever_m3": "Volume that ever yielded",
+    "plastic_zone_depth_m": "Outermost yield, depth",
+    "plastic_zone_radius_m": "Outermost yield, radius",
+    **{
+        f"zone_{size}_{percent}_{unit}": f"Zone of {percent} %, {size}"
+        for size, unit in _ZONE_UNITS.items()
+        for percent in SHARES
+    },
+    "zone_cut": "Bounds that the zone reaches",
+    "zone_growing": "Outermost yield that still moved out at the end",
+    "wave_returned": "Bounds whose waves came back",
+    "wave_return_s": "Earliest return of a wave",
+    "wave_return_share": "Share dissipated after that",
     "contacts_beyond_law": "Contacts beyond the law",
     "contacts_beyond_half_law": "Contacts beyond half the law",
     "energy_balance_error": "Balance error",
@@ -106,10 +125,28 @@ _LABELS = {
 
 #: What values of a granular run mean, as far as their names do not tell.
 MEANINGS = {
+    "n_contacts": "Pairs of spheres that touch before the run; smaller spheres on the sites of a lattice leave gaps.",
+    "n_loaded_contacts": "Pairs of spheres that bore a force at any time of the run.",
     "plastic_fraction": "Energy dissipated by yielding of contacts in this run, over the input.",
     "friction_fraction": "Energy dissipated by sliding between spheres and at walls, over the input.",
     "energy_rotational_J": "Part of the kinetic energy.",
     "n_plastic_contacts": "Contacts that yielded in this run; a dent from before it counts only if it grew.",
+    "plastic_zone_volume_m3": "Of all spheres that yielded; in the continuum the largest volume at yield at one "
+    "instant. Not to be compared with each other.",
+    "plastic_zone_depth_m": "Of the outermost sphere (element) that yielded at all, however little it dissipated.",
+    "plastic_zone_radius_m": "Of the outermost sphere (element) that yielded at all, however little it dissipated.",
+    "zone_depth_90_m": "Smallest depth below the struck sphere's centre (the block's face) that holds 90 % of the "
+    "energy dissipated by yielding, weighed by the centres of spheres (elements), not interpolated; 50 and 99 % "
+    "likewise.",
+    "zone_radius_90_m": "The same of the distance from the impact axis.",
+    "zone_volume_90_m3": "Volume of the fewest spheres (elements) that hold 90 % of it, those with most for their "
+    "volume; without the voids between spheres.",
+    "zone_cut": "A sphere (element) that yielded touches them: the outermost yield is cut there.",
+    "zone_growing": "The outermost sphere in depth, or radius, yielded in the last tenth of the run.",
+    "wave_returned": "A wave that they reflect can have come back, within the run, to what holds 99 %.",
+    "wave_return_s": "From the first arrivals at the bound and at the zone (continuum: from the speed of compression "
+    "waves).",
+    "wave_return_share": "Of the energy dissipated by yielding: at most so much is owed to waves that came back.",
     "energy_stored_J": "Elastic energy in the contacts after the static stage, from which the run's energies count.",
     "precompression_residual": "Largest net force on a sphere after the static stage, over the largest contact force.",
     "base_arrival_s": "When the force on the bottom has first risen by 1 % of its largest rise.",

@@ -7,16 +7,17 @@ import json
 import os
 from pathlib import Path
 
-from granwave.analysis.errors import MissingOutputError
+from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.exports import ovito_scene, to_csv, to_netcdf, to_vtp
 from granwave.analysis.exports.staging import staged
+from granwave.analysis.result.not_a_run import around, similar
 from granwave.analysis.result.reader import Result
-from granwave.analysis.result.writer import RESULT_FILE
 from granwave.analysis.scans.result import is_scan
 from granwave.analysis.scans.table import read_scan
+from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.run_directory import EXPORT_DIRECTORY, claim
 
-EXPORT_DIRECTORY = "export"
 OVITO_SCRIPT = "open_in_ovito.py"
 
 #: What --to may be, and the program it is for.
@@ -54,16 +55,24 @@ def export(directory: str | Path, to: str, output: str | Path | None = None) -> 
     Raises
     ------
     InputError
-        There is no such form or directory, it holds no result, a library is missing, or the output cannot be written
-        to; nothing was written.
-    OutputFormatError
-        The result is damaged.
+        There is no such form or directory, it holds no result or a damaged one, a library is missing, or the output
+        cannot be written to; nothing was written.
     """
     directory = Path(directory)
     _check_format(to)
+    if not directory.exists():
+        raise InputError(f"{directory}: no such directory{similar(directory)}; expected that of a run or a scan")
     if not directory.is_dir():
-        raise InputError(f"{directory}: no such directory; expected that of a run or a scan")
-    output = Path(output) if output is not None else directory / EXPORT_DIRECTORY
+        raise InputError(f"{directory}: is a file, expected the directory of a run or of a scan{around(directory)}")
+    if output is not None:
+        results_directory(output)
+        return _export(directory, to, Path(output))
+    placed = _export(directory, to, directory / EXPORT_DIRECTORY)
+    claim(directory, [f"{EXPORT_DIRECTORY}/"])  # so that --force removes it with the results
+    return placed
+
+
+def _export(directory: Path, to: str, output: Path) -> list[Path]:
     outdated = _OUTDATED.get(to, _NOTHING)
     if is_scan(directory):
         if to not in _SCAN_WRITERS:
@@ -79,10 +88,15 @@ def export(directory: str | Path, to: str, output: str | Path | None = None) -> 
         return _export_recipe(directory, output)
     try:
         result = Result(directory)
-    except MissingOutputError:
-        raise InputError(f"{directory / RESULT_FILE} is missing: make it with  granwave analyse {directory}") from None
+    except (MissingOutputError, OutputFormatError) as error:
+        raise InputError(str(error)) from None
     with result, staged(output, outdated) as staging:
-        _RUN_WRITERS[to](result, staging)
+        try:
+            _RUN_WRITERS[to](result, staging)
+        except OSError as error:
+            if error.errno is not None or "errno" in str(error):  # of writing
+                raise
+            raise InputError(result.damaged(error)) from None
     return staging.placed
 
 

@@ -11,6 +11,8 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import discard, naming
+from granwave.lammps_inputs.run_directory import claim, clear, read_marker
 
 
 class Staging:
@@ -35,21 +37,40 @@ class Staging:
         self._names.append(name)
         return self.scratch / name
 
+    @contextmanager
+    def naming(self) -> Iterator[None]:
+        """Within it, an error of the system that names no file names the one that was begun last."""
+        try:
+            with naming(self.output):
+                yield
+        except OSError as error:
+            if error.filename == str(self.output) and self._names:
+                error.filename = str(self.output / self._names[-1])
+            elif error.filename is not None:
+                error.filename = str(error.filename).replace(str(self.scratch), str(self.output))
+            raise
+
     def place(self, outdated: str) -> None:
         """Put the files into place, the last one last, and remove what an earlier export left.
 
         Parameters
         ----------
         outdated
-            A regular expression; files of the output whose whole names match, and that were not written now, are
+            A regular expression; files of earlier exports whose whole names match, and that were not written now, are
             removed.
+
+        Raises
+        ------
+        InputError
+            A file of such a name is there, and granwave did not write it; none was put into place.
         """
+        claim(self.output, self._names)
         for name in self._names:
             os.replace(self.scratch / name, self.output / name)
             self.placed.append(self.output / name)
-        for path in self.output.iterdir():
-            if path.name not in self._names and re.fullmatch(outdated, path.name):
-                path.unlink()
+        marker = read_marker(self.output)
+        own = [name for name in (marker.files if marker else ()) if name not in self._names]
+        clear(self.output, [name for name in own if re.fullmatch(outdated, name)])
 
 
 @contextmanager
@@ -66,7 +87,7 @@ def staged(output: Path, outdated: str = "(?!)") -> Iterator[Staging]:
     Raises
     ------
     InputError
-        Nothing can be written there.
+        Nothing can be written there, or a file is there that granwave did not write.
     """
     made = [path for path in (output, *output.parents) if not path.exists()]
     try:
@@ -79,9 +100,12 @@ def staged(output: Path, outdated: str = "(?!)") -> Iterator[Staging]:
         ) from None
     staging = Staging(output, scratch)
     try:
-        yield staging
-        staging.place(outdated)
+        with staging.naming():
+            yield staging
+            staging.place(outdated)
     finally:
+        for path in scratch.iterdir():
+            discard(path)
         shutil.rmtree(scratch, ignore_errors=True)
         if not staging.placed:
             _remove_empty(made)

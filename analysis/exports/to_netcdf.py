@@ -16,8 +16,9 @@ scipy's writer of NetCDF-3 keeps all of a file in memory and knows neither 64-bi
 
 from __future__ import annotations
 
+import contextlib
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 import h5py
@@ -25,6 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.exports.staging import Staging
+from granwave.analysis.result.hdf5_file import unfailing
 from granwave.analysis.result.reader import Result
 from granwave.analysis.result.trajectory import COMPRESSION, GROUP
 from granwave.analysis.scans.table import ScanData
@@ -79,12 +81,15 @@ def export_scan(scan: ScanData, staging: Staging) -> None:
             _add(file, name, ("point",), scan[name], scan.unit(name), name, **coordinates)
 
 
-def _create(staging: Staging, name: str) -> h5netcdf.File:
+@contextlib.contextmanager
+def _create(staging: Staging, name: str) -> Iterator[h5netcdf.File]:
     try:
         import h5netcdf
     except ImportError as error:
         raise InputError(f"--to netcdf needs h5netcdf ({error}): pip install h5netcdf") from None
-    return h5netcdf.File(staging.path(name), "w", libver="v110")  # which lets an attribute be longer than 64 kB
+    # libver lets an attribute be longer than 64 kB
+    with unfailing(staging.path(name)) as stream, h5netcdf.File(stream, "w", libver="v110") as file:
+        yield file
 
 
 def _add_table(file: h5netcdf.File, result: Result, group: str) -> None:

@@ -13,6 +13,7 @@ contact through a periodic side ends at the image of its second sphere.
 
 from __future__ import annotations
 
+import errno
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -133,7 +134,7 @@ def _write(path: Path, points: NDArray[np.float64], cells: NDArray[np.int64], ar
     writer.SetFileName(str(path))
     writer.SetInputData(data)
     if not writer.Write() or writer.GetErrorCode():
-        raise OSError(f"{path}: VTK could not write it; is the disk full?")
+        raise OSError(errno.EIO, "VTK could not write it; is the disk full?")
 
 
 def _write_collection(path: Path, files: Mapping[float, str]) -> None:

@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 from granwave.analysis.figures.sections import force_scale, spheres_beyond_law
 from granwave.analysis.figures.style import BLUE, GREEN, ORANGE, Drawing, new_figure
 from granwave.analysis.measures.dissipation import cumulated, peak_force_by_depth, ranked, rays, zone_growth
+from granwave.analysis.measures.zone_marks import bounds_in_words
+from granwave.analysis.measures.zone_of_packing import packing_zone
 from granwave.analysis.result.reader import Result
 
 _MILLI = 1e3  # mm in a metre
@@ -97,11 +99,14 @@ def _parts(result: Result) -> dict[str, tuple[NDArray[np.float64], str, str]]:
     if not result.has("spheres/friction_energy"):
         return {}
     rubbed = result["spheres/friction_energy"]
-    return {"yielding": (result["spheres/dissipated_energy"] - rubbed, ORANGE, "--"), "friction": (rubbed, GREEN, ":")}
+    return {"yielding": (result.yield_energy, ORANGE, "--"), "friction": (rubbed, GREEN, ":")}
 
 
 def plastic_zone_growth(result: Result) -> Drawing | None:
-    """Number of yielded contacts and spheres, depth and radius of the plastic zone against time."""
+    """Number of yielded contacts and spheres, depth and radius of the outermost that yielded against time.
+
+    A title says which bounds the zone reaches.
+    """
     growth = zone_growth(result)
     if not len(growth.time):
         return None
@@ -113,13 +118,15 @@ def plastic_zone_growth(result: Result) -> Drawing | None:
     time = np.concatenate([[0.0], growth.time, [end]]) * _MICRO
     figure = new_figure(3.2)
     upper, lower = figure.subplots(2, 1, sharex=True)
+    if cut := packing_zone(result).cut:
+        upper.set_title(f"the zone reaches a bound: {bounds_in_words(cut)}", fontsize=7)
     upper.step(time, to_end(growth.contacts), where="post", color=BLUE, label="contacts")
     upper.step(time, to_end(growth.spheres), where="post", color=ORANGE, linestyle="--", label="spheres")
     upper.set_ylabel("Number yielded")
     upper.set_ylim(bottom=0)
     lower.step(time, to_end(growth.depth) * _MILLI, where="post", color=BLUE, label="depth")
     lower.step(time, to_end(growth.radius) * _MILLI, where="post", color=ORANGE, linestyle="--", label="radius")
-    lower.set_ylabel("Size of the zone (mm)")
+    lower.set_ylabel("Outermost yield (mm)")
     lower.set_ylim(bottom=0)
     lower.set_xlabel("Time (µs)")
     lower.set_xlim(0, end * _MICRO)

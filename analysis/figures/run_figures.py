@@ -6,11 +6,9 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-from granwave.analysis.figures import chain, directions, dissipation, histories, packing3d, sections, target
-from granwave.analysis.figures.style import Drawing, remove, save, style
+from granwave.analysis.figures import chain, directions, dissipation, histories, packing3d, sections, target, zone
+from granwave.analysis.figures.style import Drawing, FigureFolder, style
 from granwave.analysis.result.reader import Result
-
-FIGURES_DIRECTORY = "figures"
 
 #: Each draws a figure of a result, or returns None when the figure makes no sense for it.
 FIGURES: dict[str, Callable[[Result], Drawing | None]] = {
@@ -26,6 +24,7 @@ FIGURES: dict[str, Callable[[Result], Drawing | None]] = {
     "dissipation_ranked": dissipation.dissipation_ranked,
     "dissipation_cumulated": dissipation.dissipation_cumulated,
     "plastic_zone_growth": dissipation.plastic_zone_growth,
+    "plastic_zone_size": zone.plastic_zone_size,
     "energies": histories.energies,
     "bottom_force": histories.bottom_force,
     "target": target.target,
@@ -71,17 +70,10 @@ def draw_figures(
     KeyError
         There is no figure of that name.
     """
-    folder = Path(directory) / FIGURES_DIRECTORY
-    written = []
+    folder = FigureFolder(directory)
     with Result(directory) as result, style():
-        folder.mkdir(exist_ok=True)
         for name in FIGURES if names is None else names:
             if progress is not None:
                 progress(name)
-            drawing = FIGURES[name](result)
-            if drawing is None:
-                remove(folder / name)
-                continue
-            save(drawing, folder / name)
-            written.append(folder / f"{name}.png")
-    return written
+            folder.save(FIGURES[name](result), name)
+    return folder.written

@@ -22,7 +22,6 @@ from granwave.analysis.figures.style import BLANK, DENT_MAP, DISSIPATION_MAP, FO
 from granwave.analysis.measures.planes import Section, planes, section
 from granwave.analysis.measures.plastic_zone import LAW_LIMIT
 from granwave.analysis.result.reader import Result
-from granwave.analysis.result.universe import universe
 
 _MILLI = 1e3  # mm in a metre
 _SNAPSHOTS = 4
@@ -95,8 +94,7 @@ def dissipation_colouring(result: Result, part: str = "") -> Colouring:
     """Share of the input that each sphere dissipated; ``part``: only by yielding or only by friction."""
     values = result["spheres/dissipated_energy"]
     if part:
-        rubbed = result["spheres/friction_energy"]
-        values = rubbed if part == "friction" else values - rubbed
+        values = result["spheres/friction_energy"] if part == "friction" else result.yield_energy
     column = f"{part}_over_input" if part else "dissipated_over_input"
     label = r"Dissipation $e_\mathrm{dis}/e_\mathrm{in}$"
     return Colouring(values / result.energy_input, label, column, DISSIPATION_MAP, 1e-6, 1e-1, part.capitalize())
@@ -148,12 +146,8 @@ def wave_front(result: Result) -> Drawing | None:
         return None
     scale, label, column = force_scale(result)
     radius = result["spheres/radius"][cut.index]
-    forces, times = [], []
-    trajectory = universe(result.path).trajectory
-    for snapshot in trajectory[chosen]:
-        forces.append(snapshot.data["contact_force"][cut.index] / scale)
-        times.append(snapshot.time)
-    trajectory.close()
+    forces = [result.frame(number, "contact_force")[cut.index] / scale for number in chosen]
+    times = [float(result.frame_times[number]) for number in chosen]
     largest = max(float(force.max()) for force in forces)
     if largest == 0:
         return None

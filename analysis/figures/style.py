@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterator, Mapping
+import logging
+import re
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import zip_longest
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 import matplotlib as mpl
@@ -17,9 +19,24 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
+from granwave.lammps_inputs.directories import refuse_other_file
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import replacing
+from granwave.lammps_inputs.run_directory import (
+    FIGURE_SUFFIXES,
+    FIGURES_DIRECTORY,
+    claim,
+    clear,
+    figure_files,
+    read_marker,
+)
+
+logger = logging.getLogger(__name__)
+
 WIDTH = 3.4  # inches: one column of a journal
 RESOLUTION = 300  # dots per inch
-SUFFIXES = (".png", ".pdf", ".csv")
+_MAKER = "granwave"  # noted in pictures
+_OWN = {".png": rb"tEXtSoftware\x00granwave", ".pdf": rb"/Creator \(granwave\)"}  # where it is noted
 
 # Okabe and Ito's colours, which stay apart for colour-blind readers
 BLUE, ORANGE, GREEN, PURPLE, SKY, GREY = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#767676"
@@ -103,23 +120,89 @@ def save(drawing: Drawing, path: Path, *, pdf: bool = True) -> None:
     Parameters
     ----------
     path
-        Without a suffix; its directory must exist.
+        Without a suffix; its directory must exist. What is there by the three names is replaced.
     pdf
-        False: without a PDF, which takes two thirds of the time; an older one is removed.
+        False: without a PDF, which takes two thirds of the time.
     """
-    if not pdf:
-        path.with_suffix(".pdf").unlink(missing_ok=True)
-    drawing.figure.savefig(path.with_suffix(".png"))
+    png, other, data = (path.with_name(path.name + suffix) for suffix in FIGURE_SUFFIXES)
+    with replacing(png) as scratch:
+        drawing.figure.savefig(scratch, format="png", metadata={"Software": _MAKER})
     if pdf:
         drawing.figure.set_layout_engine("none")  # the parts have their places now
-        drawing.figure.savefig(path.with_suffix(".pdf"), metadata={"CreationDate": None})
-    write_csv(drawing.columns, path.with_suffix(".csv"))
+        with replacing(other) as scratch:
+            drawing.figure.savefig(scratch, format="pdf", metadata={"CreationDate": None, "Creator": _MAKER})
+    with replacing(data) as scratch:
+        write_csv(drawing.columns, scratch)
 
 
-def remove(path: Path) -> None:
-    """Remove what `save` leaves."""
-    for suffix in SUFFIXES:
-        path.with_suffix(suffix).unlink(missing_ok=True)
+def save_as(path: Path, columns: Columns, draw: Callable[[], Drawing]) -> None:
+    """Save a table (.csv), or a figure and its table (.png or .pdf; both are written), by a name of the user's choice.
+
+    Raises
+    ------
+    InputError
+        A file of such a name is there, and granwave did not write it.
+    """
+    files = [path] if path.suffix == ".csv" else [path.with_suffix(suffix) for suffix in FIGURE_SUFFIXES]
+    own = {**_OWN, ".csv": rb"\A" + re.escape(",".join(columns).encode()) + rb"\n"}
+    for file in files:
+        refuse_other_file(file, own[file.suffix])
+    if path.suffix != ".csv":
+        with style():
+            save(draw(), path.with_suffix(""))
+        return
+    with replacing(path) as scratch:
+        write_csv(columns, scratch)
+
+
+class FigureFolder:
+    """The folder ``figures`` of a directory of results, where files of other people may be too.
+
+    Parameters
+    ----------
+    directory
+        Of the results; the folder is made with the first figure.
+
+    Attributes
+    ----------
+    written
+        The PNG files that were saved.
+    """
+
+    def __init__(self, directory: str | Path) -> None:
+        self.directory = Path(directory)
+        self.written: list[Path] = []
+
+    def save(self, drawing: Drawing | None, name: str, *, pdf: bool = True) -> None:
+        """Save a drawing as `save` does, remove that of before where there is none now.
+
+        Where somebody else's file has the name, warn and leave it.
+        """
+        if drawing is None:
+            self.remove(name)
+            return
+        png, other, data = figure_files(name)
+        if not pdf:
+            clear(self.directory, [other])
+        try:
+            claim(self.directory, [png, other, data] if pdf else [png, data])
+        except InputError as error:
+            logger.warning("%s: not drawn: %s", name, error)
+            return
+        folder = self.directory / FIGURES_DIRECTORY
+        folder.mkdir(exist_ok=True)
+        save(drawing, folder / name, pdf=pdf)
+        self.written.append(self.directory / png)
+
+    def remove(self, *names: str) -> None:
+        """Remove figures that were saved before."""
+        clear(self.directory, [file for name in names for file in figure_files(name)])
+
+    def names(self) -> list[str]:
+        """Names of the figures that were saved before."""
+        marker = read_marker(self.directory)
+        files = [PurePosixPath(name) for name in (marker.files if marker else ())]
+        return [path.stem for path in files if str(path.parent) == FIGURES_DIRECTORY and path.suffix == ".png"]
 
 
 def write_csv(columns: Columns, path: Path) -> None:

@@ -1,15 +1,24 @@
-"""Are the files of a run whole? What was cut or lost afterwards would give wrong numbers without a word."""
+"""Check that the files of a run are whole: what was cut or lost afterwards would silently give wrong results."""
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
-from granwave.analysis.lammps_output.time_series import read_energy, read_walls
-from granwave.analysis.result.writer import RECORD_FILE
+from granwave.analysis.lammps_output.number_rows import AGAIN, CUT
+from granwave.analysis.lammps_output.time_series import Table, read_energy, read_prestage, read_probes, read_walls
+from granwave.analysis.result.writer import read_record
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.deck import read_deck
-from granwave.lammps_inputs.packing.walls import walls
+from granwave.lammps_inputs.packing.walls import wall_fixes, walls
+from granwave.lammps_inputs.run_directory import (
+    DUMPS,
+    ENERGY_FILE,
+    PRESTAGE_FILE,
+    PROBES_FILE,
+    WALL_CONTACTS_FILE,
+    WALLS_FILE,
+)
 
 
 def check_complete(directory: Path) -> None:
@@ -18,39 +27,39 @@ def check_complete(directory: Path) -> None:
     Raises
     ------
     MissingOutputError, OutputFormatError
-        A file is missing, or ends before the run did.
+        A file is missing, lacks a column, or ends before the run did.
     """
-    deck = read_deck(directory)
+    deck, dumps = read_deck(directory), directory / DUMPS
+    case, every = deck.case, deck.schedule.ledger_every
     last = int(read_energy(directory)["step"][-1])
-    recorded = _recorded_steps(directory)
-    if recorded is not None and last < recorded - deck.schedule.ledger_every:
-        raise OutputFormatError(
-            f"{directory / 'dumps' / 'energy.txt'} ends at step {last}, the run at step {recorded}: "
-            "the file was cut; run the case again with --force"
-        )
-    found = walls(deck.case)
-    if not found:
-        return
-    forces = read_walls(directory)
-    if not forces:
-        raise MissingOutputError(f"{directory / 'dumps' / 'walls.txt'} is missing; run the case again with --force")
-    if forces["step"][-1] < last - deck.schedule.ledger_every:
-        raise OutputFormatError(
-            f"{directory / 'dumps' / 'walls.txt'} ends at step {forces['step'][-1]:.0f}, the ledger at step {last}: "
-            "the file was cut; run the case again with --force"
-        )
-    for wall in found:
-        path = directory / "dumps" / f"wall_{wall.name}.dump"
-        if not wall.held_layer and not path.exists():
-            raise MissingOutputError(f"{path} is missing; run the case again with --force")
+    recorded = read_record(directory).get("n_steps")  # none of a deck that was run by hand
+    if recorded is not None and last < recorded - every:
+        raise OutputFormatError(f"{dumps / ENERGY_FILE} ends at step {last}, the run at step {recorded}: {CUT}")
+    found = walls(case)
+    columns = [wall.name for wall in found] + [bar.name for bar in case.assembly.bars]
+    if columns:
+        _check_series(dumps / WALLS_FILE, read_walls(directory), columns, last, every)
+    if case.probes:
+        columns = _probe_columns(case)
+        _check_series(dumps / PROBES_FILE, read_probes(directory), columns, last, max(every, deck.schedule.probe_every))
+    if case.precompression and not read_prestage(directory):
+        raise MissingOutputError(f"{dumps / PRESTAGE_FILE} is missing; {AGAIN}")
+    for name in (name for wall in found if not wall.held_layer for name, _, _ in wall_fixes(case, wall)):
+        if not (path := dumps / WALL_CONTACTS_FILE.format(name)).exists():
+            raise MissingOutputError(f"{path} is missing; {AGAIN}")
 
 
-def _recorded_steps(directory: Path) -> int | None:
-    """Steps that the driver did, or None for a deck that was run by hand."""
-    path = directory / RECORD_FILE
-    if not path.exists():
-        return None
-    try:
-        return int(json.loads(path.read_text(encoding="utf-8"))["n_steps"])
-    except (ValueError, KeyError, TypeError):
-        raise OutputFormatError(f"{path} cannot be read: delete it, or run the case again with --force") from None
+def _check_series(path: Path, table: Table, columns: list[str], last: int, every: int) -> None:
+    """A table is there, has these columns, and ends with the ledger."""
+    if not table:
+        raise MissingOutputError(f"{path} is missing; {AGAIN}")
+    if missing := [name for name in columns if name not in table]:
+        raise OutputFormatError(f"{path} lacks the columns {', '.join(missing)}; it has {', '.join(table)}; {AGAIN}")
+    if abs(table["step"][-1] - last) > every:
+        raise OutputFormatError(f"{path} ends at step {table['step'][-1]:.0f}, the ledger at step {last}: {CUT}")
+
+
+def _probe_columns(case: Case) -> list[str]:
+    """One column of each probe."""
+    contacts = ["contact_{}_{}_force".format(*probe.contact) for probe in case.probes if probe.contact is not None]
+    return contacts + [f"sphere_{probe.sphere}_ux" for probe in case.probes if probe.contact is None]

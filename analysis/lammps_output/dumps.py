@@ -12,13 +12,24 @@ import logging
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TextIO
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
+from granwave.analysis.lammps_output.number_rows import AGAIN, CUT, DAMAGED, read_rows, whole_number
 from granwave.lammps_inputs.deck import output
+from granwave.lammps_inputs.run_directory import (
+    CASE_FILE,
+    CONTACTS_FILE,
+    DATA_FILE,
+    DUMPS,
+    FORCES_FILE,
+    FRAMES_FILE,
+    HISTORY_FILE,
+    WALL_CONTACTS_FILE,
+    output_names,
+)
 
 # What the readers cannot do without; runs have more or fewer of the others, see `Frame.get`.
 SPHERE_COLUMNS = (
@@ -31,6 +42,7 @@ CONTACT_COLUMNS = (
 )  # fmt: skip
 WALL_COLUMNS = ("overlap", "force", "peak_overlap", "peak_force", "dissipated", "time_first", "time_peak", "time_yield")
 HISTORY_COLUMNS = tuple(output.HISTORY_COLUMNS)
+_COUNTS = {"TIMESTEP": "timestep", "NUMBER OF": "number of rows"}  # in the header of a snapshot
 DATA_COLUMNS = ("id", "type", "diameter", "density", "x", "y", "z")
 
 log = logging.getLogger(__name__)
@@ -118,30 +130,34 @@ def rows_of(ids: NDArray[np.int64], wanted: ArrayLike) -> NDArray[np.int64]:
     return rows
 
 
-def read_frames(directory: str | Path) -> Iterator[Frame]:
+def read_frames(directory: str | Path, *, partial: bool = True) -> Iterator[Frame]:
     """Snapshots of ``dumps/spheres.dump`` in turn, `SPHERE_COLUMNS`, rows sorted by id.
 
-    A last snapshot cut short by a killed run is left out with a warning; of a step written twice (a resumed
-    run) the first counts.
+    Of a step written twice (a resumed run) the first counts.
+
+    Parameters
+    ----------
+    partial
+        Leave a last snapshot that was cut short, as by a killed run, out with a warning; else it is an error.
 
     Raises
     ------
     MissingOutputError
         There is no such file.
     OutputFormatError
-        It lacks a column, a snapshot in its middle is damaged, or it holds no complete one.
+        It lacks a column, a snapshot is damaged, or it holds no complete one.
     """
-    yield from _rising(_frames(_dump(directory, "spheres.dump"), SPHERE_COLUMNS, sort_by="id"))
+    yield from _rising(_frames(_dump(directory, FRAMES_FILE), SPHERE_COLUMNS, sort_by="id", partial=partial))
 
 
 def read_history(directory: str | Path) -> Iterator[Frame]:
     """Instants of ``dumps/history.dump`` in turn, `HISTORY_COLUMNS`, rows sorted by id; raises as `read_frames`."""
-    yield from _rising(_frames(_dump(directory, "history.dump"), HISTORY_COLUMNS, sort_by="id"))
+    yield from _rising(_frames(_dump(directory, HISTORY_FILE), HISTORY_COLUMNS, sort_by="id"))
 
 
 def read_forces(directory: str | Path) -> Iterator[Frame]:
     """Contacts at the same instants (``dumps/forces.dump``), columns i, j, force; raises as `read_frames`."""
-    yield from _rising(_frames(_dump(directory, "forces.dump"), ("i", "j", "force")))
+    yield from _rising(_frames(_dump(directory, FORCES_FILE), ("i", "j", "force")))
 
 
 def read_contacts(directory: str | Path) -> Frame:
@@ -151,7 +167,7 @@ def read_contacts(directory: str | Path) -> Frame:
     (dent before the run): overlaps in m, forces in N, energies in J, times in s (-1: never). Raises as
     `read_frames`.
     """
-    return _only_frame(_dump(directory, "contacts.dump"), CONTACT_COLUMNS)
+    return _only_frame(_dump(directory, CONTACTS_FILE), CONTACT_COLUMNS)
 
 
 def read_wall_contacts(directory: str | Path) -> dict[str, Frame]:
@@ -162,14 +178,29 @@ def read_wall_contacts(directory: str | Path) -> dict[str, Frame]:
     Empty when there is no plane.
     """
     found: dict[str, list[Frame]] = {}
-    for path in sorted(
-        (Path(directory) / "dumps").glob("wall_*.dump")
-    ):  # wall_NAME, and wall_NAME_2 of further materials
+    for path in _wall_dumps(Path(directory)):  # wall_NAME, and wall_NAME_2 of further materials
         found.setdefault(path.stem.split("_")[1], []).append(_only_frame(path, ("id", *WALL_COLUMNS), sort_by="id"))
     return {
         name: _sorted(dataclasses.replace(parts[0], values=np.concatenate([part.values for part in parts])), "id")
         for name, parts in found.items()
     }
+
+
+def _wall_dumps(directory: Path) -> list[Path]:
+    """Dumps of walls; where the deck says which there are, no others."""
+    paths, own = sorted((directory / DUMPS).glob(WALL_CONTACTS_FILE.format("*"))), output_names(directory)
+    return [path for path in paths if not own or f"{DUMPS}/{path.name}" in own]
+
+
+def check_ids(path: Path, frame: Frame, everything: Frame) -> None:
+    """Raise OutputFormatError where a snapshot of a dump names a particle that ``everything`` of `read_data` lacks."""
+    for column in [name for name in ("i", "j", "id") if name in frame.columns]:
+        strange = np.setdiff1d(frame[column], everything["id"])
+        if len(strange):
+            raise OutputFormatError(
+                f"{path}: found a contact of particle {strange[0]:.0f}, which data.granwave does not hold: the files "
+                f"belong to different runs, or one is damaged; {AGAIN}"
+            )
 
 
 def read_data(directory: str | Path) -> Frame:
@@ -182,29 +213,37 @@ def read_data(directory: str | Path) -> Frame:
     MissingOutputError
         There is no such file.
     OutputFormatError
-        It does not hold the spheres it announces.
+        It does not hold the spheres it announces, or is damaged.
     """
-    path = Path(directory) / "data.granwave"
+    path = Path(directory) / DATA_FILE
     if not path.exists():
-        raise MissingOutputError(f"{path} is missing: write the deck again (granwave write CASE -o {directory})")
+        raise MissingOutputError(f"{path} is missing; {AGAIN}")
     n_spheres = 0
     columns: tuple[str, ...] = DATA_COLUMNS
     box = np.zeros((3, 2))
-    with open(path, encoding="ascii") as file:
-        file.readline()  # the title
-        for line in file:
-            words = line.split()
+    with _Lines(path) as lines:
+        lines.take(1)  # the title
+        while found := lines.take(1):
+            words = found[0].split()
             if words[1:] == ["atoms"]:
-                n_spheres = int(words[0])
+                n_spheres = whole_number(words[0], "number of atoms", lines.place())
             elif len(words) == 4 and words[3] in ("xhi", "yhi", "zhi"):
-                box["xyz".index(words[3][0])] = float(words[0]), float(words[1])
+                edges = read_rows([" ".join(words[:2])], (words[2], words[3]), lambda _: lines.place())
+                box["xyz".index(words[3][0])] = edges[0]
             elif words and words[0] == "Atoms":
-                columns = tuple(line.partition(":")[2].split()) or DATA_COLUMNS
+                columns = tuple(found[0].partition(":")[2].split()) or DATA_COLUMNS
                 break
-        file.readline()
-        values = _numbers(list(itertools.islice(file, n_spheres)), n_spheres, len(columns))
-    if values is None or not n_spheres:
-        raise OutputFormatError(f"{path}: expected {n_spheres} rows of {' '.join(columns)} under Atoms")
+        if not n_spheres:
+            raise OutputFormatError(f"{path} does not say how many atoms it holds; {DAMAGED}")
+        lines.take(1)
+        rows = lines.take(n_spheres)
+        if len(rows) < n_spheres:
+            raise OutputFormatError(
+                f"{lines.place()}: found {len(rows)} of {n_spheres} rows under Atoms ({' '.join(columns)}); {CUT}"
+            )
+        values = read_rows(rows, columns, lambda row: lines.place(n_spheres - 1 - row))
+    if missing := [name for name in DATA_COLUMNS if name not in columns]:
+        raise OutputFormatError(f"{path} lacks the columns {', '.join(missing)}; it has {' '.join(columns)}; {AGAIN}")
     frame = Frame(0, box, columns, values)
     return _sorted(Frame(0, box, DATA_COLUMNS, np.ascontiguousarray(frame.vector(*DATA_COLUMNS))), "id")
 
@@ -219,11 +258,11 @@ def _rising(frames: Iterator[Frame]) -> Iterator[Frame]:
 
 
 def _dump(directory: str | Path, name: str) -> Path:
-    path = Path(directory) / "dumps" / name
+    path = Path(directory) / DUMPS / name
     if not path.exists():
         raise MissingOutputError(
             f"{path} is missing: the run did not get as far as writing it; finish the run "
-            f"(granwave run {Path(directory) / 'case.toml'} -o {directory} --resume)"
+            f"(granwave run {Path(directory) / CASE_FILE} -o {directory} --resume)"
         )
     return path
 
@@ -233,61 +272,99 @@ def _only_frame(path: Path, required: tuple[str, ...], sort_by: str | None = Non
     return frame
 
 
-def _frames(path: Path, required: tuple[str, ...], sort_by: str | None = None) -> Iterator[Frame]:
+def _frames(
+    path: Path, required: tuple[str, ...], sort_by: str | None = None, *, partial: bool = False
+) -> Iterator[Frame]:
+    """The snapshots of a dump; with ``partial`` a last one that was cut short is left out with a warning."""
     number = 0
-    with open(path, encoding="ascii") as file:
-        while (frame := _next_frame(file, path, number)) is not None:
-            missing = [name for name in required if name not in frame.columns]
-            if missing:
-                raise OutputFormatError(
-                    f"{path}: snapshot {number} lacks the columns {', '.join(missing)}; it has "
-                    f"{' '.join(frame.columns)}"
-                )
-            number += 1
-            yield _sorted(frame, sort_by) if sort_by else frame
+    with _Lines(path) as lines:
+        try:
+            while (frame := _next_frame(lines, number)) is not None:
+                if missing := [name for name in required if name not in frame.columns]:
+                    raise OutputFormatError(
+                        f"{path}: snapshot {number} lacks the columns {', '.join(missing)}; it has "
+                        f"{' '.join(frame.columns)}; {AGAIN}"
+                    )
+                number += 1
+                yield _sorted(frame, sort_by) if sort_by else frame
+        except _CutShortError:
+            if not partial:
+                raise OutputFormatError(f"{lines.place()}: snapshot {number} is cut short; {CUT}") from None
+            log.warning("%s: snapshot %d is cut short and left out", path, number)
     if not number:
-        raise OutputFormatError(f"{path} holds no complete snapshot; finish the run or run it again")
+        raise OutputFormatError(f"{path} holds no complete snapshot; {AGAIN}")
 
 
-def _next_frame(file: TextIO, path: Path, number: int) -> Frame | None:
-    """The snapshot that begins at the present place of the file; None at its end or when it is cut short."""
-    header: dict[str, list[str]] = {}
-    title = ""
-    for title in file:
-        if not title.startswith("ITEM:"):
-            raise OutputFormatError(f"{path}: expected the header of snapshot {number}, found {title[:60]!r}")
-        if title.startswith(("ITEM: ATOMS", "ITEM: ENTRIES")):
-            break
-        n_lines = 3 if title.startswith("ITEM: BOX") else 1
-        header[" ".join(title.split()[1:3])] = list(itertools.islice(file, n_lines))
-    if not header:
+class _Lines:
+    """The lines of a text file, counted for messages."""
+
+    def __init__(self, path: Path) -> None:
+        self.path, self.n_read = path, 0
+
+    def __enter__(self) -> _Lines:
+        self._file = open(self.path, encoding="ascii", errors="replace")  # what is no text is refused with its line
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._file.close()
+
+    def take(self, n: int) -> list[str]:
+        """The next n lines, or what is left of them."""
+        found = list(itertools.islice(self._file, n))
+        self.n_read += len(found)
+        return found
+
+    def place(self, back: int = 0) -> str:
+        """The file and its last line that was read, or one before it."""
+        return f"{self.path}: line {self.n_read - back}"
+
+
+class _CutShortError(Exception):
+    """A snapshot ends with the file, before its last row."""
+
+
+def _next_frame(lines: _Lines, number: int) -> Frame | None:
+    """The snapshot that begins at the present place of the file; None at its end."""
+    header = _header(lines, number)
+    if header is None:
         return None
-    columns = tuple(title.split()[2:])
-    complete = title.startswith(("ITEM: ATOMS", "ITEM: ENTRIES")) and title.endswith("\n")
-    n_rows = int(header["NUMBER OF"][0]) if complete else 0
-    rows = list(itertools.islice(file, n_rows)) if complete else []
-    if not complete or len(rows) < n_rows or (rows and not rows[-1].endswith("\n")):
-        log.warning("%s: snapshot %d is cut short and left out", path, number)
-        return None
-    values = _numbers(rows, n_rows, len(columns))
-    if values is None:
-        raise OutputFormatError(f"{path}: snapshot {number} does not hold {n_rows} rows of {len(columns)} numbers")
-    box = np.array([line.split()[:2] for line in header["BOX BOUNDS"]], dtype=float)
+    columns, n_rows = tuple(header["columns"][0].split()[2:]), int(header["NUMBER OF"][0])
+    rows = lines.take(n_rows)
+    if len(rows) < n_rows or (rows and not rows[-1].endswith("\n")):
+        raise _CutShortError
+    values = read_rows(rows, columns, lambda row: f"{lines.place(n_rows - 1 - row)} (snapshot {number})")
+    bounds = [" ".join(line.split()[:2]) for line in header["BOX BOUNDS"]]
+    box = read_rows(bounds, ("low", "high"), lambda _: f"{lines.path}: box of snapshot {number}")
     return Frame(int(header["TIMESTEP"][0]), box, columns, values)
 
 
-def _numbers(rows: list[str], n_rows: int, n_columns: int) -> NDArray[np.float64] | None:
-    """The numbers in rows of text, (n_rows, n_columns), or None when they are not so many."""
-    if n_rows == 0:
-        return np.empty((0, n_columns))
-    text = "".join(rows)
-    if len(rows) != n_rows or len(rows[-1].split()) != n_columns:
+def _header(lines: _Lines, number: int) -> dict[str, list[str]] | None:
+    """What stands below each title of a snapshot, and the title of its rows as ``columns``; None at the file's end."""
+    header: dict[str, list[str]] = {}
+    while titles := lines.take(1):
+        title = titles[0]
+        if not title.endswith("\n"):
+            raise _CutShortError
+        if not title.startswith("ITEM:"):
+            raise OutputFormatError(
+                f"{lines.place()}: expected the header of snapshot {number}, found {title.strip()[:60]!r}; {DAMAGED}"
+            )
+        if title.startswith(("ITEM: ATOMS", "ITEM: ENTRIES")):
+            header["columns"] = titles
+            break
+        name = " ".join(title.split()[1:3])
+        if name in header:
+            raise OutputFormatError(f"{lines.place()}: a second {name} in snapshot {number}; {DAMAGED}")
+        header[name] = lines.take(3 if name == "BOX BOUNDS" else 1)
+        if name in _COUNTS and header[name]:
+            whole_number(header[name][0], _COUNTS[name], lines.place())
+    if not header:
         return None
-    try:
-        values = np.fromstring(text, dtype=float, sep=" ")  # the fastest reader of text that numpy has
-    except ValueError:
-        return None
-    return values.reshape(n_rows, n_columns) if values.size == n_rows * n_columns else None
+    if "columns" not in header:
+        raise _CutShortError
+    if missing := [name for name in (*_COUNTS, "BOX BOUNDS") if name not in header]:
+        raise OutputFormatError(f"{lines.place()}: snapshot {number} lacks its {', '.join(missing)}; {DAMAGED}")
+    return header
 
 
 def _sorted(frame: Frame, name: str) -> Frame:

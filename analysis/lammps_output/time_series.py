@@ -13,6 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
+from granwave.analysis.lammps_output.number_rows import AGAIN, read_rows
+from granwave.lammps_inputs.run_directory import DUMPS, ENERGY_FILE, PRESTAGE_FILE, PROBES_FILE, WALLS_FILE
 
 #: Columns of the energy ledger: times in s, energies in J, forces in N, velocities in m/s.
 ENERGY_COLUMNS = (
@@ -21,6 +23,7 @@ ENERGY_COLUMNS = (
 )  # fmt: skip
 #: Columns that the ledger of a run without friction may lack; they are 0 then.
 FRICTION_COLUMNS = ("rotational", "elastic_tangential", "friction")
+_SHOWN = 60  # characters of what is no number, in a message
 
 Table = dict[str, NDArray[np.float64]]
 
@@ -36,15 +39,15 @@ def read_energy(directory: str | Path) -> Table:
     MissingOutputError
         The run left no ledger.
     OutputFormatError
-        The ledger lacks a column, or holds no row.
+        The ledger lacks a column, holds no row, or is damaged.
     """
-    path = Path(directory) / "dumps" / "energy.txt"
+    path = Path(directory) / DUMPS / ENERGY_FILE
     if not path.exists():
-        raise MissingOutputError(f"{path} is missing: run the case first (granwave run CASE -o {directory})")
+        raise MissingOutputError(f"{path} is missing: run the case first (granwave run CASE -o {directory} --force)")
     table = _read(path)
     missing = [name for name in ENERGY_COLUMNS if name not in table]
     if missing:
-        raise OutputFormatError(f"{path} lacks the columns {', '.join(missing)}; it has {', '.join(table)}")
+        raise OutputFormatError(f"{path} lacks the columns {', '.join(missing)}; it has {', '.join(table)}; {AGAIN}")
     zeros = np.zeros_like(table["time"])
     return table | {name: zeros for name in FRICTION_COLUMNS if name not in table}
 
@@ -55,7 +58,7 @@ def read_prestage(directory: str | Path) -> Table:
     ``residual`` (largest net force over the largest force of a contact), ``largest_force`` N, ``contacts``,
     ``yielded``, ``stored`` (elastic energy) J, ``displacement`` m, ``iterations``.
     """
-    return _read_if_there(Path(directory) / "dumps" / "prestage.txt")
+    return _read_if_there(Path(directory) / DUMPS / PRESTAGE_FILE)
 
 
 def read_walls(directory: str | Path) -> Table:
@@ -63,7 +66,7 @@ def read_walls(directory: str | Path) -> Table:
 
     Empty when the run has no wall.
     """
-    return _read_if_there(Path(directory) / "dumps" / "walls.txt")
+    return _read_if_there(Path(directory) / DUMPS / WALLS_FILE)
 
 
 def read_probes(directory: str | Path) -> Table:
@@ -72,7 +75,7 @@ def read_probes(directory: str | Path) -> Table:
     Columns: ``sphere_ID_ux`` (uy, uz) displacement in m, ``_vx`` velocity in m/s, ``_fx`` force in N;
     ``contact_I_J_overlap`` in m and ``contact_I_J_force`` in N.
     """
-    return _read_if_there(Path(directory) / "dumps" / "probes.txt")
+    return _read_if_there(Path(directory) / DUMPS / PROBES_FILE)
 
 
 def _read_if_there(path: Path) -> Table:
@@ -81,24 +84,28 @@ def _read_if_there(path: Path) -> Table:
 
 def _read(path: Path) -> Table:
     names: list[str] = []
-    rows = []
-    with open(path, encoding="ascii") as file:
-        for line in file:
+    rows, lines = [], []
+    with open(path, encoding="ascii", errors="replace") as file:  # what is no text is refused with its line
+        for number, line in enumerate(file, start=1):
             if line.startswith("#"):
                 names = line[1:].split()
             elif line.endswith("\n"):  # else it was cut short while being written
                 rows.append(line)
-    if not rows:
-        raise OutputFormatError(f"{path} holds no row: the run ended before its first report")
-    try:
-        values = np.array(" ".join(rows).split(), dtype=float)
-    except ValueError as error:
-        raise OutputFormatError(f"{path}: {error}; expected rows of numbers") from None
-    if values.size != len(names) * len(rows):
-        raise OutputFormatError(
-            f"{path}: {values.size} numbers in {len(rows)} rows, expected {len(names)} in each ({' '.join(names)})"
-        )
-    values = values.reshape(len(rows), len(names))
+                lines.append(number)
+    if not rows or not names:
+        what = "no names of columns" if rows else "no row: the run ended before its first report"
+        raise OutputFormatError(f"{path} holds {what}; {AGAIN}")
+    values = read_rows(rows, names, lambda row: f"{path}: line {lines[row]}")
     _, backwards = np.unique(values[::-1, 0], return_index=True)
     values = values[len(values) - 1 - backwards]
+    if names[0] == "step":
+        _check_steps(path, values[:, 0])
     return {name: np.ascontiguousarray(values[:, n]) for n, name in enumerate(names)}
+
+
+def _check_steps(path: Path, steps: NDArray[np.float64]) -> None:
+    """Rows are equally far apart: a disk that was full for a while would leave none out unnoticed."""
+    apart = np.diff(steps)
+    if len(apart) and apart.max() > apart.min():
+        n = int(apart.argmax())
+        raise OutputFormatError(f"{path} lacks rows between the steps {steps[n]:.0f} and {steps[n + 1]:.0f}; {AGAIN}")

@@ -6,24 +6,23 @@ import dataclasses
 import itertools
 import json
 import os
+import sys
 from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal
 from urllib.parse import quote
 
+from granwave.analysis.document.cells import MAIN, unit_of_value
 from granwave.analysis.document.model import Link
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
-from granwave.analysis.result.writer import RECORD_FILE, RESULT_FILE
-from granwave.analysis.scans.result import POINTS, SCAN_INDEX, SUITE_INDEX, PointResult, ScanResult, is_scan
-from granwave.analysis.summary import SUMMARY_FILE
-from granwave.lammps_inputs.deck.deck import CASE_FILE
+from granwave.analysis.result.not_a_run import OF_A_RUN, UNFINISHED, around, no_results, resumed, similar
+from granwave.analysis.result.reader import Result
+from granwave.analysis.scans.result import PointResult, ScanResult, is_scan
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json
-from granwave.lammps_inputs.toml_files import read_toml
-
-_OF_A_RUN = (CASE_FILE, SUMMARY_FILE, RECORD_FILE, RESULT_FILE)
-_UNFINISHED = ("running", "interrupted", "failed")  # states of run.json with nothing to report
-_MOST_NAMED = 5  # files that a message names
+from granwave.lammps_inputs.run_directory import CASE_FILE, POINTS, RECORD_FILE, SCAN_INDEX, SUITE_INDEX, SUMMARY_FILE
+from granwave.lammps_inputs.run_state import check_case, read_tables, tables_as_run
 
 Kind = Literal["run", "continuum"]
 
@@ -59,6 +58,19 @@ class Run:
         """A value of the summary if it is a number."""
         value = self.summary.get(key)
         return value if isinstance(value, (int, float)) and not isinstance(value, bool) else None
+
+    @cached_property
+    def damaged(self) -> bool:
+        """There is a result.h5 of spheres that cannot be read; where it was removed, the summary alone is kept."""
+        if self.kind != "run":
+            return False
+        try:
+            Result(self.directory).close()
+        except MissingOutputError:
+            return False
+        except OutputFormatError:
+            return True
+        return False
 
     @property
     def versions(self) -> dict[str, str]:
@@ -129,6 +141,10 @@ class Inputs:
                     seen.add(point.run.directory)
                     yield point.run
 
+    def whole(self) -> Iterator[Run]:
+        """`results` but those whose result.h5 is damaged."""
+        return (run for run in self.results() if not run.damaged)
+
     def path(self, path: Path) -> str:
         """A path as seen from the report."""
         return relative(path, self.base)
@@ -193,38 +209,27 @@ def _labels(paths: Sequence[Path], base: Path) -> list[str]:
 
 def _read(path: Path, label: str) -> Run | Scan:
     if not path.exists():
-        raise InputError(f"{path}: no such directory; expected the directory of a run or of a scan")
+        raise InputError(f"{path}: no such directory{similar(path)}; expected the directory of a run or of a scan")
     if not path.is_dir():
-        raise InputError(f"{path}: is a file, expected the directory of a run or of a scan")
+        raise InputError(f"{path}: is a file, expected the directory of a run or of a scan{around(path)}")
     if is_scan(path):
         return _read_scan(path, label)
     try:
         found = sorted(entry.name for entry in path.iterdir())
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
-    if not any(name in found for name in _OF_A_RUN):
-        raise InputError(_neither(path, found))
+    if not any(name in found for name in OF_A_RUN):
+        expected = f"expected {SUMMARY_FILE} or {SCAN_INDEX} in it"
+        raise InputError(no_results(path, found, "neither a run nor a scan", expected))
     if SUMMARY_FILE not in found:
         state = _record(path).get("state")
-        if state in _UNFINISHED:
+        if state in UNFINISHED:
             raise InputError(
                 f"{path}: the run is not finished (state {state}), so there is no {SUMMARY_FILE}; "
-                "go on with  granwave run CASE -o DIR --resume"
+                f"go on with  {resumed(path)}"
             )
         raise InputError(f"{path}: a run without {SUMMARY_FILE}; make it with  granwave analyse {path}")
     return _read_run(path, label, _summary(path))
-
-
-def _neither(path: Path, found: Sequence[str]) -> str:
-    inside = [name for name in found if (path / name / SUMMARY_FILE).is_file() or is_scan(path / name)]
-    if inside:
-        return f"{path}: is neither a run nor a scan, but holds some ({_few(inside)}); give those"
-    holds = f"it holds {_few(found)}" if found else "it is empty"
-    return f"{path}: is neither a run nor a scan: {holds}; expected {SUMMARY_FILE} or {SCAN_INDEX} in it"
-
-
-def _few(names: Sequence[str]) -> str:
-    return ", ".join(names[:_MOST_NAMED]) + (", ..." if len(names) > _MOST_NAMED else "")
 
 
 def _summary(path: Path) -> dict[str, Any]:
@@ -239,10 +244,31 @@ def _summary(path: Path) -> dict[str, Any]:
             f"{path / SUMMARY_FILE}: found a {type(summary).__name__}, expected a table of values; "
             f"make it anew with  granwave analyse {path}"
         )
+    if faults := _no_numbers(summary):
+        raise InputError(f"{path / SUMMARY_FILE}: {faults[0]}; make it anew with  granwave analyse {path}")
     return summary
 
 
+def _no_numbers(summary: Mapping[str, Any]) -> list[str]:
+    """Quantities that are no numbers; null stands for one that does not apply."""
+    found = []
+    for key, value in summary.items():
+        if value is None or not (unit_of_value(key) or key in MAIN):
+            continue
+        if isinstance(value, list) and not unit_of_value(key) and all(isinstance(item, str) for item in value):
+            continue  # words, such as the bounds that a zone reaches
+        number = isinstance(value, int | float) and not isinstance(value, bool)
+        if not number or abs(value) > sys.float_info.max:
+            found.append(f"{key}: found {_short(repr(value))}, expected a number")
+    return found
+
+
+def _short(text: str, longest: int = 60) -> str:
+    return text if len(text) <= longest else f"{text[:longest]}..."
+
+
 def _read_run(path: Path, label: str, summary: Mapping[str, Any]) -> Run:
+    check_case(path)
     case, record = _case(path), _record(path)
     continuum = "n_elements" in summary or any(key.startswith(("punch.", "block.")) for key in case)
     return Run(
@@ -261,10 +287,7 @@ def _record(path: Path) -> dict[str, Any]:
 
 
 def _case(path: Path) -> dict[str, Any]:
-    try:
-        tables = read_toml(path / CASE_FILE)
-    except InputError:
-        return {}
+    tables = read_tables(path / CASE_FILE) or tables_as_run(path) or {}
     return dict(_flat({name: value for name, value in tables.items() if name not in ("name", "resolved")}))
 
 
@@ -287,15 +310,21 @@ def _read_scan(path: Path, label: str) -> Scan:
             f"{path / SCAN_INDEX}: a point lacks what it needs ({error!r}); run the scan again with --resume"
         ) from None
     runs: dict[str, Run] = {}
-    points = []
+    points: list[Point] = []
+    faults: list[str] = []
     for result in results:
         run = None
-        if result.status == "done" and result.directory is not None:
+        if result.status == "done" and result.directory is not None and not _no_numbers(result.summary):
             if result.id not in runs:
-                place = result.directory
-                runs[result.id] = _read_run(place, f"{label} #{result.number}", result.summary)
+                try:
+                    runs[result.id] = _read_run(result.directory, f"{label} #{result.number}", result.summary)
+                except InputError as error:
+                    faults += error.faults
+                    continue
             run = runs[result.id]
         points.append(_point(result, path, run))
+    if faults:
+        raise InputError(dict.fromkeys(faults))
     return Scan(label, source, tuple(points))
 
 

@@ -12,9 +12,12 @@ from granwave.analysis.reports.sections.balance import SLUG as BALANCE
 from granwave.analysis.reports.sections.balance import balance_notes, balance_section
 from granwave.analysis.reports.sections.comparison import comparison_section
 from granwave.analysis.reports.sections.figures import figures_section
+from granwave.analysis.reports.sections.results import SLUG as RESULTS
 from granwave.analysis.reports.sections.results import failures_section, results_section, settings_blocks, status_cell
 from granwave.analysis.reports.sections.sources import sources_section
 from granwave.analysis.reports.sections.studies import studies_of, studies_section, verdicts
+from granwave.analysis.reports.sections.zone import zone_notes
+from granwave.lammps_inputs.run_directory import RESULT_FILE
 
 _KIND = {"run": "granular run", "continuum": "continuum run"}
 _IN_TITLE = 3  # names
@@ -66,14 +69,21 @@ def _attention(inputs: Inputs, failures: str) -> Section:
     if refused:
         notes.append(Note(f"Refused, as the energy balance did not close: {named(refused)}.", "bad", BALANCE))
     notes += balance_notes(results, BALANCE)
+    notes += zone_notes(results, RESULTS)
     without = [run.label for run in results if not run.case]
     if without:
         notes.append(Note(f"No readable case.toml, so settings are not known: {named(without)}.", "note"))
+    notes += [_damaged(run, inputs) for run in results if run.damaged]
     if not notes:
         text = "Every run finished, its energy balance closed, and no contact left the range of its law."
         notes.append(Note(text, "good"))
     notes.sort(key=lambda note: note.tone != "bad")
     return Section("In short", "short", tuple(notes))
+
+
+def _damaged(run: Run, inputs: Inputs) -> Note:
+    text = f"The {RESULT_FILE} of {run.label} is damaged, so studies and comparisons leave it out: make it anew with"
+    return Note(f"{text} granwave analyse {inputs.path(run.directory)}", "bad")
 
 
 def _what_was_run(inputs: Inputs) -> Section:

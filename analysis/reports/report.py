@@ -7,16 +7,25 @@ paths are shown as seen from the report.
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Sequence
 from pathlib import Path
+from urllib.parse import quote
 
 from granwave.analysis.document.model import Report, cleaned
+from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.outline import build_report
+from granwave.lammps_inputs.directories import output_path, refuse_other_file
 from granwave.lammps_inputs.errors import InputError, RunError
-from granwave.lammps_inputs.files import replace_bytes, replace_text
+from granwave.lammps_inputs.files import head, replace_bytes, replace_text
 
 SUFFIXES = (".html", ".pdf", ".md")
+_OWN = {  # what every report holds
+    ".html": rb'<meta name="generator" content="granwave">',
+    ".pdf": rb"/Creator \(granwave\)",
+    ".md": rb"\A# Report: .*\n\n(\d+ runs?)?( and )?(\d+ scans? with \d+ of \d+ points done)?\. SI units\.\n",
+}
 
 
 def write_report(directories: Sequence[str | Path], output: str | Path) -> Path:
@@ -41,7 +50,7 @@ def write_report(directories: Sequence[str | Path], output: str | Path) -> Path:
     RunError
         Writing failed, as on a full disk; an older report is still there.
     """
-    output = Path(output)
+    output = output_path(output)
     faults = _faults_of(output)
     try:
         inputs = read_inputs(directories, output.parent)
@@ -49,7 +58,10 @@ def write_report(directories: Sequence[str | Path], output: str | Path) -> Path:
         faults += error.faults
     if faults:
         raise InputError(faults)
-    report = cleaned(build_report(inputs))
+    try:
+        report = cleaned(build_report(inputs))
+    except (MissingOutputError, OutputFormatError) as error:  # of a file that a study needs
+        raise InputError(str(error)) from None
     try:
         _write(report, output)
     except OSError as error:
@@ -72,6 +84,11 @@ def _faults_of(output: Path) -> list[str]:
         faults.append(
             f"{folder}: is a file, but pictures of {output.name} go to a directory of that name; move it away"
         )
+    elif own := _OWN.get(output.suffix.lower()):
+        try:
+            refuse_other_file(output, own)
+        except InputError as error:
+            faults += error.faults
     return faults
 
 
@@ -94,8 +111,21 @@ def _write(report: Report, output: Path) -> None:
 
         folder = _folder(output)
         text, pictures = markdown(report, folder.name)
+        before = _pictures_of(output, folder)
+        if others := [name for name in pictures if name not in before and os.path.lexists(folder / name)]:
+            raise InputError(
+                f"{folder / others[0]}: would be overwritten, and is no picture of {output.name}; choose another -o"
+            )
         if pictures:
             folder.mkdir(exist_ok=True)
         for name, png in pictures.items():
             replace_bytes(folder / name, png)
         replace_text(output, text)
+        for name in set() if folder.is_symlink() else before - pictures.keys():
+            (folder / name).unlink(missing_ok=True)
+
+
+def _pictures_of(report: Path, folder: Path) -> set[str]:
+    """Names of the pictures that a report in Markdown shows from its folder."""
+    text = head(report).decode("utf-8", "replace")
+    return set(re.findall(rf"!\[[^\n]*\]\({re.escape(quote(folder.name))}/([\w.-]+)\)", text))

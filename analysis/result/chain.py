@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.errors import OutputFormatError
-from granwave.analysis.lammps_output.dumps import Frame, read_forces, read_history
+from granwave.analysis.lammps_output.dumps import Frame, check_ids, read_forces, read_history
+from granwave.analysis.lammps_output.number_rows import AGAIN, CUT
 from granwave.lammps_inputs.case.case import Case
 
 if TYPE_CHECKING:
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 Groups = dict[str, dict[str, NDArray]]
 
 
-def read_chain(directory: str | Path, case: Case, start: Frame, timestep: float) -> Groups:
+def read_chain(directory: str | Path, case: Case, start: Frame, timestep: float, last: int) -> Groups:
     """The groups of a chain that was recorded, by name.
 
     Parameters
@@ -34,17 +35,25 @@ def read_chain(directory: str | Path, case: Case, start: Frame, timestep: float)
         All particles, of `granwave.analysis.lammps_output.dumps.read_data`.
     timestep
         s.
+    last
+        Step of the last instant.
 
     Raises
     ------
     MissingOutputError, OutputFormatError
         A file is missing or damaged.
     """
-    frames = list(read_history(directory))
+    frames, path = list(read_history(directory)), Path(directory) / "dumps" / "history.dump"
     steps = np.array([frame.step for frame in frames])
+    for number, frame in enumerate(frames):
+        if not np.array_equal(frame["id"], start["id"]):
+            raise OutputFormatError(
+                f"{path}: snapshot {number} (step {frame.step}) holds {len(frame)} particles that are not the "
+                f"{len(start)} of data.granwave: the files belong to different runs, or one is damaged; {AGAIN}"
+            )
+    if steps[-1] < last:
+        raise OutputFormatError(f"{path} ends with the snapshot of step {steps[-1]}, the run at step {last}: {CUT}")
     displacement, velocity = (np.stack([frame[name] for frame in frames]) for name in ("uz", "vz"))
-    if displacement.shape[1] != len(start):
-        raise OutputFormatError(f"{directory}: history of {displacement.shape[1]} particles, expected {len(start)}")
     assembly, z = case.assembly, start["z"]
     beads = np.argsort(z[: assembly.n_spheres], kind="stable")
     first, second = _contacts(case, beads)
@@ -59,7 +68,7 @@ def read_chain(directory: str | Path, case: Case, start: Frame, timestep: float)
             "contact_i": first,
             "contact_j": second,
             "contact_position": z[first - 1] + radius[first - 1],
-            "contact_force": _forces(directory, steps, first, second),
+            "contact_force": _forces(Path(directory), steps, first, second, start),
         }
     }
     for bar in assembly.bars:
@@ -96,18 +105,22 @@ def _contacts(case: Case, beads: NDArray[np.int64]) -> tuple[NDArray[np.int64], 
 
 
 def _forces(
-    directory: str | Path, steps: NDArray[np.int64], first: NDArray[np.int64], second: NDArray[np.int64]
+    directory: Path, steps: NDArray[np.int64], first: NDArray[np.int64], second: NDArray[np.int64], start: Frame
 ) -> NDArray[np.float64]:
     stride = 1 + max(first.max(initial=0), second.max(initial=0))
     column = {int(code): n for n, code in enumerate(np.minimum(first, second) * stride + np.maximum(first, second))}
     row = {int(step): n for n, step in enumerate(steps)}
     forces = np.zeros((len(steps), len(first)))
+    path = directory / "dumps" / "forces.dump"
     for frame in read_forces(directory):
-        n = row.get(frame.step)
+        check_ids(path, frame, start)
+        n = row.pop(frame.step, None)
         if n is None:
             continue
         i, j = np.sort(frame.vector("i", "j").astype(np.int64), axis=1).T
         for code, force in zip((i * stride + j).tolist(), frame["force"].tolist(), strict=True):
             if force > 0 and code in column:
                 forces[n, column[code]] = force
+    if row:
+        raise OutputFormatError(f"{path} lacks the snapshot of step {min(row)}, which history.dump has: {CUT}")
     return forces

@@ -13,16 +13,28 @@ import h5py
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from granwave.analysis.errors import MissingOutputError, OutputFormatError
+from granwave.analysis.errors import MissingDataError, MissingOutputError, OutputFormatError
 from granwave.analysis.lammps_output.dumps import rows_of
+from granwave.analysis.result.damage import damage_of
 from granwave.analysis.result.trajectory import GROUP, QUANTITIES
-from granwave.analysis.result.writer import RESULT_FILE
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.law import sphere_contact
-from granwave.lammps_inputs.packing.assembly import struck_of
+from granwave.lammps_inputs.packing.assembly import struck_of, struck_site
+from granwave.lammps_inputs.run_directory import CASE_FILE, RESULT_FILE
 
 if TYPE_CHECKING:
     from granwave._contact_laws import ContactLaw
+
+
+_REASONS = {"truncated file": "it was cut", "signature not found": "it is no HDF5 file"}  # in messages of HDF5
+
+
+def _why_no_run(path: Path) -> str:
+    from granwave.analysis.result.not_a_run import (
+        why_no_run,  # which knows scans, that know summaries, that know results
+    )
+
+    return why_no_run(path)
 
 
 class Result:
@@ -47,15 +59,34 @@ class Result:
         path = Path(source)
         self.path = path / RESULT_FILE if path.is_dir() else path
         if not self.path.exists():
-            raise MissingOutputError(f"{self.path} is missing: make it with  granwave analyse {self.path.parent}")
+            raise MissingOutputError(_why_no_run(path))
         try:
             self.file = h5py.File(self.path, "r")
         except OSError as error:
-            raise OutputFormatError(f"{self.path}: {error}; expected the result.h5 of a run") from None
+            raise OutputFormatError(self._not_opened(path, error)) from None
         if "case" not in self.file.attrs or "spheres" not in self.file:
+            kind = self.file.attrs.get("kind", "")
             self.file.close()
-            raise OutputFormatError(f"{self.path} has no /spheres or no case: expected the result.h5 of a run")
+            what = f"is of a {kind} run" if kind else "has no /spheres or no case"
+            raise OutputFormatError(f"{self.path} {what}: expected the result.h5 of a run of spheres")
+        if damage := damage_of(self.file):
+            self.file.close()
+            raise OutputFormatError(self.damaged(damage))
         self._read: dict[str, NDArray] = {}
+
+    def _not_opened(self, given: Path, error: OSError) -> str:
+        """Why the file cannot be opened."""
+        if not self.path.is_file():
+            return f"{self.path}: is no file, expected the result.h5 of a run"
+        if isinstance(error, PermissionError):
+            return f"{self.path}: cannot be read: {error.strerror or error}"
+        if given.is_file() and given.name != RESULT_FILE and not h5py.is_hdf5(given):
+            return _why_no_run(given)
+        return self.damaged(_REASONS.get(next((known for known in _REASONS if known in str(error)), ""), error))
+
+    def damaged(self, why: object) -> str:
+        """One line that says so."""
+        return f"{self.path} is damaged ({why}): make it anew with  granwave analyse {self.path.parent}"
 
     def __enter__(self) -> Result:
         return self
@@ -73,14 +104,20 @@ class Result:
 
         Raises
         ------
-        KeyError
-            There is no such data set.
+        MissingDataError
+            There is no such data set; a KeyError.
+        OutputFormatError
+            It is damaged.
         """
         if name not in self._read:
             found = self.file.get(name)
             if not isinstance(found, h5py.Dataset):
-                raise KeyError(f"{self.path} has no data set {name}")
-            self._read[name] = found.asstr()[()] if h5py.check_string_dtype(found.dtype) else found[()]
+                remedy = f"make it anew with  granwave analyse {self.path.parent}"
+                raise MissingDataError(f"{self.path} has no data set {name}; {remedy}")
+            try:
+                self._read[name] = found.asstr()[()] if h5py.check_string_dtype(found.dtype) else found[()]
+            except OSError as error:
+                raise OutputFormatError(self.damaged(f"{name}: {error}")) from None
         return self._read[name]
 
     def get(self, name: str) -> NDArray | None:
@@ -104,7 +141,7 @@ class Result:
     @cached_property
     def case(self) -> Case:
         """The case that was run."""
-        return Case.from_dict(tomllib.loads(self.file.attrs["case"]), self.path.parent / "case.toml")
+        return Case.from_dict(tomllib.loads(self.file.attrs["case"]), self.path.parent / CASE_FILE)
 
     @cached_property
     def record(self) -> dict[str, Any]:
@@ -139,9 +176,7 @@ class Result:
     @property
     def origin(self) -> NDArray[np.float64]:
         """Centre of the struck sphere of the packing at the start: (3,), m."""
-        sphere = self.struck[0] if self.struck else int(self["spheres/id"][0])
-        while sphere > self.case.lattice.n_spheres:  # a striker: what it strikes
-            sphere = self.case.striker[sphere - self.case.lattice.n_spheres - 1].touches[0]
+        sphere = struck_site(self.case) or int(self["spheres/id"][0])
         return self["spheres/position"][self.rows(sphere)]
 
     def rows(self, ids: ArrayLike) -> NDArray[np.int64]:
@@ -180,6 +215,18 @@ class Result:
         return len(self["spheres/id"])
 
     @property
+    def yield_energy(self) -> NDArray[np.float64]:
+        """Energy that each sphere dissipated by yielding, at walls too, without friction: (n_spheres,), J."""
+        lost = self["spheres/dissipated_energy"]
+        return lost - self["spheres/friction_energy"] if self.has("spheres/friction_energy") else lost
+
+    @property
+    def yield_ledger(self) -> NDArray[np.float64]:
+        """Energy dissipated by yielding so far, without friction and dampers: (n_times,), J."""
+        lost = self["energy/dissipated"] - self["energy/friction"]
+        return lost - self["energy/support_lost"] if "energy/support_lost" in self else lost
+
+    @property
     def energy_input(self) -> float:
         """Work done on the packing up to the end, J."""
         return float(self["energy/input"][-1])
@@ -201,4 +248,7 @@ class Result:
 
     def frame(self, number: int, quantity: str) -> NDArray[np.float64]:
         """One quantity of one snapshot, such as ``displacement``: (n_spheres,) or (n_spheres, 3), SI."""
-        return self.file[f"{GROUP}/{quantity}/value"][number]
+        try:
+            return self.file[f"{GROUP}/{quantity}/value"][number]
+        except OSError as error:
+            raise OutputFormatError(self.damaged(f"{quantity} of snapshot {number}: {error}")) from None

@@ -13,12 +13,14 @@ from __future__ import annotations
 
 import getpass
 from collections.abc import Iterable
+from pathlib import Path
 
 import h5py
 import numpy as np
 
 from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.lammps_output.dumps import Frame
+from granwave.analysis.lammps_output.number_rows import AGAIN
 
 GROUP = "particles/spheres"
 COMPRESSION = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
@@ -51,6 +53,7 @@ def write_trajectory(
     frames: Iterable[Frame],
     timestep: float,
     periodic: tuple[bool, bool, bool],
+    source: Path,
     *,
     friction: bool = False,
 ) -> Frame:
@@ -66,6 +69,8 @@ def write_trajectory(
         s.
     periodic
         Along x, y, z.
+    source
+        File of the snapshots, for messages.
     friction
         Write ``friction_energy`` too.
 
@@ -98,8 +103,8 @@ def write_trajectory(
     for number, frame in enumerate(frames):
         if not np.array_equal(frame["id"], start["id"]):
             raise OutputFormatError(
-                f"snapshot {number} (step {frame.step}) holds {len(frame)} spheres that are not the "
-                f"{n_spheres} of data.granwave: spheres were lost, or the files belong to different runs"
+                f"{source}: snapshot {number} (step {frame.step}) holds {len(frame)} spheres that are not "
+                f"the {n_spheres} of data.granwave: spheres were lost, or the files belong to different runs; {AGAIN}"
             )
         values = {"position": origin + frame.displacement, "displacement": frame.displacement}
         values["velocity"] = frame.velocity

@@ -9,8 +9,14 @@ times seconds, whatever MDAnalysis calls them.
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import ClassVar
+
+if sys.flags.optimize > 1:
+    raise ImportError(
+        "granwave.analysis.universe: MDAnalysis needs docstrings, which python -OO (PYTHONOPTIMIZE=2) drops; use -O"
+    )
 
 import h5py
 import MDAnalysis

@@ -29,28 +29,33 @@ import numpy as np
 from numpy.typing import NDArray
 
 import granwave
-from granwave.analysis.errors import MissingOutputError
+from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.lammps_output.dumps import (
     WALL_COLUMNS,
     Frame,
+    check_ids,
     read_contacts,
     read_data,
     read_frames,
     read_wall_contacts,
 )
+from granwave.analysis.lammps_output.number_rows import AGAIN, CUT
 from granwave.analysis.lammps_output.time_series import Table, read_energy, read_prestage, read_probes, read_walls
 from granwave.analysis.result.chain import Groups, read_chain
 from granwave.analysis.result.contacts import Contacts, list_contacts, merge_dents, sphere_values, touching_pairs
+from granwave.analysis.result.hdf5_file import new_hdf5
 from granwave.analysis.result.pair_laws import PairLaws, dissipated_share, pair_laws
 from granwave.analysis.result.trajectory import COMPRESSION, write_metadata, write_trajectory
 from granwave.lammps_inputs.case.case import Case, load_case
 from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.files import replacing
+from granwave.lammps_inputs.files import read_json
 from granwave.lammps_inputs.packing.assembly import gap_tolerance
 from granwave.lammps_inputs.packing.walls import walls
+from granwave.lammps_inputs.run_directory import CASE_FILE, RECORD_FILE, RESULT_FILE, claim
+from granwave.lammps_inputs.run_state import check_case
 
-RESULT_FILE, RECORD_FILE = "result.h5", "run.json"
 BALANCE_REFUSED = "energy balance refused"  # end_reason of a run whose energies do not add up
+_RECORDED = {"n_steps": int, "wall_time_s": int | float, "versions": dict}  # what is taken from run.json
 _COMPRESSED_FROM = 4096  # values; smaller data sets are kept plain
 
 _UNITS = {
@@ -121,20 +126,33 @@ def write_result(directory: str | Path) -> Path:
         The run did not leave a file that is needed.
     OutputFormatError
         A file is damaged.
+    InputError
+        There is a result.h5 that granwave did not write, or case.toml was changed after the run.
     """
     directory = Path(directory)
     path = directory / RESULT_FILE
-    for left in directory.glob(f".{RESULT_FILE}.*"):
-        left.unlink(missing_ok=True)  # of an analysis that was killed
-    with replacing(path) as scratch, h5py.File(scratch, "w", libver="v110") as file:
+    check_case(directory)
+    claim(directory, [RESULT_FILE])
+    with new_hdf5(path, libver="v110") as file:
         _write(file, directory)
     return path
 
 
 def read_record(directory: str | Path) -> dict[str, Any]:
-    """What the driver noted of the run (``run.json``); empty when there is nothing."""
+    """What the driver noted of the run (``run.json``); empty when there is nothing.
+
+    Raises
+    ------
+    OutputFormatError
+        It is damaged.
+    """
     path = Path(directory) / RECORD_FILE
-    return json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
+    if not path.exists():
+        return {}
+    record = read_json(path)
+    if record is None or any(not isinstance(record[name], kind) for name, kind in _RECORDED.items() if name in record):
+        raise OutputFormatError(f"{path} cannot be read: delete it, or {AGAIN}")
+    return record
 
 
 def _write(file: h5py.File, directory: Path) -> None:
@@ -153,12 +171,19 @@ def _write(file: h5py.File, directory: Path) -> None:
     write_metadata(file, versions["granwave"])
 
     timestep = _timestep(text, ledger)
-    frames = (frame.up_to(last) for frame in read_frames(directory))
-    write_trajectory(file, start, frames, timestep, _periodic(case), friction=case.rubs)
-    if _resolved(text).get("history_every"):
-        for name, columns in read_chain(directory, case, everything, timestep).items():
+    path = directory / "dumps" / "spheres.dump"
+    frames = (frame.up_to(last) for frame in read_frames(directory, partial=False))
+    end = write_trajectory(file, start, frames, timestep, _periodic(case), path, friction=case.rubs).step
+    n_steps = int(ledger["step"][-1])
+    if end < n_steps:  # the end of a run is always a snapshot
+        raise OutputFormatError(f"{path} ends with the snapshot of step {end}, the run at step {n_steps}: {CUT}")
+    if every := _resolved(text).get("history_every"):
+        for name, columns in read_chain(directory, case, everything, timestep, n_steps - n_steps % every).items():
             write_group(file, name, columns)
-    _write_contacts(file, case, start, dents, read_wall_contacts(directory))
+    planes = read_wall_contacts(directory)
+    for dump, frame in {"contacts": dents, **{f"wall_{name}": frame for name, frame in planes.items()}}.items():
+        check_ids(directory / "dumps" / f"{dump}.dump", frame, everything)
+    _write_contacts(file, case, start, dents, planes)
     write_group(file, "energy", ledger)
     if prestage := read_prestage(directory):
         write_group(file, "prestage", prestage)
@@ -169,7 +194,7 @@ def _write(file: h5py.File, directory: Path) -> None:
 
 
 def _read_case(directory: Path) -> tuple[str, Case]:
-    path = directory / "case.toml"
+    path = directory / CASE_FILE
     if not path.exists():
         raise MissingOutputError(f"{path} is missing: {directory} is not the directory of a run")
     return path.read_text(encoding="utf-8"), load_case(path)

@@ -6,7 +6,7 @@ import dataclasses
 import math
 import re
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import matplotlib as mpl
@@ -19,6 +19,7 @@ from matplotlib.ticker import NullLocator
 from numpy.typing import ArrayLike, NDArray
 
 from granwave.analysis.figures.style import BLANK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, WIDTH, Drawing, new_figure
+from granwave.analysis.measures.zone_marks import Mark
 from granwave.analysis.scans.axes import (
     AXIS,
     CHARACTER,
@@ -30,6 +31,7 @@ from granwave.analysis.scans.axes import (
     scale_values,
 )
 from granwave.analysis.scans.keys import Key, shown
+from granwave.analysis.scans.marks import draw_marks, marked_fill, marked_marker, marks_of
 
 YELLOW = "#E69F00"
 _COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY, YELLOW, GREY, "black")
@@ -60,6 +62,8 @@ class Series:
     x, mean, deviation, half_width, count
         By abscissa: (n,). The deviation of the values, and half the width of the 95 % confidence interval of their
         mean, are NaN where there is one value only.
+    marks
+        `Mark` of each point, where what is drawn is of a plastic zone: (n,); None elsewhere.
     """
 
     label: str
@@ -69,6 +73,7 @@ class Series:
     deviation: NDArray[np.float64]
     half_width: NDArray[np.float64]
     count: NDArray[np.int64]
+    marks: NDArray[np.int64] | None = None
 
 
 def draw_curves(
@@ -83,6 +88,8 @@ def draw_curves(
     chosen: bool = True,
 ) -> Drawing:
     """Curves with markers; a legend above them, or a colour scale when they are many.
+
+    Points of plastic zones that reach a bound are open, half open where a wave came back from one.
 
     Parameters
     ----------
@@ -102,7 +109,7 @@ def draw_curves(
     labels = [", ".join(key.text(curve.row) for key in rest) for curve in series]
     kinds = list(dict.fromkeys(labels))
     entries = _wrapped(kinds) if len(kinds) <= len(_COLOURS) * len(_LINES) and kinds != [""] else []
-    figure = new_figure(_HEIGHT + _legend_height(entries))
+    figure = new_figure(_HEIGHT + _legend_height([*entries, *marks_of([curve.marks for curve in series]).values()]))
     axes = figure.subplots()
     norm = _norm(along, series) if along else None
     for curve, label in zip(series, labels, strict=True):
@@ -126,6 +133,7 @@ def draw_curves(
             capsize=2,
             elinewidth=0.8,
         )
+        draw_marks(axes, curve.x, curve.mean, curve.marks, _MARKERS[n], _marker_size(kind, len(kinds)), colour)
     room = AXIS - (_BAR if along is not None else 0.0)
     scale_abscissae(axes, np.concatenate([curve.x for curve in series]), room, chosen=chosen)
     scale_values(axes, np.concatenate([c.mean for c in series]), np.concatenate([c.half_width for c in series]))
@@ -133,7 +141,7 @@ def draw_curves(
     axes.set_ylabel(y_title)
     if along is not None and norm is not None:
         _colour_scale(figure, axes, norm, along)
-    _legend(figure, entries, coloured=along is None, joined=joined)
+    _legend(figure, entries, coloured=along is None, joined=joined, marks=marks_of([curve.marks for curve in series]))
     return Drawing(figure, _columns(series, others, columns, np.concatenate([curve.x for curve in series]) * scale))
 
 
@@ -142,11 +150,13 @@ def draw_bars(
 ) -> Drawing:
     """Bars by category (the abscissa of `Series` counts them), side by side for each series; points on a log axis.
 
-    They lie where the categories have long names.
+    They lie where the categories have long names. Bars of plastic zones that reach a bound are open, pale where a wave
+    came back from one.
     """
     entries = _wrapped([curve.label for curve in series]) if others else []
     lying = max(map(len, ticks)) > _LONG and not fit(ticks, AXIS / len(ticks))
-    height = _legend_height(entries)
+    marks = marks_of([curve.marks for curve in series])
+    height = _legend_height([*entries, *marks.values()])
     figure = _figure_of_lying_bars(ticks, len(series), height) if lying else _figure_of_bars(ticks, height)
     axes = figure.axes[0]
     logarithmic = is_wide(np.concatenate([curve.mean for curve in series]))
@@ -158,10 +168,12 @@ def draw_bars(
     if logarithmic:
         (axes.set_xscale if lying else axes.set_yscale)("log")
         log_ticks(across, 0.6 * AXIS if lying else None)
-        _legend(figure, entries, coloured=True, joined=False)
+        _legend(figure, entries, coloured=True, joined=False, marks=marks)
     else:
         (axes.set_xmargin if lying else axes.set_ymargin)(0.08)
-        _place_legend(figure, [mpl.patches.Patch(**_fill(m)) for m in range(len(entries))], entries)
+        patches = [mpl.patches.Patch(**_fill(m)) for m in range(len(entries))]
+        patches += [mpl.patches.Patch(**marked_fill(mark, "black")) for mark in marks]
+        _place_legend(figure, patches, [*entries, *marks.values()])
     names = np.concatenate([[ticks[int(place)] for place in curve.x] for curve in series])
     return Drawing(figure, _columns(series, others, columns, names))
 
@@ -258,8 +270,12 @@ def _draw_bars_of(axes: Axes, curve: Series, m: int, n_series: int, *, lying: bo
         x, y = (curve.mean, place) if lying else (place, curve.mean)
         marker = _MARKERS[m % len(_MARKERS)]
         axes.errorbar(x, y, color=_COLOURS[m % len(_COLOURS)], marker=marker, markersize=5, ls="none", **errors)
+        draw_marks(axes, x, y, curve.marks, marker, 5, _COLOURS[m % len(_COLOURS)])
     else:
-        (axes.barh if lying else axes.bar)(place, curve.mean, 0.92 * width, ecolor="black", **_fill(m), **errors)
+        bars = (axes.barh if lying else axes.bar)(place, curve.mean, 0.92 * width, ecolor="black", **_fill(m), **errors)
+        for bar, mark in zip(bars, [] if curve.marks is None else curve.marks, strict=curve.marks is not None):
+            if mark:
+                bar.set(**marked_fill(Mark(mark), _COLOURS[m % len(_COLOURS)]))
 
 
 def _fill(m: int) -> dict[str, Any]:
@@ -280,6 +296,9 @@ def _columns(series: Sequence[Series], others: Sequence[Key], columns: Titles, x
         table["standard_deviation"] = np.concatenate([curve.deviation for curve in series])
         table["confidence_95"] = np.concatenate([curve.half_width for curve in series])
         table["n"] = np.concatenate([curve.count for curve in series])
+    for mark, label in marks_of([curve.marks for curve in series]).items():
+        marked = [np.zeros(len(curve.x)) if curve.marks is None else curve.marks == mark for curve in series]
+        table[label.replace(" ", "_")] = np.concatenate(marked).astype(int)
     return table
 
 
@@ -342,7 +361,7 @@ def _legend_height(labels: Sequence[str]) -> float:
     return _LINE * (lines + sum(label.count("\n") for label in labels))
 
 
-def _legend(figure: Figure, labels: Sequence[str], *, coloured: bool, joined: bool) -> None:
+def _legend(figure: Figure, labels: Sequence[str], *, coloured: bool, joined: bool, marks: Mapping[Mark, str]) -> None:
     handles = []
     for kind in range(len(labels)):
         n, turn = kind % len(_COLOURS), kind // len(_COLOURS)
@@ -352,7 +371,8 @@ def _legend(figure: Figure, labels: Sequence[str], *, coloured: bool, joined: bo
         handle = mpl.lines.Line2D([], [], color=colour, marker=_MARKERS[n], markersize=size, markeredgecolor="white")
         handle.set(linestyle=line if joined else "none", markeredgewidth=0.3)
         handles.append(handle)
-    _place_legend(figure, handles, labels)
+    handles += [mpl.lines.Line2D([], [], **marked_marker(mark, "o", 4.5, "black")) for mark in marks]
+    _place_legend(figure, handles, [*labels, *marks.values()])
 
 
 def _place_legend(figure: Figure, handles: list, labels: Sequence[str]) -> None:

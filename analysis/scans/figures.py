@@ -6,42 +6,30 @@ confidence interval as error bar. A quantity that is 0 in all of them, as dissip
 
 from __future__ import annotations
 
-import dataclasses
 import math
-from collections.abc import Callable, Iterable, Sequence
+import re
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from granwave.analysis.figures.run_figures import FIGURES_DIRECTORY
-from granwave.analysis.figures.style import SUFFIXES, Drawing, save, style
+from granwave.analysis.figures.style import Drawing, FigureFolder, style
+from granwave.analysis.measures.zone_marks import Mark, mark_of
 from granwave.analysis.scans.drawing import Series, draw_bars, draw_curves, draw_map
 from granwave.analysis.scans.keys import Key, key_of
+from granwave.analysis.scans.quantities import Quantity, Value, plastic_spheres, quantities, value_of
 from granwave.analysis.scans.result import SEED, PointResult, ScanResult
 from granwave.analysis.scans.table import determines, independent_keys
 from granwave.analysis.statistics import estimate
-from granwave.lammps_inputs.case.case import load_case
-from granwave.lammps_inputs.contact.law import sphere_contact
-from granwave.lammps_inputs.errors import InputError
 
-_UNITS_OF_ITS_OWN = ("load.", "run.", "boundary.", "output.", SEED, "packing.size", "packing.kind")
 _TIMES = ("run.", "output.")  # of no physical meaning beside a key that they vary with
 _FEWEST = 2  # points in a figure
 _MOST_SINGLE = 8  # points that are shown though no two belong to a curve
 _NOTHING = 1e-12  # what is shown is about 1 or more, unless it is nothing but rounding
 
-Value = Callable[[PointResult], float]
-
-
-@dataclasses.dataclass(frozen=True)
-class Quantity:
-    """Something that is plotted: the start of the figure's name, a title for the axis, a column, a value by point."""
-
-    name: str
-    title: str
-    column: str
-    value: Value
+Marks = Mapping[int, Mark]
+_OF_A_SCAN = re.compile(r".+_vs_.+|collapse_.+|.+_map")  # names of figures, as below
 
 
 def draw_scan_figures(scan: str | Path | ScanResult, *, pdf: bool = True) -> list[Path]:
@@ -72,20 +60,13 @@ def draw_scan_figures(scan: str | Path | ScanResult, *, pdf: bool = True) -> lis
         Its index is damaged.
     """
     result = scan if isinstance(scan, ScanResult) else ScanResult(scan)
-    folder = result.directory / FIGURES_DIRECTORY
-    written = []
+    folder = FigureFolder(result.directory)
     with style():
         found = drawings(result)
-        if found:
-            folder.mkdir(exist_ok=True)
         for name, drawing in found.items():
-            save(drawing, folder / name, pdf=pdf)
-            written.append(folder / f"{name}.png")
-    kept = set(found)
-    for path in [*folder.glob("*_vs_*"), *folder.glob("collapse_*"), *folder.glob("*_map.*")]:
-        if path.suffix in SUFFIXES and path.stem not in kept:
-            path.unlink(missing_ok=True)
-    return written
+            folder.save(drawing, name, pdf=pdf)
+    folder.remove(*(name for name in folder.names() if _OF_A_SCAN.fullmatch(name) and name not in found))
+    return folder.written
 
 
 def drawings(result: ScanResult) -> dict[str, Drawing]:
@@ -97,131 +78,29 @@ def drawings(result: ScanResult) -> dict[str, Drawing]:
     if len(rows) < _FEWEST or not free:
         return {}
     keys = {name: key_of(name, labels[name]) for name in labels}
-    units = _Units(result.varied)
     done = [points[row] for row in rows]
-    quantities = [one for one in _quantities(units, done) if any(abs(one.value(point)) > _NOTHING for point in done)]
+    marks = {row: mark_of(points[row].summary) for row in rows}
+    shown = [one for one in quantities(result.varied, done) if any(abs(one.value(point)) > _NOTHING for point in done)]
     found: dict[str, Drawing | None] = {}
     for name in _abscissae(keys, free):
         x = keys[name]
         others = _others(keys, free, name)
-        for quantity in quantities:
+        for quantity in shown:
             values = _values(points, rows, quantity.value)
-            series = _series(rows, dict(enumerate(x.values)), values, others)
+            series = _series(rows, dict(enumerate(x.values)), values, others, marks if quantity.zone else None)
             joined = all(_is_one_line(curve, x, keys.values()) for curve in _curve_rows(rows, others))
             found[f"{quantity.name}_vs_{x.slug}"] = _curves(series, x, others, quantity, joined=joined)
     if not any(keys[name].numeric for name in free):
         x, others = keys[free[0]], [keys[name] for name in free[1:]]
-        for quantity in quantities:
+        for quantity in shown:
             values = _values(points, rows, quantity.value)
-            found[f"{quantity.name}_vs_{x.slug}"] = _bars(rows, x, others, values, quantity)
+            found[f"{quantity.name}_vs_{x.slug}"] = _bars(rows, x, others, values, quantity, marks)
     if "load.velocity" in free and any(name.split(".")[0] == "material" for name in free):
-        found |= _collapses(points, rows, _others(keys, free, "load.velocity"))
-    fraction = next((quantity for quantity in quantities if quantity.name == "dissipated_fraction"), None)
+        found |= _collapses(points, rows, _others(keys, free, "load.velocity"), marks)
+    fraction = next((quantity for quantity in shown if quantity.name == "dissipated_fraction"), None)
     if fraction and len(free) == 2 and all(keys[name].numeric for name in free):
         found["dissipated_fraction_map"] = _map(points, rows, keys[free[0]], keys[free[1]], fraction)
     return {name: drawing for name, drawing in found.items() if drawing is not None}
-
-
-def _quantities(units: _Units, done: Sequence[PointResult]) -> list[Quantity]:
-    force_units = [units.force(point) for point in done]
-    if all(map(math.isfinite, force_units)):
-        force = Quantity(
-            "peak_force",
-            r"Peak force $F_\mathrm{max}/F_\mathrm{y}$",
-            "peak_force_over_yield_force",
-            lambda point: _number(point, "peak_force_N") / units.force(point),
-        )
-    else:
-        force = Quantity("peak_force", r"Peak force $F_\mathrm{max}$ (N)", "peak_force_N", _summary("peak_force_N"))
-    if all(math.isfinite(units.length(point)) for point in done):
-        depth = Quantity(
-            "plastic_zone_depth",
-            r"Plastic zone depth $z_\mathrm{p}/D$",
-            "plastic_zone_depth_over_diameter",
-            lambda point: _number(point, "plastic_zone_depth_m") / units.length(point),
-        )
-    else:
-        depth = Quantity(
-            "plastic_zone_depth",
-            r"Plastic zone depth $z_\mathrm{p}$ (mm)",
-            "plastic_zone_depth_mm",
-            lambda point: 1e3 * _number(point, "plastic_zone_depth_m"),
-        )
-    zone = Quantity(  # of a continuum run
-        "plastic_zone_volume",
-        r"Plastic zone $V_\mathrm{p}$ (mm³)",
-        "plastic_zone_volume_mm3",
-        lambda point: 1e9 * _number(point, "plastic_zone_volume_m3"),
-    )
-    rebound = Quantity("restitution", r"Coefficient of restitution $e$", "restitution", _summary("restitution"))
-    return [
-        *([rebound] if all(math.isfinite(rebound.value(point)) for point in done) else []),
-        Quantity(
-            "dissipated_fraction",
-            r"Dissipated fraction $E_\mathrm{d}/E_0$",
-            "dissipated_fraction",
-            _summary("dissipated_fraction"),
-        ),
-        depth,
-        *([zone] if any(math.isfinite(_number(point, "plastic_zone_volume_ever_m3")) for point in done) else []),
-        Quantity("plastic_spheres", r"Plastic spheres $N_\mathrm{p}$", "n_plastic_spheres", _plastic_spheres),
-        force,
-        # of the static contact of two spheres
-        Quantity("max_force", r"Force at the largest overlap (N)", "max_force_N", _summary("max_force_N")),
-        Quantity(
-            "force_deviation",
-            "Force less the law (%, rms)",
-            "force_deviation_rms_percent",
-            _summary("force_deviation_rms_percent"),
-        ),
-        Quantity("wave_speed", r"Wave speed $c$ (m/s)", "wave_speed_m_s", _summary("wave_speed_m_s")),
-    ]
-
-
-class _Units:
-    """Yield force and diameter of the points, read from one case of all that share them."""
-
-    def __init__(self, varied: Sequence[str]) -> None:
-        self._keys = [key for key in varied if not key.startswith(_UNITS_OF_ITS_OWN)]
-        self._known: dict[tuple[Any, ...], tuple[float, float]] = {}
-
-    def force(self, point: PointResult) -> float:
-        """F_y, N; NaN where there is none."""
-        return self._of(point)[0]
-
-    def length(self, point: PointResult) -> float:
-        """D, m; NaN where there is none."""
-        return self._of(point)[1]
-
-    def _of(self, point: PointResult) -> tuple[float, float]:
-        labels = tuple(point.labels.get(key) for key in self._keys)
-        if labels not in self._known:
-            self._known[labels] = self._read(point)
-        return self._known[labels]
-
-    @staticmethod
-    def _read(point: PointResult) -> tuple[float, float]:
-        try:
-            case = load_case((point.directory or Path()) / "case.toml")
-        except (InputError, OSError):
-            return math.nan, math.nan
-        force = sphere_contact(case).yield_force if case.contact.yields else math.nan
-        return force, case.packing.diameter
-
-
-def _number(point: PointResult, name: str) -> float:
-    value = point.summary.get(name)
-    return float(value) if isinstance(value, int | float) and not isinstance(value, bool) else math.nan
-
-
-def _summary(name: str) -> Value:
-    return lambda point: _number(point, name)
-
-
-def _plastic_spheres(point: PointResult) -> float:
-    """NaN for a law that does not yield."""
-    yields = point.summary.get("plastic_zone_volume_m3") is not None
-    return _number(point, "n_plastic_spheres") if yields else math.nan
 
 
 def _values(points: Sequence[PointResult], rows: Sequence[int], value: Value) -> dict[int, float]:
@@ -285,16 +164,24 @@ def _is_one_line(rows: Sequence[int], x: Key, keys: Iterable[Key]) -> bool:
     return True
 
 
-def _series(rows: Sequence[int], x: dict[int, float], y: dict[int, float], others: Sequence[Key]) -> list[Series]:
-    """Points by curve: those of equal labels of ``others``; points of one abscissa become their mean."""
+def _series(
+    rows: Sequence[int], x: dict[int, float], y: dict[int, float], others: Sequence[Key], marks: Marks | None = None
+) -> list[Series]:
+    """Points by curve: those of equal labels of ``others``; points of one abscissa become their mean.
+
+    Parameters
+    ----------
+    marks
+        Of plastic zones, by row; a mean has the gravest of its points.
+    """
     curves = _curve_rows([row for row in rows if row in y and row in x], others)
     series = []
     for members in sorted(curves, key=lambda members: [_order(key, members[0]) for key in others]):
-        places: dict[float, list[float]] = {}
+        places: dict[float, list[int]] = {}
         for row in members:
-            places.setdefault(float(f"{x[row]:.12g}"), []).append(y[row])
+            places.setdefault(float(f"{x[row]:.12g}"), []).append(row)
         at = sorted(places)
-        found = [estimate(places[place]) for place in at]
+        found = [estimate([y[row] for row in places[place]]) for place in at]
         label = ", ".join(key.text(members[0]) for key in others)
         series.append(
             Series(
@@ -305,6 +192,7 @@ def _series(rows: Sequence[int], x: dict[int, float], y: dict[int, float], other
                 deviation=np.array([one.deviation for one in found]),
                 half_width=np.array([one.half_width for one in found]),
                 count=np.array([one.n for one in found]),
+                marks=None if marks is None else np.array([max(marks[row] for row in places[place]) for place in at]),
             )
         )
     return series
@@ -330,22 +218,25 @@ def _curves(series: list[Series], x: Key, others: Sequence[Key], quantity: Quant
 
 
 def _bars(
-    rows: Sequence[int], x: Key, others: Sequence[Key], values: dict[int, float], quantity: Quantity
+    rows: Sequence[int], x: Key, others: Sequence[Key], values: dict[int, float], quantity: Quantity, marks: Marks
 ) -> Drawing | None:
     categories = list(dict.fromkeys(x.values))
-    series = _series(rows, {row: float(categories.index(x.values[row])) for row in rows}, values, others)
+    places = {row: float(categories.index(x.values[row])) for row in rows}
+    series = _series(rows, places, values, others, marks if quantity.zone else None)
     if not _enough(series):
         return None
     ticks = [x.tick(x.values.index(category)) for category in categories]
     return draw_bars(series, ticks, x.title, quantity.title, others, (x.column, quantity.column))
 
 
-def _collapses(points: Sequence[PointResult], rows: Sequence[int], others: Sequence[Key]) -> dict[str, Drawing | None]:
+def _collapses(
+    points: Sequence[PointResult], rows: Sequence[int], others: Sequence[Key], marks: Marks
+) -> dict[str, Drawing | None]:
     """Materials fall together on one curve (thesis 5.3)."""
-    velocity = _values(points, rows, _summary("velocity_normalised"))
-    energy = _values(points, rows, _summary("energy_input_normalised"))
-    dissipated = _values(points, rows, _summary("dissipated_fraction"))
-    plastic = _values(points, rows, _plastic_spheres)
+    velocity = _values(points, rows, value_of("velocity_normalised"))
+    energy = _values(points, rows, value_of("energy_input_normalised"))
+    dissipated = _values(points, rows, value_of("dissipated_fraction"))
+    plastic = _values(points, rows, plastic_spheres)
     drawings: dict[str, Drawing | None] = {}
     for name, x, y, titles, columns in (
         (
@@ -366,7 +257,7 @@ def _collapses(points: Sequence[PointResult], rows: Sequence[int], others: Seque
             ("energy_input_normalised", "plastic_volume_in_spheres"),
         ),
     ):
-        series = _series(rows, x, y, others)
+        series = _series(rows, x, y, others, marks if y is plastic else None)
         if _enough(series):
             drawings[name] = draw_curves(series, *titles, others, columns, joined=False, chosen=False)
     return drawings

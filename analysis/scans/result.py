@@ -14,12 +14,10 @@ from typing import Any, Literal
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.formatting.units import unit_of
-from granwave.analysis.summary import SUMMARY_FILE
 from granwave.lammps_inputs.files import read_json
+from granwave.lammps_inputs.run_directory import POINT_FILE, POINTS, SCAN_INDEX, SUMMARY_FILE, UNFINISHED
+from granwave.lammps_inputs.run_state import read_summary
 
-SCAN_FILE, SCAN_INDEX, POINT_FILE = "scan.toml", "scan.json", "point.json"
-SUITE_INDEX = "suite.json"  # of a directory that holds the directories of several scans
-POINTS, UNFINISHED = "points", "unfinished"
 SEED = "packing.seed"  # points that differ in it alone are replicates of one
 
 Scalar = bool | int | float | str
@@ -39,7 +37,7 @@ class PointResult:
     labels
         Values of the keys that vary, by dotted key; lists and tables as text.
     status, reason
-        Why it failed, empty otherwise.
+        Why it failed, or what is damaged; empty otherwise.
     directory
         Of its run, or None when it was never begun.
     summary
@@ -80,7 +78,7 @@ class ScanResult:
             self.name: str = index["name"]
             self.case_name: str = index["case"]
             self.varied: tuple[str, ...] = tuple(index["varied"])
-            self._points: list[dict[str, Any]] = index["points"]
+            self._points: list[dict[str, Any]] = [_checked(point) for point in index["points"]]
         except FileNotFoundError:
             raise MissingOutputError(f"{path} is missing: expected the directory of a scan") from None
         except (OSError, ValueError, KeyError, TypeError) as error:
@@ -104,16 +102,19 @@ class ScanResult:
         summary = self._summary(name, finished)
         directory = finished if summary else unfinished if unfinished.is_dir() else None
         noted = read_point(directory) if directory else {}
+        reason = ""
         if summary:
             status = "done"
         elif noted.get("state") == "failed":
-            status = "failed"
+            status, reason = "failed", noted.get("reason") or ""
+        elif finished.is_dir():
+            reason = f"its {SUMMARY_FILE} is {'damaged' if (finished / SUMMARY_FILE).exists() else 'missing'}"
         return PointResult(
             number=entry["number"],
             id=name,
             labels=entry["labels"],
             status=status,
-            reason=noted.get("reason") or "" if status == "failed" else "",
+            reason=reason,
             attempts=noted.get("attempts", 0),
             directory=directory,
             summary=summary,
@@ -121,11 +122,19 @@ class ScanResult:
 
     def _summary(self, name: str, directory: Path) -> dict[str, Any]:
         if name not in self._summaries:
-            summary = read_json(directory / SUMMARY_FILE)
-            if summary is None:
+            summary = read_summary(directory)
+            if not summary:
                 return {}
             self._summaries[name] = summary
         return self._summaries[name]
+
+
+def _checked(entry: dict[str, Any]) -> dict[str, Any]:
+    """A point of the index; raises KeyError, TypeError or ValueError where it lacks what it needs."""
+    number, name, labels = entry["number"], entry["id"], entry["labels"]
+    if not isinstance(number, int) or not isinstance(name, str) or not isinstance(labels, dict):
+        raise ValueError(f"a point has no number, id or labels: {entry}")
+    return entry
 
 
 def is_scan(directory: str | Path) -> bool:

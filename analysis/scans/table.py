@@ -21,15 +21,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.formatting.units import unit_of
+from granwave.analysis.measures.zone_marks import bounds_in_words
+from granwave.analysis.result.hdf5_file import new_hdf5
 from granwave.analysis.scans.result import SEED, PointResult, ScanResult
 from granwave.analysis.statistics import estimate
 from granwave.lammps_inputs.files import replacing
+from granwave.lammps_inputs.run_directory import SCAN_DATA, SCAN_MEANS, SCAN_TABLE, claim, clear
 
 if TYPE_CHECKING:
     import pandas
     import xarray
 
-SCAN_TABLE, SCAN_MEANS, SCAN_DATA = "scan.csv", "scan_mean.csv", "scan.h5"
 MEAN_GROUP = "mean"
 MEAN, DEVIATION, CONFIDENCE, COUNT = ".mean", ".std", ".ci95", "n"
 
@@ -60,8 +62,8 @@ def scan_table(result: ScanResult) -> Columns:
     -------
     dict
         The keys that vary; ``status``, ``reason``, ``directory`` (relative to the scan's; empty if there is none),
-        ``attempts``; every value of the summaries, in their order and SI, the versions as ``versions.NAME``. A summary
-        value whose name is taken is called ``summary.NAME``.
+        ``attempts``; every value of the summaries, in their order and SI, the versions as ``versions.NAME``, lists in
+        words, ``none`` where they are empty. A summary value whose name is taken is called ``summary.NAME``.
     """
     points = result.points
     table: Columns = {key: [point.labels.get(key) for point in points] for key in result.varied}
@@ -126,15 +128,18 @@ def write_scan_table(scan: str | Path | ScanResult) -> Path:
         There is no scan in the directory.
     OutputFormatError
         Its index is damaged.
+    InputError
+        A file of such a name is there, and granwave did not write it.
     """
     result = scan if isinstance(scan, ScanResult) else ScanResult(scan)
     table, means = scan_table(result), scan_statistics(result)
+    claim(result.directory, [SCAN_TABLE, SCAN_DATA, *([SCAN_MEANS] if means else [])])
     _write_csv(table, result.directory / SCAN_TABLE)
     if means:
         _write_csv(means, result.directory / SCAN_MEANS)
     else:
-        (result.directory / SCAN_MEANS).unlink(missing_ok=True)
-    with replacing(result.directory / SCAN_DATA) as scratch, h5py.File(scratch, "w") as file:
+        clear(result.directory, [SCAN_MEANS])
+    with new_hdf5(result.directory / SCAN_DATA) as file:
         file.attrs["name"], file.attrs["case"] = result.name, result.case_name
         _write_group(file, table)
         if means:
@@ -323,7 +328,7 @@ def _flat(summary: Mapping[str, Any]) -> dict[str, Any]:
         if isinstance(value, Mapping):
             flat |= {f"{name}.{part}": inner for part, inner in value.items()}
         else:
-            flat[name] = value
+            flat[name] = bounds_in_words(value) if isinstance(value, list) else value
     return flat
 
 

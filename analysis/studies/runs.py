@@ -11,8 +11,8 @@ from typing import Any, Self
 
 from granwave.analysis.result.writer import BALANCE_REFUSED
 from granwave.lammps_inputs.case.case import Case, load_case
-from granwave.lammps_inputs.deck.deck import CASE_FILE
 from granwave.lammps_inputs.errors import GranwaveError
+from granwave.lammps_inputs.run_directory import CASE_FILE
 
 _NOT_OF_THE_CASE = ("name", "run", "output", "sensor")  # tables: how long and how finely it was followed
 

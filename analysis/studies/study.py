@@ -88,15 +88,13 @@ class Study:
     verdict: tuple[str, ...] = ()
 
 
-def draw_studies(found: Sequence[Study], folder: Path) -> list[Path]:
-    """Save all figures of studies with their data; returns the PNG files."""
-    from granwave.analysis.figures.style import save, style  # the drawing library takes a second to load
+def draw_studies(found: Sequence[Study], directory: Path) -> list[Path]:
+    """Save all figures of studies with their data into ``directory/figures``; returns the PNG files."""
+    from granwave.analysis.figures.style import FigureFolder, style  # the drawing library takes a second to load
 
-    written = []
+    folder = FigureFolder(directory)
     with style():
         for study in found:
             for picture in study.pictures:
-                folder.mkdir(exist_ok=True)
-                save(picture.drawing, folder / picture.name)
-                written.append(folder / f"{picture.name}.png")
-    return written
+                folder.save(picture.drawing, picture.name)
+    return folder.written

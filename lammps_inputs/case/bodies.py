@@ -13,13 +13,13 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any, TypeVar
 
 from granwave.lammps_inputs.case.material import Material, read_material
 from granwave.lammps_inputs.case.schema import (
     Faults,
     Unfit,
+    count,
     custom,
     number,
     parse_point,
@@ -28,10 +28,12 @@ from granwave.lammps_inputs.case.schema import (
     show,
     whole,
 )
+from granwave.lammps_inputs.case.si_values import AREA, DIAMETER, LENGTH, VELOCITY, Usual
 
 Entry = TypeVar("Entry")
 
 _INDEX_FORM = "an id from 1 up, a list of ids, or {first = 8, last = 17}"
+_MOST_IDS = 10_000_000  # in one list
 _VECTOR_FORM = "[x, y, z] in m/s"
 _SPIN_FORM = "[x, y, z] in rad/s"
 _POINT_FORM = "[x, y, z] in m"
@@ -44,6 +46,8 @@ def _parse_index(value: Any) -> tuple[int, ...]:
         first, last = (whole(value[name], _INDEX_FORM) for name in ("first", "last"))
         if last < first:
             raise Unfit(f"{_INDEX_FORM}, the last not before the first")
+        if last - first >= _MOST_IDS:
+            raise Unfit(f"at most {_MOST_IDS} ids; take a box from low to high for more")
         return tuple(range(first, last + 1))
     ids = tuple(whole(one, _INDEX_FORM) for one in (value if isinstance(value, list | tuple) else [value]))
     if not ids:
@@ -68,7 +72,7 @@ class Replace:
         "opposite corner", lambda value: parse_point(value, _POINT_FORM), unit="m", default=None
     )
     share: float | None = number("of the spheres, chosen at random", above=0, at_most=1, default=None)
-    diameter: float | None = number("of these spheres", unit="m", above=0, default=None)
+    diameter: float | None = number("of these spheres", unit="m", above=0, default=None, usual=DIAMETER)
     material: Material | None = None
 
 
@@ -78,15 +82,22 @@ class Striker:
 
     touches: tuple[int, ...] = custom("ids of the spheres that it touches", _parse_index)
     velocity: tuple[float, float, float] = custom(
-        "of the striker", lambda value: parse_point(value, _VECTOR_FORM), unit="m/s", default=(0.0, 0.0, 0.0)
+        "of the striker",
+        lambda value: parse_point(value, _VECTOR_FORM),
+        unit="m/s",
+        default=(0.0, 0.0, 0.0),
+        usual=VELOCITY,
     )
     spin: tuple[float, float, float] = custom(
         "angular velocity of the striker",
         lambda value: parse_point(value, _SPIN_FORM),
         unit="rad/s",
         default=(0.0, 0.0, 0.0),
+        usual=Usual(1e-6, 1e6),
     )
-    diameter: float | None = number("of the striker; that of the packing by default", unit="m", above=0, default=None)
+    diameter: float | None = number(
+        "of the striker; that of the packing by default", unit="m", above=0, default=None, usual=DIAMETER
+    )
     material: Material | None = None
 
     @property
@@ -99,9 +110,9 @@ class Striker:
 class Bar:
     """``[bar]``, ``[incident_bar]``: a slender elastic bar along the chain, of linear elements with lumped mass."""
 
-    length: float = number("of the bar", unit="m", above=0)
-    area: float = number("of its cross-section", unit="m^2", above=0)
-    elements: int = custom("of equal length", lambda value: whole(value, "a whole number from 1 up"), default=1000)
+    length: float = number("of the bar", unit="m", above=0, usual=LENGTH)
+    area: float = number("of its cross-section", unit="m^2", above=0, usual=AREA)
+    elements: int = count("of equal length", at_most=10_000_000, default=1000)
     material: Material | None = None
 
 
@@ -116,23 +127,21 @@ class Sensor:
     id: int = custom("of its sphere", lambda value: whole(value, "an id from 1 up"))
 
 
-def read_list(
-    section: type[Entry], tables: Any, prefix: str, faults: Faults, directory: Path | None
-) -> tuple[Entry, ...]:
+def read_list(section: type[Entry], tables: Any, prefix: str, faults: Faults) -> tuple[Entry, ...]:
     """Read an array of tables, such as ``[[replace]]``; entry n has the dotted name ``replace.n``, from 1."""
     if not isinstance(tables, list | tuple):
         faults.add(prefix, f"found {show(tables)}, expected one or more [[{prefix}]] tables")
         return ()
-    read = [read_body(section, table, f"{prefix}.{n}", faults, directory) for n, table in enumerate(tables, start=1)]
+    read = [read_body(section, table, f"{prefix}.{n}", faults) for n, table in enumerate(tables, start=1)]
     return tuple(entry for entry in read if entry is not None)
 
 
-def read_body(section: type[Entry], table: Any, prefix: str, faults: Faults, directory: Path | None) -> Entry | None:
+def read_body(section: type[Entry], table: Any, prefix: str, faults: Faults) -> Entry | None:
     """Read the table of one body, its material by name or by value."""
     has_material = any(field.name == "material" for field in dataclasses.fields(section))  # type: ignore[arg-type]
     if not has_material or not isinstance(table, Mapping) or "material" not in table:
         return read_table(section, table, prefix, faults)
     rest = {name: value for name, value in table.items() if name != "material"}
-    material = read_material(table["material"], faults, directory, f"{prefix}.material")
+    material = read_material(table["material"], faults, f"{prefix}.material")
     entry = read_table(section, rest, prefix, faults)
     return None if entry is None or material is None else dataclasses.replace(entry, material=material)  # type: ignore[type-var]

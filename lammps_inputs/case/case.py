@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Collection, Iterable, Mapping
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
@@ -13,14 +13,15 @@ import tomli_w
 from granwave.lammps_inputs.case.bodies import Bar, Replace, Sensor, Striker, read_body, read_list
 from granwave.lammps_inputs.case.contact_pairs import RIGID, Pair, read_pairs
 from granwave.lammps_inputs.case.load import Load, read_load
-from granwave.lammps_inputs.case.material import Material, read_material, sphere_mass
+from granwave.lammps_inputs.case.material import SELECTORS, Material, read_material, sphere_mass
 from granwave.lammps_inputs.case.overrides import apply_overrides, parse_overrides
-from granwave.lammps_inputs.case.schema import Faults, read_name, read_table, refuse_unknown, show
+from granwave.lammps_inputs.case.schema import Faults, keys_of, read_name, read_table, refuse_unknown, show
 from granwave.lammps_inputs.case.sections import Boundary, Contact, Output, PackingSection, Precompression, Probe, Run
 from granwave.lammps_inputs.case.supports import read_bottom
 from granwave.lammps_inputs.checks.checks import check_case, check_together, warn_about
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import Lattice
+from granwave.lammps_inputs.named_files import with_absolute_paths
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.toml_files import read_toml
 
@@ -37,9 +38,9 @@ _BARS = ("bar", "incident_bar")
 _PRECOMPRESSION = "precompression"
 _WALLS = ("bottom", "sides")  # keys of [boundary] that take a material
 _REQUIRED = ("packing", "material")
-_KNOWN = ("name", "material", *_SECTIONS, _PRECOMPRESSION, "pair", *_LISTS, *_BARS)
+KNOWN = ("name", "material", *_SECTIONS, _PRECOMPRESSION, "pair", *_LISTS, *_BARS)
 _RECORD = "resolved"  # written beside a deck for people and programs, ignored when read
-_OF_CONTINUUM = ("block", "punch")
+_OF_CONTINUUM = ("block", "punch", "sphere", "partner")
 _OF_SCAN = ("replicates", "ranks", "case", "set", "grid", "zip", "points")
 _HISTORY, _LEAST_HISTORY = 1000, 5  # instants; beads of a chain from which on they are recorded by themselves
 _HISTORY_VALUES, _LEAST_ROWS = 1e6, 250  # instants times particles, nodes of bars among them; fewest instants
@@ -71,9 +72,8 @@ class Case:
         data: Mapping[str, Any],
         source: str | Path = "case",
         overridden: Iterable[str] = (),
-        directory: Path | None = None,
     ) -> Case:
-        """Check the nested mapping of a case file and make a case of it.
+        """Check the nested mapping of a case file and make a case of it; its paths start from the working directory.
 
         Parameters
         ----------
@@ -81,36 +81,29 @@ class Case:
             What the faults call the file; its stem is the name of a case that has none.
         overridden
             Dotted keys that came from the command line.
-        directory
-            Where a relative ``material.file`` starts from.
 
         Raises
         ------
         InputError
             With every fault there is.
         """
-        faults = Faults(str(source), tuple(overridden))
+        faults = Faults(str(source), tuple(overridden), case_keys())
         _refuse_others(data, faults)
-        data = _with_implied(data)
+        data = _with_implied(with_absolute_paths(data, Path()))
 
-        def read(section: type, table: Any, name: str, faults: Faults) -> Any:
-            return _read_section(section, table, name, faults, directory)
-
-        parts = read_parts(data, source, faults, directory, sections=_SECTIONS, required=_REQUIRED, read=read)
+        parts = read_parts(data, source, faults, sections=_SECTIONS, required=_REQUIRED, read=_read_section)
         if _PRECOMPRESSION in data:
             parts[_PRECOMPRESSION] = read_table(Precompression, data[_PRECOMPRESSION], _PRECOMPRESSION, faults)
         parts["pair"] = read_pairs(data.get("pair", ()), data.get("contact", {}), faults)
         for name, section in _LISTS.items():
-            parts[name] = read_list(section, data.get(name, ()), name, faults, directory)
+            parts[name] = read_list(section, data.get(name, ()), name, faults)
         for name in _BARS:
-            parts[name] = read_body(Bar, data[name], name, faults, directory) if name in data else None
+            parts[name] = read_body(Bar, data[name], name, faults) if name in data else None
         check_together(parts, faults)
-        if faults.lines:
-            raise InputError(faults.lines)
+        faults.report(parts["name"])
         case = cls(**parts)
         check_case(case, faults)
-        if faults.lines:
-            raise InputError(faults.lines)
+        faults.report(case.name)
         warn_about(case, chose_yield_factor="yield_factor" in data.get("contact", {}))
         return case
 
@@ -205,14 +198,13 @@ def load_case(path: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (
     if record:
         raise InputError(f"--set: {key}: [{_RECORD}] is a record of a run, it cannot be set" for key in record)
     data = apply_overrides(read_toml(path), changes)
-    return Case.from_dict(data, path, overridden=changes, directory=Path(path).parent)
+    return Case.from_dict(data, path, overridden=changes)
 
 
 def read_parts(
     data: Mapping[str, Any],
     source: str | Path,
     faults: Faults,
-    directory: Path | None,
     *,
     sections: Mapping[str, type],
     required: Collection[str] = ("material",),
@@ -222,7 +214,7 @@ def read_parts(
 
     Parameters
     ----------
-    source, directory
+    source
         As of `Case.from_dict`.
     sections
         The dataclass of each table; one that is not in ``data`` has its defaults, unless it is required.
@@ -241,11 +233,19 @@ def read_parts(
         if name not in data:
             faults.add(name, f"missing; a case needs [{name}]")
     if "material" in data:
-        parts["material"] = read_material(data["material"], faults, directory)
+        parts["material"] = read_material(data["material"], faults)
     for name, section in sections.items():
         if name in data or name not in required:
             parts[name] = read(section, data.get(name, {}), name, faults)
     return parts
+
+
+@cache
+def case_keys() -> tuple[str, ...]:
+    """Dotted keys of a case; entries of an array of tables have the number 1."""
+    tables = {**_SECTIONS, _PRECOMPRESSION: Precompression, "material": Material, **dict.fromkeys(_BARS, Bar)}
+    numbered = {f"{name}.1": section for name, section in _LISTS.items()}
+    return (*KNOWN, *keys_of(tables), *(f"material.{name}" for name in SELECTORS), *keys_of(numbered))
 
 
 def unit_of(key: str) -> str:
@@ -258,11 +258,9 @@ def unit_of(key: str) -> str:
     return (fields[name].metadata.get("unit") or "") if name in fields else ""
 
 
-def _read_section(section: type, table: Any, name: str, faults: Faults, directory: Path | None) -> Any:
+def _read_section(section: type, table: Any, name: str, faults: Faults) -> Any:
     if section is Load:
-        return read_load(table, faults, directory)
-    if section is Contact:
-        return _read_contact(table, faults, directory)
+        return read_load(table, faults)
     if section is not Boundary or not isinstance(table, Mapping):
         return read_table(section, table, name, faults)
     before, plain = len(faults.lines), dict(table)
@@ -272,34 +270,22 @@ def _read_section(section: type, table: Any, name: str, faults: Faults, director
             continue
         plain[key] = "wall"
         if key == "bottom":
-            read["bottom_material"], read["bottom_support"] = read_bottom(
-                table[key], f"boundary.{key}", faults, directory
-            )
+            read["bottom_material"], read["bottom_support"] = read_bottom(table[key], f"boundary.{key}", faults)
         else:
-            read[f"{key}_material"] = _read_wall(table[key], f"boundary.{key}", faults, directory)
+            read[f"{key}_material"] = _read_wall(table[key], f"boundary.{key}", faults)
     boundary = read_table(Boundary, plain, name, faults)
     if boundary is None or len(faults.lines) > before:
         return None
     return dataclasses.replace(boundary, **read)
 
 
-def _read_wall(table: Mapping[str, Any], key: str, faults: Faults, directory: Path | None) -> Material | None:
+def _read_wall(table: Mapping[str, Any], key: str, faults: Faults) -> Material | None:
     refuse_unknown(table, ("material",), key, faults)
     if not table:
         faults.add(key, f'found {show(table)}, expected a word, or {{material = "..."}} for a wall')
     if "material" not in table:
         return None
-    return read_material(table["material"], faults, directory, f"{key}.material")
-
-
-def _read_contact(table: Any, faults: Faults, directory: Path | None) -> Contact | None:
-    """``[contact]``; a path in it starts from the directory of the case, one of ``--set`` from the present one."""
-    contact = read_table(Contact, table, "contact", faults)
-    if contact is None or not isinstance(contact.initial_overlap, str):
-        return contact
-    there = None if "contact.initial_overlap" in faults.overridden else directory
-    path = (there or Path()) / contact.initial_overlap
-    return dataclasses.replace(contact, initial_overlap=str(path.absolute()))
+    return read_material(table["material"], faults, f"{key}.material")
 
 
 def _with_implied(data: Mapping[str, Any]) -> dict[str, Any]:
@@ -316,13 +302,13 @@ def _with_implied(data: Mapping[str, Any]) -> dict[str, Any]:
 def _refuse_others(data: Mapping[str, Any], faults: Faults) -> None:
     for name in _OF_CONTINUUM:
         if name in data:
-            faults.add(name, "belongs to a continuum case: granwave continuum runs it")
+            faults.add_unknown(name, "belongs to a continuum case: granwave continuum runs it")
     for name in _OF_SCAN:
         if name in data:
-            faults.add(name, "belongs in a scan file: granwave scan runs it")
+            faults.add_unknown(name, "belongs in a scan file: granwave scan runs it")
     others = (*_OF_CONTINUUM, *_OF_SCAN, _RECORD)
     rest = {name: value for name, value in data.items() if name not in others}
-    refuse_unknown(rest, _KNOWN, "", faults)
+    refuse_unknown(rest, KNOWN, "", faults)
 
 
 def _plain(value: Any) -> Any:

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, Literal
@@ -35,6 +35,17 @@ from granwave.lammps_inputs.case.schema import (
     read_table,
     show,
 )
+from granwave.lammps_inputs.case.si_values import (
+    DISPLACEMENT,
+    FORCE,
+    FREQUENCY,
+    TIME,
+    VELOCITY,
+    Usual,
+    impossible,
+    unusual,
+)
+from granwave.lammps_inputs.files import read_regular
 
 DEFAULT_VELOCITY = 5.0  # m/s
 _KINDS = ("impact", "striker", "force", "displacement")
@@ -64,6 +75,8 @@ def _parse_table(value: Any) -> tuple[tuple[float, float], ...]:
     rows = tuple((finite(time, _TABLE_FORM), finite(size, _TABLE_FORM)) for time, size in value)
     if rows[0][0] < 0 or any(later[0] <= earlier[0] for earlier, later in pairwise(rows)):
         raise Unfit(_TABLE_FORM)
+    if expected := impossible([time for time, _ in rows], "s"):
+        raise Unfit(f"times of {expected}")
     if not any(size for _, size in rows):
         raise Unfit("a value other than zero")
     return rows
@@ -78,7 +91,9 @@ class Load:
         _KINDS,
         default="impact",
     )
-    velocity: float = number("of the struck spheres, into the packing", unit="m/s", above=0, default=DEFAULT_VELOCITY)
+    velocity: float = number(
+        "of the struck spheres, into the packing", unit="m/s", above=0, default=DEFAULT_VELOCITY, usual=VELOCITY
+    )
     angle: float = number(
         "of an impact, between the velocity and +z, towards +x", unit="degrees", at_least=0, below=90, default=0.0
     )
@@ -87,6 +102,7 @@ class Load:
         lambda value: parse_point(value, "[x, y, z] in rad/s"),
         unit="rad/s",
         default=(0.0, 0.0, 0.0),
+        usual=Usual(1e-6, 1e6),
     )
     spheres: Literal[1, 3, 7] = choice("how many spheres are struck", (1, 3, 7), default=1)
     shape: Literal["half-sine", "rectangle", "harmonic", "table"] | None = choice(
@@ -95,8 +111,10 @@ class Load:
     amplitude: float | None = number(
         "of the force on all struck spheres together, along +z; of a displacement in m", unit="N", above=0, default=None
     )
-    duration: float | None = number("of a half-sine or a rectangle", unit="s", above=0, default=None)
-    frequency: float | None = number("of a harmonic force or displacement", unit="Hz", above=0, default=None)
+    duration: float | None = number("of a half-sine or a rectangle", unit="s", above=0, default=None, usual=TIME)
+    frequency: float | None = number(
+        "of a harmonic force or displacement", unit="Hz", above=0, default=None, usual=FREQUENCY
+    )
     table: tuple[tuple[float, float], ...] | None = custom(
         "points of force (N) or displacement (m) against time (s)", _parse_table, default=None
     )
@@ -151,28 +169,32 @@ class Load:
         return {name: getattr(self, name) for name in _OF_KIND[self.kind] if name != "file"}
 
 
-def read_load(table: Any, faults: Faults, directory: Path | None) -> Load | None:
+def read_load(table: Any, faults: Faults) -> Load | None:
     """Read ``[load]``; what is missing or wrong is added to ``faults``.
 
-    Parameters
-    ----------
-    directory
-        Where a relative ``load.file`` starts from. The file's points become ``table``, so that the case is whole.
+    The points of ``load.file`` become ``table``, so that the case is whole.
     """
-    before = len(faults.lines)
+    before, names = len(faults.lines), list(table) if isinstance(table, Mapping) else []
     if isinstance(table, Mapping) and "file" in table:
-        table = {name: value for name, value in table.items() if name != "file"} | _from_file(table, faults, directory)
+        rest = {name: value for name, value in table.items() if name != "file"}
+        table = {"shape": "table"} | rest | _from_file(table, faults)
         if len(faults.lines) > before:
             return None
     load = read_table(Load, table, "load", faults)
     if load is None:
         return None
-    for name in table:
+    for name in names:
         if name not in _OF_KIND[load.kind]:
             belongs = " or ".join(f'"{kind}"' for kind in _KINDS if name in _OF_KIND[kind])
             faults.add(f"load.{name}", f'belongs to a load of kind {belongs}; found load.kind = "{load.kind}"')
     if load.driven:
         _check_shape(load, faults)
+        unit, usual = ("N", FORCE) if load.kind == "force" else ("m", DISPLACEMENT)
+        key = "load.table" if load.table else "load.amplitude"
+        if expected := impossible(load.largest, unit):
+            faults.add(key, f"found {load.largest:g}, expected {expected}")
+        elif odd := unusual(load.largest, unit, usual):
+            faults.notes.append(f"{key}: {odd}")
     return load if len(faults.lines) == before else None
 
 
@@ -192,7 +214,7 @@ def _check_shape(load: Load, faults: Faults) -> None:
             faults.add(f"load.{name}", f'does not belong to shape "{load.shape}", which takes {", ".join(needed)}')
 
 
-def _from_file(table: Mapping[str, Any], faults: Faults, directory: Path | None) -> dict[str, Any]:
+def _from_file(table: Mapping[str, Any], faults: Faults) -> dict[str, Any]:
     name = table["file"]
     if "table" in table:
         faults.add("load.file", "found beside load.table; give one of them")
@@ -201,13 +223,30 @@ def _from_file(table: Mapping[str, Any], faults: Faults, directory: Path | None)
         faults.add("load.file", f"found {show(name)}, expected the path of a file of two columns, time and value")
         return {}
     try:
-        rows = np.loadtxt((directory or Path()) / name, ndmin=2, comments="#", delimiter=None)
+        rows = _numbers(read_regular(Path(name)).decode("utf-8-sig").splitlines())
     except OSError as error:
         faults.add("load.file", f"{name}: cannot be read: {error.strerror or error}")
         return {}
-    except (ValueError, UnicodeDecodeError):
-        rows = np.empty((0, 0))
-    if rows.shape[1] != 2:
-        faults.add("load.file", f"{name}: expected two columns of numbers, {_TABLE_FORM}")
+    except ValueError as error:
+        faults.add("load.file", f"{name}: {error}; expected two columns of numbers, {_TABLE_FORM}")
         return {}
-    return {"table": rows.tolist()}
+    try:
+        return {"table": _parse_table(rows)}
+    except Unfit as unfit:
+        faults.add("load.file", f"{name}: found {show(rows)}, expected {unfit}")
+        return {}
+
+
+def _numbers(lines: Sequence[str]) -> list[list[float]]:
+    """Two numbers of each line; raises ValueError that names the line where there are others."""
+    rows = []
+    for n, line in enumerate(lines, start=1):
+        words = line.partition("#")[0].split()
+        if not words:
+            continue
+        try:
+            time, size = map(float, words)
+        except ValueError:
+            raise ValueError(f"found {show(line.strip())} in line {n}") from None
+        rows.append([time, size])
+    return rows

@@ -16,10 +16,11 @@ from pathlib import Path
 from typing import Any
 
 from granwave.lammps_inputs.case.schema import Faults, number, read_table, refuse_unknown, show, text
+from granwave.lammps_inputs.case.si_values import DENSITY, YIELD_STRENGTH, YOUNGS_MODULUS
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.toml_files import read_toml
 
-_SELECTORS = ("preset", "file")
+SELECTORS = ("preset", "file")
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -27,10 +28,12 @@ class Material:
     """An isotropic elastic material that yields (von Mises) at ``yield_strength``."""
 
     name: str | None = text("what the material is called in figures and tables", default=None)
-    youngs_modulus: float = number("Young's modulus", unit="Pa", above=0)
+    youngs_modulus: float = number("Young's modulus", unit="Pa", above=0, usual=YOUNGS_MODULUS)
     poisson_ratio: float = number("Poisson's ratio", above=-1, below=0.5)
-    density: float = number("mass density", unit="kg/m^3", above=0)
-    yield_strength: float | None = number("uniaxial yield strength", unit="Pa", above=0, default=None)
+    density: float = number("mass density", unit="kg/m^3", above=0, usual=DENSITY)
+    yield_strength: float | None = number(
+        "uniaxial yield strength", unit="Pa", above=0, default=None, usual=YIELD_STRENGTH
+    )
     source: str | None = text("where the values come from", default=None)
 
 
@@ -74,18 +77,18 @@ def load_materials(path: str | Path) -> dict[str, Material]:
         name: read_table(Material, {"name": name, **table} if isinstance(table, Mapping) else table, name, faults)
         for name, table in read_toml(path).items()
     }
+    if not read and not faults.lines:
+        raise InputError(f"{path}: found no material, expected tables such as [my-steel] with youngs_modulus and so on")
     if faults.lines:
         raise InputError(faults.lines)
     return {name: entry for name, entry in read.items() if entry is not None}
 
 
-def read_material(table: Any, faults: Faults, directory: Path | None, key: str = "material") -> Material | None:
+def read_material(table: Any, faults: Faults, key: str = "material") -> Material | None:
     """Read a material of a case: a preset's name, or a table of values and, perhaps, ``preset`` and ``file``.
 
     Parameters
     ----------
-    directory
-        Where a relative ``file`` starts from: the directory of the case file.
     key
         Dotted name of the table, for faults.
     """
@@ -94,14 +97,14 @@ def read_material(table: Any, faults: Faults, directory: Path | None, key: str =
     if not isinstance(table, Mapping):
         faults.add(key, f'found {show(table)}, expected a name ("brass") or a table [{key}]')
         return None
-    own = {name: value for name, value in table.items() if name not in _SELECTORS}
+    own = {name: value for name, value in table.items() if name not in SELECTORS}
     if "preset" not in table:
         if "file" in table:
             faults.add(f"{key}.preset", f"missing; name the material to take from {key}.file")
             return None
         return read_table(Material, own, key, faults)
-    known = _library(table.get("file"), directory, faults, f"{key}.file")
-    base = None if known is None else _select(table["preset"], known, f"{key}.preset", faults)
+    known = _library(table.get("file"), faults, f"{key}.file")
+    base = None if known is None else _select(table["preset"], known, f"{key}.preset", faults, table.get("file"))
     if base is None:
         refuse_unknown(own, [field.name for field in dataclasses.fields(Material)], key, faults)
         return None
@@ -111,24 +114,27 @@ def read_material(table: Any, faults: Faults, directory: Path | None, key: str =
     return read_table(Material, {**values, **own}, key, faults)
 
 
-def _library(file: Any, directory: Path | None, faults: Faults, key: str) -> dict[str, Material] | None:
+def _library(file: Any, faults: Faults, key: str) -> dict[str, Material] | None:
     if file is None:
         return presets()
     if not isinstance(file, str) or not file:
         faults.add(key, f"found {show(file)}, expected the path of a TOML file of materials")
         return None
     try:
-        return load_materials((directory or Path()) / file)
+        return load_materials(file)
     except InputError as error:
         for line in error.faults:
             faults.add(key, line)
         return None
 
 
-def _select(name: Any, known: Mapping[str, Material], key: str, faults: Faults) -> Material | None:
+def _select(
+    name: Any, known: Mapping[str, Material], key: str, faults: Faults, file: str | None = None
+) -> Material | None:
     if isinstance(name, str) and name in known:
         return known[name]
-    near = difflib.get_close_matches(str(name), known, n=1, cutoff=0.5)
+    near = difflib.get_close_matches(str(name).lower(), known, n=1, cutoff=0.5)
     hint = f"did you mean {near[0]}?" if near else ""
-    faults.add(key, f"found {show(name)}, expected one of {', '.join(known)}; {hint}".rstrip("; "))
+    there = f" in {file}" if file else ""
+    faults.add(key, f"found {show(name)}, expected one of {', '.join(known)}{there}; {hint}".rstrip("; "))
     return None

@@ -12,10 +12,12 @@ import re
 import tomllib
 from collections.abc import Iterable, Mapping
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.named_files import with_absolute_paths
 
 _BARE_WORD = re.compile(r"""[^\s"'\[\]{}=,#][^"'\[\]{}=,#\r\n]*""")
 _KEY = re.compile(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+)*")
@@ -40,13 +42,17 @@ def parse_override(override: str) -> tuple[str, Any]:
         return key, document["value"]
     if _BARE_WORD.fullmatch(written):
         return key, written
-    raise InputError(f"--set: {key}: found {show(written)}, expected a TOML value or a bare word")
+    hint = f"; a list is [{written}]" if "," in written and "[" not in written else ""
+    raise InputError(f"--set: {key}: found {show(written)}, expected a TOML value or a bare word{hint}")
 
 
 def parse_overrides(overrides: Iterable[str] | Mapping[str, Any]) -> dict[str, Any]:
-    """Overrides as a mapping of dotted keys to values; all faults are raised at once."""
+    """Overrides as a mapping of dotted keys to values; all faults are raised at once.
+
+    Files that they name are found from the working directory.
+    """
     if isinstance(overrides, Mapping):
-        return dict(overrides)
+        return dict(with_absolute_paths(overrides, Path()))
     if isinstance(overrides, str):
         overrides = [overrides]
     parsed: dict[str, Any] = {}
@@ -61,7 +67,7 @@ def parse_overrides(overrides: Iterable[str] | Mapping[str, Any]) -> dict[str, A
             parsed[key] = value
     if faults:
         raise InputError(faults)
-    return parsed
+    return dict(with_absolute_paths(parsed, Path()))
 
 
 def apply_overrides(data: Mapping[str, Any], overrides: Mapping[str, Any]) -> dict[str, Any]:
@@ -78,6 +84,11 @@ def apply_overrides(data: Mapping[str, Any], overrides: Mapping[str, Any]) -> di
         *path, last = key.split(".")
         table = result
         for name, following in pairwise([*path, last]):
+            if following.isdigit() and name not in table:
+                faults.append(
+                    f"--set: {key}: found no [[{name}]] tables, expected {following} or more; give them whole"
+                )
+                break
             inner = table.setdefault(name, {})
             if name == "material" and isinstance(inner, str):
                 inner = table[name] = {"preset": inner}

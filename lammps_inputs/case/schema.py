@@ -10,15 +10,22 @@ from __future__ import annotations
 
 import dataclasses
 import difflib
+import logging
 import math
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
+
+from granwave.lammps_inputs.case.hints import hint_for
+from granwave.lammps_inputs.case.si_values import Usual, impossible, unusual
+from granwave.lammps_inputs.errors import InputError
 
 Section = TypeVar("Section")
 Parse = Callable[[Any], Any]
 
+_LOG = logging.getLogger("granwave")
 REQUIRED: Any = dataclasses.MISSING
+LARGEST_COUNT = 2**31 - 1  # of anything: LAMMPS counts with 32 bits in its usual build
 _SHOWN_CHARACTERS = 60
 _LONGEST_NAME = 200  # bytes; file systems end at 255, and endings come on top
 
@@ -37,17 +44,37 @@ class Faults:
         Name of the file, as shown to the user.
     overridden
         Dotted keys that came from the command line; their faults name ``--set`` as the source.
+    vocabulary
+        Dotted keys that there are, for hints.
+    lines
+        What is wrong.
+    notes
+        What is allowed but is probably not meant: a key, and why.
     """
 
     source: str
     overridden: Collection[str] = ()
+    vocabulary: Sequence[str] = ()
     lines: list[str] = dataclasses.field(default_factory=list)
+    notes: list[str] = dataclasses.field(default_factory=list)
 
     def add(self, key: str, message: str) -> None:
         """Record one fault of the dotted ``key``."""
         top_down = [key.rsplit(".", n)[0] for n in range(key.count(".") + 1)]
         source = "--set" if any(name in self.overridden for name in top_down) else self.source
-        self.lines.append(" ".join(f"{source}: {key}: {message}".split()))
+        self.lines.append(" ".join(f"{source}: {_cut(key)}: {message}".split()))
+
+    def add_unknown(self, key: str, message: str) -> None:
+        """Record one fault of a key that cannot be; of a table that ``--set`` made, that of the key in it."""
+        self.add(next((one for one in self.overridden if one.startswith(f"{key}.")), key), message)
+
+    def report(self, name: str) -> None:
+        """Log the notes on a case of this name as warnings; raise InputError if there are faults."""
+        for note in self.notes:
+            _LOG.warning("%s: %s", name, note)
+        self.notes.clear()
+        if self.lines:
+            raise InputError(self.lines)
 
 
 def number(
@@ -60,8 +87,9 @@ def number(
     at_least: float = -math.inf,
     at_most: float = math.inf,
     word: str | None = None,
+    usual: Usual | None = None,
 ) -> Any:
-    """A finite number within bounds, or the one ``word`` that may stand in its place."""
+    """A finite number within bounds, or the ``word`` that may stand in its place; others than ``usual`` are noted."""
     limits = [(above, "above"), (at_least, "at least"), (below, "below"), (at_most, "at most")]
     wanted = " and ".join(f"{name} {limit:g}" for limit, name in limits if math.isfinite(limit))
     expected = f"a number {wanted}".rstrip() + (f" ({unit})" if unit else "") + (f' or "{word}"' if word else "")
@@ -74,7 +102,7 @@ def number(
             raise Unfit(expected)
         return result
 
-    return _field(description, unit, default, parse)
+    return _field(description, unit, default, parse, usual)
 
 
 def choice(description: str, options: tuple[Any, ...], *, default: Any = REQUIRED) -> Any:
@@ -101,9 +129,16 @@ def text(description: str, *, default: Any = REQUIRED) -> Any:
     return _field(description, None, default, parse)
 
 
-def custom(description: str, parse: Parse, *, unit: str | None = None, default: Any = REQUIRED) -> Any:
-    """A value with its own ``parse`` function."""
-    return _field(description, unit, default, parse)
+def custom(
+    description: str,
+    parse: Parse,
+    *,
+    unit: str | None = None,
+    default: Any = REQUIRED,
+    usual: Usual | None = None,
+) -> Any:
+    """A value with its own ``parse`` function; numbers in it other than ``usual`` are noted."""
+    return _field(description, unit, default, parse, usual)
 
 
 def finite(value: Any, expected: str) -> float:
@@ -119,11 +154,19 @@ def finite(value: Any, expected: str) -> float:
     return result
 
 
-def whole(value: Any, expected: str, *, at_least: int = 1) -> int:
-    """``value`` as an integer; booleans and floats are `Unfit`."""
+def whole(value: Any, expected: str, *, at_least: int = 1, at_most: int = LARGEST_COUNT) -> int:
+    """``value`` as an integer within bounds; booleans and floats are `Unfit`."""
     if isinstance(value, bool) or not isinstance(value, int) or value < at_least:
         raise Unfit(expected)
+    if value > at_most:
+        raise Unfit(f"at most {at_most}")
     return value
+
+
+def count(description: str, *, default: Any = REQUIRED, at_least: int = 1, at_most: int = LARGEST_COUNT) -> Any:
+    """A whole number within bounds."""
+    expected = f"a whole number from {at_least} up"
+    return _field(description, None, default, lambda value: whole(value, expected, at_least=at_least, at_most=at_most))
 
 
 def parse_point(value: Any, expected: str) -> tuple[float, float, float]:
@@ -136,19 +179,22 @@ def parse_point(value: Any, expected: str) -> tuple[float, float, float]:
 
 def plain_name(value: Any) -> str:
     """``value`` as a name that can be that of a directory too, and leads nowhere else."""
-    fits = isinstance(value, str) and value.strip() and value.isprintable() and "/" not in value and value[0] != "."
-    if not fits or len(value.encode()) > _LONGEST_NAME:
-        raise Unfit("a plain name that can be that of a directory")
+    fits = isinstance(value, str) and value.strip() == value != "" and value.isprintable()
+    if not fits or "/" in value or value[0] in ".-~":
+        raise Unfit('a plain name, as of a directory: without "/", not beginning with ".", "-" or "~"')
+    if len(value.encode()) > _LONGEST_NAME:
+        raise Unfit(f"a plain name of at most {_LONGEST_NAME} bytes")
     return value
 
 
 def read_name(data: Mapping[str, Any], source: str | Path, faults: Faults) -> str:
-    """The ``name`` of a case; without one the stem of its file."""
+    """The ``name`` of a case or a scan; without one the stem of its file."""
     name = data.get("name", Path(source).stem)
     try:
         return plain_name(name)
     except Unfit as unfit:
-        faults.add("name", f"found {show(name)}, expected {unfit}")
+        where = "" if "name" in data else ", from the name of the file: give the case a name of its own"
+        faults.add("name", f"found {show(name)}, expected {unfit}{where}")
         return str(name)
 
 
@@ -157,14 +203,24 @@ def show(value: Any) -> str:
     if isinstance(value, bool):
         shown = "true" if value else "false"
     elif isinstance(value, str):
-        shown = '"' + value.encode("unicode_escape").decode() + '"'
+        shown = '"' + printable(value.replace("\\", "\\\\")) + '"'
     elif isinstance(value, Mapping):
         shown = "{" + ", ".join(f"{key} = {show(item)}" for key, item in value.items()) + "}"
     elif isinstance(value, list | tuple):
         shown = "[" + ", ".join(show(item) for item in value[:_SHOWN_CHARACTERS]) + "]"
     else:
         shown = str(value)
-    return shown if len(shown) <= _SHOWN_CHARACTERS else shown[: _SHOWN_CHARACTERS - 3] + "..."
+    return _cut(shown)
+
+
+def printable(text: str) -> str:
+    """``text`` with line ends, controls and marks of direction escaped: one line that nothing in it can break."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+
+
+def _cut(text: str) -> str:
+    """``text``, cut to a readable length."""
+    return text if len(text) <= _SHOWN_CHARACTERS else text[: _SHOWN_CHARACTERS - 3] + "..."
 
 
 def read_table(section: type[Section], table: Any, prefix: str, faults: Faults) -> Section | None:
@@ -192,6 +248,12 @@ def read_table(section: type[Section], table: Any, prefix: str, faults: Faults) 
                 values[name] = parse(table[name])
             except Unfit as unfit:
                 faults.add(key, f"found {show(table[name])}, expected {unfit}")
+                continue
+            unit, usual = field.metadata["unit"], field.metadata["usual"]
+            if expected := impossible(values[name], unit):
+                faults.add(key, f"found {show(table[name])}, expected {expected}")
+            elif usual is not None and (odd := unusual(values[name], unit, usual)):
+                faults.notes.append(f"{key}: {odd}")
         elif field.default is REQUIRED and field.default_factory is REQUIRED:
             faults.add(key, f"missing; it is required: {field.metadata['description']}")
     return section(**values) if len(faults.lines) == before else None
@@ -202,11 +264,19 @@ def refuse_unknown(table: Mapping[str, Any], known: Collection[str], prefix: str
     for name in table:
         key = f"{prefix}.{name}" if prefix else name
         if name not in known:
-            near = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
-            hint = f"did you mean {near[0]}?" if near else "known here: " + ", ".join(known)
-            faults.add(key, f"unknown key; {hint}")
+            faults.add_unknown(key, f"unknown key; {hint_for(name, known, prefix, faults.vocabulary)}")
 
 
-def _field(description: str, unit: str | None, default: Any, parse: Parse) -> Any:
-    metadata = {"description": description, "unit": unit, "parse": parse}
+def keys_of(sections: Mapping[str, type]) -> list[str]:
+    """Dotted keys of tables: their dotted names with the names of the fields that `read_table` reads."""
+    return [
+        f"{name}.{field.name}"
+        for name, section in sections.items()
+        for field in dataclasses.fields(section)
+        if field.metadata
+    ]
+
+
+def _field(description: str, unit: str | None, default: Any, parse: Parse, usual: Usual | None = None) -> Any:
+    metadata = {"description": description, "unit": unit, "parse": parse, "usual": usual}
     return dataclasses.field(default=default, metadata=metadata)

@@ -9,7 +9,17 @@ from itertools import pairwise
 from typing import Any, Literal
 
 from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.case.schema import Unfit, choice, custom, finite, number, parse_point, whole
+from granwave.lammps_inputs.case.schema import LARGEST_COUNT, Unfit, choice, custom, finite, number, parse_point, whole
+from granwave.lammps_inputs.case.si_values import (
+    ACCELERATION,
+    DIAMETER,
+    FORCE,
+    FRICTION,
+    INTERVAL,
+    PRESSURE,
+    TIME,
+    Usual,
+)
 from granwave.lammps_inputs.case.supports import Support
 from granwave.lammps_inputs.case.yield_factor import DEFAULT_YIELD_FACTOR
 from granwave.lammps_inputs.lattices import KINDS
@@ -17,12 +27,14 @@ from granwave.lammps_inputs.lattices import KINDS
 BOTTOMS = ("wall", "fixed", "free")
 LAWS = ("elastoplastic", "hertz", "bilinear", "thornton")
 AUTO_END_TIME = 5e-3  # s, the longest that `end_time = "auto"` goes on
+DEFAULT_FRAMES = 20  # `run.frames` where it is not given; a run of fewer steps has fewer
 LAW_CONSTANTS = (
     "pressure_limit", "pressure_rate", "area_switch", "area_slope", "area_offset",
     "residual_slope", "residual_offset", "residual_rate", "unloading_exponent",
 )  # fmt: skip
 _CONSTANT: dict[str, Any] = {"above": 0, "default": None}
-LARGEST_ID = 2**31 - 1  # LAMMPS numbers atoms with 32 bits in its usual build
+LARGEST_ID = LARGEST_COUNT
+_NO_LIMIT = 2**63 - 1  # the schedule knows how many there can be
 
 
 def _parse_size(value: Any) -> tuple[int, ...]:
@@ -39,7 +51,7 @@ def _parse_size(value: Any) -> tuple[int, ...]:
 def _parse_frames(value: Any) -> int | tuple[float, ...]:
     expected = "how many snapshots (from 1 up), or a list of rising times in s"
     if not isinstance(value, list | tuple):
-        return whole(value, expected)
+        return whole(value, expected, at_most=_NO_LIMIT)
     times = tuple(finite(time, expected) for time in value)
     if not times or times[0] < 0 or any(later <= earlier for earlier, later in pairwise(times)):
         raise Unfit(expected)
@@ -97,7 +109,8 @@ def _parse_dent(table: Any) -> Dents:
 
 
 def _parse_history(value: Any) -> int | str:
-    return value if value == "auto" else whole(value, 'a whole number from 0 up or "auto"', at_least=0)
+    expected = 'a whole number from 0 up or "auto"'
+    return value if value == "auto" else whole(value, expected, at_least=0, at_most=_NO_LIMIT)
 
 
 def _parse_probes(value: Any) -> tuple[Probe, ...]:
@@ -151,9 +164,13 @@ class PackingSection:
 
     kind: Literal["fcc", "hcp", "bcc", "sc", "square", "chain"] = choice("lattice", tuple(KINDS))
     size: tuple[int, ...] = custom("spheres along x, rows along y, layers along z", _parse_size)
-    diameter: float = number("diameter of the spheres", unit="m", above=0)
+    diameter: float = number("diameter of the spheres", unit="m", above=0, usual=DIAMETER)
     diameter_scatter: float = number(
-        "tolerance: the diameters lie between this much less and the nominal one", unit="m", at_least=0, default=0.0
+        "tolerance: the diameters lie between this much less and the nominal one",
+        unit="m",
+        at_least=0,
+        default=0.0,
+        usual=Usual(1e-12, 0.1, ("mm", "um")),
     )
     scatter_distribution: Literal["uniform", "normal"] = choice(
         "of the diameters in the tolerance band; normal: three standard deviations to either side of its middle",
@@ -179,10 +196,12 @@ class Contact:
         default="continuous",
     )
     yield_factor: float = number(
-        "C = p_y / sigma_y, contact pressure at first yield", above=0, default=DEFAULT_YIELD_FACTOR
+        "C = p_y / sigma_y, contact pressure at first yield", at_least=0.1, at_most=10, default=DEFAULT_YIELD_FACTOR
     )
     beta: float = number("bilinear law: residual overlap over the largest overlap", at_least=0, below=1, default=0.8)
-    friction: float = number("coefficient of Coulomb friction between spheres", at_least=0, default=0.0)
+    friction: float = number(
+        "coefficient of Coulomb friction between spheres", at_least=0, at_most=1e4, default=0.0, usual=FRICTION
+    )
     tangential: Literal["mindlin_rescale", "mindlin"] = choice(
         "spring of friction where its circle shrinks: force scaled down with it, or kept, which can create energy",
         ("mindlin_rescale", "mindlin"),
@@ -242,7 +261,11 @@ class Boundary:
     bottom_support: Support | None = None  # what the plane moves on: plate, half_space or bar = {...}
     sides_material: Material | None = None  # of all side planes, given as sides = {material = ...}
     friction: float | None = number(
-        "coefficient of Coulomb friction of the walls; that of the contacts by default", at_least=0, default=None
+        "coefficient of Coulomb friction of the walls; that of the contacts by default",
+        at_least=0,
+        at_most=1e4,
+        default=None,
+        usual=FRICTION,
     )
     forget_gap: float = number(
         "a dent is forgotten when the gap exceeds it, never sooner",
@@ -261,9 +284,11 @@ class Precompression:
         "a load along z on the top layer, the same pressure on all free faces, or the spheres' weight along +z",
         ("uniaxial", "uniform", "gravity"),
     )
-    pressure: float | None = number("on the faces of the packing", unit="Pa", above=0, default=None)
-    force: float | None = number("on each sphere of the top layer (uniaxial)", unit="N", above=0, default=None)
-    acceleration: float = number("of gravity", unit="m/s^2", above=0, default=9.81)
+    pressure: float | None = number("on the faces of the packing", unit="Pa", above=0, default=None, usual=PRESSURE)
+    force: float | None = number(
+        "on each sphere of the top layer (uniaxial)", unit="N", above=0, default=None, usual=FORCE
+    )
+    acceleration: float = number("of gravity", unit="m/s^2", above=0, default=9.81, usual=ACCELERATION)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -276,12 +301,18 @@ class Run:
         above=0,
         word="auto",
         default=1e-3,
+        usual=TIME,
     )
     timestep: float | Literal["auto"] = number(
-        "auto: from the stiffest contact expected", unit="s", above=0, word="auto", default="auto"
+        "auto: from the stiffest contact expected",
+        unit="s",
+        above=0,
+        word="auto",
+        default="auto",
+        usual=INTERVAL,
     )
     frames: int | tuple[float, ...] = custom(
-        "snapshots, the start and the end among them: how many, or the times", _parse_frames, default=20
+        "snapshots, the start and the end among them: how many, or the times", _parse_frames, default=DEFAULT_FRAMES
     )
 
     @property
@@ -301,6 +332,7 @@ class Output:
         above=0,
         word="auto",
         default="auto",
+        usual=INTERVAL,
     )
     history: int | Literal["auto"] = custom(
         "instants at which the velocity of every bead of a chain and the force of every contact are recorded; "

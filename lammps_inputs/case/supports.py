@@ -11,11 +11,11 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any, Literal
 
 from granwave.lammps_inputs.case.material import Material, read_material
-from granwave.lammps_inputs.case.schema import Faults, choice, custom, number, read_table, refuse_unknown, show, whole
+from granwave.lammps_inputs.case.schema import Faults, choice, count, number, read_table, refuse_unknown, show
+from granwave.lammps_inputs.case.si_values import AREA, LENGTH, MASS
 from granwave.lammps_inputs.deck.commands import num
 
 _SPRING = 4.0  # K (1 - nu) / (G r) of a rigid disc on a half-space, exact in statics
@@ -29,7 +29,7 @@ _OF_DECAY = 0.05  # of damping/stiffness of a surface without mass
 class Plate:
     """A rigid plate on a spring and a damper."""
 
-    mass: float = number("of the plate", unit="kg", above=0)
+    mass: float = number("of the plate", unit="kg", above=0, usual=MASS)
     stiffness: float = number("of the spring between plate and ground", unit="N/m", above=0)
     damping: float = number("of the damper beside the spring", unit="N s/m", at_least=0, default=0.0)
 
@@ -39,7 +39,11 @@ class HalfSpace:
     """The surface of an elastic half-space, moved as a whole by the packing that stands on it."""
 
     radius: float | None = number(
-        "of the disc that moves; that of the packing's footprint by default", unit="m", above=0, default=None
+        "of the disc that moves; that of the packing's footprint by default",
+        unit="m",
+        above=0,
+        default=None,
+        usual=LENGTH,
     )
 
     def stiffness(self, material: Material, radius: float) -> float:
@@ -57,9 +61,9 @@ class HalfSpace:
 class SupportBar:
     """An elastic bar under the whole packing."""
 
-    length: float = number("of the bar", unit="m", above=0)
-    area: float = number("of its cross-section", unit="m^2", above=0)
-    elements: int = custom("of equal length", lambda value: whole(value, "a whole number from 1 up"), default=200)
+    length: float = number("of the bar", unit="m", above=0, usual=LENGTH)
+    area: float = number("of its cross-section", unit="m^2", above=0, usual=AREA)
+    elements: int = count("of equal length", at_most=10_000_000, default=200)
     end: Literal["free", "fixed", "infinite"] = choice(
         "far end: free, fixed, or going on without an echo", ("free", "fixed", "infinite"), default="infinite"
     )
@@ -140,9 +144,7 @@ class Support:
 _KINDS: dict[str, type] = {"plate": Plate, "half_space": HalfSpace, "bar": SupportBar}
 
 
-def read_bottom(
-    table: Mapping[str, Any], key: str, faults: Faults, directory: Path | None
-) -> tuple[Material | None, Support | None]:
+def read_bottom(table: Mapping[str, Any], key: str, faults: Faults) -> tuple[Material | None, Support | None]:
     """Read ``bottom = {...}``: its material, and what it rests on; what is wrong is added to ``faults``."""
     refuse_unknown(table, ("material", *_KINDS), key, faults)
     chosen = [name for name in _KINDS if name in table]
@@ -151,7 +153,7 @@ def read_bottom(
     if len(chosen) > 1:
         faults.add(key, f"found {' and '.join(chosen)}, expected one of them")
         return None, None
-    material = read_material(table["material"], faults, directory, f"{key}.material") if "material" in table else None
+    material = read_material(table["material"], faults, f"{key}.material") if "material" in table else None
     if not chosen:
         return material, None
     if "material" not in table and chosen[0] != "plate":

@@ -16,6 +16,7 @@ from granwave.lammps_inputs.checks.contacts import check_contacts, check_dents
 from granwave.lammps_inputs.checks.packing import check_disorder, check_room
 from granwave.lammps_inputs.checks.precompression import check_first_yield, check_precompression, check_support
 from granwave.lammps_inputs.lattices import KINDS, Lattice
+from granwave.lammps_inputs.memory import available_memory
 from granwave.lammps_inputs.packing.assembly import BAR, INCIDENT_BAR
 from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
 
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 _LOG = logging.getLogger("granwave")
 _OVERLAP = 1e-6  # diameters: how far a striker may reach into what it is not said to touch
 _LONGEST_ELEMENT = 10  # of a bar, in diameters of the beads
+_MEMORY_OF_SITE = 40.0  # bytes, where sites differ, or in the struck layer: 34 to 68 for 1e7 spheres
 _LEAST_PERIODIC = 3  # fewer spheres would touch their own images, or one neighbour twice
 
 
@@ -37,7 +39,7 @@ def check_together(parts: Mapping[str, Any], faults: Faults) -> None:
     check_contacts(parts, faults)
     if run is not None:
         _check_times(run, output, faults)
-    if packing is None or not _size_fits(packing, faults):
+    if packing is None or not _size_fits(packing, faults) or not _fits_into_memory(packing, parts, faults):
         return
     n_spheres = Lattice(packing.kind, packing.size, packing.diameter).n_spheres
     strikers, sensors = parts.get("striker", ()), parts.get("sensor", ())
@@ -171,6 +173,21 @@ def _size_fits(packing: PackingSection, faults: Faults) -> bool:
         return True
     form = "a number n" if len(axes) == 1 else "[" + ", ".join(f"n{axis}" for axis in axes) + "]"
     faults.add("packing.size", f"found {show(packing.size)}, expected {form} for {packing.kind}")
+    return False
+
+
+def _fits_into_memory(packing: PackingSection, parts: Mapping[str, Any], faults: Faults) -> bool:
+    """Check that this machine can hold what is made for each site to read the case; a run needs more."""
+    nx, ny, nz = Lattice(packing.kind, packing.size, packing.diameter).shape
+    unlike = packing.diameter_scatter or packing.vacancies or parts.get("replace")
+    needed, available = nx * ny * (nz if unlike else 1) * _MEMORY_OF_SITE, available_memory()
+    if needed <= available:
+        return True
+    faults.add(
+        "packing.size",
+        f"found {show(packing.size)}: {nx * ny * nz} spheres need more than {needed / 2**30:.1f} GiB of memory, "
+        f"there is {available / 2**30:.1f} GiB; make the packing smaller or change machine",
+    )
     return False
 
 

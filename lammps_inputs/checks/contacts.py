@@ -47,7 +47,11 @@ def _check_constants(contact: Contact, key: str, faults: Faults) -> None:
             )
         return
     if fault := fault_of_constants(contact):
-        faults.add(key, f"{', '.join(contact.constants)}: no passive law: {fault}")
+        names = list(contact.constants)
+        if len(names) == 1:
+            faults.add(f"{key}.{names[0]}", f"no passive law: {fault}")
+        else:
+            faults.add(key, f"{', '.join(names)}: no passive law: {fault}")
 
 
 def _check_names(parts: Mapping[str, Any], pairs: tuple[Pair, ...], faults: Faults) -> None:

@@ -31,7 +31,7 @@ def check_disorder(parts: Mapping[str, Any], faults: Faults) -> None:
         _check_replaced(entry, f"replace.{place}", packing, lattice, faults)
     if packing.vacancies:
         _check_vacancies(parts, packing, lattice, faults)
-    elif not faults.lines:
+    elif parts.get("replace") and not faults.lines:
         _check_something_is_chosen(parts, packing, lattice, np.ones(lattice.n_spheres, dtype=bool), faults)
 
 
@@ -123,7 +123,7 @@ def _check_vacancies(parts: Mapping[str, Any], packing: PackingSection, lattice:
 def _check_something_is_chosen(
     parts: Mapping[str, Any], packing: PackingSection, lattice: Lattice, present: np.ndarray, faults: Faults
 ) -> None:
-    """Every ``[[replace]]`` entry replaces a sphere."""
+    """Check that every ``[[replace]]`` entry replaces a sphere."""
     for place, entry in enumerate(parts.get("replace", ()), start=1):
         chosen = chosen_sites(packing, lattice, entry, place, present)
         if not present[chosen].any():

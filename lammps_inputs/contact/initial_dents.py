@@ -8,6 +8,7 @@ no dent, nor do contacts whose law knows no yielding.
 from __future__ import annotations
 
 import dataclasses
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -85,6 +86,67 @@ class Meetings:
         return [f"{first} {second} {value:.17g}\n" for first, second, value in zip(*columns, strict=True)]
 
 
+_UNREADABLE = (OSError, KeyError, TypeError, ValueError, AttributeError)  # of what h5py is given to read
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class _Earlier:
+    """Spheres and contacts of an earlier run, from its result.h5.
+
+    Attributes
+    ----------
+    id, position, radius
+        Of the spheres: (n,); (n, 3), m; (n,), m.
+    first, second, peak
+        Contacts between spheres: ids; largest overlaps, m: (m,).
+    wall, wall_sphere, wall_peak
+        Contacts with walls: names; ids of the spheres, (k,); largest overlaps, (k,), m.
+    """
+
+    id: NDArray[np.int64]
+    position: NDArray[np.float64]
+    radius: NDArray[np.float64]
+    first: NDArray[np.int64]
+    second: NDArray[np.int64]
+    peak: NDArray[np.float64]
+    wall: list[str]
+    wall_sphere: NDArray[np.int64]
+    wall_peak: NDArray[np.float64]
+
+    @classmethod
+    def read(cls, path: Path) -> _Earlier:
+        """Read a result.h5; raises one of `_UNREADABLE` where it is none, or damaged."""
+        with h5py.File(path, "r") as file:
+
+            def column(name: str, kind: type, *width: int) -> NDArray:
+                values: NDArray = np.asarray(file[name][()], dtype=kind)
+                if values.shape[1:] != width or values.ndim != 1 + len(width):
+                    raise ValueError(f"{name}: found the shape {values.shape}")
+                if not np.isfinite(values).all() or (name.endswith("peak_overlap") and (values < 0).any()):
+                    raise ValueError(f"{name}: found values that are not finite, or negative")
+                return values
+
+            found = cls(
+                id=column("spheres/id", np.int64),
+                position=column("spheres/position", np.float64, 3),
+                radius=column("spheres/radius", np.float64),
+                first=column("contacts/i", np.int64),
+                second=column("contacts/j", np.int64),
+                peak=column("contacts/peak_overlap", np.float64),
+                wall=file["wall_contacts/wall"].asstr()[()].tolist(),
+                wall_sphere=column("wall_contacts/id", np.int64),
+                wall_peak=column("wall_contacts/peak_overlap", np.float64),
+            )
+        for name, *lengths in (
+            ("spheres", len(found.id), len(found.position), len(found.radius)),
+            ("contacts", len(found.first), len(found.second), len(found.peak)),
+            ("wall_contacts", len(found.wall), len(found.wall_sphere), len(found.wall_peak)),
+        ):
+            if len(set(lengths)) > 1:
+                raise ValueError(f"{name}: found columns of {' and '.join(map(str, lengths))} rows")
+        return found
+
+
 def dents_table(case: Case) -> str:
     """The dents before the run, as ``gran/dents read`` takes them: spheres i and j, or a wall's fix and a sphere.
 
@@ -93,10 +155,10 @@ def dents_table(case: Case) -> str:
     InputError
         An earlier result cannot be read, or is that of another packing.
     """
-    given = case.contact.initial_overlap
     rows: list[str] = ["# spheres i and j, or the fix of a wall and a sphere; largest overlap so far, m\n"]
-    if isinstance(given, str):
-        known = _read_result(case, Path(given))
+    path = earlier_result(case)
+    if path is not None:
+        known = _read_result(case, path)
         for meetings in contacts_at_start(case):
             keys = zip(meetings.first.tolist(), meetings.second.tolist(), strict=True)
             rows += meetings.rows(np.array([known.get(key, 0.0) for key in keys]))
@@ -110,7 +172,7 @@ def dents_table(case: Case) -> str:
 
 
 def fault_of_dents(case: Case) -> str:
-    """Why dents given by value cannot be; empty if they can. A result.h5 is read only when the deck is written."""
+    """Why dents given by value cannot be; empty if they can. A result.h5 is not read: it may be gone after the run."""
     given = case.contact.initial_overlap
     if not given:
         return ""
@@ -145,14 +207,33 @@ def largest_dent(case: Case, law: ContactLaw) -> float:
     given = case.contact.initial_overlap
     if not given or law.name == "hertz":
         return 0.0
-    if not isinstance(given, str):
+    path = earlier_result(case)
+    if path is None:
         return _deepest(case, law)
-    path = Path(given)
     try:
-        with h5py.File(path / _RESULT if path.is_dir() else path, "r") as file:
-            return max(file[f"{table}/peak_overlap"][()].max(initial=0.0) for table in ("contacts", "wall_contacts"))
-    except (OSError, KeyError):  # told when the deck is written
+        earlier = _read_earlier(path)
+    except _UNREADABLE:  # `check_earlier_result` says so
         return 0.0
+    return float(max(earlier.peak.max(initial=0.0), earlier.wall_peak.max(initial=0.0)))
+
+
+def earlier_result(case: Case) -> Path | None:
+    """The result.h5 that the dents of a case come from."""
+    given = case.contact.initial_overlap
+    return _result_file(Path(given)) if isinstance(given, str) else None
+
+
+def check_earlier_result(case: Case) -> None:
+    """Check that the dents of an earlier run can be had, where the case names one.
+
+    Raises
+    ------
+    InputError
+        Its result.h5 is missing or damaged, or is of another packing.
+    """
+    path = earlier_result(case)
+    if path is not None:
+        _read_result(case, path)
 
 
 def contacts_at_start(case: Case) -> list[Meetings]:
@@ -255,42 +336,59 @@ def _materials(case: Case) -> NDArray[np.int64]:
 def _read_result(case: Case, path: Path) -> dict[tuple[int | str, int], float]:
     """The dents that an earlier run left: by two ids, or the fix of a wall and an id, m."""
     source = f"{case.name}: {KEY}"
-    path = path / _RESULT if path.is_dir() else path
-    if not path.exists():
-        raise InputError(f"{source}: {path}: there is no such file; expected the result.h5 of a run, or its directory")
     try:
-        with h5py.File(path, "r") as file:
-            spheres = {name: file[f"spheres/{name}"][()] for name in ("id", "position", "radius")}
-            between = [file[f"contacts/{name}"][()].tolist() for name in ("i", "j", "peak_overlap")]
-            on_walls = [file[f"wall_contacts/{name}"] for name in ("wall", "id", "peak_overlap")]
-            at, ids, peaks = on_walls[0].asstr()[()].tolist(), *(column[()].tolist() for column in on_walls[1:])
-    except (OSError, KeyError) as error:
+        earlier = _read_earlier(path)
+    except FileNotFoundError:
+        raise InputError(
+            f"{source}: {path}: there is no such file; expected the result.h5 of a run, or its directory"
+        ) from None
+    except _UNREADABLE as error:
         raise InputError(f"{source}: {path}: is not the result.h5 of a run ({' '.join(str(error).split())})") from None
-    if fault := _other_packing(case, spheres):
+    if fault := _other_packing(case, earlier):
         raise InputError(f"{source}: {path}: is of another packing: {fault}")
-    found: dict[tuple[int | str, int], float] = {(i, j): peak for i, j, peak in zip(*between, strict=True)}
+    found: dict[tuple[int | str, int], float] = {
+        (i, j): peak
+        for i, j, peak in zip(earlier.first.tolist(), earlier.second.tolist(), earlier.peak.tolist(), strict=True)
+    }
     faces = {bar.name: bar.face for bar in case.assembly.bars}
     fixes = {(wall.name, material): name for wall in walls(case) if not wall.held_layer
              for name, _, material in wall_fixes(case, wall)}  # fmt: skip
-    for wall, sphere, peak in zip(at, ids, peaks, strict=True):
+    walls_hit = zip(earlier.wall, earlier.wall_sphere.tolist(), earlier.wall_peak.tolist(), strict=True)
+    for wall, sphere, peak in walls_hit:
         what = faces.get(wall) or fixes.get((wall, case.assembly.material_of(sphere)))
         if what is not None:
             found[what, sphere] = max(peak, found.get((what, sphere), 0.0))
     return found
 
 
-def _other_packing(case: Case, spheres: dict[str, NDArray]) -> str:
+def _read_earlier(path: Path) -> _Earlier:
+    """Read a result.h5 as `_Earlier.read` does, but once for all that ask for it while it stays as it is."""
+    state = path.stat()
+    return _read_once(path, state.st_mtime_ns, state.st_size)
+
+
+@lru_cache(maxsize=1)
+def _read_once(path: Path, changed: int, size: int) -> _Earlier:
+    return _Earlier.read(path)
+
+
+def _result_file(path: Path) -> Path:
+    """The result.h5 that a path means: the file, or that of a run's directory."""
+    return path / _RESULT if path.is_dir() else path
+
+
+def _other_packing(case: Case, earlier: _Earlier) -> str:
     """What is different in the packing of an earlier result; empty if nothing is."""
     assembly, limit = case.assembly, TOUCHING * case.packing.diameter
-    if len(spheres["id"]) != assembly.n_spheres:
-        return f"found {len(spheres['id'])} spheres, expected {assembly.n_spheres}"
-    missing = np.setdiff1d(assembly.ids, spheres["id"])
+    if len(earlier.id) != assembly.n_spheres:
+        return f"found {len(earlier.id)} spheres, expected {assembly.n_spheres}"
+    missing = np.setdiff1d(assembly.ids, earlier.id)
     if missing.size:
         return f"found no sphere {missing[0]}"
-    away = np.linalg.norm(spheres["position"] - assembly.positions(), axis=1)
+    away = np.linalg.norm(earlier.position - assembly.positions(), axis=1)
     if away.max() > limit:
         return f"found sphere {assembly.ids[away.argmax()]} in a place {away.max():.3g} m away from the one here"
-    other = np.abs(2 * spheres["radius"] - assembly.sphere_diameters())
+    other = np.abs(2 * earlier.radius - assembly.sphere_diameters())
     if other.max() > limit:
         return f"found sphere {assembly.ids[other.argmax()]} with a diameter off by {other.max():.3g} m"
     return ""

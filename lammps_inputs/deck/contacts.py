@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING
 from granwave.lammps_inputs.case.sections import Contact
 from granwave.lammps_inputs.deck.commands import joined, law_coefficients, num
 from granwave.lammps_inputs.packing.walls import support_words, wall_fixes, wall_friction, walls
+from granwave.lammps_inputs.run_directory import DENTS_FILE
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
-
-DENTS_FILE = "dents.txt"  # beside the deck: what contacts went through before the run
 
 _ELASTIC = Contact(law="hertz")
 

@@ -2,30 +2,38 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
-import os
-import shutil
-import tempfile
 from pathlib import Path
 from typing import Any
 
 from granwave.lammps_inputs.case.case import Case, load_case
 from granwave.lammps_inputs.contact.initial_dents import dents_table
-from granwave.lammps_inputs.deck.contacts import DENTS_FILE
+from granwave.lammps_inputs.contact.static_load import directions
 from granwave.lammps_inputs.deck.data_file import write_data
-from granwave.lammps_inputs.deck.motion import LOAD_FILE
+from granwave.lammps_inputs.deck.output import output_files
 from granwave.lammps_inputs.deck.script import input_script
 from granwave.lammps_inputs.deck.static_stage import load_tables
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import naming, replacing
 from granwave.lammps_inputs.packing.assembly import struck_of
 from granwave.lammps_inputs.packing.walls import walls
 from granwave.lammps_inputs.planning.schedule import Schedule, make_schedule
+from granwave.lammps_inputs.run_directory import (
+    CASE_FILE,
+    DATA_FILE,
+    DENTS_FILE,
+    DUMPS,
+    LOAD_FILE,
+    LOG_FILE,
+    PRELOAD_FILE,
+    RUN,
+    SCRIPT_FILE,
+    claim,
+    clear,
+    results_in,
+)
 from granwave.lammps_inputs.toml_files import read_toml
-
-CASE_FILE = "case.toml"
-DATA_FILE = "data.granwave"
-SCRIPT_FILE = "in.granwave"
-DUMPS = "dumps"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -68,8 +76,8 @@ class Deck:
 def write_deck(case: Case, directory: str | Path, *, timestep: float | None = None) -> Deck:
     """Write the deck of a case: case.toml, data.granwave, in.granwave, tables that it needs, and an empty dumps/.
 
-    The files are written elsewhere first and moved into place complete, the script last. Files of the same
-    names are replaced; nothing else in the directory is touched.
+    The files are written beside their places first and moved there complete, the script last. Files that granwave
+    wrote there before are replaced; nothing else in the directory is touched.
 
     Parameters
     ----------
@@ -79,30 +87,48 @@ def write_deck(case: Case, directory: str | Path, *, timestep: float | None = No
     Raises
     ------
     InputError
-        The directory cannot be written to, or the dents before the run cannot be had; see `dents_table`.
+        The directory cannot be written to, holds files of such names that granwave did not write, or the dents before
+        the run cannot be had; see `dents_table`.
     """
     directory = Path(directory)
     deck = Deck(directory, case, make_schedule(case, timestep), struck_of(case))
-    tables = _tables(case)
+    text, tables = case.to_toml(resolved=resolved(deck)), _tables(case)
     try:
         directory.mkdir(parents=True, exist_ok=True)
-        scratch = Path(tempfile.mkdtemp(prefix=".deck-", dir=directory))
+        fresh = not results_in(directory)
+        claim(directory, deck_files(case, deck.schedule), kind=RUN, case=text)
+        deck.dumps.mkdir(exist_ok=True)
     except OSError as error:
         raise InputError(f"{directory}: cannot be written to: {error.strerror}; choose another with -o") from None
     try:
-        (scratch / CASE_FILE).write_text(case.to_toml(resolved=resolved(deck)), encoding="utf-8")
-        write_data(case, scratch / DATA_FILE)
-        (scratch / SCRIPT_FILE).write_text(input_script(case, deck.schedule), encoding="utf-8")
-        deck.dumps.mkdir(exist_ok=True)
-        files = [CASE_FILE, DATA_FILE, SCRIPT_FILE]
-        for name, text in tables.items():
-            (scratch / name).write_text(text, encoding="ascii")
-            files.insert(0, name)
-        for name in files:
-            os.replace(scratch / name, directory / name)
-    finally:
-        shutil.rmtree(scratch, ignore_errors=True)
+        _write(case, directory, {SCRIPT_FILE: input_script(case, deck.schedule), CASE_FILE: text, **tables})
+    except BaseException:
+        if fresh:
+            clear(directory)
+        raise
     return deck
+
+
+def _write(case: Case, directory: Path, texts: dict[str, str]) -> None:
+    """Write the data file and texts by their names; the first of them takes its place last."""
+    with contextlib.ExitStack() as stack:  # the first to be entered is the last to be left
+        names = dict.fromkeys((next(iter(texts)), DATA_FILE, *texts))
+        scratch = {name: stack.enter_context(replacing(directory / name)) for name in names}
+        for name, path in scratch.items():
+            with naming(directory / name):
+                if name == DATA_FILE:
+                    write_data(case, path)
+                else:
+                    path.write_text(texts[name], encoding="utf-8")
+
+
+def deck_files(case: Case, schedule: Schedule) -> list[str]:
+    """Names of the files of a deck, and of those that LAMMPS writes when it runs it."""
+    tables = [PRELOAD_FILE.format(axis) for axis in directions(case)] if case.precompression else []
+    tables += [DENTS_FILE] if case.contact.initial_overlap else []
+    tables += [LOAD_FILE] if case.load.table else []
+    dumps = [f"{DUMPS}/{name}" for name in output_files(case, schedule)]
+    return [CASE_FILE, DATA_FILE, SCRIPT_FILE, *tables, LOG_FILE, *dumps]
 
 
 def _tables(case: Case) -> dict[str, str]:

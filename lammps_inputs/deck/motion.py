@@ -7,12 +7,11 @@ from typing import TYPE_CHECKING
 from granwave.lammps_inputs.deck.commands import joined, num
 from granwave.lammps_inputs.packing.assembly import INCIDENT_BAR, struck_of, velocities_of
 from granwave.lammps_inputs.packing.walls import walls
+from granwave.lammps_inputs.run_directory import LOAD_FILE
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
     from granwave.lammps_inputs.planning.schedule import Schedule
-
-LOAD_FILE = "load.txt"  # beside the deck: points of a load given as a table
 
 _HALF_INERTIA = 0.2  # of a sphere, in m R^2
 

@@ -7,6 +7,19 @@ from typing import TYPE_CHECKING
 
 from granwave.lammps_inputs.deck.commands import command, joined
 from granwave.lammps_inputs.packing.walls import Wall, moving_fix, wall_fixes, walls
+from granwave.lammps_inputs.run_directory import (
+    CONTACTS_FILE,
+    DUMPS,
+    ENERGY_FILE,
+    FORCES_FILE,
+    FRAMES_FILE,
+    HISTORY_FILE,
+    PRESTAGE_FILE,
+    PROBES_FILE,
+    STATIC_FILE,
+    WALL_CONTACTS_FILE,
+    WALLS_FILE,
+)
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
@@ -125,7 +138,7 @@ def ledger(case: Case, schedule: Schedule) -> list[str]:
         f"variable        elastic equal {_sum(elastic)}",
         f"variable        dissipated equal {_sum(dissipated)}",
         "variable        struck_velocity equal vcm(struck,z)",
-        *_series("ledger", schedule.ledger_every, "dumps/energy.txt", "energy ledger, SI units", columns),
+        *_series("ledger", schedule.ledger_every, ENERGY_FILE, "energy ledger, SI units", columns),
     ]
 
 
@@ -156,7 +169,7 @@ def wall_forces(case: Case, schedule: Schedule) -> list[str]:
     return [
         "# Force of the spheres on each wall and bar, N, positive outwards.",
         *(f"variable        {wall.name} equal {_outward_force(case, wall)}" for wall in found),
-        *_series("walls", schedule.wall_every, "dumps/walls.txt", "wall forces, N", {"time": "v_time"} | columns),
+        *_series("walls", schedule.wall_every, WALLS_FILE, "wall forces, N", {"time": "v_time"} | columns),
     ]
 
 
@@ -177,7 +190,7 @@ def probes(case: Case, schedule: Schedule) -> list[str]:
         for quantity, source in _sphere_probe(probe.sphere or 0).items():
             lines.append(f"variable        probe{n}{quantity} equal {source}")
             columns[f"sphere_{probe.sphere}_{quantity}"] = f"v_probe{n}{quantity}"
-    return lines + _series("probes", schedule.probe_every, "dumps/probes.txt", "probes, SI units", columns)
+    return lines + _series("probes", schedule.probe_every, PROBES_FILE, "probes, SI units", columns)
 
 
 def displacements(case: Case) -> list[str]:
@@ -207,7 +220,7 @@ def frames(case: Case, schedule: Schedule) -> list[str]:
         *([] if case.precompression else displacements(case)[:1]),
         "compute         sphere all gran/hysteretic/atom",
         "compute         contacts all gran/hysteretic/local",
-        *command("dump            frames all custom", f"{every}", "dumps/spheres.dump", *columns.values()),
+        *command("dump            frames all custom", f"{every}", f"{DUMPS}/{FRAMES_FILE}", *columns.values()),
         f'dump_modify     frames first yes sort id format line "{form}"',
         *command("dump_modify     frames", *_names(columns)),
         *chosen,
@@ -222,10 +235,10 @@ def history(case: Case, schedule: Schedule) -> list[str]:
     names = {source: name for name, source in HISTORY_COLUMNS.items() if name != source}
     return [
         "# The chain in time.",
-        *command(f"dump            history all custom {every} dumps/history.dump", *HISTORY_COLUMNS.values()),
+        *command(f"dump            history all custom {every} {DUMPS}/{HISTORY_FILE}", *HISTORY_COLUMNS.values()),
         'dump_modify     history first yes sort id format line "%d %.17g %.17g"',
         *(f"dump_modify     history colname {source} {name}" for source, name in names.items()),
-        f"dump            forces all local {every} dumps/forces.dump c_contacts[1] c_contacts[2] c_contacts[4]",
+        f"dump            forces all local {every} {DUMPS}/{FORCES_FILE} c_contacts[1] c_contacts[2] c_contacts[4]",
         'dump_modify     forces first yes format line "%.9g %.9g %.17g"',
         *(f"dump_modify     forces colname c_contacts[{n}] {name}" for n, name in ((1, "i"), (2, "j"), (4, "force"))),
     ]
@@ -260,7 +273,7 @@ def dumps_at_end(case: Case) -> list[str]:
         "",
         "# Every contact there was, and every sphere that touched a wall.",
         *command(
-            "write_dump      all local dumps/contacts.dump",
+            f"write_dump      all local {DUMPS}/{CONTACTS_FILE}",
             *contacts.values(),
             "modify format line",
             f'"{joined(["%.17g"] * len(contacts))}"',
@@ -273,13 +286,23 @@ def dumps_at_end(case: Case) -> list[str]:
         for fix, _, _ in wall_fixes(case, wall):
             columns = {name: f"f_{fix}[{n}]" for name, n in on_walls.items()}
             lines += command(
-                f"write_dump      all custom dumps/wall_{fix}.dump id",
+                f"write_dump      all custom {DUMPS}/{WALL_CONTACTS_FILE.format(fix)} id",
                 *columns.values(),
                 f"modify sort id thresh {columns['peak_overlap']} > 0.0 format line",
                 f'"%d {joined(["%.17g"] * len(columns))}"',
                 *_names(columns),
             )
     return lines
+
+
+def output_files(case: Case, schedule: Schedule) -> list[str]:
+    """Names, in dumps/, of the files that LAMMPS writes."""
+    planes = [fix for wall in walls(case) if not wall.held_layer for fix, _, _ in wall_fixes(case, wall)]
+    files = [ENERGY_FILE, FRAMES_FILE, CONTACTS_FILE, *(WALL_CONTACTS_FILE.format(fix) for fix in planes)]
+    files += [WALLS_FILE] if wall_forces(case, schedule) else []
+    files += [PROBES_FILE] if case.probes else []
+    files += [HISTORY_FILE, FORCES_FILE] if schedule.history_every else []
+    return files + ([PRESTAGE_FILE, STATIC_FILE] if case.precompression else [])
 
 
 def _columns(case: Case, always: tuple[str, ...], rubbing: dict[str, int], dented: dict[str, int]) -> dict[str, int]:
@@ -290,12 +313,12 @@ def _columns(case: Case, always: tuple[str, ...], rubbing: dict[str, int], dente
     return columns | dented if case.has_past else columns
 
 
-def _series(name: str, every: int, path: str, title: str, columns: dict[str, str]) -> list[str]:
+def _series(name: str, every: int, file: str, title: str, columns: dict[str, str]) -> list[str]:
     """A table in time: one row every so many steps, the step first."""
     return command(
         f"fix             {name} all ave/time {every} 1 {every}",
         *columns.values(),
-        f'file {path} format " %.17g" title1 "# {title}"',
+        f'file {DUMPS}/{file} format " %.17g" title1 "# {title}"',
         f'title2 "# {joined(["step", *columns])}"',
     )
 

@@ -18,6 +18,7 @@ from granwave.lammps_inputs.deck.output import dumps_at_end, frames, history, le
 from granwave.lammps_inputs.deck.static_stage import dead_load_commands, first_half, second_half
 from granwave.lammps_inputs.planning.schedule import BLOCK_THRESHOLD, Schedule
 from granwave.lammps_inputs.planning.timestep import fastest
+from granwave.lammps_inputs.run_directory import CASE_FILE, DATA_FILE, SCRIPT_FILE
 
 RUN_MARKER = "# --- run ---"
 END_MARKER = "# --- end ---"
@@ -66,8 +67,8 @@ def _head(case: Case) -> list[str]:
         f"# {_HARMFUL.sub('?', case.name)}",
         f"# Impact on an ordered packing: {size} spheres, {packing.kind}, diameter {packing.diameter:g} m;",
         f"# {how[load.kind]}",
-        "# Written by granwave from case.toml.",
-        "# Run it here:  lmp -in in.granwave   (the pair style gran/hysteretic comes with granwave)",
+        f"# Written by granwave from {CASE_FILE}.",
+        f"# Run it here:  lmp -in {SCRIPT_FILE}   (the pair style gran/hysteretic comes with granwave)",
     ]
 
 
@@ -82,7 +83,7 @@ def _system(case: Case) -> list[str]:
         "newton          off",
         f"boundary        {sides} m",
         *(["bond_style      harmonic"] if bars else []),
-        "read_data       data.granwave",
+        f"read_data       {DATA_FILE}",
         *_bars(case),
     ]
 

@@ -28,13 +28,12 @@ from granwave.lammps_inputs.deck.contacts import pair_coefficients, wall_command
 from granwave.lammps_inputs.deck.inertia_relief import relief_commands, relief_state
 from granwave.lammps_inputs.deck.output import POTENTIAL, displacements
 from granwave.lammps_inputs.packing.walls import moving_fix, support_timestep, wall_fixes, walls
+from granwave.lammps_inputs.run_directory import DUMPS, PRELOAD_FILE, PRESTAGE_FILE, STATIC_FILE
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
 
 STAGE_MARKER, STAGE_END = "# --- static stage ---", "# --- end of the static stage ---"
-PRESTAGE_FILE, STATIC_FILE = "prestage.txt", "static.lmp"  # in dumps/
-PRELOAD_FILE = "preload_{}.txt"  # beside the deck, for each direction in which there are dead loads
 
 LARGEST_MOVE = 0.1  # diameters, of any sphere, beyond what contacts take up: one that moves further rearranges
 
@@ -149,16 +148,16 @@ def second_half(case: Case) -> list[str]:
         "run             0 post no",
         f"variable        static_stored equal {'+'.join(_stored(case))}",
         f"variable        static_load equal {num(force_of_contact(case))}",
-        f'print           """{values}""" file dumps/{PRESTAGE_FILE} screen no',
+        f'print           """{values}""" file {DUMPS}/{PRESTAGE_FILE} screen no',
         f"variable        static_all equal v_static_stored+{POTENTIAL}",
         *(["unfix           static_strikers"] if case.striker else []),
         *(["unfix           static_relief"] if _relief(case) else []),
-        f'print           "variable static equal $(v_static_all:%.17g)" file dumps/{STATIC_FILE} screen no',
+        f'print           "variable static equal $(v_static_all:%.17g)" file {DUMPS}/{STATIC_FILE} screen no',
         *(f"uncompute       static{name}" for name in ("_moved", "_net", "_borne", "_largest", "_sphere", "")),
         STAGE_END,
         "",
         "# What the ledger counts from.",
-        f"include         dumps/{STATIC_FILE}",
+        f"include         {DUMPS}/{STATIC_FILE}",
     ]
 
 

@@ -349,6 +349,15 @@ def struck_of(case: Case) -> tuple[int, ...]:
     return tuple(moving)
 
 
+def struck_site(case: Case) -> int | None:
+    """Id of the struck sphere of the packing: the central one, or what the first striker strikes; None without one."""
+    struck = struck_of(case)
+    sphere = struck[0] if struck else None
+    while sphere is not None and sphere > case.lattice.n_spheres:
+        sphere = case.striker[sphere - case.lattice.n_spheres - 1].touches[0]
+    return sphere
+
+
 def velocities_of(case: Case) -> dict[int, tuple[float, float, float]]:
     """Initial velocities of the spheres that have one, by id, m/s."""
     found: dict[int, tuple[float, float, float]] = {}

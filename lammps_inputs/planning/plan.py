@@ -2,19 +2,28 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
-import os
+import logging
+import math
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from granwave.lammps_inputs.contact.initial_dents import check_earlier_result
 from granwave.lammps_inputs.contact.law import sphere_contact
-from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.directories import check_disk
+from granwave.lammps_inputs.errors import InputError, raise_all
+from granwave.lammps_inputs.memory import refuse_too_large
 from granwave.lammps_inputs.planning.schedule import Schedule, make_schedule
-from granwave.lammps_inputs.planning.timestep import expected_peak_overlap
+from granwave.lammps_inputs.planning.timestep import auto_timestep, expected_peak_overlap
 from granwave.lammps_inputs.planning.wall_time import WallTime, expected_wall_time
+from granwave.lammps_inputs.planning.zone_estimate import ExpectedZone, expected_zone
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
+
+_LOG = logging.getLogger("granwave")
 
 # Measured on fcc packings of 1.5e5 spheres (whole runs) and 1e7 spheres (set-up and first steps), rounded up.
 _MEMORY_BASE = 300e6  # bytes; the interpreter with LAMMPS, or with matplotlib, loaded
@@ -23,7 +32,9 @@ _MEMORY_PER_CONTACT = 100.0
 _DISK_DATA_PER_SPHERE = 75.0
 _DISK_FRAME_PER_SPHERE = 130.0  # the text dump and its copy in result.h5
 _DISK_PER_CONTACT = 110.0
+_DISK_CHECKPOINT_PER_SPHERE, _DISK_CHECKPOINT_PER_CONTACT = 250.0, 250.0  # measured with friction, all yielded
 _DISK_PER_ROW = 400.0
+_FAR_TOO_LONG = 20.0  # times the automatic timestep: the balance misses by more than 1e-4, half way to instability
 _ROWS_PER_PARTICLE = 0.25  # what a particle costs at an instant of a chain's history
 
 
@@ -35,6 +46,8 @@ class Plan:
     ----------
     memory, disk
         Bytes, of all ranks together.
+    disk_reserve
+        Bytes that must stay free while it runs, for one more snapshot and checkpoint.
     peak_overlap
         A bound on the largest overlap of two spheres, m.
     peak_overlap_yield
@@ -43,6 +56,8 @@ class Plan:
         The same over the effective radius; beyond 0.2 it is outside the fitted law.
     times
         What it takes, part by part.
+    zone
+        How far the plastic zone will reach; None where nothing yields, or there is no estimate.
     """
 
     name: str
@@ -51,10 +66,12 @@ class Plan:
     schedule: Schedule
     memory: float
     disk: float
+    disk_reserve: float
     peak_overlap: float
     peak_overlap_yield: float | None
     peak_overlap_radius: float
     times: WallTime
+    zone: ExpectedZone | None = None
 
     @property
     def wall_time(self) -> float:
@@ -69,9 +86,22 @@ def plan(case: Case, *, n_ranks: int = 1, figures: bool = True) -> Plan:
     ----------
     figures
         They are drawn too.
+
+    Raises
+    ------
+    InputError
+        There is no timestep for these values, or too many steps or snapshots.
     """
-    schedule, law, assembly = make_schedule(case), sphere_contact(case), case.assembly
-    overlap = expected_peak_overlap(case)
+    try:
+        schedule, law, assembly = make_schedule(case), sphere_contact(case), case.assembly
+        overlap = expected_peak_overlap(case)
+    except (ArithmeticError, ValueError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(
+            f"{case.name}: no timestep can be found for these values ({error}); are they all in SI units?"
+        ) from None
+    _note_times(case, schedule)
     rows = schedule.n_steps / schedule.ledger_every + schedule.n_steps / schedule.probe_every
     if schedule.history_every:
         rows += _ROWS_PER_PARTICLE * assembly.n_particles * schedule.n_steps / schedule.history_every
@@ -86,11 +116,65 @@ def plan(case: Case, *, n_ranks: int = 1, figures: bool = True) -> Plan:
         disk=assembly.n_particles * (_DISK_DATA_PER_SPHERE + schedule.n_frames * _DISK_FRAME_PER_SPHERE)
         + assembly.n_neighbours * _DISK_PER_CONTACT
         + rows * _DISK_PER_ROW,
+        disk_reserve=assembly.n_particles * (_DISK_FRAME_PER_SPHERE + _DISK_CHECKPOINT_PER_SPHERE)
+        + assembly.n_neighbours * _DISK_CHECKPOINT_PER_CONTACT,
         peak_overlap=overlap,
         peak_overlap_yield=overlap / law.yield_overlap if case.contact.yields else None,
         peak_overlap_radius=overlap / law.effective_radius,
         times=expected_wall_time(case, schedule, n_ranks=n_ranks, figures=figures),
+        zone=expected_zone(case),
     )
+
+
+def _note_times(case: Case, schedule: Schedule) -> None:
+    """Log times that are allowed but cannot be meant: a timestep that is too long, records oftener than steps."""
+    given, interval = case.run.timestep, case.output.probe_interval
+    best = math.inf
+    with contextlib.suppress(ArithmeticError, ValueError):  # there is none
+        best = auto_timestep(case) if not isinstance(given, str) else math.inf
+    if not isinstance(given, str) and given > _FAR_TOO_LONG * best:
+        _LOG.warning(
+            '%s: run.timestep: found %g s, "auto" takes %g s; the energy balance will hardly close',
+            case.name,
+            given,
+            best,
+        )
+    if not isinstance(interval, str) and interval < schedule.timestep / 2:
+        _LOG.warning(
+            "%s: output.probe_interval: found %g s, there is at most a record each timestep, %.3g s",
+            case.name,
+            interval,
+            schedule.timestep,
+        )
+
+
+def check_run(
+    case: Case, expected: Plan, directory: Path | None = None, *, files: bool = True, memory: bool = True
+) -> None:
+    """Check what a run needs beside a case that is right: the files that it names, memory, and room on the disk.
+
+    Parameters
+    ----------
+    directory
+        Where the results go; None: the disk is not looked at.
+    files
+        The files are looked at.
+    memory
+        The memory of this machine is looked at.
+
+    Raises
+    ------
+    InputError
+        With every fault there is.
+    """
+    checks: list[Callable[[], None]] = []
+    if files:
+        checks.append(lambda: check_earlier_result(case))
+    if memory:
+        checks.append(lambda: check_memory(expected))
+    if directory is not None:
+        checks.append(lambda: check_disk(directory, expected.disk, spare=expected.disk_reserve))
+    raise_all(checks)
 
 
 def check_memory(plan: Plan, available: float | None = None) -> None:
@@ -108,24 +192,3 @@ def check_memory(plan: Plan, available: float | None = None) -> None:
     """
     what = f"{plan.name}: packing.size: {plan.n_spheres} spheres"
     refuse_too_large(what, plan.memory, "make the packing smaller", available)
-
-
-def refuse_too_large(what: str, memory: float, remedy: str, available: float | None = None) -> None:
-    """Raise InputError where ``what`` needs more ``memory`` than is ``available``, bytes; by default what is free."""
-    available = available_memory() if available is None else available
-    if memory > available:
-        raise InputError(
-            f"{what} need about {memory / 2**30:.1f} GiB of memory, there is {available / 2**30:.1f} GiB; "
-            f"{remedy} or change machine"
-        )
-
-
-def available_memory() -> float:
-    """Bytes of memory that this machine could still give to a program."""
-    try:
-        for line in Path("/proc/meminfo").read_text(encoding="ascii").splitlines():
-            if line.startswith("MemAvailable:"):
-                return float(line.split()[1]) * 1024
-    except OSError:
-        pass  # not Linux: fall back on the memory that the machine has
-    return float(os.sysconf("SC_PAGE_SIZE")) * os.sysconf("SC_PHYS_PAGES")

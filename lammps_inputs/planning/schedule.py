@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from granwave.lammps_inputs.case.sections import AUTO_END_TIME
+from granwave.lammps_inputs.case.sections import AUTO_END_TIME, DEFAULT_FRAMES
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.planning.timestep import auto_timestep
 
@@ -26,7 +26,8 @@ _LEDGER_ROWS = 500  # aimed at, of a run with an end time
 _LEDGER_ROWS_IN_BLOCK = 250  # the run may end after one block, and a balance over fewer instants is no balance
 _AUTO_PROBE_STEPS = 5
 _WALL_STEPS = 10  # some 0.3 us of the reference; LAMMPS adds up all energies whenever anything is recorded
-_MOST_STEPS = 2e9
+MOST_STEPS = 2e9
+_MOST_UNEVEN_FRAMES = 10_000  # LAMMPS evaluates a formula with a term for each before every snapshot: 40 s in all
 _AUTO_FRAME_SPAN = 1e-3  # s, over which `frames` snapshots are spread when the end is not known
 
 
@@ -89,8 +90,11 @@ def make_schedule(case: Case, timestep: float | None = None) -> Schedule:
     if isinstance(case.run.end_time, str):
         return _in_blocks(case, given)
     dt, n_steps, ledger_every = _fit(case, given, case.run.end_time, _LEDGER_ROWS)
-    steps = _frame_steps(case, dt, n_steps)
-    even = steps[0] if steps == tuple(range(steps[0], n_steps + 1, steps[0])) else 0
+    even = _even_frames(case, n_steps)
+    _check_counts(case, n_steps, even=even > 0)
+    steps = () if even else _frame_steps(case, dt, n_steps)
+    if steps and steps == tuple(range(steps[0], n_steps + 1, steps[0])):
+        even, steps = steps[0], ()
     return Schedule(
         timestep=dt,
         n_steps=n_steps,
@@ -99,9 +103,24 @@ def make_schedule(case: Case, timestep: float | None = None) -> Schedule:
         wall_every=_divisor(n_steps, _WALL_STEPS),
         probe_every=_probe_every(case, dt, n_steps),
         frame_every=even,
-        frame_steps=() if even else steps,
+        frame_steps=steps,
         history_every=_history_every(case, n_steps),
     )
+
+
+def check_steps(name: str, duration: float, timestep: float) -> None:
+    """Refuse a run of more steps than can be counted.
+
+    Raises
+    ------
+    InputError
+        ``duration`` (s) takes more than `MOST_STEPS` of ``timestep`` (s).
+    """
+    if not duration / timestep <= MOST_STEPS:
+        raise InputError(
+            f"{name}: run.end_time: {duration:g} s in steps of {timestep:g} s are more than {MOST_STEPS:g} steps; "
+            "make the run shorter, or run.timestep longer"
+        )
 
 
 def _in_blocks(case: Case, given: float | str) -> Schedule:
@@ -109,6 +128,7 @@ def _in_blocks(case: Case, given: float | str) -> Schedule:
     n_steps = block_steps * max(1, round(AUTO_END_TIME / (block_steps * dt)))
     frames = case.run.frames
     listed = isinstance(frames, tuple)
+    _check_counts(case, round(_AUTO_FRAME_SPAN / dt), even=not listed)
     every = 0 if isinstance(frames, tuple) else max(1, round(_AUTO_FRAME_SPAN / frames / dt))
     return Schedule(
         timestep=dt,
@@ -126,11 +146,7 @@ def _in_blocks(case: Case, given: float | str) -> Schedule:
 def _fit(case: Case, given: float | str, duration: float, rows: int) -> tuple[float, int, int]:
     """Timestep, steps in ``duration``, and steps between the about ``rows`` rows of the ledger."""
     step = auto_timestep(case) if isinstance(given, str) else given
-    if not duration / step <= _MOST_STEPS:
-        raise InputError(
-            f"{case.name}: run.end_time: {duration:g} s in steps of {step:g} s are more than {_MOST_STEPS:g} steps; "
-            "make the run shorter, or run.timestep longer"
-        )
+    check_steps(case.name, duration, step)
     if isinstance(given, str):
         ledger_every = max(1, math.ceil(duration / step / rows * (1 - 1e-9)))
         return duration / (ledger_every * rows), ledger_every * rows, ledger_every
@@ -154,6 +170,40 @@ def _probe_every(case: Case, dt: float, n_steps: int) -> int:
     if isinstance(interval, str):
         return _divisor(n_steps, _AUTO_PROBE_STEPS)
     return max(1, round(interval / dt))
+
+
+def _check_counts(case: Case, n_steps: int, *, even: bool) -> None:
+    """Refuse more snapshots, or instants of a chain's history, than there can be; makes none of them.
+
+    Parameters
+    ----------
+    n_steps
+        Steps over which they are spread.
+    even
+        The snapshots are evenly spaced.
+    """
+    frames, history = case.run.frames, case.output.history
+    count, faults = frames if isinstance(frames, int) else len(frames), []
+    each_step = f"expected at most {n_steps + 1}: one at the start, one a step"
+    if isinstance(frames, int) and frames > max(n_steps + 1, DEFAULT_FRAMES):
+        faults.append(f"run.frames: found {frames}, {each_step}")
+    elif count > _MOST_UNEVEN_FRAMES and not even:
+        faults.append(
+            f"run.frames: found {count}, expected at most {_MOST_UNEVEN_FRAMES} where they do not divide the {n_steps} "
+            "steps evenly; output.probes and output.history record more often"
+        )
+    if isinstance(history, int) and history > n_steps + 1:
+        faults.append(f"output.history: found {history}, {each_step}")
+    if faults:
+        raise InputError(f"{case.name}: {fault}" for fault in faults)
+
+
+def _even_frames(case: Case, n_steps: int) -> int:
+    """Steps between snapshots where their number divides the run into equal parts; else 0."""
+    frames = case.run.frames
+    if not isinstance(frames, int) or frames < 2 or n_steps % (frames - 1):
+        return 0
+    return n_steps // (frames - 1)
 
 
 def _frame_steps(case: Case, dt: float, n_steps: int) -> tuple[int, ...]:

@@ -139,8 +139,10 @@ def expected_peak_overlap(case: Case) -> float:
 
 
 def auto_timestep(case: Case) -> float:
-    """The timestep for ``run.timestep = "auto"``, s."""
+    """The timestep for ``run.timestep = "auto"``, s; raises ValueError where no contact takes up any energy."""
     encounters = _encounters(case)
+    if not encounters:
+        raise ValueError("no contact takes up any energy")
     slowest = min(encounter.mass / encounter.stiffness for encounter in encounters)
     limits = [math.sqrt(_TOLERANCE / _ERROR * slowest)]
     limits.append(support_timestep(case, max(encounter.stiffness for encounter in encounters)))

@@ -2,6 +2,7 @@
 
 #include "atom.h"
 #include "error.h"
+#include "finite_motion.h"
 #include "memory.h"
 #include "pair_gran_hysteretic.h"
 
@@ -36,10 +37,12 @@ int FixGranHystereticHistory::setmask()
   return FixConst::PRE_EXCHANGE | FixConst::MIN_PRE_EXCHANGE;
 }
 
-/* Before spheres change place the flat list of the pair style goes back to the spheres. */
+/* Before spheres change place the flat list of the pair style goes back to the spheres. LAMMPS sorts spheres into boxes
+   and bins next, where one whose place is not finite would be lost. */
 
 void FixGranHystereticHistory::gather()
 {
+  granwave::require_finite_motion(lmp);
   if (pair) pair->release_contacts();
   int most = 0;
   for (int i = 0; i < atom->nlocal; i++) most = std::max(most, history.count(i));

@@ -3,6 +3,7 @@
 #include "atom.h"
 #include "comm.h"
 #include "error.h"
+#include "finite_motion.h"
 #include "group.h"
 #include "modify.h"
 #include "simulated_time.h"
@@ -176,6 +177,7 @@ void FixGranLoad::post_force(int)
   double speeds = 0.0;
   for (int i = 0; i < atom->nlocal; i++)
     if (atom->mask[i] & groupbit) speeds += atom->v[i][axis];
+  if (!std::isfinite(speeds)) granwave::require_finite_motion(lmp);
   const double moved = speeds / atoms * dt, mean = 0.5 * (before + force);
   given[WORK] += mean * moved;
   given[DISPLACEMENT] += moved;
@@ -217,6 +219,7 @@ void FixGranLoad::initial_integrate(int)
 void FixGranLoad::final_integrate()
 {
   const double mean = 0.5 * (resistance + force_on_group());
+  if (!std::isfinite(mean)) error->one(FLERR, "Fix {} {}: the force on its atoms is not finite", STYLE, id);
   given[WORK] -= mean * moved;
   given[IMPULSE] -= mean * update->dt;
   velocity = shape.slope(granwave::simulated_time(*update));

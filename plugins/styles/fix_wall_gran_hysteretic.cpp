@@ -6,6 +6,7 @@
 #include "atom.h"
 #include "domain.h"
 #include "error.h"
+#include "finite_motion.h"
 #include "../laws/law_arguments.h"
 #include "simulated_time.h"
 #include "update.h"
@@ -169,7 +170,7 @@ void FixWallGranHysteretic::evaluate()
     if (!(atom->mask[i] & groupbit) || radius[i] == 0.0) continue;    // a flat face meets no wall
     const double overlap[2] = {at[0] + radius[i] - x[i][axis], x[i][axis] + radius[i] - at[1]};
     const double least = ROUNDING * radius[i];
-    const bool touches[2] = {overlap[0] > least, overlap[1] > least};
+    const bool touches[2] = {!(overlap[0] <= least), !(overlap[1] <= least)};    // an overlap that is no number, too
     if (!touches[0] && !touches[1] && !near[i]) continue;
     near[i] = touches[0] || touches[1];
     array_atom[i][OVERLAP] = array_atom[i][FORCE] = array_atom[i][TANGENTIAL] = 0.0;
@@ -220,9 +221,11 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::touch(int i, int which, do
   double *const state = array_atom[i];
   Side &side = sides[2 * i + which];
   const double radius = atom->radius[i];
-  if (overlap > radius)
+  if (!(overlap <= radius)) {
+    granwave::require_finite_motion(lmp, i);
     error->one(FLERR, "Sphere {} reaches {:.3g} into the wall of fix {}, more than its radius {:.3g}: it was placed into "
                       "it, or the timestep is far too large", atom->tag[i], overlap, id, radius);
+  }
   const ContactScale scale = law.scale(radius);
   const double place[2] = {atom->x[i][(axis + 1) % 3], atom->x[i][(axis + 2) % 3]};
   if (state[TIME_FIRST] < 0.0) state[TIME_FIRST] = now;

@@ -89,6 +89,9 @@ class PairGranHysteretic : public Pair {
   // the distance are that noise: the force that they would give is below 1e-12 F_y.
   static constexpr double ROUNDING = 5e-13;
 
+  // Spheres out of reach of others are looked at so rarely that it costs nothing; a NaN beside others is found in its step.
+  static constexpr int STEPS_BETWEEN_CHECKS = 100;
+
   static constexpr int HELD_AT_A_TIME = 8;    // flags that are looked at together
 
   enum { OVERLAP, PEAK_OVERLAP, PEAK_FORCE, LOST, TIME_FIRST, TIME_PEAK, TIME_YIELD, N_SINGLE };    // of compute pair/local

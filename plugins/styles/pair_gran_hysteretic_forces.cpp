@@ -4,6 +4,7 @@
 
 #include "atom.h"
 #include "error.h"
+#include "finite_motion.h"
 #include "fix_gran_hysteretic_history.h"
 #include "simulated_time.h"
 #include "update.h"
@@ -110,7 +111,7 @@ void PairGranHysteretic::remember(Touch &touch)
     const int k = touch.k[m];
     const Pairing &p = *touch.pairing[m];
     const double overlap = touch.overlap[m];
-    if (overlap > p.largest_overlap) overlap_error(touch.i[m], touch.j[m], overlap);
+    if (!(overlap <= p.largest_overlap)) overlap_error(touch.i[m], touch.j[m], overlap);
     const bool raised = overlap > c.peak[k];
     if (raised) {
       if (c.peak[k] == 0.0) c.time_first[k] = now;
@@ -303,6 +304,7 @@ template <bool UNIFORM> void PairGranHysteretic::forces(Tally what)
 void PairGranHysteretic::compute(int eflag, int vflag)
 {
   ev_init(eflag, vflag);
+  if (update->ntimestep % STEPS_BETWEEN_CHECKS == 0) granwave::require_finite_motion(lmp);
   if (!contacts.valid) build_contacts();
   contacts.published = false;
   now = granwave::simulated_time(*update);
@@ -319,6 +321,7 @@ void PairGranHysteretic::compute(int eflag, int vflag)
 
 void PairGranHysteretic::overlap_error(int i, int j, double overlap)
 {
+  for (const int sphere : {i, j}) granwave::require_finite_motion(lmp, sphere);
   const bool face = atom->radius[i] == 0.0 || atom->radius[j] == 0.0;
   error->one(FLERR, fmt::format("Spheres {} and {} overlap by {:.3g}, more than {}: they were placed into each other, or the "
                                 "timestep is far too large", atom->tag[i], atom->tag[j], overlap,

@@ -5,6 +5,7 @@
 #include "atom.h"
 #include "comm.h"
 #include "error.h"
+#include "finite_motion.h"
 #include "fix_gran_hysteretic_history.h"
 
 #include <algorithm>
@@ -42,6 +43,7 @@ double PairGranHysteretic::force_reached(const ContactPast &past, const Dent &de
 double PairGranHysteretic::tally_totals()
 {
   require_contacts();
+  granwave::require_finite_motion(lmp);
   double elastic = 0.0, largest_force = 0.0;
   std::fill_n(pvector, static_cast<int>(N_TOTALS), 0.0);
   const double *const *x = atom->x;
@@ -171,6 +173,7 @@ PairGranHysteretic::Report PairGranHysteretic::describe(int i, int j, int k, dou
 void PairGranHysteretic::for_each_dent(const std::function<void(const Report &)> &visit)
 {
   require_contacts();
+  granwave::require_finite_motion(lmp);
   const double *const *x = atom->x;
   Contacts &c = contacts;
   for (std::size_t r = 0; r < c.row.size(); r++) {

@@ -3,47 +3,53 @@
 from __future__ import annotations
 
 import argparse
+import logging
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
-from granwave.lammps_inputs.case.case import Case
+from granwave.analysis.measures.zone_marks import zone_warnings
 from granwave.lammps_inputs.case.material import Material, material, sphere_mass
 from granwave.lammps_inputs.case.overrides import apply_overrides, parse_overrides
 from granwave.lammps_inputs.contact.law import contact_of, rigid_wall_contact_of
 from granwave.lammps_inputs.deck.deck import write_deck
+from granwave.lammps_inputs.directories import refuse_other_file, results_directory
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.planning.plan import check_memory, plan
+from granwave.lammps_inputs.files import replace_text
+from granwave.lammps_inputs.planning.plan import check_run, plan
+from granwave.lammps_inputs.run_directory import (
+    CASE_FILE,
+    EXPORT_DIRECTORY,
+    RESULT_FILE,
+    RUN,
+    SUMMARY_FILE,
+    refuse_foreign,
+    refuse_other_kind,
+    refuse_results,
+)
+from granwave.lammps_inputs.run_state import restore_case
 from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows import library
-from granwave.workflows.cli.tables import continuum_plan_table, plan_table, summary_table
+from granwave.workflows.cli.tables import continuum_plan_table, expected_cut, plan_table, summary_table
 from granwave.workflows.run import mpi, record
-from granwave.workflows.solvers import GRANULAR, SPHERE_CONTACT, kind_of
+from granwave.workflows.solvers import CONTINUUM, GRANULAR, SPHERE_CONTACT, kind_of
 
 Words = Sequence[str]
 
 
-def _case(options: argparse.Namespace) -> Case:
-    case = library.load_case(options.case, options.overrides)
-    try:
-        plan(case)
-    except (ArithmeticError, ValueError) as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(
-            f"{options.case}: no timestep can be found for these values ({error}); are they all in SI units?"
-        ) from None
-    return case
-
-
 def run(options: argparse.Namespace, words: Words) -> int:
     """granwave run"""
-    case = _case(options)
-    directory = (options.directory or Path(case.name)).absolute()
-    if options.np > 1 and not mpi.launched():
+    starts_ranks = options.np > 1 and not mpi.launched()
+    if starts_ranks:
+        logging.getLogger("granwave").setLevel(logging.ERROR)  # the ranks read the case too, and warn
+    case = library.load_case(options.case, options.overrides)
+    directory = results_directory(options.directory or case.name)
+    if starts_ranks:
         from granwave.workflows.run.directory import decide
 
-        decide(case, directory, resume=options.resume, force=options.force, n_ranks=options.np)
+        how = {"resume": options.resume, "force": options.force, "figures": options.figures}
+        decide(case, directory, n_ranks=options.np, **how)
         return mpi.launch(options.np, _without_ranks(words))
 
     from granwave.workflows.run.driver import run_case
@@ -62,6 +68,7 @@ def run(options: argparse.Namespace, words: Words) -> int:
     if comm.rank == 0:
         print(summary_table(outcome.summary))
         print(f"\nresults in {outcome.directory}")
+        _warn_of_zone(outcome.summary)
         beyond = outcome.summary.get("contacts_beyond_law")
         if beyond:
             print(
@@ -93,14 +100,18 @@ def _without_ranks(words: Words) -> list[str]:
 
 def write(options: argparse.Namespace, _: Words) -> int:
     """granwave write"""
-    from granwave.workflows.run.directory import clear, held, refuse_results
+    from granwave.workflows.run.directory import held, run_files, start
 
-    case = _case(options)
-    check_memory(plan(case))
-    if not options.force:
-        refuse_results(options.directory, "--force removes them all")
-    with held(options.directory.absolute(), mpi.world()):
-        clear(options.directory)
+    case = library.load_case(options.case, options.overrides)
+    expected = plan(case)
+    check_run(case, expected)
+    directory = results_directory(options.directory, force=options.force)
+    with held(directory, mpi.world()):
+        refuse_other_kind(directory, RUN)
+        if not options.force:
+            refuse_results(directory, "--force removes them all")
+        refuse_foreign(directory, run_files(case, expected.schedule))
+        start(case, directory)
         deck = write_deck(case, options.directory)
     print(
         f"{deck.directory}: {deck.case.assembly.n_spheres} spheres, "
@@ -112,16 +123,29 @@ def write(options: argparse.Namespace, _: Words) -> int:
 
 def analyse(options: argparse.Namespace, _: Words) -> int:
     """granwave analyse"""
-    from granwave.analysis import MissingOutputError
+    from granwave.analysis import MissingOutputError, OutputFormatError
     from granwave.analysis import analyse as analyse_directory
+    from granwave.workflows.run.directory import held
 
     if not options.directory.is_dir():
         raise InputError(f"{options.directory}: no such directory; run a case into it first")
-    try:
-        print(summary_table(analyse_directory(options.directory, progress=True, figures=options.figures)))
-    except MissingOutputError as error:
-        raise InputError(str(error)) from None
+    with held(options.directory.absolute(), way=""):
+        refuse_foreign(options.directory, [RESULT_FILE, SUMMARY_FILE])
+        if restore_case(options.directory):
+            print(f"granwave: {options.directory / CASE_FILE}: written again as it was run", file=sys.stderr)
+        try:
+            summary = analyse_directory(options.directory, progress=True, figures=options.figures)
+        except (MissingOutputError, OutputFormatError) as error:
+            raise InputError(str(error)) from None
+    print(summary_table(summary))
+    _warn_of_zone(summary)
     return 0
+
+
+def _warn_of_zone(summary: Mapping[str, Any]) -> None:
+    """Say where the size of the packing or block decides that of the plastic zone."""
+    for warning in zone_warnings(summary):
+        print(f"granwave: warning: {summary['name']}: {warning}", file=sys.stderr)
 
 
 def scan(options: argparse.Namespace, _: Words) -> int:
@@ -134,9 +158,9 @@ def scan(options: argparse.Namespace, _: Words) -> int:
 def continuum(options: argparse.Namespace, _: Words) -> int:
     """granwave continuum"""
     from granwave.workflows.cli.tables import continuum_table
-    from granwave.workflows.run.directory import clear, held
+    from granwave.workflows.run.directory import held
 
-    path = library.find(options.case)
+    path = library.find_for(options.case, CONTINUUM.verb)
     kind = kind_of(read_toml(path))
     if kind is SPHERE_CONTACT:
         from granwave.workflows.finite_elements.sphere_contact import SphereContactCase as OwnCase
@@ -146,16 +170,17 @@ def continuum(options: argparse.Namespace, _: Words) -> int:
         from granwave.workflows.finite_elements.punch import run_continuum as run_it  # type: ignore[assignment]
 
     case = OwnCase.load(path, options.overrides)
-    directory = (options.directory or Path(case.name)).absolute()
-    kind.check_memory(case, None)
+    directory = results_directory(options.directory or case.name)
+    expected = kind.cost(case, 1, options.figures)
+    if not options.resume:  # what is finished needs nothing
+        kind.check(case, expected, directory)
     with held(directory):
-        if options.force:
-            clear(directory)  # of another kind, perhaps
         summary = run_it(
             case, directory, progress=True, force=options.force, resume=options.resume, figures=options.figures
         )
     print(continuum_table(summary))
     print(f"\nresults in {directory}")
+    _warn_of_zone(summary)
     return 0
 
 
@@ -170,26 +195,33 @@ def report(options: argparse.Namespace, _: Words) -> int:
 def export(options: argparse.Namespace, _: Words) -> int:
     """granwave export"""
     from granwave.analysis.exports.export import export as export_directory
+    from granwave.workflows.run.directory import held
 
-    for path in export_directory(options.directory, options.to, options.output):
+    output = options.output or options.directory / EXPORT_DIRECTORY
+    if not options.directory.is_dir():
+        raise InputError(f"{options.directory}: no such directory; expected that of a run or a scan")
+    with held(results_directory(output)):
+        placed = export_directory(options.directory, options.to, options.output)
+    for path in placed:
         print(path)
     return 0
 
 
 def check(options: argparse.Namespace, _: Words) -> int:
     """granwave check"""
-    path = library.find(options.case)
+    path = library.find_for(options.case, GRANULAR.verb, CONTINUUM.verb)
     kind = kind_of(read_toml(path))
-    if kind is not GRANULAR:
-        data = apply_overrides(read_toml(path), parse_overrides(options.overrides))
-        other = kind.read(data, path, overridden=parse_overrides(options.overrides), directory=path.parent)
-        print(continuum_plan_table(other.name, kind.size(other), kind.cost(other, 1, True)))
-        kind.check_memory(other, None)
-        return 0
-    case = _case(options)
-    expected = plan(case, n_ranks=options.np)
-    print(plan_table(case, expected))
-    check_memory(expected)
+    changes = parse_overrides(options.overrides)
+    case = kind.read(apply_overrides(read_toml(path), changes), path, overridden=changes)
+    expected = kind.cost(case, options.np, True)
+    if kind is GRANULAR:
+        print(plan_table(case, expected))
+    else:
+        print(continuum_plan_table(case.name, kind.size(case), expected))
+    sys.stdout.flush()
+    kind.check(case, expected, Path(case.name).absolute())
+    if kind is GRANULAR and (warning := expected_cut(expected.zone)):
+        print(f"granwave: warning: {case.name}: {warning}", file=sys.stderr)
     return 0
 
 
@@ -261,13 +293,15 @@ def bench(options: argparse.Namespace, _: Words) -> int:
 
     if options.json and not options.json.absolute().parent.is_dir():
         raise InputError(f"--json {options.json}: there is no directory {options.json.absolute().parent}")
+    if options.json:
+        refuse_other_file(options.json, rb'"triad_GB_per_s"')
     results = run_bench(options.repeats, sizes=not options.styles_only)
     print(
         f"\nmemory bandwidth of one core (triad): {results['triad_GB_per_s']:.1f} GB/s; "
         f"load now {results['load_after'][0]:.2f}"
     )
     if options.json:
-        options.json.write_text(json.dumps(results, indent=2) + "\n", encoding="utf-8")
+        replace_text(options.json, json.dumps(results, indent=2) + "\n")
     return 0
 
 

@@ -8,7 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from granwave.lammps_inputs.case.material import Material, load_materials, material
+from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.run_directory import refuse_foreign, results_in
 
 if TYPE_CHECKING:
     from granwave.analysis.contact_law.fit import Fit
@@ -23,23 +25,26 @@ def fit(options: argparse.Namespace) -> int:
         An option or the curve is wrong; nothing was written.
     """
     from granwave.analysis.contact_law.fit import fit_law
-    from granwave.analysis.contact_law.fit_output import pair_toml, write_fit
+    from granwave.analysis.contact_law.fit_output import FIT_FILES, pair_toml, write_fit
     from granwave.analysis.contact_law.measured_curve import read_curve
+    from granwave.workflows.run.directory import held
 
     for name, values in (("--material", options.material), ("--radius", options.radius)):
         if len(values) > 2:
             raise InputError(f"{name}: found {len(values)} values, expected one or two")
     if not all(radius > 0 for radius in options.radius) or not math.isfinite(options.radius[0]):
         raise InputError("--radius: expected positive lengths in m (the second may be inf, a plane)")
-    directory: Path = options.directory or Path("fit")
     pair: list[str] | None = options.pair
-    _refuse_directory(directory, options.force)
+    directory: Path = options.directory or Path("fit")
+    if not results_directory(directory, force=options.force).parent.is_dir():
+        raise InputError(f"-o {directory}: there is no directory {directory.absolute().parent}")
+    if not options.force and set(FIT_FILES) & set(results_in(directory)):
+        raise InputError(f"{directory}: already holds a fit; --force replaces it, or choose another with -o")
+    refuse_foreign(directory, FIT_FILES)
     materials = [_material(text) for text in options.material]
     found = fit_law(read_curve(options.curve), materials, options.radius, options.free, fit_yield=options.fit_yield)
-    try:
+    with held(directory.absolute()):
         written = write_fit(found, directory, pair)
-    except OSError as error:
-        raise InputError(f"{directory}: cannot be written to: {error.strerror}; choose another with -o") from None
     print(fit_summary(found))
     if pair:
         print(f"\n{pair_toml(found, pair)}")
@@ -89,12 +94,3 @@ def _material(text: str) -> Material:
     if name not in known:
         raise InputError(f"--material {text}: found no {name} in {path}, expected one of {', '.join(known)}")
     return known[name]
-
-
-def _refuse_directory(directory: Path, force: bool) -> None:
-    if directory.exists() and not directory.is_dir():
-        raise InputError(f"-o {directory}: is a file, expected a directory")
-    if not directory.absolute().parent.is_dir():
-        raise InputError(f"-o {directory}: there is no directory {directory.absolute().parent}")
-    if (directory / "fit.toml").exists() and not force:
-        raise InputError(f"{directory}: already holds a fit; --force replaces it, or choose another with -o")

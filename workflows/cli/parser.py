@@ -1,49 +1,113 @@
 """The command line.
 
-Exit status: 0 done; 2 the input is wrong and nothing was run; 1 it failed while running; 130 after Ctrl-C.
+Exit status: 0 done; 2 the input is wrong and nothing was run; 1 it failed while running; 130 after Ctrl-C; 141 if what
+reads its output has left, as of other commands in a pipe.
 """
 
 from __future__ import annotations
 
 import argparse
+import contextlib
+import difflib
+import errno
+import io
 import logging
+import math
+import os
+import re
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import NoReturn
 
 from granwave import __version__
+from granwave.lammps_inputs.case.schema import printable, show
+from granwave.lammps_inputs.case.si_values import POSSIBLE
+from granwave.lammps_inputs.directories import output_path
 from granwave.lammps_inputs.errors import GranwaveError, InputError
+from granwave.lammps_inputs.files import DISK_IS_FULL
 from granwave.workflows.cli import commands
 from granwave.workflows.cli.messages import each_warning_once
 from granwave.workflows.run import mpi
 
-DONE, FAILED, WRONG_INPUT, STOPPED = 0, 1, 2, 130
+DONE, FAILED, WRONG_INPUT, STOPPED, READER_LEFT = 0, 1, 2, 130, 141
+
+_LONGEST_SHOWN = 300  # characters of a path in a message
+_OF_NAMES = (errno.ENAMETOOLONG, errno.ELOOP)  # errors of the system that no wait and no other machine mends
+_LARGEST_OVERLAP = 1e6  # over that at first yield; spheres end at some 1e4
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit status."""
     words = list(sys.argv[1:] if arguments is None else arguments)
+    _set_up_output()
     options = _parser().parse_args(words)
     _set_up_logging()
     try:
-        return int(options.command(options, words))
+        status = int(options.command(options, words))
+        sys.stdout.flush()  # as long as an error can be told
+        return status
     except InputError as error:
         return _report(error.faults, WRONG_INPUT)
     except GranwaveError as error:
         return _report([str(error)], FAILED)
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # where the rest of the output goes, without an error
+        return READER_LEFT
     except OSError as error:
-        return _report([f"{error.filename or 'a file'}: {error.strerror or error}"], FAILED)
+        return _report_file(error, words)
+    except MemoryError as error:
+        why = str(error) or "none left"
+        return _report([f"there is not enough memory ({why}); granwave check tells what a case needs"], FAILED)
     except KeyboardInterrupt:
         return _report(["stopped"], STOPPED)
 
 
+def _set_up_output() -> None:
+    """Whatever the terminal or the user's settings are, text can be printed and figures drawn."""
+    if sys.stdout is None:  # it was closed
+        sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
+    os.environ["MPLBACKEND"] = "agg"  # figures go to files
+
+
+def _report_file(error: OSError, words: Sequence[str]) -> int:
+    """What is wrong with a file: of the input if the command line itself names it, for nothing was run yet then."""
+    try:
+        named = [os.path.abspath(word) for word in words if word]
+        wrong = error.errno in _OF_NAMES or (
+            error.filename is not None and os.path.abspath(os.fsdecode(error.filename)) in named
+        )
+    except OSError:
+        return _report(["the working directory does not exist any more; change to another"], WRONG_INPUT)
+    # whatever writes a file names it, see `granwave.lammps_inputs.files`
+    name = error.filename or ("standard output" if error.errno in DISK_IS_FULL else "a file")
+    shown = str(name) if len(str(name)) <= _LONGEST_SHOWN else f"{str(name)[:_LONGEST_SHOWN]}..."
+    fault = f"{shown}: {error.strerror or error}"
+    return _report([fault], WRONG_INPUT if wrong else FAILED)
+
+
+def _flush() -> None:
+    """Write out what was printed, as long as an error can be told."""
+    try:
+        sys.stdout.flush()
+    except OSError as error:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or Python tries once more at its end
+        raise OSError(error.errno, error.strerror, "standard output") from None
+
+
 def _set_up_logging() -> None:
-    """Our own messages from INFO on, warnings marked as such and given once; of the libraries only what went wrong."""
+    """Our own messages from INFO on, warnings marked as such and given once; of the libraries only what went wrong.
+
+    Of several ranks the first alone speaks.
+    """
     handler = logging.StreamHandler(sys.stderr)
     handler.setFormatter(_Messages())
     handler.addFilter(each_warning_once())
     logging.basicConfig(level=logging.ERROR, handlers=[handler])
-    logging.getLogger("granwave").setLevel(logging.INFO)
+    logging.getLogger("granwave").setLevel(logging.INFO if mpi.is_first() else logging.ERROR)
 
 
 class _Messages(logging.Formatter):
@@ -54,46 +118,49 @@ class _Messages(logging.Formatter):
 
 def _report(lines: Sequence[str], status: int) -> int:
     if not mpi.launched() or mpi.world().rank == 0:
-        for line in lines:
-            print(f"granwave: {line}", file=sys.stderr)
+        with contextlib.suppress(OSError):  # nobody can be told
+            for line in lines:
+                print(f"granwave: {printable(line)}", file=sys.stderr)
     return status
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        prog="granwave", description="Impact and waves in ordered granular packings, on LAMMPS."
-    )
+    parser = _Parser(prog="granwave", description="Impact and waves in ordered granular packings, on LAMMPS.")
     parser.add_argument("--version", action="version", version=f"granwave {__version__}")
     verbs = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
 
     run = _verb(verbs, "run", commands.run, "run a case: deck, LAMMPS, analysis, figures")
     _case(run)
-    run.add_argument("-o", dest="directory", type=Path, metavar="DIR", help="where everything goes (default: ./NAME)")
+    _into(run)
     run.add_argument("--np", type=_positive, default=1, metavar="N", help="number of MPI ranks (default: 1)")
     run.add_argument(
-        "--checkpoint", type=float, default=60.0, metavar="SECONDS", help="wall time between checkpoints (default: 60)"
+        "--checkpoint",
+        type=_seconds,
+        default=60.0,
+        metavar="SECONDS",
+        help="wall time between checkpoints (default: 60)",
     )
     _figures(run)
     _again(run)
 
     write = _verb(verbs, "write", commands.write, "write the LAMMPS deck alone; it runs by hand: lmp -in in.granwave")
     _case(write)
-    write.add_argument("-o", dest="directory", type=Path, metavar="DIR", required=True)
+    write.add_argument("-o", dest="directory", type=_output, metavar="DIR", required=True)
     write.add_argument("--force", action="store_true", help="replace what is there")
 
     analyse = _verb(verbs, "analyse", commands.analyse, "once more from the dumps: result.h5, figures, summary.json")
-    analyse.add_argument("directory", type=Path, metavar="DIR")
+    analyse.add_argument("directory", type=_input, metavar="DIR")
     _figures(analyse)
 
     scan = _verb(verbs, "scan", commands.scan, "run a case many times with some keys varied; table, figures and report")
     scan.add_argument("scan", metavar="SCAN", help="a scan file, or the name of a built-in scan")
     _overrides(scan)
-    scan.add_argument("-o", dest="directory", type=Path, metavar="DIR", help="where everything goes (default: ./NAME)")
+    _into(scan)
     scan.add_argument(
         "--executor", default="local", metavar="local|slurm", help="where the points run (default: local)"
     )
     scan.add_argument(
-        "--profile", type=Path, metavar="FILE", help="how to use the cluster: partition, account, time, ..."
+        "--profile", type=_input, metavar="FILE", help="how to use the cluster: partition, account, time, ..."
     )
     scan.add_argument(
         "--jobs",
@@ -108,27 +175,25 @@ def _parser() -> argparse.ArgumentParser:
         verbs, "continuum", commands.continuum, "the continuum reference: a rigid punch on an elastic-plastic block"
     )
     _case(continuum)
-    continuum.add_argument(
-        "-o", dest="directory", type=Path, metavar="DIR", help="where everything goes (default: ./NAME)"
-    )
+    _into(continuum)
     _figures(continuum)
     _again(continuum)
 
     report = _verb(verbs, "report", commands.report, "a page that compares any number of runs and scans")
-    report.add_argument("directories", nargs="+", type=Path, metavar="DIR")
+    report.add_argument("directories", nargs="+", type=_input, metavar="DIR")
     report.add_argument(
         "-o",
         dest="output",
-        type=Path,
+        type=_output,
         default=Path("report.html"),
         metavar="FILE",
         help=".html, .pdf or .md (default: report.html)",
     )
 
     export = _verb(verbs, "export", commands.export, "the results for other programs: ParaView, pandas, xarray, OVITO")
-    export.add_argument("directory", type=Path, metavar="DIR")
+    export.add_argument("directory", type=_input, metavar="DIR")
     export.add_argument("--to", required=True, metavar="FORMAT", help="vtp, csv, netcdf or ovito")
-    export.add_argument("-o", dest="output", type=Path, metavar="DIR", help="where to (default: DIR/export)")
+    export.add_argument("-o", dest="output", type=_output, metavar="DIR", help="where to (default: DIR/export)")
 
     check = _verb(verbs, "check", commands.check, "what a run would be: size, memory, disk, timestep, time, overlap")
     _case(check)
@@ -142,13 +207,13 @@ def _parser() -> argparse.ArgumentParser:
         "--material", nargs="+", default=["brass"], metavar="M", help="one material or two (default: brass)"
     )
     law.add_argument(
-        "--radius", nargs="+", type=float, default=[0.005], metavar="R", help="one radius or two, m (default: 0.005)"
+        "--radius", nargs="+", type=_radius, default=[0.005], metavar="R", help="one radius or two, m (default: 0.005)"
     )
     law.add_argument("--law", default="elastoplastic", choices=["elastoplastic", "hertz", "bilinear", "thornton"])
     law.add_argument("--variant", default="continuous", choices=["continuous", "published"])
     law.add_argument(
         "--max-overlap",
-        type=float,
+        type=_overlap,
         default=200.0,
         metavar="A",
         help="largest overlap, in units of that at first yield (default: 200)",
@@ -159,16 +224,16 @@ def _parser() -> argparse.ArgumentParser:
         help="coefficient of restitution against velocity instead, of two spheres and of a sphere and a rigid wall",
     )
     law.add_argument(
-        "-o", dest="output", type=Path, metavar="FILE", help=".png, .pdf or .csv (default: law.png, restitution.png)"
+        "-o", dest="output", type=_output, metavar="FILE", help=".png, .pdf or .csv (default: law.png, restitution.png)"
     )
 
     fit = _verb(verbs, "fit", commands.fit, "fit the contact law's constants to a measured or computed curve")
-    fit.add_argument("curve", type=Path, metavar="CURVE.csv", help="columns overlap_m, force_N, perhaps branch")
+    fit.add_argument("curve", type=_input, metavar="CURVE.csv", help="columns overlap_m, force_N, perhaps branch")
     fit.add_argument(
         "--material", nargs="+", default=["brass"], metavar="M", help="one or two: a name, or FILE.toml:NAME"
     )
     fit.add_argument(
-        "--radius", nargs="+", type=float, default=[0.005], metavar="R",
+        "--radius", nargs="+", type=_radius, default=[0.005], metavar="R",
         help="one radius or two, m; the second may be inf, a plane (default: 0.005)",
     )  # fmt: skip
     fit.add_argument(
@@ -178,11 +243,11 @@ def _parser() -> argparse.ArgumentParser:
         "--pair", nargs=2, metavar=("A", "B"), help="also write pair.toml: the law of these two materials in a case"
     )
     fit.add_argument("--fit-yield", action="store_true", help="fit the yield strength too")
-    fit.add_argument("-o", dest="directory", type=Path, metavar="DIR", help="where everything goes (default: ./fit)")
+    fit.add_argument("-o", dest="directory", type=_output, metavar="DIR", help="where everything goes (default: ./fit)")
     fit.add_argument("--force", action="store_true", help="replace the fit that is there")
 
     bench = _verb(verbs, "bench", commands.bench, "speed beside LAMMPS's own granular styles, on this machine")
-    bench.add_argument("--json", type=Path, metavar="FILE", help="write the results there too")
+    bench.add_argument("--json", type=_output, metavar="FILE", help="write the results there too")
     bench.add_argument("--repeats", type=_positive, default=5, metavar="N", help="timings of each (default: 5)")
     bench.add_argument("--styles-only", action="store_true", help="leave out sizes and ranks")
 
@@ -213,6 +278,12 @@ def _overrides(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def _into(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "-o", dest="directory", type=_output, metavar="DIR", help="where everything goes (default: ./NAME)"
+    )
+
+
 def _again(parser: argparse.ArgumentParser) -> None:
     again = parser.add_mutually_exclusive_group()
     again.add_argument("--resume", action="store_true", help="go on with what is there")
@@ -223,8 +294,74 @@ def _figures(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--no-figures", dest="figures", action="store_false", help="leave the figures out")
 
 
+def _output(text: str) -> Path:
+    try:
+        return output_path(text)
+    except InputError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
+
+
+def _input(text: str) -> Path:
+    if not text:
+        raise argparse.ArgumentTypeError('found the empty name "" (. is the present directory)')
+    return Path(text)
+
+
 def _positive(text: str) -> int:
-    value = int(text)
-    if value < 1:
-        raise argparse.ArgumentTypeError(f"found {text}, expected 1 or more")
+    value = _number(text)
+    if not value.is_integer() or value < 1:
+        raise argparse.ArgumentTypeError(f"found {text}, expected a whole number, 1 or more")
+    return int(value)
+
+
+def _path(text: str) -> Path:
+    if not text.strip() or "\0" in text:
+        raise argparse.ArgumentTypeError(f"found {show(text)}, expected a path")
+    return Path(text)
+
+
+def _radius(text: str) -> float:
+    value = _number(text)
+    low, high = POSSIBLE["m"]
+    if not (low <= value <= high or value == math.inf):  # infinite: a plane, where one may be
+        raise argparse.ArgumentTypeError(f"found {text}, expected a length from {low:g} to {high:g} m")
     return value
+
+
+def _overlap(text: str) -> float:
+    value = _number(text)
+    if not 0 < value <= _LARGEST_OVERLAP:
+        raise argparse.ArgumentTypeError(f"found {text}, expected a number above 0 and at most {_LARGEST_OVERLAP:g}")
+    return value
+
+
+def _seconds(text: str) -> float:
+    value = _number(text)
+    if not 0 < value < math.inf:
+        raise argparse.ArgumentTypeError(f"found {text}, expected a number above 0 (s)")
+    return value
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"found {text or 'nothing'}, expected a number") from None
+
+
+class _Parser(argparse.ArgumentParser):
+    """Says what is wrong in one line, as all faults are said."""
+
+    def error(self, message: str) -> NoReturn:
+        choice = re.fullmatch(r"argument (\S+): invalid choice: '(.*?)' \(choose from (.*)\)", message, re.DOTALL)
+        if choice:
+            name, found, listed = choice.groups()
+            options = re.findall(r"[\w-]+", listed)
+            near = difflib.get_close_matches(found.lower(), options, n=1)
+            hint = f"; did you mean {near[0]}?" if near else ""
+            message = f"{name}: found {show(found)}, expected one of {', '.join(options)}{hint}"
+        elif message.startswith("unrecognized arguments: "):
+            message += "; keys of a case are set by --set KEY=VALUE"
+        message = message.removeprefix("argument ")
+        help_text = "" if "found " in message else f"; {self.prog} --help tells more"
+        self.exit(WRONG_INPUT, f"granwave: {printable(' '.join(message.split()))}{help_text}\n")

@@ -6,22 +6,27 @@ import argparse
 import dataclasses
 import difflib
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
+from granwave.analysis.measures.zone_marks import LABELS, bounds_in_words, mark_of
 from granwave.analysis.scans.result import ScanResult
-from granwave.lammps_inputs.errors import InputError, RunError
+from granwave.lammps_inputs.directories import results_directory
+from granwave.lammps_inputs.errors import InputError, RunError, raise_all
 from granwave.lammps_inputs.planning.plan import Plan
+from granwave.lammps_inputs.run_directory import SCAN_REPORT
 from granwave.workflows.cli.tables import duration, lines, static_words
-from granwave.workflows.scanning import driver, layout
+from granwave.workflows.scanning import driver, needs
 from granwave.workflows.scanning.batches import expected_scan_time, expected_time
 from granwave.workflows.scanning.calibrate import slowness_of
 from granwave.workflows.scanning.driver import ScanOutcome, default_jobs, run_scan
 from granwave.workflows.scanning.engine import EXECUTORS, LOCAL, SLURM, check_installed
+from granwave.workflows.scanning.needs import check_points
 from granwave.workflows.scanning.profile import Profile, load_profile
-from granwave.workflows.scanning.scan_file import Point, Scan, load_scan
-from granwave.workflows.scanning.suite import REPORT, is_suite, load_suite, run_suite
+from granwave.workflows.scanning.scan_file import Scan, load_scan
+from granwave.workflows.scanning.suite import Suite, check_suite, is_suite, load_suite, run_suite
 
 _WORTH_MEASURING = 20.0  # s of expected time, beyond which the speed of this machine is measured first
 _MOST_ROWS = 40
@@ -29,6 +34,9 @@ _COLUMNS = {  # of the table at the end
     "dissipated_fraction": ("dissipated", "{:.5f}"),
     "n_plastic_spheres": ("plastic spheres", "{}"),
     "plastic_zone_volume_m3": ("plastic zone (m3)", "{:.4g}"),
+    "zone_depth_90_m": ("90 % depth (m)", "{:.4g}"),
+    "zone_volume_90_m3": ("90 % volume (m3)", "{:.4g}"),
+    "zone_cut": ("zone reaches", "{}"),
     "peak_force_N": ("peak force (N)", "{:.5g}"),
     "max_force_N": ("largest force (N)", "{:.5g}"),
     "force_deviation_rms_percent": ("less the law (%, rms)", "{:.2f}"),
@@ -43,20 +51,24 @@ def scan(options: argparse.Namespace) -> int:
         if is_suite(options.scan):
             return _suite(options, profile, jobs)
         return _scan(options, profile, jobs)
+    except BrokenPipeError:
+        raise  # nobody reads the plan any more
     except OSError as error:  # a full disk, above all
-        place = options.directory or error.filename or options.scan
+        place = error.filename or options.directory or options.scan
         reason = error.strerror or error
         raise RunError(f"{place}: {reason}; mend that, then the same command with --resume goes on") from error
 
 
 def _scan(options: argparse.Namespace, profile: Profile | None, jobs: int) -> int:
     found = load_scan(options.scan, options.overrides, here=options.executor == LOCAL)
-    directory = (options.directory or Path(found.name)).absolute()
+    directory = results_directory(options.directory or found.name)
     if not options.plan:
-        _check_directory(found, directory, options)
+        check_installed(options.executor)
+        _check(driver.decide, found, directory, options)
     slowness = _slowness(found, directory, options, jobs)
     print(plan_text(found, directory, profile, jobs, slowness, fresh=options.force))
     if options.plan:
+        check_points(found, directory, force=options.force)
         return 0
     sys.stdout.flush()
     outcome = run_scan(found, directory, slowness=slowness or 1.0, **_how(options, profile))
@@ -70,10 +82,10 @@ def _suite(options: argparse.Namespace, profile: Profile | None, jobs: int) -> i
             f"--set: {options.scan} is a suite of scans, which have different cases; set keys in its scan files"
         )
     found = load_suite(options.scan, here=options.executor == LOCAL)
-    directory = (options.directory or Path(found.name)).absolute()
+    directory = results_directory(options.directory or found.name)
     if not options.plan:
-        for part in found.scans:
-            _check_directory(part, directory / part.name, options)
+        check_installed(options.executor)
+        _check(check_suite, found, directory, options)
     slowness: dict[str, float] = {}
     for part in found.scans:
         place = directory / part.name
@@ -81,18 +93,21 @@ def _suite(options: argparse.Namespace, profile: Profile | None, jobs: int) -> i
         slowness[part.name] = measured or 1.0
         print(plan_text(part, place, profile, jobs, measured, fresh=options.force) + "\n")
     total = sum(
-        expected_scan_time(_left(part, directory / part.name, fresh=options.force), profile, jobs, slowness[part.name])
+        expected_scan_time(
+            needs.left(part, directory / part.name, fresh=options.force), profile, jobs, slowness[part.name]
+        )
         for part in found.scans
     )
     print(f"suite {found.name}: {len(found.scans)} scans, about {duration(total)} in all\n")
     if options.plan:
+        raise_all(partial(check_points, part, directory / part.name, force=options.force) for part in found.scans)
         return 0
     sys.stdout.flush()
     outcome = run_suite(found, directory, slowness=slowness, **_how(options, profile))
     for done in outcome.scans:
         print(f"{outcome_text(done)}\n")
     if not outcome.stopped:
-        print(f"report of all: {directory / REPORT}")
+        print(f"report of all: {directory / SCAN_REPORT}")
     return _status(outcome.stopped, outcome.scans)
 
 
@@ -107,10 +122,9 @@ def _how(options: argparse.Namespace, profile: Profile | None) -> dict[str, Any]
     }
 
 
-def _check_directory(scan: Scan, directory: Path, options: argparse.Namespace) -> None:
-    check_installed(options.executor)
+def _check(decide: Callable[..., None], found: Scan | Suite, directory: Path, options: argparse.Namespace) -> None:
     try:
-        driver.decide(scan, directory, resume=options.resume, force=options.force)
+        decide(found, directory, resume=options.resume, force=options.force)
     except OSError as error:  # it cannot be looked into
         raise InputError(f"{directory}: {error.strerror or error}; choose another directory with -o") from None
 
@@ -147,16 +161,11 @@ def _executor(options: argparse.Namespace) -> Profile | None:
 
 def _slowness(scan: Scan, directory: Path, options: argparse.Namespace, jobs: int) -> float | None:
     """How much longer a point takes here than planned; None where it was not worth measuring."""
-    left = _left(scan, directory, fresh=options.force)
+    left = needs.left(scan, directory, fresh=options.force)
     if options.executor == SLURM or sum(map(expected_time, left)) / jobs < _WORTH_MEASURING:
         return None
     typical = sorted(left, key=expected_time)[len(left) // 2]
     return slowness_of(typical, jobs)
-
-
-def _left(scan: Scan, directory: Path, *, fresh: bool) -> list[Point]:
-    """The points that are still to be run."""
-    return [p for p in scan.distinct.values() if fresh or not layout.is_done(directory, p.id)]
 
 
 def plan_text(
@@ -170,7 +179,7 @@ def plan_text(
 ) -> str:
     """What the scan would be."""
     points = scan.distinct.values()
-    left = _left(scan, directory, fresh=fresh)
+    left = needs.left(scan, directory, fresh=fresh)
     counts = f"{len(scan.points)}"
     if len(points) < len(scan.points):
         counts += f", {len(points)} of them different"
@@ -181,6 +190,8 @@ def plan_text(
     sizes = [p.size for p in points]
     times = [p.plan.times for p in left if isinstance(p.plan, Plan)]
     unknown = [time for time in times if time.most_static > time.static]
+    zones = [p.plan.zone for p in points if isinstance(p.plan, Plan) and p.plan.zone]
+    cut = sum(bool(zone.reaches) for zone in zones)
     rows = [
         ("scan", scan.name),
         ("points", counts),
@@ -195,6 +206,7 @@ def plan_text(
         *([("static stages", static_words(unknown, jobs / (slowness or 1.0)))] if unknown else []),
         ("memory", f"about {sum(at_once) / 2**30:.2f} GiB"),
         ("disk", f"about {sum(p.plan.disk for p in left) / 1e9:.3g} GB"),
+        *([("plastic zone", f"expected to reach a bound of the packing in {cut} of {len(points)} points")] * bool(cut)),
         ("directory", str(directory)),
     ]
     return lines(rows)
@@ -209,7 +221,7 @@ def outcome_text(outcome: ScanOutcome) -> str:
     table = [head]
     for point in points[:_MOST_ROWS]:
         summary = point.summary
-        values = [_COLUMNS[key][1].format(summary[key]) if summary.get(key) is not None else "" for key in shown]
+        values = [_value(key, summary.get(key)) for key in shown]
         labels = [f"{value:.5g}" if isinstance(value, float) else str(value) for value in point.labels.values()]
         ending = "" if point.status == "done" else f"{point.status}: {point.reason}".rstrip(": ")
         table.append([str(point.number), *labels, *values, ending])
@@ -221,6 +233,10 @@ def outcome_text(outcome: ScanOutcome) -> str:
     if len(points) > _MOST_ROWS:
         text += f"\n... {len(points) - _MOST_ROWS} more in scan.csv"
     text = f"{text}\n\n" if points else ""
+    marks = [mark_of(point.summary) for point in points]
+    for mark, label in LABELS.items():
+        if count := marks.count(mark):
+            text += f"plastic zone: {label} in {count} of {len(points)} points, which figures and report mark\n\n"
     counts = ", ".join(
         f"{value} {field.name}"
         for field in dataclasses.fields(outcome)
@@ -228,3 +244,10 @@ def outcome_text(outcome: ScanOutcome) -> str:
     )
     there = "table, figures and report.html" if (outcome.directory / "report.html").exists() else "the table"
     return f"{text}{counts}; {there} in {outcome.directory}"
+
+
+def _value(key: str, value: Any) -> str:
+    """A value of a summary for the table at the end; empty where there is none."""
+    if value is None:
+        return ""
+    return bounds_in_words(value) if isinstance(value, list) else _COLUMNS[key][1].format(value)

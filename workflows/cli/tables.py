@@ -5,14 +5,20 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from granwave.analysis.measures.zone_marks import bounds_in_words
+from granwave.analysis.measures.zone_size import SHARES
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.planning.plan import Plan
 from granwave.lammps_inputs.planning.wall_time import WallTime
+from granwave.lammps_inputs.planning.zone_estimate import ExpectedZone
 from granwave.workflows.solvers import Cost
 
+_ZONE_AFTER = "plastic_zone_radius_m"  # the row that the size of the plastic zone follows
+_GROWING = {"plastic_zone_depth_m": "depth", "plastic_zone_radius_m": "radius"}  # as `zone_growing` calls them
 _SUMMARY = {
     "n_spheres": ("spheres", "{:d}"),
-    "n_contacts": ("touching at the start", "{:d}"),
+    "n_contacts": ("contacts at the start", "{:d}"),
+    "n_loaded_contacts": ("contacts that bore a force", "{:d}"),
     "end_time_s": ("simulated", "{:.6g} s"),
     "end_reason": ("ended", "{}"),
     "timestep_s": ("timestep", "{:.4g} s"),
@@ -25,8 +31,8 @@ _SUMMARY = {
     "peak_force_N": ("peak contact force", "{:.6g} N"),
     "n_plastic_contacts": ("yielded contacts", "{:d}"),
     "n_plastic_spheres": ("plastic spheres", "{:d}"),
-    "plastic_zone_depth_m": ("plastic zone depth", "{:.4g} m"),
-    "plastic_zone_radius_m": ("plastic zone radius", "{:.4g} m"),
+    "plastic_zone_depth_m": ("outermost yield, depth", "{:.4g} m"),
+    _ZONE_AFTER: ("outermost yield, radius", "{:.4g} m"),
     "wave_speed_m_s": ("wave speed", "{:.4g} m/s"),
     "contacts_beyond_law": ("contacts beyond 0.2 R*", "{:d}"),
     "wall_peak_force_N": ("peak force at the bottom", "{:.6g} N"),
@@ -47,12 +53,7 @@ def lines(rows: list[tuple[str, str]]) -> str:
 def summary_table(summary: Mapping[str, Any]) -> str:
     """The main values of a summary."""
     left_out = () if summary.get("friction_fraction") else ("plastic_fraction", "friction_fraction")
-    rows = [
-        (label, form.format(summary[key]))
-        for key, (label, form) in _SUMMARY.items()
-        if summary.get(key) is not None and key not in left_out
-    ]
-    return lines([("case", str(summary["name"])), *rows])
+    return _table({key: words for key, words in _SUMMARY.items() if key not in left_out}, summary)
 
 
 _CONTINUUM = {
@@ -66,8 +67,8 @@ _CONTINUUM = {
     "energy_balance_error": ("balance error", "{:.1e} of it"),
     "plastic_zone_volume_m3": ("plastic zone", "{:.4g} m3 at one instant"),
     "plastic_zone_volume_ever_m3": ("", "{:.4g} m3 that ever yielded"),
-    "plastic_zone_depth_m": ("its depth", "{:.4g} m"),
-    "plastic_zone_radius_m": ("its radius", "{:.4g} m"),
+    "plastic_zone_depth_m": ("outermost yield, depth", "{:.4g} m"),
+    _ZONE_AFTER: ("outermost yield, radius", "{:.4g} m"),
     "max_overlap_m": ("largest overlap", "{:.4g} m"),
     "max_force_N": ("force there", "{:.5g} N"),
     "contact_radius_m": ("contact radius", "{:.4g} m"),
@@ -83,14 +84,33 @@ _CONTINUUM = {
 
 def continuum_table(summary: Mapping[str, Any]) -> str:
     """The main values of the summary of a continuum run."""
-    return lines(
-        [("case", str(summary["name"]))]
-        + [
-            (label, form.format(summary[key]))
-            for key, (label, form) in _CONTINUUM.items()
-            if summary.get(key) is not None
-        ]
-    )
+    return _table(_CONTINUUM, summary)
+
+
+def _table(names: Mapping[str, tuple[str, str]], summary: Mapping[str, Any]) -> str:
+    rows = [("case", str(summary["name"]))]
+    for key, (label, form) in names.items():
+        if summary.get(key) is not None:
+            growing = _GROWING.get(key) in (summary.get("zone_growing") or ())
+            rows.append((label, form.format(summary[key]) + (", still moving out at the end" if growing else "")))
+        if key == _ZONE_AFTER:
+            rows += _zone_rows(summary)
+    return lines(rows)
+
+
+def _zone_rows(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Size of the plastic zone, as far as it applies, and the bounds that it reaches."""
+    rows = []
+    label = f"{', '.join(map(str, SHARES))} % of yielding"
+    for what, unit in (("depth", "m"), ("radius", "m"), ("volume", "m3")):
+        sizes = [summary.get(f"zone_{what}_{percent}_{unit}") for percent in SHARES]
+        found = [f"{size:.4g}" for size in sizes if size is not None]
+        if found:
+            rows.append((label, f"{what} {', '.join(found)} {unit}"))
+            label = ""
+    if summary.get("zone_cut") is not None:
+        rows.append(("bounds that it reaches", bounds_in_words(summary["zone_cut"])))
+    return rows
 
 
 def plan_table(case: Case, plan: Plan) -> str:
@@ -107,7 +127,7 @@ def plan_table(case: Case, plan: Plan) -> str:
         [
             ("case", plan.name),
             ("spheres", f"{plan.n_spheres}"),
-            ("touching at the start", f"{plan.n_contacts}"),
+            ("contacts at the start", f"{plan.n_contacts}"),
             ("memory", f"about {plan.memory / 2**30:.2f} GiB"),
             ("disk", f"about {plan.disk / 1e9:.3g} GB"),
             ("timestep", f"{schedule.timestep:.4g} s"),
@@ -117,8 +137,34 @@ def plan_table(case: Case, plan: Plan) -> str:
             *([("", f"at most {most}")] if schedule.block_steps and most != usual else []),
             *([("static stage", static_words([times]))] if times.most_static > times.static else []),
             ("largest overlap", f"up to {overlap}"),
+            *([("outermost yield", _expected(plan.zone))] if plan.zone else []),
         ]
     )
+
+
+def _expected(zone: ExpectedZone) -> str:
+    """Estimate of the outermost yield."""
+    within = f", within a factor of {zone.spread:g}" if zone.spread > 1 else " or deeper"
+    radius = f", radius {zone.radius:.2g} m" if zone.radius else ""
+    return f"about {zone.depth:.2g} m deep{radius}{within}"
+
+
+def expected_cut(zone: ExpectedZone | None) -> str:
+    """Warning that a packing will cut the plastic zone; empty where it has room."""
+    if zone is None:
+        return ""
+    found = [(zone.reaches, "is expected to reach"), (zone.may_reach, "may reach")]
+    parts = [f"{verb} {' and '.join(_bound(zone, name) for name in names)}" for names, verb in found if names]
+    if not parts:
+        return ""
+    return (
+        f"packing.size: the plastic zone {', and '.join(parts)}; its outermost yield is then cut there, and "
+        "zone_cut in summary.json says so. Make the packing larger to have it whole"
+    )
+
+
+def _bound(zone: ExpectedZone, name: str) -> str:
+    return f"the {name}, {zone.room[name]:.2g} m away"
 
 
 def _parts(times: WallTime) -> str:

@@ -5,8 +5,10 @@ from __future__ import annotations
 import abc
 import dataclasses
 import json
+import logging
+import os
 import tomllib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
@@ -14,20 +16,31 @@ import h5py
 import tomli_w
 from numpy.typing import NDArray
 
-from granwave.analysis.errors import MissingOutputError
-from granwave.analysis.result.writer import RESULT_FILE
-from granwave.analysis.summary import SUMMARY_FILE
-from granwave.lammps_inputs.case.case import read_parts
+from granwave.analysis.errors import MissingOutputError, OutputFormatError
+from granwave.lammps_inputs.case.case import KNOWN, read_parts
+from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.overrides import apply_overrides, parse_overrides
-from granwave.lammps_inputs.case.schema import Faults, refuse_unknown
-from granwave.lammps_inputs.deck.deck import CASE_FILE
-from granwave.lammps_inputs.directories import clear, decide
+from granwave.lammps_inputs.case.schema import Faults, keys_of, refuse_unknown
+from granwave.lammps_inputs.directories import decide
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.files import read_json, replace_text
-from granwave.lammps_inputs.planning.plan import refuse_too_large
+from granwave.lammps_inputs.files import replace_text
+from granwave.lammps_inputs.memory import refuse_too_large
+from granwave.lammps_inputs.named_files import with_absolute_paths
+from granwave.lammps_inputs.run_directory import (
+    CASE_FILE,
+    CONTINUUM,
+    FIGURES_DIRECTORY,
+    RESULT_FILE,
+    claim,
+    clear,
+    figure_files,
+    refuse_foreign,
+)
+from granwave.lammps_inputs.run_state import read_summary, restore_case, result_fault
 from granwave.lammps_inputs.toml_files import read_toml
 
-FIGURES_DIRECTORY = "figures"
+logger = logging.getLogger("granwave")
+
 _MEMORY_BASE = 350e6  # bytes; the interpreter with numba and the drawing library
 _MEMORY_PER_ELEMENT = 2500.0  # measured, setting up included, rounded up
 
@@ -55,7 +68,6 @@ class ElementCase(abc.ABC):
         data: Mapping[str, Any],
         source: str | Path = "case",
         overridden: Iterable[str] = (),
-        directory: Path | None = None,
     ) -> Self:
         """Check the nested mapping of a case file and make a case of it; parameters as of `Case.from_dict`.
 
@@ -64,17 +76,21 @@ class ElementCase(abc.ABC):
         InputError
             With every fault there is.
         """
-        faults = Faults(str(source), tuple(overridden))
-        refuse_unknown(data, [field.name for field in dataclasses.fields(cls)], "", faults)
-        parts = read_parts(data, source, faults, directory, sections=cls.SECTIONS, required=cls.REQUIRED)
-        cls._complete(parts, data, faults, directory)
-        if faults.lines:
-            raise InputError(faults.lines)
+        known = (*cls.SECTIONS, *keys_of({**cls.SECTIONS, "material": Material}))
+        faults, data = Faults(str(source), tuple(overridden), known), with_absolute_paths(data, Path())
+        own = [field.name for field in dataclasses.fields(cls)]
+        others = [name for name in data if name in KNOWN and name not in own]
+        for name in others:
+            faults.add_unknown(name, "belongs to a granular case: granwave run runs it")
+        refuse_unknown({name: table for name, table in data.items() if name not in others}, own, "", faults)
+        parts = read_parts(data, source, faults, sections=cls.SECTIONS, required=cls.REQUIRED)
+        cls._complete(parts, data, faults)
+        faults.report(parts["name"])
         return cls(**parts)
 
     @staticmethod
     @abc.abstractmethod
-    def _complete(parts: dict[str, Any], data: Mapping[str, Any], faults: Faults, directory: Path | None) -> None:
+    def _complete(parts: dict[str, Any], data: Mapping[str, Any], faults: Faults) -> None:
         """Read what is no section, and check what concerns several keys; a part that is wrong is None."""
 
     @classmethod
@@ -88,7 +104,7 @@ class ElementCase(abc.ABC):
         """
         changes = parse_overrides(overrides)
         data = apply_overrides(read_toml(path), changes)
-        return cls.from_dict(data, path, overridden=changes, directory=Path(path).parent)
+        return cls.from_dict(data, path, overridden=changes)
 
     @property
     @abc.abstractmethod
@@ -129,15 +145,18 @@ def begin(
     *,
     resume: bool,
     force: bool,
+    figures: Callable[[], Iterable[str]] | None,
 ) -> dict[str, Any] | None:
     """Make a directory ready for a run, or find what a finished run of the same case left.
 
     Parameters
     ----------
     results
-        Names that a run leaves.
+        Names of the files that a run leaves.
     finished
         Values of ``end_reason`` of a run that is finished.
+    figures
+        Gives their names; called where others of these names may be there. None: none are drawn.
 
     Returns
     -------
@@ -147,23 +166,33 @@ def begin(
     Raises
     ------
     InputError
-        The directory holds results, or another case, or the mesh does not fit into memory; nothing was changed.
+        The directory holds results, or another case, or files that granwave did not write and would overwrite, or the
+        mesh does not fit into memory; nothing was changed.
     """
 
-    def there(path: Path) -> Mapping[str, Any]:
+    def there(tables: Mapping[str, Any]) -> Mapping[str, Any]:
         try:
-            return type(case).load(path).to_dict()
+            return type(case).from_dict(tables, directory / CASE_FILE).to_dict()
         except InputError:
-            return {}  # of another kind, or damaged: another case in any event
+            return {}  # of another kind: another case in any event
 
-    if decide(directory, results, resume=resume, force=force, case=case.to_dict(), read=there):
-        summary = read_json(directory / SUMMARY_FILE) or {}
-        if summary.get("end_reason") in finished:
+    names = list(results)
+    if figures and os.path.lexists(directory / FIGURES_DIRECTORY):
+        names += [file for name in figures() for file in figure_files(name)]
+    if decide(directory, CONTINUUM, names, resume=resume, force=force, case=case.to_dict(), read=there):
+        summary, fault = read_summary(directory), result_fault(directory)
+        if summary.get("end_reason") in finished and not fault:
+            restore_case(directory)
             return summary
+        if summary.get("end_reason") in finished:
+            logger.warning("%s; the case is run again", fault)
+        refuse_foreign(directory, names)
     check_memory(case)
-    clear(directory, results)
+    clear(directory)
     directory.mkdir(parents=True, exist_ok=True)
-    replace_text(directory / CASE_FILE, case.to_toml())
+    text = case.to_toml()
+    claim(directory, results, kind=CONTINUUM, case=text)
+    replace_text(directory / CASE_FILE, text)
     return None
 
 
@@ -174,19 +203,29 @@ class ElementResult:
     ------
     MissingOutputError
         There is no result.h5.
+    OutputFormatError
+        It is damaged.
     """
 
     def __init__(self, directory: str | Path) -> None:
         path = Path(directory) / RESULT_FILE
         if not path.exists():
             raise MissingOutputError(f"{path} is missing: make it with  granwave continuum CASE -o {directory}")
-        with h5py.File(path, "r") as file:
-            names: list[str] = []
-            file.visititems(lambda name, item: names.append(name) if isinstance(item, h5py.Dataset) else None)
-            self._values: dict[str, NDArray] = {name: file[name][()] for name in names}
-            self.tables: dict[str, Any] = tomllib.loads(str(file.attrs["case"]))
-            self.summary: dict[str, Any] = json.loads(str(file.attrs["summary"]))
-            self._read_more(file)
+        try:
+            with h5py.File(path, "r") as file:
+                self._read(file)
+        except (OSError, KeyError, ValueError) as error:
+            raise OutputFormatError(
+                f"{path}: is damaged ({' '.join(str(error).split())}); run the case again"
+            ) from None
+
+    def _read(self, file: h5py.File) -> None:
+        names: list[str] = []
+        file.visititems(lambda name, item: names.append(name) if isinstance(item, h5py.Dataset) else None)
+        self._values: dict[str, NDArray] = {name: file[name][()] for name in names}
+        self.tables: dict[str, Any] = tomllib.loads(str(file.attrs["case"]))
+        self.summary: dict[str, Any] = json.loads(str(file.attrs["summary"]))
+        self._read_more(file)
 
     def _read_more(self, file: h5py.File) -> None:
         """What a kind of result reads besides."""

@@ -10,15 +10,25 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from granwave.lammps_inputs.deck.deck import DATA_FILE, SCRIPT_FILE
 from granwave.lammps_inputs.deck.static_stage import STAGE_END, STAGE_MARKER
+from granwave.lammps_inputs.run_directory import (
+    CHECKPOINT_FILE,
+    DATA_FILE,
+    SCRIPT_FILE,
+    claim,
+    clear,
+    output_names,
+    own_file,
+    read_marker,
+)
+from granwave.workflows.run.mpi import on_first
 
 if TYPE_CHECKING:
     from mpi4py.MPI import Intracomm
 
     from granwave.workflows.run.lammps_engine import Engine
 
-_PREFIX, _SUFFIX = "checkpoint-", ".restart"
+_FILE = re.compile(re.escape(CHECKPOINT_FILE).replace(r"\{\}", r"\d+"))
 
 
 def write(engine: Engine, comm: Intracomm, directory: Path) -> dict[str, Any]:
@@ -29,40 +39,48 @@ def write(engine: Engine, comm: Intracomm, directory: Path) -> dict[str, Any]:
     dict
         What `cut_back` and `continued` need.
     """
-    name = f"{_PREFIX}{engine.step}{_SUFFIX}"
+    name = CHECKPOINT_FILE.format(engine.step)
+    on_first(comm, lambda: claim(directory, [name]))
     engine.commands(f"write_restart {name}")
     comm.barrier()
-    sizes = {str(path.relative_to(directory)): path.stat().st_size for path in sorted((directory / "dumps").iterdir())}
+    outputs = [name for name in output_names(directory) if (directory / name).is_file()]
+    sizes = {name: (directory / name).stat().st_size for name in sorted(outputs)}
     whole = {file: (directory / file).stat().st_size for file in (name, DATA_FILE, SCRIPT_FILE)}
     return {"file": name, "step": engine.step, "sizes": sizes, "whole": whole}
 
 
 def keep_only(directory: Path, checkpoint: dict[str, Any] | None) -> None:
     """Remove the restart files of all checkpoints but this one."""
-    for path in directory.glob(f"{_PREFIX}*{_SUFFIX}"):
-        if checkpoint is None or path.name != checkpoint["file"]:
-            path.unlink(missing_ok=True)
+    marker = read_marker(directory)
+    kept = checkpoint["file"] if checkpoint else None
+    clear(directory, [name for name in (marker.files if marker else ()) if _FILE.fullmatch(name) and name != kept])
 
 
 def usable(directory: Path, checkpoint: dict[str, Any] | None) -> bool:
-    """The checkpoint's files are all there: what grows no shorter than it was, the rest as it was."""
+    """The checkpoint's files are all there: what grows no shorter than it was, the rest as it was.
+
+    False for a record that was damaged.
+    """
     if checkpoint is None:
         return False
-    for name, size in checkpoint["whole"].items():
-        if not (directory / name).is_file() or (directory / name).stat().st_size != size:
-            return False
-    paths = {directory / name: size for name, size in checkpoint["sizes"].items()}
-    return all(path.is_file() and path.stat().st_size >= size for path, size in paths.items())
+    try:
+        for name, size in checkpoint["whole"].items():
+            if not (directory / name).is_file() or (directory / name).stat().st_size != size:
+                return False
+        paths = {directory / name: size for name, size in checkpoint["sizes"].items()}
+        return all(path.is_file() and path.stat().st_size >= size for path, size in paths.items())
+    except (AttributeError, KeyError, TypeError):
+        return False
 
 
 def cut_back(directory: Path, checkpoint: dict[str, Any]) -> None:
     """Bring the output files back to what they were at the checkpoint."""
-    for path in (directory / "dumps").iterdir():
-        size = checkpoint["sizes"].get(str(path.relative_to(directory)))
-        if size is None:
+    for name in output_names(directory):
+        path = own_file(directory, name)
+        if path is not None and name in checkpoint["sizes"]:
+            os.truncate(path, checkpoint["sizes"][name])
+        elif path is not None:
             path.unlink()
-        else:
-            os.truncate(path, size)
 
 
 def continued(setup: str, checkpoint: dict[str, Any]) -> str:

@@ -4,49 +4,44 @@ from __future__ import annotations
 
 import contextlib
 import fcntl
-from collections.abc import Iterator
+import logging
+import os
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from granwave.lammps_inputs import directories
-from granwave.lammps_inputs.case.case import Case, load_case
-from granwave.lammps_inputs.deck.deck import CASE_FILE, DATA_FILE, DUMPS, SCRIPT_FILE
-from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.planning.plan import check_memory, plan
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.contact.initial_dents import dents_table, earlier_result
+from granwave.lammps_inputs.deck.deck import deck_files
+from granwave.lammps_inputs.errors import InputError, raise_all
+from granwave.lammps_inputs.planning.plan import check_run, plan
+from granwave.lammps_inputs.planning.schedule import Schedule
+from granwave.lammps_inputs.run_directory import (
+    CASE_FILE,
+    FIGURES_DIRECTORY,
+    LOCK_FILE,
+    RECORD_FILE,
+    RESULT_FILE,
+    RUN,
+    SUMMARY_FILE,
+    clear,
+    figure_files,
+    refuse_foreign,
+)
+from granwave.lammps_inputs.run_state import outputs_complete, result_fault
 from granwave.workflows.run import checkpoint, record
 from granwave.workflows.run.mpi import on_first
 
 if TYPE_CHECKING:
     from mpi4py.MPI import Intracomm
 
+logger = logging.getLogger(__name__)
+
 START, CONTINUE, ANALYSE, FINISHED = "start", "continue", "analyse", "finished"
 
-_RESULTS = (
-    CASE_FILE,
-    SCRIPT_FILE,
-    DATA_FILE,
-    DUMPS,
-    "log.lammps",
-    "result.h5",
-    "summary.json",
-    "figures",
-    "export",
-    record.FILE,
-)
-_LOCK = ".granwave-lock"
 
-
-def results_in(directory: Path) -> list[str]:
-    """Names of the results that a directory holds."""
-    return directories.results_in(directory, _RESULTS)
-
-
-def refuse_results(directory: Path, ways: str) -> None:
-    """Raise InputError where a directory holds results; ``ways`` are those that lead on."""
-    directories.refuse_results(directory, _RESULTS, ways)
-
-
-def decide(case: Case, directory: Path, *, resume: bool, force: bool, n_ranks: int) -> str:
+def decide(case: Case, directory: Path, *, resume: bool, force: bool, n_ranks: int, figures: bool = True) -> str:
     """What to do in ``directory``: START, CONTINUE from its checkpoint, ANALYSE, or nothing (FINISHED).
 
     Changes nothing.
@@ -54,36 +49,92 @@ def decide(case: Case, directory: Path, *, resume: bool, force: bool, n_ranks: i
     Raises
     ------
     InputError
-        It holds results and neither resume nor force was given, holds another case, or the machine is too small.
+        It holds results and neither resume nor force was given, holds another case, or files that granwave did not
+        write and would overwrite; or the machine is too small.
     """
-    if directories.decide(directory, _RESULTS, resume=resume, force=force, case=case.to_dict(), read=_case_there):
-        seen = record.read(directory)
-        if seen and seen.state == record.FINISHED:
-            return FINISHED if (directory / "summary.json").exists() else ANALYSE
-        if seen and seen.state == record.INTEGRATED:
-            return ANALYSE
-        if seen and checkpoint.usable(directory, seen.checkpoint):
-            return CONTINUE
     expected = plan(case, n_ranks=n_ranks)
-    check_memory(expected)
-    directories.check_disk(directory, expected.disk)
+    names = run_files(case, expected.schedule)
+    names += _figure_files(directory) if figures else []
+    if directories.decide(
+        directory,
+        RUN,
+        names,
+        resume=resume,
+        force=force,
+        case=case.to_dict(),
+        read=lambda there: _case(there, directory),
+    ):
+        found = _how_far(directory)
+        if found == FINISHED:
+            return found
+        refuse_foreign(directory, names)
+        if found != START:
+            return found
+    raise_all(
+        [
+            lambda: check_run(case, expected, directory),
+            lambda: directories.refuse_source(directory, case.name, earlier_result(case)),
+        ]
+    )
     return START
 
 
-def clear(directory: Path) -> None:
-    """Remove the results that a directory holds, and nothing else."""
-    directories.clear(directory, _RESULTS)
-    checkpoint.keep_only(directory, None)
+def _how_far(directory: Path) -> str:
+    """What is left to do in the directory of a run of the same case; warnings say what is damaged."""
+    there, fault = record.read(directory), result_fault(directory)
+    seen = there or record.recover(directory)
+    state = seen.state if seen else None
+    if state == record.FINISHED and not fault:
+        lost = not (directory / RESULT_FILE).exists() and outputs_complete(directory)
+        return ANALYSE if lost else FINISHED
+    if state in (record.FINISHED, record.INTEGRATED) and outputs_complete(directory):
+        way = ANALYSE
+    else:
+        way = CONTINUE if seen and checkpoint.usable(directory, seen.checkpoint) else START
+    if fault and (there is None or state == record.FINISHED):
+        logger.warning("%s; %s", fault, "analysed again" if way == ANALYSE else "the case is run again")
+    return way
 
 
-def _case_there(path: Path) -> dict[str, Any]:
-    return load_case(path).to_dict()
+def _case(tables: Mapping[str, Any], directory: Path) -> dict[str, Any]:
+    return Case.from_dict(tables, directory / CASE_FILE).to_dict()
+
+
+def run_files(case: Case, schedule: Schedule) -> list[str]:
+    """Names of the files of a run, without those of its figures."""
+    return [*deck_files(case, schedule), RECORD_FILE, RESULT_FILE, SUMMARY_FILE]
+
+
+def start(case: Case, directory: Path) -> None:
+    """Remove what an earlier run left, once it is certain that the deck can be written.
+
+    Raises
+    ------
+    InputError
+        The dents before the run cannot be had; nothing was removed.
+    """
+    directories.refuse_source(directory, case.name, earlier_result(case))
+    if case.contact.initial_overlap:
+        dents_table(case)
+    clear(directory)
+
+
+def _figure_files(directory: Path) -> list[str]:
+    """Names of figures that a run may leave, where there is a folder that may hold others of these names."""
+    if not os.path.lexists(directory / FIGURES_DIRECTORY):
+        return []
+    from granwave.analysis.figures.run_figures import FIGURES  # the drawing library takes a second to load
+
+    return [file for name in FIGURES for file in figure_files(name)]
+
+
+# ---------------------------------------------------------------------- one process at a time
 
 
 def busy(directory: Path) -> bool:
     """Another process holds the directory."""
     try:
-        with (directory / _LOCK).open("r") as lock:
+        with (directory / LOCK_FILE).open("r") as lock:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         return True
@@ -93,44 +144,57 @@ def busy(directory: Path) -> bool:
 
 
 @contextlib.contextmanager
-def held(directory: Path, comm: Intracomm | None = None) -> Iterator[None]:
-    """Keep other runs out of a directory for as long as this lasts.
+def held(directory: Path, comm: Intracomm | None = None, way: str = "; choose another with -o") -> Iterator[None]:
+    """Keep other runs out of a directory for as long as this lasts; one that is not there is made.
 
     Parameters
     ----------
     comm
         All ranks take part; None for a program that has no MPI.
+    way
+        Out of it where it cannot be written to.
 
     Raises
     ------
     InputError
         Another run is at work in it, or it cannot be written to.
     """
+    made = [path for path in (directory, *directory.parents) if not path.exists()]
+    locks: list[int] = []
 
-    def take() -> int | None:
+    def take() -> None:
         try:
             directory.mkdir(parents=True, exist_ok=True)
-            lock = (directory / _LOCK).open("w")
-        except OSError as error:
-            raise InputError(f"{directory}: cannot be written to: {error.strerror}; choose another with -o") from None
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            locks.append(_lock(directory / LOCK_FILE))
         except BlockingIOError:
-            lock.close()
             raise InputError(
                 f"{directory}: another run or scan is at work there; wait for it, or choose another with -o"
             ) from None
-        locks.append(lock)
-        return None
+        except OSError as error:
+            raise InputError(f"{directory}: cannot be written to: {error.strerror}{way}") from None
 
-    locks: list = []
     on_first(comm, take) if comm is not None else take()
     try:
         yield
     finally:
         for lock in locks:
-            (directory / _LOCK).unlink(missing_ok=True)
-            lock.close()
+            (directory / LOCK_FILE).unlink(missing_ok=True)
+            os.close(lock)
         with contextlib.suppress(OSError):
-            if comm is None or comm.rank == 0:
-                directory.rmdir()  # only where nothing came of it
+            for path in made if locks else ():
+                path.rmdir()  # only where nothing came of it
+
+
+def _lock(path: Path) -> int:
+    """Open and lock a file; one that its holder removed meanwhile is made anew."""
+    while True:
+        lock = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o666)
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            with contextlib.suppress(FileNotFoundError):
+                if os.path.samestat(os.fstat(lock), os.lstat(path)):
+                    return lock
+        except OSError:
+            os.close(lock)
+            raise
+        os.close(lock)

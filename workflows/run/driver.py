@@ -14,16 +14,31 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from granwave.analysis import analyse
+from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.result.writer import BALANCE_REFUSED
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.contact.initial_dents import dents_table
 from granwave.lammps_inputs.deck.deck import Deck, read_deck, write_deck
 from granwave.lammps_inputs.deck.script import part
+from granwave.lammps_inputs.directories import free_space, results_directory, room_words
 from granwave.lammps_inputs.errors import RunError
+from granwave.lammps_inputs.planning.plan import plan
 from granwave.lammps_inputs.planning.schedule import BLOCK_THRESHOLD
+from granwave.lammps_inputs.run_directory import (
+    CASE_FILE,
+    DATA_FILE,
+    DUMPS,
+    ENERGY_FILE,
+    LOG_FILE,
+    RECORD_FILE,
+    RUN,
+    claim,
+    clear,
+    output_names,
+)
+from granwave.lammps_inputs.run_state import note_sizes, read_summary, restore_case
 from granwave.workflows.run import checkpoint, record
 from granwave.workflows.run.balance import TOLERANCE, Balance
-from granwave.workflows.run.directory import ANALYSE, CONTINUE, FINISHED, START, clear, decide, held
+from granwave.workflows.run.directory import ANALYSE, CONTINUE, FINISHED, START, decide, held, start
 from granwave.workflows.run.equilibrium import check_equilibrium
 from granwave.workflows.run.lammps_engine import Engine, LonelyError, open_engine
 from granwave.workflows.run.mpi import StopRequest, abort, nodes, on_first, world
@@ -95,29 +110,40 @@ def run_case(
         LAMMPS failed; what was computed is kept.
     """
     comm = world() if comm is None else comm
-    directory = Path(directory).absolute()
+    directory = results_directory(directory)
+    options = {"resume": resume, "force": force, "figures": figures, "n_ranks": comm.size}
     with held(directory, comm):
-        what = on_first(comm, lambda: decide(case, directory, resume=resume, force=force, n_ranks=comm.size))
-        if what == START:
-            on_first(comm, lambda: dents_table(case) if case.contact.initial_overlap else "")  # or nothing is removed
-            on_first(comm, lambda: clear(directory))
-        if what == FINISHED:
-            return Outcome(directory, record.FINISHED, on_first(comm, lambda: _summary(directory)))
+        what = on_first(comm, lambda: _prepare(case, directory, **options))
         run = _Run(case, directory, comm, progress, checkpoint_interval)
         if what == ANALYSE:
-            run.take_up()
-        else:
-            with StopRequest(comm) as stop, contextlib.chdir(directory):
-                run.integrate(stop, go_on=what == CONTINUE)
-        summary = on_first(comm, lambda: analyse(directory, progress=progress, figures=figures))
-        run.close_record()
-        return Outcome(directory, run.record.state, summary)
+            try:
+                return run.analyse(figures=figures, take_up=True)
+            except (MissingOutputError, OutputFormatError) as error:
+                if comm.rank == 0:
+                    logger.warning("%s; the case is run again", error)
+                what = on_first(comm, lambda: _start(case, directory))
+                run = _Run(case, directory, comm, progress, checkpoint_interval)
+        if what == FINISHED:
+            return Outcome(directory, record.FINISHED, on_first(comm, lambda: read_summary(directory)))
+        with StopRequest(comm) as stop, contextlib.chdir(directory):
+            run.integrate(stop, go_on=what == CONTINUE)
+        return run.analyse(figures=figures)
 
 
-def _summary(directory: Path) -> dict[str, Any]:
-    import json
+def _prepare(case: Case, directory: Path, **options: Any) -> str:
+    """What to do in a directory, which is made ready for it."""
+    what = decide(case, directory, **options)
+    if what == START:
+        return _start(case, directory)
+    if restore_case(directory):
+        logger.warning("%s was missing or damaged: written again as it was run", directory / CASE_FILE)
+    return what
 
-    return dict(json.loads((directory / "summary.json").read_text(encoding="utf-8")))
+
+def _start(case: Case, directory: Path) -> str:
+    start(case, directory)
+    claim(directory, [RECORD_FILE], kind=RUN)
+    return START
 
 
 class _Run:
@@ -126,8 +152,9 @@ class _Run:
         self.show = show and comm.rank == 0
         self.checkpoint_interval = checkpoint_interval
         self.record = Record(name=case.name, n_ranks=comm.size)
-        self.balance = Balance(directory / "dumps" / "energy.txt")
+        self.balance = Balance(directory / DUMPS / ENERGY_FILE)
         self.state = record.RUNNING  # of the integration; the record says it when the analysis is done
+        self.reserve = plan(case).disk_reserve  # bytes that stay free on the disk
         self.lost_before_block = 0.0  # dissipated energy at the start of the present block of end_time = "auto", J
 
     # ------------------------------------------------------------------ attempts
@@ -141,9 +168,10 @@ class _Run:
             deck = self._deck(timestep, go_on)
             try:
                 self._attempt(deck, stop, go_on)
-            except RunError as error:
-                self._fail(error)
-                raise
+            except (RunError, OSError) as error:
+                failure = self._failure(error)
+                self._fail(failure)
+                raise failure from error
             if self.state != record.REFUSED:
                 break
             misses = self.balance.error
@@ -162,29 +190,66 @@ class _Run:
                 f"once more with half the timestep, {timestep:.3g} s"
             )
 
+        on_first(self.comm, lambda: note_sizes(self.directory, [DATA_FILE, *output_names(self.directory)]))
         self._note(state=self.state if self.state == record.INTERRUPTED else record.INTEGRATED)
+
+    def _failure(self, error: RunError | OSError) -> RunError:
+        """What ends the run; where the disk is full, with how to go on."""
+        if isinstance(error, OSError):
+            return RunError(f"{error.filename or self.directory}: {error.strerror or error}; {self._kept()}")
+        if free_space(self.directory) < self.reserve:
+            return type(error)(f"{self.directory}: the disk is full: {error}; {self._kept()}")
+        return error
 
     def _fail(self, error: RunError) -> None:
         if isinstance(error, LonelyError) and self.comm.size > 1:
             # the first rank may be waiting inside LAMMPS: this one writes the record, and ends all
             dataclasses.replace(self.record, state=record.FAILED, reason=str(error)).write(self.directory)
             abort(self.comm, str(error))
-        self._note(state=record.FAILED, reason=str(error))
+        with contextlib.suppress(OSError):  # of a full disk: what is on record says how to go on
+            self._note(state=record.FAILED, reason=str(error))
 
-    def take_up(self) -> None:
-        """Stand where a run stopped that was integrated, but not analysed."""
-        self.record = on_first(self.comm, lambda: record.read(self.directory) or Record())
-        self.state = record.REFUSED if self.record.end_reason == BALANCE_REFUSED else record.FINISHED
+    def _kept(self) -> str:
+        """Say what a run that cannot go on has, and how it is taken up."""
+        saved = self.record.checkpoint
+        where = f"from the checkpoint at step {saved['step']}" if saved else "from the start, as there is no checkpoint"
+        return f"what was computed is kept; make room, then the same command with --resume goes on {where}"
+
+    def analyse(self, *, figures: bool, take_up: bool = False) -> Outcome:
+        """Make all that is made of the output; ``take_up``: of that of an earlier session."""
+        if take_up:
+            self.record = on_first(self.comm, lambda: self._record_there())
+            self.state = record.REFUSED if self.record.end_reason == BALANCE_REFUSED else record.FINISHED
+        try:
+            summary = on_first(self.comm, lambda: analyse(self.directory, progress=self.show, figures=figures))
+        except OSError as error:
+            if isinstance(error, MissingOutputError):
+                raise
+            where = error.filename or self.directory
+            raise RunError(
+                f"{where}: {error.strerror or error}; what LAMMPS computed is kept; make room, then the same command "
+                "with --resume analyses it"
+            ) from error
+        self._note(state=self.state)  # only now is a finished run finished
+        if self.comm.rank == 0 and self.state != record.INTERRUPTED:
+            checkpoint.keep_only(self.directory, None)
+        return Outcome(self.directory, self.record.state, summary)
+
+    def _record_there(self) -> Record:
+        """The record of an earlier session; one that is damaged is written again."""
+        found = record.read(self.directory)
+        if found is None:
+            found = record.recover(self.directory) or Record()
+            found.write(self.directory)
+        return found
 
     def _deck(self, timestep: float | None, go_on: bool) -> Deck:
         def write() -> Deck:
             if go_on:
                 return read_deck(self.directory)
-            deck = write_deck(self.case, self.directory, timestep=timestep)
-            for path in deck.dumps.iterdir():
-                path.unlink()
             checkpoint.keep_only(self.directory, None)
-            return deck
+            clear(self.directory, output_names(self.directory))
+            return write_deck(self.case, self.directory, timestep=timestep)
 
         deck = on_first(self.comm, write)
         if not go_on:
@@ -203,12 +268,12 @@ class _Run:
         self.state, self.lost_before_block = record.RUNNING, 0.0
         self._note(state=record.RUNNING, reason=None, end_reason=None)
         saved = self.record.checkpoint
-        with open_engine(self.comm, log="none" if go_on else "log.lammps") as engine:
+        with open_engine(self.comm, log="none" if go_on else LOG_FILE) as engine:
             if go_on and saved:
                 on_first(self.comm, lambda: checkpoint.cut_back(self.directory, saved))
                 self.balance.read()
                 self.lost_before_block = saved["lost_before_block"]
-                engine.commands("log log.lammps append")
+                engine.commands(f"log {LOG_FILE} append")
                 setup = checkpoint.continued(setup, saved)
             if not go_on and self.case.precompression and self.show:
                 logger.info("%s: static stage, until the packing is in balance ...", self.case.name)
@@ -272,7 +337,8 @@ class _Run:
                 self._look(engine, deck)
                 self.record.n_steps, self.record.end_time_s = engine.step, engine.step * schedule.timestep
                 self.record.wall_time_s = before + now - begin
-                bar.update(engine.step, self._where(schedule.end_time))
+                last = self.state == record.FINISHED
+                bar.update(engine.step, self._where(schedule.end_time), last=last)
                 if self.state == record.RUNNING and stop.wanted():
                     self.state, self.record.end_reason = record.INTERRUPTED, "interrupted"
                 if self.state == record.INTERRUPTED or (
@@ -280,8 +346,18 @@ class _Run:
                 ):
                     self._checkpoint(engine)
                     last_checkpoint, fresh = time.monotonic(), True
+                self._check_room(engine)
         finally:
             bar.close()
+
+    def _check_room(self, engine: Engine) -> None:
+        """End the run with a checkpoint while there is room for one: LAMMPS does not tell what it cannot write."""
+        free = self._shared(free_space(self.directory))
+        if self.state != record.RUNNING or free > self.reserve:
+            return
+        self._checkpoint(engine)
+        words = room_words("a snapshot and a checkpoint", self.reserve, 0.0, free)
+        raise RunError(f"stopped at step {engine.step}: {words}")
 
     def _look(self, engine: Engine, deck: Deck) -> None:
         """Read the ledger, and decide whether this was the end."""
@@ -312,12 +388,6 @@ class _Run:
         on_first(self.comm, lambda: checkpoint.keep_only(self.directory, self.record.checkpoint))
 
     # ------------------------------------------------------------------ the record
-
-    def close_record(self) -> None:
-        """Say in run.json what became of the run; only now is a finished run finished."""
-        self._note(state=self.state)
-        if self.comm.rank == 0 and self.state != record.INTERRUPTED:
-            checkpoint.keep_only(self.directory, None)
 
     def _note(self, **changes: Any) -> None:
         self.record = dataclasses.replace(self.record, **changes)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.deck.deck import DUMPS
-from granwave.lammps_inputs.deck.static_stage import PRESTAGE_FILE, largest_move
+from granwave.lammps_inputs.deck.static_stage import largest_move
 from granwave.lammps_inputs.errors import RunError
+from granwave.lammps_inputs.run_directory import DUMPS, PRESTAGE_FILE
 
 LARGEST_RESIDUAL = 1e-6  # of the largest contact force: net force on a sphere
 

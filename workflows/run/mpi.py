@@ -34,6 +34,11 @@ def launched() -> bool:
     return any(name in os.environ for name in _RANK_VARIABLES)
 
 
+def is_first() -> bool:
+    """This process is the first rank of its launcher, or was started by none; asks no MPI library."""
+    return all(os.environ.get(name, "0") == "0" for name in _RANK_VARIABLES)
+
+
 def alone() -> dict[str, str]:
     """The environment without what a launcher left in it: for a process that is no rank of this one's."""
     return {name: value for name, value in os.environ.items() if not name.startswith(_LAUNCHER_PREFIXES)}

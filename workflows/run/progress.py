@@ -45,12 +45,26 @@ class Progress:
             bar_format="{desc} {percentage:3.0f}%|{bar}|{postfix}",
         )
 
-    def update(self, done: int, note: str, times: str | None = None) -> None:
-        """``done`` steps in all; ``note`` says where the run is, ``times`` how long it takes, else the steps do."""
+    def update(self, done: int, note: str, times: str | None = None, *, last: bool = False) -> None:
+        """Show how far the run is.
+
+        Parameters
+        ----------
+        done
+            Steps in all.
+        note
+            Where the run is.
+        times
+            How long it takes; by default as the steps say.
+        last
+            There are no more steps, fewer though they are than there might have been.
+        """
+        if last:
+            self._total = self._bar.total = done
         text = f"{note} [{times or self._times(done)}]".lstrip()
         self._bar.set_postfix_str(text, refresh=False)
         self._bar.update(done - self._done)
-        ended = done == self._total and done != self._done
+        ended = done == self._total and (last or done != self._done)
         self._done = done
         now = time.monotonic()
         if self._lines and (now - self._last > _LINE_EVERY or ended):
@@ -59,6 +73,8 @@ class Progress:
 
     def _times(self, done: int) -> str:
         passed = time.monotonic() - self._begin
+        if done >= self._total:
+            return duration(passed)
         left = passed * (self._total - done) / max(1, done - self._first)
         return f"{duration(passed)}, {self._about} {duration(left)} left"
 

@@ -7,9 +7,10 @@ import json
 from pathlib import Path
 from typing import Any
 
+from granwave.analysis.errors import MissingOutputError, OutputFormatError
+from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.files import read_json, replace_text
-
-FILE = "run.json"
+from granwave.lammps_inputs.run_directory import RECORD_FILE
 
 # states of a run
 RUNNING, INTEGRATED = "running", "integrated"  # integrated: only the analysis is still to be done
@@ -54,12 +55,24 @@ class Record:
 
     def write(self, directory: Path) -> None:
         """Replace the record in ``directory``, all or nothing."""
-        replace_text(directory / FILE, json.dumps(dataclasses.asdict(self), indent=2) + "\n")
+        replace_text(directory / RECORD_FILE, json.dumps(dataclasses.asdict(self), indent=2) + "\n")
 
 
 def read(directory: Path) -> Record | None:
     """The record in ``directory``, or None where there is none that can be read."""
-    content = read_json(directory / FILE)
+    return _record(read_json(directory / RECORD_FILE))
+
+
+def recover(directory: Path) -> Record | None:
+    """The record that result.h5 holds, as it was when the run was analysed; None where there is none."""
+    try:
+        with Result(directory) as result:
+            return _record(result.record)
+    except (MissingOutputError, OutputFormatError, KeyError, ValueError):
+        return None
+
+
+def _record(content: dict[str, Any] | None) -> Record | None:
     try:
         return None if content is None else Record(**content)
     except TypeError:  # keys of another version

@@ -17,7 +17,7 @@ from typing import cast
 import tomli_w
 
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.planning.plan import available_memory
+from granwave.lammps_inputs.memory import available_memory
 from granwave.lammps_inputs.planning.wall_time import seconds_per_step
 from granwave.workflows.run import mpi
 from granwave.workflows.run.lammps_engine import Engine, open_engine

@@ -13,17 +13,30 @@ from pathlib import Path
 from typing import Any
 
 from granwave.analysis.errors import OutputFormatError
-from granwave.analysis.scans.result import SCAN_FILE, SCAN_INDEX, ScanResult, is_scan
+from granwave.analysis.scans.result import ScanResult, is_scan
 from granwave.analysis.scans.table import ScanData, read_scan, write_scan_table
-from granwave.lammps_inputs.directories import check_directory, check_disk, clear, refuse_results
+from granwave.lammps_inputs.directories import check_directory, results_directory
 from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.files import replace_text
-from granwave.workflows.run.directory import held, results_in
+from granwave.lammps_inputs.run_directory import (
+    SCAN,
+    SCAN_FILE,
+    SCAN_INDEX,
+    SCAN_REPORT,
+    SCAN_WORK,
+    claim,
+    clear,
+    refuse_foreign,
+    refuse_other_kind,
+    refuse_results,
+)
+from granwave.workflows.run.directory import busy, held
 from granwave.workflows.run.interrupts import Interrupts
 from granwave.workflows.run.progress import Progress
 from granwave.workflows.scanning import layout, queue
 from granwave.workflows.scanning.batches import make_batches, start_of_job
 from granwave.workflows.scanning.engine import SLURM, Engine, check_installed
+from granwave.workflows.scanning.needs import check_points
 from granwave.workflows.scanning.outlook import Outlook
 from granwave.workflows.scanning.profile import Profile
 from granwave.workflows.scanning.scan_file import Point, Scan
@@ -109,17 +122,17 @@ def run_scan(
     RunError
         The engine failed.
     """
-    directory = Path(directory).absolute()
+    directory = results_directory(directory)
     check_installed(executor)
     if executor == SLURM:
         queue.check_slurm()
         profile = profile or Profile()
     else:
         profile = None
-    decide(scan, directory, resume=resume, force=force)
     with held(directory), _StopRequest() as stop:
+        decide(scan, directory, resume=resume, force=force)
         if force:
-            clear(directory, layout.RESULTS)
+            clear(directory)
         _prepare(scan, directory, on_cluster=profile is not None)
         run = _ScanRun(scan, directory, profile, jobs or default_jobs(profile), stop, progress, slowness)
         run.work()
@@ -140,13 +153,14 @@ def decide(scan: Scan, directory: Path, *, resume: bool, force: bool) -> None:
     Raises
     ------
     InputError
-        It holds results and neither resume nor force was given, or holds something else.
+        It holds results and neither resume nor force was given, or holds something else, or files that granwave did not
+        write and would overwrite; or the case.toml of a point was changed.
     """
     check_directory(directory, resume=resume, force=force)
-    if results_in(directory) and not is_scan(directory) and not (directory / layout.WORK).exists():
-        raise InputError(f"{directory}: holds a run, expected a scan or nothing; choose another with -o")
+    refuse_other_kind(directory, SCAN)
     if not resume and not force:
-        refuse_results(directory, layout.RESULTS, "--resume does what is missing, --force replaces them")
+        refuse_results(directory, "--resume does what is missing, --force replaces them")
+    refuse_foreign(directory, [*layout.files(scan.distinct), f"{SCAN_WORK}/"])
     if resume and is_scan(directory):
         there = _index(directory)
         if there and there.name != scan.name and not {point.id for point in there.points} & set(scan.distinct):
@@ -154,8 +168,7 @@ def decide(scan: Scan, directory: Path, *, resume: bool, force: bool) -> None:
                 f"{directory}: holds another scan ({there.name}), without a point of {scan.name}; "
                 "--force replaces it, or choose another directory with -o"
             )
-    needed = sum(p.plan.disk for p in scan.distinct.values() if force or not layout.is_done(directory, p.id))
-    check_disk(directory, needed, what="the points", spare=layout.LEAST_FREE)
+    check_points(scan, directory, force=force)
 
 
 def _index(directory: Path) -> ScanResult | None:
@@ -167,13 +180,18 @@ def _index(directory: Path) -> ScanResult | None:
 
 
 def _prepare(scan: Scan, directory: Path, *, on_cluster: bool) -> None:
+    claim(directory, layout.files(scan.distinct), kind=SCAN)
     for name in (layout.BATCHES, layout.DONE, layout.LOGS):
         (directory / name).mkdir(parents=True, exist_ok=True)
     (directory / layout.STOP).unlink(missing_ok=True)
-    (directory / SCAN_FILE).write_text(scan.text, encoding="utf-8")
+    replace_text(directory / SCAN_FILE, scan.text)
     replace_text(directory / SCAN_INDEX, json.dumps(scan.index(), indent=1) + "\n")
     adopted = {name for job in queue.jobs_of(directory) for name in job.points} if on_cluster else set()
     for point in scan.distinct:
+        in_work = point in adopted or busy(layout.unfinished(directory, point))
+        if not in_work and (fault := layout.fault(directory, point)):
+            logger.warning("%s; the point is analysed again, or run again", fault)
+            layout.reopen(directory, point)
         state = layout.state(directory, point)
         if state.get("attempts") and point not in adopted:  # it failed, or was killed with its job: another chance
             layout.write_state(
@@ -203,6 +221,7 @@ class _ScanRun:
         self.drawn = self.tabled = time.monotonic()
         self.changed = True
         self.stopped: str | None = None
+        self.finished: set[str] = set()  # those of the closed points that are done
         left = [point for name, point in self.open.items() if not layout.is_done(directory, name)]
         self.outlook = Outlook(left, profile, jobs, slowness)
 
@@ -328,6 +347,7 @@ class _ScanRun:
             state = {} if done else layout.state(self.directory, name)
             if done or state.get("state") == layout.FAILED:
                 del self.open[name]
+                self.finished |= {name} if done else set()
                 self.changed = True
                 if done and (taken := layout.seconds(self.directory, name)):
                     self.outlook.done(point, taken)
@@ -338,32 +358,31 @@ class _ScanRun:
         return len(self.scan.distinct) - len(self.open)
 
     def _failed(self) -> int:
-        return sum(name not in self.open and not layout.is_done(self.directory, name) for name in self.scan.distinct)
+        return self._closed() - len(self.finished)
 
     def _publish(self) -> None:
         write_scan_table(self.result)
         if self.stop.wanted:
             return  # who stops a scan does not want to wait for figures
         _draw(self.result)
-        from granwave.analysis.figures.run_figures import FIGURES_DIRECTORY
         from granwave.analysis.reports.inputs import read_inputs
         from granwave.analysis.reports.report import write_report
         from granwave.analysis.reports.sections.studies import studies_of
         from granwave.analysis.studies.study import draw_studies
 
         found = studies_of(read_inputs([self.directory], self.directory))
-        draw_studies(found, self.directory / FIGURES_DIRECTORY)
-        write_report([self.directory], self.directory / "report.html")
+        draw_studies(found, self.directory)
+        write_report([self.directory], self.directory / SCAN_REPORT)
 
     def outcome(self) -> ScanOutcome:
         """What became of it."""
-        names = self.scan.distinct
-        done = sum(layout.is_done(self.directory, name) for name in names)
-        failed = self._failed()
-        if done == len(names):
+        # as the table says: one point may stand in it several times
+        status = {point.id: point.status for point in ScanResult(self.directory).points}
+        done, failed, missing = (sum(one == what for one in status.values()) for what in ("done", "failed", "missing"))
+        if not failed and not missing:
             with contextlib.suppress(OSError):
                 (self.directory / layout.unfinished(self.directory, "")).rmdir()
-        return ScanOutcome(self.directory, done, failed, len(names) - done - failed, self.stopped)
+        return ScanOutcome(self.directory, done, failed, missing, self.stopped)
 
 
 def _draw(result: ScanResult, *, pdf: bool = True) -> None:

@@ -13,7 +13,8 @@ from importlib import util
 from pathlib import Path
 
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.planning.plan import available_memory
+from granwave.lammps_inputs.memory import available_memory
+from granwave.lammps_inputs.run_directory import SCAN_WORK
 from granwave.workflows.run import mpi
 from granwave.workflows.scanning import layout, worker
 from granwave.workflows.scanning.batches import Batch
@@ -50,7 +51,7 @@ class Engine:
     ) -> None:
         self.name, self.directory, self.profile = name, directory, profile
         round_name = batches[0].id.split("x")[0]
-        plan = directory / layout.WORK / f"jobs-{round_name}.json"
+        plan = directory / SCAN_WORK / f"jobs-{round_name}.json"
         plan.write_text(json.dumps(self._plan(batches)), encoding="utf-8")
         self.log = directory / layout.LOGS / f"snakemake-{round_name}.log"
         command = [

@@ -11,6 +11,7 @@ from granwave.lammps_inputs.case.schema import (
     Faults,
     Unfit,
     choice,
+    count,
     custom,
     number,
     plain_name,
@@ -25,7 +26,7 @@ class RanksBySize:
     """``ranks = {...}``: MPI ranks of a point by the number of its spheres."""
 
     spheres_per_rank: float = number("spheres for each rank", at_least=1, default=100_000)
-    most: int = custom("most ranks", lambda value: whole(value, "a whole number from 1 up"), default=1)
+    most: int = count("most ranks", default=1)
 
     def of(self, n_spheres: int) -> int:
         """Ranks of a packing."""
@@ -54,9 +55,5 @@ class Header:
     name: str = custom("name of the scan", plain_name, default="")
     case: str = text("a built-in study or a case file")
     ranks: RanksBySize = custom("MPI ranks of a point", _parse_ranks, default=_ONE_RANK)  # noqa: RUF009
-    replicates: int = custom(
-        "runs of each point in which something is random, with seeds 1 to n",
-        lambda value: whole(value, "a whole number from 1 up"),
-        default=1,
-    )
+    replicates: int = count("runs of each point in which something is random, with seeds 1 to n", default=1)
     figures: bool = choice("figures of every point too", (False, True), default=False)

@@ -2,29 +2,36 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
+import os
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from granwave.analysis.scans.result import POINT_FILE, POINTS, SCAN_FILE, SCAN_INDEX, UNFINISHED, read_point
-from granwave.analysis.summary import SUMMARY_FILE
+from granwave.analysis.scans.result import read_point
+from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import replace_text
-
-WORK = ".scan"  # of the engine: batches, marks of finished batches, logs
-BATCHES, DONE, LOGS = f"{WORK}/batches", f"{WORK}/done", f"{WORK}/logs"
-STOP = f"{WORK}/stop"  # its presence asks all workers to stop; its text says why
-RESULTS = (
+from granwave.lammps_inputs.run_directory import (
+    CASE_FILE,
+    POINT_FILE,
+    POINT_FILES,
+    POINTS,
+    SCAN_DATA,
     SCAN_FILE,
     SCAN_INDEX,
-    POINTS,
+    SCAN_MEANS,
+    SCAN_REPORT,
+    SCAN_TABLE,
+    SCAN_WORK,
     UNFINISHED,
-    "scan.csv",
-    "scan.h5",
-    "scan_mean.csv",
-    "figures",
-    "report.html",
-    WORK,
+    clear,
 )
+from granwave.lammps_inputs.run_state import check_case, read_summary, read_tables, result_fault, tables_as_run
+
+BATCHES, DONE, LOGS = f"{SCAN_WORK}/batches", f"{SCAN_WORK}/done", f"{SCAN_WORK}/logs"
+STOP = f"{SCAN_WORK}/stop"  # its presence asks all workers to stop; its text says why
+_FILES = (SCAN_FILE, SCAN_INDEX, SCAN_TABLE, SCAN_DATA, SCAN_MEANS, SCAN_REPORT)
 
 # states of a point
 RUNNING, INTERRUPTED, FAILED, DONE_STATE = "running", "interrupted", "failed", "done"
@@ -43,13 +50,67 @@ def unfinished(directory: Path, point: str) -> Path:
     return directory / UNFINISHED / point
 
 
+def files(points: Iterable[str]) -> list[str]:
+    """Names of what a scan of these points leaves, figures apart."""
+    return [*_FILES, *(f"{place}/{point}/" for point in points for place in (POINTS, UNFINISHED))]
+
+
 def is_done(directory: Path, point: str) -> bool:
-    """The point was run to its end and analysed."""
-    try:
-        # an empty file is what a machine may leave that went down
-        return (finished(directory, point) / SUMMARY_FILE).stat().st_size > 0
-    except OSError:
-        return False
+    """The point was run to its end and analysed: it has a summary that can be read."""
+    return bool(read_summary(finished(directory, point)))
+
+
+def fault(directory: Path, point: str) -> str:
+    """Say what is damaged in the directory of a finished point; empty if nothing is, or it is not finished.
+
+    Raises
+    ------
+    InputError
+        Its case.toml was changed after the run.
+    """
+    place = finished(directory, point)
+    if not place.is_dir():
+        return ""
+    check_case(place)
+    case = place / CASE_FILE
+    if read_tables(case) is None and tables_as_run(place) is not None:
+        return f"{case}: is damaged, or missing"
+    return result_fault(place)
+
+
+def is_whole(directory: Path, point: str) -> bool:
+    """The point is done, and none of its files is damaged; raises as `fault`."""
+    return is_done(directory, point) and not fault(directory, point)
+
+
+def reopen(directory: Path, point: str) -> None:
+    """Take a point that is damaged back to those that are not finished: what is whole of it is kept.
+
+    Raises
+    ------
+    InputError
+        Files of somebody else are in the way.
+    """
+    # the other is there where a version before this one began the point anew
+    _move(finished(directory, point), unfinished(directory, point))
+
+
+def close(directory: Path, point: str) -> None:
+    """Put a point among those that are finished; raises as `reopen`."""
+    _move(unfinished(directory, point), finished(directory, point))
+
+
+def _move(place: Path, target: Path) -> None:
+    """Move the directory of a point; what granwave left in the target is replaced."""
+    if target.is_dir() and not target.is_symlink():
+        clear(target)
+        clear(target, POINT_FILES)
+        with contextlib.suppress(OSError):
+            target.rmdir()
+    if os.path.lexists(target):
+        raise InputError(f"{target}: holds files that granwave did not write; move them away, then --resume")
+    target.parent.mkdir(exist_ok=True)
+    os.replace(place, target)
 
 
 def state(directory: Path, point: str) -> dict[str, Any]:

@@ -46,9 +46,13 @@ class Outlook:
         ages
             For how long those in work have run, by id, s.
         """
-        passed = duration(time.monotonic() - self._begin)
+        seconds = time.monotonic() - self._begin
+        passed = duration(seconds)
+        if not left:
+            return f"{passed}; table, figures and report are next"
         if not self._expected:
-            return f"{passed} of about {duration(self._planned)}"
+            longer = seconds > self._planned
+            return f"{passed}{', longer than the planned' if longer else ' of about'} {duration(self._planned)}"
         pace = self._taken / self._expected
         times = [max(0.0, expected_time(point, pace) - ages.get(point.id, 0.0)) for point in left]
         rest = spread(times, [point.ranks for point in left], self._profile, self._workers) + PUBLISH

@@ -18,10 +18,11 @@ from pathlib import Path
 from typing import Any
 
 from granwave.analysis.scans.result import SEED, Scalar
-from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.case import Case, case_keys
 from granwave.lammps_inputs.case.overrides import apply_overrides, parse_overrides
 from granwave.lammps_inputs.case.schema import Faults, Unfit, read_table, show
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.named_files import with_short_paths
 from granwave.lammps_inputs.packing.disorder import is_random
 from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows import library
@@ -30,7 +31,7 @@ from granwave.workflows.run.versions import versions
 from granwave.workflows.scanning.header import Header
 from granwave.workflows.scanning.labels import labels_of
 from granwave.workflows.scanning.values import MOST_POINTS, SHAPES, values_of
-from granwave.workflows.solvers import AnyCase, Cost, Kind, kind_of
+from granwave.workflows.solvers import CONTINUUM, GRANULAR, AnyCase, Cost, Kind, kind_of
 
 _LOG = logging.getLogger("granwave")
 
@@ -98,8 +99,13 @@ class Scan:
         return {"name": self.name, "case": self.case_name, "varied": list(self.varied), "points": points}
 
 
-def find_scan(scan: str | Path) -> Path:
+def find_scan(scan: str | Path, directory: Path = Path()) -> Path:
     """The file of a scan or a suite, or of the built-in one of that name.
+
+    Parameters
+    ----------
+    directory
+        Folder that a relative path starts from.
 
     Raises
     ------
@@ -107,7 +113,7 @@ def find_scan(scan: str | Path) -> Path:
         There is none, or it cannot be read.
     """
     try:
-        return library.find(str(scan), library.SCANS)
+        return library.find_for(str(scan), library.SCAN, directory=directory)
     except OSError as error:
         raise InputError(f"{scan}: cannot be read: {error.strerror}") from None
 
@@ -134,9 +140,9 @@ def load_scan(scan: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (
     data = read_toml(path)
     if "scans" in data:
         raise InputError(f"{path}: is a suite of scans, expected one scan: one of {', '.join(map(str, data['scans']))}")
-    faults = Faults(str(path))
+    faults = Faults(str(path), vocabulary=[f"set.{key}" for key in case_keys()])
     tables: dict[str, Any] = {name: data.pop(name) for name in ("set", "grid", "zip", "points") if name in data}
-    header = read_table(Header, data, "", faults)
+    header = read_table(Header, {"name": path.stem, **data}, "", faults)
     fixed = {
         key: value
         for key, value in _flat(tables.get("set", {}), "set", faults).items()
@@ -188,7 +194,7 @@ def _variations(tables: Mapping[str, Any], header: Header | None, faults: Faults
     keys = [key for axis in axes for key in axis[0]]
     for key in dict.fromkeys(key for key in keys if keys.count(key) > 1):
         faults.add(key, "varies twice; let it stand in one of [grid] and [[zip]]")
-    count = math.prod(map(len, axes)) * (header.replicates if header else 1)
+    count = ((math.prod(map(len, axes)) if axes else 0) + len(single)) * (header.replicates if header else 1)
     if count > MOST_POINTS:
         faults.add("grid", f"found {count} points, expected at most {MOST_POINTS}")
     if faults.lines:
@@ -269,7 +275,7 @@ def _build(
 
     def read(values: Mapping[str, Any]) -> AnyCase:
         data = _with(template, {**fixed, **values}, path, changes)
-        return kind.read(data, path, overridden=changes, directory=base.parent)
+        return kind.read(data, path, overridden=changes)
 
     with _each_warning_once():
         for n, values in enumerate(variations, start=1):
@@ -277,8 +283,7 @@ def _build(
                 for replicate in _replicates(values, header, read):
                     case = read(replicate)
                     points.append(_point(len(points) + 1, replicate, case, kind, header, varied))
-                    if here:
-                        kind.check_memory(case, points[-1].plan)
+                    kind.check(case, points[-1].plan, files=False, memory=here)
             except InputError as error:
                 faults.append((n, values, error.faults))
     if header.replicates > 1 and len(points) == len(variations):
@@ -286,10 +291,10 @@ def _build(
     if faults:
         raise InputError(_fault_lines(path, faults, len(variations)))
     return Scan(
-        name=header.name or path.stem,
+        name=header.name,
         case_name=str(template["name"]),
         varied=varied,
-        points=tuple(_labelled(points, varied)),
+        points=tuple(_labelled(points, varied, path.parent)),
         figures=header.figures,
         text="".join(f"# --set {key}={show(value)}\n" for key, value in changes.items()) + text,
     )
@@ -309,10 +314,9 @@ def _replicates(
 
 
 def _find_case(case: str, path: Path) -> Path:
-    """A case file beside the scan file, or as seen from here, or a built-in study."""
-    beside = path.parent / case
+    """A case file as seen from the scan file, or a built-in study."""
     try:
-        return beside if beside.is_file() else library.find(case)
+        return library.find_for(case, GRANULAR.verb, CONTINUUM.verb, directory=path.parent)
     except InputError as error:
         raise InputError(f"{path}: case: {fault}" for fault in error.faults) from None
     except OSError as error:
@@ -353,13 +357,8 @@ def _point(
     header: Header,
     varied: Sequence[str],
 ) -> Point:
-    try:
-        ranks = header.ranks.of(kind.size(case)) if kind.parallel else 1
-        expected = kind.cost(case, ranks, header.figures)
-    except (ArithmeticError, ValueError) as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(f"no timestep can be found for these values ({error}); are they all in SI units?") from None
+    ranks = header.ranks.of(kind.size(case)) if kind.parallel else 1
+    expected = kind.cost(case, ranks, header.figures)
     resolved = case.to_dict()
     stamp = {name: versions()[name] for name in kind.versions}
     key = json.dumps([{**resolved, "name": ""}, stamp], sort_keys=True).encode()
@@ -367,9 +366,9 @@ def _point(
     return Point(number, hashlib.sha256(key).hexdigest()[:_ID_LENGTH], labels, case, kind, expected, ranks)
 
 
-def _labelled(points: Sequence[Point], varied: Sequence[str]) -> list[Point]:
-    """The points with labels in place of the values of what varies."""
-    columns = {key: labels_of([point.labels[key] for point in points]) for key in varied}
+def _labelled(points: Sequence[Point], varied: Sequence[str], folder: Path) -> list[Point]:
+    """The points with labels in place of the values of what varies; paths as seen from the scan file's folder."""
+    columns = {key: labels_of([with_short_paths(point.labels[key], folder, key) for point in points]) for key in varied}
     return [
         dataclasses.replace(point, labels={key: columns[key][n] for key in varied}) for n, point in enumerate(points)
     ]
@@ -385,11 +384,13 @@ def _look_up(tables: Mapping[str, Any], key: str) -> Any:
 def _fault_lines(path: Path, faults: Sequence[tuple[int, Mapping[str, Any], list[str]]], count: int) -> list[str]:
     """What is wrong with every point once; otherwise a line for each invalid point."""
     shared = [fault for fault in faults[0][2] if len(faults) == count and all(fault in f for _, _, f in faults)]
-    lines = list(shared)
+    lines = [fault if fault.startswith((f"{path}: ", "--set: ")) else f"{path}: {fault}" for fault in shared]
     for n, values, found in faults:
         own = [fault for fault in found if fault not in shared]
         if own:
-            labels = ", ".join(f"{key} = {show(value)}" for key, value in values.items())
+            labels = ", ".join(
+                f"{key} = {show(with_short_paths(value, path.parent, key))}" for key, value in values.items()
+            )
             told = "; ".join(fault.removeprefix(f"{path}: ") for fault in own)
             lines.append(f"{path}: point {n} ({labels}): {told}")
     return lines

@@ -13,16 +13,27 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from granwave.analysis.scans.result import SCAN_FILE, SUITE_INDEX
 from granwave.lammps_inputs.case.schema import Faults, Unfit, custom, plain_name, read_table
+from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import replace_text
+from granwave.lammps_inputs.run_directory import (
+    SCAN_FILE,
+    SCAN_REPORT,
+    SUITE,
+    SUITE_INDEX,
+    claim,
+    clear,
+    refuse_foreign,
+    refuse_other_kind,
+)
 from granwave.lammps_inputs.toml_files import read_toml
+from granwave.workflows.run.directory import held
 from granwave.workflows.scanning.driver import ScanOutcome, decide, run_scan
 from granwave.workflows.scanning.scan_file import Scan, find_scan, load_scan, scan_of_case
 
-REPORT = "report.html"
 _SCANS = "scans"
+_FILES = (SCAN_FILE, SUITE_INDEX, SCAN_REPORT)
 
 
 def _parse_scans(value: Any) -> tuple[str, ...]:
@@ -88,31 +99,27 @@ def load_suite(file: str | Path, *, here: bool = True) -> Suite:
     path = find_scan(file)
     data = read_toml(path)
     faults = Faults(str(path))
-    header = read_table(_File, data, "", faults)
+    header = read_table(_File, {"name": path.stem, **data}, "", faults)
     if header is None or faults.lines:
         raise InputError(faults.lines)
     scans: list[Scan] = []
     for entry in header.scans:
         try:
-            scans.append(load_scan(_beside(path, entry), here=here))
+            scans.append(load_scan(find_scan(entry, path.parent), here=here))
         except InputError as error:
-            faults.lines += [f"{path}: {_SCANS}: {entry}: {fault}" for fault in error.faults]
+            faults.lines += [f"{path}: {_SCANS}: {entry}: {fault.removeprefix(f'{entry}: ')}" for fault in error.faults]
     for entry in header.cases:
         try:
             scans.append(scan_of_case(entry, path, here=here))
         except InputError as error:
-            faults.lines += [f"{path}: cases: {entry}: {fault}" for fault in error.faults]
+            known = f"{path}: case: {entry}: "
+            faults.lines += [f"{path}: cases: {entry}: {fault.removeprefix(known)}" for fault in error.faults]
     names = [scan.name for scan in scans]
     for twice in sorted({name for name in names if names.count(name) > 1}):
         faults.add(_SCANS, f"found two scans of the name {twice}, expected different names: each has its directory")
     if faults.lines:
         raise InputError(faults.lines)
-    return Suite(header.name or path.stem, tuple(scans), path.read_text(encoding="utf-8"))
-
-
-def _beside(path: Path, scan: str) -> str:
-    beside = path.parent / scan
-    return str(beside) if beside.is_file() else scan
+    return Suite(header.name, tuple(scans), path.read_text(encoding="utf-8"))
 
 
 def run_suite(
@@ -142,17 +149,31 @@ def run_suite(
     InputError, RunError
         As of `run_scan`; no scan was run if any directory holds something else.
     """
-    directory = Path(directory).absolute()
+    directory = results_directory(directory)
+    with held(directory):
+        check_suite(suite, directory, resume=resume, force=force)
+        if force:
+            clear(directory)
+        claim(directory, _FILES, kind=SUITE)
+        return _run(suite, directory, slowness or {}, resume=resume, force=force, **options)
+
+
+def check_suite(suite: Suite, directory: Path, *, resume: bool, force: bool) -> None:
+    """Raise InputError where a suite cannot be run in ``directory``, see `decide`. Changes nothing."""
+    results_directory(directory, force=force)
+    refuse_other_kind(directory, SUITE)
     for scan in suite.scans:
         decide(scan, directory / scan.name, resume=resume, force=force)
-    directory.mkdir(parents=True, exist_ok=True)
-    (directory / SCAN_FILE).write_text(suite.text, encoding="utf-8")
+    refuse_foreign(directory, _FILES)
+
+
+def _run(suite: Suite, directory: Path, slowness: Mapping[str, float], **options: Any) -> SuiteOutcome:
+    replace_text(directory / SCAN_FILE, suite.text)
     index = {"name": suite.name, "scans": [scan.name for scan in suite.scans]}
     replace_text(directory / SUITE_INDEX, json.dumps(index, indent=1) + "\n")
     outcomes: list[ScanOutcome] = []
     for scan in suite.scans:
-        slow = (slowness or {}).get(scan.name, 1.0)
-        outcomes.append(run_scan(scan, directory / scan.name, resume=resume, force=force, slowness=slow, **options))
+        outcomes.append(run_scan(scan, directory / scan.name, slowness=slowness.get(scan.name, 1.0), **options))
         if outcomes[-1].stopped:
             break
     stopped = outcomes[-1].stopped
@@ -165,7 +186,6 @@ def run_suite(
 def _publish(directory: Path) -> None:
     """Figures of the comparison with their data, and the report."""
     # the drawing library is loaded when all points are done
-    from granwave.analysis.figures.run_figures import FIGURES_DIRECTORY
     from granwave.analysis.reports.inputs import read_inputs
     from granwave.analysis.reports.report import write_report
     from granwave.analysis.reports.sections.comparison import impacts_of
@@ -174,6 +194,6 @@ def _publish(directory: Path) -> None:
     from granwave.analysis.studies.study import draw_studies
 
     inputs = read_inputs([directory], directory)
-    draw_comparison(impacts_of(inputs), directory / FIGURES_DIRECTORY)
-    draw_studies(studies_of(inputs), directory / FIGURES_DIRECTORY)
-    write_report([directory], directory / REPORT)
+    draw_comparison(impacts_of(inputs), directory)
+    draw_studies(studies_of(inputs), directory)
+    write_report([directory], directory / SCAN_REPORT)

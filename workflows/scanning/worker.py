@@ -12,11 +12,9 @@ Exit status: 0 when every point is done, or has failed as often as it is tried; 
 from __future__ import annotations
 
 import contextlib
-import errno
 import json
 import os
 import re
-import shutil
 import signal
 import subprocess
 import sys
@@ -28,20 +26,28 @@ from typing import Any
 
 import tomli_w
 
-from granwave.analysis.summary import SUMMARY_FILE
-from granwave.lammps_inputs.deck.deck import CASE_FILE
+from granwave.lammps_inputs.directories import free_space, room_words
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.toml_files import read_toml
+from granwave.lammps_inputs.files import DISK_IS_FULL, replace_text
+from granwave.lammps_inputs.run_directory import (
+    CASE_FILE,
+    POINT_CASE,
+    POINT_FILES,
+    POINT_LOG,
+    POINT_STOP,
+    SUMMARY_FILE,
+    claim,
+    clear,
+)
+from granwave.lammps_inputs.run_state import read_tables, tables_as_run
 from granwave.workflows.run import mpi, record
-from granwave.workflows.run.directory import busy, clear
+from granwave.workflows.run.directory import busy
 from granwave.workflows.scanning import layout
 from granwave.workflows.solvers import GRANULAR, kind_of
 
 DRIVER = "GRANWAVE_SCAN_DRIVER"  # variable: process of the driver, on this machine, without which the job ends
 _POLL = 0.5  # s
-_LOG = "point.log"
 _RANK_DIED = re.compile(r"(?:EXIT STRING: |^srun: error: .*: tasks? [^:]+: )(.+)")  # as MPICH and Slurm put it
-_DISK_IS_FULL = (errno.ENOSPC, errno.EDQUOT)
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -78,7 +84,7 @@ class _Worker:
                 try:
                     self._attempt(point)
                 except OSError as error:
-                    if error.errno not in _DISK_IS_FULL:
+                    if error.errno not in DISK_IS_FULL:
                         raise
                     self._halt("")
         return sum(not layout.is_final(self.directory, point["id"]) for point in points)
@@ -123,28 +129,35 @@ class _Worker:
             return
         note = {"attempts": before + 1, "host": os.uname().nodename, "pid": os.getpid(), "started": time.time()}
         note["job"] = os.environ.get("SLURM_JOB_ID", "")
+        place.mkdir(parents=True, exist_ok=True)
+        claim(place, POINT_FILES)
         layout.write_state(place, state=layout.RUNNING, **note)
-        log_begins = (place / _LOG).stat().st_size if (place / _LOG).exists() else 0
+        log_begins = (place / POINT_LOG).stat().st_size if (place / POINT_LOG).exists() else 0
         begin = time.monotonic()
         status = self._run(point, place)
         note["seconds"] = time.monotonic() - begin
         if status == 0:
             layout.write_state(place, state=layout.DONE_STATE, **note)
-            os.replace(place, _emptied(layout.finished(self.directory, point["id"])))
+            try:
+                layout.close(self.directory, point["id"])
+            except InputError as error:
+                layout.write_state(place, state=layout.FAILED, reason=str(error), **note)
         elif status == 130 or (status < 0 and self.stopping.is_set()) or not self._room(point):
             note["attempts"] = before
             layout.write_state(place, state=layout.INTERRUPTED, **note)
             self.stopping.set()
         else:
-            reason = _reason(status, place / _LOG, log_begins)
+            reason = _reason(status, place / POINT_LOG, log_begins)
             final = note["attempts"] >= layout.MOST_ATTEMPTS
             layout.write_state(place, state=layout.FAILED if final else layout.INTERRUPTED, reason=reason, **note)
 
     def _room(self, point: dict[str, Any]) -> bool:
-        free = shutil.disk_usage(self.directory).free
+        free = free_space(self.directory)
         if free > point["disk"] + layout.LEAST_FREE:
             return True
-        self._halt(f"{free / 1e9:.2f} GB are free on the disk; the next point may need more")
+        self._halt(
+            f"{self.directory}: {room_words('the results of the next point', point['disk'], layout.LEAST_FREE, free)}"
+        )
         return False
 
     def _halt(self, reason: str) -> None:
@@ -158,11 +171,11 @@ class _Worker:
 
     def _run(self, point: dict[str, Any], place: Path) -> int:
         """The exit status of the point's process; negative if a signal killed it."""
-        case = place / "point.toml"
-        case.write_text(tomli_w.dumps({**point["case"], "name": _name(point, place)}), encoding="utf-8")
+        case = place / POINT_CASE
+        replace_text(case, tomli_w.dumps({**point["case"], "name": _name(point, place)}))
         words = [point["verb"], str(case), "-o", str(place), "--resume"]
         words += [] if self.batch["figures"] else ["--no-figures"]
-        with (place / _LOG).open("ab") as log:
+        with (place / POINT_LOG).open("ab") as log:
             if self.batch["ranks"] > 1:
                 return self._launch(words, place, log.fileno())
             self.current = _fork(words, log.fileno())
@@ -173,7 +186,7 @@ class _Worker:
         return os.waitstatus_to_exitcode(waited)
 
     def _launch(self, words: Sequence[str], place: Path, log: int) -> int:
-        self.rank_stop = place / ".stop"
+        self.rank_stop = place / POINT_STOP
         self.rank_stop.unlink(missing_ok=True)
         n_ranks = self.batch["ranks"]
         command = mpi.command(n_ranks, words, self.batch["launcher"])
@@ -259,21 +272,15 @@ def _alive(process: int) -> bool:
 
 def _name(point: dict[str, Any], place: Path) -> str:
     """The name that the point's case was begun with; one that cannot be read is begun anew."""
+    tables = tables_as_run(place) or read_tables(place / CASE_FILE)
     try:
-        if (place / CASE_FILE).exists():
-            tables = read_toml(place / CASE_FILE)
+        if tables is not None:
             return str(kind_of(tables).read(tables, place / CASE_FILE).name)
-    except InputError:  # the machine went down while it was written
+    except InputError:
+        tables = None
+    if tables is None and (place / CASE_FILE).exists():  # the machine went down while it was written
         clear(place)
     return str(point["case"]["name"])
-
-
-def _emptied(target: Path) -> Path:
-    """A place for a finished point: what lies there is not finished."""
-    if target.exists():
-        shutil.rmtree(target)
-    target.parent.mkdir(exist_ok=True)
-    return target
 
 
 def _reason(status: int, log: Path, begin: int) -> str:

@@ -11,8 +11,8 @@ from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.reports.inputs import Inputs, Run
 
 SLUG = "balance"
-#: Largest error of the balance, over the input, that is usual, and that is fair: by kind of run.
-LIMITS = {"run": (2e-6, 1e-5), "continuum": (5e-3, 2e-2)}
+#: Largest error of the balance, over the input, that is accepted: by kind of run.
+LIMITS = {"run": 1e-5, "continuum": 2e-2}
 _PARTS = ("kinetic", "elastic", "dissipated", "punch", "viscous", "hourglass")
 #: Parts of these, shown where any run has them.
 _SHARES = ("energy_rotational_J", "energy_dissipated_friction_J", "support_energy_J", "support_lost_J")
@@ -21,13 +21,11 @@ _SHARES = ("energy_rotational_J", "energy_dissipated_friction_J", "support_energ
 def verdict(run: Run) -> tuple[str, Tone]:
     """What to think of the energy balance of a run."""
     error = run.number("energy_balance_error")
-    note, poor = LIMITS[run.kind]
+    largest = LIMITS[run.kind]
     if error is None:
         return "not known", "note"
-    if math.isnan(error) or error > poor:
-        return f"poor: above {plain(f'{poor:.0e}')}", "bad"
-    if error > note:
-        return f"fair: above {plain(f'{note:.0e}')}", "note"
+    if math.isnan(error) or error > largest:
+        return f"poor: above {plain(f'{largest:.0e}')}", "bad"
     return "good", "good"
 
 
@@ -50,17 +48,11 @@ def balance_section(inputs: Inputs) -> Section:
 def balance_notes(runs: Sequence[Run], section: str = "") -> list[Note]:
     """Warnings of poor balances and of contacts beyond the law."""
     notes = []
-    for kind, (usual, largest) in LIMITS.items():
-        found = [(run, *verdict(run)) for run in runs if run.kind == kind]
-        poor = [run for run, _, tone in found if tone == "bad"]
-        fair = [run for run, text, _ in found if text.startswith("fair")]
+    for kind, largest in LIMITS.items():
+        poor = [run for run in runs if run.kind == kind and verdict(run)[1] == "bad"]
         if poor:
             text = f"Poor energy balance, do not trust ({_errors(poor)}, more than {_share(largest)}): {_labels(poor)}."
             notes.append(Note(text, "bad", section))
-        if fair:
-            text = f"Energy balance less good than usual ({_errors(fair)}; usual is up to {_share(usual)}, and more "
-            text += f"than {_share(largest)} would be poor): {_labels(fair)}."
-            notes.append(Note(text, "note", section))
     unknown = [run for run in runs if verdict(run)[0] == "not known"]
     if unknown:
         notes.append(Note(f"No energy balance is recorded: {_labels(unknown)}.", "note", section))

@@ -19,15 +19,14 @@ from granwave.analysis.document.pictures import RESOLUTION, picture_of
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing, new_figure, style
 from granwave.analysis.formatting.values import in_words
 from granwave.analysis.reports.inputs import Inputs, Run, Scan
-from granwave.analysis.result.writer import RESULT_FILE
 from granwave.analysis.scans.keys import key_of
+from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY, RESULT_FILE
 
 SLUG = "figures"
 WIDTH, POINT_WIDTH = 900, 600  # pixels, at most, of pictures of runs and scans, and of points of scans
 WIDEST = 1200  # pixels, of those that take a whole row
 POINTS_BUDGET = 8_000_000  # bytes, of all pictures of points; those beyond stay in their directories
 MOST_CURVES = 12
-_FOLDER = "figures"
 _COLOURS = 256
 _MOST_INSTANTS = 2000  # drawn of a curve
 
@@ -44,6 +43,7 @@ _CAPTIONS = {
     "dissipation_ranked": "Dissipation of spheres in descending order",
     "dissipation_cumulated": "Cumulated dissipation against the volume involved",
     "plastic_zone_growth": "Growth of the plastic zone",
+    "plastic_zone_size": "Size of the plastic zone: energy of yielding that lies farther out",
     "energies": "Energies and the error of their balance",
     "bottom_force": "Force and impulse on the bottom",
     "target": "What reaches the target, and the force there without the packing",
@@ -63,6 +63,12 @@ _CAPTIONS = {
     "collapse_dissipated_fraction": "Dissipated fraction against normalised velocity, of all materials",
     "collapse_plastic_volume": "Plastic zone against normalised input energy, of all materials",
     "dissipated_fraction_map": "Dissipated fraction by both of what varies",
+}
+_QUANTITIES = {  # of figures of scans, where their names do not tell
+    "plastic_zone_depth": "Depth of the outermost yield",
+    "zone_depth_90": "Depth that holds 90 % of the energy of yielding",
+    "zone_radius_90": "Radius that holds 90 % of the energy of yielding",
+    "zone_volume_90": "Volume that holds 90 % of the energy of yielding",
 }
 _AGAINST = "_vs_"  # in names of figures of scans: of what, against which key
 
@@ -145,7 +151,8 @@ def _caption(stem: str, words: Mapping[str, str]) -> str:
     if stem in _CAPTIONS:
         return _CAPTIONS[stem]
     what, against, key = stem.partition(_AGAINST)
-    return f"{readable(what)} against {words.get(key, readable(key).lower())}" if against else readable(stem)
+    name = _QUANTITIES.get(what, readable(what))
+    return f"{name} against {words.get(key, readable(key).lower())}" if against else readable(stem)
 
 
 def _points(scan: Scan, inputs: Inputs, number: int) -> list[Block]:
@@ -155,11 +162,11 @@ def _points(scan: Scan, inputs: Inputs, number: int) -> list[Block]:
     seen: set[Path] = set()
     for point in scan.points:
         run = point.run
-        if run is None or run.directory in seen or not any((run.directory / _FOLDER).glob("*.png")):
+        if run is None or run.directory in seen or not any((run.directory / FIGURES_DIRECTORY).glob("*.png")):
             continue
         seen.add(run.directory)
         if size > POINTS_BUDGET:
-            left.append(inputs.link(run.directory / _FOLDER, f"#{point.result.number}"))
+            left.append(inputs.link(run.directory / FIGURES_DIRECTORY, f"#{point.result.number}"))
             continue
         name = f"{number}-{scan.label}-{point.result.number}"
         parts = _pictures(run.directory, inputs, name, f"run {run.label}", POINT_WIDTH, {})
@@ -177,7 +184,7 @@ def _pictures(
     """The PNG files of a directory's figures, in the order of the figures of a run, others by name after them."""
     order = list(_CAPTIONS)
     paths = sorted(
-        (directory / _FOLDER).glob("*.png"),
+        (directory / FIGURES_DIRECTORY).glob("*.png"),
         key=lambda path: (order.index(path.stem) if path.stem in order else len(order), path.name),
     )
     figures, damaged = [], []
@@ -189,7 +196,7 @@ def _pictures(
             continue
         caption = _caption(path.stem, words)
         data = path.with_suffix(".csv")
-        link = inputs.link(data, f"{_FOLDER}/{data.name}") if data.is_file() else None
+        link = inputs.link(data, f"{FIGURES_DIRECTORY}/{data.name}") if data.is_file() else None
         figures.append(Figure(_slug(f"{name}-{path.stem}"), caption, f"{caption}: {what}", png, size, link, inches))
     gallery = (Gallery(tuple(figures)),) if figures else ()
     return (*gallery, *damaged)

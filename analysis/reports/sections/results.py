@@ -22,6 +22,7 @@ from granwave.analysis.document.cells import (
 )
 from granwave.analysis.document.model import Block, Cell, Column, Group, Note, Section, Table, Tone
 from granwave.analysis.formatting.values import told_apart
+from granwave.analysis.measures.zone_marks import Mark, bounds_in_words, mark_of
 from granwave.analysis.reports.inputs import Inputs, Point, Run, Scan
 from granwave.analysis.reports.sections.figures import overlay
 from granwave.analysis.scans.table import CONFIDENCE, COUNT, MEAN, SCAN_MEANS, SCAN_TABLE, SEED, scan_statistics
@@ -32,20 +33,24 @@ _TONES: Mapping[str, Tone] = {"done": "good", "failed": "bad", "refused": "bad",
 _NOT_COMPARED = ("name", "versions")
 _REMARKS = ("material.source",)  # keys of the case that change nothing
 _SHARES = ("plastic_fraction", "friction_fraction")
+_OF_ZONE = ("plastic_zone", "zone_", "wave_return")  # keys whose values are marked where the zone reaches a bound
 
 
 def results_section(inputs: Inputs) -> Section:
     """The section of the report."""
     blocks: list[Block] = []
+    explained = meanings([run.summary for run in inputs.results()])
     if len(inputs.runs) > 1:
         blocks.append(_runs_table(inputs.runs))
     if inputs.runs:
         if len(inputs.runs) <= MOST_SIDE_BY_SIDE:
             blocks.append(_side_by_side(inputs.runs))
-        blocks += meanings([run.summary for run in inputs.runs])
+        blocks += explained
         blocks += overlay(inputs)
     for scan in inputs.scans:
         blocks += _scan_blocks(scan, inputs)
+    if not inputs.runs:
+        blocks += explained
     return Section("Results", SLUG, tuple(blocks))
 
 
@@ -169,8 +174,14 @@ def _result_cell(key: str, summary: Mapping[str, Any]) -> Cell:
     if not summary:
         return Cell("")
     value = summary.get(key)
-    beyond = key == "contacts_beyond_law" and isinstance(value, (int, float)) and value > 0
-    return value_cell(value, tone="note" if beyond else "")
+    noted = key == "contacts_beyond_law" and isinstance(value, (int, float)) and value > 0
+    noted |= key.startswith(_OF_ZONE) and mark_of(summary) is not Mark.NONE
+    return _summary_cell(value, tone="note" if noted else "")
+
+
+def _summary_cell(value: Any, tone: Tone = "") -> Cell:
+    """Cell of a value of a summary; a list is one of bounds."""
+    return value_cell(bounds_in_words(value) if isinstance(value, list) else value, tone=tone)
 
 
 def _side_by_side(runs: Sequence[Run]) -> Table:
@@ -183,7 +194,7 @@ def _side_by_side(runs: Sequence[Run]) -> Table:
         columns.append(Column("Difference", numeric=True))
     rows = []
     for key in keys:
-        cells = [value_cell(run.summary.get(key)) for run in runs]
+        cells = [_summary_cell(run.summary.get(key)) for run in runs]
         row = [Cell(label_of(key), label_of(key)), Cell(unit_of_value(key)), *cells]
         if pair:
             row.append(_difference(runs[0].summary.get(key), runs[1].summary.get(key)))

@@ -14,8 +14,8 @@ from granwave.analysis.document.model import Cell, Column, Group, Note, Section,
 from granwave.analysis.reports.inputs import Inputs, Run
 from granwave.lammps_inputs.case.case import load_case
 from granwave.lammps_inputs.contact.law import sphere_contact
-from granwave.lammps_inputs.deck.deck import CASE_FILE
 from granwave.lammps_inputs.errors import GranwaveError
+from granwave.lammps_inputs.run_directory import CASE_FILE
 
 SLUG = "sources"
 _FILE = Path(__file__).with_name("source_values.toml")

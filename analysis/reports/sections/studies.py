@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from granwave.analysis.document.cells import BLANK, percent, value_cell
 from granwave.analysis.document.model import Cell, Column, Gallery, Group, Note, Section, Table
 from granwave.analysis.document.pictures import picture_of
-from granwave.analysis.figures.run_figures import FIGURES_DIRECTORY
 from granwave.analysis.reports.inputs import Inputs
 from granwave.analysis.studies.chains.runs import collect
 from granwave.analysis.studies.chains.studies import studies
@@ -20,6 +19,7 @@ from granwave.analysis.studies.square.studies import studies as packing_studies
 from granwave.analysis.studies.study import Row, Study
 from granwave.analysis.studies.tolerance.runs import collect as collect_tolerances
 from granwave.analysis.studies.tolerance.study import studies as tolerance_studies
+from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY
 
 SLUG = "studies"
 _COLUMNS = (
@@ -45,11 +45,12 @@ def verdicts(found: Sequence[Study]) -> tuple[Group, ...]:
 
 def studies_of(inputs: Inputs) -> list[Study]:
     """The studies that a report's runs belong to."""
-    found = [(run.label, run.directory, run.summary) for run in inputs.results() if run.kind == "run"]
+    found = [(run.label, run.directory, run.summary) for run in inputs.whole() if run.kind == "run"]
     chains = collect(found)
     ours = studies([run for run in chains if not run.case.has_past]) + packing_studies(collect_packings(found), chains)
     ours += studies_of_the_past(collect_with_past(found), chains)
-    return ours + protection_studies(collect_targets(found)) + tolerance_studies(collect_tolerances(found))
+    undone = [point.result.labels for scan in inputs.scans for point in scan.points if point.run is None]
+    return ours + protection_studies(collect_targets(found)) + tolerance_studies(collect_tolerances(found), undone)
 
 
 def _group(study: Study, inputs: Inputs) -> Group:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from granwave.analysis.figures.style import Drawing, save, style
-from granwave.analysis.studies.granular_continuum import both, continuum, forces, granular
+from granwave.analysis.figures.style import Drawing, FigureFolder, style
+from granwave.analysis.studies.granular_continuum import both, continuum, forces, granular, zone
 from granwave.analysis.studies.granular_continuum.impacts import Impacts
 
 _LOWEST = 0.1  # of the largest velocity: from where on peak forces are compared
@@ -21,6 +21,7 @@ def drawings(impacts: Impacts) -> Iterator[tuple[str, str, Drawing]]:
             both.dissipated_fraction(impacts),
         ),
         ("plastic_volume", "Volume involved, granular and continuum", both.plastic_volume(impacts)),
+        ("plastic_zone", "Size of the plastic zone: what holds 50, 90 and 99 %", zone.zone_sizes(impacts)),
         ("granular_scaling", "Granular: diameter, density, modulus and yield strength", granular.scaling(impacts)),
         ("granular_velocity", "Granular: dissipation against velocity", granular.dissipation_against_velocity(impacts)),
         ("loading_area", "Granular: number of struck spheres", granular.loading_area(impacts)),
@@ -33,15 +34,13 @@ def drawings(impacts: Impacts) -> Iterator[tuple[str, str, Drawing]]:
             yield name, caption, drawing
 
 
-def draw_comparison(impacts: Impacts, folder: Path) -> list[Path]:
-    """Save all figures with their data; returns the PNG files."""
-    written = []
+def draw_comparison(impacts: Impacts, directory: Path) -> list[Path]:
+    """Save all figures with their data into ``directory/figures``; returns the PNG files."""
+    folder = FigureFolder(directory)
     with style():
         for name, _, drawing in drawings(impacts):
-            folder.mkdir(exist_ok=True)
-            save(drawing, folder / name)
-            written.append(folder / f"{name}.png")
-    return written
+            folder.save(drawing, name)
+    return folder.written
 
 
 def lowest_velocity(impacts: Impacts) -> float:

@@ -15,8 +15,8 @@ from granwave.analysis.studies.runs import FinishedRun
 from granwave.lammps_inputs.case.case import load_case
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.contact.law import sphere_contact
-from granwave.lammps_inputs.deck.deck import CASE_FILE
 from granwave.lammps_inputs.errors import GranwaveError
+from granwave.lammps_inputs.run_directory import CASE_FILE
 from granwave.workflows.finite_elements.punch.case import ContinuumCase
 
 SAME = 1e-4  # relative difference of normalised velocities and energies that are meant to be equal

@@ -35,6 +35,7 @@ class Setting(NamedTuple):
 
 
 IDEAL = Setting()
+_KEYS = {"scatter": "packing.diameter_scatter", "friction": "contact.friction", "vacancies": "packing.vacancies"}
 
 
 class Replicate(FinishedRun):
@@ -105,6 +106,18 @@ def setting_of(case: Case) -> Setting:
     packing, left_out = case.packing, case.packing.vacancies
     values = packing.diameter_scatter, case.contact.friction, left_out if isinstance(left_out, float) else 0.0
     return Setting(*(float(f"{value:.{_DIGITS}g}") for value in values))
+
+
+def is_ideal(labels: Mapping[str, Any], packing: Packing) -> bool:
+    """A point of a scan is the ideal packing, where what does not vary in the scan is that of ``packing``.
+
+    Parameters
+    ----------
+    labels
+        Values of the keys that vary.
+    """
+    fixed = setting_of(packing.case)._asdict()
+    return not any(labels.get(key, fixed[name]) for name, key in _KEYS.items())
 
 
 def _what_is_hit(case: Case) -> str:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 from granwave.analysis.document.cells import BLANK
 from granwave.analysis.document.model import Cell, Column, Table
@@ -15,17 +16,26 @@ from granwave.analysis.studies.titles import bottom_words, impact_words
 from granwave.analysis.studies.tolerance import figures
 from granwave.analysis.studies.tolerance.axes import Axis, axes_of
 from granwave.analysis.studies.tolerance.quantities import Measured, Quantity, measure
-from granwave.analysis.studies.tolerance.runs import IDEAL, Packing, Setting
+from granwave.analysis.studies.tolerance.runs import IDEAL, Packing, Setting, is_ideal
 from granwave.analysis.studies.tolerance.verdict import verdict
 
 
-def studies(packings: Sequence[Packing]) -> list[Study]:
-    """One for each packing."""
+def studies(packings: Sequence[Packing], undone: Sequence[Mapping[str, Any]] = ()) -> list[Study]:
+    """One for each packing.
+
+    Parameters
+    ----------
+    undone
+        Points of scans that failed or were not run, as values of the keys that vary.
+    """
     with style():
-        return [_study(measure(packing), number) for number, packing in enumerate(packings, start=1)]
+        return [
+            _study(measure(packing), number, any(is_ideal(labels, packing) for labels in undone))
+            for number, packing in enumerate(packings, start=1)
+        ]
 
 
-def _study(measured: Measured, number: int) -> Study:
+def _study(measured: Measured, number: int, ideal_undone: bool) -> Study:
     case = measured.packing.case
     name = "tolerances" if number == 1 else f"tolerances-{number}"
     return Study(
@@ -36,7 +46,7 @@ def _study(measured: Measured, number: int) -> Study:
         "nominal one and so much less. A lower peak force and a larger dissipated share protect better.",
         pictures=tuple(_pictures(measured, name.replace("-", "_"))),
         tables=tuple(_tables(measured)),
-        verdict=verdict(measured),
+        verdict=verdict(measured, asked=ideal_undone),
     )
 
 

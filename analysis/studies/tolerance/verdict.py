@@ -18,14 +18,22 @@ _MOST_NAMED = 6  # pairs that cannot be told apart
 _PRECISE = 0.1  # of the mean: the half-width that a number of seeds is told for
 
 
-def verdict(measured: Measured) -> tuple[str, ...]:
-    """What is left at worst, then a sentence or two for each kind of imperfection and each measure of performance."""
+def verdict(measured: Measured, *, asked: bool = False) -> tuple[str, ...]:
+    """What is left at worst, then a sentence or two for each kind of imperfection and each measure of performance.
+
+    Parameters
+    ----------
+    asked
+        The ideal packing is a point of the scan. Where it is not among the runs and was not asked for, there is nothing
+        to compare with, and nothing is said.
+    """
     packing = measured.packing
     if IDEAL not in packing.runs:
-        return (
-            "The ideal packing (no scatter, no friction) was not run, so that it cannot be said how much of its "
-            "performance is left.",
+        said = (
+            "The ideal packing (no scatter, no friction) has not finished, so that it cannot be said how much of its "
+            "performance is left."
         )
+        return (said,) if asked else ()
     axes = axes_of(packing)
     lines = list(_at_worst(measured))
     for axis in axes:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any, ClassVar, Literal
 
 from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.case.schema import Faults, custom, number, whole
+from granwave.lammps_inputs.case.schema import Faults, count, number
+from granwave.lammps_inputs.case.si_values import DIAMETER, INTERVAL, MASS, TIME, VELOCITY, Usual
 from granwave.workflows.finite_elements.frame import ElementCase
 
 AUTO_END_TIME = 5e-3  # s, the longest that `end_time = "auto"` goes on
@@ -18,23 +19,29 @@ AUTO_END_TIME = 5e-3  # s, the longest that `end_time = "auto"` goes on
 class Block:
     """``[block]``: a cylinder, its bottom fixed, its other surfaces free."""
 
-    diameter: float = number("diameter of the block", unit="m", above=0, default=0.10)
-    height: float = number("height of the block", unit="m", above=0, default=0.10)
+    diameter: float = number(
+        "diameter of the block", unit="m", above=0, default=0.10, usual=Usual(1e-5, 10.0, ("mm", "um"))
+    )
+    height: float = number(
+        "height of the block", unit="m", above=0, default=0.10, usual=Usual(1e-5, 10.0, ("mm", "um"))
+    )
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Punch:
     """``[punch]``: rigid, flat, frictionless, edge rounded over ``taper``."""
 
-    diameter: float = number("diameter of the punch", unit="m", above=0, default=0.010)
-    mass: float = number("mass of the punch", unit="kg", above=0, default=0.10)
-    velocity: float = number("of the punch, into the block", unit="m/s", above=0, default=10.0)
-    taper: float = number("radius of the rounded edge", unit="m", at_least=0, default=1e-4)
+    diameter: float = number("diameter of the punch", unit="m", above=0, default=0.010, usual=DIAMETER)
+    mass: float = number("mass of the punch", unit="kg", above=0, default=0.10, usual=MASS)
+    velocity: float = number("of the punch, into the block", unit="m/s", above=0, default=10.0, usual=VELOCITY)
+    taper: float = number(
+        "radius of the rounded edge", unit="m", at_least=0, default=1e-4, usual=Usual(1e-9, 0.1, ("mm", "um"))
+    )
 
     @property
     def energy(self) -> float:
         """Kinetic energy of the punch at the start: all the input there is, J."""
-        return 0.5 * self.mass * self.velocity**2
+        return 0.5 * self.mass * self.velocity * self.velocity  # infinite, not an error, where it is beyond all numbers
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -47,14 +54,16 @@ class ContinuumRun:
         above=0,
         word="auto",
         default="auto",
+        usual=TIME,
     )
-    elements: int = custom(
-        "about how many elements the mesh has",
-        lambda value: whole(value, "a whole number from 100 up", at_least=100),
-        default=62_500,
-    )
+    elements: int = count("about how many elements the mesh has", at_least=100, at_most=1_000_000_000, default=62_500)
     timestep: float | Literal["auto"] = number(
-        "auto: just below the limit of stability", unit="s", above=0, word="auto", default="auto"
+        "auto: just below the limit of stability",
+        unit="s",
+        above=0,
+        word="auto",
+        default="auto",
+        usual=INTERVAL,
     )
     edge_size: float | Literal["auto"] = number(
         "width of the elements at the punch's edge; auto: follows from elements (32 um for 62500 and a punch of 10 mm)",
@@ -62,9 +71,14 @@ class ContinuumRun:
         above=0,
         word="auto",
         default="auto",
+        usual=Usual(1e-9, 0.1, ("mm", "um")),
     )
     frame_interval: float = number(
-        "time between snapshots of the fields; doubled whenever there are more than 64", unit="s", above=0, default=2e-6
+        "time between snapshots of the fields; doubled whenever there are more than 64",
+        unit="s",
+        above=0,
+        default=2e-6,
+        usual=INTERVAL,
     )
 
     @property
@@ -97,13 +111,19 @@ class ContinuumCase(ElementCase):
         return self.run.elements
 
     @staticmethod
-    def _complete(parts: dict[str, Any], data: Mapping[str, Any], faults: Faults, directory: Path | None) -> None:
+    def _complete(parts: dict[str, Any], data: Mapping[str, Any], faults: Faults) -> None:
         block: Block | None = parts["block"]
         punch: Punch | None = parts["punch"]
         run: ContinuumRun | None = parts["run"]
         material: Material | None = parts.get("material")
         if material is not None and material.yield_strength is None:
             faults.add("material.yield_strength", "missing; a continuum case needs it: give a number in Pa")
+        if punch is not None and not 0 < punch.energy < math.inf:
+            faults.add(
+                "punch",
+                f"found {punch.mass:g} kg at {punch.velocity:g} m/s, an energy of {punch.energy:g} J as a number; "
+                "are they in SI units?",
+            )
         if punch is not None and 2 * punch.taper > punch.diameter:
             faults.add(
                 "punch.taper", f"found {punch.taper:g} m, expected at most the punch's radius, {punch.diameter / 2:g} m"
@@ -113,6 +133,11 @@ class ContinuumCase(ElementCase):
                 "punch.diameter",
                 f"found {punch.diameter:g} m, expected less than block.diameter, {block.diameter:g} m; "
                 "make the punch narrower or the block wider",
+            )
+        edge = None if run is None or isinstance(run.edge_size, str) else run.edge_size
+        if punch is not None and edge is not None and edge > punch.diameter / 2:
+            faults.add(
+                "run.edge_size", f"found {edge:g} m, expected at most the punch's radius, {punch.diameter / 2:g} m"
             )
         if run is not None and not isinstance(run.timestep, str) and run.timestep > run.longest:
             faults.add("run.timestep", f"found {run.timestep:g} s, expected at most run.end_time, {run.longest:g} s")

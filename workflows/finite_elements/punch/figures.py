@@ -22,10 +22,12 @@ from granwave.analysis.figures.style import (
     PURPLE,
     SKY,
     Drawing,
+    FigureFolder,
     new_figure,
-    save,
     style,
 )
+from granwave.analysis.figures.zone import draw_zone_size
+from granwave.analysis.measures.zone_size import BOTTOM, SIDES
 from granwave.workflows.finite_elements.frame import ElementResult
 from granwave.workflows.finite_elements.punch.solver import AT_YIELD
 
@@ -89,6 +91,16 @@ def plastic_zone_volume(result: ContinuumResult) -> Drawing:
     axes.legend()
     _time_axis(axes, time)
     return Drawing(figure, {"time_s": time, "volume_m3": now, "volume_ever_m3": ever})
+
+
+def plastic_zone_size(result: ContinuumResult) -> Drawing | None:
+    """Share of the plastic work beyond a depth and beyond a radius, with the sizes of the zone; None without any."""
+    centres, ever = result.centres, result.grid(result["fields/ever_yielded"])
+    distances = {"depth": centres["z_m"], "radius": centres["r_m"]}
+    bounds = {BOTTOM: float(result.z[-1])} if ever[-1].any() else {}
+    bounds |= {SIDES: float(result.r[-1])} if ever[:, -1].any() else {}
+    work = result["fields/plastic_energy"] * result["element_volume"]
+    return draw_zone_size(work, distances, result.tables["punch"]["diameter"], "D_\\mathrm{punch}", bounds)
 
 
 def punch(result: ContinuumResult) -> Drawing:
@@ -155,10 +167,11 @@ def plastic_strain(result: ContinuumResult) -> Drawing:
 
 
 #: Each draws a figure of a result.
-FIGURES: dict[str, Callable[[ContinuumResult], Drawing]] = {
+FIGURES: dict[str, Callable[[ContinuumResult], Drawing | None]] = {
     "energies": energies,
     "plastic_zone": plastic_zone,
     "plastic_zone_volume": plastic_zone_volume,
+    "plastic_zone_size": plastic_zone_size,
     "von_mises": von_mises,
     "plastic_strain": plastic_strain,
     "punch": punch,
@@ -173,13 +186,11 @@ def draw_figures(directory: str | Path) -> list[Path]:
     MissingOutputError
         There is no result.h5.
     """
-    folder = Path(directory) / "figures"
-    result = ContinuumResult(directory)
-    folder.mkdir(exist_ok=True)
+    result, folder = ContinuumResult(directory), FigureFolder(directory)
     with style():
         for name, draw in FIGURES.items():
-            save(draw(result), folder / name)
-    return [folder / f"{name}.png" for name in FIGURES]
+            folder.save(draw(result), name)
+    return folder.written
 
 
 def _frame_of_largest_zone(result: ContinuumResult) -> int:

@@ -21,10 +21,10 @@ import h5py
 import numpy as np
 from numpy.typing import ArrayLike
 
+from granwave.analysis.result.hdf5_file import new_hdf5
 from granwave.analysis.result.trajectory import COMPRESSION
-from granwave.analysis.result.writer import RESULT_FILE
-from granwave.analysis.summary import SUMMARY_FILE
-from granwave.lammps_inputs.files import replace_text, replacing
+from granwave.lammps_inputs.files import replace_text
+from granwave.lammps_inputs.run_directory import RESULT_FILE, SUMMARY_FILE
 from granwave.workflows.finite_elements.punch import kernels
 from granwave.workflows.finite_elements.punch.case import ContinuumCase
 from granwave.workflows.finite_elements.punch.history import History
@@ -39,7 +39,7 @@ def write_result(
 ) -> Path:
     """Write ``result.h5`` into ``directory``."""
     path = directory / RESULT_FILE
-    with replacing(path) as scratch, h5py.File(scratch, "w", libver="v110") as file:
+    with new_hdf5(path, libver="v110") as file:
         _write(file, case, solver, history)
         file.attrs["kind"] = "continuum"
         file.attrs["name"] = case.name

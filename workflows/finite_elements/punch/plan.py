@@ -7,6 +7,7 @@ import math
 
 import numpy as np
 
+from granwave.lammps_inputs.planning.schedule import check_steps
 from granwave.workflows.finite_elements.punch.case import AUTO_END_TIME, ContinuumCase
 from granwave.workflows.finite_elements.punch.history import mesh_of
 from granwave.workflows.finite_elements.punch.material import Elastoplastic
@@ -38,12 +39,13 @@ class ContinuumPlan:
 
 
 def plan(case: ContinuumCase) -> ContinuumPlan:
-    """What the run of a case would be."""
+    """What the run of a case would be; raises InputError where it has too many steps."""
     mesh = mesh_of(case)
     material = Elastoplastic.of(case.material)
     thinnest = min(np.diff(mesh.r).min(), np.diff(mesh.z).min())
     speed = math.sqrt(material.longitudinal_modulus / material.density)
     step = _STEP_OVER_CROSSING * thinnest / speed if isinstance(case.run.timestep, str) else case.run.timestep
+    check_steps(case.name, case.run.longest, step)
     n_steps = _expected_end(case) / step
     return ContinuumPlan(
         name=case.name,

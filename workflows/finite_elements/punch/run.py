@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import logging
 import time
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 from tqdm import tqdm
 
-from granwave.analysis.result.writer import RESULT_FILE
-from granwave.analysis.summary import SUMMARY_FILE
-from granwave.lammps_inputs.deck.deck import CASE_FILE
+from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.files import plain
-from granwave.workflows.finite_elements.frame import FIGURES_DIRECTORY, begin
+from granwave.lammps_inputs.run_directory import CASE_FILE, RESULT_FILE, SUMMARY_FILE
+from granwave.workflows.finite_elements.frame import begin
 from granwave.workflows.finite_elements.punch import output
 from granwave.workflows.finite_elements.punch.case import ContinuumCase
 from granwave.workflows.finite_elements.punch.history import TOLERANCE, History, integrate, make_solver
@@ -22,7 +22,7 @@ from granwave.workflows.finite_elements.punch.summary import LARGE_STRAIN, summa
 
 logger = logging.getLogger("granwave")
 
-_RESULTS = (CASE_FILE, RESULT_FILE, SUMMARY_FILE, FIGURES_DIRECTORY)
+_RESULTS = (CASE_FILE, RESULT_FILE, SUMMARY_FILE)
 _FINISHED = ("end_time", "settled", "longest")
 
 
@@ -58,8 +58,10 @@ def run_continuum(
     RunError
         The energy balance was refused; what was computed is kept.
     """
-    directory = Path(directory)
-    there = begin(case, directory, _RESULTS, _FINISHED, resume=resume, force=force)
+    directory = results_directory(directory)
+    there = begin(
+        case, directory, _RESULTS, _FINISHED, resume=resume, force=force, figures=_figures if figures else None
+    )
     if there is not None:
         return there
     solver, history = make_solver(case), History()
@@ -94,6 +96,12 @@ def run_continuum(
             "run.elements"
         )
     return summary
+
+
+def _figures() -> Iterable[str]:
+    from granwave.workflows.finite_elements.punch.figures import FIGURES  # the drawing library takes a second to load
+
+    return FIGURES
 
 
 class _Bar:

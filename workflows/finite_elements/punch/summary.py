@@ -6,7 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from granwave.analysis.measures.zone_size import BOTTOM, SIDES, wave_returns, zone_sizes
 from granwave.analysis.versions import versions_of
+from granwave.workflows.finite_elements.punch import kernels
 from granwave.workflows.finite_elements.punch.case import ContinuumCase
 from granwave.workflows.finite_elements.punch.history import History, equivalent_strain
 from granwave.workflows.finite_elements.punch.solver import Solver
@@ -53,6 +55,7 @@ def summarise(case: ContinuumCase, solver: Solver, history: History, wall_time: 
         "plastic_zone_depth_m": depth,
         "plastic_zone_radius_m": radius,
         "plastic_zone_strain": zone_strain(solver),
+        **zone_summary(case, solver, history),
         "largest_strain": float(history.column("largest_strain").max()),
         "peak_force_N": float(history.column("contact_force").max()),
         "punch_peak_displacement_m": float(history.column("punch_displacement").max()),
@@ -62,6 +65,28 @@ def summarise(case: ContinuumCase, solver: Solver, history: History, wall_time: 
         "n_ranks": 1,
         "versions": versions_of(_PACKAGES),
     }
+
+
+def zone_summary(case: ContinuumCase, solver: Solver, history: History) -> dict[str, Any]:
+    """Return the size of the plastic zone, the bounds that it reaches, and the waves that come back from them.
+
+    The fastest wave goes from the punch straight to the bound and back to the border of what holds 99 % of the plastic
+    work, at the speed of compression waves.
+    """
+    volume = solver.operators.volume
+    r, z = solver.mesh.centres
+    depth, radius = np.broadcast_to(z[:, None], volume.shape), np.broadcast_to(r, volume.shape)
+    work = solver.state[:, :, kernels.PLASTIC] * volume
+    sizes = zone_sizes(work.ravel(), volume.ravel(), depth.ravel(), radius.ravel())
+    edge, block = case.punch.diameter / 2, case.block
+    ways = {
+        BOTTOM: 2 * block.height - (sizes["zone_depth_99_m"] or 0.0),
+        SIDES: block.diameter - edge - max(sizes["zone_radius_99_m"] or 0.0, edge),
+    }
+    times = {name: way / solver.material.longitudinal_speed for name, way in ways.items()}
+    touched = {BOTTOM: solver.ever[-1].any(), SIDES: solver.ever[:, -1].any()}
+    cut = {"zone_cut": [name for name, touches in touched.items() if touches]}
+    return sizes | cut | wave_returns(times, history.column("time"), history.column("plastic"))
 
 
 def zone_strain(solver: Solver) -> float:

@@ -6,11 +6,11 @@ import dataclasses
 import math
 from collections.abc import Mapping
 from functools import cached_property
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from granwave.lammps_inputs.case.material import Material, read_material
-from granwave.lammps_inputs.case.schema import Faults, custom, number, read_table, whole
+from granwave.lammps_inputs.case.schema import Faults, count, number, read_table
+from granwave.lammps_inputs.case.si_values import DIAMETER
 from granwave.workflows.finite_elements.frame import ElementCase
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 class Sphere:
     """``[sphere]``: the first sphere, of the case's material."""
 
-    radius: float = number("radius of the sphere", unit="m", above=0)
+    radius: float = number("radius of the sphere", unit="m", above=0, usual=DIAMETER)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -36,16 +36,12 @@ class Partner:
 class SphereContactRun:
     """``[run]``: how far, how often back, how fine and how slowly."""
 
-    max_overlap: float = number("largest overlap, over R*", above=0, at_most=0.3, default=0.2)
-    unloadings: int = custom(
-        "unload-reload cycles, the last from the largest overlap",
-        lambda value: whole(value, "a whole number from 0 up", at_least=0),
-        default=10,
+    max_overlap: float = number("largest overlap, over R*", at_least=1e-6, at_most=0.3, default=0.2)
+    unloadings: int = count(
+        "unload-reload cycles, the last from the largest overlap", at_least=0, at_most=1000, default=10
     )
-    elements: int = custom(
-        "about how many elements the mesh has, both spheres together",
-        lambda value: whole(value, "a whole number from 100 up", at_least=100),
-        default=6000,
+    elements: int = count(
+        "about how many elements the mesh has, both spheres together", at_least=100, at_most=1_000_000_000, default=6000
     )
     speed: float = number("1: as usual; 0.5: half as fast, twice the steps", above=0, at_most=10, default=1.0)
 
@@ -63,9 +59,9 @@ class SphereContactCase(ElementCase):
     run: SphereContactRun = dataclasses.field(default_factory=SphereContactRun)
 
     @staticmethod
-    def _complete(parts: dict[str, Any], data: Mapping[str, Any], faults: Faults, directory: Path | None) -> None:
+    def _complete(parts: dict[str, Any], data: Mapping[str, Any], faults: Faults) -> None:
         if "partner" in data:
-            parts["partner"] = _read_partner(data["partner"], parts, faults, directory)
+            parts["partner"] = _read_partner(data["partner"], parts, faults)
 
     @property
     def radii(self) -> tuple[float, float]:
@@ -110,7 +106,7 @@ class SphereContactCase(ElementCase):
         return self.run.elements
 
 
-def _read_partner(table: Any, parts: Mapping[str, Any], faults: Faults, directory: Path | None) -> Partner | None:
+def _read_partner(table: Any, parts: Mapping[str, Any], faults: Faults) -> Partner | None:
     """The partner; what it leaves out is as of the first sphere."""
     own = {key: value for key, value in table.items() if key != "material"} if isinstance(table, Mapping) else table
     sphere: Sphere | None = parts.get("sphere")
@@ -119,11 +115,7 @@ def _read_partner(table: Any, parts: Mapping[str, Any], faults: Faults, director
     body = read_table(Sphere, own, "partner", faults)
     material: Material | None = parts.get("material")
     if isinstance(table, Mapping) and "material" in table:
-        apart = Faults("")
-        material = read_material(table["material"], apart, directory)
-        for line in apart.lines:
-            key, _, message = line.removeprefix(": ").partition(": ")
-            faults.add(f"partner.{key}", message)
+        material = read_material(table["material"], faults, "partner.material")
     return None if body is None or material is None else Partner(radius=body.radius, material=material)
 
 

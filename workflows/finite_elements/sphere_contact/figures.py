@@ -23,8 +23,8 @@ from granwave.analysis.figures.style import (
     ORANGE,
     PURPLE,
     Drawing,
+    FigureFolder,
     new_figure,
-    save,
     style,
 )
 from granwave.workflows.finite_elements.sphere_contact.deviations import RESOLVED
@@ -291,9 +291,7 @@ def draw_figures(directory: str | Path) -> list[Path]:
     MissingOutputError
         There is no result.h5.
     """
-    folder = Path(directory) / "figures"
-    result = SphereContactResult(directory)
-    folder.mkdir(exist_ok=True)
+    result, folder = SphereContactResult(directory), FigureFolder(directory)
     drawn = {
         name: draw
         for name, draw in FIGURES.items()
@@ -303,8 +301,8 @@ def draw_figures(directory: str | Path) -> list[Path]:
     }
     with style():
         for name, draw in drawn.items():
-            save(draw(result), folder / name)
-    return [folder / f"{name}.png" for name in drawn]
+            folder.save(draw(result), name)
+    return folder.written
 
 
 def _colour(share: float) -> Any:

@@ -26,14 +26,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from granwave.analysis.figures.style import write_csv
+from granwave.analysis.result.hdf5_file import new_hdf5
 from granwave.analysis.result.trajectory import COMPRESSION
 from granwave.lammps_inputs.files import replace_text, replacing
+from granwave.lammps_inputs.run_directory import CONTACT_TABLE, RESULT_FILE, SUMMARY_FILE
 from granwave.workflows.finite_elements.sphere_contact.case import SphereContactCase
 from granwave.workflows.finite_elements.sphere_contact.deviations import Cycle, compare_cycles, compare_loading
 from granwave.workflows.finite_elements.sphere_contact.solver import Solver
 from granwave.workflows.finite_elements.sphere_contact.study import LOADING, RELOADING, UNLOADING, History
 
-RESULT_FILE, SUMMARY_FILE, TABLE_FILE = "result.h5", "summary.json", "contact.csv"
 _ENERGIES = {name: name for name in ("kinetic", "elastic", "plastic", "hourglass", "viscous", "damping")} | {
     "contact": "penalty",
     "input": "work",
@@ -46,9 +47,9 @@ def write_results(
     directory: Path, case: SphereContactCase, solver: Solver, history: History, summary: dict[str, Any]
 ) -> None:
     """Write all three files into ``directory``."""
-    with replacing(directory / TABLE_FILE) as scratch:
+    with replacing(directory / CONTACT_TABLE) as scratch:
         write_csv(contact_table(case, history), scratch)
-    with replacing(directory / RESULT_FILE) as scratch, h5py.File(scratch, "w", libver="v110") as file:
+    with new_hdf5(directory / RESULT_FILE, libver="v110") as file:
         _write(file, case, solver, history)
         file.attrs["kind"] = "sphere-contact"
         file.attrs["name"] = case.name

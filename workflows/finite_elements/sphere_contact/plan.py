@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.planning.schedule import MOST_STEPS
 from granwave.workflows.finite_elements.punch.plan import ContinuumPlan
 from granwave.workflows.finite_elements.sphere_contact.case import SphereContactCase
 from granwave.workflows.finite_elements.sphere_contact.study import (
@@ -23,11 +25,16 @@ _DISK_BASE = 4e6  # bytes, of the record and the figures
 
 
 def plan(case: SphereContactCase) -> ContinuumPlan:
-    """What the study of a case would be."""
+    """What the study of a case would be; raises InputError where it has too many steps."""
     n, start = squares(case), START * yield_unit(case)
     loading = STEPS_PER_E_FOLD * math.log1p(case.max_overlap / start)
     cycle = 2 * STEPS_PER_UNLOADING + _TURNS * SMOOTHING
     n_steps = n / case.run.speed * (loading + case.run.unloadings * cycle)
+    if not n_steps <= MOST_STEPS:
+        raise InputError(
+            f"{case.name}: run.speed: found {case.run.speed:g}, which takes {n_steps:.3g} steps, expected at most "
+            f"{MOST_STEPS:g}; make it faster"
+        )
     return ContinuumPlan(
         name=case.name,
         n_elements=case.run.elements,

@@ -5,15 +5,18 @@ from __future__ import annotations
 import logging
 import math
 import time
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 from tqdm import tqdm
 
-from granwave.lammps_inputs.deck.deck import CASE_FILE
+from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.files import plain
-from granwave.workflows.finite_elements.frame import FIGURES_DIRECTORY, begin
+from granwave.lammps_inputs.run_directory import CASE_FILE, CONTACT_TABLE, RESULT_FILE, SUMMARY_FILE
+from granwave.lammps_inputs.run_state import note_sizes
+from granwave.workflows.finite_elements.frame import begin
 from granwave.workflows.finite_elements.sphere_contact import output
 from granwave.workflows.finite_elements.sphere_contact.case import SphereContactCase
 from granwave.workflows.finite_elements.sphere_contact.study import (
@@ -27,7 +30,7 @@ from granwave.workflows.finite_elements.sphere_contact.summary import summarise
 
 logger = logging.getLogger("granwave")
 
-_RESULTS = (CASE_FILE, output.RESULT_FILE, output.SUMMARY_FILE, output.TABLE_FILE, FIGURES_DIRECTORY)
+_RESULTS = (CASE_FILE, RESULT_FILE, SUMMARY_FILE, CONTACT_TABLE)
 _FINISHED = ("done",)
 _MOST_KINETIC = 0.01  # of the internal energy
 
@@ -64,8 +67,10 @@ def run_sphere_contact(
     RunError
         The energy balance was refused; what was computed is kept.
     """
-    directory = Path(directory)
-    there = begin(case, directory, _RESULTS, _FINISHED, resume=resume, force=force)
+    directory = results_directory(directory)
+    there = begin(
+        case, directory, _RESULTS, _FINISHED, resume=resume, force=force, figures=_figures if figures else None
+    )
     if there is not None:
         return there
     solver, history = make_solver(case), History()
@@ -77,6 +82,7 @@ def run_sphere_contact(
         if len(history.ledgers) > 1:
             summary = plain(summarise(case, solver, history, time.perf_counter() - started))
             output.write_results(directory, case, solver, history, summary)
+            note_sizes(directory, [CONTACT_TABLE])
     if history.end_reason == "refused":
         last = history.ledgers[-1]
         raise RunError(
@@ -98,6 +104,14 @@ def run_sphere_contact(
 
         draw_figures(directory)
     return summary
+
+
+def _figures() -> Iterable[str]:
+    from granwave.workflows.finite_elements.sphere_contact.figures import (
+        FIGURES,  # the drawing library takes a second to load
+    )
+
+    return FIGURES
 
 
 class _Bar:

@@ -1,0 +1,56 @@
+"""Plastic zones that are not those of an endless packing or block: they reach a bound, or a wave came back from one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from enum import IntEnum
+from typing import Any
+
+from granwave.analysis.formatting.numbers import plain
+
+NOTED_SHARE = 0.01  # of the energy, dissipated after the first wave came back: from here on it is marked
+
+
+class Mark(IntEnum):
+    """How much of a plastic zone is owed to the size of what was struck."""
+
+    NONE = 0
+    WAVE = 1  # a wave that came back had a part in more than `NOTED_SHARE` of the dissipation
+    CUT = 2  # the zone reaches a bound
+
+
+#: What a mark says, beside a marker in a figure or a table.
+LABELS = {Mark.CUT: "zone reaches a bound", Mark.WAVE: "reflected wave came back"}
+
+
+def mark_of(summary: Mapping[str, Any]) -> Mark:
+    """Return the mark of a run; none where its summary has no plastic zone."""
+    if summary.get("zone_cut"):
+        return Mark.CUT
+    share = summary.get("wave_return_share")
+    return Mark.WAVE if isinstance(share, int | float) and share > NOTED_SHARE else Mark.NONE
+
+
+def bounds_in_words(bounds: object) -> str:
+    """Return a list of bounds, or of other names, as words: ``bottom, sides``, or ``none`` where it is empty."""
+    return (", ".join(map(str, bounds)) or "none") if isinstance(bounds, list | tuple) else ""
+
+
+def zone_warnings(summary: Mapping[str, Any]) -> list[str]:
+    """Return what a reader of the sizes of a plastic zone must know, a sentence each; empty if nothing."""
+    what = "block" if summary.get("kind") == "continuum" else "packing"
+    found = []
+    if summary.get("zone_cut"):
+        reached = " and ".join(f"the {name}" for name in summary["zone_cut"])
+        found.append(
+            f"the plastic zone reaches {reached} of the {what}, which cut it: its outermost depth and radius are no "
+            f"larger than the {what}, and what holds 99 % of its energy may be off; make the {what} larger"
+        )
+    share = summary.get("wave_return_share")
+    if isinstance(share, int | float) and share > NOTED_SHARE:
+        names = " and ".join(f"the {name}" for name in summary.get("wave_returned") or ())
+        found.append(
+            f"up to {plain(f'{100 * share:.2g}')} % of the energy was dissipated after a wave could be back from "
+            f"{names} ({1e6 * summary['wave_return_s']:.3g} us); make the {what} larger to do without it"
+        )
+    return found

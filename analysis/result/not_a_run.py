@@ -1,0 +1,108 @@
+"""What a path is that gives no result of a run of spheres, and what to give instead: for messages."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Sequence
+from pathlib import Path
+
+from granwave.analysis.scans.result import is_scan
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import read_json
+from granwave.lammps_inputs.run_directory import (
+    CASE_FILE,
+    POINTS,
+    RECORD_FILE,
+    RESULT_FILE,
+    SCAN_INDEX,
+    SCAN_TABLE,
+    SUITE_INDEX,
+    SUMMARY_FILE,
+)
+from granwave.lammps_inputs.toml_files import read_toml
+
+OF_A_RUN = (CASE_FILE, SUMMARY_FILE, RECORD_FILE, RESULT_FILE)
+UNFINISHED = ("running", "interrupted", "failed")  # states of run.json with nothing to report
+_OF_A_CONTINUUM = {"block", "punch", "sphere", "partner"}  # tables of its case
+_MOST_NAMED = 5  # files that a message names
+
+
+def why_no_run(path: Path) -> str:
+    """One line: what stands in the way of reading ``path`` as the directory of a run, or as its result.h5."""
+    if not path.exists():
+        return f"{path}: no such directory{similar(path)}; expected that of a run"
+    if not path.is_dir():
+        return f"{path}: is a file, expected the directory of a run{around(path)}"
+    if (path / SCAN_INDEX).exists() or (path / SUITE_INDEX).exists():
+        return _scan(path)
+    found = sorted(entry.name for entry in path.iterdir())
+    if not any(name in found for name in OF_A_RUN):
+        expected = f"expected {RESULT_FILE} in it, as  granwave run CASE -o {path}  leaves it"
+        return no_results(path, found, "no run", expected)
+    if is_continuum(path):
+        return f"{path}: is a continuum run, expected a run of spheres; h5py reads its {RESULT_FILE}"
+    if CASE_FILE not in found:
+        return f"{path}: {CASE_FILE} is missing, so the run there cannot be read; run the case again with --force"
+    state = (read_json(path / RECORD_FILE) or {}).get("state")
+    if state in UNFINISHED:
+        return f"{path}: the run is not finished (state {state}); go on with  {resumed(path)}"
+    return f"{path / RESULT_FILE} is missing: make it with  granwave analyse {path}"
+
+
+def is_continuum(path: Path) -> bool:
+    """The directory holds the case of a continuum run."""
+    try:
+        return not _OF_A_CONTINUUM.isdisjoint(read_toml(path / CASE_FILE))
+    except InputError:
+        return False
+
+
+def resumed(path: Path) -> str:
+    """The command that goes on with an unfinished run."""
+    return f"granwave run {path / CASE_FILE} -o {path} --resume"
+
+
+def no_results(path: Path, found: Sequence[str], what: str, expected: str) -> str:
+    """What a directory holds instead of results.
+
+    Parameters
+    ----------
+    found
+        Names of all files in it.
+    what
+        It is not, such as ``neither a run nor a scan``.
+    """
+    inside = [name for name in found if any((path / name / file).is_file() for file in (*OF_A_RUN, SCAN_INDEX))]
+    if inside:
+        return f"{path}: is {what}, but holds some ({few(inside)}); give those"
+    holds = f"it holds {few(found)}" if found else "it is empty"
+    return f"{path}: is {what}: {holds}; {expected}{around(path)}"
+
+
+def around(path: Path) -> str:
+    """The run or scan that a file or folder is of."""
+    place = path.parent
+    return f"; did you mean {place}?" if any((place / name).is_file() for name in (*OF_A_RUN, SCAN_INDEX)) else ""
+
+
+def few(names: Sequence[str]) -> str:
+    """The first of these names."""
+    return ", ".join(names[:_MOST_NAMED]) + (", ..." if len(names) > _MOST_NAMED else "")
+
+
+def similar(path: Path) -> str:
+    """A directory or file beside ``path`` whose name is like its own."""
+    parent = next(place for place in path.absolute().parents if place.is_dir())
+    if parent != path.absolute().parent:
+        return f" (there is no directory {path.parent})"
+    near = difflib.get_close_matches(path.name, [entry.name for entry in parent.iterdir()], n=1)
+    return f"; did you mean {path.with_name(near[0])}?" if near else ""
+
+
+def _scan(path: Path) -> str:
+    scans = [path] if is_scan(path) else sorted(place for place in path.iterdir() if is_scan(place))
+    done = [place for scan in scans for place in sorted((scan / POINTS).glob("*")) if (place / RESULT_FILE).is_file()]
+    if not done:
+        return f"{path}: is a scan of which no point is done; run it first (granwave scan ... -o {path} --resume)"
+    which = f"{SCAN_TABLE} tells which is which"
+    return f"{path}: is a scan, expected a run; give the directory of a point, such as {done[0]} ({which})"

@@ -1,0 +1,147 @@
+"""Results that changed after the run: a case.toml that was edited, lost or damaged, and output that was cut."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import read_json, replace_text
+from granwave.lammps_inputs.run_directory import (
+    CASE_FILE,
+    DATA_FILE,
+    RECORD_FILE,
+    RESULT_FILE,
+    SUMMARY_FILE,
+    claim,
+    output_names,
+    own_file,
+    read_marker,
+)
+
+_SHOWN = 3  # keys in a message
+_LONGEST = 40  # characters of a value in a message
+
+
+def tables_as_run(directory: Path) -> dict[str, Any] | None:
+    """The tables of case.toml as the run began with them; None where nothing tells."""
+    marker = read_marker(directory)
+    try:
+        return tomllib.loads(marker.case) or None if marker else None
+    except ValueError:  # a marker that somebody edited
+        return None
+
+
+def check_case(directory: Path) -> None:
+    """Refuse results whose case.toml was changed after the run.
+
+    Raises
+    ------
+    InputError
+        A key of case.toml is not what was run.
+    """
+    there, as_run = read_tables(directory / CASE_FILE), tables_as_run(directory)
+    if there is None or as_run is None or not (changes := list(_changes(there, as_run))):
+        return
+    shown = "; ".join(changes[:_SHOWN]) + ("; ..." if len(changes) > _SHOWN else "")
+    raise InputError(
+        f"{directory / CASE_FILE}: was changed after the run: {shown}. The results are of the case that was run: run "
+        f"the changed one into another directory, or delete it: granwave analyse {directory}  puts back what was run"
+    )
+
+
+def restore_case(directory: Path) -> bool:
+    """Put case.toml back where it is missing or damaged; returns whether it did.
+
+    Raises
+    ------
+    InputError
+        It was changed after the run.
+    """
+    check_case(directory)
+    marker = read_marker(directory)
+    if marker is None or not tables_as_run(directory) or read_tables(directory / CASE_FILE) is not None:
+        return False
+    claim(directory, [CASE_FILE])
+    replace_text(directory / CASE_FILE, marker.case)
+    return True
+
+
+def read_tables(path: Path) -> dict[str, Any] | None:
+    """The tables of a TOML file; None where there is none, or none that can be read."""
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8")) or None
+    except (OSError, ValueError, RecursionError):
+        return None
+
+
+def _changes(there: Mapping[str, Any], as_run: Mapping[str, Any], prefix: str = "") -> Iterator[str]:
+    for key in dict.fromkeys((*as_run, *there)):
+        now, then, name = there.get(key), as_run.get(key), f"{prefix}{key}"
+        if isinstance(now, Mapping) and isinstance(then, Mapping):
+            yield from _changes(now, then, f"{name}.")
+        elif now != then:
+            yield f"{name} is {_shown(now)}, was {_shown(then)}"
+
+
+def _shown(value: Any) -> str:
+    text = "left out" if value is None else json.dumps(value, default=str)
+    return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
+
+
+def note_sizes(directory: Path, names: Iterable[str]) -> None:
+    """Note the sizes of files that are finished, so that `cut_file` sees when one is cut later."""
+    marker = read_marker(directory)
+    if marker is None:
+        return
+    for name in names:
+        path = own_file(directory, name)
+        marker.files[name] = path.stat().st_size if path is not None else None
+    marker.write(directory)
+
+
+def cut_file(directory: Path) -> str:
+    """Say which file is not as long as when it was finished; empty if none is. Missing files do not count."""
+    marker = read_marker(directory)
+    for name, size in marker.files.items() if marker else ():
+        path = directory / name
+        if size is not None and path.is_file() and path.stat().st_size != size:
+            return f"{path}: has {path.stat().st_size} bytes, had {size} at the end of the run"
+    return ""
+
+
+def read_summary(directory: Path) -> dict[str, Any]:
+    """Values of summary.json; empty where there is none that can be read."""
+    return read_json(directory / SUMMARY_FILE) or {}
+
+
+def result_fault(directory: Path) -> str:
+    """Say what is wrong with the results of a finished run; empty if nothing is.
+
+    summary.json must be there. Of the other files those that somebody removed, to save room perhaps, are no fault.
+    """
+    summary, result, record = directory / SUMMARY_FILE, directory / RESULT_FILE, directory / RECORD_FILE
+    if not read_summary(directory):
+        return f"{summary}: {'is damaged' if summary.exists() else 'is missing'}"
+    if record.exists() and read_json(record) is None:
+        return f"{record}: is damaged"
+    import h5py  # takes longer to load than most commands need
+
+    try:
+        with h5py.File(result, "r") as file:
+            if "case" not in file.attrs:
+                return f"{result}: is damaged"
+    except FileNotFoundError:
+        pass
+    except OSError:
+        return f"{result}: is damaged"
+    return cut_file(directory)
+
+
+def outputs_complete(directory: Path) -> bool:
+    """True if all that LAMMPS wrote is there, and as long as at the end of the run."""
+    names = output_names(directory)
+    return bool(names) and all((directory / name).is_file() for name in (DATA_FILE, *names)) and not cut_file(directory)

@@ -1,0 +1,41 @@
+#include "finite_motion.h"
+
+#include "atom.h"
+#include "error.h"
+#include "fmt/format.h"
+
+#include <cmath>
+#include <string>
+
+using namespace LAMMPS_NS;
+
+namespace {
+
+// 0 times a finite number is 0; of anything else it is NaN
+bool finite(const double *vector) { return 0.0 * vector[0] + 0.0 * vector[1] + 0.0 * vector[2] == 0.0; }
+
+std::string printed(double value) { return std::isnan(value) ? "nan" : fmt::format("{:.6g}", value); }
+
+void require_finite(LAMMPS *lmp, int i, const double *vector, const char *name)
+{
+  if (finite(vector)) return;
+  lmp->error->one(FLERR, "The {} of sphere {} is not finite ({} {} {}): it was set so, the force on the sphere is not finite, or "
+                         "the timestep is far too large", name, lmp->atom->tag[i], printed(vector[0]), printed(vector[1]),
+                  printed(vector[2]));
+}
+
+}    // namespace
+
+void granwave::require_finite_motion(LAMMPS *lmp, int i)
+{
+  const Atom *atom = lmp->atom;
+  require_finite(lmp, i, atom->x[i], "position");
+  if (i >= atom->nlocal) return;
+  require_finite(lmp, i, atom->v[i], "velocity");
+  if (atom->omega_flag) require_finite(lmp, i, atom->omega[i], "angular velocity");
+}
+
+void granwave::require_finite_motion(LAMMPS *lmp)
+{
+  for (int i = 0; i < lmp->atom->nlocal; i++) require_finite_motion(lmp, i);
+}

@@ -1,0 +1,170 @@
+"""Folders and files that a line of text cannot make, by the names that ``inputs.toml`` uses under ``prepared``."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import h5py
+
+LOCK = ".granwave-lock"
+
+
+def empty_folder(folder: Path) -> None:
+    """``place/``, empty."""
+    (folder / "place").mkdir()
+
+
+def folder_with_notes(folder: Path) -> None:
+    """``place/`` with files that are not granwave's, and that no result has the name of."""
+    (folder / "place" / "figures").mkdir(parents=True)
+    for name in ("thesis.tex", "data.csv", "figures/photo.png"):
+        (folder / "place" / name).write_text("years of work", encoding="utf-8")
+
+
+def folder_of_somebody(folder: Path) -> None:
+    """The same, and files that are not granwave's under the names of results of runs and scans."""
+    folder_with_notes(folder)
+    for name in ("case.toml", "summary.json", "scan.toml", "scan.csv"):
+        (folder / "place" / name).write_text("years of work", encoding="utf-8")
+
+
+def read_only_folder(folder: Path) -> None:
+    """``place/``, in which nobody may write."""
+    (folder / "place").mkdir()
+    (folder / "place").chmod(0o555)
+
+
+def closed_folder(folder: Path) -> None:
+    """``place/``, into which nobody may look."""
+    (folder / "place").mkdir()
+    (folder / "place").chmod(0)
+
+
+def unreadable_files(folder: Path) -> None:
+    """The case and the scan file, which nobody may read."""
+    for name in ("case.toml", "scan.toml"):
+        (folder / name).chmod(0)
+
+
+def busy_folder(folder: Path) -> None:
+    """``place/``, in which another process is at work."""
+    (folder / "place").mkdir()
+    _HELD.append((folder / "place" / LOCK).open("w"))
+    fcntl.flock(_HELD[-1], fcntl.LOCK_EX)
+
+
+def stale_lock(folder: Path) -> None:
+    """``place/`` with the lock of a run that was killed."""
+    (folder / "place").mkdir()
+    (folder / "place" / LOCK).touch()
+
+
+def odd_files(folder: Path) -> None:
+    """A pipe, a loop of links, links to nothing and to endless zeros, and large files."""
+    os.mkfifo(folder / "pipe.toml")
+    (folder / "loop.toml").symlink_to("loop.toml")
+    (folder / "dangling.toml").symlink_to("nowhere.toml")
+    (folder / "zeros.toml").symlink_to("/dev/zero")
+    for name in ("large.toml", "large.csv", "large.txt"):
+        with (folder / name).open("wb") as file:
+            file.write(b"# ")
+            file.truncate(100_000_000)
+
+
+def odd_bytes(folder: Path) -> None:
+    """The case in encodings and with bytes that are not UTF-8 text, in ``NAME.toml`` each."""
+    text = (folder / "case.toml").read_text(encoding="utf-8")
+    for name, content in {
+        "bom": b"\xef\xbb\xbf" + text.encode(),
+        "crlf": text.replace("\n", "\r\n").encode(),
+        "mac": text.replace("\n", "\r").encode(),
+        "latin1": text.replace("small", "kl\u00f6in").encode("latin-1"),
+        "utf16": text.encode("utf-16"),
+        "nul": text.replace("small", "sm\0all").encode(),
+        "noise": bytes(range(256)) * 40,
+        "png": b"\x89PNG\r\n\x1a\n" + bytes(64),
+    }.items():
+        (folder / f"{name}.toml").write_bytes(content)
+
+
+def other_h5(folder: Path) -> None:
+    """``run/result.h5`` is HDF5, but not of a run."""
+    with h5py.File(folder / "run" / "result.h5", "w") as file:
+        file["music"] = [1, 2, 3]
+
+
+def wrong_types_in_h5(folder: Path) -> None:
+    """``run/result.h5``, in which a group of data sets is one data set."""
+    with h5py.File(folder / "run" / "result.h5", "r+") as file:
+        del file["contacts"]
+        file["contacts"] = "none"
+
+
+def run_with_a_markup_name(folder: Path) -> None:
+    """A run in a directory whose name is markup."""
+    (folder / "run").rename(folder / "a<b onclick=x>&")
+
+
+def edited_case(folder: Path) -> None:
+    """``run/case.toml`` with another velocity."""
+    _edit(folder / "run" / "case.toml", "velocity = 5.0", "velocity = 6.0")
+
+
+def noise_for_spheres(folder: Path) -> None:
+    """``run/dumps/spheres.dump`` of bytes that are no text."""
+    (folder / "run" / "dumps" / "spheres.dump").write_bytes(bytes(range(256)) * 100)
+
+
+def nan_in_contacts(folder: Path) -> None:
+    """The first value of the last contact is no number."""
+    _change_last_row(folder / "run" / "dumps" / "contacts.dump", lambda words: [*words[:2], "nan", *words[3:]])
+
+
+def strangers_in_contacts(folder: Path) -> None:
+    """The last contact is one of two spheres that the packing has not."""
+    _change_last_row(folder / "run" / "dumps" / "contacts.dump", lambda words: ["1000", "1001", *words[2:]])
+
+
+def _edit(path: Path, old: str, new: str) -> None:
+    text = path.read_text(encoding="utf-8")
+    assert old in text, f"{path} lacks {old!r}"
+    path.write_text(text.replace(old, new), encoding="utf-8")
+
+
+def _change_last_row(path: Path, change: Callable[[list[str]], list[str]]) -> None:
+    *rows, last = path.read_text(encoding="utf-8").splitlines()
+    path.write_text("\n".join([*rows, " ".join(change(last.split()))]) + "\n", encoding="utf-8")
+
+
+def deep_nesting(folder: Path) -> None:
+    """``deep.toml`` with 100 000 brackets, ``long.toml`` with a number of 100 000 digits."""
+    (folder / "deep.toml").write_text("a = " + "[" * 100_000, encoding="utf-8")
+    (folder / "long.toml").write_text("a = " + "1" * 100_000, encoding="utf-8")
+
+
+PLACES: Mapping[str, Callable[[Path], None]] = {
+    made.__name__: made
+    for made in (
+        empty_folder, folder_with_notes, folder_of_somebody, read_only_folder, closed_folder, unreadable_files, busy_folder, stale_lock,
+        odd_files, odd_bytes, other_h5, wrong_types_in_h5, deep_nesting, run_with_a_markup_name, edited_case,
+        noise_for_spheres, nan_in_contacts, strangers_in_contacts,
+    )
+}  # fmt: skip
+_HELD: list[Any] = []  # open locks
+
+
+def release() -> None:
+    """Let go of the locks, and let everything be removed again."""
+    while _HELD:
+        _HELD.pop().close()
+
+
+def make_removable(folder: Path) -> None:
+    """Give back the right to look into everything below ``folder``."""
+    for place in folder.iterdir():
+        if place.is_dir() and not place.is_symlink():
+            place.chmod(0o755)

@@ -1,0 +1,323 @@
+"""Rows of ``inputs.toml``: one wrong or odd input each, how it is given to granwave, and how the answer is judged."""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import logging
+import os
+import re
+import resource
+import shlex
+import shutil
+import signal
+import subprocess
+import tomllib
+import unicodedata
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from fnmatch import fnmatch
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from granwave.workflows.cli.parser import main
+from tests.conftest import BIN, PLAIN
+from tests.hostile.powers import without_power_over_files
+
+TABLE = Path(__file__).with_name("inputs.toml")
+SECONDS, MEMORY = 20.0, 2**30  # most that a row may take: s, and bytes beside what the tests take already
+PROCESS_SECONDS = 120.0
+LONGEST_ID = 100  # characters of a test's name
+LONGEST_LINE = 1500  # characters; a message is for people
+OURS = re.compile(r"granwave( \w+)?: ")  # beginning of every line that is meant for the user
+INNARDS = re.compile(r"Traceback|\b[A-Z]\w*Error\b|\bErrno\b|NoneType|<class '| object at 0x|\bPosixPath\b")
+REPEATED = re.compile(r"<(\d+)\*(.)>")
+USAGE = re.compile(r"usage: .*\n(?: .*\n)*")
+
+Entries = dict[str, tuple[int, ...]]
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Row:
+    """One input and its answer; the keys are explained at the top of ``inputs.toml``."""
+
+    kind: str
+    what: str
+    granwave: str = ""
+    shell: str = ""
+    prepared: Sequence[str] = ()
+    lose: Sequence[str] = ()
+    cut: Sequence[str] = ()
+    files: Mapping[str, str] = dataclasses.field(default_factory=dict)
+    add: str = ""
+    env: Mapping[str, str] = dataclasses.field(default_factory=dict)
+    status: int = 2
+    says: Sequence[str] = ()
+    faults: int | None = None
+    prints: Sequence[str] = ()
+    writes: Sequence[str] = ()
+    keeps: Sequence[str] = ()
+    holds: Mapping[str, Sequence[str]] = dataclasses.field(default_factory=dict)
+    lacks: Mapping[str, Sequence[str]] = dataclasses.field(default_factory=dict)
+    awaits: str = ""
+    slow: bool = False
+
+    @property
+    def n_faults(self) -> int:
+        """Lines of faults that the answer has."""
+        if self.faults is not None:
+            return self.faults
+        return 1 if self.status else 0
+
+
+@dataclasses.dataclass(frozen=True)
+class Answer:
+    """What came back."""
+
+    status: int
+    out: str
+    err: str
+
+
+def read_rows(path: Path = TABLE) -> tuple[dict[str, str], list[Row]]:
+    """Read the table.
+
+    Returns
+    -------
+    folder
+        Text of the files that lie in the folder of every row, by name.
+    rows
+        In the order of the table; one for each command of a row that has several.
+    """
+    tables = tomllib.loads(path.read_text(encoding="utf-8"))
+    return tables["folder"], [
+        row for kind, entries in tables["inputs"].items() for entry in entries for row in _rows(kind, entry)
+    ]
+
+
+def _rows(kind: str, entry: dict[str, Any]) -> Iterator[Row]:
+    entry = {name: _with_repeats(value) for name, value in entry.items()}
+    for name in ("prepared", "lose", "cut", "says", "prints", "writes", "keeps"):
+        if isinstance(entry.get(name), str):
+            entry[name] = [entry[name]]
+    commands = entry.pop("granwave", "")
+    for command in [commands] if isinstance(commands, str) else commands:
+        what = entry["what"] if isinstance(commands, str) else f"{entry['what']}: {command}"
+        yield Row(kind=kind, **{**entry, "what": what, "granwave": command})
+
+
+def _with_repeats(value: Any) -> Any:
+    """``<3*a>`` as aaa, wherever it stands."""
+    if isinstance(value, str):
+        return REPEATED.sub(lambda found: int(found[1]) * found[2], value)
+    if isinstance(value, list):
+        return [_with_repeats(item) for item in value]
+    if isinstance(value, dict):
+        return {name: _with_repeats(item) for name, item in value.items()}
+    return value
+
+
+def parameters(rows: Sequence[Row]) -> list[Any]:
+    """The rows as parameters of a test, with their marks."""
+    found = []
+    for row in rows:
+        marks: list[pytest.MarkDecorator] = [pytest.mark.validation] if row.slow else []
+        if row.awaits:
+            marks.append(pytest.mark.xfail(strict=False, reason=f"is being mended: {row.awaits}"))
+        found.append(pytest.param(row, id=f"{row.kind}: {row.what}"[:LONGEST_ID], marks=marks))
+    return found
+
+
+# ---------------------------------------------------------------------- running
+
+
+def damage(row: Row, folder: Path) -> None:
+    """Change the files of the folder as the row says."""
+    for path in _named(folder, row.lose):
+        shutil.rmtree(path) if path.is_dir() else path.unlink()
+    for path in _named(folder, row.cut):
+        with path.open("r+b") as file:
+            file.truncate(path.stat().st_size // 2)
+    for name, text in row.files.items():
+        for path in _named(folder, [name]) if "*" in name else [folder / name]:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text, encoding="utf-8")
+    if row.add:
+        with (folder / "case.toml").open("a", encoding="utf-8") as file:
+            file.write(row.add + "\n")
+
+
+def _named(folder: Path, names: Sequence[str]) -> list[Path]:
+    found = {name: sorted(folder.glob(name)) for name in names}
+    assert all(found.values()), f"not there: {[name for name in found if not found[name]]}"
+    return [path for paths in found.values() for path in paths]
+
+
+def run_here(
+    words: Sequence[str],
+    folder: Path,
+    env: Mapping[str, str],
+    capfd: pytest.CaptureFixture[str],
+    seconds: float = SECONDS,
+) -> Answer:
+    """Run the command line in this process, from ``folder``, within bounds of time and memory."""
+    capfd.readouterr()
+    with (
+        pytest.MonkeyPatch.context() as patch,
+        _as_if_started_anew(),
+        _within_bounds(seconds),
+        without_power_over_files(),
+    ):
+        patch.chdir(folder)
+        for name, value in env.items():
+            patch.setenv(name, value)
+        try:
+            status = main(words)
+        except SystemExit as leaving:
+            status = leaving.code if isinstance(leaving.code, int) else 1
+    said = capfd.readouterr()
+    return Answer(status, said.out, said.err)
+
+
+def run_shell(line: str, folder: Path, env: Mapping[str, str]) -> Answer:
+    """Run a line of the shell, in which ``granwave`` is the command; its status is that of granwave."""
+    paths = os.pathsep.join([str(BIN), os.environ.get("PATH", "")])
+    done = subprocess.run(
+        ["/bin/bash", "-o", "pipefail", "-c", line],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        errors="replace",
+        timeout=PROCESS_SECONDS,
+        env={**PLAIN, "PATH": paths, **env},
+    )
+    return Answer(done.returncode, done.stdout, done.stderr)
+
+
+def run_row(row: Row, folder: Path, capfd: pytest.CaptureFixture[str]) -> Answer:
+    """Run what the row says, in its folder."""
+    if row.shell:
+        return run_shell(row.shell, folder, row.env)
+    seconds = PROCESS_SECONDS if row.slow else SECONDS
+    return run_here(shlex.split(row.granwave), folder, row.env, capfd, seconds)
+
+
+@contextlib.contextmanager
+def _as_if_started_anew() -> Iterator[None]:
+    """Log messages and warnings go to standard error as in a process of its own."""
+    root, ours = logging.getLogger(), logging.getLogger("granwave")
+    handlers, level, own_level = root.handlers[:], root.level, ours.level
+    root.handlers[:] = []
+    try:
+        with warnings.catch_warnings():
+            warnings.resetwarnings()
+            warnings.simplefilter("ignore", DeprecationWarning)
+            warnings.simplefilter("ignore", PendingDeprecationWarning)
+            warnings.simplefilter("ignore", ResourceWarning)
+            warnings.showwarning = _print_warning
+            yield
+    finally:
+        root.handlers[:] = handlers
+        root.setLevel(level)
+        ours.setLevel(own_level)
+
+
+def _print_warning(message: Warning | str, category: type[Warning], name: str, line: int, *_: Any) -> None:
+    print(warnings.formatwarning(message, category, name, line), file=__import__("sys").stderr)
+
+
+class OverTime(BaseException):
+    """A row took longer than it may; no handler of errors catches this."""
+
+
+@contextlib.contextmanager
+def _within_bounds(seconds: float) -> Iterator[None]:
+    def stop(*_: object) -> None:
+        raise OverTime(f"longer than {seconds:g} s")
+
+    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+    pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
+    before = signal.signal(signal.SIGALRM, stop)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    resource.setrlimit(resource.RLIMIT_AS, (pages * resource.getpagesize() + MEMORY, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
+
+
+# ---------------------------------------------------------------------- judging
+
+
+def entries_of(folder: Path) -> Entries:
+    """Everything below a folder by its path: mode, and for files the size and, unless empty, the time of the change."""
+    found: Entries = {}
+    for place, directories, files in os.walk(folder):
+        for name in (*directories, *files):
+            path = os.path.join(place, name)
+            entry = os.lstat(path)
+            key = os.path.relpath(path, folder)
+            if name in directories and not os.path.islink(path):
+                found[key] = (entry.st_mode,)
+            else:
+                found[key] = (entry.st_mode, entry.st_size, entry.st_mtime_ns if entry.st_size else 0)
+    return found
+
+
+def judge(row: Row, answer: Answer, folder: Path, before: Entries, after: Entries) -> None:
+    """Assert that the answer is the one that the row expects."""
+    shown = f"\n{shown_answer(row.shell or row.granwave, answer)}"
+    assert answer.status == row.status, shown
+    assert len(faults_in(answer.err)) == row.n_faults, shown
+    for fragment in row.says:
+        assert fragment in answer.err, f"{fragment!r} is not said{shown}"
+    for fragment in row.prints:
+        assert fragment in answer.out, f"{fragment!r} is not printed{shown}"
+    changed = sorted(name for name in {*before, *after} if before.get(name) != after.get(name))
+    places = [os.path.normpath(f"{folder.name}/{place}") for place in row.writes]
+    # the list of what granwave wrote, which a file that is about to be made anew is noted in
+    changed = [name for name in changed if os.path.basename(name) != ".granwave" or name not in before]
+    unasked = [name for name in changed if not any(_is_at(name, place) for place in places)]
+    assert not unasked, f"written or changed: {unasked}{shown}"
+    for place in places:
+        assert any(_is_at(name, place) for name in after), f"{place} was not written{shown}"
+    for name in row.keeps:
+        assert f"{folder.name}/{name}" in before and f"{folder.name}/{name}" not in changed, (
+            f"{name} was not kept{shown}"
+        )
+    for name, fragments in row.holds.items():
+        text = (folder / name).read_text(encoding="utf-8")
+        assert not [one for one in fragments if one not in text], f"{name} lacks some of {fragments}"
+    for name, fragments in row.lacks.items():
+        text = (folder / name).read_text(encoding="utf-8")
+        assert not [one for one in fragments if one in text], f"{name} holds some of {fragments}"
+
+
+def shown_answer(command: str, answer: Answer) -> str:
+    """The answer as a failed test shows it; asserts that nothing in it is for programmers."""
+    shown = f"{command}\nstatus {answer.status}\n{answer.out}{answer.err}"
+    assert not INNARDS.search(answer.out + answer.err), shown
+    return shown
+
+
+def faults_in(err: str) -> list[str]:
+    """Lines of standard error that name a fault; asserts that every line is one for people.
+
+    Warnings and the lines of progress that a log gets are no faults; neither is what argparse tells of the usage.
+    """
+    lines = USAGE.sub("", err).splitlines()
+    for line in lines:
+        assert len(line) <= LONGEST_LINE, f"{len(line)} characters in a line: {line[:300]} ..."
+        odd = [c for c in line if unicodedata.category(c) in ("Cc", "Cs") and c != "\t"]
+        assert not odd, f"control characters {odd} in {line!r}"
+    return [line for line in lines if OURS.match(line) and not line.startswith("granwave: warning: ")]
+
+
+def _is_at(name: str, place: str) -> bool:
+    """``name`` is the ``place`` (a path, perhaps with * and ?), or lies in it."""
+    parts = name.split("/")
+    return any(fnmatch("/".join(parts[:n]), place) for n in range(1, len(parts) + 1))

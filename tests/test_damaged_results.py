@@ -1,0 +1,251 @@
+"""Results that were cut, lost or edited after the run: made again with --resume, or refused, never mixed."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from granwave.analysis import OutputFormatError, analyse
+from granwave.analysis.reports.report import write_report
+from granwave.lammps_inputs.errors import InputError, RunError
+from granwave.lammps_inputs.run_directory import MARKER, read_marker
+from granwave.workflows import load_case, run_case
+from granwave.workflows.cli.parser import main
+
+CASE = load_case("two-spheres", ["run.frames=3"])
+CLOCK = ("wall_time_s", "sphere_steps_per_s")
+
+
+def summary(directory: Path) -> dict:
+    return json.loads((directory / "summary.json").read_text())
+
+
+def cut(path: Path, size: int = 100) -> None:
+    os.truncate(path, size)
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory) -> Path:
+    """A finished run."""
+    directory = tmp_path_factory.mktemp("whole") / "r"
+    run_case(CASE, directory, figures=False)
+    return directory
+
+
+@pytest.fixture
+def run(whole: Path, tmp_path: Path) -> Path:
+    """A copy of it to be damaged."""
+    return shutil.copytree(whole, tmp_path / "r")
+
+
+def resumed(directory: Path, whole: Path) -> str:
+    """Resume, and check that all is as it was: "kept", "analysed" or "run", by the clock and the result."""
+    before = directory / "result.h5"
+    number = before.stat().st_ino if before.exists() else None
+    outcome = run_case(CASE, directory, resume=True, figures=False)
+    assert outcome.state == "finished" and outcome.summary == summary(directory)
+    one, two = summary(whole), summary(directory)
+    assert {k: v for k, v in one.items() if k not in CLOCK} == {k: v for k, v in two.items() if k not in CLOCK}
+    assert (directory / "case.toml").read_bytes() == (whole / "case.toml").read_bytes()
+    assert json.loads((directory / "run.json").read_text())["state"] == "finished"
+    if one["wall_time_s"] != two["wall_time_s"]:
+        return "run"
+    return "kept" if before.exists() and before.stat().st_ino == number else "analysed"
+
+
+@pytest.mark.parametrize(
+    ("damaged", "way"),
+    [
+        ("summary.json", "analysed"),
+        ("result.h5", "analysed"),
+        ("summary.json result.h5", "analysed"),
+        ("run.json", "analysed"),
+        ("case.toml", "kept"),
+        (MARKER, "kept"),
+        (f"{MARKER} summary.json", "analysed"),
+        ("case.toml summary.json", "analysed"),
+        ("run.json result.h5", "run"),  # nothing tells how it was run
+        ("dumps/energy.txt", "run"),
+        ("dumps/contacts.dump summary.json", "run"),
+        ("data.granwave result.h5", "run"),
+    ],
+)
+def test_what_was_cut_is_made_again(run, whole, caplog, damaged, way):
+    for name in damaged.split():
+        cut(run / name, 30)
+    assert resumed(run, whole) == way
+    if damaged != MARKER:
+        assert any(str(run / name) in caplog.text for name in damaged.split())
+
+
+@pytest.mark.parametrize(
+    ("lost", "way"),
+    [
+        ("summary.json", "analysed"),
+        ("result.h5", "analysed"),
+        ("run.json", "analysed"),
+        ("case.toml", "kept"),
+        (f"{MARKER} case.toml", "kept"),
+        ("dumps/spheres.dump dumps/contacts.dump", "kept"),  # removed to save room
+        ("dumps/spheres.dump summary.json", "run"),
+    ],
+)
+def test_what_was_lost_is_made_again_where_it_is_needed(run, whole, lost, way):
+    for name in lost.split():
+        (run / name).unlink()
+    assert resumed(run, whole) == way
+
+
+@pytest.mark.parametrize("name", ["spheres.dump", "energy.txt", "contacts.dump"])
+@pytest.mark.parametrize("garbage", [b"\0" * 400, bytes(range(256)) * 2])
+def test_garbage_in_the_output_is_run_again(run, whole, name, garbage):
+    with (run / "dumps" / name).open("r+b") as file:
+        file.write(garbage)
+    (run / "summary.json").unlink()
+    assert resumed(run, whole) == "run"
+
+
+def test_missing_rows_are_no_result(run):
+    lines = (run / "dumps" / "energy.txt").read_text().splitlines(keepends=True)
+    (run / "dumps" / "energy.txt").write_text("".join(lines[:50] + lines[60:]))
+    with pytest.raises(OutputFormatError, match=r"energy\.txt lacks rows between the steps"):
+        analyse(run, figures=False)
+
+
+def test_files_of_somebody_else_stay_when_a_run_is_made_again(run, whole):
+    mine = [run / "notes.txt", run / "dumps" / "mine.txt", run / "figures" / "mine.png"]
+    (run / "figures").mkdir()
+    for path in mine:
+        path.write_text("mine")
+    cut(run / "dumps" / "energy.txt")
+    assert resumed(run, whole) == "run"
+    run_case(CASE, run, force=True, figures=False)
+    assert [path.read_text() for path in mine] == ["mine"] * 3
+
+
+def test_no_run_is_removed_that_its_own_dents_come_from(run):
+    again = load_case("two-spheres", {"contact.initial_overlap": str(run)})
+    before = summary(run)
+    with pytest.raises(InputError, match="initial_overlap is read from the results there, which would be removed"):
+        run_case(again, run, force=True)
+    assert summary(run) == before and (run / "result.h5").exists()
+
+
+# ---------------------------------------------------------------------- a case that was edited
+
+
+def edit(directory: Path) -> None:
+    path = directory / "case.toml"
+    path.write_text(path.read_text().replace("velocity = ", "velocity = 1"))
+
+
+def test_an_edited_case_is_refused(run, tmp_path, capsys):
+    velocity = CASE.load.velocity
+    edit(run)
+    message = f"{run / 'case.toml'}: was changed after the run: load.velocity is 1{velocity}, was {velocity}."
+    before = {path: path.read_bytes() for path in run.rglob("*") if path.is_file()}
+    for command in (["analyse", str(run)], ["report", str(run), "-o", str(tmp_path / "r.html")]):
+        assert main(command) == 2
+        (line,) = capsys.readouterr().err.strip().splitlines()
+        assert message in line and "granwave analyse" in line
+    for case in (CASE, load_case(run / "case.toml")):
+        with pytest.raises(InputError, match="was changed after the run"):
+            run_case(case, run, resume=True)
+    assert {path: path.read_bytes() for path in run.rglob("*") if path.is_file()} == before
+    (run / "case.toml").unlink()
+    assert main(["analyse", str(run), "--no-figures"]) == 0
+    assert (run / "case.toml").read_bytes() == before[run / "case.toml"].replace(b"velocity = 1", b"velocity = ")
+
+
+def test_an_edited_case_is_refused_without_a_marker_too(run):
+    (run / MARKER).unlink()
+    edit(run)
+    with pytest.raises(InputError, match=r"load\.velocity is"):
+        analyse_all(run)
+
+
+def analyse_all(directory: Path) -> None:
+    write_report([directory], directory.parent / "r.md")
+
+
+def test_comments_and_spaces_are_no_change(run, whole):
+    text = (run / "case.toml").read_text()
+    (run / "case.toml").write_text("# mine\n" + text.replace(" = ", "="))
+    assert run_case(CASE, run, resume=True).state == "finished"
+    assert main(["analyse", str(run), "--no-figures"]) == 0
+    assert {k: v for k, v in summary(run).items() if k not in CLOCK} == {
+        k: v for k, v in summary(whole).items() if k not in CLOCK
+    }
+
+
+def test_the_python_analysis_refuses_an_edited_case(run):
+    edit(run)
+    with pytest.raises(InputError, match="was changed after the run"):
+        analyse(run, figures=False)
+
+
+# ---------------------------------------------------------------------- a disk that becomes full
+
+
+@pytest.fixture
+def small_disk(tmp_path):
+    """A disk of 3 MB."""
+    disk = tmp_path / "disk"
+    disk.mkdir()
+    if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=3m", "tmpfs", disk], capture_output=True).returncode:
+        pytest.skip("no disk can be mounted here")
+    yield disk
+    subprocess.run(["umount", "-l", disk], check=True)
+
+
+def fill_up(disk: Path, left: int = 0) -> Path:
+    free = shutil.disk_usage(disk).free
+    (disk / "ballast").write_bytes(bytes(max(free - left, 0)))
+    return disk / "ballast"
+
+
+@pytest.mark.parametrize("left", [0, 8192, 65536])
+def test_an_analysis_on_a_full_disk_can_be_resumed(run, whole, small_disk, left):
+    there = shutil.copytree(run, small_disk / "r")
+    (there / "summary.json").unlink()
+    ballast = fill_up(small_disk, left)
+    with pytest.raises(RunError) as caught:
+        run_case(CASE, there, resume=True, figures=False)
+    assert "No space left on device" in str(caught.value) and "--resume" in str(caught.value)
+    assert str(caught.value).startswith(str(there / ("result.h5" if left else MARKER)))
+    ballast.unlink()
+    assert resumed(there, whole) == "analysed"
+
+
+def test_a_full_disk_is_told_with_the_file_and_no_crash(granwave, run, small_disk):
+    """HDF5 ends the program with a segmentation fault where it cannot close a file."""
+    there = shutil.copytree(run, small_disk / "r")
+    before = (there / "result.h5").read_bytes()
+    fill_up(small_disk, 32768)
+    done = granwave("analyse", there, "--no-figures")
+    assert done.returncode == 1, done.stderr
+    assert done.stderr.splitlines() == [f"granwave: {there / 'result.h5'}: No space left on device"]
+    assert (there / "result.h5").read_bytes() == before
+
+
+def test_a_run_ends_with_a_checkpoint_before_the_disk_is_full(whole, tmp_path, monkeypatch):
+    free = iter([1e12])
+    monkeypatch.setattr("granwave.workflows.run.driver.free_space", lambda _: next(free, 1000.0))
+    with pytest.raises(RunError) as caught:
+        run_case(CASE, tmp_path / "r", figures=False)
+    message = str(caught.value)
+    assert message.startswith(f"{tmp_path / 'r'}: the disk is full: stopped at step ")
+    assert "need about" in message and "1e-06 GB are free there" in message and "from the checkpoint at step" in message
+    record = json.loads((tmp_path / "r" / "run.json").read_text())
+    assert record["state"] == "failed" and (tmp_path / "r" / record["checkpoint"]["file"]).exists()
+    monkeypatch.undo()
+    assert run_case(CASE, tmp_path / "r", resume=True, figures=False).state == "finished"
+    one, two = summary(whole), summary(tmp_path / "r")
+    for key in ("n_steps", "peak_force_N", "energy_dissipated_J", "restitution"):
+        assert two[key] == pytest.approx(one[key], rel=1e-9)
+    assert not [name for name in read_marker(tmp_path / "r").files if name.startswith("checkpoint")]

@@ -1,0 +1,297 @@
+"""The command line and files that granwave did not write: kept, and told by name; odd names, one process at a time."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from granwave.workflows.cli.parser import main
+from granwave.workflows.run.directory import held
+from tests.conftest import PLAIN
+
+TINY = ["two-spheres", "--set", "run.frames=2"]
+QUICK = [*TINY, "--no-figures"]
+
+
+def files(directory: Path) -> dict[str, bytes]:
+    return {str(p.relative_to(directory)): p.read_bytes() for p in sorted(directory.rglob("*")) if p.is_file()}
+
+
+@pytest.fixture(autouse=True)
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
+@pytest.fixture
+def says(capsys):
+    """Run a command that shall end with a status; returns its complaints."""
+
+    def run(status: int, *words: object) -> str:
+        capsys.readouterr()
+        assert main([str(word) for word in words]) == status, capsys.readouterr().err
+        return capsys.readouterr().err
+
+    return run
+
+
+# ---------------------------------------------------------------------- directories
+
+
+def test_folders_are_shared_and_force_removes_what_is_ours(says, tmp_path):
+    mine = [
+        Path("r", *parts) for parts in (("figures", "mine.png"), ("dumps", "mine.txt"), ("points", "x"), ("notes",))
+    ]
+    for path in mine:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text("mine")
+    says(0, "run", *TINY, "-o", "r")
+    assert (tmp_path / "r" / "figures" / "energies.png").exists()
+    assert "already holds results (" in says(2, "run", *QUICK, "-o", "r")
+    says(0, "run", *QUICK, "--set", "load.velocity=3", "-o", "r", "--force")
+    assert [path.read_text() for path in mine] == ["mine"] * 4
+    assert [path.name for path in (tmp_path / "r" / "figures").iterdir()] == ["mine.png"]
+    says(0, "write", *TINY, "-o", "r", "--force")
+    assert [path.read_text() for path in mine] == ["mine"] * 4 and not Path("r", "summary.json").exists()
+
+
+@pytest.mark.parametrize("words", [[], ["--force"], ["--resume"]])
+@pytest.mark.parametrize(
+    ("name", "command"),
+    [
+        ("case.toml", ["run", *TINY]),
+        ("summary.json", ["run", *TINY]),
+        ("log.lammps", ["run", *TINY]),
+        ("figures/energies.csv", ["run", *TINY]),
+        ("dumps/spheres.dump", ["run", *TINY]),
+        ("summary.json", ["continuum", "half-space"]),
+        ("figures/von_mises.png", ["continuum", "half-space"]),
+        ("contact.csv", ["continuum", "sphere-contact"]),
+        ("scan.toml", ["scan", "restitution"]),
+        ("scan.csv", ["scan", "restitution"]),
+        ("report.html", ["scan", "restitution"]),
+        ("suite.json", ["scan", "square"]),
+        ("scan.toml", ["scan", "square"]),
+    ],
+)
+def test_files_by_our_names_are_refused(says, tmp_path, name, command, words):
+    path = tmp_path / "r" / name
+    path.parent.mkdir(parents=True)
+    path.write_text("mine")
+    before = files(tmp_path)
+    message = says(2, *command, "-o", "r", *words)
+    assert f"{name} would be overwritten, and granwave did not write it" in message and "-o" in message
+    assert len(message.splitlines()) == 1 and files(tmp_path) == before
+
+
+def test_a_case_file_of_that_name_is_not_overwritten(says, tmp_path, capsys):
+    """The case that is run lies in the directory for the results."""
+    main(["show", "two-spheres"])
+    Path("case.toml").write_text(capsys.readouterr().out)
+    before = files(tmp_path)
+    for words in ([], ["--force"]):
+        assert "case.toml would be overwritten" in says(2, "run", "case.toml", "-o", ".", *words)
+    assert files(tmp_path) == before
+
+
+def test_an_empty_directory_stays_where_nothing_came_of_it(says, tmp_path):
+    Path("r").mkdir()
+    says(2, "run", *TINY, "--set", "packing.size=[1000,1000,1000]", "-o", "r")
+    with held(tmp_path / "r"):
+        pass
+    with held(tmp_path / "a" / "b"):
+        pass
+    assert [path.name for path in tmp_path.iterdir()] == ["r"]
+
+
+def test_links_inside_are_not_written_through(says, tmp_path):
+    for name in ("figures", "dumps"):
+        Path("elsewhere", name).mkdir(parents=True)
+        Path(name).mkdir()
+        Path(name, name).symlink_to(tmp_path / "elsewhere" / name)
+        assert f"{name} (a link)" in says(2, "run", *TINY, "-o", name, "--force")
+    assert files(tmp_path) == {}
+
+
+def test_dumps_that_were_moved_to_another_disk_are_read(says, tmp_path):
+    says(0, "run", *QUICK, "-o", "r")
+    Path("r", "dumps").rename("far")
+    Path("r", "dumps").symlink_to(tmp_path / "far")
+    before = files(tmp_path / "far")
+    says(0, "analyse", "r", "--no-figures")
+    says(0, "run", *QUICK, "-o", "r", "--resume")
+    assert "dumps (a link)" in says(2, "run", *QUICK, "-o", "r", "--force")
+    assert files(tmp_path / "far") == before and Path("r", "summary.json").exists()
+
+
+# ---------------------------------------------------------------------- single files
+
+
+@pytest.mark.parametrize(
+    ("output", "mine"), [("law.png", "law.csv"), ("law.png", "law.pdf"), ("law.png", "law.png"), ("law.csv", "law.csv")]
+)
+def test_a_plot_of_a_law_overwrites_nothing_of_others(says, tmp_path, output, mine):
+    Path(mine).write_text("overlap_m,force_N\n")
+    assert f"{mine}: is there, and granwave did not write it" in says(2, "law", "-o", output)
+    assert files(tmp_path) == {mine: b"overlap_m,force_N\n"}
+
+
+def test_a_plot_of_a_law_replaces_its_own(says, tmp_path):
+    for _ in range(2):
+        says(0, "law", "-o", "a.b.png")
+        says(0, "law", "--restitution", "-o", "e.csv")
+    assert sorted(files(tmp_path)) == ["a.b.csv", "a.b.pdf", "a.b.png", "e.csv"]
+    assert "e.csv: is there" in says(2, "law", "-o", "e.csv")  # another table
+
+
+@pytest.mark.parametrize("suffix", [".html", ".md", ".pdf"])
+def test_a_report_replaces_its_own_only(says, tmp_path, suffix):
+    says(0, "run", *QUICK, "-o", "r")
+    name = f"notes{suffix}"
+    Path(name).write_text("# Report: my own notes\n\n1 run.\n")
+    assert f"{name}: is there, and granwave did not write it" in says(2, "report", "r", "-o", name)
+    assert Path(name).read_text() == "# Report: my own notes\n\n1 run.\n"
+    for _ in range(2):
+        says(0, "report", "r", "-o", f"ours{suffix}")
+
+
+def test_pictures_of_a_report_overwrite_no_others(says, tmp_path):
+    says(0, "run", *TINY, "-o", "r")
+    says(0, "report", "r", "-o", "ours.md")
+    pictures = files(tmp_path / "ours_files")
+    Path("mine_files").mkdir()
+    Path("mine_files", next(iter(pictures))).write_text("mine")
+    assert "is no picture of mine.md" in says(2, "report", "r", "-o", "mine.md")
+    assert files(tmp_path / "mine_files") == {next(iter(pictures)): b"mine"} and not Path("mine.md").exists()
+    Path("ours_files", "mine.png").write_text("mine")
+    Path("r", "figures", "energies.png").unlink()
+    says(0, "report", "r", "-o", "ours.md")
+    left = set(files(tmp_path / "ours_files"))
+    assert "mine.png" in left and len(pictures.keys() - left) == 1
+
+
+def test_a_fit_overwrites_no_others(says, tmp_path):
+    says(0, "law", "-o", "law.csv")
+    Path("fit").mkdir()
+    Path("fit", "fit.csv").write_text("mine")
+    for words in ([], ["--force"]):
+        assert "fit.csv would be overwritten" in says(2, "fit", "law.csv", *words)
+    assert files(tmp_path / "fit") == {"fit.csv": b"mine"}
+
+
+# ---------------------------------------------------------------------- names
+
+
+@pytest.mark.parametrize("name", ["-rf", "--force", "..", ".hidden", "~", "~me", "a/b", "", " ", "a\nb", "ä" * 101])
+def test_names_that_are_no_directories_are_refused(says, tmp_path, name):
+    Path("my.toml").write_text(f"name = {json.dumps(name)}\n" + 'case = "two-spheres"\n[grid]\nload.velocity = [1]\n')
+    Path("mine.toml").write_text(
+        f'name = {json.dumps(name)}\nmaterial = "brass"\n[packing]\nkind = "chain"\nsize = 2\ndiameter = 0.01\n'
+    )
+    for command in (["run", "mine.toml"], ["write", "mine.toml", "-o", "d"], ["scan", "my.toml"]):
+        message = says(2, *command)
+        assert ": name: found " in message and "that can be that of a directory" in message
+        assert len(message.splitlines()) == 1
+    assert sorted(files(tmp_path)) == ["mine.toml", "my.toml"]
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["run", "two-spheres", "-o", ""],
+        ["write", "two-spheres", "-o", ""],
+        ["scan", "restitution", "-o", ""],
+        ["continuum", "half-space", "-o", ""],
+        ["report", "r", "-o", ""],
+        ["export", "r", "--to", "csv", "-o", ""],
+        ["law", "-o", ""],
+        ["fit", "law.csv", "-o", ""],
+        ["bench", "--json", ""],
+        ["analyse", ""],
+        ["report", ""],
+        ["export", "", "--to", "csv"],
+        ["run", "two-spheres", "-o", "~/r"],
+    ],
+)
+def test_empty_names_are_refused(capsys, tmp_path, command):
+    with pytest.raises(SystemExit) as ended:
+        main(command)
+    message = capsys.readouterr().err.splitlines()[-1]
+    assert ended.value.code == 2 and ("empty name" in message or "the shell did not replace ~" in message)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("place", ["/", Path.home()])
+@pytest.mark.parametrize("words", [[], ["--force"]])
+def test_the_root_and_the_home_are_no_places_for_results(says, place, words):
+    for command in (["run", *TINY], ["write", *TINY], ["continuum", "half-space"], ["scan", "restitution"]):
+        assert "choose a directory for the results alone" in says(2, *command, "-o", place, *words)
+
+
+# ---------------------------------------------------------------------- one at a time, and where nothing can be written
+
+
+def test_one_process_at_a_time(says, tmp_path):
+    says(0, "run", *QUICK, "-o", "r")
+    says(0, "law", "-o", "law.csv")
+    before = files(tmp_path / "r")
+    with held(tmp_path / "r"):
+        for command in (
+            ["run", *QUICK, "-o", "r", "--force"],
+            ["run", *QUICK, "-o", "r", "--resume"],
+            ["write", *TINY, "-o", "r", "--force"],
+            ["analyse", "r"],
+            ["continuum", "half-space", "-o", "r", "--force"],
+            ["fit", "law.csv", "-o", "r"],
+            ["export", "r", "--to", "csv", "-o", "r"],
+        ):
+            message = says(2, *command)
+            assert "another run or scan is at work there" in message and len(message.splitlines()) == 1
+        assert files(tmp_path / "r").keys() - before.keys() == {".granwave-lock"}
+    assert files(tmp_path / "r") == before
+
+
+def test_a_lock_is_not_taken_through_a_link(says, tmp_path):
+    Path("mine").write_text("mine")
+    Path("r").mkdir()
+    Path("r", ".granwave-lock").symlink_to(tmp_path / "mine")
+    assert "cannot be written to" in says(2, "run", *QUICK, "-o", "r")
+    assert Path("mine").read_text() == "mine"
+
+
+def test_a_disk_that_can_only_be_read(says, tmp_path):
+    says(0, "run", *QUICK, "-o", "r")
+    disk = tmp_path / "disk"
+    disk.mkdir()
+    if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=9m", "tmpfs", disk], capture_output=True).returncode:
+        pytest.skip("no disk can be mounted here")
+    try:
+        shutil.copytree("r", disk / "r")
+        subprocess.run(["mount", "-o", "remount,ro", disk], check=True)
+        for command in (
+            ["run", *QUICK, "-o", "disk/new"],
+            ["run", *QUICK, "-o", "disk/r", "--force"],
+            ["write", *TINY, "-o", "disk/new"],
+            ["analyse", "disk/r"],
+            ["export", "disk/r", "--to", "csv"],
+            ["report", "r", "-o", "disk/r.html"],
+            ["law", "-o", "disk/law.png"],
+        ):
+            message = says(2, *command)
+            assert "cannot be written to" in message and "disk" in message and len(message.splitlines()) == 1
+        says(0, "report", "disk/r", "-o", "r.html")
+        says(0, "export", "disk/r", "--to", "csv", "-o", "out")
+    finally:
+        subprocess.run(["umount", "-l", disk], check=True)
+
+
+def test_a_full_standard_output_is_told():
+    with open("/dev/full", "w") as full:
+        command = [sys.executable, "-m", "granwave.workflows", "show", "two-spheres"]
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, env=PLAIN, timeout=60)
+    assert (done.returncode, done.stderr) == (1, f"granwave: standard output: {os.strerror(28)}\n")

@@ -1,0 +1,79 @@
+"""What the points of a scan need that are still to be run: files, and room on the disk."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.contact.initial_dents import earlier_result
+from granwave.lammps_inputs.directories import check_disk, refuse_source
+from granwave.lammps_inputs.errors import InputError, raise_all
+from granwave.workflows.scanning import layout
+from granwave.workflows.scanning.scan_file import Point, Scan
+
+
+def left(scan: Scan, directory: Path, *, fresh: bool = False) -> list[Point]:
+    """The points that are still to be run, or analysed again; all where the scan starts ``fresh``.
+
+    Raises
+    ------
+    InputError
+        The case.toml of finished points was changed.
+    """
+    if fresh:
+        return list(scan.distinct.values())
+    found, faults = [], []
+    for name, point in scan.distinct.items():
+        try:
+            found += [] if layout.is_whole(directory, name) else [point]
+        except InputError as error:
+            faults += error.faults
+    if faults:
+        raise InputError(faults)
+    return found
+
+
+def check_points(scan: Scan, directory: Path, *, force: bool) -> None:
+    """Check that what is left of a scan can be run: files that its points name, and room on the disk.
+
+    Parameters
+    ----------
+    force
+        Points that are done in ``directory`` are replaced.
+
+    Raises
+    ------
+    InputError
+        With every fault there is.
+    """
+    points = sorted(left(scan, directory, fresh=force), key=lambda point: point.number)
+    needed = sum(point.plan.disk for point in points)
+    cases = [point.case for point in points if force and isinstance(point.case, Case)]
+    sources = {source: case.name for case in cases if (source := earlier_result(case)) is not None}
+    raise_all(
+        [
+            lambda: _check_files(scan.name, points),
+            lambda: check_disk(directory, needed, what="the points", spare=layout.LEAST_FREE),
+            *(partial(refuse_source, directory, name, source) for source, name in sources.items()),
+        ]
+    )
+
+
+def _check_files(name: str, points: Sequence[Point]) -> None:
+    """Check the files that points name; what is wrong with all of them is said once."""
+    found: dict[str, list[str]] = {}
+    for point in points:
+        try:
+            point.kind.check(point.case, point.plan, memory=False)
+        except InputError as error:
+            labels = ", ".join(f"{key} = {value}" for key, value in point.labels.items())
+            for fault in error.faults:
+                found.setdefault(fault, []).append(f"point {point.number} ({labels})")
+    faults: list[str] = []
+    for fault, concerned in found.items():
+        shared = len(concerned) == len(points)
+        faults += [f"{name}: {fault}"] if shared else [f"{name}: {point}: {fault}" for point in concerned]
+    if faults:
+        raise InputError(faults)
