@@ -15,7 +15,7 @@ from granwave.analysis.measures.target import protection, reached
 from granwave.analysis.measures.wave_speed import wave_speed_of
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.files import plain, replace_text
-from granwave.lammps_inputs.packing.assembly import velocities_of
+from granwave.lammps_inputs.packing.assembly import assemble, velocities_of
 
 SUMMARY_FILE = "summary.json"
 Summary = dict[str, Any]
@@ -104,11 +104,11 @@ def restitution(result: Result) -> float | None:
     case = result.case
     boundary = case.boundary
     moves = boundary.bottom_material is not None or boundary.bottom_support is not None
-    if case.load.kind != "impact" or not case.assembly.plain or moves or case.precompression is not None:
+    if case.load.kind != "impact" or not assemble(case).plain or moves or case.precompression is not None:
         return None
     if case.load.angle and result.n_spheres > 1:
         return None
-    left = float(result["energy/struck_velocity"][-1]) / velocities_of(case)[result.struck[0]][2]
+    left = float(result["energy/struck_velocity"][-1]) / velocities_of(assemble(case))[result.struck[0]][2]
     if result.n_spheres == 2 and case.packing.kind == "chain" and case.boundary.bottom == "free":
         return 1 - 2 * left
     if result.n_spheres == 1 and case.boundary.bottom == "wall":
@@ -214,7 +214,7 @@ def _bottom(result: Result) -> Summary:
 
 def _bars(result: Result) -> Summary:
     """Energy in each bar at the end, kinetic and elastic."""
-    names = [bar.name for bar in result.case.assembly.bars]
+    names = [bar.name for bar in result.assembly.bars]
     return {f"energy_{name}_J": float(result[f"energy/{name}"][-1]) for name in names}
 
 

@@ -38,7 +38,7 @@ def lone_bars(tmp_path_factory: pytest.TempPathFactory) -> list[ChainRun]:
 
 def test_pulse_in_a_bar(lone_bars):
     run = lone_bars[1]
-    (bar,) = run.case.assembly.bars
+    (bar,) = run.assembly.bars
     found = passage(run, bar)
     assert found.speed == pytest.approx(SPEED, rel=2e-4)
     assert found.measured_impedance == pytest.approx(IMPEDANCE, rel=1e-3)
@@ -50,7 +50,7 @@ def test_pulse_in_a_bar(lone_bars):
 
 
 def test_errors_of_a_bar_fall_with_its_elements(lone_bars):
-    coarse, fine = (passage(run, run.case.assembly.bars[0]) for run in lone_bars)
+    coarse, fine = (passage(run, run.assembly.bars[0]) for run in lone_bars)
     assert abs(fine.energy - 1) < 0.3 * abs(coarse.energy - 1)  # of second order
     assert 0.5 < fine.deviation / coarse.deviation < 0.75  # 2^(-2/3) = 0.63: the pulse has kinks
 

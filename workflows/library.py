@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.case import load_case as load_case_file
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.load_case import load_case as load_case_file
 
 CASES, SCANS = "cases", "scans"
 _SUFFIX = ".toml"

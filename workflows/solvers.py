@@ -7,7 +7,8 @@ import importlib
 from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
-from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.plan import check_memory, plan
 
 _OF_CONTINUUM, _OF_SPHERE_CONTACT = ("block", "punch"), ("sphere", "partner")
@@ -53,7 +54,7 @@ class Kind:
     versions
         Names, in `granwave.workflows.run.versions`, of what their results depend on.
     read
-        As `Case.from_dict`.
+        As `case_from_dict`.
     size
         How many parts a case has.
     cost
@@ -106,8 +107,8 @@ GRANULAR = Kind(
     verb="run",
     parts="spheres",
     versions=("granwave", "lammps", "plugin_built_for_lammps"),
-    read=Case.from_dict,
-    size=lambda case: case.assembly.n_spheres,
+    read=case_from_dict,
+    size=lambda case: assemble(case).n_spheres,
     cost=lambda case, n_ranks, figures: plan(case, n_ranks=n_ranks, figures=figures),
     check_memory=lambda _, expected: check_memory(expected),
     parallel=True,

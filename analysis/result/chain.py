@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.lammps_output.dumps import Frame, read_forces, read_history
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.packing.assembly import assemble
 
 if TYPE_CHECKING:
     from granwave.analysis.result.reader import Result
@@ -45,7 +46,7 @@ def read_chain(directory: str | Path, case: Case, start: Frame, timestep: float)
     displacement, velocity = (np.stack([frame[name] for frame in frames]) for name in ("uz", "vz"))
     if displacement.shape[1] != len(start):
         raise OutputFormatError(f"{directory}: history of {displacement.shape[1]} particles, expected {len(start)}")
-    assembly, z = case.assembly, start["z"]
+    assembly, z = assemble(case), start["z"]
     beads = np.argsort(z[: assembly.n_spheres], kind="stable")
     first, second = _contacts(case, beads)
     radius = start["diameter"] / 2
@@ -79,7 +80,7 @@ def along(result: Result, column: str) -> NDArray[np.float64]:
         (int(i), int(j)): float(number)
         for i, j, number in zip(*(result[f"contacts/{name}"] for name in ("i", "j", column)), strict=True)
     }
-    faces = {bar.name: bar.face for bar in result.case.assembly.bars}
+    faces = {bar.name: bar.face for bar in result.assembly.bars}
     for wall, bead, number in zip(*(result[f"wall_contacts/{name}"] for name in ("wall", "id", column)), strict=True):
         if wall in faces:
             value[int(bead), faces[wall]] = float(number)
@@ -90,7 +91,7 @@ def along(result: Result, column: str) -> NDArray[np.float64]:
 def _contacts(case: Case, beads: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Ids of the upper and the lower partner of every contact along the chain, faces of bars among them."""
     order = [int(bead) + 1 for bead in beads]
-    for bar in case.assembly.bars:
+    for bar in assemble(case).bars:
         order.insert(0 if bar.face == bar.last else len(order), bar.face)
     return np.array(order[:-1], dtype=np.int64), np.array(order[1:], dtype=np.int64)
 

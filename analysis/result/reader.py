@@ -19,7 +19,8 @@ from granwave.analysis.result.trajectory import GROUP, QUANTITIES
 from granwave.analysis.result.writer import RESULT_FILE
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.law import sphere_contact
-from granwave.lammps_inputs.packing.assembly import struck_of
+from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.lammps_inputs.packing.assembly import Assembly, assemble, struck_of
 
 if TYPE_CHECKING:
     from granwave._contact_laws import ContactLaw
@@ -104,7 +105,12 @@ class Result:
     @cached_property
     def case(self) -> Case:
         """The case that was run."""
-        return Case.from_dict(tomllib.loads(self.file.attrs["case"]), self.path.parent / "case.toml")
+        return case_from_dict(tomllib.loads(self.file.attrs["case"]), self.path.parent / "case.toml")
+
+    @cached_property
+    def assembly(self) -> Assembly:
+        """All bodies of the case."""
+        return assemble(self.case)
 
     @cached_property
     def record(self) -> dict[str, Any]:
@@ -134,14 +140,14 @@ class Result:
     @cached_property
     def struck(self) -> tuple[int, ...]:
         """Ids of the spheres that the load acts on, the central one first; of strikers alone those that move."""
-        return struck_of(self.case)
+        return struck_of(self.assembly)
 
     @property
     def origin(self) -> NDArray[np.float64]:
         """Centre of the struck sphere of the packing at the start: (3,), m."""
         sphere = self.struck[0] if self.struck else int(self["spheres/id"][0])
-        while sphere > self.case.lattice.n_spheres:  # a striker: what it strikes
-            sphere = self.case.striker[sphere - self.case.lattice.n_spheres - 1].touches[0]
+        while sphere > self.assembly.lattice.n_spheres:  # a striker: what it strikes
+            sphere = self.case.striker[sphere - self.assembly.lattice.n_spheres - 1].touches[0]
         return self["spheres/position"][self.rows(sphere)]
 
     def rows(self, ids: ArrayLike) -> NDArray[np.int64]:
@@ -162,7 +168,7 @@ class Result:
     @property
     def in_packing(self) -> NDArray[np.bool_]:
         """Which spheres are of the packing, and no strikers: (n_spheres,)."""
-        return self["spheres/id"] <= self.case.lattice.n_spheres
+        return self["spheres/id"] <= self.assembly.lattice.n_spheres
 
     def beyond_law(self, share: float) -> NDArray[np.bool_]:
         """Which contacts were pressed beyond a share of R*: (n_contacts,); none where the law has no such limit."""

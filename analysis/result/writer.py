@@ -43,10 +43,11 @@ from granwave.analysis.result.chain import Groups, read_chain
 from granwave.analysis.result.contacts import Contacts, list_contacts, merge_dents, sphere_values, touching_pairs
 from granwave.analysis.result.pair_laws import PairLaws, dissipated_share, pair_laws
 from granwave.analysis.result.trajectory import COMPRESSION, write_metadata, write_trajectory
-from granwave.lammps_inputs.case.case import Case, load_case
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.files import replacing
-from granwave.lammps_inputs.packing.assembly import gap_tolerance
+from granwave.lammps_inputs.load_case import load_case
+from granwave.lammps_inputs.packing.assembly import assemble, gap_tolerance
 from granwave.lammps_inputs.packing.walls import walls
 
 RESULT_FILE, RECORD_FILE = "result.h5", "run.json"
@@ -246,10 +247,10 @@ def _rows(dents: Frame, chosen: NDArray[np.bool_]) -> Frame:
 
 def _losses_at_walls(case: Case, wall_contacts: Contacts) -> dict[str, NDArray[np.float64]]:
     """What the sphere of each wall contact takes of the loss there; a rigid wall takes nothing."""
-    materials: dict[str, Material | None] = {bar.name: bar.material for bar in case.assembly.bars}
+    materials: dict[str, Material | None] = {bar.name: bar.material for bar in assemble(case).bars}
     materials |= {wall.name: wall.material for wall in walls(case)}
     partners = [materials[wall] for wall in wall_contacts["wall"].tolist()]
-    own = [case.assembly.material_of(sphere) for sphere in wall_contacts["id"].tolist()]
+    own = [assemble(case).material_of(sphere) for sphere in wall_contacts["id"].tolist()]
     yielding = np.array([dissipated_share(*pair) for pair in zip(own, partners, strict=True)])
     rubbing = np.array([0.5 if partner else 1.0 for partner in partners])
     rubbed = wall_contacts["friction_energy"]
@@ -262,7 +263,7 @@ def _bar_contacts(case: Case, dents: Frame) -> dict[str, Contacts]:
     merged = merge_dents(dents)
     return {
         bar.name: {name: column[merged["j"] == bar.face] for name, column in merged.items()}
-        for bar in case.assembly.bars
+        for bar in assemble(case).bars
     }
 
 

@@ -21,9 +21,9 @@ from granwave.analysis.scans.keys import Key, key_of
 from granwave.analysis.scans.result import SEED, PointResult, ScanResult
 from granwave.analysis.scans.table import determines, independent_keys
 from granwave.analysis.statistics import estimate
-from granwave.lammps_inputs.case.case import load_case
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.load_case import load_case
 
 _UNITS_OF_ITS_OWN = ("load.", "run.", "boundary.", "output.", SEED, "packing.size", "packing.kind")
 _TIMES = ("run.", "output.")  # of no physical meaning beside a key that they vary with

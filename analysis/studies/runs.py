@@ -6,13 +6,16 @@ import dataclasses
 import json
 import math
 from collections.abc import Callable, Iterable, Mapping
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
 
 from granwave.analysis.result.writer import BALANCE_REFUSED
-from granwave.lammps_inputs.case.case import Case, load_case
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.deck import CASE_FILE
 from granwave.lammps_inputs.errors import GranwaveError
+from granwave.lammps_inputs.load_case import load_case
+from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 
 _NOT_OF_THE_CASE = ("name", "run", "output", "sensor")  # tables: how long and how finely it was followed
 
@@ -56,6 +59,11 @@ class FinishedRun:
             if suits(case):
                 runs.append(cls(label, directory, case, summary))
         return tuple(runs)
+
+    @cached_property
+    def assembly(self) -> Assembly:
+        """All bodies of the case."""
+        return assemble(self.case)
 
     def value(self, name: str) -> float:
         """A number of the summary; NaN where it does not apply."""

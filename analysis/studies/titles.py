@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from granwave.analysis.measures.target import period_of
-from granwave.lammps_inputs.packing.assembly import velocities_of
+from granwave.lammps_inputs.packing.assembly import assemble, velocities_of
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
@@ -31,7 +31,7 @@ def packing_words(case: Case, *, height: bool = True) -> str:
     """``FCC packing of 12 x 12 x 8 brass spheres of 10 mm``; of a single sphere ``Brass sphere of 10 mm``."""
     packing = case.packing
     own, diameter = case.material.name or "", f"of {1e3 * packing.diameter:.4g} mm"
-    if height and case.lattice.n_spheres == 1:
+    if height and assemble(case).lattice.n_spheres == 1:
         words = f"{own} sphere {diameter}".lstrip()
         return words[:1].upper() + words[1:]
     whole = height or packing.kind == "square"  # which lies across the height
@@ -55,7 +55,7 @@ def load_words(case: Case) -> str:
     """How fast the fastest sphere comes, ``5 m/s``; of a force or a prescribed motion that it acts on top."""
     if case.load.driven:
         return f"{case.load.kind} on top"
-    return f"{max((math.hypot(*velocity) for velocity in velocities_of(case).values()), default=0.0):g} m/s"
+    return f"{max((math.hypot(*velocity) for velocity in velocities_of(assemble(case)).values()), default=0.0):g} m/s"
 
 
 def bottom_words(case: Case) -> str:

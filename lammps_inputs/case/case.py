@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Collection, Iterable, Mapping
-from functools import cached_property
+from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -14,15 +13,9 @@ from granwave.lammps_inputs.case.bodies import Bar, Replace, Sensor, Striker, re
 from granwave.lammps_inputs.case.contact_pairs import RIGID, Pair, read_pairs
 from granwave.lammps_inputs.case.load import Load, read_load
 from granwave.lammps_inputs.case.material import Material, read_material, sphere_mass
-from granwave.lammps_inputs.case.overrides import apply_overrides, parse_overrides
 from granwave.lammps_inputs.case.schema import Faults, read_name, read_table, refuse_unknown, show
 from granwave.lammps_inputs.case.sections import Boundary, Contact, Output, PackingSection, Precompression, Probe, Run
 from granwave.lammps_inputs.case.supports import read_bottom
-from granwave.lammps_inputs.checks.checks import check_case, check_together, warn_about
-from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.lattices import Lattice
-from granwave.lammps_inputs.packing.assembly import Assembly, assemble
-from granwave.lammps_inputs.toml_files import read_toml
 
 _SECTIONS: dict[str, type] = {
     "packing": PackingSection,
@@ -38,16 +31,14 @@ _PRECOMPRESSION = "precompression"
 _WALLS = ("bottom", "sides")  # keys of [boundary] that take a material
 _REQUIRED = ("packing", "material")
 _KNOWN = ("name", "material", *_SECTIONS, _PRECOMPRESSION, "pair", *_LISTS, *_BARS)
-_RECORD = "resolved"  # written beside a deck for people and programs, ignored when read
+RECORD = "resolved"  # written beside a deck for people and programs, ignored when read
 _OF_CONTINUUM = ("block", "punch")
 _OF_SCAN = ("replicates", "ranks", "case", "set", "grid", "zip", "points")
-_HISTORY, _LEAST_HISTORY = 1000, 5  # instants; beads of a chain from which on they are recorded by themselves
-_HISTORY_VALUES, _LEAST_ROWS = 1e6, 250  # instants times particles, nodes of bars among them; fewest instants
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Case:
-    """One impact on one packing; see `load_case`."""
+    """One impact on one packing, as asked for; see `granwave.lammps_inputs.load_case`."""
 
     name: str
     packing: PackingSection
@@ -64,65 +55,6 @@ class Case:
     sensor: tuple[Sensor, ...] = ()
     bar: Bar | None = None
     incident_bar: Bar | None = None
-
-    @classmethod
-    def from_dict(
-        cls,
-        data: Mapping[str, Any],
-        source: str | Path = "case",
-        overridden: Iterable[str] = (),
-        directory: Path | None = None,
-    ) -> Case:
-        """Check the nested mapping of a case file and make a case of it.
-
-        Parameters
-        ----------
-        source
-            What the faults call the file; its stem is the name of a case that has none.
-        overridden
-            Dotted keys that came from the command line.
-        directory
-            Where a relative ``material.file`` starts from.
-
-        Raises
-        ------
-        InputError
-            With every fault there is.
-        """
-        faults = Faults(str(source), tuple(overridden))
-        _refuse_others(data, faults)
-        data = _with_implied(data)
-
-        def read(section: type, table: Any, name: str, faults: Faults) -> Any:
-            return _read_section(section, table, name, faults, directory)
-
-        parts = read_parts(data, source, faults, directory, sections=_SECTIONS, required=_REQUIRED, read=read)
-        if _PRECOMPRESSION in data:
-            parts[_PRECOMPRESSION] = read_table(Precompression, data[_PRECOMPRESSION], _PRECOMPRESSION, faults)
-        parts["pair"] = read_pairs(data.get("pair", ()), data.get("contact", {}), faults)
-        for name, section in _LISTS.items():
-            parts[name] = read_list(section, data.get(name, ()), name, faults, directory)
-        for name in _BARS:
-            parts[name] = read_body(Bar, data[name], name, faults, directory) if name in data else None
-        check_together(parts, faults)
-        if faults.lines:
-            raise InputError(faults.lines)
-        case = cls(**parts)
-        check_case(case, faults)
-        if faults.lines:
-            raise InputError(faults.lines)
-        warn_about(case, chose_yield_factor="yield_factor" in data.get("contact", {}))
-        return case
-
-    @cached_property
-    def lattice(self) -> Lattice:
-        """The lattice of the packing."""
-        return Lattice(self.packing.kind, self.packing.size, self.packing.diameter, self.boundary.sides == "periodic")
-
-    @cached_property
-    def assembly(self) -> Assembly:
-        """All its bodies: spheres, strikers and bars."""
-        return assemble(self)
 
     def contact_between(self, first: Material | None, second: Material | None) -> Contact:
         """``[contact]`` as it holds between bodies of two materials; None: a rigid wall."""
@@ -144,15 +76,6 @@ class Case:
     def has_past(self) -> bool:
         """Contacts may have dents from before the run."""
         return bool(self.contact.initial_overlap) or self.precompression is not None
-
-    @property
-    def history(self) -> int:
-        """Instants at which a chain's velocities and forces are recorded; 0: none."""
-        if self.output.history != "auto":
-            return self.output.history
-        if self.packing.kind != "chain" or self.packing.size[0] < _LEAST_HISTORY:
-            return 0
-        return int(min(_HISTORY, max(_LEAST_ROWS, _HISTORY_VALUES / self.assembly.n_particles)))
 
     @property
     def probes(self) -> tuple[Probe, ...]:
@@ -183,29 +106,39 @@ class Case:
 
     def to_toml(self, resolved: Mapping[str, Any] | None = None) -> str:
         """The case as a TOML file, followed by the table ``[resolved]`` if there is one."""
-        return tomli_w.dumps(self.to_dict() | ({_RECORD: _plain(resolved)} if resolved else {}))
+        return tomli_w.dumps(self.to_dict() | ({RECORD: _plain(resolved)} if resolved else {}))
 
 
-def load_case(path: str | Path, overrides: Iterable[str] | Mapping[str, Any] = ()) -> Case:
-    """Read a case file.
+def parse_case(data: Mapping[str, Any], source: str | Path, faults: Faults, directory: Path | None) -> dict[str, Any]:
+    """Read the nested mapping of a case file, table by table; what is wrong is added to ``faults``.
 
     Parameters
     ----------
-    overrides
-        ``KEY=VALUE`` strings (dotted keys, TOML values, bare words are strings), or a mapping of dotted keys
-        to values.
+    source
+        File that the case comes from; its stem is the name of a case that has none.
+    directory
+        Where relative paths in the case start from.
 
-    Raises
-    ------
-    InputError
-        The file or an override is wrong; every fault is named.
+    Returns
+    -------
+    dict
+        The fields of `Case`; None for a part that is wrong.
     """
-    changes = parse_overrides(overrides)
-    record = [key for key in changes if key.split(".")[0] == _RECORD]
-    if record:
-        raise InputError(f"--set: {key}: [{_RECORD}] is a record of a run, it cannot be set" for key in record)
-    data = apply_overrides(read_toml(path), changes)
-    return Case.from_dict(data, path, overridden=changes, directory=Path(path).parent)
+    _refuse_others(data, faults)
+    data = _with_implied(data)
+
+    def read(section: type, table: Any, name: str, faults: Faults) -> Any:
+        return _read_section(section, table, name, faults, directory)
+
+    parts = read_parts(data, source, faults, directory, sections=_SECTIONS, required=_REQUIRED, read=read)
+    if _PRECOMPRESSION in data:
+        parts[_PRECOMPRESSION] = read_table(Precompression, data[_PRECOMPRESSION], _PRECOMPRESSION, faults)
+    parts["pair"] = read_pairs(data.get("pair", ()), data.get("contact", {}), faults)
+    for name, section in _LISTS.items():
+        parts[name] = read_list(section, data.get(name, ()), name, faults, directory)
+    for name in _BARS:
+        parts[name] = read_body(Bar, data[name], name, faults, directory) if name in data else None
+    return parts
 
 
 def read_parts(
@@ -223,7 +156,7 @@ def read_parts(
     Parameters
     ----------
     source, directory
-        As of `Case.from_dict`.
+        As of `parse_case`.
     sections
         The dataclass of each table; one that is not in ``data`` has its defaults, unless it is required.
     required
@@ -320,7 +253,7 @@ def _refuse_others(data: Mapping[str, Any], faults: Faults) -> None:
     for name in _OF_SCAN:
         if name in data:
             faults.add(name, "belongs in a scan file: granwave scan runs it")
-    others = (*_OF_CONTINUUM, *_OF_SCAN, _RECORD)
+    others = (*_OF_CONTINUUM, *_OF_SCAN, RECORD)
     rest = {name: value for name, value in data.items() if name not in others}
     refuse_unknown(rest, _KNOWN, "", faults)
 

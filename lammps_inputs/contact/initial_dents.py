@@ -21,6 +21,7 @@ from granwave.lammps_inputs.case.sections import Dents
 from granwave.lammps_inputs.contact.law import law_between
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import TOUCHING
+from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.walls import wall_fixes, walls
 
 if TYPE_CHECKING:
@@ -85,7 +86,7 @@ class Meetings:
         return [f"{first} {second} {value:.17g}\n" for first, second, value in zip(*columns, strict=True)]
 
 
-def dents_table(case: Case) -> str:
+def dents_table(assembly: Assembly) -> str:
     """The dents before the run, as ``gran/dents read`` takes them: spheres i and j, or a wall's fix and a sphere.
 
     Raises
@@ -93,15 +94,16 @@ def dents_table(case: Case) -> str:
     InputError
         An earlier result cannot be read, or is that of another packing.
     """
+    case = assembly.case
     given = case.contact.initial_overlap
     rows: list[str] = ["# spheres i and j, or the fix of a wall and a sphere; largest overlap so far, m\n"]
     if isinstance(given, str):
-        known = _read_result(case, Path(given))
-        for meetings in contacts_at_start(case):
+        known = _read_result(assembly, Path(given))
+        for meetings in contacts_at_start(assembly):
             keys = zip(meetings.first.tolist(), meetings.second.tolist(), strict=True)
             rows += meetings.rows(np.array([known.get(key, 0.0) for key in keys]))
         return "".join(rows)
-    for meetings in contacts_at_start(case):
+    for meetings in contacts_at_start(assembly):
         peak = np.zeros(len(meetings.second))
         for region in _regions(case):
             peak = np.where(_inside(meetings, region), _size(meetings, region), peak)
@@ -109,19 +111,20 @@ def dents_table(case: Case) -> str:
     return "".join(rows)
 
 
-def fault_of_dents(case: Case) -> str:
+def fault_of_dents(assembly: Assembly) -> str:
     """Why dents given by value cannot be; empty if they can. A result.h5 is read only when the deck is written."""
+    case = assembly.case
     given = case.contact.initial_overlap
     if not given:
         return ""
-    kinds = [species.material for species in case.assembly.species if species.role == "sphere"]
+    kinds = [species.material for species in assembly.species if species.role == "sphere"]
     between = [(one, other) for n, one in enumerate(kinds) for other in kinds[n:]]
     yielding = [(case.contact_between(*pair), pair) for pair in between if case.contact_between(*pair).yields]
     if not yielding:
         return f'found dents with contact.law = "{case.contact.law}", which cannot yield; take another law, or no dents'
     if isinstance(given, str):
         return ""
-    smallest = float(case.assembly.sphere_diameters().min()) / 2
+    smallest = float(assembly.sphere_diameters().min()) / 2
     for contact, pair in yielding:
         law = law_between(contact, pair, (smallest, smallest))
         deepest = _deepest(case, law)
@@ -132,7 +135,7 @@ def fault_of_dents(case: Case) -> str:
                 "as far as the contact law holds"
             )
     boxes = [region for region in _regions(case) if region.low or region.high]
-    found = contacts_at_start(case) if boxes else []
+    found = contacts_at_start(assembly) if boxes else []
     for box in boxes:
         if not any(_inside(meetings, box).any() for meetings in found):
             bounds = {name: list(end) for name, end in (("low", box.low), ("high", box.high)) if end}
@@ -155,11 +158,11 @@ def largest_dent(case: Case, law: ContactLaw) -> float:
         return 0.0
 
 
-def contacts_at_start(case: Case) -> list[Meetings]:
+def contacts_at_start(assembly: Assembly) -> list[Meetings]:
     """Contacts between spheres, and with walls and faces of bars, whose gap at the start is small: by kind."""
-    assembly = case.assembly
+    case = assembly.case
     ids, positions, radii = assembly.ids, assembly.positions(), assembly.sphere_diameters() / 2
-    kind = _materials(case)
+    kind = _materials(assembly)
     materials = list(dict.fromkeys(species.material for species in assembly.species if species.role == "sphere"))
     reach = _INSIDE * min(case.boundary.forget_gap, _REACH) * case.packing.diameter
     found = []
@@ -169,17 +172,17 @@ def contacts_at_start(case: Case) -> list[Meetings]:
         if contact.yields and len(row):
             found.append(Meetings(law_between(contact, pair, (1.0, 1.0)), first, ids[row], *radius_and_place))
 
-    one, two, step = _near(case, positions, radii, reach)
+    one, two, step = _near(assembly, positions, radii, reach)
     place = positions[one] + step * (radii[one] / (radii[one] + radii[two]))[:, None]
     radius = radii[one] * radii[two] / (radii[one] + radii[two])
     for n, first in enumerate(materials):
         for m, second in enumerate(materials[n:], start=n):
             rows = (np.minimum(kind[one], kind[two]) == n) & (np.maximum(kind[one], kind[two]) == m)
             add((first, second), ids[one[rows]], two[rows], radius[rows], place[rows])
-    for wall in walls(case):
+    for wall in walls(assembly):
         inner = positions[:, wall.axis] * wall.outward + radii
-        near = np.flatnonzero((wall.coordinate * wall.outward - inner <= reach) & (ids <= case.lattice.n_spheres))
-        for name, _, material in [] if wall.held_layer else wall_fixes(case, wall):
+        near = np.flatnonzero((wall.coordinate * wall.outward - inner <= reach) & (ids <= assembly.lattice.n_spheres))
+        for name, _, material in [] if wall.held_layer else wall_fixes(assembly, wall):
             own = near[kind[near] == materials.index(material)]
             touching = positions[own].copy()
             touching[:, wall.axis] = wall.coordinate
@@ -221,12 +224,12 @@ def _size(meetings: Meetings, region: Dents) -> NDArray[np.float64]:
 
 
 def _near(
-    case: Case, positions: NDArray[np.float64], radii: NDArray[np.float64], reach: float
+    assembly: Assembly, positions: NDArray[np.float64], radii: NDArray[np.float64], reach: float
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
     """Pairs of rows (i < j) whose surfaces are at most ``reach`` apart, and the step from one centre to the other."""
     box, origin = None, positions.min(axis=0)
-    if case.lattice.periodic:
-        box = np.array([*case.lattice.lengths, 0.0])
+    if assembly.lattice.periodic:
+        box = np.array([*assembly.lattice.lengths, 0.0])
         box[2] = 2 * (np.ptp(positions[:, 2]) + 4 * radii.max())
         origin = np.array([0.0, 0.0, origin[2]])
         tree = KDTree(np.mod(positions - origin, box), boxsize=box)
@@ -241,19 +244,20 @@ def _near(
     return one[near], two[near], step[near]
 
 
-def _materials(case: Case) -> NDArray[np.int64]:
+def _materials(assembly: Assembly) -> NDArray[np.int64]:
     """Which of the spheres' materials each sphere has, in the order of their types: (n_spheres,)."""
-    assembly = case.assembly
+    case = assembly.case
     kinds = [species.material for species in assembly.species if species.role == "sphere"]
-    own, sites = np.zeros(case.lattice.n_spheres, dtype=np.int64), assembly.sites
+    own, sites = np.zeros(assembly.lattice.n_spheres, dtype=np.int64), assembly.sites
     if sites is not None:
         own = np.array([kinds.index(one) for one in sites.materials])[sites.kind[sites.present]]
     strikers = [kinds.index(striker.material or case.material) for striker, _ in assembly.strikers]
     return np.append(own, np.array(strikers, dtype=np.int64))
 
 
-def _read_result(case: Case, path: Path) -> dict[tuple[int | str, int], float]:
+def _read_result(assembly: Assembly, path: Path) -> dict[tuple[int | str, int], float]:
     """The dents that an earlier run left: by two ids, or the fix of a wall and an id, m."""
+    case = assembly.case
     source = f"{case.name}: {KEY}"
     path = path / _RESULT if path.is_dir() else path
     if not path.exists():
@@ -266,22 +270,23 @@ def _read_result(case: Case, path: Path) -> dict[tuple[int | str, int], float]:
             at, ids, peaks = on_walls[0].asstr()[()].tolist(), *(column[()].tolist() for column in on_walls[1:])
     except (OSError, KeyError) as error:
         raise InputError(f"{source}: {path}: is not the result.h5 of a run ({' '.join(str(error).split())})") from None
-    if fault := _other_packing(case, spheres):
+    if fault := _other_packing(assembly, spheres):
         raise InputError(f"{source}: {path}: is of another packing: {fault}")
     found: dict[tuple[int | str, int], float] = {(i, j): peak for i, j, peak in zip(*between, strict=True)}
-    faces = {bar.name: bar.face for bar in case.assembly.bars}
-    fixes = {(wall.name, material): name for wall in walls(case) if not wall.held_layer
-             for name, _, material in wall_fixes(case, wall)}  # fmt: skip
+    faces = {bar.name: bar.face for bar in assembly.bars}
+    fixes = {(wall.name, material): name for wall in walls(assembly) if not wall.held_layer
+             for name, _, material in wall_fixes(assembly, wall)}  # fmt: skip
     for wall, sphere, peak in zip(at, ids, peaks, strict=True):
-        what = faces.get(wall) or fixes.get((wall, case.assembly.material_of(sphere)))
+        what = faces.get(wall) or fixes.get((wall, assembly.material_of(sphere)))
         if what is not None:
             found[what, sphere] = max(peak, found.get((what, sphere), 0.0))
     return found
 
 
-def _other_packing(case: Case, spheres: dict[str, NDArray]) -> str:
+def _other_packing(assembly: Assembly, spheres: dict[str, NDArray]) -> str:
     """What is different in the packing of an earlier result; empty if nothing is."""
-    assembly, limit = case.assembly, TOUCHING * case.packing.diameter
+    case = assembly.case
+    limit = TOUCHING * case.packing.diameter
     if len(spheres["id"]) != assembly.n_spheres:
         return f"found {len(spheres['id'])} spheres, expected {assembly.n_spheres}"
     missing = np.setdiff1d(assembly.ids, spheres["id"])

@@ -9,7 +9,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from granwave.lammps_inputs.case.case import Case, load_case
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.initial_dents import dents_table
 from granwave.lammps_inputs.deck.contacts import DENTS_FILE
 from granwave.lammps_inputs.deck.data_file import write_data
@@ -17,7 +17,8 @@ from granwave.lammps_inputs.deck.motion import LOAD_FILE
 from granwave.lammps_inputs.deck.script import input_script
 from granwave.lammps_inputs.deck.static_stage import load_tables
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.packing.assembly import struck_of
+from granwave.lammps_inputs.load_case import load_case
+from granwave.lammps_inputs.packing.assembly import Assembly, assemble, struck_of
 from granwave.lammps_inputs.packing.walls import walls
 from granwave.lammps_inputs.planning.schedule import Schedule, make_schedule
 from granwave.lammps_inputs.toml_files import read_toml
@@ -65,7 +66,7 @@ class Deck:
         return self.directory / DUMPS
 
 
-def write_deck(case: Case, directory: str | Path, *, timestep: float | None = None) -> Deck:
+def write_deck(case: Case | Assembly, directory: str | Path, *, timestep: float | None = None) -> Deck:
     """Write the deck of a case: case.toml, data.granwave, in.granwave, tables that it needs, and an empty dumps/.
 
     The files are written elsewhere first and moved into place complete, the script last. Files of the same
@@ -81,9 +82,11 @@ def write_deck(case: Case, directory: str | Path, *, timestep: float | None = No
     InputError
         The directory cannot be written to, or the dents before the run cannot be had; see `dents_table`.
     """
+    assembly = assemble(case)
+    case = assembly.case
     directory = Path(directory)
-    deck = Deck(directory, case, make_schedule(case, timestep), struck_of(case))
-    tables = _tables(case)
+    deck = Deck(directory, case, make_schedule(assembly, timestep), struck_of(assembly))
+    tables = _tables(assembly)
     try:
         directory.mkdir(parents=True, exist_ok=True)
         scratch = Path(tempfile.mkdtemp(prefix=".deck-", dir=directory))
@@ -91,8 +94,8 @@ def write_deck(case: Case, directory: str | Path, *, timestep: float | None = No
         raise InputError(f"{directory}: cannot be written to: {error.strerror}; choose another with -o") from None
     try:
         (scratch / CASE_FILE).write_text(case.to_toml(resolved=resolved(deck)), encoding="utf-8")
-        write_data(case, scratch / DATA_FILE)
-        (scratch / SCRIPT_FILE).write_text(input_script(case, deck.schedule), encoding="utf-8")
+        write_data(assembly, scratch / DATA_FILE)
+        (scratch / SCRIPT_FILE).write_text(input_script(assembly, deck.schedule), encoding="utf-8")
         deck.dumps.mkdir(exist_ok=True)
         files = [CASE_FILE, DATA_FILE, SCRIPT_FILE]
         for name, text in tables.items():
@@ -105,11 +108,12 @@ def write_deck(case: Case, directory: str | Path, *, timestep: float | None = No
     return deck
 
 
-def _tables(case: Case) -> dict[str, str]:
+def _tables(assembly: Assembly) -> dict[str, str]:
     """Tables that the script reads, by file name: points of the load, dents, dead loads."""
-    tables = load_tables(case) if case.precompression else {}
+    case = assembly.case
+    tables = load_tables(assembly) if case.precompression else {}
     if case.contact.initial_overlap:
-        tables[DENTS_FILE] = dents_table(case)
+        tables[DENTS_FILE] = dents_table(assembly)
     if case.load.table:
         rows = "".join(f"{time!r} {value!r}\n" for time, value in case.load.table)
         tables[LOAD_FILE] = f"# time (s), {case.load.kind}, SI units\n{rows}"
@@ -138,7 +142,7 @@ def read_deck(directory: str | Path) -> Deck:
 
 def resolved(deck: Deck) -> dict[str, Any]:
     """What follows from the case: the table ``[resolved]`` of case.toml."""
-    case, assembly = deck.case, deck.case.assembly
+    case, assembly = deck.case, assemble(deck.case)
     return {
         "n_spheres": assembly.n_spheres,
         "n_contacts": assembly.n_contacts,

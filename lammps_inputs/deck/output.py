@@ -6,6 +6,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from granwave.lammps_inputs.deck.commands import command, joined
+from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.walls import Wall, moving_fix, wall_fixes, walls
 
 if TYPE_CHECKING:
@@ -84,10 +85,11 @@ _SUPPORT_COLUMNS = {"support": 12, "support_lost": 13, "target": 15}
 _FRAME_FORMAT = "%d %d" + " %.9g" + 3 * " %.10g" + 3 * " %.17g" + 8 * " %.9g"
 
 
-def ledger(case: Case, schedule: Schedule) -> list[str]:
+def ledger(assembly: Assembly, schedule: Schedule) -> list[str]:
     """The energy ledger: where the energy is, and how many contacts have yielded."""
-    planes = [name for wall in walls(case) if not wall.held_layer for name, _, _ in wall_fixes(case, wall)]
-    bars = [bar.name for bar in case.assembly.bars]
+    case = assembly.case
+    planes = [name for wall in walls(assembly) if not wall.held_layer for name, _, _ in wall_fixes(assembly, wall)]
+    bars = [bar.name for bar in assembly.bars]
     columns = LEDGER_COLUMNS | {name: f"v_energy_{name}" for name in bars}
     # contacts with the faces of bars are among those of the pair style
     stored, lost = ([f"f_{name}[{n}]" for name in planes] for n in (4, 5))
@@ -106,7 +108,7 @@ def ledger(case: Case, schedule: Schedule) -> list[str]:
         stored, lost = [*stored, *stretched], [*lost, *rubbed]
         elastic.append("v_elastic_tangential")
         dissipated.append("v_friction")
-    if support := moving_fix(case):
+    if support := moving_fix(assembly):
         columns |= {name: f"f_{support}[{n}]" for name, n in _SUPPORT_COLUMNS.items()}
         elastic.append(columns["support"])
         dissipated.append(columns["support_lost"])
@@ -118,7 +120,7 @@ def ledger(case: Case, schedule: Schedule) -> list[str]:
         "compute         kinetic all ke",
         "compute         contact all gran/hysteretic/energy",
         "variable        time equal step*dt",
-        *(line for bar in case.assembly.bars for line in _bar_energy(bar)),
+        *(line for bar in assembly.bars for line in _bar_energy(bar)),
         *lines,
         f"variable        elastic_wall equal {_sum(stored + at_bars[0])}",
         f"variable        dissipated_wall equal {_sum(lost + at_bars[1])}",
@@ -145,17 +147,17 @@ def _bar_energy(bar: PlacedBar) -> list[str]:
     ]
 
 
-def wall_forces(case: Case, schedule: Schedule) -> list[str]:
+def wall_forces(assembly: Assembly, schedule: Schedule) -> list[str]:
     """The force on every wall, positive if the spheres push it outwards."""
-    found, bars = walls(case), case.assembly.bars
+    found, bars = walls(assembly), assembly.bars
     if not found and not bars:
         return []
     columns = {wall.name: f"v_{wall.name}" for wall in found} | {bar.name: f"c_on_{bar.name}[2]" for bar in bars}
-    if support := moving_fix(case):
+    if support := moving_fix(assembly):
         columns |= {f"bottom_{name}": f"f_{support}[{n}]" for name, n in MOVING_WALL_COLUMNS.items()}
     return [
         "# Force of the spheres on each wall and bar, N, positive outwards.",
-        *(f"variable        {wall.name} equal {_outward_force(case, wall)}" for wall in found),
+        *(f"variable        {wall.name} equal {_outward_force(assembly, wall)}" for wall in found),
         *_series("walls", schedule.wall_every, "dumps/walls.txt", "wall forces, N", {"time": "v_time"} | columns),
     ]
 
@@ -246,8 +248,9 @@ def thermo(case: Case, schedule: Schedule) -> list[str]:
     ]
 
 
-def dumps_at_end(case: Case) -> list[str]:
+def dumps_at_end(assembly: Assembly) -> list[str]:
     """The last snapshot if it is still missing, every contact, and what each wall went through."""
+    case = assembly.case
     contacts = {
         name: f"c_contacts[{n}]"
         for name, n in _columns(case, CONTACT_COLUMNS, RUBBING_CONTACT_COLUMNS, DENTED_CONTACT_COLUMNS).items()
@@ -267,10 +270,10 @@ def dumps_at_end(case: Case) -> list[str]:
             *_names(contacts),
         ),
     ]
-    for wall in walls(case):
+    for wall in walls(assembly):
         if wall.held_layer:
             continue
-        for fix, _, _ in wall_fixes(case, wall):
+        for fix, _, _ in wall_fixes(assembly, wall):
             columns = {name: f"f_{fix}[{n}]" for name, n in on_walls.items()}
             lines += command(
                 f"write_dump      all custom dumps/wall_{fix}.dump id",
@@ -304,8 +307,8 @@ def _names(columns: dict[str, str]) -> list[str]:
     return [f"colname {source} {name}" for name, source in columns.items() if name != source]
 
 
-def _outward_force(case: Case, wall: Wall) -> str:
-    sources = ["held"] if wall.held_layer else [name for name, _, _ in wall_fixes(case, wall)]
+def _outward_force(assembly: Assembly, wall: Wall) -> str:
+    sources = ["held"] if wall.held_layer else [name for name, _, _ in wall_fixes(assembly, wall)]
     sign = "-" if wall.outward < 0 else "+"
     return "".join(f"{sign}f_{source}[{wall.axis + 1}]" for source in sources).removeprefix("+")
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.planning.schedule import Schedule, make_schedule
 from granwave.lammps_inputs.planning.timestep import expected_peak_overlap
 from granwave.lammps_inputs.planning.wall_time import WallTime, expected_wall_time
@@ -62,7 +63,7 @@ class Plan:
         return self.times.total
 
 
-def plan(case: Case, *, n_ranks: int = 1, figures: bool = True) -> Plan:
+def plan(case: Case | Assembly, *, n_ranks: int = 1, figures: bool = True) -> Plan:
     """What the run of a case would be.
 
     Parameters
@@ -70,8 +71,10 @@ def plan(case: Case, *, n_ranks: int = 1, figures: bool = True) -> Plan:
     figures
         They are drawn too.
     """
-    schedule, law, assembly = make_schedule(case), sphere_contact(case), case.assembly
-    overlap = expected_peak_overlap(case)
+    assembly = assemble(case)
+    case = assembly.case
+    schedule, law = make_schedule(assembly), sphere_contact(case)
+    overlap = expected_peak_overlap(assembly)
     rows = schedule.n_steps / schedule.ledger_every + schedule.n_steps / schedule.probe_every
     if schedule.history_every:
         rows += _ROWS_PER_PARTICLE * assembly.n_particles * schedule.n_steps / schedule.history_every
@@ -89,7 +92,7 @@ def plan(case: Case, *, n_ranks: int = 1, figures: bool = True) -> Plan:
         peak_overlap=overlap,
         peak_overlap_yield=overlap / law.yield_overlap if case.contact.yields else None,
         peak_overlap_radius=overlap / law.effective_radius,
-        times=expected_wall_time(case, schedule, n_ranks=n_ranks, figures=figures),
+        times=expected_wall_time(assembly, schedule, n_ranks=n_ranks, figures=figures),
     )
 
 

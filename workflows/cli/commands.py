@@ -13,6 +13,7 @@ from granwave.lammps_inputs.case.overrides import apply_overrides, parse_overrid
 from granwave.lammps_inputs.contact.law import contact_of, rigid_wall_contact_of
 from granwave.lammps_inputs.deck.deck import write_deck
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.plan import check_memory, plan
 from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows import library
@@ -103,7 +104,7 @@ def write(options: argparse.Namespace, _: Words) -> int:
         clear(options.directory)
         deck = write_deck(case, options.directory)
     print(
-        f"{deck.directory}: {deck.case.assembly.n_spheres} spheres, "
+        f"{deck.directory}: {assemble(deck.case).n_spheres} spheres, "
         f"{deck.schedule.n_steps} steps of {deck.schedule.timestep:.3g} s"
     )
     print(f"run it by hand:  cd {deck.directory} && lmp -in {deck.script.name}")

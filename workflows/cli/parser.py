@@ -14,8 +14,8 @@ from pathlib import Path
 from granwave import __version__
 from granwave.lammps_inputs.errors import GranwaveError, InputError
 from granwave.workflows.cli import commands
-from granwave.workflows.cli.messages import each_warning_once
 from granwave.workflows.run import mpi
+from granwave.workflows.run.messages import each_warning_once
 
 DONE, FAILED, WRONG_INPUT, STOPPED = 0, 1, 2, 130
 

@@ -10,10 +10,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from granwave.analysis.formatting.numbers import duration
 from granwave.analysis.scans.result import ScanResult
 from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.planning.plan import Plan
-from granwave.workflows.cli.tables import duration, lines, static_words
+from granwave.workflows.cli.tables import lines, static_words
 from granwave.workflows.scanning import driver, layout
 from granwave.workflows.scanning.batches import expected_scan_time, expected_time
 from granwave.workflows.scanning.calibrate import slowness_of

@@ -57,7 +57,7 @@ class ElementCase(abc.ABC):
         overridden: Iterable[str] = (),
         directory: Path | None = None,
     ) -> Self:
-        """Check the nested mapping of a case file and make a case of it; parameters as of `Case.from_dict`.
+        """Check the nested mapping of a case file and make a case of it; parameters as of `case_from_dict`.
 
         Raises
         ------

@@ -9,9 +9,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from granwave.lammps_inputs import directories
-from granwave.lammps_inputs.case.case import Case, load_case
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.deck import CASE_FILE, DATA_FILE, DUMPS, SCRIPT_FILE
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.load_case import load_case
 from granwave.lammps_inputs.planning.plan import check_memory, plan
 from granwave.workflows.run import checkpoint, record
 from granwave.workflows.run.mpi import on_first

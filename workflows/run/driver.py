@@ -20,6 +20,7 @@ from granwave.lammps_inputs.contact.initial_dents import dents_table
 from granwave.lammps_inputs.deck.deck import Deck, read_deck, write_deck
 from granwave.lammps_inputs.deck.script import part
 from granwave.lammps_inputs.errors import RunError
+from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.schedule import BLOCK_THRESHOLD
 from granwave.workflows.run import checkpoint, record
 from granwave.workflows.run.balance import TOLERANCE, Balance
@@ -99,7 +100,9 @@ def run_case(
     with held(directory, comm):
         what = on_first(comm, lambda: decide(case, directory, resume=resume, force=force, n_ranks=comm.size))
         if what == START:
-            on_first(comm, lambda: dents_table(case) if case.contact.initial_overlap else "")  # or nothing is removed
+            on_first(
+                comm, lambda: dents_table(assemble(case)) if case.contact.initial_overlap else ""
+            )  # or nothing is removed
             on_first(comm, lambda: clear(directory))
         if what == FINISHED:
             return Outcome(directory, record.FINISHED, on_first(comm, lambda: _summary(directory)))
@@ -227,7 +230,7 @@ class _Run:
 
     def _check_coordination(self, engine: Engine) -> None:
         """LAMMPS sees every contact of the lattice, none lost to rounding of positions."""
-        packing, assembly, sites = self.case.packing, self.case.assembly, self.case.assembly.sites
+        packing, assembly, sites = self.case.packing, assemble(self.case), assemble(self.case).sites
         if assembly.strikers or assembly.bars or (sites is not None and sites.stacked is not None):
             return  # one cutoff does not tell contacts of unlike bodies
         # The sites are one diameter apart, whatever the diameters of the spheres there.

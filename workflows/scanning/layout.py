@@ -10,6 +10,7 @@ from granwave.analysis.scans.result import POINT_FILE, POINTS, SCAN_FILE, SCAN_I
 from granwave.analysis.summary import SUMMARY_FILE
 from granwave.lammps_inputs.files import replace_text
 
+DRIVER = "GRANWAVE_SCAN_DRIVER"  # variable: process of the driver, on this machine, without which a job ends
 WORK = ".scan"  # of the engine: batches, marks of finished batches, logs
 BATCHES, DONE, LOGS = f"{WORK}/batches", f"{WORK}/done", f"{WORK}/logs"
 STOP = f"{WORK}/stop"  # its presence asks all workers to stop; its text says why

@@ -25,7 +25,7 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.disorder import is_random
 from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows import library
-from granwave.workflows.cli.messages import each_warning_once
+from granwave.workflows.run.messages import each_warning_once
 from granwave.workflows.run.versions import versions
 from granwave.workflows.scanning.header import Header
 from granwave.workflows.scanning.labels import labels_of

@@ -12,10 +12,10 @@ from typing import Any
 from granwave.analysis.document.cells import label_of, named, percent, unit_of_value, value_cell
 from granwave.analysis.document.model import Cell, Column, Group, Note, Section, Table
 from granwave.analysis.reports.inputs import Inputs, Run
-from granwave.lammps_inputs.case.case import load_case
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.deck.deck import CASE_FILE
 from granwave.lammps_inputs.errors import GranwaveError
+from granwave.lammps_inputs.load_case import load_case
 
 SLUG = "sources"
 _FILE = Path(__file__).with_name("source_values.toml")

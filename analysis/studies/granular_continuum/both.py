@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 from granwave.analysis.figures.style import BLUE, ORANGE, SKY, Drawing, new_figure
 from granwave.analysis.measures.dissipation import cumulated
 from granwave.analysis.result.reader import Result
+from granwave.analysis.result.writer import RESULT_FILE
 from granwave.analysis.studies.granular_continuum.continuum import masses
 from granwave.analysis.studies.granular_continuum.granular import variants
 from granwave.analysis.studies.granular_continuum.impacts import Continuum, Granular, Impacts, constants, energy_unit
 from granwave.analysis.studies.granular_continuum.scaling import FRACTION, MARKERS
 from granwave.lammps_inputs.errors import GranwaveError
-from granwave.workflows.finite_elements.punch.output import RESULT_FILE
 
 SHARE = 0.9  # of the dissipation: the material that did so much of it is called involved
 _SHOWN_SHARE = 0.95  # of the dissipation: how far curves of cumulated dissipation go
