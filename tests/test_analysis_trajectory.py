@@ -50,7 +50,7 @@ def test_selections_work_in_metres(run):
     u = universe(run)
     layer = u.select_atoms("prop z < 0.004")
     assert layer.n_atoms == 36
-    assert u.select_atoms("around 0.0101 id 15").n_atoms == len(synthetic.make_case().lattice.neighbours(15))
+    assert u.select_atoms("around 0.0101 id 15").n_atoms == len(assemble(synthetic.make_case()).lattice.neighbours(15))
 
 
 def test_universe_can_be_copied_and_pickled(run):

@@ -16,6 +16,7 @@ from granwave.analysis.studies.chains.split_hopkinson import split_hopkinson
 from granwave.lammps_inputs.case.load import Load
 from granwave.lammps_inputs.deck.deck import write_deck
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.workflows import load_case, run_case
 from tests.chain_twin import Bar, Bead, Chain, rectangle
 
@@ -183,6 +184,6 @@ def test_a_bar_that_is_too_short_is_told(caplog):
 
 
 def test_echo_of_a_bar_behind_another():
-    times = load_case("split-hopkinson").assembly.echoes()
+    times = assemble(load_case("split-hopkinson")).echoes()
     crossing = 2.0 / (200e9 / 8100) ** 0.5
     assert times == pytest.approx({"incident_bar": 3 * crossing, "bar": 3 * crossing})

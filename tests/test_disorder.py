@@ -56,7 +56,7 @@ def diameters(case: Case) -> np.ndarray:
 
 
 def around(sphere: int, case: Case | None = None) -> list[int]:
-    return (case or case_of()).lattice.neighbours(sphere)
+    return assemble(case or case_of()).lattice.neighbours(sphere)
 
 
 def all_gaps(packing: Packing) -> np.ndarray:
@@ -104,7 +104,7 @@ class TestDiameters:
         np.testing.assert_array_equal(packing.positions, build_packing(case_of(kind)).positions)
         gaps = all_gaps(packing)
         assert gaps.min() >= 0
-        pairs = case_of(kind, boundary={"sides": sides}).assembly.contacts() - 1
+        pairs = assemble(case_of(kind, boundary={"sides": sides})).contacts() - 1
         found = diameters(case)
         expected = D - (found[pairs[:, 0]] + found[pairs[:, 1]]) / 2
         assert gaps[pairs[:, 0], pairs[:, 1]] == pytest.approx(expected, abs=1e-12 * D)
@@ -131,9 +131,9 @@ class TestDiameters:
         replaced = [{"index": {"first": 2, "last": 12}, "diameter": 0.006}, {"index": 5, "diameter": 0.02}]
         stacked = case_of("chain", replace=replaced)
         case = case_of("chain", replace=replaced, packing={"diameter_scatter": 1e-4})
-        np.testing.assert_array_equal(assemble(case).positions(), stacked.assembly.positions())
-        assert assemble(case).bottom() == stacked.assembly.bottom() == pytest.approx(0.005 + 0.02 + 10 * 0.006)
-        assert stacked.assembly.n_contacts == 11 and assemble(case).n_contacts == 0
+        np.testing.assert_array_equal(assemble(case).positions(), assemble(stacked).positions())
+        assert assemble(case).bottom() == assemble(stacked).bottom() == pytest.approx(0.005 + 0.02 + 10 * 0.006)
+        assert assemble(stacked).n_contacts == 11 and assemble(case).n_contacts == 0
         assert all_gaps(build_packing(case)).min() >= 0 and abs(all_gaps(build_packing(stacked)).min()) < 1e-16
 
     def test_walls_stand_where_nominal_spheres_touch_them(self) -> None:
@@ -179,12 +179,12 @@ class TestSeed:
         assert sorted(assemble(case).materials) == [40, 106, 113, 129, 258, 275, 281]
 
     def test_no_change_of_one_changes_another(self) -> None:
-        full = case_of(**self.TABLES).assembly.sites
+        full = assemble(case_of(**self.TABLES)).sites
         assert full is not None
         packing, (steel, small) = self.TABLES["packing"], self.TABLES["replace"]
         for left_out in ("diameter_scatter", "vacancies"):
             fewer = case_of(packing={k: v for k, v in packing.items() if k != left_out}, replace=[steel, small])
-            sites = fewer.assembly.sites
+            sites = assemble(fewer).sites
             assert sites is not None
             if left_out == "diameter_scatter":
                 np.testing.assert_array_equal(sites.present, full.present)
@@ -193,14 +193,14 @@ class TestSeed:
             else:
                 losses = [(one.nominal - one.diameter)[full.present] for one in (sites, full)]
                 np.testing.assert_allclose(*losses, rtol=0, atol=2e-17)
-        one = case_of(packing=packing, replace=[steel]).assembly.sites
+        one = assemble(case_of(packing=packing, replace=[steel])).sites
         assert one is not None
         np.testing.assert_array_equal(one.kind == 1, (full.kind == 1) | (one.kind == 1) & (full.nominal < D))
 
     def test_the_three_streams_are_not_one(self) -> None:
         packing = {"diameter_scatter": D / 4, "vacancies": 0.3}
         replaced = [{"share": 0.3, "material": "steel"}, {"share": 0.3, "diameter": 0.009}]
-        sites = case_of(size=(30, 30, 10), packing=packing, replace=replaced).assembly.sites
+        sites = assemble(case_of(size=(30, 30, 10), packing=packing, replace=replaced)).sites
         assert sites is not None
         loss = sites.nominal - sites.diameter
         steel, small = sites.kind == 1, sites.nominal < D
@@ -213,7 +213,7 @@ class TestSeed:
     def test_a_wider_band_stretches_and_a_larger_share_contains_a_smaller_one(self) -> None:
         narrow, wide = (D - diameters(case_of(packing={"diameter_scatter": s})) for s in (1e-6, 1e-4))
         np.testing.assert_allclose(wide, 100 * narrow, rtol=0, atol=1e-15)
-        few, many = (set(case_of(packing={"vacancies": share}).assembly.ids.tolist()) for share in (0.05, 0.2))
+        few, many = (set(assemble(case_of(packing={"vacancies": share})).ids.tolist()) for share in (0.05, 0.2))
         assert many < few
 
     def test_what_is_random(self) -> None:
@@ -293,7 +293,10 @@ class TestReplaced:
     def test_smaller_ones_leave_gaps(self) -> None:
         case = case_of(replace=[{"index": INNER, "diameter": 0.009}])
         packing = build_packing(case)
-        assert packing.coordination[INNER - 1] == 0 and assemble(case).n_contacts == case_of().lattice.n_contacts - 12
+        assert (
+            packing.coordination[INNER - 1] == 0
+            and assemble(case).n_contacts == assemble(case_of()).lattice.n_contacts - 12
+        )
         assert np.sort(all_gaps(packing)[INNER - 1])[:12] == pytest.approx(0.0005, rel=1e-9)
 
     def test_larger_ones_next_to_vacancies_can_touch_beyond_neighbours(self) -> None:
@@ -313,7 +316,7 @@ class TestReplaced:
         fits = case_of("sc", packing={"vacancies": near}, boundary=periodic, replace=ball)
         assert len(near) == 6 and all_gaps(build_packing(fits)).min() > -1e-15
         inside = around(61, case_of("sc"))
-        assert case_of("sc", packing={"vacancies": inside}, replace=ball, boundary={"bottom": "free"}).assembly
+        assert assemble(case_of("sc", packing={"vacancies": inside}, replace=ball, boundary={"bottom": "free"}))
         with pytest.raises(InputError, match=r"sphere 61 of 0.018 m overlaps sphere \d+ by 0.004 m \(and 1 more"):
             case_of("sc", packing={"vacancies": inside}, boundary=periodic, replace=ball)
 
@@ -438,5 +441,5 @@ def test_a_tolerance_delays_and_lowers_what_arrives(lmp, tmp_path: Path) -> None
 
 def test_listed_seeds_without_chance_are_no_fault(caplog: pytest.LogCaptureFixture) -> None:
     with caplog.at_level(logging.WARNING, logger="granwave"):
-        assert case_of(packing={"seed": 7}).assembly.plain
+        assert assemble(case_of(packing={"seed": 7})).plain
     assert not caplog.records

@@ -48,9 +48,9 @@ def split_hopkinson(runs: Sequence[ChainRun]) -> Iterator[Study]:
         yield Study(
             "split-hopkinson",
             "Split-Hopkinson bar",
-            f"{run.assembly.lattice.n_spheres} beads between two bars; what comes down the first one is given as a force "
-            "on its free end. Incident energy is the work of that force; reflected and transmitted energy are what the "
-            "bars hold at the end of the run, before an echo of their ends has reached the chain again.",
+            f"{run.assembly.lattice.n_spheres} beads between two bars; what comes down the first one is given as a "
+            "force on its free end. Incident energy is the work of that force; reflected and transmitted energy are what "
+            "the bars hold at the end of the run, before an echo of their ends has reached the chain again.",
             rows,
             tuple(pictures),
         )
