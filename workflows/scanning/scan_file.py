@@ -75,6 +75,8 @@ class Scan:
         Dotted keys, in the order of the file.
     text
         The file; what was set from outside stands above it as comments.
+    study
+        Names of the studies that its report makes of it.
     """
 
     name: str
@@ -83,6 +85,7 @@ class Scan:
     points: tuple[Point, ...]
     figures: bool
     text: str
+    study: tuple[str, ...] = ()
 
     @property
     def distinct(self) -> dict[str, Point]:
@@ -95,7 +98,13 @@ class Scan:
             {"number": point.number, "id": point.id, "labels": point.labels, "ranks": point.ranks}
             for point in self.points
         ]
-        return {"name": self.name, "case": self.case_name, "varied": list(self.varied), "points": points}
+        return {
+            "name": self.name,
+            "case": self.case_name,
+            "varied": list(self.varied),
+            "study": list(self.study),
+            "points": points,
+        }
 
 
 def find_scan(scan: str | Path) -> Path:
@@ -291,6 +300,7 @@ def _build(
         varied=varied,
         points=tuple(_labelled(points, varied)),
         figures=header.figures,
+        study=header.study,
         text="".join(f"# --set {key}={show(value)}\n" for key, value in changes.items()) + text,
     )
 

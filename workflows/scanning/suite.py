@@ -3,6 +3,7 @@
 name = "granular-continuum"
 scans = ["granular-velocity", "continuum-mass"]     # built-in scans, or scan files
 cases = ["half-space"]                              # single runs, each as a scan of one point
+study = ["elastic-long-load"]                       # studies that the report makes of all runs, beside those of the scans
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import replace_text
 from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows.scanning.driver import ScanOutcome, decide, run_scan
+from granwave.workflows.scanning.header import parse_studies
 from granwave.workflows.scanning.scan_file import Scan, find_scan, load_scan, scan_of_case
 
 REPORT = "report.html"
@@ -38,6 +40,7 @@ class _File:
     name: str = custom("name of the suite", plain_name, default="")
     scans: tuple[str, ...] = custom("built-in scans, or scan files as seen from this file", _parse_scans)
     cases: tuple[str, ...] = custom("built-in studies, or case files as seen from this file", _parse_scans, default=())
+    study: tuple[str, ...] = custom("study, or list of studies, of all its runs", parse_studies, default=())
 
 
 @dataclasses.dataclass(frozen=True)
@@ -47,6 +50,7 @@ class Suite:
     name: str
     scans: tuple[Scan, ...]
     text: str
+    study: tuple[str, ...] = ()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -107,7 +111,7 @@ def load_suite(file: str | Path, *, here: bool = True) -> Suite:
         faults.add(_SCANS, f"found two scans of the name {twice}, expected different names: each has its directory")
     if faults.lines:
         raise InputError(faults.lines)
-    return Suite(header.name or path.stem, tuple(scans), path.read_text(encoding="utf-8"))
+    return Suite(header.name or path.stem, tuple(scans), path.read_text(encoding="utf-8"), header.study)
 
 
 def _beside(path: Path, scan: str) -> str:
@@ -147,7 +151,7 @@ def run_suite(
         decide(scan, directory / scan.name, resume=resume, force=force)
     directory.mkdir(parents=True, exist_ok=True)
     (directory / SCAN_FILE).write_text(suite.text, encoding="utf-8")
-    index = {"name": suite.name, "scans": [scan.name for scan in suite.scans]}
+    index = {"name": suite.name, "scans": [scan.name for scan in suite.scans], "study": list(suite.study)}
     replace_text(directory / SUITE_INDEX, json.dumps(index, indent=1) + "\n")
     outcomes: list[ScanOutcome] = []
     for scan in suite.scans:
