@@ -18,19 +18,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
-from granwave.lammps_inputs.deck import output
+from granwave.lammps_inputs.deck import columns
 
 # What the readers cannot do without; runs have more or fewer of the others, see `Frame.get`.
-SPHERE_COLUMNS = (
-    "id", "type", "radius", "x", "y", "z", "ux", "uy", "uz", "vx", "vy", "vz",
-    "force", "peak_force", "peak_overlap", "dissipated",
-)  # fmt: skip
-CONTACT_COLUMNS = (
-    "i", "j", "overlap", "force", "peak_overlap", "peak_force", "elastic", "dissipated",
-    "time_first", "time_peak", "time_yield", "live",
-)  # fmt: skip
-WALL_COLUMNS = ("overlap", "force", "peak_overlap", "peak_force", "dissipated", "time_first", "time_peak", "time_yield")
-HISTORY_COLUMNS = tuple(output.HISTORY_COLUMNS)
+SPHERE_COLUMNS = tuple(
+    name for name in columns.names(columns.SNAPSHOT) if name != "elastic"
+)  # of runs before it came in
+CONTACT_COLUMNS = columns.names(columns.CONTACTS)
+WALL_COLUMNS = columns.names(columns.WALL_CONTACTS)
+HISTORY_COLUMNS = columns.names(columns.HISTORY)
 DATA_COLUMNS = ("id", "type", "diameter", "density", "x", "y", "z")
 
 log = logging.getLogger(__name__)

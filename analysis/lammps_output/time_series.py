@@ -13,14 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
+from granwave.lammps_inputs.deck import columns
 
-#: Columns of the energy ledger: times in s, energies in J, forces in N, velocities in m/s.
-ENERGY_COLUMNS = (
-    "step", "time", "kinetic", "elastic", "dissipated", "elastic_wall", "dissipated_wall", "input",
-    "contacts_yielded", "beyond_law", "beyond_half", "largest_force", "struck_velocity",
-)  # fmt: skip
+#: Columns of the energy ledger.
+ENERGY_COLUMNS = ("step", *columns.names(columns.LEDGER))
 #: Columns that the ledger of a run without friction may lack; they are 0 then.
-FRICTION_COLUMNS = ("rotational", "elastic_tangential", "friction")
+FRICTION_COLUMNS = columns.names((*columns.ROTATION, *columns.TANGENTIAL))
 
 Table = dict[str, NDArray[np.float64]]
 

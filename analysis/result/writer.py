@@ -45,6 +45,16 @@ from granwave.analysis.result.pair_laws import PairLaws, dissipated_share, pair_
 from granwave.analysis.result.trajectory import COMPRESSION, write_metadata, write_trajectory
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material
+from granwave.lammps_inputs.deck.columns import (
+    CONTACTS,
+    LEDGER,
+    MOVING_WALL,
+    ROTATION,
+    SUPPORT,
+    TANGENTIAL,
+    WALL_CONTACTS,
+    names,
+)  # fmt: skip
 from granwave.lammps_inputs.files import replacing
 from granwave.lammps_inputs.load_case import load_case
 from granwave.lammps_inputs.packing.assembly import assemble, gap_tolerance
@@ -54,18 +64,11 @@ RESULT_FILE, RECORD_FILE = "result.h5", "run.json"
 BALANCE_REFUSED = "energy balance refused"  # end_reason of a run whose energies do not add up
 _COMPRESSED_FROM = 4096  # values; smaller data sets are kept plain
 
+# units of columns that LAMMPS writes, and of those made of them
 _UNITS = {
-    "time": "s",
-    "time_first": "s",
-    "time_peak": "s",
-    "time_yield": "s",
-    "force": "N",
-    "peak_force": "N",
-    "tangential_force": "N",
-    "ground_force": "N",
-    "largest_force": "N",
-    "overlap": "m",
-    "peak_overlap": "m",
+    column.name: column.unit
+    for column in (*LEDGER, *SUPPORT, *ROTATION, *TANGENTIAL, *MOVING_WALL, *WALL_CONTACTS, *CONTACTS)
+} | {
     "initial_overlap": "m",
     "position": "m",
     "radius": "m",
@@ -74,29 +77,14 @@ _UNITS = {
     "dissipated_energy": "J",
     "dissipated_energy_wall": "J",
     "friction_energy": "J",
-    "kinetic": "J",
-    "elastic": "J",
-    "dissipated": "J",
-    "elastic_wall": "J",
-    "dissipated_wall": "J",
-    "input": "J",
-    "rotational": "J",
-    "elastic_tangential": "J",
-    "friction": "J",
-    "support": "J",
-    "support_lost": "J",
-    "target": "J",
     "stored": "J",
-    "struck_velocity": "m s-1",
     "bar": "J",
     "incident_bar": "J",
     "yield_overlap": "m",
     "effective_radius": "m",
-    "displacement": "m",
-    "velocity": "m s-1",
 }
 _PROBE_UNITS = {"u": "m", "v": "m s-1", "f": "N"}
-_OF_MOVING_WALLS = ("displacement", "velocity", "ground_force")  # columns of walls.txt, after the wall's name
+_OF_MOVING_WALLS = names(MOVING_WALL)  # columns of walls.txt, after the wall's name
 _OF_WALL_CONTACTS = (
     "overlap", "force", "peak_overlap", "peak_force", "time_first", "time_peak", "time_yield",
     "dissipated_energy", "friction_energy", "tangential_force", "initial_overlap",

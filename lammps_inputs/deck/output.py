@@ -5,6 +5,22 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from granwave.lammps_inputs.deck.columns import (
+    CONTACTS,
+    DENTS,
+    FORCES,
+    FRICTION,
+    HISTORY,
+    LEDGER,
+    MOVING_WALL,
+    ROTATION,
+    SNAPSHOT,
+    SUPPORT,
+    TANGENTIAL,
+    WALL_CONTACTS,
+    names,
+    sources,
+)  # fmt: skip
 from granwave.lammps_inputs.deck.commands import command, joined
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.walls import Wall, moving_fix, wall_fixes, walls
@@ -17,71 +33,6 @@ if TYPE_CHECKING:
 POTENTIAL = "c_potential"  # energy of the dead loads of a precompression, from the data file's positions on
 STATIC = "v_static"  # that, and the elastic energy, when the run begins
 
-LEDGER_COLUMNS = {
-    "time": "v_time",
-    "kinetic": "c_kinetic",
-    "elastic": "v_elastic",
-    "dissipated": "v_dissipated",
-    "elastic_wall": "v_elastic_wall",
-    "dissipated_wall": "v_dissipated_wall",
-    "input": "v_input",
-    "contacts_yielded": "c_contact[2]",
-    "beyond_law": "c_contact[3]",
-    "beyond_half": "c_contact[4]",
-    "largest_force": "c_contact[5]",
-    "struck_velocity": "v_struck_velocity",
-}
-FRAME_COLUMNS = {
-    "id": "id",
-    "type": "type",
-    "radius": "radius",
-    "x": "x",
-    "y": "y",
-    "z": "z",
-    "ux": "c_displacement[1]",
-    "uy": "c_displacement[2]",
-    "uz": "c_displacement[3]",
-    "vx": "vx",
-    "vy": "vy",
-    "vz": "vz",
-    "force": "c_sphere[1]",
-    "peak_force": "c_sphere[2]",
-    "peak_overlap": "c_sphere[3]",
-    "dissipated": "c_sphere[4]",
-    "elastic": "c_sphere[10]",
-}
-RUBBING_FRAME_COLUMNS = {"elastic_tangential": "c_sphere[11]", "friction": "c_sphere[12]"}
-HISTORY_COLUMNS = {"id": "id", "uz": "c_displacement[3]", "vz": "vz"}
-CONTACT_COLUMNS = (
-    "i",
-    "j",
-    "overlap",
-    "force",
-    "peak_overlap",
-    "peak_force",
-    "elastic",
-    "dissipated",
-    "time_first",
-    "time_peak",
-    "time_yield",
-    "live",
-)  # of compute gran/hysteretic/local, from 1 on
-RUBBING_CONTACT_COLUMNS = {"tangential_force": 13, "elastic_tangential": 14, "friction": 15}
-DENTED_CONTACT_COLUMNS = {"initial": 16}
-WALL_COLUMNS = (
-    "overlap",
-    "force",
-    "peak_overlap",
-    "peak_force",
-    "dissipated",
-    "time_first",
-    "time_peak",
-    "time_yield",
-)  # of fix wall/gran/hysteretic, from 1 on
-RUBBING_WALL_COLUMNS = {"tangential_force": 9, "friction": 10}
-DENTED_WALL_COLUMNS = {"initial": 11}
-MOVING_WALL_COLUMNS = {"displacement": 10, "velocity": 11, "ground_force": 14}  # of its vector
-_SUPPORT_COLUMNS = {"support": 12, "support_lost": 13, "target": 15}
 _FRAME_FORMAT = "%d %d" + " %.9g" + 3 * " %.10g" + 3 * " %.17g" + 8 * " %.9g"
 
 
@@ -90,26 +41,26 @@ def ledger(assembly: Assembly, schedule: Schedule) -> list[str]:
     case = assembly.case
     planes = [name for wall in walls(assembly) if not wall.held_layer for name, _, _ in wall_fixes(assembly, wall)]
     bars = [bar.name for bar in assembly.bars]
-    columns = LEDGER_COLUMNS | {name: f"v_energy_{name}" for name in bars}
+    columns = sources(LEDGER) | {name: f"v_energy_{name}" for name in bars}
     # contacts with the faces of bars are among those of the pair style
     stored, lost = ([f"f_{name}[{n}]" for name in planes] for n in (4, 5))
     at_bars = [[f"c_on_{name}[{n}]" for name in bars] for n in (4, 5)]
     elastic, dissipated = ["c_contact", *stored], ["c_contact[1]", *lost]
     lines = []
     if case.rotates:
-        columns |= {"kinetic": "v_motion", "rotational": "c_rotational"}
+        columns |= {"kinetic": "v_motion"} | sources(ROTATION)
         lines.append("compute         rotational all erotate/sphere")
         lines.append("variable        motion equal c_kinetic+c_rotational")
     if case.rubs:
         stretched, rubbed = ([f"f_{name}[{n}]" for name in planes] for n in (8, 9))
-        columns |= {"elastic_tangential": "v_elastic_tangential", "friction": "v_friction"}
+        columns |= sources(TANGENTIAL)
         lines.append(f"variable        elastic_tangential equal {_sum(['c_contact[6]', *stretched])}")
         lines.append(f"variable        friction equal {_sum(['c_contact[7]', *rubbed])}")
         stored, lost = [*stored, *stretched], [*lost, *rubbed]
         elastic.append("v_elastic_tangential")
         dissipated.append("v_friction")
     if support := moving_fix(assembly):
-        columns |= {name: f"f_{support}[{n}]" for name, n in _SUPPORT_COLUMNS.items()}
+        columns |= sources(SUPPORT, of=support)
         elastic.append(columns["support"])
         dissipated.append(columns["support_lost"])
     elastic += [f"c_elastic_{name}" for name in bars]
@@ -154,7 +105,7 @@ def wall_forces(assembly: Assembly, schedule: Schedule) -> list[str]:
         return []
     columns = {wall.name: f"v_{wall.name}" for wall in found} | {bar.name: f"c_on_{bar.name}[2]" for bar in bars}
     if support := moving_fix(assembly):
-        columns |= {f"bottom_{name}": f"f_{support}[{n}]" for name, n in MOVING_WALL_COLUMNS.items()}
+        columns |= {f"bottom_{name}": source for name, source in sources(MOVING_WALL, of=support).items()}
     return [
         "# Force of the spheres on each wall and bar, N, positive outwards.",
         *(f"variable        {wall.name} equal {_outward_force(assembly, wall)}" for wall in found),
@@ -195,8 +146,8 @@ def displacements(case: Case) -> list[str]:
 def frames(case: Case, schedule: Schedule) -> list[str]:
     """Snapshots of all spheres."""
     every, chosen = schedule.frame_every, []
-    columns = FRAME_COLUMNS | (RUBBING_FRAME_COLUMNS if case.rubs else {})
-    form = _FRAME_FORMAT + " %.9g" * (len(columns) - len(FRAME_COLUMNS))
+    columns = sources(SNAPSHOT, *_recorded(case))
+    form = _FRAME_FORMAT + " %.9g" * (len(columns) - len(names(SNAPSHOT)))
     if not every:
         every = schedule.n_steps
         chosen = [
@@ -221,15 +172,15 @@ def history(case: Case, schedule: Schedule) -> list[str]:
     every = schedule.history_every
     if not every:
         return []
-    names = {source: name for name, source in HISTORY_COLUMNS.items() if name != source}
+    moved, forces = sources(HISTORY), sources(FORCES)
     return [
         "# The chain in time.",
-        *command(f"dump            history all custom {every} dumps/history.dump", *HISTORY_COLUMNS.values()),
+        *command(f"dump            history all custom {every} dumps/history.dump", *moved.values()),
         'dump_modify     history first yes sort id format line "%d %.17g %.17g"',
-        *(f"dump_modify     history colname {source} {name}" for source, name in names.items()),
-        f"dump            forces all local {every} dumps/forces.dump c_contacts[1] c_contacts[2] c_contacts[4]",
+        *(f"dump_modify     history {renamed}" for renamed in _names(moved)),
+        f"dump            forces all local {every} dumps/forces.dump {joined(forces.values())}",
         'dump_modify     forces first yes format line "%.9g %.9g %.17g"',
-        *(f"dump_modify     forces colname c_contacts[{n}] {name}" for n, name in ((1, "i"), (2, "j"), (4, "force"))),
+        *(f"dump_modify     forces {renamed}" for renamed in _names(forces)),
     ]
 
 
@@ -251,11 +202,7 @@ def thermo(case: Case, schedule: Schedule) -> list[str]:
 def dumps_at_end(assembly: Assembly) -> list[str]:
     """The last snapshot if it is still missing, every contact, and what each wall went through."""
     case = assembly.case
-    contacts = {
-        name: f"c_contacts[{n}]"
-        for name, n in _columns(case, CONTACT_COLUMNS, RUBBING_CONTACT_COLUMNS, DENTED_CONTACT_COLUMNS).items()
-    }
-    on_walls = _columns(case, WALL_COLUMNS, RUBBING_WALL_COLUMNS, DENTED_WALL_COLUMNS)
+    contacts = sources(CONTACTS, *_recorded(case))
     lines = [
         "# The last snapshot, if the run did not end on one.",
         "dump_modify     frames every 1",
@@ -274,7 +221,7 @@ def dumps_at_end(assembly: Assembly) -> list[str]:
         if wall.held_layer:
             continue
         for fix, _, _ in wall_fixes(assembly, wall):
-            columns = {name: f"f_{fix}[{n}]" for name, n in on_walls.items()}
+            columns = sources(WALL_CONTACTS, *_recorded(case), of=fix)
             lines += command(
                 f"write_dump      all custom dumps/wall_{fix}.dump id",
                 *columns.values(),
@@ -285,12 +232,9 @@ def dumps_at_end(assembly: Assembly) -> list[str]:
     return lines
 
 
-def _columns(case: Case, always: tuple[str, ...], rubbing: dict[str, int], dented: dict[str, int]) -> dict[str, int]:
-    """Numbers of the columns that a case records of its contacts, by name."""
-    columns = {name: n for n, name in enumerate(always, start=1)}
-    if case.rubs:
-        columns |= rubbing
-    return columns | dented if case.has_past else columns
+def _recorded(case: Case) -> tuple[str, ...]:
+    """What decides which columns of its contacts a case records."""
+    return (*([FRICTION] if case.rubs else []), *([DENTS] if case.has_past else []))
 
 
 def _series(name: str, every: int, path: str, title: str, columns: dict[str, str]) -> list[str]:
