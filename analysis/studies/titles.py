@@ -6,12 +6,12 @@ import math
 from typing import TYPE_CHECKING
 
 from granwave.analysis.measures.target import period_of
+from granwave.lammps_inputs.lattices import KINDS
 from granwave.lammps_inputs.packing.assembly import assemble, velocities_of
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
 
-_KINDS = {"fcc": "FCC", "hcp": "HCP", "bcc": "BCC", "sc": "Simple cubic", "square": "Square"}
 _SQUARE_CM = 1e4
 _LAWS = {"hertz": "elastic", "elastoplastic": "elasto-plastic"}
 
@@ -36,7 +36,7 @@ def packing_words(case: Case, *, height: bool = True) -> str:
         return words[:1].upper() + words[1:]
     whole = height or packing.kind == "square"  # which lies across the height
     size = " x ".join(map(str, packing.size if whole else packing.size[:-1]))
-    kind = "Chain" if packing.kind == "chain" else f"{_KINDS[packing.kind]} packing"
+    kind = "Chain" if packing.kind == "chain" else f"{KINDS[packing.kind].label} packing"
     spheres = " ".join(filter(None, (size, own, "spheres", diameter)))
     return f"{kind} of {spheres}" + ("" if whole or not size else " a layer")
 

@@ -204,7 +204,7 @@ def _boundary_fits(packing: PackingSection, boundary: Boundary, faults: Faults) 
                 f"found {nx} x {ny} spheres in a layer, expected at least {_LEAST_PERIODIC} each way "
                 'for boundary.sides = "periodic"',
             )
-        elif rule.hexagonal and ny % 2:
+        elif ny % rule.row_period:
             faults.add("packing.size", f"found {ny} rows, expected an even number for periodic {packing.kind} layers")
     return len(faults.lines) == before
 

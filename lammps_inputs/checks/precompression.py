@@ -12,11 +12,11 @@ from granwave.lammps_inputs.case.sections import Boundary, PackingSection, Preco
 from granwave.lammps_inputs.contact.initial_dents import LARGEST
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.contact.static_load import force_of_contact
+from granwave.lammps_inputs.lattices import KINDS
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.walls import materials_of_last_layer
 
 _TABLE = "precompression"
-_SET_BACK = ("fcc", "hcp", "bcc")  # layers lie in the hollows of those below
 
 
 def check_precompression(parts: Mapping[str, Any], packing: PackingSection, boundary: Boundary, faults: Faults) -> None:
@@ -102,7 +102,7 @@ def _spreads(assembly: Assembly) -> bool:
     stage, packing, boundary = case.precompression, case.packing, case.boundary
     nx, ny, nz = assembly.lattice.shape
     free = stage is not None and stage.kind != "uniform" and boundary.sides != "periodic" and boundary.bottom != "fixed"
-    layers = packing.kind in _SET_BACK and nz > 1 and nx * ny > 1 and not isinstance(packing.vacancies, tuple)
+    layers = KINDS[packing.kind].set_back and nz > 1 and nx * ny > 1 and not isinstance(packing.vacancies, tuple)
     return free and layers
 
 

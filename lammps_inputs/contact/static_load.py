@@ -21,7 +21,7 @@ from scipy.spatial import KDTree
 
 from granwave.lammps_inputs.case.sections import Contact
 from granwave.lammps_inputs.contact.law import law_between
-from granwave.lammps_inputs.lattices import TOUCHING, Lattice
+from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.assembly import Assembly
 
 _SHELL = (3, 2, 1)  # rows of sites around the packing, along x, y, z, in which its missing neighbours are
@@ -75,7 +75,7 @@ def force_of_contact(assembly: Assembly) -> float:
     if stage.kind == "uniform":
         rule = lattice.rule
         layer = rule.pitch[0] * rule.pitch[1] * lattice.diameter**2
-        return 2 * rule.dimension * (stage.pressure or 0.0) * layer * _height(lattice) / (
+        return 2 * rule.dimension * (stage.pressure or 0.0) * layer * lattice.rule.layer_spacing * lattice.diameter / (
             rule.coordination * lattice.diameter
         )  # fmt: skip
     top = force_on_top(assembly) if stage.kind == "uniaxial" else 0.0
@@ -83,7 +83,7 @@ def force_of_contact(assembly: Assembly) -> float:
         nx, ny, nz = lattice.shape
         held = case.boundary.bottom == "fixed"
         top = float(assembly.sphere_masses().sum()) * stage.acceleration / (nx * ny) * (nz - held) / nz
-    return top / _carried(lattice)
+    return top / lattice.rule.carried
 
 
 def static_stiffness(assembly: Assembly) -> float:
@@ -93,20 +93,6 @@ def static_stiffness(assembly: Assembly) -> float:
     law = law_between(Contact(law="hertz"), (case.material, case.material), (radius, radius))
     hertz = 4 / 3 * law.effective_modulus * math.sqrt(law.effective_radius)
     return 1.5 * hertz ** (2 / 3) * force_of_contact(assembly) ** (1 / 3)
-
-
-def _height(lattice: Lattice) -> float:
-    """Of a layer, m."""
-    zero = np.zeros(1, dtype=np.int64)
-    if lattice.rule.dimension == 2:
-        return lattice.diameter
-    return float(lattice.rule.site(zero, zero, zero + 1)[2][0]) * lattice.diameter
-
-
-def _carried(lattice: Lattice) -> float:
-    """Force along z that a sphere hands on to the layer below when each of its contacts there bears 1."""
-    n = {"fcc": 3, "hcp": 3, "bcc": 4}.get(lattice.kind, 1)
-    return n * _height(lattice) / lattice.diameter
 
 
 def _missing_neighbours(assembly: Assembly) -> NDArray[np.float64]:

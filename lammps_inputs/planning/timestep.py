@@ -59,9 +59,7 @@ if TYPE_CHECKING:
 
 _TOLERANCE = 1e-6  # of the input: error of the energy balance at any instant
 _ERROR = 0.135
-_SUPPORTS = {"fcc": (3, 2 / 3), "hcp": (3, 2 / 3), "bcc": (4, 1 / 3), "sc": (1, 1.0), "chain": (1, 1.0)}
 _SLOPE_SPAN = 1e-6  # of the overlap, over which a slope is taken
-_UNDIVIDED = ("chain", "sc", "square")  # the pulse reaches the wall along a line of contacts, or at once
 _LARGEST_FORCE = 2.5  # of the force that drives a chain: no contact is pressed harder by it
 _OF_ELEMENT = 0.5  # of the time that a wave takes for an element of a bar
 _OF_LOAD = 0.01  # of the duration or period of a load
@@ -188,16 +186,18 @@ def _encounters(assembly: Assembly) -> list[Encounter]:
 def _of_impact(assembly: Assembly) -> list[Encounter]:
     """Like spheres, within a tolerance, some of which have a velocity."""
     case = assembly.case
-    kind, striking, velocity = case.packing.kind, case.sphere_mass, case.load.velocity
+    striking, velocity = case.sphere_mass, case.load.velocity
     sites = assembly.sites
     smallest = 1 if sites is None else int(np.where(sites.present, sites.diameter, np.inf).argmin()) + 1
     law, mass = pair_contact(assembly, smallest, smallest), assembly.mass_of(smallest)
     found = [Encounter(law, striking * velocity**2 / 2 * (striking / (striking + mass)), mass)]
-    if kind in _SUPPORTS:
-        n, cosine_squared = _SUPPORTS[kind]
+    supports = assembly.lattice.rule.supports
+    if len(supports):
+        n, cosine_squared = len(supports), float(supports[0, 2] ** 2)
         found.append(Encounter(law, striking * velocity**2 * cosine_squared / (1 + n * cosine_squared) / 2, mass))
     if case.boundary.bottom == "wall":
-        halvings = 0 if kind in _UNDIVIDED else assembly.lattice.shape[2] - 1
+        # along a line of contacts, or through a single layer, the pulse reaches the wall undivided
+        halvings = assembly.lattice.shape[2] - 1 if assembly.lattice.rule.set_back else 0
         energy = striking * (velocity * 0.5**halvings) ** 2 / 2
         found.append(Encounter(flat_contact(assembly, smallest), energy, 2 * mass, against_wall=True))
     return found

@@ -113,8 +113,8 @@ def write(options: argparse.Namespace, _: Words) -> int:
 
 def analyse(options: argparse.Namespace, _: Words) -> int:
     """granwave analyse"""
-    from granwave.analysis import MissingOutputError
-    from granwave.analysis import analyse as analyse_directory
+    from granwave.analysis.errors import MissingOutputError
+    from granwave.analysis.pipeline import analyse as analyse_directory
 
     if not options.directory.is_dir():
         raise InputError(f"{options.directory}: no such directory; run a case into it first")
