@@ -16,7 +16,7 @@ LOAD_FILE = "load.txt"  # beside the deck: points of a load given as a table
 _HALF_INERTIA = 0.2  # of a sphere, in m R^2
 
 
-def motion(assembly: Assembly, schedule: Schedule) -> list[str]:
+def motion(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> list[str]:
     """Time integration, and what sets the packing in motion; the variable ``input`` is the energy put in so far."""
     case = assembly.case
     struck = struck_of(assembly)
@@ -27,7 +27,7 @@ def motion(assembly: Assembly, schedule: Schedule) -> list[str]:
         f"group           struck id {struck[0] if struck else assembly.ids[0]}",
         f"group           hit id {joined(struck)}" if struck else "group           hit empty",
         *_integration(assembly),
-        *_velocities(assembly),
+        *_velocities(assembly, resumed=resumed),
     ]
     if case.load.driven:
         lines += _drive(assembly)
@@ -53,7 +53,7 @@ def _integration(assembly: Assembly) -> list[str]:
     return [*lines, *(f"fix             motion_{name} {name} nve" for name in bars)]
 
 
-def _velocities(assembly: Assembly) -> list[str]:
+def _velocities(assembly: Assembly, *, resumed: bool) -> list[str]:
     """Initial velocities and spins, and the kinetic energy that they are."""
     case = assembly.case
     lines: list[str] = []
@@ -66,11 +66,13 @@ def _velocities(assembly: Assembly) -> list[str]:
             lines.append(f"group           striker{number} id {n + number}")
             moving.append((f"striker{number}", [n + number], striker.velocity, striker.spin))
     for group, spheres, velocity, spin in moving:
-        lines.append(f"velocity        {group} set {_components(velocity)} units box")
+        if not resumed:
+            lines.append(f"velocity        {group} set {_components(velocity)} units box")
         if any(velocity):
             terms.append(f"0.5*mass({group})*({_square(velocity)})")
         if any(spin):
-            lines.append(f"set             group {group} omega {_components(spin)}")
+            if not resumed:
+                lines.append(f"set             group {group} omega {_components(spin)}")
             inertia = sum(assembly.mass_of(one) * (assembly.diameter_of(one) / 2) ** 2 for one in spheres)
             terms.append(f"{num(_HALF_INERTIA * inertia)}*({_square(spin)})")
     given = f"$({'+'.join(terms)}:%.17g)" if terms else "0.0"

@@ -36,7 +36,7 @@ STATIC = "v_static"  # that, and the elastic energy, when the run begins
 _FRAME_FORMAT = "%d %d" + " %.9g" + 3 * " %.10g" + 3 * " %.17g" + 8 * " %.9g"
 
 
-def ledger(assembly: Assembly, schedule: Schedule) -> list[str]:
+def ledger(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> list[str]:
     """The energy ledger: where the energy is, and how many contacts have yielded."""
     case = assembly.case
     planes = [name for wall in walls(assembly) if not wall.held_layer for name, _, _ in wall_fixes(assembly, wall)]
@@ -78,7 +78,7 @@ def ledger(assembly: Assembly, schedule: Schedule) -> list[str]:
         f"variable        elastic equal {_sum(elastic)}",
         f"variable        dissipated equal {_sum(dissipated)}",
         "variable        struck_velocity equal vcm(struck,z)",
-        *_series("ledger", schedule.ledger_every, "dumps/energy.txt", "energy ledger, SI units", columns),
+        *_series("ledger", schedule.ledger_every, "dumps/energy.txt", "energy ledger, SI units", columns, resumed),
     ]
 
 
@@ -98,7 +98,7 @@ def _bar_energy(bar: PlacedBar) -> list[str]:
     ]
 
 
-def wall_forces(assembly: Assembly, schedule: Schedule) -> list[str]:
+def wall_forces(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> list[str]:
     """The force on every wall, positive if the spheres push it outwards."""
     found, bars = walls(assembly), assembly.bars
     if not found and not bars:
@@ -109,11 +109,13 @@ def wall_forces(assembly: Assembly, schedule: Schedule) -> list[str]:
     return [
         "# Force of the spheres on each wall and bar, N, positive outwards.",
         *(f"variable        {wall.name} equal {_outward_force(assembly, wall)}" for wall in found),
-        *_series("walls", schedule.wall_every, "dumps/walls.txt", "wall forces, N", {"time": "v_time"} | columns),
+        *_series(
+            "walls", schedule.wall_every, "dumps/walls.txt", "wall forces, N", {"time": "v_time"} | columns, resumed
+        ),
     ]
 
 
-def probes(case: Case, schedule: Schedule) -> list[str]:
+def probes(case: Case, schedule: Schedule, *, resumed: bool = False) -> list[str]:
     """Spheres and contacts that are recorded at their own rate."""
     if not case.probes:
         return []
@@ -130,7 +132,7 @@ def probes(case: Case, schedule: Schedule) -> list[str]:
         for quantity, source in _sphere_probe(probe.sphere or 0).items():
             lines.append(f"variable        probe{n}{quantity} equal {source}")
             columns[f"sphere_{probe.sphere}_{quantity}"] = f"v_probe{n}{quantity}"
-    return lines + _series("probes", schedule.probe_every, "dumps/probes.txt", "probes, SI units", columns)
+    return lines + _series("probes", schedule.probe_every, "dumps/probes.txt", "probes, SI units", columns, resumed)
 
 
 def displacements(case: Case) -> list[str]:
@@ -143,7 +145,7 @@ def displacements(case: Case) -> list[str]:
     return lines
 
 
-def frames(case: Case, schedule: Schedule) -> list[str]:
+def frames(case: Case, schedule: Schedule, *, resumed: bool = False) -> list[str]:
     """Snapshots of all spheres."""
     every, chosen = schedule.frame_every, []
     columns = sources(SNAPSHOT, *_recorded(case))
@@ -161,13 +163,13 @@ def frames(case: Case, schedule: Schedule) -> list[str]:
         "compute         sphere all gran/hysteretic/atom",
         "compute         contacts all gran/hysteretic/local",
         *command("dump            frames all custom", f"{every}", "dumps/spheres.dump", *columns.values()),
-        f'dump_modify     frames first yes sort id format line "{form}"',
+        f'dump_modify     frames {_first(resumed)} sort id format line "{form}"',
         *command("dump_modify     frames", *_names(columns)),
         *chosen,
     ]
 
 
-def history(case: Case, schedule: Schedule) -> list[str]:
+def history(case: Case, schedule: Schedule, *, resumed: bool = False) -> list[str]:
     """The whole chain at many instants: displacement and velocity of every particle, force of every contact."""
     every = schedule.history_every
     if not every:
@@ -176,10 +178,10 @@ def history(case: Case, schedule: Schedule) -> list[str]:
     return [
         "# The chain in time.",
         *command(f"dump            history all custom {every} dumps/history.dump", *moved.values()),
-        'dump_modify     history first yes sort id format line "%d %.17g %.17g"',
+        f'dump_modify     history {_first(resumed)} sort id format line "%d %.17g %.17g"',
         *(f"dump_modify     history {renamed}" for renamed in _names(moved)),
         f"dump            forces all local {every} dumps/forces.dump {joined(forces.values())}",
-        'dump_modify     forces first yes format line "%.9g %.9g %.17g"',
+        f'dump_modify     forces {_first(resumed)} format line "%.9g %.9g %.17g"',
         *(f"dump_modify     forces {renamed}" for renamed in _names(forces)),
     ]
 
@@ -237,14 +239,19 @@ def _recorded(case: Case) -> tuple[str, ...]:
     return (*([FRICTION] if case.rubs else []), *([DENTS] if case.has_past else []))
 
 
-def _series(name: str, every: int, path: str, title: str, columns: dict[str, str]) -> list[str]:
+def _series(name: str, every: int, path: str, title: str, columns: dict[str, str], resumed: bool) -> list[str]:
     """A table in time: one row every so many steps, the step first."""
     return command(
         f"fix             {name} all ave/time {every} 1 {every}",
         *columns.values(),
-        f'file {path} format " %.17g" title1 "# {title}"',
+        f'{"append" if resumed else "file"} {path} format " %.17g" title1 "# {title}"',
         f'title2 "# {joined(["step", *columns])}"',
     )
+
+
+def _first(resumed: bool) -> str:
+    """Words of dump_modify: a snapshot at the first step, or go on behind those of before."""
+    return "append yes first no" if resumed else "first yes"
 
 
 def _names(columns: dict[str, str]) -> list[str]:

@@ -15,7 +15,7 @@ from granwave.lammps_inputs.deck.commands import num
 from granwave.lammps_inputs.deck.contacts import contacts, dents, wall_commands
 from granwave.lammps_inputs.deck.motion import motion
 from granwave.lammps_inputs.deck.output import dumps_at_end, frames, history, ledger, probes, thermo, wall_forces
-from granwave.lammps_inputs.deck.static_stage import dead_load_commands, first_half, second_half
+from granwave.lammps_inputs.deck.static_stage import dead_load_commands, first_half, reference_state, second_half
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.planning.schedule import BLOCK_THRESHOLD, Schedule
 from granwave.lammps_inputs.planning.timestep import fastest
@@ -29,24 +29,33 @@ _MOST_STEPS_BETWEEN_CHECKS = 10
 _TRAVEL_BETWEEN_CHECKS = 0.01  # of the skin, at the impact velocity
 
 
-def input_script(assembly: Assembly, schedule: Schedule) -> str:
-    """The text of in.granwave."""
-    case = assembly.case
+def input_script(assembly: Assembly, schedule: Schedule, *, restart_from: str = "") -> str:
+    """Write the text of in.granwave.
+
+    Parameters
+    ----------
+    restart_from
+        Restart file that the script goes on from: the same system, fixes and outputs, but the state from that file, no
+        initial velocity, spin or dents, no static stage, and output appended.
+    """
+    case, resumed = assembly.case, bool(restart_from)
+    static = case.precompression is not None
     parts = [
         _head(case),
-        _system(assembly),
+        _system(assembly, restart_from),
         _neighbours(assembly, schedule),
         contacts(assembly),
-        *([dead_load_commands(assembly), first_half(assembly)] if case.precompression else []),
+        dead_load_commands(assembly) if static else [],
+        first_half(assembly) if static and not resumed else [],
         wall_commands(assembly),
-        dents() if case.contact.initial_overlap else [],
-        second_half(assembly) if case.precompression else [],
-        motion(assembly, schedule),
-        ledger(assembly, schedule),
-        wall_forces(assembly, schedule),
-        probes(case, schedule),
-        frames(case, schedule),
-        history(case, schedule),
+        dents() if case.contact.initial_overlap and not resumed else [],
+        [*([] if resumed else second_half(assembly)), *reference_state()] if static else [],
+        motion(assembly, schedule, resumed=resumed),
+        ledger(assembly, schedule, resumed=resumed),
+        wall_forces(assembly, schedule, resumed=resumed),
+        probes(case, schedule, resumed=resumed),
+        frames(case, schedule, resumed=resumed),
+        history(case, schedule, resumed=resumed),
         thermo(case, schedule),
         _run(case, schedule),
         [END_MARKER, "", *dumps_at_end(assembly)],
@@ -73,7 +82,7 @@ def _head(case: Case) -> list[str]:
     ]
 
 
-def _system(assembly: Assembly) -> list[str]:
+def _system(assembly: Assembly, restart_from: str) -> list[str]:
     sides = "p p" if assembly.lattice.periodic else "m m"
     bars = assembly.bars
     return [
@@ -84,7 +93,7 @@ def _system(assembly: Assembly) -> list[str]:
         "newton          off",
         f"boundary        {sides} m",
         *(["bond_style      harmonic"] if bars else []),
-        "read_data       data.granwave",
+        f"read_restart    {restart_from}" if restart_from else "read_data       data.granwave",
         *_bars(assembly),
     ]
 

@@ -9,8 +9,8 @@ zero.
 A packing under uniform pressure may turn as a whole, and dead loads, which keep their directions, would make it turn
 further and further: while balance is looked for, the forces that accelerate it as a whole are taken off (`relief`).
 
-What a run that is continued from a checkpoint does not repeat stands between `STAGE_MARKER` and `STAGE_END`. Two files
-stay: PRESTAGE_FILE, for people and programs, and STATIC_FILE, lines of script with what the ledger counts from.
+A run that is continued from a checkpoint does not repeat the stage. Two files stay: PRESTAGE_FILE, for people and
+programs, and STATIC_FILE, lines of script with what the ledger counts from.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from granwave.lammps_inputs.packing.walls import moving_fix, support_timestep, w
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
 
-STAGE_MARKER, STAGE_END = "# --- static stage ---", "# --- end of the static stage ---"
+_STAGE_MARKER, _STAGE_END = "# --- static stage ---", "# --- end of the static stage ---"
 PRESTAGE_FILE, STATIC_FILE = "prestage.txt", "static.lmp"  # in dumps/
 PRELOAD_FILE = "preload_{}.txt"  # beside the deck, for each direction in which there are dead loads
 
@@ -102,7 +102,7 @@ def first_half(assembly: Assembly) -> list[str]:
     mass = float(assembly.sphere_masses().min())
     longest_move = _LONGEST_MOVE * 1.5 * force_of_contact(assembly) / static_stiffness(assembly)
     return [
-        STAGE_MARKER,
+        _STAGE_MARKER,
         "# To balance under the dead loads, first with elastic contacts, whose overshoots leave no dents.",
         *pair_coefficients(assembly, elastic=True),
         *wall_commands(assembly, elastic=True, prefix=_PREFIX),
@@ -125,7 +125,7 @@ def first_half(assembly: Assembly) -> list[str]:
         *(f"unfix           {_PREFIX}{name}" for name in plane_names(assembly)),
         "gran/dents      begin",
         *pair_coefficients(assembly),
-        STAGE_END,
+        _STAGE_END,
     ]
 
 
@@ -135,7 +135,7 @@ def second_half(assembly: Assembly) -> list[str]:
     columns = ["c_static", "c_static[2]", "c_static_largest", "c_static_borne", "c_static_net", "c_static_moved"]
     values = "\n".join([f"# {joined(RECORD)}", joined(RECORD.values())])
     return [
-        STAGE_MARKER,
+        _STAGE_MARKER,
         "# Once more, with the law of the case; then the state is recorded, and the run begins at time 0.",
         *_relief(case, again=True),
         "compute         static all gran/hysteretic/energy",
@@ -161,11 +161,14 @@ def second_half(assembly: Assembly) -> list[str]:
         *(["unfix           static_relief"] if _relief(case) else []),
         f'print           "variable static equal $(v_static_all:%.17g)" file dumps/{STATIC_FILE} screen no',
         *(f"uncompute       static{name}" for name in ("_moved", "_net", "_borne", "_largest", "_sphere", "")),
-        STAGE_END,
+        _STAGE_END,
         "",
-        "# What the ledger counts from.",
-        f"include         dumps/{STATIC_FILE}",
     ]
+
+
+def reference_state() -> list[str]:
+    """The energies that the ledger counts from, which the static stage has left in a file."""
+    return ["# What the ledger counts from.", f"include         dumps/{STATIC_FILE}"]
 
 
 def load_tables(assembly: Assembly) -> dict[str, str]:

@@ -18,7 +18,7 @@ from granwave.analysis.result.writer import BALANCE_REFUSED
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.initial_dents import dents_table
 from granwave.lammps_inputs.deck.deck import Deck, read_deck, write_deck
-from granwave.lammps_inputs.deck.script import part
+from granwave.lammps_inputs.deck.script import input_script, part
 from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.schedule import BLOCK_THRESHOLD
@@ -202,7 +202,6 @@ class _Run:
 
     def _attempt(self, deck: Deck, stop: StopRequest, go_on: bool) -> None:
         script = on_first(self.comm, lambda: deck.script.read_text(encoding="utf-8"))
-        setup = part(script, "setup")
         self.state, self.lost_before_block = record.RUNNING, 0.0
         self._note(state=record.RUNNING, reason=None, end_reason=None)
         saved = self.record.checkpoint
@@ -212,10 +211,10 @@ class _Run:
                 self.balance.read()
                 self.lost_before_block = saved["lost_before_block"]
                 engine.commands("log log.lammps append")
-                setup = checkpoint.continued(setup, saved)
+                script = input_script(assemble(self.case), deck.schedule, restart_from=saved["file"])
             if not go_on and self.case.precompression and self.show:
                 logger.info("%s: static stage, until the packing is in balance ...", self.case.name)
-            engine.commands(setup)
+            engine.commands(part(script, "setup"))
             if not go_on and self.case.precompression:
                 self._check_equilibrium()
             elif not go_on:
