@@ -1,6 +1,8 @@
 # make demo      set up, then the reference study: impact on the 72 x 72 x 30 FCC packing, analysis and figures
 # make test      set up, then the tests (minutes)
 # make validate  the long validations
+# make lint      ruff, mypy, clang-format, a strict build of the plugin; make format mends what can be mended
+# make coverage  which lines the tests run
 # make compat    the tests of plugin and runs with the stable LAMMPS before, built in .venv-2024
 # Everything is installed into .venv; PYTHON chooses the interpreter that makes it.
 
@@ -10,9 +12,11 @@ BIN := $(VENV)/bin
 RANKS := $(shell n=$$(nproc 2>/dev/null || echo 1); [ $$n -gt 2 ] && n=2; echo $$n)
 SOURCES := pyproject.toml $(shell find plugins lammps_inputs workflows analysis -type f -not -name '*.pyc' 2>/dev/null)
 DEMO := runs/fcc-impact
+CPP := $(shell find plugins -name '*.cpp' -o -name '*.h')
+SITE = $(shell $(BIN)/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))')
 OLD := .venv-2024
 
-.PHONY: setup demo test validate compat lint bench clean
+.PHONY: setup demo test validate compat lint format coverage clean
 
 setup: $(VENV)/installed
 
@@ -45,10 +49,28 @@ compat:
 	  tests/test_lammps_manners.py tests/test_impact.py tests/test_cli.py tests/test_friction.py tests/test_friction_memory.py \
 	  tests/test_wall_friction.py tests/test_dents.py tests/test_support.py
 
+# ruff, mypy, clang-format, and a build of the plugin in which every warning is an error
 lint: setup
 	$(BIN)/python -m pip install --quiet '.[lint]'
 	$(BIN)/ruff check . && $(BIN)/ruff format --check .
 	cd / && $(abspath $(BIN))/mypy --config-file $(abspath pyproject.toml)
+	$(BIN)/clang-format --dry-run --Werror $(CPP)
+	PATH=$(abspath $(BIN)):$$PATH $(BIN)/cmake -S plugins -B build/strict -G Ninja -DGRANWAVE_STRICT=ON \
+	  -DPython_EXECUTABLE=$(abspath $(BIN))/python -Dpybind11_DIR=$$($(BIN)/python -m pybind11 --cmakedir) >/dev/null
+	$(BIN)/cmake --build build/strict
+
+format: setup
+	$(BIN)/python -m pip install --quiet '.[lint]'
+	$(BIN)/ruff check --fix . ; $(BIN)/ruff format .
+	$(BIN)/clang-format -i $(CPP)
+
+# which lines the tests run, in this process and in those that they start
+coverage: setup
+	$(BIN)/python -m pip install --quiet '.[lint]'
+	cd $(SITE) && echo 'import coverage; coverage.process_startup()' > granwave_coverage.pth
+	COVERAGE_PROCESS_START=$(abspath pyproject.toml) $(BIN)/python -m coverage run --rcfile=$(abspath pyproject.toml) -m pytest -n $(RANKS) --dist loadgroup; \
+	  rm -f $(SITE)/granwave_coverage.pth
+	$(BIN)/python -m coverage combine -q && $(BIN)/python -m coverage report --skip-covered --sort=cover
 
 clean:
 	rm -rf $(VENV) $(OLD) build dist runs .pytest_cache .ruff_cache .mypy_cache

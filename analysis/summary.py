@@ -17,7 +17,7 @@ from granwave.analysis.measures.zone_of_packing import zone_summary
 from granwave.analysis.result.contacts import LISTED_FROM
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.files import plain, replace_text
-from granwave.lammps_inputs.packing.assembly import velocities_of
+from granwave.lammps_inputs.packing.assembly import assemble, velocities_of
 from granwave.lammps_inputs.run_directory import SUMMARY_FILE, claim
 
 Summary = dict[str, Any]
@@ -111,11 +111,11 @@ def restitution(result: Result) -> float | None:
     case = result.case
     boundary = case.boundary
     moves = boundary.bottom_material is not None or boundary.bottom_support is not None
-    if case.load.kind != "impact" or not case.assembly.plain or moves or case.precompression is not None:
+    if case.load.kind != "impact" or not assemble(case).plain or moves or case.precompression is not None:
         return None
     if case.load.angle and result.n_spheres > 1:
         return None
-    left = float(result["energy/struck_velocity"][-1]) / velocities_of(case)[result.struck[0]][2]
+    left = float(result["energy/struck_velocity"][-1]) / velocities_of(assemble(case))[result.struck[0]][2]
     if result.n_spheres == 2 and case.packing.kind == "chain" and case.boundary.bottom == "free":
         return 1 - 2 * left
     if result.n_spheres == 1 and case.boundary.bottom == "wall":
@@ -227,7 +227,7 @@ def _bottom(result: Result) -> Summary:
 
 def _bars(result: Result) -> Summary:
     """Energy in each bar at the end, kinetic and elastic."""
-    names = [bar.name for bar in result.case.assembly.bars]
+    names = [bar.name for bar in result.assembly.bars]
     return {f"energy_{name}_J": float(result[f"energy/{name}"][-1]) for name in names}
 
 

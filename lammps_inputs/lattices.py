@@ -25,41 +25,122 @@ from numpy.typing import NDArray
 TOUCHING = 1e-6  # spheres touch if the gap between them is at most this many diameters
 _REACH = (range(-3, 4), range(-2, 3), range(-1, 2))  # touching spheres are nearer than this in (i, j, k)
 _BATCH = 1_000_000  # sites handled at once
+_IN_HEXAGONAL_LAYER = 6  # neighbours
 
 Site = Callable[[NDArray, NDArray, NDArray], tuple[NDArray, NDArray, NDArray]]
 Offset = tuple[int, int, int]
 
 
+Vector = tuple[float, float, float]
+
+
 @dataclasses.dataclass(frozen=True)
-class Kind:
-    """One kind of lattice, in units of the diameter.
+class Plane:
+    """A plane through the struck sphere on which sections are drawn.
 
     Attributes
     ----------
+    across
+        Unit vector to the right.
+    down
+        Unit vector downwards, or along y for a packing of one layer.
+    tolerance
+        Largest distance of a centre from the plane, diameters; the nearest parallel plane of spheres is usually half a
+        diameter away.
+    down_label
+        What the coordinate along ``down`` is called.
+    """
+
+    across: Vector
+    down: Vector
+    tolerance: float = 0.2
+    down_label: str = "Depth"
+
+
+@dataclasses.dataclass(frozen=True)
+class Kind:
+    """One kind of lattice, in units of the diameter: where its sites are. Everything else follows from the contacts.
+
+    Attributes
+    ----------
+    label
+        What titles call a packing of this kind.
     axes
         The lattice directions that ``packing.size`` counts, of "xyz".
-    dimension
-        In how many dimensions contacts go.
-    coordination
-        Contacts of a sphere inside.
     layer_period
         Layers after which the stacking repeats.
     row_period
-        Rows after which a layer repeats.
+        Rows after which a layer repeats; packings with periodic sides have a multiple of it.
     pitch
         Period along x and distance of rows along y.
-    hexagonal
-        Layers are hexagonal: a sphere has six neighbours in its layer.
+    site
+        Centre of sphere (i, j, k).
+    planes
+        Principal and orthogonal plane of sections; left out, vertical planes along the first preferred direction.
     """
 
+    label: str
     axes: str
-    dimension: int
-    coordination: int
     layer_period: int
     row_period: int
     pitch: tuple[float, float]
-    hexagonal: bool
     site: Site
+    planes: tuple[Plane, ...] | None = None
+
+    @cached_property
+    def contact_directions(self) -> NDArray[np.float64]:
+        """Unit vectors from a sphere inside, of the first layer and row, to those that it touches: (n_contacts, 3)."""
+        movable = tuple(axis in self.axes for axis in "xyz")
+        offsets = np.array(_offsets(self, 0, 0, movable), dtype=np.int64)
+        return np.stack(self.site(*offsets.T), axis=1) - np.stack(self.site(*np.zeros((3, 1), dtype=np.int64)), axis=1)
+
+    @property
+    def coordination(self) -> int:
+        """Contacts of a sphere inside."""
+        return len(self.contact_directions)
+
+    @cached_property
+    def dimension(self) -> int:
+        """In how many dimensions contacts go."""
+        return int(np.linalg.matrix_rank(self.contact_directions, tol=TOUCHING))
+
+    @cached_property
+    def hexagonal(self) -> bool:
+        """True if a sphere has six neighbours in its layer."""
+        return int(np.count_nonzero(np.abs(self.contact_directions[:, 2]) < TOUCHING)) == _IN_HEXAGONAL_LAYER
+
+    @cached_property
+    def supports(self) -> NDArray[np.float64]:
+        """Unit vectors from a sphere to those that it rests on, by angle about z: (n_supports, 3); none in a layer."""
+        return _by_angle(self.contact_directions[self.contact_directions[:, 2] > TOUCHING])
+
+    @property
+    def preferred_directions(self) -> NDArray[np.float64]:
+        """Directions of the largest forces: those of the `supports`; in a single layer those of all contacts."""
+        return self.supports if len(self.supports) else _by_angle(self.contact_directions)
+
+    @cached_property
+    def layer_spacing(self) -> float:
+        """Distance of layers, diameters; 1 of a single layer."""
+        if "z" not in self.axes:
+            return 1.0
+        zero = np.zeros(1, dtype=np.int64)
+        return float(self.site(zero, zero, zero + 1)[2][0])
+
+    @property
+    def carried(self) -> float:
+        """Force along z that a sphere hands on to the layer below when each of its contacts there bears 1."""
+        return max(len(self.supports), 1) * self.layer_spacing
+
+    @property
+    def set_back(self) -> bool:
+        """True if layers lie in the hollows of those below."""
+        return len(self.supports) > 1
+
+    @property
+    def solid_fraction(self) -> float:
+        """Volume of the spheres over that of the packing, voids included."""
+        return math.pi / 6 / (self.pitch[0] * self.pitch[1] * self.layer_spacing)
 
 
 def _hexagonal(period: int) -> Site:
@@ -81,14 +162,35 @@ def _simple(i: NDArray, j: NDArray, k: NDArray) -> tuple[NDArray, NDArray, NDArr
     return i * 1.0, j * 1.0, k * 1.0
 
 
+_X, _Y, _Z, _DIAGONAL = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (math.sqrt(0.5), math.sqrt(0.5), 0.0)
+_CLOSE_PACKED = (0.0, 1 / 3, math.sqrt(8) / 3)  # down the plane of fcc that holds two preferred directions, thesis 5.2
+_HCP_ROWS = 0.4  # takes in the rows of odd layers, sqrt(3)/6 beside the plane
+
 KINDS: dict[str, Kind] = {
-    "fcc": Kind("xyz", 3, 12, 3, 2, (1.0, math.sqrt(3) / 2), True, _hexagonal(3)),
-    "hcp": Kind("xyz", 3, 12, 2, 2, (1.0, math.sqrt(3) / 2), True, _hexagonal(2)),
-    "bcc": Kind("xyz", 3, 8, 2, 1, (2 / math.sqrt(3), 2 / math.sqrt(3)), False, _body_centred),
-    "sc": Kind("xyz", 3, 6, 1, 1, (1.0, 1.0), False, _simple),
-    "square": Kind("xy", 2, 4, 1, 1, (1.0, 1.0), False, _simple),
-    "chain": Kind("z", 1, 2, 1, 1, (1.0, 1.0), False, _simple),
-}
+    "fcc": Kind(
+        "FCC", "xyz", 3, 2, (1.0, math.sqrt(3) / 2), _hexagonal(3),
+        (Plane(_X, _CLOSE_PACKED, down_label="Down the plane"), Plane(_Y, _Z)),
+    ),
+    "hcp": Kind(
+        "HCP", "xyz", 2, 2, (1.0, math.sqrt(3) / 2), _hexagonal(2), (Plane(_X, _Z, _HCP_ROWS), Plane(_Y, _Z))
+    ),
+    "bcc": Kind(
+        "BCC", "xyz", 2, 1, (2 / math.sqrt(3), 2 / math.sqrt(3)), _body_centred, (Plane(_DIAGONAL, _Z), Plane(_X, _Z))
+    ),
+    "sc": Kind("Simple cubic", "xyz", 1, 1, (1.0, 1.0), _simple, (Plane(_X, _Z), Plane(_DIAGONAL, _Z))),
+    "square": Kind("Square", "xy", 1, 1, (1.0, 1.0), _simple, (Plane(_X, _Y, down_label="y"),)),
+    "chain": Kind("Chain", "z", 1, 1, (1.0, 1.0), _simple, ()),
+}  # fmt: skip
+
+
+def section_planes(kind: str) -> tuple[Plane, ...]:
+    """Planes of sections of a kind of packing: principal, then orthogonal, as far as there are any."""
+    rule = KINDS[kind]
+    if rule.planes is not None:
+        return rule.planes
+    level = [direction[:2] for direction in (*rule.preferred_directions, *rule.contact_directions)]
+    x, y = next(part / np.linalg.norm(part) for part in level if np.linalg.norm(part) > TOUCHING)
+    return Plane((float(x), float(y), 0.0), _Z), Plane((-float(y), float(x), 0.0), _Z)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -224,21 +326,30 @@ def _offset_table(kind: str, movable: tuple[bool, ...]) -> dict[tuple[int, int],
         Along which axes there is more than one sphere.
     """
     rule = KINDS[kind]
+    places = itertools.product(range(rule.layer_period), range(rule.row_period))
+    return {(k, j): _offsets(rule, j, k, movable) for k, j in places}
+
+
+def _offsets(rule: Kind, j: int, k: int, movable: tuple[bool, ...]) -> list[Offset]:
+    """Steps in (i, j, k) from a sphere of row j and layer k to those that it touches."""
     steps = [
         offset
         for offset in itertools.product(*_REACH)
         if any(offset) and all(free or step == 0 for free, step in zip(movable, offset, strict=True))
     ]
-    table = {}
-    for k, j in itertools.product(range(rule.layer_period), range(rule.row_period)):
-        base = (6, 6 + j, 6 + k)  # well inside, so that every step stays in the same stacking
-        here = np.array(rule.site(*map(np.asarray, base)))
-        table[k, j] = [
-            offset
-            for offset in steps
-            if abs(math.dist(here, rule.site(*map(np.asarray, np.add(base, offset)))) - 1.0) <= TOUCHING
-        ]
-    return table
+    base = (6, 6 + j, 6 + k)  # well inside, so that every step stays in the same stacking
+    here = np.array(rule.site(*map(np.asarray, base)))
+    return [
+        offset
+        for offset in steps
+        if abs(math.dist(here, rule.site(*map(np.asarray, np.add(base, offset)))) - 1.0) <= TOUCHING
+    ]
+
+
+def _by_angle(directions: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Unit vectors in the order of their angle about z, from x on."""
+    angle = np.round(np.arctan2(directions[:, 1], directions[:, 0]) % (2 * np.pi), 9)
+    return directions[np.lexsort((directions[:, 2], angle))]
 
 
 def _still_inside(places: range, shift: int) -> int:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows.run.balance import TOLERANCE
 from granwave.workflows.run.driver import run_case
 from tests.conftest import script_of
@@ -54,7 +55,7 @@ def case_of(kind: str = "fcc", size: Any = (5, 5, 3), *, contact: Any = None, **
     packing = {"kind": kind, "size": list(size) if isinstance(size, tuple) else size, "diameter": D}
     packing |= sections.pop("packing", {})
     sections.setdefault("run", {"end_time": 1e-4})
-    return Case.from_dict(
+    return case_from_dict(
         {"name": "dented", "packing": packing, "material": "brass", "contact": contact or {}, **sections}
     )
 

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from granwave.lammps_inputs import Case, build_packing, sphere_contact, write_deck
+from granwave.lammps_inputs.load_case import case_from_dict
 
 BRASS = {"youngs_modulus": 115e9, "poisson_ratio": 0.3, "density": 8500.0, "yield_strength": 550e6}
 DIAMETER = 0.010
@@ -30,7 +31,7 @@ def make_case(
     kind: str = "fcc", size: Sequence[int] | int = (6, 6, 4), law: str = "elastoplastic", packing=(), **tables
 ) -> Case:
     """A case of brass; further keys of the packing, and further tables by name."""
-    return Case.from_dict(
+    return case_from_dict(
         {
             "name": f"synthetic-{kind}",
             "packing": {

@@ -12,6 +12,8 @@ from typing import Any
 from granwave.analysis import velocity_normalised
 from granwave.lammps_inputs import Case, sphere_contact
 from granwave.lammps_inputs.case.overrides import apply_overrides, parse_overrides
+from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.lammps_inputs.packing.assembly import assemble
 
 BASE = {
     "name": "synthetic",
@@ -78,7 +80,7 @@ def finish_point(folder: Path, labels: Labels) -> None:
 def case_of(labels: Labels) -> Case:
     """The case of one point."""
     words = [f"{key}={json.dumps(value) if isinstance(value, bool) else value}" for key, value in labels.items()]
-    return Case.from_dict(apply_overrides(BASE, parse_overrides(words)), "case")
+    return case_from_dict(apply_overrides(BASE, parse_overrides(words)), "case")
 
 
 def summary_of(case: Case) -> dict[str, Any]:
@@ -95,7 +97,7 @@ def summary_of(case: Case) -> dict[str, Any]:
     n_plastic = round(noise * 3 * (given / unit) ** 0.6) if yields else 0
     return {
         "name": case.name,
-        "n_spheres": case.lattice.n_spheres,
+        "n_spheres": assemble(case).lattice.n_spheres,
         "end_time_s": 1e-3,
         "energy_input_J": given,
         "dissipated_fraction": min(fraction, 1.0),
@@ -107,7 +109,7 @@ def summary_of(case: Case) -> dict[str, Any]:
         "velocity_normalised": reduced,
         "energy_input_normalised": given / unit if yields else None,
         "wall_impulse_Ns": 1e-3,
-        "wave_speed_m_s": noise * 350 * velocity**0.2 if case.lattice.shape[2] >= 9 else None,
+        "wave_speed_m_s": noise * 350 * velocity**0.2 if assemble(case).lattice.shape[2] >= 9 else None,
         "sphere_steps_per_s": 1e7,
         "n_ranks": 1,
         "end_reason": "end_time",

@@ -9,6 +9,7 @@ from granwave.analysis import Result, summarise, write_result
 from granwave.analysis.measures import dissipation
 from granwave.analysis.measures.planes import layers, planes, preferred_directions, section
 from granwave.lammps_inputs import Lattice, struck_spheres
+from granwave.lammps_inputs.packing.assembly import assemble
 from tests import synthetic
 
 SIZES = {
@@ -148,8 +149,8 @@ def test_beads_of_any_size_are_layers_of_their_own():
 def test_rays_pass_a_missing_sphere(tmp_path):
     """The third sphere of a ray is missing: two of its contacts are, those below it are there."""
     case = synthetic.make_case(size=(12, 12, 8))
-    struck = struck_spheres(case.lattice, 1)[0]
-    positions = case.lattice.positions(1, case.lattice.n_spheres)
+    struck = struck_spheres(assemble(case).lattice, 1)[0]
+    positions = assemble(case).lattice.positions(1, assemble(case).lattice.n_spheres)
     place = positions[struck - 1] + 2 * 0.01 * preferred_directions("fcc")[0]
     gone = 1 + int(np.argmin(np.linalg.norm(positions - place, axis=1)))
     synthetic.write_run(tmp_path, synthetic.make_case(size=(12, 12, 8), packing={"vacancies": [gone]}))

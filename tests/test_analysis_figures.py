@@ -12,6 +12,7 @@ from granwave.analysis.figures import packing3d, sphere_renderer
 from granwave.analysis.figures.run_figures import FIGURES
 from granwave.analysis.measures.bare_target import unprotected_peak
 from granwave.lammps_inputs import struck_spheres
+from granwave.lammps_inputs.packing.assembly import assemble
 from tests import synthetic
 
 MOVING = {"energies", "bottom_force", "target", "impactor_velocity"}
@@ -121,7 +122,7 @@ def test_data_beside_a_figure(tmp_path):
     drawn(tmp_path, case, dent=450.0)
     with open(tmp_path / "figures" / "peak_force_principal.csv") as file:
         rows = list(csv.DictReader(file))
-    struck = struck_spheres(case.lattice, 1)[0]
+    struck = struck_spheres(assemble(case).lattice, 1)[0]
     top = max(rows, key=lambda row: float(row["peak_force_over_yield_force"]))
     row = next(row for row in rows if int(row["id"]) == struck)
     assert float(row["across_m"]) == float(row["down_m"]) == 0

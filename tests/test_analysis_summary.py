@@ -13,6 +13,7 @@ from granwave.analysis import summarise, velocity_normalised, write_result
 from granwave.analysis.document import cells
 from granwave.analysis.lammps_output import time_series
 from granwave.lammps_inputs import sphere_contact, struck_spheres
+from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.workflows.cli.tables import summary_table
 from tests import synthetic
 
@@ -85,7 +86,7 @@ def test_promised_keys_and_known_values(tmp_path):
     assert set(PROMISED) <= set(summary)
     assert summary == json.loads((tmp_path / "summary.json").read_text())
     assert summary["n_spheres"] == 144
-    assert summary["n_contacts"] == case.lattice.n_contacts
+    assert summary["n_contacts"] == assemble(case).lattice.n_contacts
     assert summary["dissipated_fraction"] == pytest.approx(0.75, rel=1e-13)
     assert summary["energy_balance_error"] == pytest.approx(synthetic.BALANCE, rel=1e-6)
     assert summary["impactor_velocity_m_s"] == pytest.approx(-0.5)
@@ -127,7 +128,7 @@ def test_input_is_normalised_by_first_yield(tmp_path):
 def test_plastic_zone_counted_by_hand(tmp_path):
     """Dents decay as exp(-(d/D - 1/2)/1.2) from 40 alpha_y: they reach alpha_y at (1/2 + 1.2 ln 40) D."""
     summary, case = summary_of(tmp_path, size=(12, 12, 8))
-    lattice = case.lattice
+    lattice = assemble(case).lattice
     positions = lattice.positions(1, lattice.n_spheres)
     pairs = np.concatenate(list(lattice.pairs()))
     centre = positions[_struck(case) - 1]
@@ -143,7 +144,7 @@ def test_plastic_zone_counted_by_hand(tmp_path):
 
 
 def _struck(case):
-    return struck_spheres(case.lattice, 1)[0]
+    return struck_spheres(assemble(case).lattice, 1)[0]
 
 
 def test_hertz_has_no_plastic_zone(tmp_path):
@@ -156,14 +157,14 @@ def test_hertz_has_no_plastic_zone(tmp_path):
 
 def test_every_loaded_contact_of_the_bilinear_law_is_plastic(tmp_path):
     summary, case = summary_of(tmp_path, law="bilinear", dent=0.5)
-    assert summary["n_plastic_contacts"] == case.lattice.n_contacts
+    assert summary["n_plastic_contacts"] == assemble(case).lattice.n_contacts
     assert summary["contacts_beyond_law"] is None
 
 
 def test_loaded_contacts_are_those_that_bore_a_force(tmp_path):
     """Nothing touches at the start where diameters are scattered; contacts form all the same."""
     scattered, case = summary_of(tmp_path / "scattered", packing={"diameter_scatter": 5e-6}.items())
-    assert case.assembly.n_contacts == scattered["n_contacts"] == 0
+    assert assemble(case).n_contacts == scattered["n_contacts"] == 0
     dents = synthetic.make_case().lattice.n_contacts
     synthetic.write_run(tmp_path / "loaded", synthetic.make_case())
     path = tmp_path / "loaded" / "dumps" / "contacts.dump"
@@ -186,7 +187,7 @@ def test_contacts_beyond_the_law_are_counted(tmp_path):
     summary, case = summary_of(tmp_path, dent=430.0)
     law = sphere_contact(case)
     assert 0.2 * law.effective_radius / law.yield_overlap == pytest.approx(417.9, rel=1e-3)
-    coordination = len(case.lattice.neighbours(_struck(case)))
+    coordination = len(assemble(case).lattice.neighbours(_struck(case)))
     assert summary["contacts_beyond_law"] == coordination
     assert summary["contacts_beyond_half_law"] >= coordination
 

@@ -11,6 +11,7 @@ import pytest
 
 from granwave.analysis import universe, write_result
 from granwave.lammps_inputs import build_packing
+from granwave.lammps_inputs.packing.assembly import assemble
 from tests import synthetic
 
 
@@ -49,7 +50,7 @@ def test_selections_work_in_metres(run):
     u = universe(run)
     layer = u.select_atoms("prop z < 0.004")
     assert layer.n_atoms == 36
-    assert u.select_atoms("around 0.0101 id 15").n_atoms == len(synthetic.make_case().lattice.neighbours(15))
+    assert u.select_atoms("around 0.0101 id 15").n_atoms == len(assemble(synthetic.make_case()).lattice.neighbours(15))
 
 
 def test_universe_can_be_copied_and_pickled(run):
@@ -62,7 +63,7 @@ def test_universe_can_be_copied_and_pickled(run):
 def test_periodic_sides_give_dimensions(tmp_path):
     case = synthetic.make_case(size=(6, 6, 4), boundary={"sides": "periodic", "bottom": "fixed"})
     write_result(synthetic.write_run(tmp_path, case))
-    assert universe(tmp_path).dimensions[:2] == pytest.approx(case.lattice.lengths, rel=1e-6)
+    assert universe(tmp_path).dimensions[:2] == pytest.approx(assemble(case).lattice.lengths, rel=1e-6)
 
 
 def test_text_dump_opens_as_it_is(run):

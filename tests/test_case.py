@@ -9,9 +9,9 @@ from typing import Any
 
 import pytest
 
-from granwave.lammps_inputs.case.case import Case, load_case
 from granwave.lammps_inputs.case.overrides import apply_overrides, parse_override
 from granwave.lammps_inputs.errors import GranwaveError, InputError
+from granwave.lammps_inputs.load_case import case_from_dict, load_case
 
 MINIMAL: dict[str, Any] = {
     "packing": {"kind": "fcc", "size": [12, 12, 6], "diameter": 0.01},
@@ -31,7 +31,7 @@ TABLE = {"kind": "force", "shape": "table"}
 
 def faults_of(**changes: Any) -> list[str]:
     with pytest.raises(InputError) as caught:
-        Case.from_dict(changed(**changes), "my.toml")
+        case_from_dict(changed(**changes), "my.toml")
     return caught.value.faults
 
 
@@ -69,7 +69,7 @@ def test_defaults(file: Path) -> None:
     ],
 )
 def test_round_trip_through_toml(tmp_path: Path, changes: dict[str, Any]) -> None:
-    case = Case.from_dict(changed(**changes))
+    case = case_from_dict(changed(**changes))
     path = tmp_path / "again.toml"
     path.write_text(case.to_toml(resolved={"timestep": 1e-7, "walls": ("bottom",)}), encoding="utf-8")
     assert load_case(path) == case
@@ -345,7 +345,7 @@ def test_bad_cases(changes: dict[str, Any], fault: str) -> None:
 
 def test_missing_tables() -> None:
     with pytest.raises(InputError) as caught:
-        Case.from_dict({}, "my.toml")
+        case_from_dict({}, "my.toml")
     assert [line.split(":")[1].strip() for line in caught.value.faults] == ["packing", "material"]
 
 
@@ -396,7 +396,7 @@ def test_errors_are_builtins_too() -> None:
 class TestWarnings:
     def test_poisson_ratio_off_the_fit_names_the_exact_factor(self, caplog: pytest.LogCaptureFixture) -> None:
         with caplog.at_level(logging.WARNING, "granwave"):
-            Case.from_dict(changed(material__poisson_ratio=0.35))
+            case_from_dict(changed(material__poisson_ratio=0.35))
         assert "C = 1.67" in caplog.text
 
     @pytest.mark.parametrize("changes", [{"contact__yield_factor": 1.67}, {"contact__law": "hertz"}])
@@ -404,11 +404,11 @@ class TestWarnings:
         self, caplog: pytest.LogCaptureFixture, changes: dict[str, Any]
     ) -> None:
         with caplog.at_level(logging.WARNING, "granwave"):
-            Case.from_dict(changed(material__poisson_ratio=0.35, **changes))
+            case_from_dict(changed(material__poisson_ratio=0.35, **changes))
         assert caplog.text == ""
 
     def test_probed_spheres_apart(self, caplog: pytest.LogCaptureFixture) -> None:
         with caplog.at_level(logging.WARNING, "granwave"):
-            Case.from_dict(changed(output__probes=[{"contact": [1, 2]}, {"contact": [1, 3]}]))
+            case_from_dict(changed(output__probes=[{"contact": [1, 2]}, {"contact": [1, 3]}]))
         assert "(1, 3)" in caplog.text
         assert "(1, 2)" not in caplog.text

@@ -8,11 +8,12 @@ import pytest
 
 from granwave.analysis.studies.titles import bottom_words, impact_words, load_words, packing_words, time_words
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.load_case import case_from_dict
 
 
 def made(kind: str = "fcc", size: Any = (6, 5, 4), material: Any = "brass", **sections: Any) -> Case:
     packing = {"kind": kind, "size": list(size) if isinstance(size, tuple) else size, "diameter": 0.00952}
-    return Case.from_dict({"name": "words", "packing": packing, "material": material, **sections})
+    return case_from_dict({"name": "words", "packing": packing, "material": material, **sections})
 
 
 @pytest.mark.parametrize(

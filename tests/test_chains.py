@@ -14,6 +14,7 @@ from granwave.analysis import Result
 from granwave.analysis.figures.run_figures import draw_figures
 from granwave.analysis.result.chain import along
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows import run_case
 from tests import chain_twin as twin
 
@@ -27,7 +28,7 @@ PULSE = {"kind": "force", "shape": "half-sine", "amplitude": 4e3, "duration": 2e
 def case_of(size: int = 12, **tables: Any) -> Case:
     tables = {"boundary": {"bottom": "free"}, "contact": {"law": "elastoplastic"}, "run": {"end_time": 1.5e-4}} | tables
     packing = {"kind": "chain", "size": size, "diameter": DIAMETER}
-    return Case.from_dict({"name": "chain", "material": BRASS, "packing": packing} | tables)
+    return case_from_dict({"name": "chain", "material": BRASS, "packing": packing} | tables)
 
 
 def bead(material: dict[str, float], diameter: float = DIAMETER) -> twin.Bead:
@@ -182,5 +183,5 @@ def test_case_round_trip() -> None:
         sensor=[{"name": "A", "id": 2}],
         incident_bar={"length": 1.0, "area": 1e-4},
     )
-    again = Case.from_dict(tomllib.loads(case.to_toml(resolved={"n_spheres": 12})))
+    again = case_from_dict(tomllib.loads(case.to_toml(resolved={"n_spheres": 12})))
     assert again == case

@@ -16,6 +16,7 @@ from granwave.analysis.studies.chains.split_hopkinson import split_hopkinson
 from granwave.lammps_inputs.case.load import Load
 from granwave.lammps_inputs.deck.deck import write_deck
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.workflows import load_case, run_case
 from tests.chain_twin import Bar, Bead, Chain, rectangle
 
@@ -38,7 +39,7 @@ def lone_bars(tmp_path_factory: pytest.TempPathFactory) -> list[ChainRun]:
 
 def test_pulse_in_a_bar(lone_bars):
     run = lone_bars[1]
-    (bar,) = run.case.assembly.bars
+    (bar,) = run.assembly.bars
     found = passage(run, bar)
     assert found.speed == pytest.approx(SPEED, rel=2e-4)
     assert found.measured_impedance == pytest.approx(IMPEDANCE, rel=1e-3)
@@ -50,7 +51,7 @@ def test_pulse_in_a_bar(lone_bars):
 
 
 def test_errors_of_a_bar_fall_with_its_elements(lone_bars):
-    coarse, fine = (passage(run, run.case.assembly.bars[0]) for run in lone_bars)
+    coarse, fine = (passage(run, run.assembly.bars[0]) for run in lone_bars)
     assert abs(fine.energy - 1) < 0.3 * abs(coarse.energy - 1)  # of second order
     assert 0.5 < fine.deviation / coarse.deviation < 0.75  # 2^(-2/3) = 0.63: the pulse has kinks
 
@@ -183,6 +184,6 @@ def test_a_bar_that_is_too_short_is_told(caplog):
 
 
 def test_echo_of_a_bar_behind_another():
-    times = load_case("split-hopkinson").assembly.echoes()
+    times = assemble(load_case("split-hopkinson")).echoes()
     crossing = 2.0 / (200e9 / 8100) ** 0.5
     assert times == pytest.approx({"incident_bar": 3 * crossing, "bar": 3 * crossing})

@@ -14,10 +14,11 @@ from hypothesis import strategies as st
 
 from granwave._contact_laws import LAW_CONSTANTS, ContactLaw
 from granwave.lammps_inputs.case import sections
-from granwave.lammps_inputs.case.case import Case, load_case
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.law import flat_contact, sphere_contact
 from granwave.lammps_inputs.deck.deck import write_deck
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.load_case import case_from_dict, load_case
 from tests.conftest import script_of
 from tests.test_pair_style import PAIR, R, collide, restitution, value
 from tests.twin import CONSTANTS, PRINTED, LawTwin, Network
@@ -36,7 +37,7 @@ def law(**constants) -> ContactLaw:
 
 
 def case(**contact) -> Case:
-    return Case.from_dict({**SPHERES, "contact": contact}, "case")
+    return case_from_dict({**SPHERES, "contact": contact}, "case")
 
 
 def test_one_list_of_constants():

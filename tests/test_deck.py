@@ -10,11 +10,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from granwave.lammps_inputs.case.case import Case, load_case
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.law import flat_contact, sphere_contact
 from granwave.lammps_inputs.deck.deck import write_deck
 from granwave.lammps_inputs.deck.script import part
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.load_case import case_from_dict, load_case
+from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.packing import build_packing
 from granwave.lammps_inputs.planning.schedule import make_schedule
 from granwave.lammps_inputs.planning.timestep import auto_timestep, expected_peak_overlap
@@ -23,7 +25,7 @@ from granwave.lammps_inputs.planning.timestep import auto_timestep, expected_pea
 def make(size: Any = (6, 6, 4), kind: str = "fcc", diameter: float = 0.01, **sections: Any) -> Case:
     size = list(size) if isinstance(size, tuple) else size
     packing = {"kind": kind, "size": size, "diameter": diameter}
-    return Case.from_dict({"name": "test", "packing": packing, "material": "brass", **sections})
+    return case_from_dict({"name": "test", "packing": packing, "material": "brass", **sections})
 
 
 class TestTimestep:
@@ -124,7 +126,7 @@ class TestDataFile:
         case = make(boundary={"sides": "periodic"})
         text = write_deck(case, tmp_path).data.read_text()
         box = {m[3]: float(m[2]) - float(m[1]) for m in re.finditer(r"^(\S+) (\S+) (.)lo .hi$", text, re.M)}
-        assert (box["x"], box["y"]) == pytest.approx(case.lattice.lengths, rel=1e-14)
+        assert (box["x"], box["y"]) == pytest.approx(assemble(case).lattice.lengths, rel=1e-14)
 
 
 class TestDeck:
@@ -138,7 +140,7 @@ class TestDeck:
         deck = write_deck(make(boundary={"sides": "wall"}), tmp_path, timestep=5e-8)
         resolved = tomllib.loads((tmp_path / "case.toml").read_text())["resolved"]
         assert resolved["timestep"] == deck.schedule.timestep == 5e-8
-        assert resolved["n_contacts"] == deck.case.lattice.n_contacts
+        assert resolved["n_contacts"] == assemble(deck.case).lattice.n_contacts
         assert resolved["struck"] == list(deck.struck)
         assert resolved["walls"] == ["bottom", "xlo", "xhi", "ylo", "yhi"]
 
@@ -217,7 +219,7 @@ class TestScript:
         assert "probes.txt" not in script(tmp_path)
 
     def test_a_name_cannot_break_the_script(self, tmp_path: Path) -> None:
-        case = Case.from_dict({**make().to_dict(), "name": 'caf\u00e9 """ &'})
+        case = case_from_dict({**make().to_dict(), "name": 'caf\u00e9 """ &'})
         assert write_deck(case, tmp_path).script.read_text().startswith("# caf? ??? ?\n# Impact")
 
     def test_seven_struck(self, tmp_path: Path) -> None:

@@ -21,6 +21,8 @@ from granwave.lammps_inputs.deck.data_file import write_data
 from granwave.lammps_inputs.deck.deck import write_deck
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import KINDS
+from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.disorder import is_random
 from granwave.lammps_inputs.packing.packing import Packing, build_packing
 from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
@@ -46,15 +48,15 @@ def case_of(kind: str = "fcc", size: tuple[int, ...] | None = None, **tables: An
         "diameter": D,
         **tables.pop("packing", {}),
     }
-    return Case.from_dict({"name": "test", "packing": packing, "material": "brass", **tables})
+    return case_from_dict({"name": "test", "packing": packing, "material": "brass", **tables})
 
 
 def diameters(case: Case) -> np.ndarray:
-    return case.assembly.sphere_diameters()
+    return assemble(case).sphere_diameters()
 
 
 def around(sphere: int, case: Case | None = None) -> list[int]:
-    return (case or case_of()).lattice.neighbours(sphere)
+    return assemble(case or case_of()).lattice.neighbours(sphere)
 
 
 def all_gaps(packing: Packing) -> np.ndarray:
@@ -102,19 +104,19 @@ class TestDiameters:
         np.testing.assert_array_equal(packing.positions, build_packing(case_of(kind)).positions)
         gaps = all_gaps(packing)
         assert gaps.min() >= 0
-        pairs = case_of(kind, boundary={"sides": sides}).assembly.contacts() - 1
+        pairs = assemble(case_of(kind, boundary={"sides": sides})).contacts() - 1
         found = diameters(case)
         expected = D - (found[pairs[:, 0]] + found[pairs[:, 1]]) / 2
         assert gaps[pairs[:, 0], pairs[:, 1]] == pytest.approx(expected, abs=1e-12 * D)
         assert np.median(expected) == pytest.approx(band / 2, rel=0.2)
-        assert len(packing.contacts) == case.assembly.n_contacts == np.count_nonzero(gaps <= 1e-6 * D) / 2
-        assert case.assembly.n_neighbours == len(pairs)
+        assert len(packing.contacts) == assemble(case).n_contacts == np.count_nonzero(gaps <= 1e-6 * D) / 2
+        assert assemble(case).n_neighbours == len(pairs)
 
     def test_a_narrow_tolerance_leaves_some_contacts(self) -> None:
         case = case_of(size=(20, 20, 10), packing={"diameter_scatter": 1e-7})
         packing = build_packing(case)
-        assert 0 < case.assembly.n_contacts == len(packing.contacts) < case.assembly.n_neighbours
-        assert packing.coordination.sum() == 2 * case.assembly.n_contacts
+        assert 0 < assemble(case).n_contacts == len(packing.contacts) < assemble(case).n_neighbours
+        assert packing.coordination.sum() == 2 * assemble(case).n_contacts
         assert np.abs(packing.gaps(packing.contacts)).max() <= 1e-6 * D
 
     def test_the_tolerance_counts_from_each_nominal_diameter(self) -> None:
@@ -129,9 +131,9 @@ class TestDiameters:
         replaced = [{"index": {"first": 2, "last": 12}, "diameter": 0.006}, {"index": 5, "diameter": 0.02}]
         stacked = case_of("chain", replace=replaced)
         case = case_of("chain", replace=replaced, packing={"diameter_scatter": 1e-4})
-        np.testing.assert_array_equal(case.assembly.positions(), stacked.assembly.positions())
-        assert case.assembly.bottom() == stacked.assembly.bottom() == pytest.approx(0.005 + 0.02 + 10 * 0.006)
-        assert stacked.assembly.n_contacts == 11 and case.assembly.n_contacts == 0
+        np.testing.assert_array_equal(assemble(case).positions(), assemble(stacked).positions())
+        assert assemble(case).bottom() == assemble(stacked).bottom() == pytest.approx(0.005 + 0.02 + 10 * 0.006)
+        assert assemble(stacked).n_contacts == 11 and assemble(case).n_contacts == 0
         assert all_gaps(build_packing(case)).min() >= 0 and abs(all_gaps(build_packing(stacked)).min()) < 1e-16
 
     def test_walls_stand_where_nominal_spheres_touch_them(self) -> None:
@@ -148,10 +150,10 @@ class TestSeed:
 
     def test_same_seed_same_bits(self, tmp_path: Path) -> None:
         for n in (1, 2):
-            write_data(case_of(**self.TABLES), tmp_path / str(n))
+            write_data(assemble(case_of(**self.TABLES)), tmp_path / str(n))
         assert (tmp_path / "1").read_bytes() == (tmp_path / "2").read_bytes()
         other = self.TABLES | {"packing": self.TABLES["packing"] | {"seed": 4}}
-        write_data(case_of(**other), tmp_path / "3")
+        write_data(assemble(case_of(**other)), tmp_path / "3")
         assert (tmp_path / "3").read_bytes() != (tmp_path / "1").read_bytes()
 
     def test_one_is_the_default(self) -> None:
@@ -172,17 +174,17 @@ class TestSeed:
 
     def test_choices_are_those_of_every_version_and_machine(self) -> None:
         case = case_of(packing={"vacancies": 0.02, "seed": 7}, replace=[{"share": 0.02, "material": "steel"}])
-        gone = np.setdiff1d(np.arange(1, 337), case.assembly.ids)
+        gone = np.setdiff1d(np.arange(1, 337), assemble(case).ids)
         assert gone.tolist() == [83, 156, 177, 245, 310, 328, 334]
-        assert sorted(case.assembly.materials) == [40, 106, 113, 129, 258, 275, 281]
+        assert sorted(assemble(case).materials) == [40, 106, 113, 129, 258, 275, 281]
 
     def test_no_change_of_one_changes_another(self) -> None:
-        full = case_of(**self.TABLES).assembly.sites
+        full = assemble(case_of(**self.TABLES)).sites
         assert full is not None
         packing, (steel, small) = self.TABLES["packing"], self.TABLES["replace"]
         for left_out in ("diameter_scatter", "vacancies"):
             fewer = case_of(packing={k: v for k, v in packing.items() if k != left_out}, replace=[steel, small])
-            sites = fewer.assembly.sites
+            sites = assemble(fewer).sites
             assert sites is not None
             if left_out == "diameter_scatter":
                 np.testing.assert_array_equal(sites.present, full.present)
@@ -191,14 +193,14 @@ class TestSeed:
             else:
                 losses = [(one.nominal - one.diameter)[full.present] for one in (sites, full)]
                 np.testing.assert_allclose(*losses, rtol=0, atol=2e-17)
-        one = case_of(packing=packing, replace=[steel]).assembly.sites
+        one = assemble(case_of(packing=packing, replace=[steel])).sites
         assert one is not None
         np.testing.assert_array_equal(one.kind == 1, (full.kind == 1) | (one.kind == 1) & (full.nominal < D))
 
     def test_the_three_streams_are_not_one(self) -> None:
         packing = {"diameter_scatter": D / 4, "vacancies": 0.3}
         replaced = [{"share": 0.3, "material": "steel"}, {"share": 0.3, "diameter": 0.009}]
-        sites = case_of(size=(30, 30, 10), packing=packing, replace=replaced).assembly.sites
+        sites = assemble(case_of(size=(30, 30, 10), packing=packing, replace=replaced)).sites
         assert sites is not None
         loss = sites.nominal - sites.diameter
         steel, small = sites.kind == 1, sites.nominal < D
@@ -211,7 +213,7 @@ class TestSeed:
     def test_a_wider_band_stretches_and_a_larger_share_contains_a_smaller_one(self) -> None:
         narrow, wide = (D - diameters(case_of(packing={"diameter_scatter": s})) for s in (1e-6, 1e-4))
         np.testing.assert_allclose(wide, 100 * narrow, rtol=0, atol=1e-15)
-        few, many = (set(case_of(packing={"vacancies": share}).assembly.ids.tolist()) for share in (0.05, 0.2))
+        few, many = (set(assemble(case_of(packing={"vacancies": share})).ids.tolist()) for share in (0.05, 0.2))
         assert many < few
 
     def test_what_is_random(self) -> None:
@@ -233,10 +235,10 @@ class TestVacancies:
         np.testing.assert_array_equal(packing.rows(packing.ids), np.arange(len(kept)))
         expected = full.contacts[~np.isin(full.contacts, [1, 17, 300]).any(axis=1)]
         np.testing.assert_array_equal(packing.contacts, expected)
-        assert (case.assembly.n_spheres, case.assembly.n_contacts) == (333, len(expected))
-        assert case.assembly.last_sphere == 336 and not case.assembly.plain
+        assert (assemble(case).n_spheres, assemble(case).n_contacts) == (333, len(expected))
+        assert assemble(case).last_sphere == 336 and not assemble(case).plain
         np.testing.assert_array_equal(packing.coordination, np.bincount(expected.ravel(), minlength=337)[kept])
-        write_data(case, tmp_path / "data")
+        write_data(assemble(case), tmp_path / "data")
         text = (tmp_path / "data").read_text().split("Atoms # sphere: id type diameter density x y z")
         assert "\n333 atoms\n" in text[0]
         rows = np.array([row.split() for row in text[1].split("\n") if row], dtype=float)
@@ -254,11 +256,11 @@ class TestVacancies:
             striker=[{"touches": 4}],
             load={"kind": "impact"},
         )
-        n = case.lattice.n_spheres
-        assert len(case.assembly.sites.ids) == n - round(n / 2)
-        named = {*struck_spheres(case.lattice, 1), 2, 3, 4, 5, 7, 8, 9}
-        assert named <= set(case.assembly.ids.tolist())
-        assert case.assembly.ids[-1] == n + 1 and len(case.assembly.positions()) == case.assembly.n_spheres
+        n = assemble(case).lattice.n_spheres
+        assert len(assemble(case).sites.ids) == n - round(n / 2)
+        named = {*struck_spheres(assemble(case).lattice, 1), 2, 3, 4, 5, 7, 8, 9}
+        assert named <= set(assemble(case).ids.tolist())
+        assert assemble(case).ids[-1] == n + 1 and len(assemble(case).positions()) == assemble(case).n_spheres
 
     def test_a_striker_can_sit_in_one(self) -> None:
         """In a square packing, between the two spheres beside a vacancy at the edge, as near as their diameters let it."""
@@ -271,7 +273,7 @@ class TestVacancies:
 
     def test_they_are_anywhere(self) -> None:
         case = case_of(size=(40, 40, 25), packing={"vacancies": 0.1})
-        gone = np.setdiff1d(np.arange(1, 40_001), case.assembly.ids)
+        gone = np.setdiff1d(np.arange(1, 40_001), assemble(case).ids)
         assert len(gone) == 4000
         assert stats.kstest(gone / 40_000, "uniform").pvalue > 1e-3
         assert stats.chisquare(np.bincount((gone - 1) % 40, minlength=40)).pvalue > 1e-3
@@ -282,16 +284,19 @@ class TestReplaced:
         box = {"low": [0, 0, 0], "high": [1, 1, 0.001]}
         case = case_of(replace=[box | {"material": "steel", "diameter": 0.009}, {"index": 3, "material": "ptfe"}],
                        contact={"law": "hertz"})  # fmt: skip
-        top = case.lattice.n_spheres // 6
-        names = [case.assembly.material_of(sphere).name for sphere in (1, 2, 3, top, top + 1)]
+        top = assemble(case).lattice.n_spheres // 6
+        names = [assemble(case).material_of(sphere).name for sphere in (1, 2, 3, top, top + 1)]
         assert names == ["steel", "steel", "ptfe", "steel", "brass"]
-        assert [case.assembly.diameter_of(sphere) for sphere in (1, 3, top, top + 1)] == [0.009, D, 0.009, D]
-        assert len(case.assembly.diameters) == top - 1 and len(case.assembly.materials) == top
+        assert [assemble(case).diameter_of(sphere) for sphere in (1, 3, top, top + 1)] == [0.009, D, 0.009, D]
+        assert len(assemble(case).diameters) == top - 1 and len(assemble(case).materials) == top
 
     def test_smaller_ones_leave_gaps(self) -> None:
         case = case_of(replace=[{"index": INNER, "diameter": 0.009}])
         packing = build_packing(case)
-        assert packing.coordination[INNER - 1] == 0 and case.assembly.n_contacts == case_of().lattice.n_contacts - 12
+        assert (
+            packing.coordination[INNER - 1] == 0
+            and assemble(case).n_contacts == assemble(case_of()).lattice.n_contacts - 12
+        )
         assert np.sort(all_gaps(packing)[INNER - 1])[:12] == pytest.approx(0.0005, rel=1e-9)
 
     def test_larger_ones_next_to_vacancies_can_touch_beyond_neighbours(self) -> None:
@@ -302,7 +307,7 @@ class TestReplaced:
         pairs = np.argwhere(gaps <= 1e-6 * D)
         expected = packing.ids[pairs[pairs[:, 0] < pairs[:, 1]]]
         np.testing.assert_array_equal(packing.contacts, expected)
-        assert np.count_nonzero(expected == INNER) == 6 and case.assembly.n_contacts == len(expected)
+        assert np.count_nonzero(expected == INNER) == 6 and assemble(case).n_contacts == len(expected)
 
     def test_images_of_larger_ones_count(self) -> None:
         """Sphere 61 is at two faces of the box: its neighbours across them must go too."""
@@ -311,7 +316,7 @@ class TestReplaced:
         fits = case_of("sc", packing={"vacancies": near}, boundary=periodic, replace=ball)
         assert len(near) == 6 and all_gaps(build_packing(fits)).min() > -1e-15
         inside = around(61, case_of("sc"))
-        assert case_of("sc", packing={"vacancies": inside}, replace=ball, boundary={"bottom": "free"}).assembly
+        assert assemble(case_of("sc", packing={"vacancies": inside}, replace=ball, boundary={"bottom": "free"}))
         with pytest.raises(InputError, match=r"sphere 61 of 0.018 m overlaps sphere \d+ by 0.004 m \(and 1 more"):
             case_of("sc", packing={"vacancies": inside}, boundary=periodic, replace=ball)
 
@@ -323,8 +328,8 @@ class TestReplaced:
 
     def test_a_share_of_the_spheres_that_there_are(self) -> None:
         case = case_of(packing={"vacancies": 0.25}, replace=[{"share": 0.5, "material": "steel"}])
-        assert case.assembly.n_spheres == 252 and len(case.assembly.materials) == 126
-        assert set(case.assembly.materials) < set(case.assembly.ids.tolist())
+        assert assemble(case).n_spheres == 252 and len(assemble(case).materials) == 126
+        assert set(assemble(case).materials) < set(assemble(case).ids.tolist())
 
 
 class TestTimestep:
@@ -340,7 +345,7 @@ class TestTimestep:
     def test_thousands_of_diameters_cost_nothing(self) -> None:
         tables = {"packing": {"diameter_scatter": 4e-3}, "replace": [{"share": 0.5, "material": "steel"}]}
         case = case_of(size=(40, 40, 30), **tables)
-        _ = case.assembly
+        _ = assemble(case)
         start = time.process_time()
         found = plan(case)
         assert time.process_time() - start < 2
@@ -361,7 +366,7 @@ def test_155520_spheres_take_no_time() -> None:
     }
     start = time.process_time()
     case = case_of(size=(72, 72, 30), **tables)
-    assert case.assembly.n_contacts >= 0 and len(case.assembly.positions()) == 153_965
+    assert assemble(case).n_contacts >= 0 and len(assemble(case).positions()) == 153_965
     assert time.process_time() - start < 2
 
 
@@ -390,7 +395,7 @@ def ran(tmp_path_factory: pytest.TempPathFactory) -> Ran:
 
 
 def test_the_balance_of_a_disordered_packing_closes(ran: Ran) -> None:
-    assert ran.summary["n_spheres"] == ran.case.assembly.n_spheres == 310
+    assert ran.summary["n_spheres"] == assemble(ran.case).n_spheres == 310
     assert ran.summary["energy_balance_error"] < 1e-5
     energy = read_energy(ran.directory)
     assert energy["dissipated"][-1] > 0.1 * energy["input"][-1]
@@ -436,5 +441,5 @@ def test_a_tolerance_delays_and_lowers_what_arrives(lmp, tmp_path: Path) -> None
 
 def test_listed_seeds_without_chance_are_no_fault(caplog: pytest.LogCaptureFixture) -> None:
     with caplog.at_level(logging.WARNING, logger="granwave"):
-        assert case_of(packing={"seed": 7}).assembly.plain
+        assert assemble(case_of(packing={"seed": 7})).plain
     assert not caplog.records

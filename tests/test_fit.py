@@ -21,10 +21,10 @@ from granwave.analysis.contact_law.fit import YIELD, fit_law
 from granwave.analysis.contact_law.fit_output import fit_toml
 from granwave.analysis.contact_law.measured_curve import Curve, curve_of, read_curve
 from granwave.analysis.figures.style import write_csv
-from granwave.lammps_inputs.case.case import load_case
 from granwave.lammps_inputs.case.material import material, sphere_mass
 from granwave.lammps_inputs.contact.law import contact_of, sphere_contact
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.load_case import load_case
 from granwave.workflows.cli.fitting import fit
 from tests.test_contact_constants import OTHER
 

@@ -15,6 +15,7 @@ from granwave.analysis.result.pair_laws import pair_laws
 from granwave.analysis.result.trajectory import GROUP
 from granwave.lammps_inputs import Lattice, build_packing
 from granwave.lammps_inputs.contact.law import pair_contact
+from granwave.lammps_inputs.packing.assembly import assemble
 from tests import synthetic
 
 
@@ -218,7 +219,7 @@ def test_rows_are_found_where_spheres_are_missing(tmp_path):
         lost = result["contacts/dissipated_energy"].sum()
         assert result["spheres/dissipated_energy"].sum() == pytest.approx(lost, rel=1e-13)
         assert dissipation_mismatch(result) < 1e-14
-        assert np.array_equal(result.origin, case.lattice.positions(1, 144)[result.struck[0] - 1])
+        assert np.array_equal(result.origin, assemble(case).lattice.positions(1, 144)[result.struck[0] - 1])
 
 
 def test_friction_is_part_of_the_dissipation_and_stands_apart(tmp_path):
@@ -263,8 +264,8 @@ def test_radii_of_their_own_change_the_laws():
     """alpha_y is in proportion to R*: that of every pair is that of its law."""
     replaced = [{"index": [40, 41], "diameter": 0.008, "material": "steel"}]
     case = synthetic.make_case(packing={"diameter_scatter": 4e-6}, replace=replaced)
-    assembly = case.assembly
-    pairs = np.concatenate(list(case.lattice.pairs()))
+    assembly = assemble(case)
+    pairs = np.concatenate(list(assemble(case).lattice.pairs()))
     types = np.array([[assembly.type_of(assembly.material_of(one)) for one in pair] for pair in pairs.tolist()])
     radii = np.array([[assembly.diameter_of(one) / 2 for one in pair] for pair in pairs.tolist()])
     found = pair_laws(case, types, radii)

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from granwave.lammps_inputs.case.case import load_case
 from granwave.lammps_inputs.case.material import load_materials, material, presets
 from granwave.lammps_inputs.case.yield_factor import hertz_von_mises_yield_factor
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.load_case import load_case
 
 PACKING = '[packing]\nkind = "chain"\nsize = 5\ndiameter = 0.01\n'
 

@@ -10,6 +10,7 @@ import pytest
 
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.lattices import KINDS, Lattice
+from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.packing import Packing, build_packing
 from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
 from granwave.lammps_inputs.packing.walls import walls
@@ -20,7 +21,7 @@ INSIDE = {"fcc": 12, "hcp": 12, "bcc": 8, "sc": 6, "square": 4, "chain": 2}
 
 def make_case(kind: str, size: tuple[int, ...], **sections: Any) -> Case:
     packing = {"kind": kind, "size": list(size) if len(size) > 1 else size[0], "diameter": D}
-    return Case.from_dict({"name": "test", "packing": packing, "material": "brass", **sections})
+    return case_from_dict({"name": "test", "packing": packing, "material": "brass", **sections})
 
 
 def make(kind: str, size: tuple[int, ...], periodic: bool = False) -> Packing:

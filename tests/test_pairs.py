@@ -13,11 +13,12 @@ import numpy as np
 import pytest
 
 from granwave.analysis.figures.style import write_csv
-from granwave.lammps_inputs.case.case import Case, load_case
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import material
 from granwave.lammps_inputs.contact.law import contact_of, flat_contact, pair_contact, sphere_contact
 from granwave.lammps_inputs.deck.deck import write_deck
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.load_case import case_from_dict, load_case
 from granwave.workflows.cli.fitting import fit
 from granwave.workflows.run.balance import TOLERANCE
 from granwave.workflows.run.driver import run_case
@@ -28,7 +29,7 @@ R = 0.005
 
 def make(kind: str = "chain", size: Any = 4, **sections: Any) -> Case:
     packing = {"kind": kind, "size": size, "diameter": 2 * R}
-    return Case.from_dict({"name": "pairs", "packing": packing, "material": "brass", **sections})
+    return case_from_dict({"name": "pairs", "packing": packing, "material": "brass", **sections})
 
 
 def script(case: Case, directory: Path) -> str:
@@ -90,7 +91,7 @@ class TestFrictionInDecks:
         assert found["1 2"].endswith("friction 0.5") and found["bottom"].endswith("friction 0.2")
         assert found["2 2"] == "hertz 2.1e+11 0.3"
         assert "friction" not in found["1 1"] and "friction" not in found["bottom_2"]
-        assert Case.from_dict(case.to_dict()) == case
+        assert case_from_dict(case.to_dict()) == case
 
     def test_faces_of_bars_have_none_and_nodes_do_not_turn(self, tmp_path: Path) -> None:
         bar = {"length": 0.1, "area": 1e-4, "elements": 5, "material": "steel"}

@@ -12,6 +12,7 @@ import pytest
 
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.planning.plan import Plan, check_memory, plan
 from granwave.workflows.cli.commands import plan_table
 from granwave.workflows.run.progress import Progress
@@ -28,7 +29,7 @@ PERIODIC = {"sides": "periodic"}
 
 def make(size: Any = (12, 12, 8), packing: dict[str, Any] | None = None, **tables: Any) -> Case:
     table = {"kind": "fcc", "size": list(size), "diameter": 0.01, **(packing or {})}
-    return Case.from_dict({"name": "test", "packing": table, "material": "brass", **tables})
+    return case_from_dict({"name": "test", "packing": table, "material": "brass", **tables})
 
 
 def steps(**tables: Any) -> float:

@@ -18,6 +18,8 @@ from granwave.lammps_inputs.contact.law import flat_contact, sphere_contact
 from granwave.lammps_inputs.contact.static_load import dead_loads, force_of_contact
 from granwave.lammps_inputs.deck.deck import write_deck
 from granwave.lammps_inputs.errors import InputError, RunError
+from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.workflows.run import driver
 from granwave.workflows.run.balance import TOLERANCE
 
@@ -30,7 +32,7 @@ def make(kind: str = "chain", size: Any = 12, **sections: Any) -> Case:
     packing = {"kind": kind, "size": size, "diameter": D} | sections.pop("packing", {})
     sections.setdefault("precompression", {"kind": "uniaxial", "force": FORCE})
     sections.setdefault("run", QUIET)
-    return Case.from_dict({"name": "static", "packing": packing, **{"material": "brass", **sections}})
+    return case_from_dict({"name": "static", "packing": packing, **{"material": "brass", **sections}})
 
 
 def ran(case: Case, directory: Path, **options: Any) -> dict[str, Any]:
@@ -72,7 +74,7 @@ class TestChain:
         position, displacement = frame(directory, 0)
         overlap = D - np.diff((position + displacement)[:, 2])
         assert overlap == pytest.approx((FORCE / hertz(case)) ** (2 / 3), rel=1e-6)
-        gap = case.assembly.bottom() - D / 2 - (position + displacement)[-1, 2]
+        gap = assemble(case).bottom() - D / 2 - (position + displacement)[-1, 2]
         wall = flat_contact(case, 1)
         stiff = 4 / 3 * wall.effective_modulus * math.sqrt(wall.effective_radius)
         assert -gap == pytest.approx((FORCE / stiff) ** (2 / 3), rel=1e-6)
@@ -126,15 +128,15 @@ class TestPackings:
     def test_fcc_under_uniform_pressure(self, tmp_path: Path) -> None:
         """Every contact bears p D^2/(2 sqrt 2)."""
         case = make("fcc", [6, 6, 4], precompression={"kind": "uniform", "pressure": 1e5})
-        assert force_of_contact(case) == pytest.approx(1e5 * D**2 / (2 * math.sqrt(2)))
+        assert force_of_contact(assemble(case)) == pytest.approx(1e5 * D**2 / (2 * math.sqrt(2)))
         ran(case, tmp_path / "r")
         found = table(tmp_path / "r" / "dumps" / "prestage.txt")
-        assert found["largest_force"] == pytest.approx(force_of_contact(case), rel=1e-3)
-        assert found["contacts"] == case.assembly.n_contacts
+        assert found["largest_force"] == pytest.approx(force_of_contact(assemble(case)), rel=1e-3)
+        assert found["contacts"] == assemble(case).n_contacts
         position, displacement = frame(tmp_path / "r", 0)
-        pairs = case.assembly.contacts() - 1
+        pairs = assemble(case).contacts() - 1
         apart = np.linalg.norm(np.diff((position + displacement)[pairs], axis=1)[:, 0], axis=1)
-        assert D - apart == pytest.approx((force_of_contact(case) / hertz(case)) ** (2 / 3), rel=2e-3)
+        assert D - apart == pytest.approx((force_of_contact(assemble(case)) / hertz(case)) ** (2 / 3), rel=2e-3)
 
     def test_periodic_fcc_under_a_uniaxial_pressure(self, tmp_path: Path) -> None:
         """Three contacts hand on the load of a sphere; layers come closer, those in a layer stay a diameter apart."""
@@ -158,9 +160,9 @@ class TestPackings:
         """On each face, pressure times area; together nothing."""
         for kind, size in (("fcc", [9, 10, 8]), ("hcp", [8, 8, 8]), ("sc", [5, 6, 7]), ("square", [6, 7])):
             stage = {"kind": "uniform", "pressure": 1e3}
-            _, force = dead_loads(make(kind, size, precompression=stage, boundary={"bottom": "free"}))
+            _, force = dead_loads(assemble(make(kind, size, precompression=stage, boundary={"bottom": "free"})))
             assert np.abs(force.sum(axis=0)).max() < 1e-9
-        _, force = dead_loads(make("sc", [5, 6, 7], precompression={"kind": "uniform", "pressure": 1e3}))
+        _, force = dead_loads(assemble(make("sc", [5, 6, 7], precompression={"kind": "uniform", "pressure": 1000.0})))
         assert force[:, 2].sum() == pytest.approx(1e3 * 30 * D**2)
         assert force[force[:, 0] > 0, 0].sum() == pytest.approx(1e3 * 42 * D**2)
 
@@ -178,7 +180,7 @@ class TestPackings:
         assert found["residual"] <= 1e-6
         assert summary["energy_balance_error"] < TOLERANCE
         if stage["kind"] == "gravity":
-            weight = case.assembly.sphere_masses().sum() * 9.81
+            weight = assemble(case).sphere_masses().sum() * 9.81
             assert table(tmp_path / "r" / "dumps" / "walls.txt")["bottom"][0] == pytest.approx(weight, rel=1e-6)
 
     def test_scattered_diameters_where_nothing_holds_the_packing(self, tmp_path: Path) -> None:
@@ -191,8 +193,8 @@ class TestPackings:
         found = table(tmp_path / "r" / "dumps" / "prestage.txt")
         assert found["residual"] <= 1e-6
         _, displacement = frame(tmp_path / "r", 0)
-        moment = case.assembly.sphere_masses() @ displacement
-        assert np.abs(moment).max() < 1e-9 * case.assembly.sphere_masses().sum() * D
+        moment = assemble(case).sphere_masses() @ displacement
+        assert np.abs(moment).max() < 1e-9 * assemble(case).sphere_masses().sum() * D
 
     def test_impact_on_top(self, tmp_path: Path) -> None:
         """The balance closes with contacts that yield, friction, and a plate that gives way."""
@@ -319,5 +321,5 @@ class TestRefused:
 
 def test_case_file_keeps_it() -> None:
     case = make("fcc", [5, 5, 3], precompression={"kind": "uniform", "pressure": 1e4})
-    assert Case.from_dict(case.to_dict()) == case
+    assert case_from_dict(case.to_dict()) == case
     assert dataclasses.asdict(case)["precompression"]["pressure"] == 1e4

@@ -11,11 +11,12 @@ import h5py
 import numpy as np
 import pytest
 
-from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.initial_dents import contacts_at_start, dents_table
 from granwave.lammps_inputs.contact.law import pair_contact, sphere_contact
 from granwave.lammps_inputs.deck.deck import write_deck
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.workflows.run.driver import run_case
 from tests.dented import case_of, ran
 
@@ -28,8 +29,8 @@ def dents(text: str) -> dict[tuple[str, int], float]:
 class TestTable:
     def test_a_value_is_for_all_that_touch(self) -> None:
         case = case_of(contact={"initial_overlap": 5e-6})
-        found = dents(dents_table(case))
-        between = {(str(i), j) for i, j in case.assembly.contacts().tolist()}
+        found = dents(dents_table(assemble(case)))
+        between = {(str(i), j) for i, j in assemble(case).contacts().tolist()}
         on_floor = {("bottom", sphere) for sphere in range(51, 76)}
         assert set(found) == between | on_floor
         assert set(found.values()) == {5e-6}
@@ -38,13 +39,13 @@ class TestTable:
         case = case_of(
             size=(4, 4, 3), contact={"initial_overlap": 5e-6}, boundary={"sides": "periodic", "bottom": "free"}
         )
-        assert len(dents(dents_table(case))) == case.assembly.n_contacts
+        assert len(dents(dents_table(assemble(case)))) == assemble(case).n_contacts
 
     def test_of_a_force(self) -> None:
         case = case_of(
             "chain", 4, contact={"initial_overlap": {"force": 300.0}}, replace=[{"index": 2, "diameter": 0.02}]
         )
-        found = dents(dents_table(case))
+        found = dents(dents_table(assemble(case)))
         for pair in ((1, 2), (3, 4)):
             law = pair_contact(case, *pair)
             peak = found[str(pair[0]), pair[1]]
@@ -56,29 +57,31 @@ class TestTable:
             {"overlap": 5e-6, "high": [1, 1, 1.4e-2]},
             {"overlap": 9e-6, "low": [-1, -1, 0], "high": [1, 1, 9e-3]},
         ]
-        found = dents(dents_table(case_of("chain", 4, contact={"initial_overlap": regions})))
+        found = dents(dents_table(assemble(case_of("chain", 4, contact={"initial_overlap": regions}))))
         assert found == {("1", 2): 9e-6}  # at z = 5, 15, 25 and, with the wall, 35 mm
         regions = [{"overlap": 5e-6, "high": [1, 1, 1.6e-2]}, {"overlap": 0.0, "high": [1, 1, 9e-3]}]
         case = case_of("chain", 4, contact={"initial_overlap": regions})
-        assert dents(dents_table(case)) == {("2", 3): 5e-6}
-        assert Case.from_dict(tomllib.loads(case.to_toml())) == case
+        assert dents(dents_table(assemble(case))) == {("2", 3): 5e-6}
+        assert case_from_dict(tomllib.loads(case.to_toml())) == case
 
     def test_scattered_spheres_that_do_not_touch_have_dents_too(self) -> None:
         case = case_of(packing={"diameter_scatter": 5e-6, "vacancies": [19]}, contact={"initial_overlap": 5e-6})
-        found = dents(dents_table(case))
-        assert len(found) == case.assembly.n_neighbours + 25
+        found = dents(dents_table(assemble(case)))
+        assert len(found) == assemble(case).n_neighbours + 25
         assert not any(first == "19" or second == 19 for first, second in found)
 
     def test_what_never_yields_has_none(self) -> None:
         case = case_of("chain", 3, contact={"initial_overlap": 5e-6}, replace=[{"index": 2, "material": "steel"}],
                     pair=[{"materials": ["brass", "steel"], "law": "hertz"}])  # fmt: skip
-        assert set(dents(dents_table(case))) == {("bottom", 3)}
-        assert not dents(dents_table(case_of("chain", 3, contact={"initial_overlap": 5e-7})))  # below first yield
+        assert set(dents(dents_table(assemble(case)))) == {("bottom", 3)}
+        assert not dents(
+            dents_table(assemble(case_of("chain", 3, contact={"initial_overlap": 5e-07})))
+        )  # below first yield
 
     def test_faces_of_bars(self) -> None:
         case = case_of("chain", 2, contact={"initial_overlap": 5e-6}, bar={"length": 0.1, "area": 1e-4, "elements": 10})
-        assert set(dents(dents_table(case))) == {("1", 2), ("3", 2)}
-        assert [meetings.place[0, 2] for meetings in contacts_at_start(case)] == pytest.approx([0.005, 0.015])
+        assert set(dents(dents_table(assemble(case)))) == {("1", 2), ("3", 2)}
+        assert [meetings.place[0, 2] for meetings in contacts_at_start(assemble(case))] == pytest.approx([0.005, 0.015])
 
 
 class TestRuns:
@@ -150,7 +153,7 @@ class TestRefused:
             (4, {"diameter_scatter": 1e-6}, r"with a diameter off by"),
         ):
             with pytest.raises(InputError, match=f"is of another packing: .*{message}"):
-                dents_table(case_of("chain", size, contact=given, packing=packing))
+                dents_table(assemble(case_of("chain", size, contact=given, packing=packing)))
 
     def test_nothing_is_overwritten(self, tmp_path: Path) -> None:
         ran(case_of("chain", 4, run={"end_time": 1e-6}), tmp_path / "r")

@@ -18,8 +18,8 @@ from granwave.analysis.studies.protection.runs import TargetRun, collect, names,
 from granwave.analysis.studies.protection.studies import studies
 from granwave.analysis.studies.protection.theory import HertzImpact, after_impulse, response
 from granwave.analysis.studies.study import draw_studies
-from granwave.lammps_inputs.case.case import load_case
 from granwave.lammps_inputs.case.sections import Run
+from granwave.lammps_inputs.load_case import load_case
 from granwave.workflows import load_scan, run_case
 
 CASES = Path(__file__).parents[1] / "workflows" / "cases"

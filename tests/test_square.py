@@ -16,9 +16,10 @@ from granwave.analysis.studies.square import pulses
 from granwave.analysis.studies.square.regions import groups, regions, settled
 from granwave.analysis.studies.square.runs import PackingRun, collect
 from granwave.analysis.studies.square.studies import studies
-from granwave.lammps_inputs.case.case import Case, load_case
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import material
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.load_case import case_from_dict, load_case
 from granwave.workflows import run_case
 
 CASES = Path(__file__).parents[1] / "workflows" / "cases"
@@ -154,7 +155,7 @@ def test_a_lighter_sphere_in_a_chain_reflects_little(tmp_path: Path) -> None:
 
 def square(**tables: Any) -> Case:
     packing = {"kind": "square", "size": [6, 6], "diameter": 0.01905}
-    return Case.from_dict({"name": "square", "material": STEEL, "packing": packing} | tables)
+    return case_from_dict({"name": "square", "material": STEEL, "packing": packing} | tables)
 
 
 @pytest.mark.parametrize(
@@ -175,7 +176,7 @@ def test_bad_input_is_one_clear_line(tables: dict[str, Any], message: str) -> No
 def test_a_wall_cannot_cut_a_striker_of_a_chain() -> None:
     chain = {"kind": "chain", "size": 6, "diameter": 0.01905}
     with pytest.raises(InputError, match=r"striker\.1: the wall at the bottom cuts through it, 0\.019"):
-        Case.from_dict({"name": "chain", "material": STEEL, "packing": chain, "striker": [{"touches": 6}]})
+        case_from_dict({"name": "chain", "material": STEEL, "packing": chain, "striker": [{"touches": 6}]})
 
 
 def test_theory_of_the_speed() -> None:

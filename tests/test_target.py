@@ -20,6 +20,7 @@ from granwave.analysis.measures.bare_target import _hit as hit
 from granwave.analysis.measures.target import Reached, reached
 from granwave.lammps_inputs import Case, write_deck
 from granwave.lammps_inputs.contact.law import flat_contact
+from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows.library import load_case
 from tests import synthetic
 
@@ -60,7 +61,7 @@ def test_a_hertzian_sphere_gives_back_its_momentum():
 
 
 def test_several_struck_spheres_press_together():
-    one, three = (Case.from_dict(synthetic.make_case(load={"spheres": n, "velocity": 2.0}).to_dict()) for n in (1, 3))
+    one, three = (case_from_dict(synthetic.make_case(load={"spheres": n, "velocity": 2.0}).to_dict()) for n in (1, 3))
     assert unprotected_peak(three, END)[0] == pytest.approx(3 * unprotected_peak(one, END)[0], rel=1e-12)
 
 

@@ -20,6 +20,7 @@ from granwave.analysis.studies.tolerance.quantities import DISSIPATED, FORCE, me
 from granwave.analysis.studies.tolerance.runs import IDEAL, Packing, Setting, collect
 from granwave.analysis.studies.tolerance.verdict import tolerance
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.disorder import is_random
 from granwave.workflows import load_case, run_case
 from tests.synthetic_report import build, notes, table
@@ -38,7 +39,7 @@ def summary_of(case: Case, **others: Any) -> dict[str, Any]:
     plastic = share * (1 - 0.8 * friction)
     return {
         "name": case.name,
-        "n_spheres": case.lattice.n_spheres,
+        "n_spheres": assemble(case).lattice.n_spheres,
         "end_time_s": 1e-3,
         "energy_input_J": 0.0556,
         "dissipated_fraction": share,

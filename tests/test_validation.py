@@ -16,6 +16,7 @@ from granwave.analysis.measures.dissipation import rays
 from granwave.lammps_inputs import load_case, material
 from granwave.lammps_inputs.contact.law import contact_of
 from granwave.lammps_inputs.deck.deck import write_deck
+from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.packing import build_packing
 from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
 from granwave.workflows import library
@@ -114,7 +115,7 @@ def test_timestep_converges_long_before_2_ns(lmp, tmp_path):
 def test_fixed_normals_part_from_true_geometry_at_high_velocity(velocity, apart):
     """The thesis keeps the contact normals of the start (5.1 to 5.3); how much of the dissipated fraction that is."""
     case = load_case(library.find("fcc-small"), ["packing.size=[12,12,8]", "boundary.bottom=free"])
-    packing, struck = build_packing(case), struck_spheres(case.lattice, 1)[0] - 1
+    packing, struck = build_packing(case), struck_spheres(assemble(case).lattice, 1)[0] - 1
     fractions = []
     for fixed in (True, False):
         twin = Network(packing.positions, packing.contacts - 1, 0.005, fixed_normals=fixed)

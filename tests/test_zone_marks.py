@@ -15,6 +15,7 @@ from granwave.analysis.scans.figures import drawings
 from granwave.analysis.scans.result import ScanResult
 from granwave.analysis.scans.table import read_scan, write_scan_table
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.zone_estimate import expected_zone
 from granwave.workflows.cli.parser import main
 from granwave.workflows.cli.tables import continuum_table, expected_cut, summary_table
@@ -77,7 +78,7 @@ def test_terminal_tells_the_sizes_and_the_bounds():
      ([4, 4, 3], 5.0, ("bottom", "sides"))],
 )  # fmt: skip
 def test_estimate_against_the_room(size, velocity, reaches):
-    zone = expected_zone(make(size, velocity=velocity))
+    zone = expected_zone(assemble(make(size, velocity=velocity)))
     assert zone is not None
     assert zone.reaches == reaches
     assert set(zone.may_reach).isdisjoint(reaches)
@@ -85,13 +86,13 @@ def test_estimate_against_the_room(size, velocity, reaches):
 
 def test_estimate_is_one_of_the_normalised_energy():
     """Spheres of half the diameter, twice as stiff and a quarter as dense: the same zone in diameters."""
-    one = expected_zone(make([24, 24, 12]))
+    one = expected_zone(assemble(make([24, 24, 12])))
     law = {"youngs_modulus": 230e9, "poisson_ratio": 0.3, "density": 8500 / 4, "yield_strength": 1100e6}
     case = Case.from_dict(
         {"name": "x", "material": law, "packing": {"kind": "fcc", "size": [24, 24, 12], "diameter": 0.005},
          "load": {"velocity": 5.0 * np.sqrt(2 * 4)}}
     )  # fmt: skip
-    other = expected_zone(case)
+    other = expected_zone(assemble(case))
     assert one is not None and other is not None
     assert other.depth == pytest.approx(one.depth / 2, rel=1e-9)
     assert other.room["bottom"] == pytest.approx(one.room["bottom"] / 2, rel=1e-9)
@@ -109,22 +110,22 @@ MEASURED = [
 
 @pytest.mark.parametrize(("kind", "velocity", "spheres", "depth", "radius"), MEASURED)
 def test_estimate_is_as_certain_as_it_says(kind, velocity, spheres, depth, radius):
-    zone = expected_zone(make([24, 24, 12], kind, load={"velocity": velocity, "spheres": spheres}))
+    zone = expected_zone(assemble(make([24, 24, 12], kind, load={"velocity": velocity, "spheres": spheres})))
     assert zone is not None
     for expected, found in ((zone.depth / 0.01, depth), (zone.radius / 0.01, radius)):
         assert 1 / zone.spread < found / expected < zone.spread
 
 
 def test_no_estimate_where_there_is_no_zone_to_speak_of():
-    assert expected_zone(make([24, 24, 12], contact={"law": "hertz"})) is None
-    assert expected_zone(make([20, 20], "square")) is None
-    assert expected_zone(make([24, 24, 12], velocity=0.05)) is None
+    assert expected_zone(assemble(make([24, 24, 12], contact={"law": "hertz"}))) is None
+    assert expected_zone(assemble(make([20, 20], "square"))) is None
+    assert expected_zone(assemble(make([24, 24, 12], velocity=0.05))) is None
     assert expected_cut(None) == ""
 
 
 def test_estimate_holds_for_a_run(tmp_path):
     case = make([20, 20, 10], velocity=0.6, run={"end_time": 2.5e-4})
-    zone = expected_zone(case)
+    zone = expected_zone(assemble(case))
     assert zone is not None and zone.reaches == ()
     summary = run_case(case, tmp_path, figures=False).summary
     assert summary["zone_cut"] == []

@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.case import load_case as load_case_file
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.deck.deck import CASE_FILE
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.load_case import load_case as load_case_file
 from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows.solvers import CONTINUUM, GRANULAR, kind_of
 

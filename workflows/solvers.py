@@ -8,9 +8,10 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Protocol
 
-from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.directories import check_disk
 from granwave.lammps_inputs.errors import raise_all
+from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.plan import check_run, plan
 
 _OF_CONTINUUM, _OF_SPHERE_CONTACT = ("block", "punch"), ("sphere", "partner")
@@ -56,7 +57,7 @@ class Kind:
     versions
         Names, in `granwave.workflows.run.versions`, of what their results depend on.
     read
-        As `Case.from_dict`.
+        As `case_from_dict`.
     size
         How many parts a case has.
     cost
@@ -115,8 +116,8 @@ GRANULAR = Kind(
     verb="run",
     parts="spheres",
     versions=("granwave", "lammps", "plugin_built_for_lammps"),
-    read=Case.from_dict,
-    size=lambda case: case.assembly.n_spheres,
+    read=case_from_dict,
+    size=lambda case: assemble(case).n_spheres,
     cost=lambda case, n_ranks, figures: plan(case, n_ranks=n_ranks, figures=figures),
     check=check_run,
     parallel=True,

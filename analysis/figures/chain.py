@@ -34,7 +34,7 @@ def force_map(result: Result) -> Drawing | None:
         return None
     time = result["chain/time"]
     panels = [("chain", result["chain/contact_position"], result["chain/contact_force"])]
-    for bar in result.case.assembly.bars:
+    for bar in result.assembly.bars:
         nodes = result[f"bars/{bar.name}/position"]
         panel = (bar.name.replace("_", " "), 0.5 * (nodes[1:] + nodes[:-1]), np.abs(result[f"bars/{bar.name}/force"]))
         panels.insert(0 if bar.face == bar.last else len(panels), panel)
@@ -133,7 +133,7 @@ def bead_velocities(result: Result) -> Drawing | None:
 
 def bars(result: Result) -> Drawing | None:
     """Contact force on each bar and the energy in it."""
-    found = result.case.assembly.bars
+    found = result.assembly.bars
     if not found:
         return None
     figure = new_figure(3.4)
@@ -174,7 +174,7 @@ def sensors(result: Result) -> Drawing | None:
 
 def _name(result: Result, contact: int) -> str:
     """A contact by the numbers of its beads; S for a striker, bar for a bar."""
-    n, spheres = result.case.lattice.n_spheres, result.case.assembly.n_spheres
+    n, spheres = result.assembly.lattice.n_spheres, result.assembly.n_spheres
     ids = (int(result["chain/contact_i"][contact]), int(result["chain/contact_j"][contact]))
     words = [str(one) if one <= n else f"S{one - n}" if one <= spheres else "bar" for one in ids]
     return "-".join(words)

@@ -62,3 +62,10 @@ def _power(value: float, digits: int) -> int:
 def _to_digit(value: float, last: int) -> str:
     """Rounded to a power of ten."""
     return f"{round(value, -last):.{max(0, -last)}f}"
+
+
+def duration(seconds: float) -> str:
+    """A time span to read, from seconds: seconds, minutes or hours."""
+    if seconds < 120:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60:.0f} min" if seconds < 7200 else f"{seconds / 3600:.1f} h"

@@ -10,6 +10,7 @@ from granwave.analysis.lammps_output.time_series import Table, read_energy, read
 from granwave.analysis.result.writer import read_record
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.deck import read_deck
+from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.walls import wall_fixes, walls
 from granwave.lammps_inputs.run_directory import (
     DUMPS,
@@ -36,7 +37,7 @@ def check_complete(directory: Path) -> None:
     if recorded is not None and last < recorded - every:
         raise OutputFormatError(f"{dumps / ENERGY_FILE} ends at step {last}, the run at step {recorded}: {CUT}")
     found = walls(case)
-    columns = [wall.name for wall in found] + [bar.name for bar in case.assembly.bars]
+    columns = [wall.name for wall in found] + [bar.name for bar in assemble(case).bars]
     if columns:
         _check_series(dumps / WALLS_FILE, read_walls(directory), columns, last, every)
     if case.probes:
@@ -44,7 +45,7 @@ def check_complete(directory: Path) -> None:
         _check_series(dumps / PROBES_FILE, read_probes(directory), columns, last, max(every, deck.schedule.probe_every))
     if case.precompression and not read_prestage(directory):
         raise MissingOutputError(f"{dumps / PRESTAGE_FILE} is missing; {AGAIN}")
-    for name in (name for wall in found if not wall.held_layer for name, _, _ in wall_fixes(case, wall)):
+    for name in (name for wall in found if not wall.held_layer for name, _, _ in wall_fixes(assemble(case), wall)):
         if not (path := dumps / WALL_CONTACTS_FILE.format(name)).exists():
             raise MissingOutputError(f"{path} is missing; {AGAIN}")
 

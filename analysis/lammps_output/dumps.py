@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.lammps_output.number_rows import AGAIN, CUT, DAMAGED, read_rows, whole_number
-from granwave.lammps_inputs.deck import output
+from granwave.lammps_inputs.deck import columns
 from granwave.lammps_inputs.run_directory import (
     CASE_FILE,
     CONTACTS_FILE,
@@ -32,16 +32,12 @@ from granwave.lammps_inputs.run_directory import (
 )
 
 # What the readers cannot do without; runs have more or fewer of the others, see `Frame.get`.
-SPHERE_COLUMNS = (
-    "id", "type", "radius", "x", "y", "z", "ux", "uy", "uz", "vx", "vy", "vz",
-    "force", "peak_force", "peak_overlap", "dissipated",
-)  # fmt: skip
-CONTACT_COLUMNS = (
-    "i", "j", "overlap", "force", "peak_overlap", "peak_force", "elastic", "dissipated",
-    "time_first", "time_peak", "time_yield", "live",
-)  # fmt: skip
-WALL_COLUMNS = ("overlap", "force", "peak_overlap", "peak_force", "dissipated", "time_first", "time_peak", "time_yield")
-HISTORY_COLUMNS = tuple(output.HISTORY_COLUMNS)
+SPHERE_COLUMNS = tuple(
+    name for name in columns.names(columns.SNAPSHOT) if name != "elastic"
+)  # of runs before it came in
+CONTACT_COLUMNS = columns.names(columns.CONTACTS)
+WALL_COLUMNS = columns.names(columns.WALL_CONTACTS)
+HISTORY_COLUMNS = columns.names(columns.HISTORY)
 _COUNTS = {"TIMESTEP": "timestep", "NUMBER OF": "number of rows"}  # in the header of a snapshot
 DATA_COLUMNS = ("id", "type", "diameter", "density", "x", "y", "z")
 

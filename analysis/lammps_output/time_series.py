@@ -14,16 +14,13 @@ from numpy.typing import NDArray
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.lammps_output.number_rows import AGAIN, read_rows
+from granwave.lammps_inputs.deck import columns
 from granwave.lammps_inputs.run_directory import DUMPS, ENERGY_FILE, PRESTAGE_FILE, PROBES_FILE, WALLS_FILE
 
-#: Columns of the energy ledger: times in s, energies in J, forces in N, velocities in m/s.
-ENERGY_COLUMNS = (
-    "step", "time", "kinetic", "elastic", "dissipated", "elastic_wall", "dissipated_wall", "input",
-    "contacts_yielded", "beyond_law", "beyond_half", "largest_force", "struck_velocity",
-)  # fmt: skip
+#: Columns of the energy ledger.
+ENERGY_COLUMNS = ("step", *columns.names(columns.LEDGER))
 #: Columns that the ledger of a run without friction may lack; they are 0 then.
-FRICTION_COLUMNS = ("rotational", "elastic_tangential", "friction")
-_SHOWN = 60  # characters of what is no number, in a message
+FRICTION_COLUMNS = columns.names((*columns.ROTATION, *columns.TANGENTIAL))
 
 Table = dict[str, NDArray[np.float64]]
 

@@ -23,8 +23,9 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
+from granwave.lammps_inputs.case.supports import NodeConstants
 from granwave.lammps_inputs.contact.law import flat_contact
-from granwave.lammps_inputs.packing.assembly import BAR, struck_of, velocities_of
+from granwave.lammps_inputs.packing.assembly import BAR, assemble, struck_of, velocities_of
 from granwave.lammps_inputs.packing.walls import footprint_radius
 
 if TYPE_CHECKING:
@@ -203,26 +204,25 @@ def target_of(case: Case) -> Target | None:
     """
     support, material = case.boundary.bottom_support, case.boundary.bottom_material
     if support is not None:
-        first, *rest = support.words(material, footprint_radius(case))
-        if first != "bar":
-            return Target(material, np.array([float(first)]), 0.0, float(rest[0]), float(rest[1]))
-        elements, mass, stiffness = int(rest[0]), float(rest[1]), float(rest[2])
-        masses = np.full(elements + 1, mass / elements)
+        behind = support.constants(material, footprint_radius(assemble(case)))
+        if isinstance(behind, NodeConstants):
+            return Target(material, np.array([behind.mass]), 0.0, behind.stiffness, behind.damping)
+        masses = np.full(behind.elements + 1, behind.mass / behind.elements)
         masses[[0, -1]] /= 2
-        if rest[3] == "fixed":
-            return Target(material, masses[:-1], stiffness, stiffness)
-        return Target(material, masses, stiffness, 0.0, 0.0 if rest[3] == "free" else float(rest[3]))
+        if behind.end == "fixed":
+            return Target(material, masses[:-1], behind.stiffness, behind.stiffness)
+        return Target(material, masses, behind.stiffness, 0.0, 0.0 if behind.end == "free" else behind.end)
     if case.boundary.bottom != "free":
         return Target(material, np.empty(0))
-    bar = next((bar for bar in case.assembly.bars if bar.name == BAR), None)
+    bar = next((bar for bar in assemble(case).bars if bar.name == BAR), None)
     return None if bar is None else Target(bar.material, bar.mass, bar.stiffness)
 
 
 def impactors_of(case: Case, material: Material | None) -> list[Impactors]:
     """The spheres that the load sets in motion, as far as they go towards the target, like ones together."""
-    assembly, velocities = case.assembly, velocities_of(case)
+    assembly, velocities = assemble(case), velocities_of(assemble(case))
     kinds: dict[tuple[Material, float, float], list[int]] = {}
-    for sphere in struck_of(case):
+    for sphere in struck_of(assemble(case)):
         velocity = velocities[sphere][2]
         if velocity > 0:
             kind = assembly.material_of(sphere), assembly.diameter_of(sphere), velocity

@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 
 from granwave.analysis.measures.planes import preferred_directions
 from granwave.analysis.result.reader import Result
-from granwave.lammps_inputs.packing.assembly import struck_of
+from granwave.lammps_inputs.packing.assembly import assemble, struck_of
 
 Array = NDArray[np.float64]
 
@@ -52,10 +52,10 @@ class Spread:
 def struck_rows(result: Result) -> NDArray[np.int64]:
     """Rows of the spheres of the packing that are struck: by strikers, or by the load."""
     case = result.case
-    n = case.lattice.n_spheres
+    n = assemble(case).lattice.n_spheres
     if case.striker:
         return result.rows(np.array(sorted({one for striker in case.striker for one in striker.touches if one <= n})))
-    return result.rows(np.array(struck_of(case)))
+    return result.rows(np.array(struck_of(assemble(case))))
 
 
 def directions(result: Result) -> Array:

@@ -24,15 +24,13 @@ chain   none                                            none
 
 from __future__ import annotations
 
-import itertools
-import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-_ON_PLANE = 0.2  # diameters; the nearest parallel plane of spheres is half a diameter away
-_HCP_ROWS = 0.4  # diameters: takes in the rows sqrt(3)/6 D beside the plane
+from granwave.lammps_inputs.lattices import KINDS, section_planes
+
 _LAYER_GAP = 0.2  # diameters of the smallest sphere, between two layers
 _LAYER_HEIGHT = 0.5  # nominal diameters, at most, that a layer's centres are apart
 
@@ -58,8 +56,8 @@ class Plane:
     name: str
     across: NDArray[np.float64]
     down: NDArray[np.float64]
-    tolerance: float = _ON_PLANE
-    down_label: str = "Depth"
+    tolerance: float
+    down_label: str
 
     @property
     def normal(self) -> NDArray[np.float64]:
@@ -89,18 +87,10 @@ class Section:
 
 def planes(kind: str) -> tuple[Plane, ...]:
     """The planes of a kind of packing: principal, then orthogonal, as far as there are any."""
-    x, y, z = np.eye(3)
-    diagonal = (x + y) / math.sqrt(2)
-    if kind == "fcc":
-        down = np.array([0.0, 1 / 3, math.sqrt(8) / 3])
-        inclined = Plane("principal", x, down, down_label="Down the plane")
-        return inclined, Plane("orthogonal", y, z)
-    return {
-        "hcp": (Plane("principal", x, z, _HCP_ROWS), Plane("orthogonal", y, z)),
-        "bcc": (Plane("principal", diagonal, z), Plane("orthogonal", x, z)),
-        "sc": (Plane("principal", x, z), Plane("orthogonal", diagonal, z)),
-        "square": (Plane("principal", x, y, down_label="y"),),
-    }.get(kind, ())
+    return tuple(
+        Plane(name, np.array(plane.across), np.array(plane.down), plane.tolerance, plane.down_label)
+        for name, plane in zip(("principal", "orthogonal"), section_planes(kind), strict=False)
+    )
 
 
 def section(plane: Plane, positions: NDArray[np.float64], origin: NDArray[np.float64], diameter: float) -> Section:
@@ -129,14 +119,7 @@ def preferred_directions(kind: str) -> NDArray[np.float64]:
         (n_directions, 3): 3 for fcc (<110>) and hcp, 4 for bcc (<111>) and square, 1 for sc and chain. They
         are equal by symmetry. In hcp only the first contact lies on a straight line.
     """
-    if kind in ("fcc", "hcp"):
-        depth, side = math.sqrt(2 / 3), math.sqrt(3) / 6
-        return np.array([[0.5, side, depth], [-0.5, side, depth], [0.0, -2 * side, depth]])
-    if kind == "bcc":
-        return np.array([[a, b, 1] for a, b in itertools.product((1, -1), repeat=2)]) / math.sqrt(3)
-    if kind == "square":
-        return np.array([[1.0, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0]])
-    return np.array([[0.0, 0.0, 1.0]])
+    return KINDS[kind].preferred_directions
 
 
 def layers(

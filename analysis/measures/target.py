@@ -1,9 +1,9 @@
 """What reaches the target, the bottom of the packing, in force, impulse and energy, and how much less than without it.
 
 Peak reduction: the largest force on the target without the packing (`granwave.analysis.measures.bare_target`) over
-the largest with it. The ground is what the target itself rests on: the force on it is that out of the last spring or damper, and
-the force on the target where that does not move. Of a precompressed packing what it presses with from the start is no
-part of what the impact brings.
+the largest with it. The ground is what the target itself rests on: the force on it is that out of the last spring or
+damper, and the force on the target where that does not move. Of a precompressed packing what it presses with from the
+start is no part of what the impact brings.
 """
 
 from __future__ import annotations

@@ -77,9 +77,9 @@ class PackingZone:
 def packing_zone(result: Result) -> PackingZone:
     """Return what the plastic zone of a run is made of."""
     own = result.in_packing
-    nx, ny, nz = result.case.lattice.shape
+    nx, ny, nz = result.assembly.lattice.shape
     offset = (result["spheres/position"] - result.origin)[own]
-    periods = np.array(result.case.lattice.lengths) if result.case.boundary.sides == "periodic" else None
+    periods = np.array(result.assembly.lattice.lengths) if result.case.boundary.sides == "periodic" else None
     if periods is not None:
         offset[:, :2] -= periods * np.round(offset[:, :2] / periods)
     energy = np.maximum(result.yield_energy[own], 0.0)
@@ -109,7 +109,7 @@ def zone_summary(result: Result) -> dict[str, Any]:
 
 def _bounds(result: Result, own: NDArray[np.bool_], offset: Array, periods: Array | None) -> dict[str, NDArray]:
     """Spheres that touch each bound, by its name; see `PackingZone`."""
-    lattice = result.case.lattice
+    lattice = result.assembly.lattice
     nx, ny, nz = lattice.shape
     site = result["spheres/id"][own] - 1
     found = {}

@@ -90,11 +90,12 @@ class Point:
 
 @dataclasses.dataclass(frozen=True)
 class Scan:
-    """A scan and its points in order."""
+    """A scan, its points in order, and the studies that its report makes of it."""
 
     label: str
     source: ScanResult
     points: tuple[Point, ...]
+    studies: tuple[str, ...] = ()
 
     @property
     def directory(self) -> Path:
@@ -325,7 +326,9 @@ def _read_scan(path: Path, label: str) -> Scan:
         points.append(_point(result, path, run))
     if faults:
         raise InputError(dict.fromkeys(faults))
-    return Scan(label, source, tuple(points))
+    suite = read_json(path.parent / SUITE_INDEX) or {}
+    of_suite = suite.get("study", ()) if path.name in suite.get("scans", ()) else ()
+    return Scan(label, source, tuple(points), tuple(dict.fromkeys([*source.studies, *of_suite])))
 
 
 def _point(result: PointResult, scan: Path, run: Run | None) -> Point:

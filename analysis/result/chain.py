@@ -19,6 +19,7 @@ from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.lammps_output.dumps import Frame, check_ids, read_forces, read_history
 from granwave.analysis.lammps_output.number_rows import AGAIN, CUT
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.packing.assembly import assemble
 
 if TYPE_CHECKING:
     from granwave.analysis.result.reader import Result
@@ -54,7 +55,7 @@ def read_chain(directory: str | Path, case: Case, start: Frame, timestep: float,
     if steps[-1] < last:
         raise OutputFormatError(f"{path} ends with the snapshot of step {steps[-1]}, the run at step {last}: {CUT}")
     displacement, velocity = (np.stack([frame[name] for frame in frames]) for name in ("uz", "vz"))
-    assembly, z = case.assembly, start["z"]
+    assembly, z = assemble(case), start["z"]
     beads = np.argsort(z[: assembly.n_spheres], kind="stable")
     first, second = _contacts(case, beads)
     radius = start["diameter"] / 2
@@ -88,7 +89,7 @@ def along(result: Result, column: str) -> NDArray[np.float64]:
         (int(i), int(j)): float(number)
         for i, j, number in zip(*(result[f"contacts/{name}"] for name in ("i", "j", column)), strict=True)
     }
-    faces = {bar.name: bar.face for bar in result.case.assembly.bars}
+    faces = {bar.name: bar.face for bar in result.assembly.bars}
     for wall, bead, number in zip(*(result[f"wall_contacts/{name}"] for name in ("wall", "id", column)), strict=True):
         if wall in faces:
             value[int(bead), faces[wall]] = float(number)
@@ -99,7 +100,7 @@ def along(result: Result, column: str) -> NDArray[np.float64]:
 def _contacts(case: Case, beads: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Ids of the upper and the lower partner of every contact along the chain, faces of bars among them."""
     order = [int(bead) + 1 for bead in beads]
-    for bar in case.assembly.bars:
+    for bar in assemble(case).bars:
         order.insert(0 if bar.face == bar.last else len(order), bar.face)
     return np.array(order[:-1], dtype=np.int64), np.array(order[1:], dtype=np.int64)
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from granwave.analysis.measures.plastic_zone import yields_from
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.law import law_between
+from granwave.lammps_inputs.packing.assembly import assemble
 
 if TYPE_CHECKING:
     from granwave._contact_laws import ContactLaw
@@ -53,7 +54,7 @@ def pair_laws(case: Case, types: NDArray[np.int64], radii: NDArray[np.float64]) 
     radii
         (n_pairs, 2), m.
     """
-    materials = [species.material for species in case.assembly.species]
+    materials = [species.material for species in assemble(case).species]
     effective_radius = radii[:, 0] * radii[:, 1] / radii.sum(axis=1)
     base = len(materials) + 1
     kinds, kind = np.unique(types[:, 0] * base + types[:, 1], return_inverse=True)

@@ -19,7 +19,8 @@ from granwave.analysis.result.damage import damage_of
 from granwave.analysis.result.trajectory import GROUP, QUANTITIES
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.law import sphere_contact
-from granwave.lammps_inputs.packing.assembly import struck_of, struck_site
+from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.lammps_inputs.packing.assembly import Assembly, assemble, struck_of, struck_site
 from granwave.lammps_inputs.run_directory import CASE_FILE, RESULT_FILE
 
 if TYPE_CHECKING:
@@ -141,7 +142,12 @@ class Result:
     @cached_property
     def case(self) -> Case:
         """The case that was run."""
-        return Case.from_dict(tomllib.loads(self.file.attrs["case"]), self.path.parent / CASE_FILE)
+        return case_from_dict(tomllib.loads(self.file.attrs["case"]), self.path.parent / CASE_FILE)
+
+    @cached_property
+    def assembly(self) -> Assembly:
+        """All bodies of the case."""
+        return assemble(self.case)
 
     @cached_property
     def record(self) -> dict[str, Any]:
@@ -171,12 +177,12 @@ class Result:
     @cached_property
     def struck(self) -> tuple[int, ...]:
         """Ids of the spheres that the load acts on, the central one first; of strikers alone those that move."""
-        return struck_of(self.case)
+        return struck_of(self.assembly)
 
     @property
     def origin(self) -> NDArray[np.float64]:
         """Centre of the struck sphere of the packing at the start: (3,), m."""
-        sphere = struck_site(self.case) or int(self["spheres/id"][0])
+        sphere = struck_site(self.assembly) or int(self["spheres/id"][0])
         return self["spheres/position"][self.rows(sphere)]
 
     def rows(self, ids: ArrayLike) -> NDArray[np.int64]:
@@ -197,7 +203,7 @@ class Result:
     @property
     def in_packing(self) -> NDArray[np.bool_]:
         """Which spheres are of the packing, and no strikers: (n_spheres,)."""
-        return self["spheres/id"] <= self.case.lattice.n_spheres
+        return self["spheres/id"] <= self.assembly.lattice.n_spheres
 
     def beyond_law(self, share: float) -> NDArray[np.bool_]:
         """Which contacts were pressed beyond a share of R*: (n_contacts,); none where the law has no such limit."""

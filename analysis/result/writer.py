@@ -46,10 +46,21 @@ from granwave.analysis.result.contacts import Contacts, list_contacts, merge_den
 from granwave.analysis.result.hdf5_file import new_hdf5
 from granwave.analysis.result.pair_laws import PairLaws, dissipated_share, pair_laws
 from granwave.analysis.result.trajectory import COMPRESSION, write_metadata, write_trajectory
-from granwave.lammps_inputs.case.case import Case, load_case
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material
+from granwave.lammps_inputs.deck.columns import (
+    CONTACTS,
+    LEDGER,
+    MOVING_WALL,
+    ROTATION,
+    SUPPORT,
+    TANGENTIAL,
+    WALL_CONTACTS,
+    names,
+)
 from granwave.lammps_inputs.files import read_json
-from granwave.lammps_inputs.packing.assembly import gap_tolerance
+from granwave.lammps_inputs.load_case import load_case
+from granwave.lammps_inputs.packing.assembly import assemble, gap_tolerance
 from granwave.lammps_inputs.packing.walls import walls
 from granwave.lammps_inputs.run_directory import CASE_FILE, RECORD_FILE, RESULT_FILE, claim
 from granwave.lammps_inputs.run_state import check_case
@@ -58,18 +69,11 @@ BALANCE_REFUSED = "energy balance refused"  # end_reason of a run whose energies
 _RECORDED = {"n_steps": int, "wall_time_s": int | float, "versions": dict}  # what is taken from run.json
 _COMPRESSED_FROM = 4096  # values; smaller data sets are kept plain
 
+# units of columns that LAMMPS writes, and of those made of them
 _UNITS = {
-    "time": "s",
-    "time_first": "s",
-    "time_peak": "s",
-    "time_yield": "s",
-    "force": "N",
-    "peak_force": "N",
-    "tangential_force": "N",
-    "ground_force": "N",
-    "largest_force": "N",
-    "overlap": "m",
-    "peak_overlap": "m",
+    column.name: column.unit
+    for column in (*LEDGER, *SUPPORT, *ROTATION, *TANGENTIAL, *MOVING_WALL, *WALL_CONTACTS, *CONTACTS)
+} | {
     "initial_overlap": "m",
     "position": "m",
     "radius": "m",
@@ -78,29 +82,14 @@ _UNITS = {
     "dissipated_energy": "J",
     "dissipated_energy_wall": "J",
     "friction_energy": "J",
-    "kinetic": "J",
-    "elastic": "J",
-    "dissipated": "J",
-    "elastic_wall": "J",
-    "dissipated_wall": "J",
-    "input": "J",
-    "rotational": "J",
-    "elastic_tangential": "J",
-    "friction": "J",
-    "support": "J",
-    "support_lost": "J",
-    "target": "J",
     "stored": "J",
-    "struck_velocity": "m s-1",
     "bar": "J",
     "incident_bar": "J",
     "yield_overlap": "m",
     "effective_radius": "m",
-    "displacement": "m",
-    "velocity": "m s-1",
 }
 _PROBE_UNITS = {"u": "m", "v": "m s-1", "f": "N"}
-_OF_MOVING_WALLS = ("displacement", "velocity", "ground_force")  # columns of walls.txt, after the wall's name
+_OF_MOVING_WALLS = names(MOVING_WALL)  # columns of walls.txt, after the wall's name
 _OF_WALL_CONTACTS = (
     "overlap", "force", "peak_overlap", "peak_force", "time_first", "time_peak", "time_yield",
     "dissipated_energy", "friction_energy", "tangential_force", "initial_overlap",
@@ -271,10 +260,10 @@ def _rows(dents: Frame, chosen: NDArray[np.bool_]) -> Frame:
 
 def _losses_at_walls(case: Case, wall_contacts: Contacts) -> dict[str, NDArray[np.float64]]:
     """What the sphere of each wall contact takes of the loss there; a rigid wall takes nothing."""
-    materials: dict[str, Material | None] = {bar.name: bar.material for bar in case.assembly.bars}
+    materials: dict[str, Material | None] = {bar.name: bar.material for bar in assemble(case).bars}
     materials |= {wall.name: wall.material for wall in walls(case)}
     partners = [materials[wall] for wall in wall_contacts["wall"].tolist()]
-    own = [case.assembly.material_of(sphere) for sphere in wall_contacts["id"].tolist()]
+    own = [assemble(case).material_of(sphere) for sphere in wall_contacts["id"].tolist()]
     yielding = np.array([dissipated_share(*pair) for pair in zip(own, partners, strict=True)])
     rubbing = np.array([0.5 if partner else 1.0 for partner in partners])
     rubbed = wall_contacts["friction_energy"]
@@ -287,7 +276,7 @@ def _bar_contacts(case: Case, dents: Frame) -> dict[str, Contacts]:
     merged = merge_dents(dents)
     return {
         bar.name: {name: column[merged["j"] == bar.face] for name, column in merged.items()}
-        for bar in case.assembly.bars
+        for bar in assemble(case).bars
     }
 
 

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from granwave.analysis.scans.result import SEED, PointResult
-from granwave.lammps_inputs.case.case import load_case
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.load_case import load_case
 
 _UNITS_OF_ITS_OWN = ("load.", "run.", "boundary.", "output.", SEED, "packing.size", "packing.kind")
 

@@ -79,6 +79,7 @@ class ScanResult:
             self.case_name: str = index["case"]
             self.varied: tuple[str, ...] = tuple(index["varied"])
             self._points: list[dict[str, Any]] = [_checked(point) for point in index["points"]]
+            self.studies: tuple[str, ...] = tuple(index.get("study", ()))
         except FileNotFoundError:
             raise MissingOutputError(f"{path} is missing: expected the directory of a scan") from None
         except (OSError, ValueError, KeyError, TypeError) as error:

@@ -6,13 +6,18 @@ import dataclasses
 import json
 import math
 from collections.abc import Callable, Iterable, Mapping
+from functools import cached_property
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, Self, TypeVar
 
 from granwave.analysis.result.writer import BALANCE_REFUSED
-from granwave.lammps_inputs.case.case import Case, load_case
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.errors import GranwaveError
+from granwave.lammps_inputs.load_case import load_case
+from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.run_directory import CASE_FILE
+
+Kind = TypeVar("Kind", bound="FinishedRun")
 
 _NOT_OF_THE_CASE = ("name", "run", "output", "sensor")  # tables: how long and how finely it was followed
 
@@ -57,10 +62,44 @@ class FinishedRun:
                 runs.append(cls(label, directory, case, summary))
         return tuple(runs)
 
+    @cached_property
+    def assembly(self) -> Assembly:
+        """All bodies of the case."""
+        return assemble(self.case)
+
+    def seen_as(self, kind: type[Kind]) -> Kind:
+        """The run as a record with methods of its own; the same object at each call, so that it reads files once."""
+        if kind not in self._views:
+            self._views[kind] = kind(self.label, self.directory, self.case, self.summary)
+        return self._views[kind]
+
+    @cached_property
+    def _views(self) -> dict[type, Any]:
+        return {}
+
     def value(self, name: str) -> float:
         """A number of the summary; NaN where it does not apply."""
         found = self.summary.get(name)
         return float(found) if isinstance(found, int | float) and not isinstance(found, bool) else math.nan
+
+
+def rising(runs: Iterable[Kind], key: Callable[[Kind], float]) -> list[Kind]:
+    """Runs in rising order of a key; of equal ones the first."""
+    unique: dict[float, Kind] = {}
+    for run in runs:
+        unique.setdefault(key(run), run)
+    return [unique[value] for value in sorted(unique)]
+
+
+def grouped(runs: Iterable[Kind], *varying: str) -> list[list[Kind]]:
+    """Runs that differ in the named tables or keys alone, such as ``precompression`` or ``load.velocity``.
+
+    How long and how finely a run was followed does not count.
+    """
+    found: dict[str, list[Kind]] = {}
+    for run in runs:
+        found.setdefault(all_but(run.case, *varying), []).append(run)
+    return list(found.values())
 
 
 def all_but(case: Case, *left_out: str) -> str:

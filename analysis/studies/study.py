@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+import importlib
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+from granwave.analysis.studies.registry import STUDIES
 
 if TYPE_CHECKING:
     from granwave.analysis.document.model import Table
     from granwave.analysis.figures.style import Drawing
+    from granwave.analysis.studies.runs import FinishedRun
 
 
 @dataclasses.dataclass(frozen=True)
@@ -86,6 +90,40 @@ class Study:
     pictures: tuple[Picture, ...] = ()
     tables: tuple[Table, ...] = ()
     verdict: tuple[str, ...] = ()
+
+
+def make_studies(runs: Mapping[str, Sequence[FinishedRun]]) -> list[Study]:
+    """Make studies of finished runs, in the order of the registry.
+
+    Parameters
+    ----------
+    runs
+        Runs offered to each study, by its name; see `granwave.analysis.studies.registry`.
+    """
+    from granwave.analysis.figures.style import style  # the drawing library takes a second to load
+
+    if not runs:
+        return []
+    with style():
+        return [study for name in STUDIES if name in runs for study in _make(name, runs[name])]
+
+
+def _make(name: str, runs: Sequence[FinishedRun]) -> Iterator[Study]:
+    module: Any = importlib.import_module(f"{__package__}.{STUDIES[name]}")
+
+    def parts(which: str, group: Any) -> tuple[Any, ...]:
+        return tuple(getattr(module, which)(group)) if hasattr(module, which) else ()
+
+    for number, group in enumerate(module.select(runs), start=1):
+        yield Study(
+            module.name(group) if hasattr(module, "name") else name + (f"-{number}" if number > 1 else ""),
+            module.title(group) if hasattr(module, "title") else module.TITLE,
+            module.text(group),
+            parts("rows", group),
+            parts("pictures", group),
+            parts("tables", group),
+            parts("verdict", group),
+        )
 
 
 def draw_studies(found: Sequence[Study], directory: Path) -> list[Path]:

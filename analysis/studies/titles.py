@@ -6,12 +6,12 @@ import math
 from typing import TYPE_CHECKING
 
 from granwave.analysis.measures.target import period_of
-from granwave.lammps_inputs.packing.assembly import velocities_of
+from granwave.lammps_inputs.lattices import KINDS
+from granwave.lammps_inputs.packing.assembly import assemble, velocities_of
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
 
-_KINDS = {"fcc": "FCC", "hcp": "HCP", "bcc": "BCC", "sc": "Simple cubic", "square": "Square"}
 _SQUARE_CM = 1e4
 _LAWS = {"hertz": "elastic", "elastoplastic": "elasto-plastic"}
 
@@ -31,12 +31,12 @@ def packing_words(case: Case, *, height: bool = True) -> str:
     """``FCC packing of 12 x 12 x 8 brass spheres of 10 mm``; of a single sphere ``Brass sphere of 10 mm``."""
     packing = case.packing
     own, diameter = case.material.name or "", f"of {1e3 * packing.diameter:.4g} mm"
-    if height and case.lattice.n_spheres == 1:
+    if height and assemble(case).lattice.n_spheres == 1:
         words = f"{own} sphere {diameter}".lstrip()
         return words[:1].upper() + words[1:]
     whole = height or packing.kind == "square"  # which lies across the height
     size = " x ".join(map(str, packing.size if whole else packing.size[:-1]))
-    kind = "Chain" if packing.kind == "chain" else f"{_KINDS[packing.kind]} packing"
+    kind = "Chain" if packing.kind == "chain" else f"{KINDS[packing.kind].label} packing"
     spheres = " ".join(filter(None, (size, own, "spheres", diameter)))
     return f"{kind} of {spheres}" + ("" if whole or not size else " a layer")
 
@@ -55,7 +55,7 @@ def load_words(case: Case) -> str:
     """How fast the fastest sphere comes, ``5 m/s``; of a force or a prescribed motion that it acts on top."""
     if case.load.driven:
         return f"{case.load.kind} on top"
-    return f"{max((math.hypot(*velocity) for velocity in velocities_of(case).values()), default=0.0):g} m/s"
+    return f"{max((math.hypot(*velocity) for velocity in velocities_of(assemble(case)).values()), default=0.0):g} m/s"
 
 
 def bottom_words(case: Case) -> str:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Collection, Iterable, Mapping
-from functools import cache, cached_property
+from collections.abc import Callable, Collection, Mapping
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -14,16 +14,10 @@ from granwave.lammps_inputs.case.bodies import Bar, Replace, Sensor, Striker, re
 from granwave.lammps_inputs.case.contact_pairs import RIGID, Pair, read_pairs
 from granwave.lammps_inputs.case.load import Load, read_load
 from granwave.lammps_inputs.case.material import SELECTORS, Material, read_material, sphere_mass
-from granwave.lammps_inputs.case.overrides import apply_overrides, parse_overrides
 from granwave.lammps_inputs.case.schema import Faults, keys_of, read_name, read_table, refuse_unknown, show
 from granwave.lammps_inputs.case.sections import Boundary, Contact, Output, PackingSection, Precompression, Probe, Run
 from granwave.lammps_inputs.case.supports import read_bottom
-from granwave.lammps_inputs.checks.checks import check_case, check_together, warn_about
-from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.lattices import Lattice
 from granwave.lammps_inputs.named_files import with_absolute_paths
-from granwave.lammps_inputs.packing.assembly import Assembly, assemble
-from granwave.lammps_inputs.toml_files import read_toml
 
 _SECTIONS: dict[str, type] = {
     "packing": PackingSection,
@@ -39,16 +33,14 @@ _PRECOMPRESSION = "precompression"
 _WALLS = ("bottom", "sides")  # keys of [boundary] that take a material
 _REQUIRED = ("packing", "material")
 KNOWN = ("name", "material", *_SECTIONS, _PRECOMPRESSION, "pair", *_LISTS, *_BARS)
-_RECORD = "resolved"  # written beside a deck for people and programs, ignored when read
+RECORD = "resolved"  # written beside a deck for people and programs, ignored when read
 _OF_CONTINUUM = ("block", "punch", "sphere", "partner")
 _OF_SCAN = ("replicates", "ranks", "case", "set", "grid", "zip", "points")
-_HISTORY, _LEAST_HISTORY = 1000, 5  # instants; beads of a chain from which on they are recorded by themselves
-_HISTORY_VALUES, _LEAST_ROWS = 1e6, 250  # instants times particles, nodes of bars among them; fewest instants
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Case:
-    """One impact on one packing; see `load_case`."""
+    """One impact on one packing, as asked for; see `granwave.lammps_inputs.load_case`."""
 
     name: str
     packing: PackingSection
@@ -65,57 +57,6 @@ class Case:
     sensor: tuple[Sensor, ...] = ()
     bar: Bar | None = None
     incident_bar: Bar | None = None
-
-    @classmethod
-    def from_dict(
-        cls,
-        data: Mapping[str, Any],
-        source: str | Path = "case",
-        overridden: Iterable[str] = (),
-    ) -> Case:
-        """Check the nested mapping of a case file and make a case of it; its paths start from the working directory.
-
-        Parameters
-        ----------
-        source
-            What the faults call the file; its stem is the name of a case that has none.
-        overridden
-            Dotted keys that came from the command line.
-
-        Raises
-        ------
-        InputError
-            With every fault there is.
-        """
-        faults = Faults(str(source), tuple(overridden), case_keys())
-        _refuse_others(data, faults)
-        data = _with_implied(with_absolute_paths(data, Path()))
-
-        parts = read_parts(data, source, faults, sections=_SECTIONS, required=_REQUIRED, read=_read_section)
-        if _PRECOMPRESSION in data:
-            parts[_PRECOMPRESSION] = read_table(Precompression, data[_PRECOMPRESSION], _PRECOMPRESSION, faults)
-        parts["pair"] = read_pairs(data.get("pair", ()), data.get("contact", {}), faults)
-        for name, section in _LISTS.items():
-            parts[name] = read_list(section, data.get(name, ()), name, faults)
-        for name in _BARS:
-            parts[name] = read_body(Bar, data[name], name, faults) if name in data else None
-        check_together(parts, faults)
-        faults.report(parts["name"])
-        case = cls(**parts)
-        check_case(case, faults)
-        faults.report(case.name)
-        warn_about(case, chose_yield_factor="yield_factor" in data.get("contact", {}))
-        return case
-
-    @cached_property
-    def lattice(self) -> Lattice:
-        """The lattice of the packing."""
-        return Lattice(self.packing.kind, self.packing.size, self.packing.diameter, self.boundary.sides == "periodic")
-
-    @cached_property
-    def assembly(self) -> Assembly:
-        """All its bodies: spheres, strikers and bars."""
-        return assemble(self)
 
     def contact_between(self, first: Material | None, second: Material | None) -> Contact:
         """``[contact]`` as it holds between bodies of two materials; None: a rigid wall."""
@@ -137,15 +78,6 @@ class Case:
     def has_past(self) -> bool:
         """Contacts may have dents from before the run."""
         return bool(self.contact.initial_overlap) or self.precompression is not None
-
-    @property
-    def history(self) -> int:
-        """Instants at which a chain's velocities and forces are recorded; 0: none."""
-        if self.output.history != "auto":
-            return self.output.history
-        if self.packing.kind != "chain" or self.packing.size[0] < _LEAST_HISTORY:
-            return 0
-        return int(min(_HISTORY, max(_LEAST_ROWS, _HISTORY_VALUES / self.assembly.n_particles)))
 
     @property
     def probes(self) -> tuple[Probe, ...]:
@@ -176,29 +108,33 @@ class Case:
 
     def to_toml(self, resolved: Mapping[str, Any] | None = None) -> str:
         """The case as a TOML file, followed by the table ``[resolved]`` if there is one."""
-        return tomli_w.dumps(self.to_dict() | ({_RECORD: _plain(resolved)} if resolved else {}))
+        return tomli_w.dumps(self.to_dict() | ({RECORD: _plain(resolved)} if resolved else {}))
 
 
-def load_case(path: str | Path, overrides: Iterable[str] | Mapping[str, Any] = ()) -> Case:
-    """Read a case file.
+def parse_case(data: Mapping[str, Any], source: str | Path, faults: Faults) -> dict[str, Any]:
+    """Read the nested mapping of a case file, table by table; what is wrong is added to ``faults``.
 
     Parameters
     ----------
-    overrides
-        ``KEY=VALUE`` strings (dotted keys, TOML values, bare words are strings), or a mapping of dotted keys
-        to values.
+    source
+        File that the case comes from; its stem is the name of a case that has none.
 
-    Raises
-    ------
-    InputError
-        The file or an override is wrong; every fault is named.
+    Returns
+    -------
+    dict
+        The fields of `Case`; None for a part that is wrong.
     """
-    changes = parse_overrides(overrides)
-    record = [key for key in changes if key.split(".")[0] == _RECORD]
-    if record:
-        raise InputError(f"--set: {key}: [{_RECORD}] is a record of a run, it cannot be set" for key in record)
-    data = apply_overrides(read_toml(path), changes)
-    return Case.from_dict(data, path, overridden=changes)
+    _refuse_others(data, faults)
+    data = _with_implied(with_absolute_paths(data, Path()))
+    parts = read_parts(data, source, faults, sections=_SECTIONS, required=_REQUIRED, read=_read_section)
+    if _PRECOMPRESSION in data:
+        parts[_PRECOMPRESSION] = read_table(Precompression, data[_PRECOMPRESSION], _PRECOMPRESSION, faults)
+    parts["pair"] = read_pairs(data.get("pair", ()), data.get("contact", {}), faults)
+    for name, section in _LISTS.items():
+        parts[name] = read_list(section, data.get(name, ()), name, faults)
+    for name in _BARS:
+        parts[name] = read_body(Bar, data[name], name, faults) if name in data else None
+    return parts
 
 
 def read_parts(
@@ -215,7 +151,7 @@ def read_parts(
     Parameters
     ----------
     source
-        As of `Case.from_dict`.
+        As of `parse_case`.
     sections
         The dataclass of each table; one that is not in ``data`` has its defaults, unless it is required.
     required
@@ -306,7 +242,7 @@ def _refuse_others(data: Mapping[str, Any], faults: Faults) -> None:
     for name in _OF_SCAN:
         if name in data:
             faults.add_unknown(name, "belongs in a scan file: granwave scan runs it")
-    others = (*_OF_CONTINUUM, *_OF_SCAN, _RECORD)
+    others = (*_OF_CONTINUUM, *_OF_SCAN, RECORD)
     rest = {name: value for name, value in data.items() if name not in others}
     refuse_unknown(rest, KNOWN, "", faults)
 

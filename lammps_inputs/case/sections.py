@@ -162,7 +162,7 @@ class Dents:
 class PackingSection:
     """``[packing]``: which spheres there are."""
 
-    kind: Literal["fcc", "hcp", "bcc", "sc", "square", "chain"] = choice("lattice", tuple(KINDS))
+    kind: str = choice("lattice", tuple(KINDS))
     size: tuple[int, ...] = custom("spheres along x, rows along y, layers along z", _parse_size)
     diameter: float = number("diameter of the spheres", unit="m", above=0, usual=DIAMETER)
     diameter_scatter: float = number(

@@ -14,9 +14,16 @@ from collections.abc import Mapping
 from typing import Any, Literal
 
 from granwave.lammps_inputs.case.material import Material, read_material
-from granwave.lammps_inputs.case.schema import Faults, choice, count, number, read_table, refuse_unknown, show
+from granwave.lammps_inputs.case.schema import (
+    Faults,
+    choice,
+    count,
+    number,
+    read_table,
+    refuse_unknown,
+    show,
+)
 from granwave.lammps_inputs.case.si_values import AREA, LENGTH, MASS
-from granwave.lammps_inputs.deck.commands import num
 
 _SPRING = 4.0  # K (1 - nu) / (G r) of a rigid disc on a half-space, exact in statics
 _DAMPER = 3.4  # C (1 - nu) / (r^2 sqrt(rho G)) (Lysmer and Richart, 1966)
@@ -77,6 +84,47 @@ class SupportBar:
         return material.youngs_modulus * self.area * self.elements / self.length
 
 
+@dataclasses.dataclass(frozen=True)
+class NodeConstants:
+    """A node on a spring and a damper, along the normal of the plane.
+
+    Attributes
+    ----------
+    mass
+        kg; 0 for a surface without inertia.
+    stiffness
+        N/m.
+    damping
+        N s/m.
+    """
+
+    mass: float
+    stiffness: float
+    damping: float
+
+
+@dataclasses.dataclass(frozen=True)
+class BarConstants:
+    """An elastic bar of lumped masses, along the normal of the plane.
+
+    Attributes
+    ----------
+    elements
+        Number of elements.
+    mass
+        Mass of the whole bar, kg.
+    stiffness
+        Stiffness of an element, N/m.
+    end
+        ``free``, ``fixed``, or the impedance of a bar that goes on without an echo, N s/m.
+    """
+
+    elements: int
+    mass: float
+    stiffness: float
+    end: float | Literal["free", "fixed"]
+
+
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Support:
     """One of the three, and of what material its surface is."""
@@ -95,8 +143,8 @@ class Support:
         """It holds a load that lasts: there is a spring to the ground."""
         return self.bar is None or self.bar.end == "fixed"
 
-    def words(self, material: Material | None, footprint: float) -> list[str]:
-        """The support as ``fix wall/gran/hysteretic`` takes it, behind the word support.
+    def constants(self, material: Material | None, footprint: float) -> NodeConstants | BarConstants:
+        """Mass, stiffness and damping behind the plane.
 
         Parameters
         ----------
@@ -106,16 +154,16 @@ class Support:
             Radius of the packing's footprint, m.
         """
         if self.plate:
-            return [num(value) for value in (self.plate.mass, self.plate.stiffness, self.plate.damping)]
+            return NodeConstants(self.plate.mass, self.plate.stiffness, self.plate.damping)
         assert material is not None
         if self.half_space:
             radius = self.half_space.radius or footprint
-            values = self.half_space.stiffness(material, radius), self.half_space.damping(material, radius)
-            return ["0.0", *(num(value) for value in values)]
+            stiffness, damping = self.half_space.stiffness(material, radius), self.half_space.damping(material, radius)
+            return NodeConstants(0.0, stiffness, damping)
         assert self.bar is not None
         impedance = self.bar.area * math.sqrt(material.youngs_modulus * material.density)
-        end = num(impedance) if self.bar.end == "infinite" else self.bar.end
-        return ["bar", str(self.bar.elements), num(self.bar.mass(material)), num(self.bar.stiffness(material)), end]
+        end = impedance if self.bar.end == "infinite" else self.bar.end
+        return BarConstants(self.bar.elements, self.bar.mass(material), self.bar.stiffness(material), end)
 
     def longest_timestep(self, material: Material | None, footprint: float, contacts: float) -> float:
         """A timestep that follows its motion, s.
@@ -123,7 +171,7 @@ class Support:
         Parameters
         ----------
         material, footprint
-            As of `words`.
+            As of `constants`.
         contacts
             Stiffness of all contacts with the plane together, N/m.
         """

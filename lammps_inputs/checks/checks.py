@@ -17,7 +17,7 @@ from granwave.lammps_inputs.checks.packing import check_disorder, check_room
 from granwave.lammps_inputs.checks.precompression import check_first_yield, check_precompression, check_support
 from granwave.lammps_inputs.lattices import KINDS, Lattice
 from granwave.lammps_inputs.memory import available_memory
-from granwave.lammps_inputs.packing.assembly import BAR, INCIDENT_BAR
+from granwave.lammps_inputs.packing.assembly import BAR, INCIDENT_BAR, Assembly, assemble
 from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
 
 if TYPE_CHECKING:
@@ -57,33 +57,36 @@ def check_together(parts: Mapping[str, Any], faults: Faults) -> None:
     check_disorder(parts, faults)
 
 
-def check_case(case: Case, faults: Faults) -> None:
+def check_case(case: Case, faults: Faults) -> Assembly | None:
     """Check what takes the whole case: room for larger spheres, the places of strikers."""
     check_room(case, faults)
     try:
-        case.assembly  # noqa: B018
+        assembly = assemble(case)
     except ValueError as error:
         faults.add("striker", str(error))
-        return
-    check_support(case, faults)
-    check_first_yield(case, faults)
-    check_dents(case, faults)
+        return None
+    check_support(assembly, faults)
+    check_first_yield(assembly, faults)
+    check_dents(assembly, faults)
     if case.packing.kind == "chain" and (case.boundary.bottom == "wall" or case.bar is not None):
-        _check_below(case, faults)
+        _check_below(assembly, faults)
+    return assembly
 
 
-def _check_below(case: Case, faults: Faults) -> None:
+def _check_below(assembly: Assembly, faults: Faults) -> None:
     """Below a chain there is no room for a striker if a wall or a bar is there; those of other packings let it pass."""
-    bottom = case.assembly.bottom()
+    case = assembly.case
+    bottom = assembly.bottom()
     what = "bar" if case.bar is not None else "wall at the bottom"
-    for n, (_, centre) in enumerate(case.assembly.strikers, start=1):
-        beyond = centre[2] + case.assembly.diameter_of(case.lattice.n_spheres + n) / 2 - bottom
+    for n, (_, centre) in enumerate(assembly.strikers, start=1):
+        beyond = centre[2] + assembly.diameter_of(assembly.lattice.n_spheres + n) / 2 - bottom
         if beyond > _OVERLAP * case.packing.diameter:
             faults.add(f"striker.{n}", f"the {what} cuts through it, {beyond:.3g} m deep; take one of them away")
 
 
-def warn_about(case: Case, *, chose_yield_factor: bool) -> None:
+def warn_about(assembly: Assembly, *, chose_yield_factor: bool) -> None:
     """Log what is allowed but may not be meant."""
+    case = assembly.case
     ratio = case.material.poisson_ratio
     uses_factor = case.contact.law in ("elastoplastic", "thornton")
     if uses_factor and not chose_yield_factor and ratio != FITTED_POISSON_RATIO:
@@ -97,9 +100,9 @@ def warn_about(case: Case, *, chose_yield_factor: bool) -> None:
             case.contact.yield_factor,
         )
     for probe in case.output.probes:
-        if probe.contact is not None and not _touch(case, *probe.contact):
+        if probe.contact is not None and not _touch(assembly, *probe.contact):
             _LOG.warning("%s: the spheres of the probed contact %s do not touch at the start", case.name, probe.contact)
-    for name, echo in case.assembly.echoes().items():
+    for name, echo in assembly.echoes().items():
         if case.run.longest > echo:
             _LOG.warning(
                 "%s: an echo of the end of the %s can reach the chain after %.3g s, the run lasts %.3g s: "
@@ -218,7 +221,7 @@ def _boundary_fits(packing: PackingSection, boundary: Boundary, faults: Faults) 
                 f"found {nx} x {ny} spheres in a layer, expected at least {_LEAST_PERIODIC} each way "
                 'for boundary.sides = "periodic"',
             )
-        elif rule.hexagonal and ny % 2:
+        elif ny % rule.row_period:
             faults.add("packing.size", f"found {ny} rows, expected an even number for periodic {packing.kind} layers")
     return len(faults.lines) == before
 
@@ -233,10 +236,11 @@ def _check_load(load: Load | None, packing: PackingSection, boundary: Boundary, 
         faults.add("load.spheres", f"found {load.spheres}, but {error}; use 1, or another packing")
 
 
-def _touch(case: Case, first: int, second: int) -> bool:
+def _touch(assembly: Assembly, first: int, second: int) -> bool:
     """Two spheres touch at the start."""
+    case = assembly.case
     low, high = sorted((first, second))
-    n = case.lattice.n_spheres
+    n = assembly.lattice.n_spheres
     if high > n:
         return low in case.striker[high - n - 1].touches
-    return high in case.lattice.neighbours(low)
+    return high in assembly.lattice.neighbours(low)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from granwave.lammps_inputs.case.contact_pairs import RIGID, Pair
 from granwave.lammps_inputs.case.material import Material
@@ -11,9 +11,7 @@ from granwave.lammps_inputs.case.schema import Faults, show
 from granwave.lammps_inputs.case.sections import Boundary, Contact
 from granwave.lammps_inputs.contact.initial_dents import KEY, fault_of_dents
 from granwave.lammps_inputs.contact.law import fault_of_constants
-
-if TYPE_CHECKING:
-    from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.packing.assembly import Assembly
 
 
 def check_contacts(parts: Mapping[str, Any], faults: Faults) -> None:
@@ -30,9 +28,9 @@ def check_contacts(parts: Mapping[str, Any], faults: Faults) -> None:
         _check_yields(parts, contact, pairs, faults)
 
 
-def check_dents(case: Case, faults: Faults) -> None:
+def check_dents(assembly: Assembly, faults: Faults) -> None:
     """Check dents that are given by value."""
-    if fault := fault_of_dents(case):
+    if fault := fault_of_dents(assembly):
         faults.add(KEY, fault)
 
 

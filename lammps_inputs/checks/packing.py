@@ -11,6 +11,7 @@ from granwave.lammps_inputs.case.bodies import Replace
 from granwave.lammps_inputs.case.schema import Faults
 from granwave.lammps_inputs.case.sections import Boundary, PackingSection
 from granwave.lammps_inputs.lattices import Lattice
+from granwave.lammps_inputs.packing.assembly import lattice_of
 from granwave.lammps_inputs.packing.sites import Sites, chosen_sites, named_spheres, sites_of, vacant_sites
 
 if TYPE_CHECKING:
@@ -39,7 +40,8 @@ def check_room(case: Case, faults: Faults) -> None:
     """Check that spheres larger than the lattice allows for have room."""
     if case.packing.kind == "chain" or not any((entry.diameter or 0) > case.packing.diameter for entry in case.replace):
         return
-    sites = sites_of(case)
+    lattice = lattice_of(case)
+    sites = sites_of(case, lattice)
     if sites is None:
         return
     pairs, gaps = sites.near_larger()
@@ -139,7 +141,7 @@ def _check_something_is_chosen(
 
 def _check_walls(case: Case, sites: Sites, faults: Faults) -> None:
     """The planes are where they touch nominal spheres of the lattice."""
-    lattice, boundary = case.lattice, case.boundary
+    lattice, boundary = sites.lattice, case.boundary
     low, high = lattice.bounds() + np.array([[-1.0], [1.0]]) * lattice.diameter / 2
     planes = [("bottom", 2, high[2], 1)] if boundary.bottom == "wall" else []
     if boundary.sides == "wall":
@@ -161,7 +163,7 @@ def _check_walls(case: Case, sites: Sites, faults: Faults) -> None:
 def _entry_of(case: Case, sites: Sites, sphere: int) -> str:
     """Key of the ``[[replace]]`` entry that a sphere's diameter comes from."""
     for place, entry in reversed(list(enumerate(case.replace, start=1))):
-        if sphere - 1 in chosen_sites(case.packing, case.lattice, entry, place, sites.present):
+        if sphere - 1 in chosen_sites(case.packing, sites.lattice, entry, place, sites.present):
             return f"replace.{place}.diameter"
     return "replace"
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -12,13 +12,11 @@ from granwave.lammps_inputs.case.sections import Boundary, PackingSection, Preco
 from granwave.lammps_inputs.contact.initial_dents import LARGEST
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.contact.static_load import force_of_contact
+from granwave.lammps_inputs.lattices import KINDS
+from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.walls import materials_of_last_layer
 
-if TYPE_CHECKING:
-    from granwave.lammps_inputs.case.case import Case
-
 _TABLE = "precompression"
-_SET_BACK = ("fcc", "hcp", "bcc")  # layers lie in the hollows of those below
 
 
 def check_precompression(parts: Mapping[str, Any], packing: PackingSection, boundary: Boundary, faults: Faults) -> None:
@@ -53,16 +51,19 @@ def check_precompression(parts: Mapping[str, Any], packing: PackingSection, boun
         )
 
 
-def check_first_yield(case: Case, faults: Faults) -> None:
+def check_first_yield(assembly: Assembly, faults: Faults) -> None:
     """A static load is refused that takes every contact beyond yield, any beyond its law, or makes layers spread."""
+    case = assembly.case
     stage, contact = case.precompression, case.contact_between(case.material, case.material)
     if stage is None:
         return
     name, unit = ("force", "N") if stage.force is not None else ("pressure", "Pa")
     if stage.kind == "gravity":
         name, unit = "acceleration", "m/s^2"
-    law, largest = sphere_contact(case), force_of_contact(case)
-    least = largest / case.lattice.shape[2] if stage.kind == "gravity" else largest  # of the contacts of the top layer
+    law, largest = sphere_contact(case), force_of_contact(assembly)
+    least = (
+        largest / assembly.lattice.shape[2] if stage.kind == "gravity" else largest
+    )  # of the contacts of the top layer
     deepest = float(law.loading_force(np.array([LARGEST * law.effective_radius]))[0])
     fault, force, limit = "", largest, deepest
     # contacts with dents stay elastic beyond first yield
@@ -73,7 +74,7 @@ def check_first_yield(case: Case, faults: Faults) -> None:
         fault = f"would press contacts with {force:.3g} N, the law holds up to {limit:.3g} N ({LARGEST} R*)"
     if fault:
         faults.add(f"{_TABLE}.{name}", f"{fault}; give less than {getattr(stage, name) * limit / force:.3g} {unit}")
-    elif _spreads(case):
+    elif _spreads(assembly):
         faults.add(
             "boundary.sides",
             f"found {show(case.boundary.sides)} under a {stage.kind} precompression of {case.packing.kind}, which "
@@ -81,11 +82,12 @@ def check_first_yield(case: Case, faults: Faults) -> None:
         )
 
 
-def check_support(case: Case, faults: Faults) -> None:
+def check_support(assembly: Assembly, faults: Faults) -> None:
     """A plane that moves is one plane: spheres of one material rest on it."""
+    case = assembly.case
     if case.boundary.bottom_support is None:
         return
-    names = [material.name or "?" for material in materials_of_last_layer(case)]
+    names = [material.name or "?" for material in materials_of_last_layer(assembly)]
     if len(names) != 1:
         faults.add(
             "boundary.bottom",
@@ -94,12 +96,13 @@ def check_support(case: Case, faults: Faults) -> None:
         )
 
 
-def _spreads(case: Case) -> bool:
+def _spreads(assembly: Assembly) -> bool:
     """Nothing holds the spheres of a layer together against those that lie in their hollows."""
+    case = assembly.case
     stage, packing, boundary = case.precompression, case.packing, case.boundary
-    nx, ny, nz = case.lattice.shape
+    nx, ny, nz = assembly.lattice.shape
     free = stage is not None and stage.kind != "uniform" and boundary.sides != "periodic" and boundary.bottom != "fixed"
-    layers = packing.kind in _SET_BACK and nz > 1 and nx * ny > 1 and not isinstance(packing.vacancies, tuple)
+    layers = KINDS[packing.kind].set_back and nz > 1 and nx * ny > 1 and not isinstance(packing.vacancies, tuple)
     return free and layers
 
 

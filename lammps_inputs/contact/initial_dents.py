@@ -22,6 +22,7 @@ from granwave.lammps_inputs.case.sections import Dents
 from granwave.lammps_inputs.contact.law import law_between
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import TOUCHING
+from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.walls import wall_fixes, walls
 
 if TYPE_CHECKING:
@@ -147,7 +148,7 @@ class _Earlier:
         return found
 
 
-def dents_table(case: Case) -> str:
+def dents_table(assembly: Assembly) -> str:
     """The dents before the run, as ``gran/dents read`` takes them: spheres i and j, or a wall's fix and a sphere.
 
     Raises
@@ -155,15 +156,16 @@ def dents_table(case: Case) -> str:
     InputError
         An earlier result cannot be read, or is that of another packing.
     """
+    case = assembly.case
     rows: list[str] = ["# spheres i and j, or the fix of a wall and a sphere; largest overlap so far, m\n"]
     path = earlier_result(case)
     if path is not None:
-        known = _read_result(case, path)
-        for meetings in contacts_at_start(case):
+        known = _read_result(assembly, path)
+        for meetings in contacts_at_start(assembly):
             keys = zip(meetings.first.tolist(), meetings.second.tolist(), strict=True)
             rows += meetings.rows(np.array([known.get(key, 0.0) for key in keys]))
         return "".join(rows)
-    for meetings in contacts_at_start(case):
+    for meetings in contacts_at_start(assembly):
         peak = np.zeros(len(meetings.second))
         for region in _regions(case):
             peak = np.where(_inside(meetings, region), _size(meetings, region), peak)
@@ -171,19 +173,20 @@ def dents_table(case: Case) -> str:
     return "".join(rows)
 
 
-def fault_of_dents(case: Case) -> str:
+def fault_of_dents(assembly: Assembly) -> str:
     """Why dents given by value cannot be; empty if they can. A result.h5 is not read: it may be gone after the run."""
+    case = assembly.case
     given = case.contact.initial_overlap
     if not given:
         return ""
-    kinds = [species.material for species in case.assembly.species if species.role == "sphere"]
+    kinds = [species.material for species in assembly.species if species.role == "sphere"]
     between = [(one, other) for n, one in enumerate(kinds) for other in kinds[n:]]
     yielding = [(case.contact_between(*pair), pair) for pair in between if case.contact_between(*pair).yields]
     if not yielding:
         return f'found dents with contact.law = "{case.contact.law}", which cannot yield; take another law, or no dents'
     if isinstance(given, str):
         return ""
-    smallest = float(case.assembly.sphere_diameters().min()) / 2
+    smallest = float(assembly.sphere_diameters().min()) / 2
     for contact, pair in yielding:
         law = law_between(contact, pair, (smallest, smallest))
         deepest = _deepest(case, law)
@@ -194,7 +197,7 @@ def fault_of_dents(case: Case) -> str:
                 "as far as the contact law holds"
             )
     boxes = [region for region in _regions(case) if region.low or region.high]
-    found = contacts_at_start(case) if boxes else []
+    found = contacts_at_start(assembly) if boxes else []
     for box in boxes:
         if not any(_inside(meetings, box).any() for meetings in found):
             bounds = {name: list(end) for name, end in (("low", box.low), ("high", box.high)) if end}
@@ -223,7 +226,7 @@ def earlier_result(case: Case) -> Path | None:
     return _result_file(Path(given)) if isinstance(given, str) else None
 
 
-def check_earlier_result(case: Case) -> None:
+def check_earlier_result(assembly: Assembly) -> None:
     """Check that the dents of an earlier run can be had, where the case names one.
 
     Raises
@@ -231,16 +234,16 @@ def check_earlier_result(case: Case) -> None:
     InputError
         Its result.h5 is missing or damaged, or is of another packing.
     """
-    path = earlier_result(case)
+    path = earlier_result(assembly.case)
     if path is not None:
-        _read_result(case, path)
+        _read_result(assembly, path)
 
 
-def contacts_at_start(case: Case) -> list[Meetings]:
+def contacts_at_start(assembly: Assembly) -> list[Meetings]:
     """Contacts between spheres, and with walls and faces of bars, whose gap at the start is small: by kind."""
-    assembly = case.assembly
+    case = assembly.case
     ids, positions, radii = assembly.ids, assembly.positions(), assembly.sphere_diameters() / 2
-    kind = _materials(case)
+    kind = _materials(assembly)
     materials = list(dict.fromkeys(species.material for species in assembly.species if species.role == "sphere"))
     reach = _INSIDE * min(case.boundary.forget_gap, _REACH) * case.packing.diameter
     found = []
@@ -250,17 +253,17 @@ def contacts_at_start(case: Case) -> list[Meetings]:
         if contact.yields and len(row):
             found.append(Meetings(law_between(contact, pair, (1.0, 1.0)), first, ids[row], *radius_and_place))
 
-    one, two, step = _near(case, positions, radii, reach)
+    one, two, step = _near(assembly, positions, radii, reach)
     place = positions[one] + step * (radii[one] / (radii[one] + radii[two]))[:, None]
     radius = radii[one] * radii[two] / (radii[one] + radii[two])
     for n, first in enumerate(materials):
         for m, second in enumerate(materials[n:], start=n):
             rows = (np.minimum(kind[one], kind[two]) == n) & (np.maximum(kind[one], kind[two]) == m)
             add((first, second), ids[one[rows]], two[rows], radius[rows], place[rows])
-    for wall in walls(case):
+    for wall in walls(assembly):
         inner = positions[:, wall.axis] * wall.outward + radii
-        near = np.flatnonzero((wall.coordinate * wall.outward - inner <= reach) & (ids <= case.lattice.n_spheres))
-        for name, _, material in [] if wall.held_layer else wall_fixes(case, wall):
+        near = np.flatnonzero((wall.coordinate * wall.outward - inner <= reach) & (ids <= assembly.lattice.n_spheres))
+        for name, _, material in [] if wall.held_layer else wall_fixes(assembly, wall):
             own = near[kind[near] == materials.index(material)]
             touching = positions[own].copy()
             touching[:, wall.axis] = wall.coordinate
@@ -302,12 +305,12 @@ def _size(meetings: Meetings, region: Dents) -> NDArray[np.float64]:
 
 
 def _near(
-    case: Case, positions: NDArray[np.float64], radii: NDArray[np.float64], reach: float
+    assembly: Assembly, positions: NDArray[np.float64], radii: NDArray[np.float64], reach: float
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
     """Pairs of rows (i < j) whose surfaces are at most ``reach`` apart, and the step from one centre to the other."""
     box, origin = None, positions.min(axis=0)
-    if case.lattice.periodic:
-        box = np.array([*case.lattice.lengths, 0.0])
+    if assembly.lattice.periodic:
+        box = np.array([*assembly.lattice.lengths, 0.0])
         box[2] = 2 * (np.ptp(positions[:, 2]) + 4 * radii.max())
         origin = np.array([0.0, 0.0, origin[2]])
         tree = KDTree(np.mod(positions - origin, box), boxsize=box)
@@ -322,19 +325,20 @@ def _near(
     return one[near], two[near], step[near]
 
 
-def _materials(case: Case) -> NDArray[np.int64]:
+def _materials(assembly: Assembly) -> NDArray[np.int64]:
     """Which of the spheres' materials each sphere has, in the order of their types: (n_spheres,)."""
-    assembly = case.assembly
+    case = assembly.case
     kinds = [species.material for species in assembly.species if species.role == "sphere"]
-    own, sites = np.zeros(case.lattice.n_spheres, dtype=np.int64), assembly.sites
+    own, sites = np.zeros(assembly.lattice.n_spheres, dtype=np.int64), assembly.sites
     if sites is not None:
         own = np.array([kinds.index(one) for one in sites.materials])[sites.kind[sites.present]]
     strikers = [kinds.index(striker.material or case.material) for striker, _ in assembly.strikers]
     return np.append(own, np.array(strikers, dtype=np.int64))
 
 
-def _read_result(case: Case, path: Path) -> dict[tuple[int | str, int], float]:
+def _read_result(assembly: Assembly, path: Path) -> dict[tuple[int | str, int], float]:
     """The dents that an earlier run left: by two ids, or the fix of a wall and an id, m."""
+    case = assembly.case
     source = f"{case.name}: {KEY}"
     try:
         earlier = _read_earlier(path)
@@ -344,18 +348,18 @@ def _read_result(case: Case, path: Path) -> dict[tuple[int | str, int], float]:
         ) from None
     except _UNREADABLE as error:
         raise InputError(f"{source}: {path}: is not the result.h5 of a run ({' '.join(str(error).split())})") from None
-    if fault := _other_packing(case, earlier):
+    if fault := _other_packing(assembly, earlier):
         raise InputError(f"{source}: {path}: is of another packing: {fault}")
     found: dict[tuple[int | str, int], float] = {
         (i, j): peak
         for i, j, peak in zip(earlier.first.tolist(), earlier.second.tolist(), earlier.peak.tolist(), strict=True)
     }
-    faces = {bar.name: bar.face for bar in case.assembly.bars}
-    fixes = {(wall.name, material): name for wall in walls(case) if not wall.held_layer
-             for name, _, material in wall_fixes(case, wall)}  # fmt: skip
+    faces = {bar.name: bar.face for bar in assembly.bars}
+    fixes = {(wall.name, material): name for wall in walls(assembly) if not wall.held_layer
+             for name, _, material in wall_fixes(assembly, wall)}  # fmt: skip
     walls_hit = zip(earlier.wall, earlier.wall_sphere.tolist(), earlier.wall_peak.tolist(), strict=True)
     for wall, sphere, peak in walls_hit:
-        what = faces.get(wall) or fixes.get((wall, case.assembly.material_of(sphere)))
+        what = faces.get(wall) or fixes.get((wall, assembly.material_of(sphere)))
         if what is not None:
             found[what, sphere] = max(peak, found.get((what, sphere), 0.0))
     return found
@@ -377,9 +381,9 @@ def _result_file(path: Path) -> Path:
     return path / _RESULT if path.is_dir() else path
 
 
-def _other_packing(case: Case, earlier: _Earlier) -> str:
+def _other_packing(assembly: Assembly, earlier: _Earlier) -> str:
     """What is different in the packing of an earlier result; empty if nothing is."""
-    assembly, limit = case.assembly, TOUCHING * case.packing.diameter
+    limit = TOUCHING * assembly.case.packing.diameter
     if len(earlier.id) != assembly.n_spheres:
         return f"found {len(earlier.id)} spheres, expected {assembly.n_spheres}"
     missing = np.setdiff1d(assembly.ids, earlier.id)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from granwave._contact_laws import ContactLaw
 from granwave.lammps_inputs.case.sections import LAW_CONSTANTS, Contact
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
@@ -23,9 +24,10 @@ def sphere_contact(case: Case) -> ContactLaw:
     return _law(case, (case.material, case.material), (radius, radius))
 
 
-def pair_contact(case: Case, first: int, second: int) -> ContactLaw:
+def pair_contact(case: Case | Assembly, first: int, second: int) -> ContactLaw:
     """The law between the two spheres with these ids."""
-    assembly = case.assembly
+    assembly = assemble(case)
+    case = assembly.case
     return _law(
         case,
         (assembly.material_of(first), assembly.material_of(second)),
@@ -33,9 +35,10 @@ def pair_contact(case: Case, first: int, second: int) -> ContactLaw:
     )
 
 
-def flat_contact(case: Case, sphere: int, partner: Material | None = None) -> ContactLaw:
+def flat_contact(case: Case | Assembly, sphere: int, partner: Material | None = None) -> ContactLaw:
     """The law between a sphere and a flat: a wall or a bar of a material, or a rigid wall (None)."""
-    assembly = case.assembly
+    assembly = assemble(case)
+    case = assembly.case
     return _law(case, (assembly.material_of(sphere), partner), (assembly.diameter_of(sphere) / 2, math.inf))
 
 

@@ -14,7 +14,6 @@ Spheres held in place bear no load, nor do strikers.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,17 +21,16 @@ from scipy.spatial import KDTree
 
 from granwave.lammps_inputs.case.sections import Contact
 from granwave.lammps_inputs.contact.law import law_between
-from granwave.lammps_inputs.lattices import TOUCHING, Lattice
-
-if TYPE_CHECKING:
-    from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.lattices import TOUCHING
+from granwave.lammps_inputs.packing.assembly import Assembly
 
 _SHELL = (3, 2, 1)  # rows of sites around the packing, along x, y, z, in which its missing neighbours are
 
 
-def dead_loads(case: Case) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+def dead_loads(assembly: Assembly) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     """Ids of the spheres that bear a dead load, rising, and the forces on them: (n,) and (n, 3), N."""
-    stage, lattice, assembly = case.precompression, case.lattice, case.assembly
+    case = assembly.case
+    stage, lattice = case.precompression, assembly.lattice
     assert stage is not None
     nx, ny, nz = lattice.shape
     ids = assembly.ids[assembly.ids <= lattice.n_spheres]
@@ -40,79 +38,70 @@ def dead_loads(case: Case) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     if stage.kind == "gravity":
         force[:, 2] = assembly.sphere_masses()[: len(ids)] * stage.acceleration
     elif stage.kind == "uniaxial":
-        force[ids <= nx * ny, 2] = force_on_top(case)
+        force[ids <= nx * ny, 2] = force_on_top(assembly)
     else:
-        force = force_of_contact(case) * _missing_neighbours(case)[ids - 1]
+        force = force_of_contact(assembly) * _missing_neighbours(assembly)[ids - 1]
     if case.boundary.bottom == "fixed":
         force[ids > nx * ny * (nz - 1)] = 0.0
     loaded = force.any(axis=1)
     return ids[loaded], force[loaded]
 
 
-def directions(case: Case) -> str:
+def directions(assembly: Assembly) -> str:
     """The axes along which there are dead loads, of "xyz"."""
+    case = assembly.case
     stage = case.precompression
     if stage is None or stage.kind != "uniform":
         return "z"
-    return "xyz"[: case.lattice.rule.dimension]
+    return "xyz"[: assembly.lattice.rule.dimension]
 
 
-def force_on_top(case: Case) -> float:
+def force_on_top(assembly: Assembly) -> float:
     """On each sphere of the top layer under a uniaxial load, N."""
+    case = assembly.case
     stage = case.precompression
     assert stage is not None
     if stage.force is not None:
         return stage.force
-    nx, ny, _ = case.lattice.shape
-    return (stage.pressure or 0.0) * math.prod(case.lattice.lengths) / (nx * ny)
+    nx, ny, _ = assembly.lattice.shape
+    return (stage.pressure or 0.0) * math.prod(assembly.lattice.lengths) / (nx * ny)
 
 
-def force_of_contact(case: Case) -> float:
+def force_of_contact(assembly: Assembly) -> float:
     """About what each contact that carries the load bears, under gravity the ones at the bottom, N."""
-    stage, lattice = case.precompression, case.lattice
+    case = assembly.case
+    stage, lattice = case.precompression, assembly.lattice
     assert stage is not None
     if stage.kind == "uniform":
         rule = lattice.rule
         layer = rule.pitch[0] * rule.pitch[1] * lattice.diameter**2
-        return 2 * rule.dimension * (stage.pressure or 0.0) * layer * _height(lattice) / (
+        return 2 * rule.dimension * (stage.pressure or 0.0) * layer * lattice.rule.layer_spacing * lattice.diameter / (
             rule.coordination * lattice.diameter
         )  # fmt: skip
-    top = force_on_top(case) if stage.kind == "uniaxial" else 0.0
+    top = force_on_top(assembly) if stage.kind == "uniaxial" else 0.0
     if stage.kind == "gravity":
         nx, ny, nz = lattice.shape
         held = case.boundary.bottom == "fixed"
-        top = float(case.assembly.sphere_masses().sum()) * stage.acceleration / (nx * ny) * (nz - held) / nz
-    return top / _carried(lattice)
+        top = float(assembly.sphere_masses().sum()) * stage.acceleration / (nx * ny) * (nz - held) / nz
+    return top / lattice.rule.carried
 
 
-def static_stiffness(case: Case) -> float:
+def static_stiffness(assembly: Assembly) -> float:
     """Of a contact under the static load, about, N/m: that of Hertz's law at `force_of_contact`."""
+    case = assembly.case
     radius = case.packing.diameter / 2
     law = law_between(Contact(law="hertz"), (case.material, case.material), (radius, radius))
     hertz = 4 / 3 * law.effective_modulus * math.sqrt(law.effective_radius)
-    return 1.5 * hertz ** (2 / 3) * force_of_contact(case) ** (1 / 3)
+    return 1.5 * hertz ** (2 / 3) * force_of_contact(assembly) ** (1 / 3)
 
 
-def _height(lattice: Lattice) -> float:
-    """Of a layer, m."""
-    zero = np.zeros(1, dtype=np.int64)
-    if lattice.rule.dimension == 2:
-        return lattice.diameter
-    return float(lattice.rule.site(zero, zero, zero + 1)[2][0]) * lattice.diameter
-
-
-def _carried(lattice: Lattice) -> float:
-    """Force along z that a sphere hands on to the layer below when each of its contacts there bears 1."""
-    n = {"fcc": 3, "hcp": 3, "bcc": 4}.get(lattice.kind, 1)
-    return n * _height(lattice) / lattice.diameter
-
-
-def _missing_neighbours(case: Case) -> NDArray[np.float64]:
+def _missing_neighbours(assembly: Assembly) -> NDArray[np.float64]:
     """Sum of the directions from the neighbours that each site of the lattice lacks outside: (n_sites, 3).
 
     Below the last layer none is missing where something else is there.
     """
-    lattice, sites = case.lattice, case.assembly.sites
+    case = assembly.case
+    lattice, sites = assembly.lattice, assembly.sites
     ranges = [np.arange(-reach, n + reach) for reach, n in zip(_SHELL, lattice.shape, strict=True)]
     if case.boundary.bottom != "free":
         ranges[2] = ranges[2][: -_SHELL[2]]

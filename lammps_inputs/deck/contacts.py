@@ -2,33 +2,40 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.sections import Contact
+from granwave.lammps_inputs.case.supports import NodeConstants
 from granwave.lammps_inputs.deck.commands import joined, law_coefficients, num
-from granwave.lammps_inputs.packing.walls import support_words, wall_fixes, wall_friction, walls
+from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.walls import (
+    Wall,
+    footprint_radius,
+    materials_of_last_layer,
+    wall_fixes,
+    wall_friction,
+    walls,
+)
 from granwave.lammps_inputs.run_directory import DENTS_FILE
-
-if TYPE_CHECKING:
-    from granwave.lammps_inputs.case.case import Case
 
 _ELASTIC = Contact(law="hertz")
 
 
-def contacts(case: Case) -> list[str]:
+def contacts(assembly: Assembly) -> list[str]:
     """The pair style with the law of every pair of types."""
+    case = assembly.case
     gap = case.boundary.forget_gap * case.packing.diameter
     return [
         f"# Contact: {case.contact.law}; a dent is forgotten beyond the gap given here, m.",
         f"pair_style      gran/hysteretic {num(gap)}",
-        *pair_coefficients(case),
+        *pair_coefficients(assembly),
     ]
 
 
-def pair_coefficients(case: Case, *, elastic: bool = False) -> list[str]:
+def pair_coefficients(assembly: Assembly, *, elastic: bool = False) -> list[str]:
     """The law of every pair of types; ``elastic``: Hertz's without friction, whatever the case says."""
+    case = assembly.case
     lines = []
-    kinds = list(enumerate(case.assembly.species, start=1))
+    kinds = list(enumerate(assembly.species, start=1))
     for i, first in kinds:
         for j, second in kinds[i - 1 :]:
             contact, partner = _ELASTIC, None if i == j else second.material
@@ -44,7 +51,15 @@ def dents() -> list[str]:
     return ["# Dents from before the run, of pairs of spheres and on walls.", f"gran/dents      read {DENTS_FILE}"]
 
 
-def wall_commands(case: Case, *, elastic: bool = False, prefix: str = "") -> list[str]:
+def plane_names(assembly: Assembly) -> list[str]:
+    """Names of the fixes of planes, and of the fix that holds the last layer."""
+    names = []
+    for wall in walls(assembly):
+        names += ["held"] if wall.held_layer else [name for name, _, _ in wall_fixes(assembly, wall)]
+    return names
+
+
+def wall_commands(assembly: Assembly, *, elastic: bool = False, prefix: str = "") -> list[str]:
     """Walls, and the last layer where it is held.
 
     Parameters
@@ -54,34 +69,35 @@ def wall_commands(case: Case, *, elastic: bool = False, prefix: str = "") -> lis
     prefix
         Of the names of the fixes.
     """
-    lines = _groups(case)
-    for wall in walls(case):
+    case = assembly.case
+    lines = _groups(assembly)
+    for wall in walls(assembly):
         if wall.held_layer:
-            nx, ny, nz = case.lattice.shape
+            nx, ny, nz = assembly.lattice.shape
             last = nx * ny * nz
             lines.append(f"group           held id {last - nx * ny + 1}:{last}")
             lines.append(f"fix             {prefix}held held setforce 0.0 0.0 0.0")
             continue
         low, high = ("NULL", num(wall.coordinate)) if wall.outward > 0 else (num(wall.coordinate), "NULL")
         style = f"{'xyz'[wall.axis]}plane {low} {high}"
-        for name, group, material in wall_fixes(case, wall):
+        for name, group, material in wall_fixes(assembly, wall):
             words = [law_coefficients(_ELASTIC, material, wall.material)]
             if not elastic:
                 contact = case.contact_between(material, wall.material)
                 words = [law_coefficients(contact, material, wall.material, wall_friction(case, wall, material))]
-                words += support_words(case, wall, material)
+                words += _support_arguments(assembly, wall, material)
             lines.append(f"fix             {prefix}{name} {group} wall/gran/hysteretic {style} {joined(words)}")
     return (
         ["# Walls: planes that touch the outermost spheres, or the last layer held in place.", *lines] if lines else []
     )
 
 
-def _groups(case: Case) -> list[str]:
+def _groups(assembly: Assembly) -> list[str]:
     """Groups of the spheres of each material, where walls need them."""
     lines = []
-    planes = [wall for wall in walls(case) if not wall.held_layer]
-    groups = [group for wall in planes[-1:] for _, group, _ in wall_fixes(case, wall) if group != "all"]
-    first, last = case.lattice.n_spheres + 1, case.assembly.last_sphere
+    planes = [wall for wall in walls(assembly) if not wall.held_layer]
+    groups = [group for wall in planes[-1:] for _, group, _ in wall_fixes(assembly, wall) if group != "all"]
+    first, last = assembly.lattice.n_spheres + 1, assembly.last_sphere
     outside = [f"group           strikers id {first}:{last}"] if groups and last >= first else []
     for number, group in enumerate(groups, start=1):
         if outside:
@@ -90,3 +106,14 @@ def _groups(case: Case) -> list[str]:
         else:
             lines.append(f"group           {group} type {number}")
     return outside + lines
+
+
+def _support_arguments(assembly: Assembly, wall: Wall, material: Material) -> list[str]:
+    """Support arguments of the wall fix for spheres of a material; empty for planes that do not move."""
+    if wall.support is None or material != materials_of_last_layer(assembly)[0]:
+        return []
+    constants = wall.support.constants(wall.material, footprint_radius(assembly))
+    if isinstance(constants, NodeConstants):
+        return ["support", *(num(value) for value in (constants.mass, constants.stiffness, constants.damping))]
+    end = constants.end if isinstance(constants.end, str) else num(constants.end)
+    return ["support", "bar", str(constants.elements), num(constants.mass), num(constants.stiffness), end]

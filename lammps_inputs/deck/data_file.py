@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 
-from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.packing.assembly import Assembly, PlacedBar, Species
 
@@ -17,12 +16,11 @@ _PLAIN_TITLE = "Atoms # sphere: id type diameter density x y z"
 _BAR_TITLE = "Atoms # hybrid: id type x y z diameter density molecule"
 
 
-def write_data(case: Case, path: Path) -> None:
+def write_data(assembly: Assembly, path: Path) -> None:
     """Write the spheres as a LAMMPS data file of ``atom_style sphere``, 17 significant digits.
 
     With a bar it is ``atom_style hybrid sphere bond``; a node has no diameter, and its mass in the column of densities.
     """
-    assembly = case.assembly
     with path.open("w", encoding="ascii", newline="\n") as file:
         file.write(_header(assembly))
         for rows in _sphere_rows(assembly):

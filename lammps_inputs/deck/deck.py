@@ -7,7 +7,7 @@ import dataclasses
 from pathlib import Path
 from typing import Any
 
-from granwave.lammps_inputs.case.case import Case, load_case
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.initial_dents import dents_table
 from granwave.lammps_inputs.contact.static_load import directions
 from granwave.lammps_inputs.deck.data_file import write_data
@@ -16,7 +16,8 @@ from granwave.lammps_inputs.deck.script import input_script
 from granwave.lammps_inputs.deck.static_stage import load_tables
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import naming, replacing
-from granwave.lammps_inputs.packing.assembly import struck_of
+from granwave.lammps_inputs.load_case import load_case
+from granwave.lammps_inputs.packing.assembly import Assembly, assemble, struck_of
 from granwave.lammps_inputs.packing.walls import walls
 from granwave.lammps_inputs.planning.schedule import Schedule, make_schedule
 from granwave.lammps_inputs.run_directory import (
@@ -73,7 +74,7 @@ class Deck:
         return self.directory / DUMPS
 
 
-def write_deck(case: Case, directory: str | Path, *, timestep: float | None = None) -> Deck:
+def write_deck(case: Case | Assembly, directory: str | Path, *, timestep: float | None = None) -> Deck:
     """Write the deck of a case: case.toml, data.granwave, in.granwave, tables that it needs, and an empty dumps/.
 
     The files are written beside their places first and moved there complete, the script last. Files that granwave
@@ -90,18 +91,20 @@ def write_deck(case: Case, directory: str | Path, *, timestep: float | None = No
         The directory cannot be written to, holds files of such names that granwave did not write, or the dents before
         the run cannot be had; see `dents_table`.
     """
+    assembly = assemble(case)
+    case = assembly.case
     directory = Path(directory)
-    deck = Deck(directory, case, make_schedule(case, timestep), struck_of(case))
-    text, tables = case.to_toml(resolved=resolved(deck)), _tables(case)
+    deck = Deck(directory, case, make_schedule(assembly, timestep), struck_of(assembly))
+    text, tables = case.to_toml(resolved=resolved(deck)), _tables(assembly)
     try:
         directory.mkdir(parents=True, exist_ok=True)
         fresh = not results_in(directory)
-        claim(directory, deck_files(case, deck.schedule), kind=RUN, case=text)
+        claim(directory, deck_files(assembly, deck.schedule), kind=RUN, case=text)
         deck.dumps.mkdir(exist_ok=True)
     except OSError as error:
         raise InputError(f"{directory}: cannot be written to: {error.strerror}; choose another with -o") from None
     try:
-        _write(case, directory, {SCRIPT_FILE: input_script(case, deck.schedule), CASE_FILE: text, **tables})
+        _write(assembly, directory, {SCRIPT_FILE: input_script(assembly, deck.schedule), CASE_FILE: text, **tables})
     except BaseException:
         if fresh:
             clear(directory)
@@ -109,7 +112,7 @@ def write_deck(case: Case, directory: str | Path, *, timestep: float | None = No
     return deck
 
 
-def _write(case: Case, directory: Path, texts: dict[str, str]) -> None:
+def _write(assembly: Assembly, directory: Path, texts: dict[str, str]) -> None:
     """Write the data file and texts by their names; the first of them takes its place last."""
     with contextlib.ExitStack() as stack:  # the first to be entered is the last to be left
         names = dict.fromkeys((next(iter(texts)), DATA_FILE, *texts))
@@ -117,25 +120,27 @@ def _write(case: Case, directory: Path, texts: dict[str, str]) -> None:
         for name, path in scratch.items():
             with naming(directory / name):
                 if name == DATA_FILE:
-                    write_data(case, path)
+                    write_data(assembly, path)
                 else:
                     path.write_text(texts[name], encoding="utf-8")
 
 
-def deck_files(case: Case, schedule: Schedule) -> list[str]:
+def deck_files(assembly: Assembly, schedule: Schedule) -> list[str]:
     """Names of the files of a deck, and of those that LAMMPS writes when it runs it."""
-    tables = [PRELOAD_FILE.format(axis) for axis in directions(case)] if case.precompression else []
+    case = assembly.case
+    tables = [PRELOAD_FILE.format(axis) for axis in directions(assembly)] if case.precompression else []
     tables += [DENTS_FILE] if case.contact.initial_overlap else []
     tables += [LOAD_FILE] if case.load.table else []
-    dumps = [f"{DUMPS}/{name}" for name in output_files(case, schedule)]
+    dumps = [f"{DUMPS}/{name}" for name in output_files(assembly, schedule)]
     return [CASE_FILE, DATA_FILE, SCRIPT_FILE, *tables, LOG_FILE, *dumps]
 
 
-def _tables(case: Case) -> dict[str, str]:
+def _tables(assembly: Assembly) -> dict[str, str]:
     """Tables that the script reads, by file name: points of the load, dents, dead loads."""
-    tables = load_tables(case) if case.precompression else {}
+    case = assembly.case
+    tables = load_tables(assembly) if case.precompression else {}
     if case.contact.initial_overlap:
-        tables[DENTS_FILE] = dents_table(case)
+        tables[DENTS_FILE] = dents_table(assembly)
     if case.load.table:
         rows = "".join(f"{time!r} {value!r}\n" for time, value in case.load.table)
         tables[LOAD_FILE] = f"# time (s), {case.load.kind}, SI units\n{rows}"
@@ -164,7 +169,7 @@ def read_deck(directory: str | Path) -> Deck:
 
 def resolved(deck: Deck) -> dict[str, Any]:
     """What follows from the case: the table ``[resolved]`` of case.toml."""
-    case, assembly = deck.case, deck.case.assembly
+    case, assembly = deck.case, assemble(deck.case)
     return {
         "n_spheres": assembly.n_spheres,
         "n_contacts": assembly.n_contacts,

@@ -5,45 +5,46 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from granwave.lammps_inputs.deck.commands import joined, num
-from granwave.lammps_inputs.packing.assembly import INCIDENT_BAR, struck_of, velocities_of
+from granwave.lammps_inputs.packing.assembly import INCIDENT_BAR, Assembly, struck_of, velocities_of
 from granwave.lammps_inputs.packing.walls import walls
 from granwave.lammps_inputs.run_directory import LOAD_FILE
 
 if TYPE_CHECKING:
-    from granwave.lammps_inputs.case.case import Case
     from granwave.lammps_inputs.planning.schedule import Schedule
 
 _HALF_INERTIA = 0.2  # of a sphere, in m R^2
 
 
-def motion(case: Case, schedule: Schedule) -> list[str]:
+def motion(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> list[str]:
     """Time integration, and what sets the packing in motion; the variable ``input`` is the energy put in so far."""
-    struck = struck_of(case)
+    case = assembly.case
+    struck = struck_of(assembly)
     turning = "and rotations" if case.rotates else "(the contacts are frictionless, so nothing rotates)"
     lines = [
         f"# Motion: velocity Verlet {turning}, and what drives it.",
         f"timestep        {num(schedule.timestep)}",
-        f"group           struck id {struck[0] if struck else case.assembly.ids[0]}",
+        f"group           struck id {struck[0] if struck else assembly.ids[0]}",
         f"group           hit id {joined(struck)}" if struck else "group           hit empty",
-        *_integration(case),
-        *_velocities(case),
+        *_integration(assembly),
+        *_velocities(assembly, resumed=resumed),
     ]
     if case.load.driven:
-        lines += _drive(case)
+        lines += _drive(assembly)
         lines.append("variable        input equal v_given+f_load")
     else:
         lines.append("variable        input equal v_given")
     return lines
 
 
-def _integration(case: Case) -> list[str]:
+def _integration(assembly: Assembly) -> list[str]:
     """What moves, and by which fix: nodes of bars have no radius and cannot turn."""
+    case = assembly.case
     lines, still = [], []
-    if any(wall.held_layer for wall in walls(case)):
+    if any(wall.held_layer for wall in walls(assembly)):
         still.append("held")
     if case.load.kind == "displacement":
         still.append("hit")
-    bars = [bar.name for bar in case.assembly.bars] if case.rotates else []
+    bars = [bar.name for bar in assembly.bars] if case.rotates else []
     if bars or still:
         lines.append(f"group           mobile subtract all {joined([*still, *bars])}")
     group, style = "mobile" if bars or still else "all", "nve/sphere" if case.rotates else "nve"
@@ -51,24 +52,26 @@ def _integration(case: Case) -> list[str]:
     return [*lines, *(f"fix             motion_{name} {name} nve" for name in bars)]
 
 
-def _velocities(case: Case) -> list[str]:
+def _velocities(assembly: Assembly, *, resumed: bool) -> list[str]:
     """Initial velocities and spins, and the kinetic energy that they are."""
+    case = assembly.case
     lines: list[str] = []
     terms: list[str] = []
-    n = case.lattice.n_spheres
-    struck = [sphere for sphere in velocities_of(case) if sphere <= n]  # all of these have one velocity
+    n = assembly.lattice.n_spheres
+    struck = [sphere for sphere in velocities_of(assembly) if sphere <= n]  # all of these have one velocity
     moving = [("hit", struck, case.load.initial_velocity, case.load.spin)] if struck else []
     for number, striker in enumerate(case.striker, start=1):
         if striker.moves:
             lines.append(f"group           striker{number} id {n + number}")
             moving.append((f"striker{number}", [n + number], striker.velocity, striker.spin))
     for group, spheres, velocity, spin in moving:
-        lines.append(f"velocity        {group} set {_components(velocity)} units box")
+        if not resumed:
+            lines.append(f"velocity        {group} set {_components(velocity)} units box")
         if any(velocity):
             terms.append(f"0.5*mass({group})*({_square(velocity)})")
         if any(spin):
-            lines.append(f"set             group {group} omega {_components(spin)}")
-            assembly = case.assembly
+            if not resumed:
+                lines.append(f"set             group {group} omega {_components(spin)}")
             inertia = sum(assembly.mass_of(one) * (assembly.diameter_of(one) / 2) ** 2 for one in spheres)
             terms.append(f"{num(_HALF_INERTIA * inertia)}*({_square(spin)})")
     given = f"$({'+'.join(terms)}:%.17g)" if terms else "0.0"
@@ -83,10 +86,11 @@ def _square(vector: tuple[float, float, float]) -> str:
     return "+".join(f"{num(component)}^2" for component in vector if component)
 
 
-def _drive(case: Case) -> list[str]:
+def _drive(assembly: Assembly) -> list[str]:
     """The force, or the displacement, on the struck spheres or on the free end of the incident bar."""
+    case = assembly.case
     load, group, lines = case.load, "hit", []
-    for bar in case.assembly.bars:
+    for bar in assembly.bars:
         if bar.name == INCIDENT_BAR:
             group = "driven"
             lines.append(f"group           driven id {bar.far}")

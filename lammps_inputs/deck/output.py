@@ -5,7 +5,24 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from granwave.lammps_inputs.deck.columns import (
+    CONTACTS,
+    DENTS,
+    FORCES,
+    FRICTION,
+    HISTORY,
+    LEDGER,
+    MOVING_WALL,
+    ROTATION,
+    SNAPSHOT,
+    SUPPORT,
+    TANGENTIAL,
+    WALL_CONTACTS,
+    names,
+    sources,
+)  # fmt: skip
 from granwave.lammps_inputs.deck.commands import command, joined
+from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.walls import Wall, moving_fix, wall_fixes, walls
 from granwave.lammps_inputs.run_directory import (
     CONTACTS_FILE,
@@ -29,98 +46,34 @@ if TYPE_CHECKING:
 POTENTIAL = "c_potential"  # energy of the dead loads of a precompression, from the data file's positions on
 STATIC = "v_static"  # that, and the elastic energy, when the run begins
 
-LEDGER_COLUMNS = {
-    "time": "v_time",
-    "kinetic": "c_kinetic",
-    "elastic": "v_elastic",
-    "dissipated": "v_dissipated",
-    "elastic_wall": "v_elastic_wall",
-    "dissipated_wall": "v_dissipated_wall",
-    "input": "v_input",
-    "contacts_yielded": "c_contact[2]",
-    "beyond_law": "c_contact[3]",
-    "beyond_half": "c_contact[4]",
-    "largest_force": "c_contact[5]",
-    "struck_velocity": "v_struck_velocity",
-}
-FRAME_COLUMNS = {
-    "id": "id",
-    "type": "type",
-    "radius": "radius",
-    "x": "x",
-    "y": "y",
-    "z": "z",
-    "ux": "c_displacement[1]",
-    "uy": "c_displacement[2]",
-    "uz": "c_displacement[3]",
-    "vx": "vx",
-    "vy": "vy",
-    "vz": "vz",
-    "force": "c_sphere[1]",
-    "peak_force": "c_sphere[2]",
-    "peak_overlap": "c_sphere[3]",
-    "dissipated": "c_sphere[4]",
-    "elastic": "c_sphere[10]",
-}
-RUBBING_FRAME_COLUMNS = {"elastic_tangential": "c_sphere[11]", "friction": "c_sphere[12]"}
-HISTORY_COLUMNS = {"id": "id", "uz": "c_displacement[3]", "vz": "vz"}
-CONTACT_COLUMNS = (
-    "i",
-    "j",
-    "overlap",
-    "force",
-    "peak_overlap",
-    "peak_force",
-    "elastic",
-    "dissipated",
-    "time_first",
-    "time_peak",
-    "time_yield",
-    "live",
-)  # of compute gran/hysteretic/local, from 1 on
-RUBBING_CONTACT_COLUMNS = {"tangential_force": 13, "elastic_tangential": 14, "friction": 15}
-DENTED_CONTACT_COLUMNS = {"initial": 16}
-WALL_COLUMNS = (
-    "overlap",
-    "force",
-    "peak_overlap",
-    "peak_force",
-    "dissipated",
-    "time_first",
-    "time_peak",
-    "time_yield",
-)  # of fix wall/gran/hysteretic, from 1 on
-RUBBING_WALL_COLUMNS = {"tangential_force": 9, "friction": 10}
-DENTED_WALL_COLUMNS = {"initial": 11}
-MOVING_WALL_COLUMNS = {"displacement": 10, "velocity": 11, "ground_force": 14}  # of its vector
-_SUPPORT_COLUMNS = {"support": 12, "support_lost": 13, "target": 15}
 _FRAME_FORMAT = "%d %d" + " %.9g" + 3 * " %.10g" + 3 * " %.17g" + 8 * " %.9g"
 
 
-def ledger(case: Case, schedule: Schedule) -> list[str]:
+def ledger(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> list[str]:
     """The energy ledger: where the energy is, and how many contacts have yielded."""
-    planes = [name for wall in walls(case) if not wall.held_layer for name, _, _ in wall_fixes(case, wall)]
-    bars = [bar.name for bar in case.assembly.bars]
-    columns = LEDGER_COLUMNS | {name: f"v_energy_{name}" for name in bars}
+    case = assembly.case
+    planes = [name for wall in walls(assembly) if not wall.held_layer for name, _, _ in wall_fixes(assembly, wall)]
+    bars = [bar.name for bar in assembly.bars]
+    columns = sources(LEDGER) | {name: f"v_energy_{name}" for name in bars}
     # contacts with the faces of bars are among those of the pair style
     stored, lost = ([f"f_{name}[{n}]" for name in planes] for n in (4, 5))
     at_bars = [[f"c_on_{name}[{n}]" for name in bars] for n in (4, 5)]
     elastic, dissipated = ["c_contact", *stored], ["c_contact[1]", *lost]
     lines = []
     if case.rotates:
-        columns |= {"kinetic": "v_motion", "rotational": "c_rotational"}
+        columns |= {"kinetic": "v_motion"} | sources(ROTATION)
         lines.append("compute         rotational all erotate/sphere")
         lines.append("variable        motion equal c_kinetic+c_rotational")
     if case.rubs:
         stretched, rubbed = ([f"f_{name}[{n}]" for name in planes] for n in (8, 9))
-        columns |= {"elastic_tangential": "v_elastic_tangential", "friction": "v_friction"}
+        columns |= sources(TANGENTIAL)
         lines.append(f"variable        elastic_tangential equal {_sum(['c_contact[6]', *stretched])}")
         lines.append(f"variable        friction equal {_sum(['c_contact[7]', *rubbed])}")
         stored, lost = [*stored, *stretched], [*lost, *rubbed]
         elastic.append("v_elastic_tangential")
         dissipated.append("v_friction")
-    if support := moving_fix(case):
-        columns |= {name: f"f_{support}[{n}]" for name, n in _SUPPORT_COLUMNS.items()}
+    if support := moving_fix(assembly):
+        columns |= sources(SUPPORT, of=support)
         elastic.append(columns["support"])
         dissipated.append(columns["support_lost"])
     elastic += [f"c_elastic_{name}" for name in bars]
@@ -131,14 +84,14 @@ def ledger(case: Case, schedule: Schedule) -> list[str]:
         "compute         kinetic all ke",
         "compute         contact all gran/hysteretic/energy",
         "variable        time equal step*dt",
-        *(line for bar in case.assembly.bars for line in _bar_energy(bar)),
+        *(line for bar in assembly.bars for line in _bar_energy(bar)),
         *lines,
         f"variable        elastic_wall equal {_sum(stored + at_bars[0])}",
         f"variable        dissipated_wall equal {_sum(lost + at_bars[1])}",
         f"variable        elastic equal {_sum(elastic)}",
         f"variable        dissipated equal {_sum(dissipated)}",
         "variable        struck_velocity equal vcm(struck,z)",
-        *_series("ledger", schedule.ledger_every, ENERGY_FILE, "energy ledger, SI units", columns),
+        *_series("ledger", schedule.ledger_every, ENERGY_FILE, "energy ledger, SI units", columns, resumed),
     ]
 
 
@@ -158,22 +111,22 @@ def _bar_energy(bar: PlacedBar) -> list[str]:
     ]
 
 
-def wall_forces(case: Case, schedule: Schedule) -> list[str]:
+def wall_forces(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> list[str]:
     """The force on every wall, positive if the spheres push it outwards."""
-    found, bars = walls(case), case.assembly.bars
+    found, bars = walls(assembly), assembly.bars
     if not found and not bars:
         return []
     columns = {wall.name: f"v_{wall.name}" for wall in found} | {bar.name: f"c_on_{bar.name}[2]" for bar in bars}
-    if support := moving_fix(case):
-        columns |= {f"bottom_{name}": f"f_{support}[{n}]" for name, n in MOVING_WALL_COLUMNS.items()}
+    if support := moving_fix(assembly):
+        columns |= {f"bottom_{name}": source for name, source in sources(MOVING_WALL, of=support).items()}
     return [
         "# Force of the spheres on each wall and bar, N, positive outwards.",
-        *(f"variable        {wall.name} equal {_outward_force(case, wall)}" for wall in found),
-        *_series("walls", schedule.wall_every, WALLS_FILE, "wall forces, N", {"time": "v_time"} | columns),
+        *(f"variable        {wall.name} equal {_outward_force(assembly, wall)}" for wall in found),
+        *_series("walls", schedule.wall_every, WALLS_FILE, "wall forces, N", {"time": "v_time"} | columns, resumed),
     ]
 
 
-def probes(case: Case, schedule: Schedule) -> list[str]:
+def probes(case: Case, schedule: Schedule, *, resumed: bool = False) -> list[str]:
     """Spheres and contacts that are recorded at their own rate."""
     if not case.probes:
         return []
@@ -190,7 +143,7 @@ def probes(case: Case, schedule: Schedule) -> list[str]:
         for quantity, source in _sphere_probe(probe.sphere or 0).items():
             lines.append(f"variable        probe{n}{quantity} equal {source}")
             columns[f"sphere_{probe.sphere}_{quantity}"] = f"v_probe{n}{quantity}"
-    return lines + _series("probes", schedule.probe_every, PROBES_FILE, "probes, SI units", columns)
+    return lines + _series("probes", schedule.probe_every, PROBES_FILE, "probes, SI units", columns, resumed)
 
 
 def displacements(case: Case) -> list[str]:
@@ -203,11 +156,11 @@ def displacements(case: Case) -> list[str]:
     return lines
 
 
-def frames(case: Case, schedule: Schedule) -> list[str]:
+def frames(case: Case, schedule: Schedule, *, resumed: bool = False) -> list[str]:
     """Snapshots of all spheres."""
     every, chosen = schedule.frame_every, []
-    columns = FRAME_COLUMNS | (RUBBING_FRAME_COLUMNS if case.rubs else {})
-    form = _FRAME_FORMAT + " %.9g" * (len(columns) - len(FRAME_COLUMNS))
+    columns = sources(SNAPSHOT, *_recorded(case))
+    form = _FRAME_FORMAT + " %.9g" * (len(columns) - len(names(SNAPSHOT)))
     if not every:
         every = schedule.n_steps
         chosen = [
@@ -221,26 +174,26 @@ def frames(case: Case, schedule: Schedule) -> list[str]:
         "compute         sphere all gran/hysteretic/atom",
         "compute         contacts all gran/hysteretic/local",
         *command("dump            frames all custom", f"{every}", f"{DUMPS}/{FRAMES_FILE}", *columns.values()),
-        f'dump_modify     frames first yes sort id format line "{form}"',
+        f'dump_modify     frames {_first(resumed)} sort id format line "{form}"',
         *command("dump_modify     frames", *_names(columns)),
         *chosen,
     ]
 
 
-def history(case: Case, schedule: Schedule) -> list[str]:
+def history(case: Case, schedule: Schedule, *, resumed: bool = False) -> list[str]:
     """The whole chain at many instants: displacement and velocity of every particle, force of every contact."""
     every = schedule.history_every
     if not every:
         return []
-    names = {source: name for name, source in HISTORY_COLUMNS.items() if name != source}
+    moved, forces = sources(HISTORY), sources(FORCES)
     return [
         "# The chain in time.",
-        *command(f"dump            history all custom {every} {DUMPS}/{HISTORY_FILE}", *HISTORY_COLUMNS.values()),
-        'dump_modify     history first yes sort id format line "%d %.17g %.17g"',
-        *(f"dump_modify     history colname {source} {name}" for source, name in names.items()),
-        f"dump            forces all local {every} {DUMPS}/{FORCES_FILE} c_contacts[1] c_contacts[2] c_contacts[4]",
-        'dump_modify     forces first yes format line "%.9g %.9g %.17g"',
-        *(f"dump_modify     forces colname c_contacts[{n}] {name}" for n, name in ((1, "i"), (2, "j"), (4, "force"))),
+        *command(f"dump            history all custom {every} {DUMPS}/{HISTORY_FILE}", *moved.values()),
+        f'dump_modify     history {_first(resumed)} sort id format line "%d %.17g %.17g"',
+        *(f"dump_modify     history {renamed}" for renamed in _names(moved)),
+        f"dump            forces all local {every} {DUMPS}/{FORCES_FILE} {joined(forces.values())}",
+        f'dump_modify     forces {_first(resumed)} format line "%.9g %.9g %.17g"',
+        *(f"dump_modify     forces {renamed}" for renamed in _names(forces)),
     ]
 
 
@@ -259,13 +212,10 @@ def thermo(case: Case, schedule: Schedule) -> list[str]:
     ]
 
 
-def dumps_at_end(case: Case) -> list[str]:
+def dumps_at_end(assembly: Assembly) -> list[str]:
     """The last snapshot if it is still missing, every contact, and what each wall went through."""
-    contacts = {
-        name: f"c_contacts[{n}]"
-        for name, n in _columns(case, CONTACT_COLUMNS, RUBBING_CONTACT_COLUMNS, DENTED_CONTACT_COLUMNS).items()
-    }
-    on_walls = _columns(case, WALL_COLUMNS, RUBBING_WALL_COLUMNS, DENTED_WALL_COLUMNS)
+    case = assembly.case
+    contacts = sources(CONTACTS, *_recorded(case))
     lines = [
         "# The last snapshot, if the run did not end on one.",
         "dump_modify     frames every 1",
@@ -280,11 +230,11 @@ def dumps_at_end(case: Case) -> list[str]:
             *_names(contacts),
         ),
     ]
-    for wall in walls(case):
+    for wall in walls(assembly):
         if wall.held_layer:
             continue
-        for fix, _, _ in wall_fixes(case, wall):
-            columns = {name: f"f_{fix}[{n}]" for name, n in on_walls.items()}
+        for fix, _, _ in wall_fixes(assembly, wall):
+            columns = sources(WALL_CONTACTS, *_recorded(case), of=fix)
             lines += command(
                 f"write_dump      all custom {DUMPS}/{WALL_CONTACTS_FILE.format(fix)} id",
                 *columns.values(),
@@ -295,40 +245,43 @@ def dumps_at_end(case: Case) -> list[str]:
     return lines
 
 
-def output_files(case: Case, schedule: Schedule) -> list[str]:
+def output_files(assembly: Assembly, schedule: Schedule) -> list[str]:
     """Names, in dumps/, of the files that LAMMPS writes."""
-    planes = [fix for wall in walls(case) if not wall.held_layer for fix, _, _ in wall_fixes(case, wall)]
+    case = assembly.case
+    planes = [fix for wall in walls(assembly) if not wall.held_layer for fix, _, _ in wall_fixes(assembly, wall)]
     files = [ENERGY_FILE, FRAMES_FILE, CONTACTS_FILE, *(WALL_CONTACTS_FILE.format(fix) for fix in planes)]
-    files += [WALLS_FILE] if wall_forces(case, schedule) else []
+    files += [WALLS_FILE] if wall_forces(assembly, schedule) else []
     files += [PROBES_FILE] if case.probes else []
     files += [HISTORY_FILE, FORCES_FILE] if schedule.history_every else []
     return files + ([PRESTAGE_FILE, STATIC_FILE] if case.precompression else [])
 
 
-def _columns(case: Case, always: tuple[str, ...], rubbing: dict[str, int], dented: dict[str, int]) -> dict[str, int]:
-    """Numbers of the columns that a case records of its contacts, by name."""
-    columns = {name: n for n, name in enumerate(always, start=1)}
-    if case.rubs:
-        columns |= rubbing
-    return columns | dented if case.has_past else columns
+def _recorded(case: Case) -> tuple[str, ...]:
+    """What decides which columns of its contacts a case records."""
+    return (*([FRICTION] if case.rubs else []), *([DENTS] if case.has_past else []))
 
 
-def _series(name: str, every: int, file: str, title: str, columns: dict[str, str]) -> list[str]:
+def _series(name: str, every: int, file: str, title: str, columns: dict[str, str], resumed: bool) -> list[str]:
     """A table in time: one row every so many steps, the step first."""
     return command(
         f"fix             {name} all ave/time {every} 1 {every}",
         *columns.values(),
-        f'file {DUMPS}/{file} format " %.17g" title1 "# {title}"',
+        f'{"append" if resumed else "file"} {DUMPS}/{file} format " %.17g" title1 "# {title}"',
         f'title2 "# {joined(["step", *columns])}"',
     )
+
+
+def _first(resumed: bool) -> str:
+    """Words of dump_modify: a snapshot at the first step, or go on behind those of before."""
+    return "append yes first no" if resumed else "first yes"
 
 
 def _names(columns: dict[str, str]) -> list[str]:
     return [f"colname {source} {name}" for name, source in columns.items() if name != source]
 
 
-def _outward_force(case: Case, wall: Wall) -> str:
-    sources = ["held"] if wall.held_layer else [name for name, _, _ in wall_fixes(case, wall)]
+def _outward_force(assembly: Assembly, wall: Wall) -> str:
+    sources = ["held"] if wall.held_layer else [name for name, _, _ in wall_fixes(assembly, wall)]
     sign = "-" if wall.outward < 0 else "+"
     return "".join(f"{sign}f_{source}[{wall.axis + 1}]" for source in sources).removeprefix("+")
 

@@ -15,7 +15,8 @@ from granwave.lammps_inputs.deck.commands import num
 from granwave.lammps_inputs.deck.contacts import contacts, dents, wall_commands
 from granwave.lammps_inputs.deck.motion import motion
 from granwave.lammps_inputs.deck.output import dumps_at_end, frames, history, ledger, probes, thermo, wall_forces
-from granwave.lammps_inputs.deck.static_stage import dead_load_commands, first_half, second_half
+from granwave.lammps_inputs.deck.static_stage import dead_load_commands, first_half, reference_state, second_half
+from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.planning.schedule import BLOCK_THRESHOLD, Schedule
 from granwave.lammps_inputs.planning.timestep import fastest
 from granwave.lammps_inputs.run_directory import CASE_FILE, DATA_FILE, SCRIPT_FILE
@@ -29,26 +30,36 @@ _MOST_STEPS_BETWEEN_CHECKS = 10
 _TRAVEL_BETWEEN_CHECKS = 0.01  # of the skin, at the impact velocity
 
 
-def input_script(case: Case, schedule: Schedule) -> str:
-    """The text of in.granwave."""
+def input_script(assembly: Assembly, schedule: Schedule, *, restart_from: str = "") -> str:
+    """Write the text of in.granwave.
+
+    Parameters
+    ----------
+    restart_from
+        Restart file that the script goes on from: the same system, fixes and outputs, but the state from that file, no
+        initial velocity, spin or dents, no static stage, and output appended.
+    """
+    case, resumed = assembly.case, bool(restart_from)
+    static = case.precompression is not None
     parts = [
         _head(case),
-        _system(case),
-        _neighbours(case, schedule),
-        contacts(case),
-        *([dead_load_commands(case), first_half(case)] if case.precompression else []),
-        wall_commands(case),
-        dents() if case.contact.initial_overlap else [],
-        second_half(case) if case.precompression else [],
-        motion(case, schedule),
-        ledger(case, schedule),
-        wall_forces(case, schedule),
-        probes(case, schedule),
-        frames(case, schedule),
-        history(case, schedule),
+        _system(assembly, restart_from),
+        _neighbours(assembly, schedule),
+        contacts(assembly),
+        dead_load_commands(assembly) if static else [],
+        first_half(assembly) if static and not resumed else [],
+        wall_commands(assembly),
+        dents() if case.contact.initial_overlap and not resumed else [],
+        [*([] if resumed else second_half(assembly)), *reference_state()] if static else [],
+        motion(assembly, schedule, resumed=resumed),
+        ledger(assembly, schedule, resumed=resumed),
+        wall_forces(assembly, schedule, resumed=resumed),
+        probes(case, schedule, resumed=resumed),
+        frames(case, schedule, resumed=resumed),
+        history(case, schedule, resumed=resumed),
         thermo(case, schedule),
         _run(case, schedule),
-        [END_MARKER, "", *dumps_at_end(case)],
+        [END_MARKER, "", *dumps_at_end(assembly)],
     ]
     return "\n\n".join("\n".join(lines) for lines in parts if lines) + "\n"
 
@@ -72,9 +83,9 @@ def _head(case: Case) -> list[str]:
     ]
 
 
-def _system(case: Case) -> list[str]:
-    sides = "p p" if case.lattice.periodic else "m m"
-    bars = case.assembly.bars
+def _system(assembly: Assembly, restart_from: str) -> list[str]:
+    sides = "p p" if assembly.lattice.periodic else "m m"
+    bars = assembly.bars
     return [
         "# The packing: spheres that just touch. Both processors that share a pair compute it (newton off).",
         "units           si",
@@ -83,15 +94,16 @@ def _system(case: Case) -> list[str]:
         "newton          off",
         f"boundary        {sides} m",
         *(["bond_style      harmonic"] if bars else []),
-        f"read_data       {DATA_FILE}",
-        *_bars(case),
+        f"read_restart    {restart_from}" if restart_from else f"read_data       {DATA_FILE}",
+        *_bars(assembly),
     ]
 
 
-def _bars(case: Case) -> list[str]:
+def _bars(assembly: Assembly) -> list[str]:
     """Groups and springs of elastic bars: linear elements between lumped masses."""
-    lines, bars = [], case.assembly.bars
-    largest = max([case.packing.diameter, *case.assembly.diameters.values()])
+    case = assembly.case
+    lines, bars = [], assembly.bars
+    largest = max([case.packing.diameter, *assembly.diameters.values()])
     reach = 2 * max([largest, *(bar.pitch for bar in bars)]) + _SKIN * case.packing.diameter  # of ghosts
     for kind, bar in enumerate(bars, start=1):
         lines.append(f"group           {bar.name} id {bar.first}:{bar.last}")
@@ -101,11 +113,12 @@ def _bars(case: Case) -> list[str]:
     return ["# Elastic bars: lumped masses, joined by springs E A / (length of an element).", *lines] if lines else []
 
 
-def _neighbours(case: Case, schedule: Schedule) -> list[str]:
+def _neighbours(assembly: Assembly, schedule: Schedule) -> list[str]:
+    case = assembly.case
     skin = _SKIN * case.packing.diameter
-    checks = int(_TRAVEL_BETWEEN_CHECKS * skin / (fastest(case) * schedule.timestep))
+    checks = int(_TRAVEL_BETWEEN_CHECKS * skin / (fastest(assembly) * schedule.timestep))
     every = min(max(checks, 1), _MOST_STEPS_BETWEEN_CHECKS)
-    kinds = case.assembly.species
+    kinds = assembly.species
     nodes = [n for n, species in enumerate(kinds, start=1) if species.role == "node"]
     apart = {tuple(sorted((node, other))) for node in nodes for other in range(1, len(kinds) + 1)}
     return [

@@ -13,23 +13,24 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Sequence
-from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from functools import cached_property, lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.bodies import Bar, Striker
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material, sphere_mass
 from granwave.lammps_inputs.lattices import TOUCHING, Lattice
 from granwave.lammps_inputs.packing.sites import Sites, sites_of
 from granwave.lammps_inputs.packing.strikers import place_strikers
 from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
 
-if TYPE_CHECKING:
-    from granwave.lammps_inputs.case.case import Case
-
 INCIDENT_BAR, BAR = "incident_bar", "bar"  # names, as in the case
+_KEPT = 4  # assemblies
+_HISTORY, _LEAST_HISTORY = 1000, 5  # instants; beads of a chain from which on they are recorded by themselves
+_HISTORY_VALUES, _LEAST_ROWS = 1e6, 250  # instants times particles, nodes of bars among them; fewest instants
 
 
 @dataclasses.dataclass(frozen=True)
@@ -110,6 +111,8 @@ class Assembly:
 
     Attributes
     ----------
+    case
+        Case that it was made from.
     lattice
         Of the spheres of the packing.
     material
@@ -124,6 +127,7 @@ class Assembly:
         What the LAMMPS types 1, 2, ... are.
     """
 
+    case: Case
     lattice: Lattice
     material: Material
     sites: Sites | None
@@ -302,6 +306,16 @@ class Assembly:
         return np.concatenate(pairs) if pairs else np.empty((0, 2), dtype=np.int64)
 
     @property
+    def history(self) -> int:
+        """Instants at which a chain's velocities and forces are recorded; 0: none."""
+        output, packing = self.case.output, self.case.packing
+        if output.history != "auto":
+            return output.history
+        if packing.kind != "chain" or packing.size[0] < _LEAST_HISTORY:
+            return 0
+        return int(min(_HISTORY, max(_LEAST_ROWS, _HISTORY_VALUES / self.n_particles)))
+
+    @property
     def _n_touches(self) -> int:
         return sum(len(set(striker.touches)) for striker, _ in self.strikers)
 
@@ -316,20 +330,29 @@ class Assembly:
         return np.concatenate([of_sites, of_strikers]) if len(of_strikers) else of_sites
 
 
-def assemble(case: Case) -> Assembly:
-    """All bodies of a case.
+def assemble(case: Case | Assembly) -> Assembly:
+    """Place all bodies of a case; an assembly is returned as it is. The last few are kept.
 
     Raises
     ------
     ValueError
         A striker does not find a place, or vacancies leave too few spheres.
     """
-    sites = sites_of(case)
+    return case if isinstance(case, Assembly) else _assemble(case)
+
+
+@lru_cache(maxsize=_KEPT)
+def _assemble(case: Case) -> Assembly:
+    lattice = lattice_of(case)
+    sites = sites_of(case, lattice)
     materials = [case.material] if sites is None else sites.materials
     spheres = dict.fromkeys([*materials, *(striker.material or case.material for striker in case.striker)])
-    assembly = Assembly(case.lattice, case.material, sites, (), (), tuple(Species(one) for one in spheres))
+    assembly = Assembly(case, lattice, case.material, sites, (), (), tuple(Species(one) for one in spheres))
     if case.striker:
-        centres = place_strikers(assembly, case.striker)
+        middle = assembly.lattice_positions(1, lattice.n_spheres).mean(axis=0)
+        centres = place_strikers(
+            lattice, assembly.ids, assembly.positions(), assembly.sphere_diameters(), middle, case.striker
+        )
         assembly = dataclasses.replace(assembly, strikers=tuple(zip(case.striker, centres, strict=True)))
     bars: list[PlacedBar] = []
     first = assembly.last_sphere + 1
@@ -341,29 +364,38 @@ def assemble(case: Case) -> Assembly:
     return dataclasses.replace(assembly, bars=tuple(bars), species=(*assembly.species, *ends))
 
 
-def struck_of(case: Case) -> tuple[int, ...]:
+def lattice_of(case: Case) -> Lattice:
+    """Lattice of the packing of a case."""
+    return Lattice(case.packing.kind, case.packing.size, case.packing.diameter, case.boundary.sides == "periodic")
+
+
+def struck_of(assembly: Assembly) -> tuple[int, ...]:
     """Ids of the spheres that the load acts on, the struck sphere first; of strikers alone those that move."""
+    case = assembly.case
     if case.load.kind != "striker":
-        return struck_spheres(case.lattice, case.load.spheres)
-    moving = [number for number, striker in enumerate(case.striker, start=case.lattice.n_spheres + 1) if striker.moves]
+        return struck_spheres(assembly.lattice, case.load.spheres)
+    moving = [
+        number for number, striker in enumerate(case.striker, start=assembly.lattice.n_spheres + 1) if striker.moves
+    ]
     return tuple(moving)
 
 
-def struck_site(case: Case) -> int | None:
+def struck_site(assembly: Assembly) -> int | None:
     """Id of the struck sphere of the packing: the central one, or what the first striker strikes; None without one."""
-    struck = struck_of(case)
+    struck = struck_of(assembly)
     sphere = struck[0] if struck else None
-    while sphere is not None and sphere > case.lattice.n_spheres:
-        sphere = case.striker[sphere - case.lattice.n_spheres - 1].touches[0]
+    while sphere is not None and sphere > assembly.lattice.n_spheres:
+        sphere = assembly.case.striker[sphere - assembly.lattice.n_spheres - 1].touches[0]
     return sphere
 
 
-def velocities_of(case: Case) -> dict[int, tuple[float, float, float]]:
+def velocities_of(assembly: Assembly) -> dict[int, tuple[float, float, float]]:
     """Initial velocities of the spheres that have one, by id, m/s."""
+    case = assembly.case
     found: dict[int, tuple[float, float, float]] = {}
     if case.load.kind == "impact":
-        found = dict.fromkeys(struck_of(case), case.load.initial_velocity)
-    for number, striker in enumerate(case.striker, start=case.lattice.n_spheres + 1):
+        found = dict.fromkeys(struck_of(assembly), case.load.initial_velocity)
+    for number, striker in enumerate(case.striker, start=assembly.lattice.n_spheres + 1):
         if striker.moves:
             found[number] = striker.velocity
     return found

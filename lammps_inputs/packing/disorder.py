@@ -41,6 +41,11 @@ def is_random(case: Case) -> bool:
     return bool(case.packing.diameter_scatter) or share or any(entry.share for entry in case.replace)
 
 
+def has_gaps(case: Case) -> bool:
+    """True if contacts of the packing may stand open at the start, which makes the search for balance long."""
+    return bool(case.packing.diameter_scatter or case.packing.vacancies or case.contact.initial_overlap)
+
+
 def diameter_losses(packing: PackingSection, n: int) -> NDArray[np.float64]:
     """How much smaller than nominal the sphere at each site is: (n,), m, from 0 to ``diameter_scatter``."""
     place = _uniform(packing.seed, n, DIAMETERS)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.lammps_inputs.lattices import TOUCHING, Lattice
-from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.walls import Wall, walls
 
 if TYPE_CHECKING:
@@ -125,9 +125,10 @@ class Packing:
         return all(n >= 5 for n in sides)
 
 
-def build_packing(case: Case) -> Packing:
+def build_packing(case: Case | Assembly) -> Packing:
     """The packing of a case, with its walls."""
-    assembly, lattice = case.assembly, case.lattice
+    assembly = assemble(case)
+    lattice = assembly.lattice
     low, high = assembly.lattice_bounds()
     atoms = ase.Atoms(
         numbers=np.zeros(assembly.n_spheres, dtype=np.int8),
@@ -137,4 +138,4 @@ def build_packing(case: Case) -> Packing:
     )
     atoms.set_array("diameters", assembly.sphere_diameters())
     atoms.set_array("ids", assembly.ids)
-    return Packing(assembly, atoms, walls(case))
+    return Packing(assembly, atoms, walls(assembly))

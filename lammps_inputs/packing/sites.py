@@ -177,7 +177,7 @@ class Sites:
         return pairs[np.abs(gaps) <= TOUCHING * self.lattice.diameter]
 
 
-def sites_of(case: Case) -> Sites | None:
+def sites_of(case: Case, lattice: Lattice) -> Sites | None:
     """What is at the sites of a case's lattice; None where all spheres are alike and none is missing.
 
     Raises
@@ -185,7 +185,7 @@ def sites_of(case: Case) -> Sites | None:
     ValueError
         A share of vacancies leaves too few spheres.
     """
-    packing, lattice = case.packing, case.lattice
+    packing = case.packing
     if not (packing.diameter_scatter or packing.vacancies or case.replace):
         return None
     n = lattice.n_spheres

@@ -3,39 +3,52 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from granwave.lammps_inputs.case.bodies import Striker
-
-if TYPE_CHECKING:
-    from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.lattices import Lattice
 
 _TOLERANCE = 1e-9  # of the diameter: how exactly a striker touches
 _TELLING = 1e-6  # part of a direction across the spheres from which on it tells the side
 _OVERLAP = 1e-6  # of the diameter: how far it may reach into a sphere that it is not said to touch
 
 
-def place_strikers(assembly: Assembly, strikers: Sequence[Striker]) -> list[NDArray[np.float64]]:
+def place_strikers(
+    lattice: Lattice,
+    ids: NDArray[np.int64],
+    centres: NDArray[np.float64],
+    diameters: NDArray[np.float64],
+    middle: NDArray[np.float64],
+    strikers: Sequence[Striker],
+) -> list[NDArray[np.float64]]:
     """Centres of the strikers: (3,) each, m.
 
     A striker touches all its spheres at once. Of several such places it takes the one on the side that it comes from;
     a resting one takes the one away from the packing's centre, or above the packing where that does not tell.
+
+    Parameters
+    ----------
+    ids
+        Of the spheres of the packing: (n_spheres,).
+    centres
+        (n_spheres, 3), m.
+    diameters
+        (n_spheres,), m.
+    middle
+        Mean of all sites of the lattice: (3,), m.
 
     Raises
     ------
     ValueError
         A striker touches spheres that no sphere can touch at once, or overlaps another one.
     """
-    centres, radii = assembly.positions(), assembly.sphere_diameters() / 2
-    ids = assembly.ids
-    middle = assembly.lattice_positions(1, assembly.lattice.n_spheres).mean(axis=0)
+    radii = diameters / 2
     placed = []
     for number, striker in enumerate(strikers, start=1):
-        radius = (striker.diameter or assembly.lattice.diameter) / 2
+        radius = (striker.diameter or lattice.diameter) / 2
         touched = np.searchsorted(ids, striker.touches)
         at, reach = centres[touched], radii[touched] + radius
         centre = _touching(at, reach, _side(striker, at, middle))
@@ -47,7 +60,7 @@ def place_strikers(assembly: Assembly, strikers: Sequence[Striker]) -> list[NDAr
             raise ValueError(f"striker {number}: its place overlaps sphere {other} by {-gap.min():.3g} m")
         placed.append(centre)
         centres, radii = np.vstack([centres, centre]), np.append(radii, radius)
-        ids = np.append(ids, assembly.lattice.n_spheres + number)
+        ids = np.append(ids, lattice.n_spheres + number)
     return placed
 
 

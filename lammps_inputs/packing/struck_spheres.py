@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from granwave.lammps_inputs.lattices import TOUCHING, Lattice
+from granwave.lammps_inputs.lattices import KINDS, TOUCHING, Lattice
 
 
 def struck_spheres(lattice: Lattice, count: int) -> tuple[int, ...]:
@@ -23,7 +23,8 @@ def struck_spheres(lattice: Lattice, count: int) -> tuple[int, ...]:
     if count == 1:
         return (centre,)
     if not lattice.rule.hexagonal:
-        raise ValueError(f"{count} spheres need hexagonal layers (fcc or hcp), found {lattice.kind}")
+        able = " or ".join(name for name, kind in KINDS.items() if kind.hexagonal)
+        raise ValueError(f"{count} spheres need hexagonal layers ({able}), found {lattice.kind}")
     around = [other for other in lattice.neighbours(centre) if lattice.layer_of(other) == 0]
     if count == 7:
         if len(around) != 6:

@@ -7,6 +7,7 @@ import math
 from typing import TYPE_CHECKING
 
 from granwave.lammps_inputs.case.material import Material
+from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
@@ -44,9 +45,11 @@ class Wall:
     support: Support | None = None
 
 
-def walls(case: Case) -> tuple[Wall, ...]:
+def walls(case: Case | Assembly) -> tuple[Wall, ...]:
     """The walls of a case: the bottom first, then the sides."""
-    assembly, found = case.assembly, []
+    assembly = assemble(case)
+    case = assembly.case
+    found = []
     if case.boundary.bottom != "free":
         boundary, held = case.boundary, case.boundary.bottom == "fixed"
         found.append(Wall("bottom", 2, 1, assembly.bottom(), held, boundary.bottom_material, boundary.bottom_support))
@@ -60,14 +63,15 @@ def walls(case: Case) -> tuple[Wall, ...]:
     return tuple(found)
 
 
-def wall_fixes(case: Case, wall: Wall) -> list[tuple[str, str, Material]]:
+def wall_fixes(assembly: Assembly, wall: Wall) -> list[tuple[str, str, Material]]:
     """The LAMMPS fixes of a plane: name, group and material of the spheres that it is for; one for each material.
 
     Walls are those of the packing: strikers, which are outside, pass them.
     """
+    case = assembly.case
     if case.packing.kind == "chain" and wall.name == "bottom":
-        return [(wall.name, "all", case.assembly.material_of(case.lattice.n_spheres))]
-    materials = [species.material for species in case.assembly.species if species.role == "sphere"]
+        return [(wall.name, "all", assembly.material_of(assembly.lattice.n_spheres))]
+    materials = [species.material for species in assembly.species if species.role == "sphere"]
     if len(materials) == 1 and not case.striker:
         return [(wall.name, "all", materials[0])]
     names = [wall.name, *(f"{wall.name}_{n}" for n in range(2, len(materials) + 1))]
@@ -81,34 +85,28 @@ def wall_friction(case: Case, wall: Wall, material: Material) -> float:
     return case.contact_between(material, wall.material).friction
 
 
-def materials_of_last_layer(case: Case) -> list[Material]:
+def materials_of_last_layer(assembly: Assembly) -> list[Material]:
     """Of the spheres that rest on the bottom, each once."""
-    nx, ny, _ = case.lattice.shape
-    n, sites = case.lattice.n_spheres, case.assembly.sites
+    case = assembly.case
+    nx, ny, _ = assembly.lattice.shape
+    n, sites = assembly.lattice.n_spheres, assembly.sites
     if sites is None:
         return [case.material]
     last = slice(n - nx * ny, n)
     return list(dict.fromkeys(sites.materials[kind] for kind in sites.kind[last][sites.present[last]]))
 
 
-def moving_fix(case: Case) -> str | None:
+def moving_fix(assembly: Assembly) -> str | None:
     """The fix whose plane moves; None where none does. Spheres of other materials than the last layer's meet one that
     stays."""
-    for wall in walls(case):
+    for wall in walls(assembly):
         if wall.support is not None:
-            resting = materials_of_last_layer(case)[0]
-            return next(name for name, _, material in wall_fixes(case, wall) if material == resting)
+            resting = materials_of_last_layer(assembly)[0]
+            return next(name for name, _, material in wall_fixes(assembly, wall) if material == resting)
     return None
 
 
-def support_words(case: Case, wall: Wall, material: Material) -> list[str]:
-    """What the fix of a plane is told of its support, if it is the one that moves."""
-    if wall.support is None or material != materials_of_last_layer(case)[0]:
-        return []
-    return ["support", *wall.support.words(wall.material, footprint_radius(case))]
-
-
-def support_timestep(case: Case, stiffness: float) -> float:
+def support_timestep(assembly: Assembly, stiffness: float) -> float:
     """A timestep that follows the motion of the bottom, s; infinite where it does not move.
 
     Parameters
@@ -116,14 +114,15 @@ def support_timestep(case: Case, stiffness: float) -> float:
     stiffness
         Of a contact with it, N/m.
     """
-    boundary, (nx, ny, _) = case.boundary, case.lattice.shape
+    case = assembly.case
+    boundary, (nx, ny, _) = case.boundary, assembly.lattice.shape
     if boundary.bottom_support is None:
         return math.inf
     return boundary.bottom_support.longest_timestep(
-        boundary.bottom_material, footprint_radius(case), nx * ny * stiffness
+        boundary.bottom_material, footprint_radius(assembly), nx * ny * stiffness
     )
 
 
-def footprint_radius(case: Case) -> float:
+def footprint_radius(assembly: Assembly) -> float:
     """Radius of the disc of the same area as a layer of the packing, m."""
-    return math.sqrt(math.prod(case.lattice.lengths) / math.pi)
+    return math.sqrt(math.prod(assembly.lattice.lengths) / math.pi)

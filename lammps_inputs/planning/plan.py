@@ -15,6 +15,7 @@ from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.directories import check_disk
 from granwave.lammps_inputs.errors import InputError, raise_all
 from granwave.lammps_inputs.memory import refuse_too_large
+from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.planning.schedule import Schedule, make_schedule
 from granwave.lammps_inputs.planning.timestep import auto_timestep, expected_peak_overlap
 from granwave.lammps_inputs.planning.wall_time import WallTime, expected_wall_time
@@ -79,7 +80,7 @@ class Plan:
         return self.times.total
 
 
-def plan(case: Case, *, n_ranks: int = 1, figures: bool = True) -> Plan:
+def plan(case: Case | Assembly, *, n_ranks: int = 1, figures: bool = True) -> Plan:
     """What the run of a case would be.
 
     Parameters
@@ -92,9 +93,11 @@ def plan(case: Case, *, n_ranks: int = 1, figures: bool = True) -> Plan:
     InputError
         There is no timestep for these values, or too many steps or snapshots.
     """
+    assembly = assemble(case)
+    case = assembly.case
     try:
-        schedule, law, assembly = make_schedule(case), sphere_contact(case), case.assembly
-        overlap = expected_peak_overlap(case)
+        schedule, law = make_schedule(assembly), sphere_contact(case)
+        overlap = expected_peak_overlap(assembly)
     except (ArithmeticError, ValueError) as error:
         if isinstance(error, InputError):
             raise
@@ -121,8 +124,8 @@ def plan(case: Case, *, n_ranks: int = 1, figures: bool = True) -> Plan:
         peak_overlap=overlap,
         peak_overlap_yield=overlap / law.yield_overlap if case.contact.yields else None,
         peak_overlap_radius=overlap / law.effective_radius,
-        times=expected_wall_time(case, schedule, n_ranks=n_ranks, figures=figures),
-        zone=expected_zone(case),
+        times=expected_wall_time(assembly, schedule, n_ranks=n_ranks, figures=figures),
+        zone=expected_zone(assembly),
     )
 
 
@@ -169,7 +172,7 @@ def check_run(
     """
     checks: list[Callable[[], None]] = []
     if files:
-        checks.append(lambda: check_earlier_result(case))
+        checks.append(lambda: check_earlier_result(assemble(case)))
     if memory:
         checks.append(lambda: check_memory(expected))
     if directory is not None:

@@ -15,6 +15,7 @@ import numpy as np
 
 from granwave.lammps_inputs.case.sections import AUTO_END_TIME, DEFAULT_FRAMES
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.planning.timestep import auto_timestep
 
 if TYPE_CHECKING:
@@ -78,7 +79,7 @@ class Schedule:
         return 1 + (len(self.frame_steps) or math.ceil(self.n_steps / self.frame_every))
 
 
-def make_schedule(case: Case, timestep: float | None = None) -> Schedule:
+def make_schedule(case: Case | Assembly, timestep: float | None = None) -> Schedule:
     """The schedule of a case.
 
     Parameters
@@ -86,10 +87,12 @@ def make_schedule(case: Case, timestep: float | None = None) -> Schedule:
     timestep
         s; takes the place of ``run.timestep``.
     """
+    assembly = assemble(case)
+    case = assembly.case
     given = timestep if timestep is not None else case.run.timestep
     if isinstance(case.run.end_time, str):
-        return _in_blocks(case, given)
-    dt, n_steps, ledger_every = _fit(case, given, case.run.end_time, _LEDGER_ROWS)
+        return _in_blocks(assembly, given)
+    dt, n_steps, ledger_every = _fit(assembly, given, case.run.end_time, _LEDGER_ROWS)
     even = _even_frames(case, n_steps)
     _check_counts(case, n_steps, even=even > 0)
     steps = () if even else _frame_steps(case, dt, n_steps)
@@ -104,7 +107,7 @@ def make_schedule(case: Case, timestep: float | None = None) -> Schedule:
         probe_every=_probe_every(case, dt, n_steps),
         frame_every=even,
         frame_steps=steps,
-        history_every=_history_every(case, n_steps),
+        history_every=_history_every(assembly, n_steps),
     )
 
 
@@ -123,8 +126,9 @@ def check_steps(name: str, duration: float, timestep: float) -> None:
         )
 
 
-def _in_blocks(case: Case, given: float | str) -> Schedule:
-    dt, block_steps, ledger_every = _fit(case, given, BLOCK_TIME, _LEDGER_ROWS_IN_BLOCK)
+def _in_blocks(assembly: Assembly, given: float | str) -> Schedule:
+    case = assembly.case
+    dt, block_steps, ledger_every = _fit(assembly, given, BLOCK_TIME, _LEDGER_ROWS_IN_BLOCK)
     n_steps = block_steps * max(1, round(AUTO_END_TIME / (block_steps * dt)))
     frames = case.run.frames
     listed = isinstance(frames, tuple)
@@ -139,13 +143,14 @@ def _in_blocks(case: Case, given: float | str) -> Schedule:
         probe_every=_probe_every(case, dt, block_steps),
         frame_every=every,
         frame_steps=_frame_steps(case, dt, n_steps) if listed else (),
-        history_every=_history_every(case, round(_AUTO_FRAME_SPAN / dt)),
+        history_every=_history_every(assembly, round(_AUTO_FRAME_SPAN / dt)),
     )
 
 
-def _fit(case: Case, given: float | str, duration: float, rows: int) -> tuple[float, int, int]:
+def _fit(assembly: Assembly, given: float | str, duration: float, rows: int) -> tuple[float, int, int]:
     """Timestep, steps in ``duration``, and steps between the about ``rows`` rows of the ledger."""
-    step = auto_timestep(case) if isinstance(given, str) else given
+    case = assembly.case
+    step = auto_timestep(assembly) if isinstance(given, str) else given
     check_steps(case.name, duration, step)
     if isinstance(given, str):
         ledger_every = max(1, math.ceil(duration / step / rows * (1 - 1e-9)))
@@ -161,8 +166,8 @@ def _divisor(n_steps: int, most: int) -> int:
     return max(every for every in range(1, most + 1) if n_steps % every == 0)
 
 
-def _history_every(case: Case, n_steps: int) -> int:
-    return max(1, round(n_steps / case.history)) if case.history else 0
+def _history_every(assembly: Assembly, n_steps: int) -> int:
+    return max(1, round(n_steps / assembly.history)) if assembly.history else 0
 
 
 def _probe_every(case: Case, dt: float, n_steps: int) -> int:

@@ -47,7 +47,7 @@ from scipy.optimize import brentq
 from granwave.lammps_inputs.contact.initial_dents import largest_dent
 from granwave.lammps_inputs.contact.law import flat_contact, pair_contact
 from granwave.lammps_inputs.contact.static_load import force_of_contact
-from granwave.lammps_inputs.packing.assembly import INCIDENT_BAR, struck_of, velocities_of
+from granwave.lammps_inputs.packing.assembly import INCIDENT_BAR, Assembly, assemble, struck_of, velocities_of
 from granwave.lammps_inputs.packing.walls import support_timestep
 
 if TYPE_CHECKING:
@@ -59,9 +59,7 @@ if TYPE_CHECKING:
 
 _TOLERANCE = 1e-6  # of the input: error of the energy balance at any instant
 _ERROR = 0.135
-_SUPPORTS = {"fcc": (3, 2 / 3), "hcp": (3, 2 / 3), "bcc": (4, 1 / 3), "sc": (1, 1.0), "chain": (1, 1.0)}
 _SLOPE_SPAN = 1e-6  # of the overlap, over which a slope is taken
-_UNDIVIDED = ("chain", "sc", "square")  # the pulse reaches the wall along a line of contacts, or at once
 _LARGEST_FORCE = 2.5  # of the force that drives a chain: no contact is pressed harder by it
 _OF_ELEMENT = 0.5  # of the time that a wave takes for an element of a bar
 _OF_LOAD = 0.01  # of the duration or period of a load
@@ -132,46 +130,52 @@ class Encounter:
         return float((steepest * np.minimum(1.0, self.energy / held) ** (2 * ratio - 1))[0])
 
 
-def expected_peak_overlap(case: Case) -> float:
+def expected_peak_overlap(case: Case | Assembly) -> float:
     """A bound on the largest overlap of two spheres in the run, m."""
-    between = [encounter.overlap for encounter in _encounters(case) if not encounter.against_wall]
+    assembly = assemble(case)
+    between = [encounter.overlap for encounter in _encounters(assembly) if not encounter.against_wall]
     return max(between, default=0.0)
 
 
-def auto_timestep(case: Case) -> float:
+def auto_timestep(case: Case | Assembly) -> float:
     """The timestep for ``run.timestep = "auto"``, s; raises ValueError where no contact takes up any energy."""
-    encounters = _encounters(case)
+    assembly = assemble(case)
+    case = assembly.case
+    encounters = _encounters(assembly)
     if not encounters:
         raise ValueError("no contact takes up any energy")
     slowest = min(encounter.mass / encounter.stiffness for encounter in encounters)
     limits = [math.sqrt(_TOLERANCE / _ERROR * slowest)]
-    limits.append(support_timestep(case, max(encounter.stiffness for encounter in encounters)))
-    limits += [_OF_ELEMENT * bar.pitch / bar.wave_speed for bar in case.assembly.bars]
+    limits.append(support_timestep(assembly, max(encounter.stiffness for encounter in encounters)))
+    limits += [_OF_ELEMENT * bar.pitch / bar.wave_speed for bar in assembly.bars]
     limits += [(_OF_LOAD_ON_BAR if case.incident_bar else _OF_LOAD) * time for time in _times_of_load(case.load)]
     return _round_down(min(limits))
 
 
-def expected_energy(case: Case) -> float:
+def expected_energy(assembly: Assembly) -> float:
     """The energy that the load brings in, of a force a bound, J."""
-    energy = sum(0.5 * case.assembly.mass_of(k) * math.hypot(*v) ** 2 for k, v in velocities_of(case).items())
-    return energy + (_energy_of_force(case) if case.load.kind == "force" else 0.0)
+    case = assembly.case
+    energy = sum(0.5 * assembly.mass_of(k) * math.hypot(*v) ** 2 for k, v in velocities_of(assembly).items())
+    return energy + (_energy_of_force(assembly) if case.load.kind == "force" else 0.0)
 
 
-def fastest(case: Case) -> float:
+def fastest(assembly: Assembly) -> float:
     """A bound on the velocity of any sphere, m/s."""
-    given = max((math.hypot(*velocity) for velocity in velocities_of(case).values()), default=0.0)
+    case = assembly.case
+    given = max((math.hypot(*velocity) for velocity in velocities_of(assembly).values()), default=0.0)
     if case.load.kind == "force":
-        given = max(given, math.sqrt(2 * _energy_of_force(case) / _least_mass(case)))
+        given = max(given, math.sqrt(2 * _energy_of_force(assembly) / _least_mass(assembly)))
     elif case.load.kind == "displacement":
         given = max(given, case.load.fastest)
     return given
 
 
-def _encounters(case: Case) -> list[Encounter]:
-    plain = case.assembly.like and case.boundary.bottom_material is None and case.load.kind == "impact"
-    found = _of_impact(case) if plain else _of_any(case)
+def _encounters(assembly: Assembly) -> list[Encounter]:
+    case = assembly.case
+    plain = assembly.like and case.boundary.bottom_material is None and case.load.kind == "impact"
+    found = _of_impact(assembly) if plain else _of_any(assembly)
     if case.precompression is not None:
-        force = force_of_contact(case)  # stored, and done by the load that stays on
+        force = force_of_contact(assembly)  # stored, and done by the load that stays on
         found = [
             dataclasses.replace(one, energy=one.energy + _OF_PRECOMPRESSION * _work_to_force(one.law, force))
             for one in found
@@ -181,64 +185,71 @@ def _encounters(case: Case) -> list[Encounter]:
     return [encounter for encounter in found if encounter.energy > 0]
 
 
-def _of_impact(case: Case) -> list[Encounter]:
+def _of_impact(assembly: Assembly) -> list[Encounter]:
     """Like spheres, within a tolerance, some of which have a velocity."""
-    kind, striking, velocity = case.packing.kind, case.sphere_mass, case.load.velocity
-    sites = case.assembly.sites
+    case = assembly.case
+    striking, velocity = case.sphere_mass, case.load.velocity
+    sites = assembly.sites
     smallest = 1 if sites is None else int(np.where(sites.present, sites.diameter, np.inf).argmin()) + 1
-    law, mass = pair_contact(case, smallest, smallest), case.assembly.mass_of(smallest)
+    law, mass = pair_contact(assembly, smallest, smallest), assembly.mass_of(smallest)
     found = [Encounter(law, striking * velocity**2 / 2 * (striking / (striking + mass)), mass)]
-    if kind in _SUPPORTS:
-        n, cosine_squared = _SUPPORTS[kind]
+    supports = assembly.lattice.rule.supports
+    if len(supports):
+        n, cosine_squared = len(supports), float(supports[0, 2] ** 2)
         found.append(Encounter(law, striking * velocity**2 * cosine_squared / (1 + n * cosine_squared) / 2, mass))
     if case.boundary.bottom == "wall":
-        halvings = 0 if kind in _UNDIVIDED else case.lattice.shape[2] - 1
+        # along a line of contacts, or through a single layer, the pulse reaches the wall undivided
+        halvings = assembly.lattice.shape[2] - 1 if assembly.lattice.rule.set_back else 0
         energy = striking * (velocity * 0.5**halvings) ** 2 / 2
-        found.append(Encounter(flat_contact(case, smallest), energy, 2 * mass, against_wall=True))
+        found.append(Encounter(flat_contact(assembly, smallest), energy, 2 * mass, against_wall=True))
     return found
 
 
-def _of_any(case: Case) -> list[Encounter]:
+def _of_any(assembly: Assembly) -> list[Encounter]:
     """Every kind of touching pair, for the whole energy that the load brings in."""
-    assembly, energy = case.assembly, expected_energy(case)
+    case = assembly.case
+    energy = expected_energy(assembly)
     found = []
-    for first, second in _kinds_of_pairs(case):
+    for first, second in _kinds_of_pairs(assembly):
         masses = assembly.mass_of(first), assembly.mass_of(second)
-        law, effective = pair_contact(case, first, second), math.prod(masses) / sum(masses)
-        found.append(Encounter(law, _limited(case, law, energy * max(masses) / sum(masses)), 2 * effective))
+        law, effective = pair_contact(assembly, first, second), math.prod(masses) / sum(masses)
+        found.append(Encounter(law, _limited(assembly, law, energy * max(masses) / sum(masses)), 2 * effective))
     flats: list[tuple[int, Material | None]] = [(bar.touches, bar.material) for bar in assembly.bars]
     if case.boundary.bottom == "wall":
-        flats += [(sphere, case.boundary.bottom_material) for sphere in _kinds_of_last_layer(case)]
+        flats += [(sphere, case.boundary.bottom_material) for sphere in _kinds_of_last_layer(assembly)]
     for sphere, material in flats:
-        law = flat_contact(case, sphere, material)
-        found.append(Encounter(law, _limited(case, law, energy), 2 * assembly.mass_of(sphere), against_wall=True))
+        law = flat_contact(assembly, sphere, material)
+        found.append(Encounter(law, _limited(assembly, law, energy), 2 * assembly.mass_of(sphere), against_wall=True))
     return found
 
 
-def _limited(case: Case, law: ContactLaw, energy: float) -> float:
+def _limited(assembly: Assembly, law: ContactLaw, energy: float) -> float:
     """The energy that a contact takes up, where the size of the load sets a limit too, J."""
+    case = assembly.case
     load = case.load
     if load.kind == "displacement":
         return energy + _work(law, 2 * load.largest) + case.sphere_mass * (2 * load.fastest) ** 2
-    if load.kind != "force" or velocities_of(case):
+    if load.kind != "force" or velocities_of(assembly):
         return energy
     bound = _work_to_force(law, _LARGEST_FORCE * load.largest)
     return bound if load.shape == "harmonic" else min(energy, bound)
 
 
-def _energy_of_force(case: Case) -> float:
+def _energy_of_force(assembly: Assembly) -> float:
     """The energy that the force brings in, J: that of its impulse in what it acts on, or of the wave in the bar."""
-    load, assembly = case.load, case.assembly
+    case = assembly.case
+    load = case.load
     for bar in assembly.bars:
         if bar.name == INCIDENT_BAR:
             impedance = bar.section.area * math.sqrt(bar.material.youngs_modulus * bar.material.density)
             return load.largest * load.impulse / impedance
-    masses = [assembly.mass_of(sphere) for sphere in struck_of(case)]
+    masses = [assembly.mass_of(sphere) for sphere in struck_of(assembly)]
     return load.impulse**2 / (2 * sum(masses))
 
 
-def _least_mass(case: Case) -> float:
-    return float(case.assembly.sphere_masses().min()) if not case.assembly.plain else case.sphere_mass
+def _least_mass(assembly: Assembly) -> float:
+    case = assembly.case
+    return float(assembly.sphere_masses().min()) if not assembly.plain else case.sphere_mass
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -269,22 +280,22 @@ def _kinds(sites: Sites) -> _Kinds:
     return _Kinds(np.searchsorted(codes[codes >= 0], code) - (code < 0), example)
 
 
-def _kinds_of_last_layer(case: Case) -> list[int]:
+def _kinds_of_last_layer(assembly: Assembly) -> list[int]:
     """A sphere of each kind in the last layer."""
-    n, sites = case.lattice.n_spheres, case.assembly.sites
+    n, sites = assembly.lattice.n_spheres, assembly.sites
     if sites is None:
         return [n]
-    kinds, (nx, ny, _) = _kinds(sites), case.lattice.shape
+    kinds, (nx, ny, _) = _kinds(sites), assembly.lattice.shape
     there = np.unique(kinds.of[n - nx * ny :])
     return kinds.example[there[there >= 0]].tolist()
 
 
-def _kinds_of_pairs(case: Case) -> list[tuple[int, int]]:
+def _kinds_of_pairs(assembly: Assembly) -> list[tuple[int, int]]:
     """One pair of each kind of neighbours, and one of like spheres of the packing's own, wherever there are two."""
-    assembly, sites = case.assembly, case.assembly.sites
+    sites = assembly.sites
     pairs: list[tuple[int, int]] = []
     if sites is None:
-        pairs += [(1, 1)] if case.lattice.n_spheres > 1 else []
+        pairs += [(1, 1)] if assembly.lattice.n_spheres > 1 else []
     else:
         kinds = _kinds(sites)
         n = len(kinds.example)
@@ -292,9 +303,9 @@ def _kinds_of_pairs(case: Case) -> list[tuple[int, int]]:
             int(code) for near, _ in sites.neighbours() for code in np.unique(kinds.of[near - 1] @ np.array([n, 1]))
         }
         pairs += [(int(kinds.example[code // n]), int(kinds.example[code % n])) for code in sorted(codes)]
-        plain = np.flatnonzero(sites.present & (sites.kind == 0) & (sites.diameter == case.lattice.diameter)) + 1
+        plain = np.flatnonzero(sites.present & (sites.kind == 0) & (sites.diameter == assembly.lattice.diameter)) + 1
         pairs += [(int(plain[0]), int(plain[0]))] if len(plain) > 1 else []
-    for number, (striker, _) in enumerate(assembly.strikers, start=case.lattice.n_spheres + 1):
+    for number, (striker, _) in enumerate(assembly.strikers, start=assembly.lattice.n_spheres + 1):
         pairs += [(number, touched) for touched in striker.touches]
     alike = {frozenset((assembly.material_of(k), assembly.diameter_of(k)) for k in pair): pair for pair in pairs}
     return list(alike.values())

@@ -12,7 +12,8 @@ import dataclasses
 from typing import TYPE_CHECKING
 
 from granwave.lammps_inputs.contact.law import sphere_contact
-from granwave.lammps_inputs.deck.static_stage import disordered
+from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.disorder import has_gaps
 from granwave.lammps_inputs.planning.timestep import expected_energy
 
 if TYPE_CHECKING:
@@ -84,7 +85,7 @@ class WallTime:
         return self.most_static + self.most_steps + self.rest + self.figures
 
 
-def expected_wall_time(case: Case, schedule: Schedule, *, n_ranks: int = 1, figures: bool = True) -> WallTime:
+def expected_wall_time(assembly: Assembly, schedule: Schedule, *, n_ranks: int = 1, figures: bool = True) -> WallTime:
     """What the run of a case takes.
 
     Parameters
@@ -92,12 +93,13 @@ def expected_wall_time(case: Case, schedule: Schedule, *, n_ranks: int = 1, figu
     figures
         They are drawn too.
     """
-    n, steps = case.assembly.n_particles, _usual_steps(case, schedule)
+    case = assembly.case
+    n, steps = assembly.n_particles, _usual_steps(case, schedule)
     part = steps / schedule.n_steps
-    each = (seconds_per_step(case) + _of_yielding(case)) / n_ranks
+    each = (seconds_per_step(assembly) + _of_yielding(assembly)) / n_ranks
     records = _SNAPSHOT * max(2.0, part * schedule.n_frames)
     records += _HISTORY * steps / schedule.history_every if schedule.history_every else 0.0
-    an_iteration = _ITERATION * _seconds(case, loaded=1.0, rubs=False) / n_ranks
+    an_iteration = _ITERATION * _seconds(assembly, loaded=1.0, rubs=False) / n_ranks
     usual, most = _iterations(case)
     return WallTime(
         static=usual * an_iteration,
@@ -109,13 +111,13 @@ def expected_wall_time(case: Case, schedule: Schedule, *, n_ranks: int = 1, figu
     )
 
 
-def seconds_per_step(case: Case) -> float:
+def seconds_per_step(assembly: Assembly) -> float:
     """Of a step on one core, while contacts are elastic, s."""
-    return _seconds(case, loaded=_share_loaded(case), rubs=case.rubs)
+    case = assembly.case
+    return _seconds(assembly, loaded=_share_loaded(case), rubs=case.rubs)
 
 
-def _seconds(case: Case, *, loaded: float, rubs: bool) -> float:
-    assembly = case.assembly
+def _seconds(assembly: Assembly, *, loaded: float, rubs: bool) -> float:
     a_pair = _PAIR + loaded * (_LOADED + rubs * _FRICTION)
     return _STEP + _PARTICLE * assembly.n_particles + a_pair * assembly.n_neighbours
 
@@ -124,12 +126,13 @@ def _share_loaded(case: Case) -> float:
     return _SHARE_LOADED if case.precompression is None else 1.0
 
 
-def _of_yielding(case: Case) -> float:
+def _of_yielding(assembly: Assembly) -> float:
     """How much longer a step takes on the average of the run because contacts yield, s."""
+    case = assembly.case
     if not case.contact.yields:
         return 0.0
-    law, n = sphere_contact(case), max(case.assembly.n_neighbours, 1)
-    each = expected_energy(case) / (law.yield_force * law.yield_overlap) / n
+    law, n = sphere_contact(case), max(assembly.n_neighbours, 1)
+    each = expected_energy(assembly) / (law.yield_force * law.yield_overlap) / n
     share = 1 / (1 + (each / _ENERGY_OF_HALF) ** -_ENERGY_POWER) if each > 0 else 0.0
     return _YIELDED * n * _share_loaded(case) * share
 
@@ -145,4 +148,4 @@ def _iterations(case: Case) -> tuple[float, float]:
     """Of the static stage, usually and at most."""
     if case.precompression is None:
         return 0.0, 0.0
-    return (_ITERATIONS_OF_DISORDER, _MOST_ITERATIONS_OF_DISORDER) if disordered(case) else (_ITERATIONS, _ITERATIONS)
+    return (_ITERATIONS_OF_DISORDER, _MOST_ITERATIONS_OF_DISORDER) if has_gaps(case) else (_ITERATIONS, _ITERATIONS)

@@ -20,11 +20,11 @@ import dataclasses
 from typing import TYPE_CHECKING
 
 from granwave.lammps_inputs.contact.law import sphere_contact
-from granwave.lammps_inputs.packing.assembly import struck_site
+from granwave.lammps_inputs.packing.assembly import Assembly, struck_site
 from granwave.lammps_inputs.planning.timestep import expected_energy
 
 if TYPE_CHECKING:
-    from granwave.lammps_inputs.case.case import Case
+    pass
 
 _LEAST = 3.0  # F_y alpha_y, below which there is no zone to speak of
 
@@ -83,24 +83,26 @@ class ExpectedZone:
         return tuple(name for name, room in self.room.items() if factor * extent[name] >= room)
 
 
-def expected_zone(case: Case) -> ExpectedZone | None:
+def expected_zone(assembly: Assembly) -> ExpectedZone | None:
     """Return how far the plastic zone of a case will reach; None where nothing yields, or there is no estimate."""
+    case = assembly.case
     growth, law = _GROWTH.get(case.packing.kind), sphere_contact(case)
-    room = _room(case)
+    room = _room(assembly)
     if growth is None or not case.contact.yields or "bottom" not in room:
         return None
-    energy = expected_energy(case) / (law.yield_force * law.yield_overlap)
+    energy = expected_energy(assembly) / (law.yield_force * law.yield_overlap)
     if energy < _LEAST:
         return None
     depth, radius = (factor * energy**power * case.packing.diameter for factor, power in (growth.depth, growth.radius))
     return ExpectedZone(depth, radius, growth.spread, room)
 
 
-def _room(case: Case) -> dict[str, float]:
+def _room(assembly: Assembly) -> dict[str, float]:
     """Distance of the bounds from the struck sphere: to the last layer, and to the nearest end of a row, m."""
-    lattice = case.lattice
+    case = assembly.case
+    lattice = assembly.lattice
     nx, ny, nz = lattice.shape
-    sphere = struck_site(case) or 1
+    sphere = struck_site(assembly) or 1
     i, j, _ = lattice.indices(sphere)
     (centre,) = lattice.positions(sphere, sphere)
     found = {}

@@ -25,8 +25,10 @@ from typing import Any
 
 import numpy as np
 
-from granwave.lammps_inputs.case.case import Case, load_case
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.data_file import write_data
+from granwave.lammps_inputs.load_case import load_case
+from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
 from granwave.lammps_inputs.planning.timestep import auto_timestep
 from granwave.workflows import library
@@ -101,10 +103,10 @@ def bench(repeats: int = 5, report: Callable[[str], None] = print, sizes: bool =
 
 def _compare_styles(repeats: int, report: Callable[[str], None]) -> dict[str, Any]:
     case = load_case(library.find("fcc-impact"))
-    n = case.lattice.n_spheres
+    n = assemble(case).lattice.n_spheres
     with tempfile.TemporaryDirectory(prefix="granwave-bench-") as scratch:
         data = Path(scratch) / "data.granwave"
-        write_data(case, data)
+        write_data(assemble(case), data)
         engines = {}
         with _stack(case, data, Path(scratch)) as opened:
             engines = opened
@@ -166,7 +168,7 @@ def _script(case: Case, data: Path, style: Style) -> str:
         if "hysteretic" in style.lines
         else ""
     )
-    struck = struck_spheres(case.lattice, 1)[0]
+    struck = struck_spheres(assemble(case).lattice, 1)[0]
     return f"""units si
 atom_style sphere
 atom_modify map yes sort 0 0
@@ -223,10 +225,10 @@ def rattle(size: list[int], repeats: int) -> Timing:
     """Our elasto-plastic style on a packing whose spheres all rattle, hardly yielding, on all ranks of this program."""
     comm = mpi.world()
     case = load_case(library.find("fcc-impact"), {"packing.size": size})
-    n = case.lattice.n_spheres
+    n = assemble(case).lattice.n_spheres
     with tempfile.TemporaryDirectory(prefix="granwave-bench-") as scratch:
         data = Path(mpi.on_first(comm, lambda: scratch)) / "data.granwave"
-        mpi.on_first(comm, lambda: write_data(case, data))
+        mpi.on_first(comm, lambda: write_data(assemble(case), data))
         with open_engine(comm, log="none") as engine:
             engine.commands(_script(case, data, STYLES[OURS]))
             speeds = engine.lammps.numpy.extract_atom("v")

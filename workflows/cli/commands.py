@@ -17,6 +17,7 @@ from granwave.lammps_inputs.deck.deck import write_deck
 from granwave.lammps_inputs.directories import refuse_other_file, results_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import replace_text
+from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.plan import check_run, plan
 from granwave.lammps_inputs.run_directory import (
     CASE_FILE,
@@ -114,7 +115,7 @@ def write(options: argparse.Namespace, _: Words) -> int:
         start(case, directory)
         deck = write_deck(case, options.directory)
     print(
-        f"{deck.directory}: {deck.case.assembly.n_spheres} spheres, "
+        f"{deck.directory}: {assemble(deck.case).n_spheres} spheres, "
         f"{deck.schedule.n_steps} steps of {deck.schedule.timestep:.3g} s"
     )
     print(f"run it by hand:  cd {deck.directory} && lmp -in {deck.script.name}")
@@ -123,8 +124,8 @@ def write(options: argparse.Namespace, _: Words) -> int:
 
 def analyse(options: argparse.Namespace, _: Words) -> int:
     """granwave analyse"""
-    from granwave.analysis import MissingOutputError, OutputFormatError
-    from granwave.analysis import analyse as analyse_directory
+    from granwave.analysis.errors import MissingOutputError, OutputFormatError
+    from granwave.analysis.pipeline import analyse as analyse_directory
     from granwave.workflows.run.directory import held
 
     if not options.directory.is_dir():

@@ -27,8 +27,8 @@ from granwave.lammps_inputs.directories import output_path
 from granwave.lammps_inputs.errors import GranwaveError, InputError
 from granwave.lammps_inputs.files import DISK_IS_FULL
 from granwave.workflows.cli import commands
-from granwave.workflows.cli.messages import each_warning_once
 from granwave.workflows.run import mpi
+from granwave.workflows.run.messages import each_warning_once
 
 DONE, FAILED, WRONG_INPUT, STOPPED, READER_LEFT = 0, 1, 2, 130, 141
 

@@ -11,13 +11,14 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from granwave.analysis.formatting.numbers import duration
 from granwave.analysis.measures.zone_marks import LABELS, bounds_in_words, mark_of
 from granwave.analysis.scans.result import ScanResult
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError, RunError, raise_all
 from granwave.lammps_inputs.planning.plan import Plan
 from granwave.lammps_inputs.run_directory import SCAN_REPORT
-from granwave.workflows.cli.tables import duration, lines, static_words
+from granwave.workflows.cli.tables import lines, static_words
 from granwave.workflows.scanning import driver, needs
 from granwave.workflows.scanning.batches import expected_scan_time, expected_time
 from granwave.workflows.scanning.calibrate import slowness_of

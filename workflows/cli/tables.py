@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from granwave.analysis.formatting.numbers import duration
 from granwave.analysis.measures.zone_marks import bounds_in_words
 from granwave.analysis.measures.zone_size import SHARES
 from granwave.lammps_inputs.case.case import Case
@@ -195,10 +196,3 @@ def continuum_plan_table(name: str, n_elements: int, cost: Cost) -> str:
             ("expected time", f"about {duration(cost.wall_time)}"),
         ]
     )
-
-
-def duration(seconds: float) -> str:
-    """For people."""
-    if seconds < 120:
-        return f"{seconds:.0f} s"
-    return f"{seconds / 60:.0f} min" if seconds < 7200 else f"{seconds / 3600:.1f} h"

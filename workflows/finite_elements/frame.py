@@ -69,7 +69,7 @@ class ElementCase(abc.ABC):
         source: str | Path = "case",
         overridden: Iterable[str] = (),
     ) -> Self:
-        """Check the nested mapping of a case file and make a case of it; parameters as of `Case.from_dict`.
+        """Check the nested mapping of a case file and make a case of it; parameters as of `case_from_dict`.
 
         Raises
         ------

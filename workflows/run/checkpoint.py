@@ -10,7 +10,6 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from granwave.lammps_inputs.deck.static_stage import STAGE_END, STAGE_MARKER
 from granwave.lammps_inputs.run_directory import (
     CHECKPOINT_FILE,
     DATA_FILE,
@@ -37,7 +36,7 @@ def write(engine: Engine, comm: Intracomm, directory: Path) -> dict[str, Any]:
     Returns
     -------
     dict
-        What `cut_back` and `continued` need.
+        What `cut_back` needs, and the file to go on from.
     """
     name = CHECKPOINT_FILE.format(engine.step)
     on_first(comm, lambda: claim(directory, [name]))
@@ -81,16 +80,3 @@ def cut_back(directory: Path, checkpoint: dict[str, Any]) -> None:
             os.truncate(path, checkpoint["sizes"][name])
         elif path is not None:
             path.unlink()
-
-
-def continued(setup: str, checkpoint: dict[str, Any]) -> str:
-    """The set-up part of an input script, made to go on from a checkpoint: the same system, fixes and outputs, but the
-    state from the restart file, no initial velocity, spin or dents, no static stage, and output appended."""
-    stage = f"{re.escape(STAGE_MARKER)}.*?{re.escape(STAGE_END)}"
-    script = re.sub(stage, "", setup, flags=re.DOTALL)
-    script = re.sub(r"^read_data .*$", f"read_restart    {checkpoint['file']}", script, flags=re.MULTILINE)
-    script = re.sub(r"^(velocity|set|gran/dents) .*$", "", script, flags=re.MULTILINE)
-    script = re.sub(r"\bfile (dumps/\S+)", r"append \1", script)
-    return re.sub(
-        r"^dump_modify( +)(\w+) first yes", r"dump_modify\1\2 append yes first no", script, flags=re.MULTILINE
-    )

@@ -15,6 +15,8 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.initial_dents import dents_table, earlier_result
 from granwave.lammps_inputs.deck.deck import deck_files
 from granwave.lammps_inputs.errors import InputError, raise_all
+from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.plan import check_run, plan
 from granwave.lammps_inputs.planning.schedule import Schedule
 from granwave.lammps_inputs.run_directory import (
@@ -97,12 +99,12 @@ def _how_far(directory: Path) -> str:
 
 
 def _case(tables: Mapping[str, Any], directory: Path) -> dict[str, Any]:
-    return Case.from_dict(tables, directory / CASE_FILE).to_dict()
+    return case_from_dict(tables, directory / CASE_FILE).to_dict()
 
 
 def run_files(case: Case, schedule: Schedule) -> list[str]:
     """Names of the files of a run, without those of its figures."""
-    return [*deck_files(case, schedule), RECORD_FILE, RESULT_FILE, SUMMARY_FILE]
+    return [*deck_files(assemble(case), schedule), RECORD_FILE, RESULT_FILE, SUMMARY_FILE]
 
 
 def start(case: Case, directory: Path) -> None:
@@ -115,7 +117,7 @@ def start(case: Case, directory: Path) -> None:
     """
     directories.refuse_source(directory, case.name, earlier_result(case))
     if case.contact.initial_overlap:
-        dents_table(case)
+        dents_table(assemble(case))
     clear(directory)
 
 

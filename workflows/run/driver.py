@@ -13,14 +13,15 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from granwave.analysis import analyse
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
+from granwave.analysis.pipeline import analyse
 from granwave.analysis.result.writer import BALANCE_REFUSED
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.deck import Deck, read_deck, write_deck
-from granwave.lammps_inputs.deck.script import part
+from granwave.lammps_inputs.deck.script import input_script, part
 from granwave.lammps_inputs.directories import free_space, results_directory, room_words
 from granwave.lammps_inputs.errors import RunError
+from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.plan import plan
 from granwave.lammps_inputs.planning.schedule import BLOCK_THRESHOLD
 from granwave.lammps_inputs.run_directory import (
@@ -264,7 +265,6 @@ class _Run:
 
     def _attempt(self, deck: Deck, stop: StopRequest, go_on: bool) -> None:
         script = on_first(self.comm, lambda: deck.script.read_text(encoding="utf-8"))
-        setup = part(script, "setup")
         self.state, self.lost_before_block = record.RUNNING, 0.0
         self._note(state=record.RUNNING, reason=None, end_reason=None)
         saved = self.record.checkpoint
@@ -274,10 +274,10 @@ class _Run:
                 self.balance.read()
                 self.lost_before_block = saved["lost_before_block"]
                 engine.commands(f"log {LOG_FILE} append")
-                setup = checkpoint.continued(setup, saved)
+                script = input_script(assemble(self.case), deck.schedule, restart_from=saved["file"])
             if not go_on and self.case.precompression and self.show:
                 logger.info("%s: static stage, until the packing is in balance ...", self.case.name)
-            engine.commands(setup)
+            engine.commands(part(script, "setup"))
             if not go_on and self.case.precompression:
                 self._check_equilibrium()
             elif not go_on:
@@ -292,7 +292,7 @@ class _Run:
 
     def _check_coordination(self, engine: Engine) -> None:
         """LAMMPS sees every contact of the lattice, none lost to rounding of positions."""
-        packing, assembly, sites = self.case.packing, self.case.assembly, self.case.assembly.sites
+        packing, assembly, sites = self.case.packing, assemble(self.case), assemble(self.case).sites
         if assembly.strikers or assembly.bars or (sites is not None and sites.stacked is not None):
             return  # one cutoff does not tell contacts of unlike bodies
         # The sites are one diameter apart, whatever the diameters of the spheres there.

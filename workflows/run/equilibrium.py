@@ -7,6 +7,7 @@ from pathlib import Path
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.static_stage import largest_move
 from granwave.lammps_inputs.errors import RunError
+from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.run_directory import DUMPS, PRESTAGE_FILE
 
 LARGEST_RESIDUAL = 1e-6  # of the largest contact force: net force on a sphere
@@ -34,7 +35,7 @@ def check_equilibrium(case: Case, directory: Path) -> dict[str, float]:
     title, values = (directory / DUMPS / PRESTAGE_FILE).read_text(encoding="ascii").splitlines()[:2]
     found = dict(zip(title.lstrip("#").split(), map(float, values.split()), strict=True))
     advice = _ADVICE + (_SUPPORT if case.boundary.bottom_support is not None else "")
-    moved, limit = (length / case.packing.diameter for length in (found["displacement"], largest_move(case)))
+    moved, limit = (length / case.packing.diameter for length in (found["displacement"], largest_move(assemble(case))))
     if not moved <= limit:
         raise RunError(
             f"precompression: a sphere moved by {moved:.2g} diameters, expected at most {limit:.2g}; {advice}"

@@ -8,7 +8,7 @@ import time
 
 from tqdm import tqdm
 
-from granwave.workflows.cli.tables import duration
+from granwave.analysis.formatting.numbers import duration
 
 logger = logging.getLogger(__name__)
 

@@ -7,13 +7,11 @@ import json
 import math
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from granwave.lammps_inputs.planning.plan import Plan
+from granwave.workflows.scanning.profile import Profile
 from granwave.workflows.scanning.scan_file import Point
-
-if TYPE_CHECKING:
-    from granwave.workflows.scanning.profile import Profile
 
 _LOCAL_START = 2.5  # s, of a job on this machine: Snakemake, Python, libraries
 _ENGINE_START = 3.0  # s, of Snakemake, before it starts the first job

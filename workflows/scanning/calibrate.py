@@ -18,6 +18,7 @@ import tomli_w
 
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.memory import available_memory
+from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.wall_time import seconds_per_step
 from granwave.workflows.run import mpi
 from granwave.workflows.run.lammps_engine import Engine, open_engine
@@ -46,7 +47,7 @@ def slowness_of(point: Point, jobs: int) -> float | None:
     with ThreadPoolExecutor(at_once) as pool:
         times = list(pool.map(_timed, [document] * at_once))
     found = [seconds for seconds in times if seconds is not None]
-    return statistics.fmean(found) / seconds_per_step(case) if found else None
+    return statistics.fmean(found) / seconds_per_step(assemble(case)) if found else None
 
 
 def _timed(document: str) -> float | None:
@@ -63,9 +64,9 @@ def _timed(document: str) -> float | None:
 
 def _measure(document: str) -> float:
     """Wall time of a step on one rank, s."""
-    from granwave.lammps_inputs.case.case import load_case
     from granwave.lammps_inputs.deck.deck import write_deck
     from granwave.lammps_inputs.deck.script import part
+    from granwave.lammps_inputs.load_case import load_case
 
     with tempfile.TemporaryDirectory(prefix="granwave-") as scratch:
         path = Path(scratch) / "case.toml"

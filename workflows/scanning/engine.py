@@ -16,7 +16,7 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.memory import available_memory
 from granwave.lammps_inputs.run_directory import SCAN_WORK
 from granwave.workflows.run import mpi
-from granwave.workflows.scanning import layout, worker
+from granwave.workflows.scanning import layout
 from granwave.workflows.scanning.batches import Batch
 from granwave.workflows.scanning.profile import Profile
 
@@ -66,7 +66,7 @@ class Engine:
         ]  # fmt: skip
         environment = {**mpi.alone(), "OMP_NUM_THREADS": "1"}
         if profile is None:
-            environment[worker.DRIVER] = str(os.getpid())
+            environment[layout.DRIVER] = str(os.getpid())
         with self.log.open("ab") as log:
             # a session of its own: Ctrl-C reaches the driver alone, which stops the jobs in an orderly way
             self._process = subprocess.Popen(

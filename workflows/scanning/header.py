@@ -7,6 +7,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from granwave.analysis.studies.registry import STUDIES
 from granwave.lammps_inputs.case.schema import (
     Faults,
     Unfit,
@@ -48,6 +49,14 @@ def _parse_ranks(value: Any) -> RanksBySize:
     return read
 
 
+def parse_studies(value: Any) -> tuple[str, ...]:
+    """Names of studies, from a word or a list of words."""
+    names = [value] if isinstance(value, str) else value
+    if not isinstance(names, list) or not all(isinstance(name, str) and name in STUDIES for name in names):
+        raise Unfit(f"a study, or a list of studies, of: {', '.join(STUDIES)}")
+    return tuple(names)
+
+
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Header:
     """What stands at the top of a scan file, beside its tables."""
@@ -57,3 +66,6 @@ class Header:
     ranks: RanksBySize = custom("MPI ranks of a point", _parse_ranks, default=_ONE_RANK)  # noqa: RUF009
     replicates: int = count("runs of each point in which something is random, with seeds 1 to n", default=1)
     figures: bool = choice("figures of every point too", (False, True), default=False)
+    study: tuple[str, ...] = custom(
+        "study, or list of studies, that the report makes of the scan", parse_studies, default=()
+    )

@@ -29,6 +29,7 @@ from granwave.lammps_inputs.run_directory import (
 )
 from granwave.lammps_inputs.run_state import check_case, read_summary, read_tables, result_fault, tables_as_run
 
+DRIVER = "GRANWAVE_SCAN_DRIVER"  # variable: process of the driver, on this machine, without which a job ends
 BATCHES, DONE, LOGS = f"{SCAN_WORK}/batches", f"{SCAN_WORK}/done", f"{SCAN_WORK}/logs"
 STOP = f"{SCAN_WORK}/stop"  # its presence asks all workers to stop; its text says why
 _FILES = (SCAN_FILE, SCAN_INDEX, SCAN_TABLE, SCAN_DATA, SCAN_MEANS, SCAN_REPORT)

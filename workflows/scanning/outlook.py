@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 
-from granwave.workflows.cli.tables import duration
+from granwave.analysis.formatting.numbers import duration
 from granwave.workflows.scanning.batches import PUBLISH, expected_scan_time, expected_time, spread
 from granwave.workflows.scanning.profile import Profile
 from granwave.workflows.scanning.scan_file import Point

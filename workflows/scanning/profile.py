@@ -6,16 +6,12 @@ import dataclasses
 import math
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal, Protocol
 
 from granwave.lammps_inputs.case.schema import Faults, Unfit, choice, custom, number, read_table, text, whole
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows.scanning import layout
-
-if TYPE_CHECKING:
-    from granwave.workflows.scanning.batches import Batch
-
 
 _LEAST_MINUTES = 10  # of a time limit that nobody gave
 _WARNING = 90  # s before the limit, when points write checkpoints
@@ -31,6 +27,26 @@ def _lines(value: Any) -> str:
     if isinstance(value, list) and all(isinstance(line, str) for line in value):
         return "\n".join(value)
     raise Unfit("shell commands, a string or a list of strings")
+
+
+class Job(Protocol):
+    """Size and cost of a job; memory in bytes, times in s."""
+
+    @property
+    def ranks(self) -> int:
+        """MPI ranks of each point."""
+
+    @property
+    def memory(self) -> float:
+        """Memory, bytes."""
+
+    @property
+    def wall_time(self) -> float:
+        """Expected wall time, s."""
+
+    @property
+    def longest(self) -> float:
+        """Wall time where nothing ends as early as expected, s."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -53,7 +69,7 @@ class Profile:
         "how the state of jobs is asked for; sacct needs an accounting database", ("squeue", "sacct"), default="squeue"
     )
 
-    def resources(self, batch: Batch) -> dict[str, Any]:
+    def resources(self, batch: Job) -> dict[str, Any]:
         """Resources of a job, as Snakemake's Slurm plugin names them."""
         minutes = self.time or max(_LEAST_MINUTES, math.ceil(max(3 * batch.wall_time, batch.longest) / 60))
         # a request to stop before the limit, to the steps and not to the shell, which it would end at once
@@ -67,11 +83,11 @@ class Profile:
             found |= {"mpi": "srun", "tasks": batch.ranks, "nodes": self.nodes_of(batch)}
         return found
 
-    def nodes_of(self, batch: Batch) -> int:
+    def nodes_of(self, batch: Job) -> int:
         """Nodes that the ranks of a batch are spread over."""
         return min(self.nodes, batch.ranks)
 
-    def launcher_of(self, batch: Batch) -> list[str]:
+    def launcher_of(self, batch: Job) -> list[str]:
         """What starts the ranks of a point."""
         words = self.launcher.split()
         return [*words, "-N", str(self.nodes_of(batch))] if words[0] == "srun" else words

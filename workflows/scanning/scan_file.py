@@ -26,7 +26,7 @@ from granwave.lammps_inputs.named_files import with_short_paths
 from granwave.lammps_inputs.packing.disorder import is_random
 from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows import library
-from granwave.workflows.cli.messages import each_warning_once
+from granwave.workflows.run.messages import each_warning_once
 from granwave.workflows.run.versions import versions
 from granwave.workflows.scanning.header import Header
 from granwave.workflows.scanning.labels import labels_of
@@ -76,6 +76,8 @@ class Scan:
         Dotted keys, in the order of the file.
     text
         The file; what was set from outside stands above it as comments.
+    study
+        Names of the studies that its report makes of it.
     """
 
     name: str
@@ -84,6 +86,7 @@ class Scan:
     points: tuple[Point, ...]
     figures: bool
     text: str
+    study: tuple[str, ...] = ()
 
     @property
     def distinct(self) -> dict[str, Point]:
@@ -96,7 +99,13 @@ class Scan:
             {"number": point.number, "id": point.id, "labels": point.labels, "ranks": point.ranks}
             for point in self.points
         ]
-        return {"name": self.name, "case": self.case_name, "varied": list(self.varied), "points": points}
+        return {
+            "name": self.name,
+            "case": self.case_name,
+            "varied": list(self.varied),
+            "study": list(self.study),
+            "points": points,
+        }
 
 
 def find_scan(scan: str | Path, directory: Path = Path()) -> Path:
@@ -296,6 +305,7 @@ def _build(
         varied=varied,
         points=tuple(_labelled(points, varied, path.parent)),
         figures=header.figures,
+        study=header.study,
         text="".join(f"# --set {key}={show(value)}\n" for key, value in changes.items()) + text,
     )
 

@@ -3,6 +3,7 @@
 name = "granular-continuum"
 scans = ["granular-velocity", "continuum-mass"]     # built-in scans, or scan files
 cases = ["half-space"]                              # single runs, each as a scan of one point
+study = ["elastic-long-load"]                       # of all runs, beside the studies of the scans
 """
 
 from __future__ import annotations
@@ -30,6 +31,7 @@ from granwave.lammps_inputs.run_directory import (
 from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows.run.directory import held
 from granwave.workflows.scanning.driver import ScanOutcome, decide, run_scan
+from granwave.workflows.scanning.header import parse_studies
 from granwave.workflows.scanning.scan_file import Scan, find_scan, load_scan, scan_of_case
 
 _SCANS = "scans"
@@ -49,6 +51,7 @@ class _File:
     name: str = custom("name of the suite", plain_name, default="")
     scans: tuple[str, ...] = custom("built-in scans, or scan files as seen from this file", _parse_scans)
     cases: tuple[str, ...] = custom("built-in studies, or case files as seen from this file", _parse_scans, default=())
+    study: tuple[str, ...] = custom("study, or list of studies, of all its runs", parse_studies, default=())
 
 
 @dataclasses.dataclass(frozen=True)
@@ -58,6 +61,7 @@ class Suite:
     name: str
     scans: tuple[Scan, ...]
     text: str
+    study: tuple[str, ...] = ()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -119,7 +123,7 @@ def load_suite(file: str | Path, *, here: bool = True) -> Suite:
         faults.add(_SCANS, f"found two scans of the name {twice}, expected different names: each has its directory")
     if faults.lines:
         raise InputError(faults.lines)
-    return Suite(header.name, tuple(scans), path.read_text(encoding="utf-8"))
+    return Suite(header.name, tuple(scans), path.read_text(encoding="utf-8"), header.study)
 
 
 def run_suite(
@@ -169,7 +173,7 @@ def check_suite(suite: Suite, directory: Path, *, resume: bool, force: bool) -> 
 
 def _run(suite: Suite, directory: Path, slowness: Mapping[str, float], **options: Any) -> SuiteOutcome:
     replace_text(directory / SCAN_FILE, suite.text)
-    index = {"name": suite.name, "scans": [scan.name for scan in suite.scans]}
+    index = {"name": suite.name, "scans": [scan.name for scan in suite.scans], "study": list(suite.study)}
     replace_text(directory / SUITE_INDEX, json.dumps(index, indent=1) + "\n")
     outcomes: list[ScanOutcome] = []
     for scan in suite.scans:

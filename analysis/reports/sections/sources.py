@@ -12,9 +12,9 @@ from typing import Any
 from granwave.analysis.document.cells import label_of, named, percent, unit_of_value, value_cell
 from granwave.analysis.document.model import Cell, Column, Group, Note, Section, Table
 from granwave.analysis.reports.inputs import Inputs, Run
-from granwave.lammps_inputs.case.case import load_case
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import GranwaveError
+from granwave.lammps_inputs.load_case import load_case
 from granwave.lammps_inputs.run_directory import CASE_FILE
 
 SLUG = "sources"

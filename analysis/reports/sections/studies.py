@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 
 from granwave.analysis.document.cells import BLANK, percent, value_cell
 from granwave.analysis.document.model import Cell, Column, Gallery, Group, Note, Section, Table
@@ -14,9 +15,10 @@ from granwave.analysis.studies.precompression.runs import collect as collect_wit
 from granwave.analysis.studies.precompression.studies import studies as studies_of_the_past
 from granwave.analysis.studies.protection.runs import collect as collect_targets
 from granwave.analysis.studies.protection.studies import studies as protection_studies
+from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.square.runs import collect as collect_packings
 from granwave.analysis.studies.square.studies import studies as packing_studies
-from granwave.analysis.studies.study import Row, Study
+from granwave.analysis.studies.study import Row, Study, make_studies
 from granwave.analysis.studies.tolerance.runs import collect as collect_tolerances
 from granwave.analysis.studies.tolerance.study import studies as tolerance_studies
 from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY
@@ -44,7 +46,22 @@ def verdicts(found: Sequence[Study]) -> tuple[Group, ...]:
 
 
 def studies_of(inputs: Inputs) -> list[Study]:
-    """The studies that a report's runs belong to."""
+    """Studies that the scans of a report name, of all runs of the scans that name them."""
+    offered: dict[str, list[FinishedRun]] = {}
+    read: dict[Path, tuple[FinishedRun, ...]] = {}
+    for scan in inputs.scans:
+        for point in scan.points if scan.studies else ():
+            run = point.run
+            if run is None or run.kind != "run" or run.directory in read:
+                continue
+            read[run.directory] = FinishedRun.among([(run.label, run.directory, run.summary)], lambda _: True)
+            for name in scan.studies:
+                offered.setdefault(name, []).extend(read[run.directory])
+    return make_studies(offered) + _guessed(inputs)
+
+
+def _guessed(inputs: Inputs) -> list[Study]:
+    """Studies that still find their runs by themselves."""
     found = [(run.label, run.directory, run.summary) for run in inputs.whole() if run.kind == "run"]
     chains = collect(found)
     ours = studies([run for run in chains if not run.case.has_past]) + packing_studies(collect_packings(found), chains)

@@ -45,7 +45,7 @@ def bars(runs: Sequence[ChainRun]) -> Iterator[Study]:
     groups: dict[Hashable, list[Passage]] = {}
     for run in runs:
         if run.recorded and len(run.time) >= _FEWEST_INSTANTS:
-            for bar in run.case.assembly.bars:
+            for bar in run.assembly.bars:
                 groups.setdefault((bar.name, _but_for_the_mesh(run)), []).append(passage(run, bar))
     found = [sorted(group, key=lambda one: one.bar.pitch) for group in groups.values()]
     found = [group for group in found if group[0].peak > 0]
@@ -217,7 +217,7 @@ def _rows(one: Passage) -> list[Row]:
         Row(f"Largest deviation from the pulse's shape, {title}", "of its peak", None, one.deviation, _WHERE, edge),
         Row(f"Energy over the integral of F²/Z, {title}", "", None, one.energy, _WHERE, expected=1.0),
     ]
-    echo = one.run.case.assembly.echoes()[one.bar.name]
+    echo = one.run.assembly.echoes()[one.bar.name]
     lasts = float(one.run.time[-1])
     remark = "The chain feels the end of the bar." if lasts > echo else "Nothing comes back within the run."
     rows.append(Row(f"Echo at the chain not before, {title}; run of {lasts * _MICRO:.4g} µs", "µs", None,

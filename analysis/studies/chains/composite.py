@@ -97,7 +97,7 @@ class Composite:
     @property
     def light(self) -> Material:
         """Material of the section."""
-        return self.run.case.assembly.material_of(self.first)
+        return self.run.assembly.material_of(self.first)
 
     @property
     def strength(self) -> float:
@@ -117,7 +117,7 @@ class Composite:
     @property
     def speed(self) -> float:
         """V, m/s."""
-        where = {sensor.name: self.run.case.assembly.positions()[sensor.id - 1, 2] for sensor in self.run.case.sensor}
+        where = {sensor.name: self.run.assembly.positions()[sensor.id - 1, 2] for sensor in self.run.case.sensor}
         return float((where[self.behind] - where[self.before]) / (self.output[0] - self.incident[0]))
 
     @property
@@ -189,14 +189,14 @@ def composites(runs: Sequence[ChainRun]) -> Iterator[tuple[Material, list[Compos
 
 
 def _composite(run: ChainRun) -> Composite | None:
-    assembly = run.case.assembly
+    assembly = run.assembly
     replaced = sorted(assembly.materials)
     whole = bool(replaced) and replaced == list(range(replaced[0], replaced[-1] + 1))
     if not run.recorded or not whole or assembly.diameters or assembly.bars or len(replaced) < 2:
         return None
     if len(set(assembly.materials.values())) > 1:
         return None
-    inside = [sensor for sensor in run.case.sensor if sensor.id <= run.case.lattice.n_spheres]
+    inside = [sensor for sensor in run.case.sensor if sensor.id <= run.assembly.lattice.n_spheres]
     before = [sensor.name for sensor in inside if sensor.id < replaced[0]]
     behind = [sensor.name for sensor in inside if sensor.id > replaced[-1]]
     if not before or not behind or replaced[0] == 1:
@@ -206,7 +206,7 @@ def _composite(run: ChainRun) -> Composite | None:
 
 def is_source(chain: Composite, light: str) -> bool:
     """The chain of the composite-chain source with this material of the section."""
-    case, assembly = chain.run.case, chain.run.case.assembly
+    case, assembly = chain.run.case, chain.run.assembly
     return (
         _same(case.material, material("stainless-steel"))
         and _same(chain.light, material(light))

@@ -23,6 +23,7 @@ from granwave.analysis.studies.chains.bar import impedance
 from granwave.analysis.studies.chains.runs import ChainRun, by
 from granwave.analysis.studies.study import Picture, Row, Study
 from granwave.lammps_inputs.case.material import Material
+from granwave.lammps_inputs.packing.assembly import assemble
 
 Array = NDArray[np.float64]
 Substance = tuple[float, float, float, float | None]
@@ -116,7 +117,7 @@ def _by_place(chains: Sequence[_Chain], others: Sequence[_Chain], suffix: str) -
     reference = next((chain for chain in alike if _constants(chain.base) == _constants(base)), None)
     rows = [row for chain in alike for row in _rows_of_alike(chain)]
     rows += [row for curve in curves for row in _rows_of_curve(curve, reference)]
-    load, n = chains[0].run.load, chains[0].run.case.lattice.n_spheres
+    load, n = chains[0].run.load, chains[0].run.assembly.lattice.n_spheres
     used = [*alike, *(chain for curve in curves for chain in curve)]
     yield Study(
         f"intruder-place{suffix}",
@@ -242,7 +243,7 @@ def _by_property(chains: Sequence[_Chain], suffix: str) -> Iterator[Study]:
         yield Study(
             f"intruder-properties-{place}{suffix}",
             f"Intruder in {_name(base.base)} at place {place}, by its properties",
-            f"{base.run.case.lattice.n_spheres} beads of {_name(base.base)}; one property of that at place {place} "
+            f"{base.run.assembly.lattice.n_spheres} beads of {_name(base.base)}; one property of that at place {place} "
             "differs. Ratios e_T/e_0T are to the chain of like beads. "
             + _remarks([chain for curve in curves.values() for chain in curve]),
             tuple(_rows_of_properties(curves, base)),
@@ -337,7 +338,7 @@ def _curve(axes: Axes, x: Array, y: Array, *, faint: bool = False, **style: Any)
 
 def _chain(run: ChainRun) -> _Chain | None:
     """A run as a chain on a bar, under a force, with at most one odd bead; None if it is something else."""
-    case, assembly = run.case, run.case.assembly
+    case, assembly = run.case, run.assembly
     odd = {*assembly.diameters, *assembly.materials}
     if case.bar is None or case.incident_bar is not None or assembly.strikers or case.load.kind != "force":
         return None
@@ -352,7 +353,7 @@ def _line(run: ChainRun) -> Hashable:
     """What the chains of a study share, whatever their beads are of."""
     case = run.case
     assert case.bar is not None
-    (bar,) = case.assembly.bars
+    (bar,) = assemble(case).bars
     return case.packing, case.load, case.contact, case.bar.area, impedance(bar)
 
 

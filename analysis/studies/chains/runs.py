@@ -16,7 +16,7 @@ from granwave.analysis.result.reader import Result
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.lammps_inputs.case.load import Load
 from granwave.lammps_inputs.contact.law import sphere_contact
-from granwave.lammps_inputs.packing.assembly import BAR, INCIDENT_BAR
+from granwave.lammps_inputs.packing.assembly import BAR, INCIDENT_BAR, assemble
 
 if TYPE_CHECKING:
     from granwave._contact_laws import ContactLaw
@@ -52,7 +52,7 @@ class ChainRun(FinishedRun):
             arrays = {name: result[f"chain/{name}"] for name in wanted if f"chain/{name}" in result}
             for table in ("contacts", "wall_contacts", "spheres", "energy", "probes"):
                 arrays |= {f"{table}/{name}": result[f"{table}/{name}"] for name in result.names(table)}
-            for bar in self.case.assembly.bars:
+            for bar in self.assembly.bars:
                 arrays |= {f"{bar.name}/{name}": result[f"bars/{bar.name}/{name}"]
                            for name in result.names(f"bars/{bar.name}")}  # fmt: skip
                 arrays |= {f"walls/{bar.name}/{name}": result[f"walls/{bar.name}/{name}"] for name in ("time", "force")}
@@ -119,7 +119,7 @@ class ChainRun(FinishedRun):
 
 def collect(found: Iterable[tuple[str, Path, Mapping[str, Any]]]) -> tuple[ChainRun, ...]:
     """Of finished runs, given by label, directory and summary, those of chains of two beads and more."""
-    return ChainRun.among(found, lambda case: case.packing.kind == "chain" and case.lattice.n_spheres > 1)
+    return ChainRun.among(found, lambda case: case.packing.kind == "chain" and assemble(case).lattice.n_spheres > 1)
 
 
 def by(runs: Iterable[ChainRun], key: Callable[[ChainRun], float]) -> list[ChainRun]:
@@ -132,4 +132,4 @@ def by(runs: Iterable[ChainRun], key: Callable[[ChainRun], float]) -> list[Chain
 
 def uniform(runs: Sequence[ChainRun], law: str) -> list[ChainRun]:
     """Recorded runs of like beads under one law, without bars and strikers."""
-    return [run for run in runs if run.case.contact.law == law and run.case.assembly.plain and run.recorded]
+    return [run for run in runs if run.case.contact.law == law and run.assembly.plain and run.recorded]

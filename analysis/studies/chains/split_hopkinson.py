@@ -20,7 +20,7 @@ def split_hopkinson(runs: Sequence[ChainRun]) -> Iterator[Study]:
     for run in runs:
         if run.case.bar is None or run.case.incident_bar is None or not run.recorded:
             continue
-        incident, bar = run.case.assembly.bars
+        incident, bar = run.assembly.bars
         passed = passage(run, incident), passage(run, bar)
         entered = float(run.summary["energy_input_J"])
         forces = passed[0].peak, float(run.summary["wall_peak_force_N"])
@@ -48,9 +48,9 @@ def split_hopkinson(runs: Sequence[ChainRun]) -> Iterator[Study]:
         yield Study(
             "split-hopkinson",
             "Split-Hopkinson bar",
-            f"{run.case.lattice.n_spheres} beads between two bars; what comes down the first one is given as a force "
-            "on its free end. Incident energy is the work of that force; reflected and transmitted energy are what the "
-            "bars hold at the end of the run, before an echo of their ends has reached the chain again.",
+            f"{run.assembly.lattice.n_spheres} beads between two bars; what comes down the first one is given as a "
+            "force on its free end. Incident energy is the work of that force; reflected and transmitted energy are "
+            "what the bars hold at the end of the run, before an echo of their ends has reached the chain again.",
             rows,
             tuple(pictures),
         )
@@ -62,7 +62,7 @@ def _sections(run: ChainRun) -> Drawing:
     stack = figure.subplots(2, 1, sharex=True)
     columns: dict[str, Any] = {"time_s": run.time}
     places = (("Incident bar", 0.5), ("Bar", 0.25))  # lengths from the end where the pulse enters
-    for axes, bar, (label, share) in zip(stack, run.case.assembly.bars, places, strict=True):
+    for axes, bar, (label, share) in zip(stack, run.assembly.bars, places, strict=True):
         force = run.array(f"{bar.name}/force")[:, int(share * bar.section.elements)]
         axes.plot(run.time * _MICRO, force * _KILO, color=BLUE)
         axes.axhline(0, color="black", linewidth=0.5)

@@ -41,13 +41,13 @@ class Pair:
     @property
     def materials(self) -> tuple[Material, Material]:
         """Of both spheres."""
-        assembly = self.run.case.assembly
+        assembly = self.run.assembly
         return assembly.material_of(1), assembly.material_of(2)
 
     @property
     def diameters(self) -> tuple[float, float]:
         """Of both spheres, m."""
-        assembly = self.run.case.assembly
+        assembly = self.run.assembly
         return assembly.diameter_of(1), assembly.diameter_of(2)
 
     @property
@@ -148,7 +148,7 @@ def unlike_spheres(runs: Sequence[ChainRun]) -> Iterator[Study]:
 
 
 def _is_pair(run: ChainRun) -> bool:
-    assembly = run.case.assembly
+    assembly = run.assembly
     return (
         assembly.n_particles == 2
         and run.case.contact.law == "elastoplastic"

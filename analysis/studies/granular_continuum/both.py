@@ -18,12 +18,11 @@ from granwave.analysis.studies.granular_continuum.granular import variants
 from granwave.analysis.studies.granular_continuum.impacts import Continuum, Granular, Impacts, constants, energy_unit
 from granwave.analysis.studies.granular_continuum.scaling import FRACTION, MARKERS
 from granwave.lammps_inputs.errors import GranwaveError
+from granwave.lammps_inputs.lattices import KINDS
 from granwave.lammps_inputs.run_directory import RESULT_FILE
 
 SHARE = 0.9  # of the dissipation: the material that did so much of it is called involved
 _SHOWN_SHARE = 0.95  # of the dissipation: how far curves of cumulated dissipation go
-_SOLID = math.pi / math.sqrt(18)  # volume of the spheres of fcc and hcp over that of the packing
-_SOLIDS = {"fcc": _SOLID, "hcp": _SOLID, "bcc": math.pi * math.sqrt(3) / 8, "sc": math.pi / 6}
 _LINES = ("-", "--", ":")
 _GRANULAR_SHOWN = 3  # curves of the figure of volumes
 
@@ -98,7 +97,7 @@ def involved(run: Granular | Continuum) -> Involved | None:
             with Result(run.directory) as result:
                 fraction, count = cumulated(result["spheres/dissipated_energy"], run.energy)
             each = math.pi * run.case.packing.diameter**3 / 6
-            volume, solid = each * count.astype(np.float64), _SOLIDS.get(run.case.packing.kind, 1.0)
+            volume, solid = each * count.astype(np.float64), KINDS[run.case.packing.kind].solid_fraction
         else:
             fraction, volume, solid = *_of_elements(run), 1.0
     except (GranwaveError, OSError, KeyError):

@@ -11,13 +11,14 @@ from pathlib import Path
 from typing import Any
 
 from granwave._contact_laws import ContactLaw
+from granwave.analysis.studies.granular_continuum.punch_case import PunchCase, read_punch_case
 from granwave.analysis.studies.runs import FinishedRun
-from granwave.lammps_inputs.case.case import load_case
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import GranwaveError
+from granwave.lammps_inputs.load_case import load_case
+from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.run_directory import CASE_FILE
-from granwave.workflows.finite_elements.punch.case import ContinuumCase
 
 SAME = 1e-4  # relative difference of normalised velocities and energies that are meant to be equal
 
@@ -62,7 +63,7 @@ class Continuum:
 
     label: str
     directory: Path
-    case: ContinuumCase
+    case: PunchCase
     summary: Mapping[str, Any]
 
     @property
@@ -125,11 +126,11 @@ def collect(runs: Iterable[tuple[str, Path, Mapping[str, Any]]]) -> Impacts:
     for label, directory, summary in runs:
         try:
             if summary.get("kind") == "continuum":
-                continuum.append(Continuum(label, directory, ContinuumCase.load(directory / CASE_FILE), summary))
+                continuum.append(Continuum(label, directory, read_punch_case(directory / CASE_FILE), summary))
             elif "n_spheres" in summary:
                 case = load_case(directory / CASE_FILE)
                 struck = case.load.kind == "impact" and case.packing.kind != "chain"
-                ideal = case.assembly.plain and not case.rubs
+                ideal = assemble(case).plain and not case.rubs
                 if struck and ideal and case.contact.law == "elastoplastic" and summary.get("energy_input_J"):
                     granular.append(Granular(label, directory, case, summary))
         except (GranwaveError, OSError):

@@ -100,7 +100,7 @@ def packing_zones(impacts: Impacts) -> list[Zone]:
         and run.case.packing.kind == first.case.packing.kind
         and run.case.boundary == first.case.boundary
     ]
-    largest_first = sorted(same, key=lambda run: (run.energy, -run.case.lattice.n_spheres))
+    largest_first = sorted(same, key=lambda run: (run.energy, -run.assembly.lattice.n_spheres))
     chosen: list[Zone] = []
     for zone in filter(None, map(zone_of, largest_first)):
         if not chosen or zone.energy > chosen[-1].energy * (1 + SAME):

@@ -11,6 +11,7 @@ from granwave.analysis.studies.precompression import packing_speed
 from granwave.analysis.studies.precompression.runs import PastRun, freed_words, groups, rising, values_table
 from granwave.analysis.studies.study import Picture, Study
 from granwave.analysis.studies.titles import contact_words, load_words, packing_words
+from granwave.lammps_inputs.packing.assembly import assemble
 
 _FEWEST = 2  # runs, one of them precompressed
 _OF_YIELDING = ("dissipated_share", "contacts_yielded")
@@ -33,7 +34,7 @@ def precompressed_impacts(runs: Sequence[PastRun]) -> Iterator[Study]:
 def _fits(run: PastRun) -> bool:
     """A packing of like spheres without dents, of its nominal size, that is not hit by a small wave only."""
     case = run.case
-    if case.packing.kind == "chain" or not case.assembly.plain or case.contact.initial_overlap:
+    if case.packing.kind == "chain" or not assemble(case).plain or case.contact.initial_overlap:
         return False
     if case.precompression is not None and case.precompression.kind == "gravity":
         return False

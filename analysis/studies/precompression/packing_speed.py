@@ -20,6 +20,7 @@ from granwave.analysis.studies.precompression import theory
 from granwave.analysis.studies.precompression.runs import PastRun
 from granwave.analysis.studies.precompression.theory import Array
 from granwave.analysis.studies.study import Picture, Row, Study
+from granwave.lammps_inputs.packing.assembly import assemble
 
 SMALL = 0.1  # impact velocity over omega alpha0 up to which everything is linear enough
 _FIRST = 3  # layer from which on crests are followed
@@ -82,7 +83,7 @@ def fits(run: PastRun) -> bool:
     stage = case.precompression
     if stage is None or stage.kind == "gravity" or case.packing.kind not in ("fcc", "hcp"):
         return False
-    if not case.assembly.plain or case.contact.law != "hertz" or case.load.angle:
+    if not assemble(case).plain or case.contact.law != "hertz" or case.load.angle:
         return False
     return case.load.velocity < SMALL * theory.line_of(case, run.law).velocity
 
@@ -94,7 +95,7 @@ def pressure_of(run: PastRun) -> float:
 
 def long_wave_speed(run: PastRun) -> float:
     """c0, m/s; NaN where the run has too few layers, or is too short."""
-    nx, ny, nz = run.case.lattice.shape
+    nx, ny, nz = run.assembly.lattice.shape
     with Result(run.directory) as result:
         time = result.frame_times
         layer = (result["spheres/id"] - 1) // (nx * ny)

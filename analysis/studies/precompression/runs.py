@@ -35,7 +35,7 @@ class PastRun(FinishedRun):
     @property
     def static_force(self) -> float:
         """What the dead loads make each contact of the lattice that carries them bear, N; 0 without any."""
-        return force_of_contact(self.case) if self.case.precompression else 0.0
+        return force_of_contact(self.assembly) if self.case.precompression else 0.0
 
     @property
     def dissipated(self) -> float:

@@ -140,7 +140,7 @@ def contacts_a_sphere(run: PastRun) -> float:
     """Contacts of two spheres that bear force at the start, over the number of spheres; 0 in a packing as placed."""
     if run.case.precompression is None:
         return 0.0
-    return run.of_prestage("contacts") / run.case.assembly.n_spheres
+    return run.of_prestage("contacts") / run.assembly.n_spheres
 
 
 def _with_interval(found: Estimate | None) -> Cell:

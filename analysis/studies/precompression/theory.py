@@ -36,6 +36,7 @@ from scipy.optimize import brentq
 from scipy.special import jv, jvp
 
 from granwave.lammps_inputs.contact.static_load import force_of_contact
+from granwave.lammps_inputs.packing.assembly import assemble
 
 if TYPE_CHECKING:
     from granwave._contact_laws import ContactLaw
@@ -93,7 +94,7 @@ def line_of(case: Case, law: ContactLaw) -> Line:
 
     Where the sides are periodic, the load makes the contacts of a packing less steep.
     """
-    force, diameter, mass = force_of_contact(case), case.packing.diameter, case.sphere_mass
+    force, diameter, mass = force_of_contact(assemble(case)), case.packing.diameter, case.sphere_mass
     if case.packing.kind == "chain":
         overlap = static_overlap(law, force)
         return Line(force, overlap, diameter, math.sqrt(1.5 * force / overlap / mass))

@@ -30,7 +30,7 @@ _COLUMNS = (
 def bottoms(runs: Sequence[TargetRun], suffix: str) -> Iterator[Study]:
     """One study of the height with most bottoms, two at least."""
     shown_apart = {run for one in spectra(runs) for run in one.runs}
-    chosen = _one_height([run for run in runs if run.case.lattice.n_spheres > 1 and run not in shown_apart])
+    chosen = _one_height([run for run in runs if run.assembly.lattice.n_spheres > 1 and run not in shown_apart])
     if len({run.bottom for run in chosen}) < 2:
         return
     plain = [run for run in chosen if run.friction == min(one.friction for one in chosen)][:_MOST]

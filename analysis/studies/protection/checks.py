@@ -25,7 +25,7 @@ def checks(runs: Sequence[TargetRun], suffix: str) -> Iterator[Study]:
     alone = [
         run
         for run in runs
-        if run.case.lattice.n_spheres == 1 and run.case.contact.law == "hertz" and run.case.load.kind == "impact"
+        if run.assembly.lattice.n_spheres == 1 and run.case.contact.law == "hertz" and run.case.load.kind == "impact"
     ]
     rows = [row for run, name in zip(alone, names(alone) if alone else [], strict=True) for row in _rows(run, name)]
     if rows:

@@ -17,7 +17,7 @@ from granwave.analysis.studies.runs import FinishedRun, all_but
 from granwave.analysis.studies.titles import bottom_words
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.supports import Plate
-from granwave.lammps_inputs.packing.assembly import velocities_of
+from granwave.lammps_inputs.packing.assembly import assemble, velocities_of
 
 Array = NDArray[np.float64]
 
@@ -30,7 +30,7 @@ class TargetRun(FinishedRun):
     @property
     def layers(self) -> int:
         """Of spheres, one below the other."""
-        return self.case.lattice.shape[2]
+        return self.assembly.lattice.shape[2]
 
     @property
     def friction(self) -> float:
@@ -63,8 +63,8 @@ class TargetRun(FinishedRun):
         """Of what hits the packing, towards the target, kg m/s; NaN under a force or a prescribed motion."""
         if self.case.load.driven:
             return math.nan
-        moving = velocities_of(self.case).items()
-        return sum(self.case.assembly.mass_of(sphere) * max(velocity[2], 0.0) for sphere, velocity in moving)
+        moving = velocities_of(self.assembly).items()
+        return sum(self.assembly.mass_of(sphere) * max(velocity[2], 0.0) for sphere, velocity in moving)
 
     @property
     def reached(self) -> Reached:
@@ -110,7 +110,7 @@ def collect(found: Iterable[tuple[str, Path, Mapping[str, Any]]]) -> list[list[T
         Label, directory and summary of finished runs.
     """
     groups: dict[str, dict[str, TargetRun]] = {}
-    for run in TargetRun.among(found, lambda case: case.boundary.bottom != "free" and not case.assembly.bars):
+    for run in TargetRun.among(found, lambda case: case.boundary.bottom != "free" and not assemble(case).bars):
         group, key = groups.setdefault(_impact(run.case), {}), all_but(run.case)
         if run.value("end_time_s") > group.setdefault(key, run).value("end_time_s"):
             group[key] = run

@@ -154,7 +154,7 @@ def _energies(run: PackingRun) -> Drawing:
 
 
 def _maps(run: PackingRun) -> Drawing:
-    n, radius = run.case.lattice.n_spheres, 500 * run.case.packing.diameter  # mm
+    n, radius = run.assembly.lattice.n_spheres, 500 * run.case.packing.diameter  # mm
     place = 1e3 * run.position[:, :2]
     frames = [int(np.abs(run.time - time).argmin()) for time in _SHOWN]
     speeds = [np.linalg.norm(run.velocity[frame], axis=1) for frame in frames]

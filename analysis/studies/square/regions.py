@@ -63,7 +63,7 @@ def regions(run: PackingRun) -> dict[str, Array]:
 
     ``walls`` is the elastic energy in walls and floor, ``dissipated`` what is lost; all together are the input.
     """
-    n = run.case.lattice.n_spheres
+    n = run.assembly.lattice.n_spheres
     rest = np.ones(run.energy.shape[1], dtype=bool)
     found: dict[str, Array] = {}
     for name, members in groups(run).items():

@@ -55,7 +55,7 @@ class PackingRun(FinishedRun):
     def alike(self) -> bool:
         """All spheres of the packing are; where their values come from does not matter."""
         theirs = self.case.material
-        others = self.case.assembly.materials.values()
+        others = self.assembly.materials.values()
         return all(dataclasses.replace(one, source=theirs.source) == theirs for one in others)
 
     @property

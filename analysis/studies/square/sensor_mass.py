@@ -13,6 +13,7 @@ from granwave.analysis.studies.chains.measures import first_peak
 from granwave.analysis.studies.chains.runs import ChainRun
 from granwave.analysis.studies.square.runs import PackingRun
 from granwave.analysis.studies.study import Picture, Row, Study
+from granwave.lammps_inputs.packing.assembly import assemble
 
 _WHERE = "square packing, Experimental Setup"
 _BEFORE = 4  # contacts between the lighter sphere and the one at which the reflection is measured
@@ -78,7 +79,7 @@ def _changes(run: PackingRun, other: PackingRun) -> Iterator[Row]:
     with Result(run.directory) as with_sensors, Result(other.directory) as without:
         found = sensor_velocities(with_sensors), sensor_velocities(without)
         times = with_sensors["probes/time"], without["probes/time"]
-    mass = run.case.assembly.mass_of(run.case.sensor[0].id) / run.case.sphere_mass
+    mass = run.assembly.mass_of(run.case.sensor[0].id) / run.case.sphere_mass
     largest = max(float(np.abs(one).max()) for one in found[1].values())
     for name in found[0]:
         speeds = [np.linalg.norm(one[name], axis=1) for one in found]
@@ -98,11 +99,11 @@ def _key(run: PackingRun) -> tuple:
 
 def _mass_ratio(run: ChainRun) -> float | None:
     case = run.case
-    if len(case.assembly.materials) != 1 or case.assembly.diameters or not run.recorded:
+    if len(assemble(case).materials) != 1 or assemble(case).diameters or not run.recorded:
         return None
     if len(case.striker) != 1 or case.striker[0].touches != (1,) or case.load.kind != "striker" or case.contact.yields:
         return None
-    theirs, ours = next(iter(case.assembly.materials.values())), case.material
+    theirs, ours = next(iter(assemble(case).materials.values())), case.material
     if (theirs.youngs_modulus, theirs.poisson_ratio) != (ours.youngs_modulus, ours.poisson_ratio):
         return None
     return theirs.density / ours.density
@@ -110,7 +111,7 @@ def _mass_ratio(run: ChainRun) -> float | None:
 
 def _reflection(run: ChainRun) -> float:
     """NaN where the run ends too soon, or the sphere is too near an end."""
-    place = next(iter(run.case.assembly.materials)) - _BEFORE  # the contact of the striker is number 0
+    place = next(iter(run.assembly.materials)) - _BEFORE  # the contact of the striker is number 0
     n = run.force.shape[1]
     if place < 2 or place + _BEFORE + 2 > n:
         return np.nan

@@ -1,6 +1,6 @@
 """A job of a scan: does the points of one batch, one after the other.
 
-    cd DIR && python -m granwave.workflows.scanning.worker .scan/batches/BATCH.json
+    cd DIR && python -m granwave.workflows.cli.worker .scan/batches/BATCH.json
 
 A point on one rank is a forked copy of this process, which has loaded everything already; one on several ranks is
 started by mpiexec or srun. Either way what kills a point does not kill the others. SIGTERM, the stop file of the scan,
@@ -45,7 +45,6 @@ from granwave.workflows.run.directory import busy
 from granwave.workflows.scanning import layout
 from granwave.workflows.solvers import GRANULAR, kind_of
 
-DRIVER = "GRANWAVE_SCAN_DRIVER"  # variable: process of the driver, on this machine, without which the job ends
 _POLL = 0.5  # s
 _RANK_DIED = re.compile(r"(?:EXIT STRING: |^srun: error: .*: tasks? [^:]+: )(.+)")  # as MPICH and Slurm put it
 
@@ -65,7 +64,7 @@ class _Worker:
         self.stopping = threading.Event()
         self.current: int | None = None  # process of the present point
         self.rank_stop: Path | None = None  # stop file of its ranks
-        self.driver = int(os.environ.get(DRIVER, 0))
+        self.driver = int(os.environ.get(layout.DRIVER, 0))
 
     def work(self) -> int:
         """Returns how many points are neither done nor failed for good."""
@@ -202,10 +201,10 @@ class _Worker:
 
 def _load(verb: str) -> None:
     """Load what every point needs, but do not start MPI: each point starts its own."""
-    import granwave.workflows.cli
+    import granwave.workflows.cli.parser
 
     if verb != GRANULAR.verb:
-        import granwave.analysis.continuum.run
+        import granwave.workflows.finite_elements.punch.run
 
         return
     import mpi4py
@@ -215,7 +214,7 @@ def _load(verb: str) -> None:
     from mpi4py import MPI  # noqa: F401
 
     import granwave.analysis.pipeline
-    import granwave.workflows.driver  # noqa: F401
+    import granwave.workflows.run.driver  # noqa: F401
 
 
 def _fork(words: Sequence[str], log: int) -> int:

@@ -1,0 +1,171 @@
+"""Every column of what LAMMPS writes: its name in the file, where LAMMPS takes it from, and its unit.
+
+The input script, the readers and ``result.h5`` take names, order and units from here. Numbers are those of the plugin's
+computes and fixes (plugins/doc).
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterable
+
+FRICTION, DENTS = "friction", "dents"  # of cases with friction; of cases with dents from before the run
+
+
+@dataclasses.dataclass(frozen=True)
+class Column:
+    """One column.
+
+    Attributes
+    ----------
+    name
+        Name in the file.
+    source
+        Word of a LAMMPS command, or the number of a column of a compute or fix of the plugin.
+    unit
+        SI unit; "1" for a number.
+    when
+        What the case must have; empty: always there.
+    """
+
+    name: str
+    source: str
+    unit: str = "1"
+    when: str = ""
+
+
+def of_compute(
+    name: str, columns: Iterable[tuple[str, str] | tuple[str, str, str]], first: int = 1
+) -> tuple[Column, ...]:
+    """Columns of a compute or fix in the order of their numbers: name, unit and, where not always there, when.
+
+    Parameters
+    ----------
+    name
+        Reference to the compute or fix, such as ``c_contacts``; ``{}`` stands for a name that is filled in later.
+    first
+        Number of the first column.
+    """
+    return tuple(
+        Column(column, f"{name}[{number}]", unit, *when) for number, (column, unit, *when) in enumerate(columns, first)
+    )
+
+
+#: dumps/energy.txt, behind the step.
+LEDGER = (
+    Column("time", "v_time", "s"),
+    Column("kinetic", "c_kinetic", "J"),
+    Column("elastic", "v_elastic", "J"),
+    Column("dissipated", "v_dissipated", "J"),
+    Column("elastic_wall", "v_elastic_wall", "J"),
+    Column("dissipated_wall", "v_dissipated_wall", "J"),
+    Column("input", "v_input", "J"),
+    *of_compute(
+        "c_contact",
+        [("contacts_yielded", "1"), ("beyond_law", "1"), ("beyond_half", "1"), ("largest_force", "N")],
+        first=2,
+    ),
+    Column("struck_velocity", "v_struck_velocity", "m s-1"),
+)
+
+#: dumps/spheres.dump.
+SNAPSHOT = (
+    Column("id", "id"),
+    Column("type", "type"),
+    Column("radius", "radius", "m"),
+    *(Column(axis, axis, "m") for axis in "xyz"),
+    *of_compute("c_displacement", [(f"u{axis}", "m") for axis in "xyz"]),
+    *(Column(f"v{axis}", f"v{axis}", "m s-1") for axis in "xyz"),
+    Column("force", "c_sphere[1]", "N"),
+    Column("peak_force", "c_sphere[2]", "N"),
+    Column("peak_overlap", "c_sphere[3]", "m"),
+    Column("dissipated", "c_sphere[4]", "J"),
+    Column("elastic", "c_sphere[10]", "J"),
+    Column("elastic_tangential", "c_sphere[11]", "J", FRICTION),
+    Column("friction", "c_sphere[12]", "J", FRICTION),
+)
+
+#: dumps/history.dump: a chain in time.
+HISTORY = (Column("id", "id"), Column("uz", "c_displacement[3]", "m"), Column("vz", "vz", "m s-1"))
+
+_HISTORY_OF_CONTACT = [
+    ("time_first", "s"),
+    ("time_peak", "s"),
+    ("time_yield", "s"),
+]
+
+#: dumps/contacts.dump: compute gran/hysteretic/local.
+CONTACTS = of_compute(
+    "c_contacts",
+    [
+        ("i", "1"),
+        ("j", "1"),
+        ("overlap", "m"),
+        ("force", "N"),
+        ("peak_overlap", "m"),
+        ("peak_force", "N"),
+        ("elastic", "J"),
+        ("dissipated", "J"),
+        *_HISTORY_OF_CONTACT,
+        ("live", "1"),
+        ("tangential_force", "N", FRICTION),
+        ("elastic_tangential", "J", FRICTION),
+        ("friction", "J", FRICTION),
+        ("initial", "m", DENTS),
+    ],
+)
+
+#: dumps/forces.dump: the contacts of a chain in time.
+FORCES = tuple(column for column in CONTACTS if column.name in ("i", "j", "force"))
+
+#: dumps/wall_NAME.dump, behind the id: fix wall/gran/hysteretic, per sphere.
+WALL_CONTACTS = of_compute(
+    "f_{}",
+    [
+        ("overlap", "m"),
+        ("force", "N"),
+        ("peak_overlap", "m"),
+        ("peak_force", "N"),
+        ("dissipated", "J"),
+        *_HISTORY_OF_CONTACT,
+        ("tangential_force", "N", FRICTION),
+        ("friction", "J", FRICTION),
+        ("initial", "m", DENTS),
+    ],
+)
+
+#: dumps/walls.txt, behind the force of a plane that moves: the vector of its fix.
+MOVING_WALL = (
+    Column("displacement", "f_{}[10]", "m"),
+    Column("velocity", "f_{}[11]", "m s-1"),
+    Column("ground_force", "f_{}[14]", "N"),
+)
+
+#: dumps/energy.txt, of a plane that moves: energy in what it rests on, energy that its damper took, work on it.
+SUPPORT = (
+    Column("support", "f_{}[12]", "J"),
+    Column("support_lost", "f_{}[13]", "J"),
+    Column("target", "f_{}[15]", "J"),
+)
+
+#: dumps/energy.txt, of cases with rotation or friction.
+ROTATION = (Column("rotational", "c_rotational", "J"),)
+TANGENTIAL = (Column("elastic_tangential", "v_elastic_tangential", "J"), Column("friction", "v_friction", "J"))
+
+
+def names(table: Iterable[Column]) -> tuple[str, ...]:
+    """Names of the columns that are always there."""
+    return tuple(column.name for column in table if not column.when)
+
+
+def sources(table: Iterable[Column], *having: str, of: str = "") -> dict[str, str]:
+    """Where LAMMPS takes each column from, by name.
+
+    Parameters
+    ----------
+    having
+        What the case has: `FRICTION`, `DENTS`.
+    of
+        Name of the fix, where it is filled in.
+    """
+    return {column.name: column.source.format(of) for column in table if not column.when or column.when in having}

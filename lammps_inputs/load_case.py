@@ -1,0 +1,67 @@
+"""From a case file to a case that can run: read, check, warn."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from granwave.lammps_inputs.case.case import RECORD, Case, case_keys, parse_case
+from granwave.lammps_inputs.case.overrides import apply_overrides, parse_overrides
+from granwave.lammps_inputs.case.schema import Faults
+from granwave.lammps_inputs.checks.checks import check_case, check_together, warn_about
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.toml_files import read_toml
+
+
+def load_case(path: str | Path, overrides: Iterable[str] | Mapping[str, Any] = ()) -> Case:
+    """Read a case file.
+
+    Parameters
+    ----------
+    overrides
+        ``KEY=VALUE`` strings (dotted keys, TOML values, bare words are strings), or a mapping of dotted keys
+        to values.
+
+    Raises
+    ------
+    InputError
+        The file or an override is wrong; every fault is named.
+    """
+    changes = parse_overrides(overrides)
+    record = [key for key in changes if key.split(".")[0] == RECORD]
+    if record:
+        raise InputError(f"--set: {key}: [{RECORD}] is a record of a run, it cannot be set" for key in record)
+    data = apply_overrides(read_toml(path), changes)
+    return case_from_dict(data, path, overridden=changes)
+
+
+def case_from_dict(
+    data: Mapping[str, Any],
+    source: str | Path = "case",
+    overridden: Iterable[str] = (),
+) -> Case:
+    """Make a case of the nested mapping of a case file, and check it; its paths start from the working directory.
+
+    Parameters
+    ----------
+    source
+        File that the messages name; its stem is the name of a case that has none.
+    overridden
+        Dotted keys that came from the command line.
+
+    Raises
+    ------
+    InputError
+        With every fault there is.
+    """
+    faults = Faults(str(source), tuple(overridden), case_keys())
+    parts = parse_case(data, source, faults)
+    check_together(parts, faults)
+    faults.report(parts["name"])
+    case = Case(**parts)
+    assembly = check_case(case, faults)
+    faults.report(case.name)
+    assert assembly is not None  # or there are faults
+    warn_about(assembly, chose_yield_factor="yield_factor" in data.get("contact", {}))
+    return case

@@ -1,0 +1,96 @@
+"""Golden outputs: decks of all built-in cases, summaries and report of small runs, kept in this folder.
+
+They show at once what a change of the code changes for users. After a change that is meant to do so:
+
+    .venv/bin/python -m tests.golden.outputs        # makes them anew; git diff tests/golden shows what changed
+
+Input scripts are kept as they are; of data files and tables, which are large, the digest. Numbers of summaries are
+compared to 1e-6 (processors and libraries differ in the last bits), everything else to the letter.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+from granwave.analysis.reports.report import write_report
+from granwave.lammps_inputs import write_deck
+from granwave.lammps_inputs.run_directory import SCRIPT_FILE, SUMMARY_FILE
+from granwave.lammps_inputs.toml_files import read_toml
+from granwave.workflows import library, load_case, run_case
+from granwave.workflows.solvers import GRANULAR, kind_of
+
+FOLDER = Path(__file__).parent
+DIGESTS, SUMMARIES, REPORT = "digests.json", "summaries.json", "report.md"
+
+SMALL = {"packing.size": [8, 8, 5], "run.end_time": 1e-4}
+RUNS: dict[str, tuple[str, dict[str, Any]]] = {
+    "fcc": ("fcc-small", SMALL),
+    "hcp-hertz": (
+        "hcp-small",
+        SMALL | {"contact.law": "hertz", "boundary.sides": "periodic", "packing.size": [8, 8, 4]},
+    ),
+    "bcc-bilinear": (
+        "fcc-small",
+        SMALL | {"packing.kind": "bcc", "contact.law": "bilinear", "boundary.bottom": "fixed"},
+    ),
+    "square-thornton": (
+        "fcc-small",
+        SMALL | {"packing.kind": "square", "packing.size": [8, 8], "contact.law": "thornton"},
+    ),
+    "tolerance": ("fcc-tolerance", SMALL | {"packing.vacancies": 0.02}),
+    "target": ("protected-target", SMALL),
+    "chain": ("elastic-impact", {"packing.size": 12, "run.end_time": 2e-4}),
+    "intruder": ("intruder", {"run.end_time": 1e-4}),
+    "two-spheres": ("two-spheres", {}),
+}
+_OF_THE_MACHINE = {"wall_time_s": 1.0, "sphere_steps_per_s": 1.0, "versions": {}, "n_ranks": 1}
+
+
+def granular_cases() -> list[str]:
+    """Names of the built-in cases that LAMMPS runs."""
+    return [name for name in library.names() if kind_of(read_toml(library.find(name))) is GRANULAR]
+
+
+def write_decks(place: Path) -> dict[str, dict[str, str]]:
+    """Write the decks of all built-in cases below ``place``; returns digests of their files but for the scripts."""
+    digests: dict[str, dict[str, str]] = {}
+    for name in granular_cases():
+        deck = write_deck(load_case(name), place / name)
+        files = sorted(path for path in deck.directory.iterdir() if path.is_file() and path.name != SCRIPT_FILE)
+        digests[name] = {path.name: hashlib.sha256(path.read_bytes()).hexdigest()[:16] for path in files
+                         if not path.name.startswith(".")}  # fmt: skip
+    return digests
+
+
+def run_small(place: Path) -> dict[str, Any]:
+    """Run the small cases below ``place`` and write their report; returns their summaries, without what is of the machine."""
+    summaries = {}
+    for name, (case, settings) in RUNS.items():
+        outcome = run_case(load_case(case, settings), place / name, figures=False)
+        summaries[name] = outcome.summary | _OF_THE_MACHINE
+        (place / name / SUMMARY_FILE).write_text(json.dumps(summaries[name]), encoding="utf-8")
+    write_report([place / name for name in RUNS], place / REPORT)
+    return summaries
+
+
+def main() -> None:
+    """Make the golden outputs anew."""
+    import tempfile
+
+    with tempfile.TemporaryDirectory() as scratch:
+        place = Path(scratch)
+        digests = write_decks(place / "decks")
+        for name in digests:
+            (FOLDER / f"{name}.in").write_text((place / "decks" / name / SCRIPT_FILE).read_text(encoding="utf-8"))
+        summaries = run_small(place / "runs")
+        (FOLDER / REPORT).write_text((place / "runs" / REPORT).read_text(encoding="utf-8"), encoding="utf-8")
+    (FOLDER / DIGESTS).write_text(json.dumps(digests, indent=1) + "\n")
+    (FOLDER / SUMMARIES).write_text(json.dumps(summaries, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,45 @@
+"""Golden outputs: what a change of the code changes for users shows here. How to make them anew: see `outputs`."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from granwave.lammps_inputs.run_directory import SCRIPT_FILE
+from tests.golden import outputs
+
+RENEW = "if that is meant: python -m tests.golden.outputs"
+
+
+def close(found: Any, kept: Any) -> bool:
+    """Equal, numbers to 1e-6."""
+    if isinstance(kept, dict) and isinstance(found, dict):
+        return found.keys() == kept.keys() and all(close(found[key], kept[key]) for key in kept)
+    if isinstance(kept, list) and isinstance(found, list):
+        return len(found) == len(kept) and all(map(close, found, kept))
+    if isinstance(kept, float) and isinstance(found, int | float):
+        return found == pytest.approx(kept, rel=1e-6, abs=1e-12)
+    return bool(found == kept)
+
+
+def test_decks_of_built_in_cases(tmp_path: Path) -> None:
+    digests = outputs.write_decks(tmp_path)
+    kept = json.loads((outputs.FOLDER / outputs.DIGESTS).read_text())
+    changed = [name for name in digests if digests[name] != kept.get(name)]
+    assert changed == [] and digests.keys() == kept.keys(), f"data of decks changed; {RENEW}"
+    for name in digests:
+        script = (tmp_path / name / SCRIPT_FILE).read_text(encoding="utf-8")
+        assert script == (outputs.FOLDER / f"{name}.in").read_text(encoding="utf-8"), f"{name}: {RENEW}"
+
+
+def test_summaries_and_report_of_small_runs(tmp_path: Path) -> None:
+    summaries = json.loads(json.dumps(outputs.run_small(tmp_path)))
+    kept = json.loads((outputs.FOLDER / outputs.SUMMARIES).read_text())
+    for name in kept:
+        changed = [key for key in kept[name] if not close(summaries[name].get(key), kept[name][key])]
+        assert changed == [] and summaries[name].keys() == kept[name].keys(), f"{name}; {RENEW}"
+    report = (tmp_path / outputs.REPORT).read_text(encoding="utf-8").splitlines()
+    assert report == (outputs.FOLDER / outputs.REPORT).read_text(encoding="utf-8").splitlines(), RENEW

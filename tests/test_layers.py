@@ -1,0 +1,129 @@
+"""Rooms and the directions of imports: workflows -> analysis -> lammps_inputs -> the plugin's bindings, and inside each."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PACKAGES = ("workflows", "analysis", "lammps_inputs", "plugins")
+
+# From the top down: a file imports from its own room and from rooms on lower floors. A name stands for a room or a file.
+FLOORS = """
+workflows/__main__
+workflows/cli
+workflows/scanning
+workflows/run
+workflows/solvers workflows/library
+workflows/finite_elements
+analysis/reports analysis/exports
+analysis/studies
+analysis/scans analysis/contact_law
+analysis/document
+analysis/pipeline
+analysis/figures analysis/summary
+analysis/measures
+analysis/result
+analysis/lammps_output
+analysis/formatting
+analysis/quantities
+analysis/statistics analysis/errors analysis/versions
+lammps_inputs/deck
+lammps_inputs/load_case
+lammps_inputs/planning lammps_inputs/checks
+lammps_inputs/contact
+lammps_inputs/packing
+lammps_inputs/case
+lammps_inputs/lattices lammps_inputs/run_directory
+lammps_inputs/toml_files lammps_inputs/files
+lammps_inputs/errors
+plugins
+"""
+FLOOR = {room: -number for number, line in enumerate(FLOORS.split("\n")) for room in line.split()}
+FACES = {f"{name}/__init__" for name in PACKAGES}  # hand names on to users; no file of ours imports from them
+
+
+def modules() -> dict[str, Path]:
+    """Python files of the packages by their dotted name."""
+    found = {}
+    for package in PACKAGES:
+        for path in (ROOT / package).rglob("*.py"):
+            parts = path.relative_to(ROOT).with_suffix("").parts
+            found["granwave." + ".".join(parts).removesuffix(".__init__")] = path
+    return found
+
+
+MODULES = modules()
+
+
+def imports(path: Path) -> Iterator[str]:
+    """Modules of ours that a file imports, wherever in it, types included."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("granwave"):
+            for alias in node.names:
+                name = f"{node.module}.{alias.name}"
+                yield name if name in MODULES else str(node.module)
+        elif isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names if alias.name in MODULES)
+
+
+GRAPH = {
+    name: {other for other in imports(path) if other in MODULES and other != name} for name, path in MODULES.items()
+}
+
+
+def circles(graph: dict[str, set[str]]) -> set[str]:
+    """What stands in a circle, or between two: neither end of any chain of imports."""
+    left = {name: set(others) for name, others in graph.items()}
+    while ends := [
+        name
+        for name, others in left.items()
+        if not others & set(left) or not any(name in found for found in left.values())
+    ]:
+        for name in ends:
+            del left[name]
+    return set(left)
+
+
+def room_of(module: str) -> str:
+    """Room, or the file itself where it stands on the first floor of its package."""
+    return "/".join(module.split(".")[1:][:2])
+
+
+def test_every_file_has_its_room() -> None:
+    rooms = {room_of(name) for name, path in MODULES.items() if f"{path.parent.name}/{path.stem}" not in FACES}
+    assert sorted(rooms - set(FLOOR)) == []
+    assert sorted(room for room in FLOOR if not (ROOT / room).is_dir() and not (ROOT / f"{room}.py").exists()) == []
+
+
+@pytest.mark.parametrize("module", sorted(MODULES))
+def test_imports_run_downwards(module: str) -> None:
+    room = room_of(module)
+    if f"{room}/__init__" in FACES or room in PACKAGES:
+        return
+    for other in GRAPH[module]:
+        there = room_of(other)
+        assert there == room or FLOOR[there] < FLOOR[room], f"{module} imports {other}, which is not on a lower floor"
+
+
+def test_there_is_no_circle_of_imports() -> None:
+    left = circles(GRAPH)
+    assert left == set(), f"these import each other: {', '.join(sorted(left))}"
+
+
+def test_includes_run_downwards() -> None:
+    """C++: laws know neither LAMMPS nor styles; bindings know laws alone; no header includes itself by others."""
+    headers = {path.name: path for path in (ROOT / "plugins").rglob("*.h")}
+    graph = {}
+    for path in (ROOT / "plugins").rglob("*.[ch]*"):
+        if path.suffix in (".h", ".cpp"):
+            lines = [line.split('"')[1] for line in path.read_text().splitlines() if line.startswith('#include "')]
+            graph[path] = {headers[Path(line).name] for line in lines if Path(line).name in headers}
+            if path.parent.name in ("laws", "bindings"):
+                outside = [line for line in lines if Path(line).name not in headers]
+                assert outside == [], f"{path.name} includes {outside}: headers of LAMMPS belong into styles/"
+                assert all(other.parent.name == "laws" for other in graph[path]), path.name
+    assert circles({path.name: {other.name for other in others} for path, others in graph.items()}) == set()
