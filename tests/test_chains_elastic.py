@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from granwave.analysis.figures.style import style
+from granwave.analysis.measures.signals import width
 from granwave.analysis.studies.chains.elastic import DISCRETE_COEFFICIENT, DISCRETE_WIDTH, long_load, solitary
 from granwave.analysis.studies.chains.elastic_pulses import TRAIN_LIMIT, master_curve, wave_train
-from granwave.analysis.studies.chains.measures import width
 from granwave.analysis.studies.chains.runs import ChainRun, collect
 from granwave.analysis.studies.chains.scales import ChainScales, discrete_speed, from_thesis, passed, undisturbed
 from granwave.analysis.studies.study import Row, Study

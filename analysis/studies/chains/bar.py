@@ -21,7 +21,7 @@ from matplotlib.ticker import NullLocator
 from numpy.typing import NDArray
 
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, Drawing, new_figure
-from granwave.analysis.studies.chains.measures import arrival, power
+from granwave.analysis.measures.signals import arrival, power
 from granwave.analysis.studies.chains.runs import ChainRun
 from granwave.analysis.studies.study import Picture, Row, Study
 from granwave.lammps_inputs.case.load import Load

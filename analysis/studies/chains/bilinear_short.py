@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave.analysis.measures.signals import Power, first_peak, power
 from granwave.analysis.studies.chains.bilinear import (
     PRINTED,
     LeadingWave,
@@ -19,7 +20,6 @@ from granwave.analysis.studies.chains.bilinear import (
     spring_of,
 )
 from granwave.analysis.studies.chains.bilinear_figures import far_drawing, histories_drawing, peaks_drawing
-from granwave.analysis.studies.chains.measures import Power, first_peak, power
 from granwave.analysis.studies.chains.runs import ChainRun, uniform
 from granwave.analysis.studies.chains.scales import ChainScales, impulse_of, is_pulse, of_thesis
 from granwave.analysis.studies.study import Picture, Row, Study

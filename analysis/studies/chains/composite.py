@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import curve_fit
 
-from granwave.analysis.studies.chains.measures import first_peak
+from granwave.analysis.measures.signals import first_peak
 from granwave.analysis.studies.chains.runs import ChainRun
 from granwave.lammps_inputs.case.material import Material, material
 from granwave.lammps_inputs.case.yield_factor import hertz_von_mises_yield_factor

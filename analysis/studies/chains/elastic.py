@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing, new_figure
-from granwave.analysis.studies.chains.measures import Power, arrival, first_peak, power, width
+from granwave.analysis.measures.signals import Power, arrival, first_peak, power, width
 from granwave.analysis.studies.chains.runs import ChainRun, by, uniform
 from granwave.analysis.studies.chains.scales import ChainScales, discrete_speed, from_thesis, passed, undisturbed
 from granwave.analysis.studies.study import Picture, Row, Study

@@ -19,7 +19,7 @@ from matplotlib.ticker import LogLocator, NullLocator
 from numpy.typing import NDArray
 
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing, new_figure
-from granwave.analysis.studies.chains.measures import Power, power
+from granwave.analysis.measures.signals import Power, power
 from granwave.analysis.studies.chains.runs import ChainRun, uniform
 from granwave.analysis.studies.chains.scales import ChainScales, from_thesis, passed, undisturbed
 from granwave.analysis.studies.study import Picture, Row, Study

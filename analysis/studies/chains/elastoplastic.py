@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.studies.chains.measures import Power, arrival, first_peak, power
+from granwave.analysis.measures.signals import Power, arrival, first_peak, power
 from granwave.analysis.studies.chains.runs import ChainRun, uniform
 from granwave.analysis.studies.chains.scales import ChainScales, impulse_of, is_pulse, of_thesis
 

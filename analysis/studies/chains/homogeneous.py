@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing, new_figure
+from granwave.analysis.measures.signals import first_peak
 from granwave.analysis.studies.chains.elastic import IMPULSE_COEFFICIENT
-from granwave.analysis.studies.chains.measures import first_peak
 from granwave.analysis.studies.chains.runs import ChainRun, uniform
 from granwave.analysis.studies.chains.scales import ChainScales, discrete_speed
 from granwave.analysis.studies.study import Picture, Row, Study

@@ -1,4 +1,4 @@
-"""What is measured on a chain: peaks, arrivals, speeds, widths, and powers."""
+"""Measures of signals: first peaks, arrivals, widths, and power laws through points."""
 
 from __future__ import annotations
 
