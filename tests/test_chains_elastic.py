@@ -9,13 +9,19 @@ from typing import Any
 import numpy as np
 import pytest
 
-from granwave.analysis.figures.style import style
 from granwave.analysis.measures.signals import width
-from granwave.analysis.studies.chains.elastic import DISCRETE_COEFFICIENT, DISCRETE_WIDTH, long_load, solitary
-from granwave.analysis.studies.chains.elastic_pulses import TRAIN_LIMIT, master_curve, wave_train
-from granwave.analysis.studies.chains.runs import ChainRun, collect
-from granwave.analysis.studies.chains.scales import ChainScales, discrete_speed, from_thesis, passed, undisturbed
-from granwave.analysis.studies.study import Row, Study
+from granwave.analysis.studies.chains.elastic_pulses import TRAIN_LIMIT
+from granwave.analysis.studies.chains.runs import ChainRun
+from granwave.analysis.studies.chains.scales import (
+    DISCRETE_COEFFICIENT,
+    ChainScales,
+    discrete_speed,
+    from_thesis,
+    passed,
+    undisturbed,
+)
+from granwave.analysis.studies.chains.solitary_wave import DISCRETE_WIDTH
+from granwave.analysis.studies.study import Row, Study, make_studies
 from granwave.workflows import load_case, load_scan, run_case
 from tests.chain_twin import Bead, Chain
 
@@ -25,7 +31,8 @@ STEEL = {"material": "steel", "packing.diameter": 0.006}
 
 def run(directory: Path, name: str, changes: dict[str, Any]) -> ChainRun:
     outcome = run_case(load_case(name, FEW | changes), directory, figures=False)
-    return collect([(directory.name, directory, outcome.summary)])[0]
+    (found,) = ChainRun.among([(directory.name, directory, outcome.summary)], lambda _: True)
+    return found
 
 
 def pulse(directory: Path, amplitude: float, duration: float, end: float, **changes: Any) -> ChainRun:
@@ -42,9 +49,8 @@ def row(study: Study, start: str) -> Row:
     return found
 
 
-def one(find: Any, runs: Sequence[ChainRun]) -> Study:
-    with style():
-        (study,) = find(runs)
+def one(name: str, runs: Sequence[ChainRun]) -> Study:
+    (study,) = make_studies({name: runs})
     return study
 
 
@@ -61,7 +67,7 @@ def struck(tmp_path_factory: pytest.TempPathFactory) -> list[ChainRun]:
 
 @pytest.fixture(scope="module")
 def wave(struck: list[ChainRun]) -> Study:
-    return one(solitary, struck)
+    return one("solitary-wave", struck)
 
 
 def test_solitary_wave_of_any_like_beads(wave: Study) -> None:
@@ -107,7 +113,7 @@ def loaded(tmp_path_factory: pytest.TempPathFactory) -> ChainRun:
 
 
 def test_long_loading(loaded: ChainRun) -> None:
-    study = one(long_load, [loaded])
+    study = one("elastic-long-load", [loaded])
     rows = rows_of(study)
     peak = rows["Peak force"]
     assert peak.source == 92.7
@@ -133,9 +139,9 @@ def test_only_runs_that_show_an_endless_chain(loaded: ChainRun, struck: list[Cha
     over = pulse(tmp_path / "over", 40.0, 2e-5, 2.6e-3)
     plastic = pulse(tmp_path / "plastic", 40.0, 3e-3, 1.5e-3, **{"contact.law": "elastoplastic"})
     assert not undisturbed(over)
-    for find in (solitary, long_load, wave_train, master_curve):
-        assert not list(find([over, plastic]))
-        assert not list(find([]))
+    for name in ("solitary-wave", "elastic-long-load", "wave-train", "elastic-pulses"):
+        assert not make_studies({name: [over, plastic]})
+        assert not make_studies({name: []})
 
 
 # ---------------------------------------------------------------------- train and master curve
@@ -157,7 +163,7 @@ def pulses(tmp_path_factory: pytest.TempPathFactory) -> list[ChainRun]:
 
 
 def test_critical_duration(pulses: list[ChainRun]) -> None:
-    study = one(wave_train, pulses)
+    study = one("wave-train", pulses)
     assert row(study, "Power of the critical").ours == pytest.approx(-1 / 6, abs=1e-3)
     assert row(study, "Critical loading time").ours == pytest.approx(13.4, rel=0.1)  # between runs 20 % apart
     (picture,) = study.pictures
@@ -166,7 +172,7 @@ def test_critical_duration(pulses: list[ChainRun]) -> None:
 
 
 def test_all_pulses_on_one_curve(pulses: list[ChainRun]) -> None:
-    study = one(master_curve, pulses)
+    study = one("elastic-pulses", pulses)
     assert all(passed(run) > 75 for run in pulses)
     assert row(study, "Short pulses").ours == pytest.approx(0.0755, rel=2e-3)
     assert row(study, "Largest spread").ours < 0.1  # %

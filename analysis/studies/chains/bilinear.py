@@ -10,16 +10,16 @@ import dataclasses
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.special import jv
 
+from granwave.analysis.measures.signals import Array
 from granwave.analysis.studies.chains.runs import ChainRun
-
-Array = NDArray[np.float64]
 
 #: As thesis 4.19 to 4.22 print them: v_m, F_p, F_2, and the factor of sqrt(1 - beta) in v_t.
 PRINTED = (0.482, 0.721, 0.199, 0.599)
+#: Axes of figures, in the chain's own units.
+FORCE, VELOCITY = r"Force $F/E^*R^{*2}$", r"Velocity $v\,\tau/R^*$"
 _SMALL = 1e-3  # of R*: an overlap at which the slope is taken
 
 

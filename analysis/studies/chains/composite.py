@@ -8,58 +8,20 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import curve_fit
 
-from granwave.analysis.measures.signals import first_peak
-from granwave.analysis.studies.chains.runs import ChainRun
+from granwave.analysis.measures.signals import first_peak, maxima
+from granwave.analysis.studies.chains.runs import ChainRun, chains
+from granwave.analysis.studies.runs import FinishedRun
 from granwave.lammps_inputs.case.material import Material, material
 from granwave.lammps_inputs.case.yield_factor import hertz_von_mises_yield_factor
 from granwave.lammps_inputs.contact.law import pair_contact
 
-_FEWEST_FITTED = 4
 _LEAST_PEAK = 0.005  # of the largest force at a contact: smaller maxima are not told apart
-
-
-@dataclasses.dataclass(frozen=True)
-class Decay:
-    """``y = end + span exp(-x/length)``, fitted by least squares.
-
-    Attributes
-    ----------
-    residual
-        Root mean square.
-    """
-
-    end: float
-    span: float
-    length: float
-    residual: float
-
-    def __call__(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Values of the law."""
-        return _exponential(x, self.end, self.span, self.length)
-
-
-def _exponential(x: NDArray[np.float64], end: float, span: float, length: float) -> NDArray[np.float64]:
-    return end + span * np.exp(-x / length)
-
-
-def decay(x: NDArray[np.float64], y: NDArray[np.float64]) -> Decay | None:
-    """The exponential law through points (n_points,); None where there are too few, or no such law is found."""
-    if len(x) < _FEWEST_FITTED:
-        return None
-    start = (float(y[-1]), float(y[0] - y[-1]) * math.e, float(x[-1] - x[0]) / 3)
-    try:
-        (end, span, length), _ = curve_fit(_exponential, x, y, p0=start, maxfev=5000)
-    except RuntimeError:
-        return None
-    found = Decay(float(end), float(span), float(length), 0.0)
-    return dataclasses.replace(found, residual=float(np.sqrt(np.mean((found(x) - y) ** 2))))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -144,8 +106,8 @@ class Composite:
         """All maxima of the force between this bead and the next, in time."""
         k = self.contact(bead)
         force, time, flow = self.run.force[:, k], self.run.time, self.flow()[:, k]
-        inner = (force[1:-1] > force[:-2]) & (force[1:-1] >= force[2:]) & (force[1:-1] > _LEAST_PEAK * force.max())
-        return [Wave(float(time[n]), float(force[n]), bool(flow[n] >= 0)) for n in np.flatnonzero(inner) + 1]
+        places = maxima(force, _LEAST_PEAK * float(force.max()))
+        return [Wave(float(time[n]), float(force[n]), bool(flow[n] >= 0)) for n in places]
 
     @cached_property
     def reflections(self) -> Mapping[str, Wave]:
@@ -180,45 +142,37 @@ class Composite:
         return pressure / hertz_von_mises_yield_factor(self.light.poisson_ratio)
 
 
-def composites(runs: Sequence[ChainRun]) -> Iterator[tuple[Material, list[Composite]]]:
+def composites(runs: Sequence[FinishedRun]) -> list[list[Composite]]:
     """Composite chains by the material of their section, the shortest section first."""
-    found = [chain for run in runs if (chain := _composite(run)) is not None]
-    for name in dict.fromkeys(chain.light.name for chain in found):
-        chains = sorted((c for c in found if c.light.name == name), key=lambda c: (c.n, -c.strength))
-        yield chains[0].light, chains
+    found = [chain for run in chains(runs) if (chain := _composite(run)) is not None]
+    names = dict.fromkeys(chain.light.name for chain in found)
+    return [sorted((c for c in found if c.light.name == name), key=lambda c: (c.n, -c.strength)) for name in names]
 
 
 def _composite(run: ChainRun) -> Composite | None:
     assembly = run.assembly
     replaced = sorted(assembly.materials)
-    whole = bool(replaced) and replaced == list(range(replaced[0], replaced[-1] + 1))
-    if not run.recorded or not whole or assembly.diameters or assembly.bars or len(replaced) < 2:
+    if not run.recorded or len(replaced) < 2 or assembly.diameters or assembly.bars or replaced[0] == 1:
         return None
-    if len(set(assembly.materials.values())) > 1:
+    first, last = replaced[0], replaced[-1]
+    if last - first + 1 != len(replaced) or len(set(assembly.materials.values())) > 1:
         return None
-    inside = [sensor for sensor in run.case.sensor if sensor.id <= run.assembly.lattice.n_spheres]
-    before = [sensor.name for sensor in inside if sensor.id < replaced[0]]
-    behind = [sensor.name for sensor in inside if sensor.id > replaced[-1]]
-    if not before or not behind or replaced[0] == 1:
-        return None
-    return Composite(run, replaced[0], replaced[-1], before[-1], behind[0])
+    before = [sensor.name for sensor in run.case.sensor if sensor.id < first]
+    behind = [sensor.name for sensor in run.case.sensor if last < sensor.id <= assembly.lattice.n_spheres]
+    return Composite(run, first, last, before[-1], behind[0]) if before and behind else None
 
 
 def is_source(chain: Composite, light: str) -> bool:
     """The chain of the composite-chain source with this material of the section."""
     case, assembly = chain.run.case, chain.run.assembly
     return (
-        _same(case.material, material("stainless-steel"))
-        and _same(chain.light, material(light))
+        _elastic(case.material) == _elastic(material("stainless-steel"))
+        and _elastic(chain.light) == _elastic(material(light))
         and (case.packing.size[0], chain.first, case.packing.diameter) == (40, 8, 0.01)
         and [striker.velocity[2] for striker in case.striker] == [0.626]
         and assembly.strikers[0][0].material in (None, case.material)
     )
 
 
-def _same(one: Material, other: Material) -> bool:
-    return (one.youngs_modulus, one.poisson_ratio, one.density) == (
-        other.youngs_modulus,
-        other.poisson_ratio,
-        other.density,
-    )
+def _elastic(one: Material) -> tuple[float, float, float]:
+    return one.youngs_modulus, one.poisson_ratio, one.density

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -122,14 +122,20 @@ def collect(found: Iterable[tuple[str, Path, Mapping[str, Any]]]) -> tuple[Chain
     return ChainRun.among(found, lambda case: case.packing.kind == "chain" and assemble(case).lattice.n_spheres > 1)
 
 
-def by(runs: Iterable[ChainRun], key: Callable[[ChainRun], float]) -> list[ChainRun]:
-    """Runs in rising order of a key; of equal ones the first."""
-    unique: dict[float, ChainRun] = {}
-    for run in runs:
-        unique.setdefault(key(run), run)
-    return [unique[value] for value in sorted(unique)]
+def chains(runs: Iterable[FinishedRun]) -> list[ChainRun]:
+    """Runs of chains of two beads and more; none with a past, such as precompression."""
+    return [
+        run.seen_as(ChainRun)
+        for run in runs
+        if run.case.packing.kind == "chain" and run.assembly.lattice.n_spheres > 1 and not run.case.has_past
+    ]
 
 
 def uniform(runs: Sequence[ChainRun], law: str) -> list[ChainRun]:
     """Recorded runs of like beads under one law, without bars and strikers."""
     return [run for run in runs if run.case.contact.law == law and run.assembly.plain and run.recorded]
+
+
+def columns(records: Sequence[Any], *names: str) -> list[NDArray[np.float64]]:
+    """Attributes of records as arrays, one for each name: (n_records,)."""
+    return [np.array([getattr(record, name) for record in records]) for name in names]

@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 from granwave.analysis.studies.chains.runs import ChainRun
 from granwave.lammps_inputs.case.material import material
 
+IMPULSE_COEFFICIENT = 0.719  # (4.5)
+DISCRETE_COEFFICIENT = 0.7176  # of the same, of the discrete chain, by an independent solver (tests/chain_twin.py)
 _NESTERENKO = 0.6802  # V = 0.6802 (2 E/(D rho^1.5 (1 - nu^2)))^(1/3) F^(1/6); composite source 4, D the diameter
 _UNTOUCHED = 1e-3  # of the largest force, at the last contact
 _BRASS = (115e9, 0.30, 8500.0, 9.52e-3)  # E (Pa), nu, rho (kg/m^3), diameter (m) of thesis chapters 2 to 4
