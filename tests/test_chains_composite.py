@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from granwave.analysis.measures.composite_section import Composite, composite_of
+from granwave.analysis.measures.hertz_chain import discrete_speed
 from granwave.analysis.measures.probed_pair import Pair
 from granwave.analysis.measures.signals import decay
-from granwave.analysis.studies.chains.composite import Composite, composites
 from granwave.analysis.studies.chains.runs import ChainRun
-from granwave.analysis.studies.chains.scales import discrete_speed
 from granwave.analysis.studies.study import Row, Study, make_studies
 from granwave.lammps_inputs.case.material import material
 from granwave.workflows import load_case, load_scan, run_case
@@ -98,8 +98,8 @@ def chains(tmp_path_factory: pytest.TempPathFactory) -> list[ChainRun]:
 
 
 def chain_of(runs: list[ChainRun], n: int, *, elastic: bool) -> Composite:
-    (found,) = composites(runs)
-    assert found[0].light.name == "brass-composite"
+    found = [chain for run in runs if (chain := composite_of(run)) is not None]
+    assert {chain.light.name for chain in found} == {"brass-composite"}
     return next(chain for chain in found if chain.n == n and (chain.strength == np.inf) is elastic)
 
 

@@ -9,17 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from granwave.analysis.measures.hertz_chain import DISCRETE_COEFFICIENT, ChainScales, discrete_speed
 from granwave.analysis.measures.signals import width
 from granwave.analysis.studies.chains.elastic_pulses import TRAIN_LIMIT
 from granwave.analysis.studies.chains.runs import ChainRun
-from granwave.analysis.studies.chains.scales import (
-    DISCRETE_COEFFICIENT,
-    ChainScales,
-    discrete_speed,
-    from_thesis,
-    passed,
-    undisturbed,
-)
+from granwave.analysis.studies.chains.scales import from_thesis, passed, undisturbed
 from granwave.analysis.studies.chains.solitary_wave import DISCRETE_WIDTH
 from granwave.analysis.studies.study import Row, Study, make_studies
 from granwave.workflows import load_case, load_scan, run_case

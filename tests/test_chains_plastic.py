@@ -12,12 +12,12 @@ from scipy.integrate import quad
 
 from granwave.analysis.studies.chains.bilinear import (
     LeadingWave,
+    LongLoad,
     Spring,
     bead_velocity,
     contact_force,
     first_coefficients,
     leading_wave,
-    long_load,
 )
 from granwave.analysis.studies.chains.elastoplastic import Pulses, collect_pulses
 from granwave.analysis.studies.chains.elastoplastic_model import (
@@ -87,12 +87,12 @@ def test_a_wave_that_leaves_no_velocity_is_never_overtaken():
 
 
 def test_the_closed_forms_of_a_long_load():
-    theory = long_load(SPRING, 8e3, 2.5e-3)
+    theory = LongLoad(SPRING, 8e3, 2.5e-3)
     assert (theory.velocity, theory.trailing, theory.later) == pytest.approx((26.234, 14.502, 10.021), rel=1e-4)
     assert (theory.later_force, theory.meeting) == pytest.approx((3055.7, 3.419), rel=1e-4)
     # the two meet: the leading front from 0 at c, the trailing one from T at c_u
     assert theory.meeting / 9.52e-3 == pytest.approx(SPRING.unloading_rate * (theory.meeting_time - 2.5e-3))
-    assert long_load(Spring(1e7, 0.0, 1e-3, 1e-2), 1.0, 1.0).meeting_time == np.inf
+    assert LongLoad(Spring(1e7, 0.0, 1e-3, 1e-2), 1.0, 1.0).meeting_time == np.inf
 
 
 # bilinear chains

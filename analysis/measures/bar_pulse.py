@@ -15,43 +15,19 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable
 from functools import cached_property
-from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from granwave.analysis.measures.chain_record import ChainRecord
 from granwave.analysis.measures.signals import Array, arrival
-from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.load import Load
-from granwave.lammps_inputs.packing.assembly import BAR, INCIDENT_BAR, Assembly, PlacedBar
+from granwave.lammps_inputs.packing.assembly import BAR, INCIDENT_BAR, PlacedBar
 
 _NEAR, _FAR = 0.25, 0.75  # sections, in lengths of the bar from where the pulse enters
 _HALF = 0.5  # of a pulse, whose passing is its arrival
 _AHEAD = 3.0  # widths of a front, that it is felt before it comes
 _THROUGH = 0.02  # of its largest force: a pulse below has passed
 _FINER = 20  # times the instants of the history, for integrals of the load
-
-
-class Recorded(Protocol):
-    """A run whose bars were recorded."""
-
-    @property
-    def case(self) -> Case:
-        """Its case."""
-
-    @property
-    def time(self) -> Array:
-        """Instants of the history: (n_times,), s."""
-
-    def array(self, name: str) -> NDArray:
-        """An array of the result: ``bar/force``, ``walls/bar/force``, ..."""
-
-    @property
-    def assembly(self) -> Assembly:
-        """All bodies of the case."""
-
-    def value(self, name: str) -> float:
-        """A number of the summary."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -72,7 +48,7 @@ class Passage:
         In the bar at the end of the run over that of the pulse that entered until then.
     """
 
-    run: Recorded
+    run: ChainRecord
     bar: PlacedBar
     time: Array
     entered: Callable[[Array], Array]
@@ -123,10 +99,10 @@ class Passage:
         return self.entered(self.time - self.sections[section] / self.bar.wave_speed)
 
 
-def passage(run: Recorded, bar: PlacedBar) -> Passage:
+def passage(run: ChainRecord, bar: PlacedBar) -> Passage:
     """What went through a bar of a recorded run."""
     time = run.time
-    place, force, velocity = (run.array(f"{bar.name}/{name}") for name in ("position", "force", "velocity"))
+    place, force, velocity = (run.array(f"bars/{bar.name}/{name}") for name in ("position", "force", "velocity"))
     velocity = 0.5 * (velocity[:, 1:] + velocity[:, :-1])  # of elements
     depth = 0.5 * (place[1:] + place[:-1]) - place[0]
     if bar.name == INCIDENT_BAR:

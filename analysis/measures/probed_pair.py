@@ -4,36 +4,20 @@ from __future__ import annotations
 
 import dataclasses
 from functools import cached_property
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from granwave.analysis.measures.chain_record import ChainRecord
 from granwave.analysis.measures.signals import Array
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.contact.law import pair_contact
-from granwave.lammps_inputs.packing.assembly import Assembly
 
 if TYPE_CHECKING:
     from granwave._contact_laws import ContactLaw
 
 _LEGIBLE = 1e-2  # of the largest overlap: from where on forces are compared
-
-
-class Probed(Protocol):
-    """A finished run of two spheres."""
-
-    @property
-    def case(self) -> Case:
-        """Its case."""
-
-    @property
-    def assembly(self) -> Assembly:
-        """All bodies of the case."""
-
-    def array(self, name: str) -> NDArray:
-        """An array of the result: ``probes/...``, ``contacts/...``."""
 
 
 def probed_name(case: Case) -> str | None:
@@ -46,7 +30,7 @@ def probed_name(case: Case) -> str | None:
 class Pair:
     """The contact of two spheres in one run."""
 
-    run: Probed
+    run: ChainRecord
 
     @property
     def materials(self) -> tuple[Material, Material]:

@@ -26,7 +26,7 @@ STUDIES: dict[str, str] = {
     "bilinear-long-load": "chains.bilinear_long_load",
     "unlike-spheres": "chains.unlike",
     "homogeneous-chain": "chains.homogeneous",
-    "composite-chain": "chains.composite_study",
+    "composite-chain": "chains.composite",
     "elastic-bar": "chains.bar",
     "intruder-place": "chains.intruder_place",
     "intruder-properties": "chains.intruder_properties",

@@ -11,7 +11,7 @@ from granwave.analysis.figures.curves import few_ticks, label, panels
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, WIDTH, Drawing
 from granwave.analysis.measures.bar_pulse import Passage, passage
 from granwave.analysis.measures.signals import Array, power
-from granwave.analysis.studies.chains.runs import ChainRun, chains
+from granwave.analysis.studies.chains.runs import ChainRun, chain_runs
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture, Row
 from granwave.lammps_inputs.packing.assembly import INCIDENT_BAR
@@ -33,7 +33,7 @@ Meshes = list[Passage]
 def select(runs: Sequence[FinishedRun]) -> list[list[Meshes]]:
     """The bars of recorded runs; those that differ in the mesh alone together, the finest first."""
     groups: dict[Hashable, Meshes] = {}
-    for run in chains(runs):
+    for run in chain_runs(runs):
         if run.recorded and len(run.time) >= _FEWEST_INSTANTS:
             for bar in run.assembly.bars:
                 groups.setdefault((bar.name, _but_for_the_mesh(run)), []).append(passage(run, bar))

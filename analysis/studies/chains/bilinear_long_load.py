@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from collections.abc import Iterator, Sequence
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from granwave.analysis.figures.curves import COLOURS, label, panels
 from granwave.analysis.figures.style import Drawing
-from granwave.analysis.measures.signals import Array
-from granwave.analysis.studies.chains.bilinear import FORCE, VELOCITY, LongLoad, Spring, long_load, spring_of
-from granwave.analysis.studies.chains.runs import ChainRun, chains, uniform
-from granwave.analysis.studies.chains.scales import ChainScales, of_thesis
+from granwave.analysis.measures.hertz_chain import ChainScales
+from granwave.analysis.studies.chains.bilinear import FORCE, VELOCITY, LongLoad, spring_of
+from granwave.analysis.studies.chains.runs import ChainRun, chain_runs, uniform
+from granwave.analysis.studies.chains.scales import of_thesis
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture, Row
 
@@ -28,27 +26,26 @@ _WHERE = "thesis 4.2.2, table 4.1"
 _SOURCE = (8e3, 2.5e-3, 0.8)  # N, s, beta
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
 class HeldLoad:
-    """One run, and what the closed forms say of it."""
+    """One run, and what the closed forms say of it.
 
-    run: ChainRun
+    Attributes
+    ----------
+    spring
+        Contact and bead.
+    theory
+        Closed forms.
+    times
+        Under load; after it; after the fronts have met; s. For the source's case its 2, 3 and 5.2 ms.
+    largest
+        Largest force ever at each contact: (n_contacts,), N.
+    """
 
-    @cached_property
-    def spring(self) -> Spring:
-        """Contact and bead."""
-        return spring_of(self.run)
-
-    @cached_property
-    def theory(self) -> LongLoad:
-        """Closed forms."""
-        return long_load(self.spring, self.run.load.largest, self.run.load.lasts)
-
-    @property
-    def times(self) -> tuple[float, float, float]:
-        """Under load; after it; after the fronts have met; s. For the source's case its 2, 3 and 5.2 ms."""
-        early, late = (share * self.run.load.lasts for share in _INSTANTS)
-        return early, late, _LAST * self.theory.meeting_time
+    def __init__(self, run: ChainRun) -> None:
+        self.run, self.spring, self.largest = run, spring_of(run), run.of_contacts("peak_force")
+        self.theory = LongLoad(self.spring, run.load.largest, run.load.lasts)
+        early, late = (share * run.load.lasts for share in _INSTANTS)
+        self.times = early, late, _LAST * self.theory.meeting_time
 
     @property
     def reaches(self) -> bool:
@@ -88,11 +85,6 @@ class HeldLoad:
         """Median on the plateau, N."""
         return float(np.median(self.run.force[self.row(instant), self.plateau(instant)]))
 
-    @cached_property
-    def largest(self) -> Array:
-        """Largest force ever at each contact, N."""
-        return self.run.of_contacts("peak_force")
-
     @property
     def meeting(self) -> float:
         """Where the largest force falls half-way from F_1 to F_2, m from the centre of bead 1."""
@@ -104,7 +96,7 @@ class HeldLoad:
 def select(runs: Sequence[FinishedRun]) -> list[HeldLoad]:
     """Chains under a force that lasts, long enough to see its fronts meet; each by itself."""
     held = [
-        HeldLoad(run) for run in uniform(chains(runs), "bilinear")
+        HeldLoad(run) for run in uniform(chain_runs(runs), "bilinear")
         if run.load.kind == "force" and run.load.shape == "rectangle" and run.load.lasts * spring_of(run).rate > _LONG
     ]  # fmt: skip
     return [one for one in held if one.reaches]

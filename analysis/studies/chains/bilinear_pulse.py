@@ -10,8 +10,9 @@ from numpy.typing import ArrayLike
 
 from granwave.analysis.figures.curves import COLOURS, label, panels
 from granwave.analysis.figures.style import BLUE, GREEN, ORANGE, Drawing
+from granwave.analysis.measures.hertz_chain import ChainScales
 from granwave.analysis.studies.chains.bilinear import FORCE, PRINTED, VELOCITY, first_coefficients
-from granwave.analysis.studies.chains.scales import ChainScales, of_thesis
+from granwave.analysis.studies.chains.scales import of_thesis
 from granwave.analysis.studies.chains.short_pulse import INVERSE, ShortPulse, short_pulses
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture, Row

@@ -13,9 +13,10 @@ import numpy as np
 
 from granwave.analysis.figures.curves import key_of_lines, label, panels
 from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing
+from granwave.analysis.measures.hertz_chain import ChainScales
 from granwave.analysis.measures.signals import arrival
-from granwave.analysis.studies.chains.runs import ChainRun, chains, uniform
-from granwave.analysis.studies.chains.scales import ChainScales, from_thesis, passed, undisturbed
+from granwave.analysis.studies.chains.runs import ChainRun, chain_runs, uniform
+from granwave.analysis.studies.chains.scales import from_thesis, passed, undisturbed
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture, Row
 
@@ -28,7 +29,7 @@ _TOO_LARGE = 10 ** (1 / 6)
 def select(runs: Sequence[FinishedRun]) -> list[ChainRun]:
     """Chains whose end the wave has not reached, each by itself."""
     return [
-        run for run in uniform(chains(runs), "hertz")
+        run for run in uniform(chain_runs(runs), "hertz")
         if run.load.kind == "force" and run.load.shape == "rectangle" and run.load.lasts >= 0.999 * run.time[-1]
         and undisturbed(run) and passed(run) >= _FEWEST_CONTACTS
     ]  # fmt: skip

@@ -9,10 +9,11 @@ import numpy as np
 
 from granwave.analysis.figures.curves import COLOURS, label, panels
 from granwave.analysis.figures.style import BLUE, GREY, Drawing
+from granwave.analysis.measures.hertz_chain import DISCRETE_COEFFICIENT, IMPULSE_COEFFICIENT
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.studies.chains.force_pulses import ALIKE, SECOND, ForcePulse, force_pulses, grouped
 from granwave.analysis.studies.chains.runs import columns
-from granwave.analysis.studies.chains.scales import DISCRETE_COEFFICIENT, IMPULSE_COEFFICIENT, from_thesis, passed
+from granwave.analysis.studies.chains.scales import from_thesis, passed
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture, Row
 

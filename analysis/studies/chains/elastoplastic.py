@@ -9,10 +9,11 @@ from functools import cached_property
 
 import numpy as np
 
+from granwave.analysis.measures.hertz_chain import ChainScales
 from granwave.analysis.measures.line_pulse import LinePulse
 from granwave.analysis.measures.signals import Array, Power, power
-from granwave.analysis.studies.chains.runs import ChainRun, chains, uniform
-from granwave.analysis.studies.chains.scales import ChainScales, impulse_of, is_pulse, of_thesis
+from granwave.analysis.studies.chains.runs import ChainRun, chain_runs, uniform
+from granwave.analysis.studies.chains.scales import impulse_of, is_pulse, of_thesis
 from granwave.analysis.studies.runs import FinishedRun
 
 _FEWEST = 30  # contacts that make a study worth while
@@ -22,38 +23,31 @@ _SAME = 5e-3
 
 
 class Wave(LinePulse):
-    """One elasto-plastic chain after a pulse."""
+    """One elasto-plastic chain after a pulse.
+
+    Attributes
+    ----------
+    scales
+        Units of the chain.
+    impulse, duration
+        Of the load, in units of E* R*^2 tau, and in tau.
+    peak_unit, energy_unit
+        E* R*^2 times that impulse, which peak forces are given in, N; F_y alpha_y, J.
+    name
+        The load in a few characters.
+    """
 
     def __init__(self, run: ChainRun) -> None:
         super().__init__(run.time, run.force, run.of_contacts("peak_force"))
-        self.run, self.scales = run, ChainScales(run)
-
-    @cached_property
-    def impulse(self) -> float:
-        """In units of E* R*^2 tau."""
-        return impulse_of(self.run) / self.scales.impulse
-
-    @property
-    def duration(self) -> float:
-        """Of the load, in tau."""
-        return self.run.load.lasts / self.scales.time
+        self.run, self.scales, load = run, ChainScales(run), run.load
+        self.impulse, self.duration = impulse_of(run) / self.scales.impulse, load.lasts / self.scales.time
+        self.peak_unit, self.energy_unit = self.scales.force * self.impulse, run.law.yield_force * run.law.yield_overlap
+        force = f"{load.largest / 1e3:g} kN, {load.lasts * 1e6:.3g} µs"
+        self.name = f"{load.velocity:g} m/s" if load.kind == "impact" else force
 
     @property
-    def name(self) -> str:
-        """The load in a few characters."""
-        load = self.run.load
-        if load.kind == "impact":
-            return f"{load.velocity:g} m/s"
-        return f"{load.largest / 1e3:g} kN, {load.lasts * 1e6:.3g} µs"
-
-    @property
-    def peak_unit(self) -> float:
-        """E* R*^2 times the impulse in its unit, N: peak forces are given in it."""
-        return self.scales.force * self.impulse
-
-    @cached_property
     def normalised(self) -> Array:
-        """The same over E* R*^2 I: (contacts,)."""
+        """Largest force at each contact over E* R*^2 I: (contacts,)."""
         return self.largest / self.peak_unit
 
     def inverse_constant(self, first: int, last: int) -> float:
@@ -71,11 +65,6 @@ class Wave(LinePulse):
     def dissipated(self) -> Array:
         """Up to each contact: (contacts,), J."""
         return np.cumsum(self.run.of_contacts("dissipated_energy"))[: self.contacts]
-
-    @property
-    def energy_unit(self) -> float:
-        """F_y alpha_y, J."""
-        return self.run.law.yield_force * self.run.law.yield_overlap
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -123,7 +112,7 @@ class Pulses:
 
 def collect_pulses(runs: Sequence[FinishedRun]) -> Pulses | None:
     """The elasto-plastic chains after pulses among runs; of several materials or radii those of the most runs."""
-    long = [run for run in uniform(chains(runs), "elastoplastic") if run.force.shape[1] > _FEWEST]
+    long = [run for run in uniform(chain_runs(runs), "elastoplastic") if run.force.shape[1] > _FEWEST]
     waves = [Wave(run) for run in long if is_pulse(run)]
     alike: dict[tuple[float, float], list[Wave]] = {}
     for wave in waves:
@@ -131,7 +120,8 @@ def collect_pulses(runs: Sequence[FinishedRun]) -> Pulses | None:
             alike.setdefault((wave.scales.force, wave.scales.time), []).append(wave)
     if not alike:
         return None
-    chosen = sorted(max(alike.values(), key=len), key=lambda wave: (-wave.impulse, wave.duration))
+    most = max(alike.values(), key=lambda waves: len(waves))
+    chosen = sorted(most, key=lambda wave: (-wave.impulse, wave.duration))
     groups: list[list[Wave]] = []
     for wave in chosen:
         if groups and math.isclose(groups[-1][0].impulse, wave.impulse, rel_tol=_SAME):
@@ -139,7 +129,7 @@ def collect_pulses(runs: Sequence[FinishedRun]) -> Pulses | None:
         else:
             groups.append([wave])
     ordered = tuple(tuple(sorted(group, key=lambda wave: wave.duration)) for group in groups)
-    return Pulses(ordered, _elastic(chains(runs), chosen))
+    return Pulses(ordered, _elastic(chain_runs(runs), chosen))
 
 
 def _elastic(runs: Sequence[ChainRun], waves: Sequence[Wave]) -> tuple[Wave, Wave] | None:

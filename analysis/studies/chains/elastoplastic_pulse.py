@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterator, Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.colors import LogNorm
@@ -210,7 +211,8 @@ def _histories(pulses: Pulses) -> Drawing:
     figure, *stack = panels(4.2, rows=len(_STACK), sharex=True)
     waves = dict(zip(("elastoplastic", "elastic"), reversed(pulses.elastic), strict=True))
     shown = {name: wave.time <= _SHOWN * wave.scales.time for name, wave in waves.items()}
-    data = {f"{name}_time_normalised": wave.time[shown[name]] / wave.scales.time for name, wave in waves.items()}
+    data: dict[str, ArrayLike] = {}
+    data |= {f"{name}_time_normalised": wave.time[shown[name]] / wave.scales.time for name, wave in waves.items()}
     for axes, contact in zip(stack, _STACK, strict=True):
         sides = ((axes, BLUE, "-"), (axes.twinx(), ORANGE, ":"))
         for (side, colour, line), (name, wave) in zip(sides, waves.items(), strict=True):
@@ -251,12 +253,13 @@ def _peaks(pulses: Pulses) -> Drawing:
     """Peak force over impulse: one pulse of every impulse with the source's two laws, and all pulses."""
     figure, left, right = panels(2.9, 2)
     contact = np.arange(1.0, pulses.contacts + 1)
-    data: dict[str, ArrayLike] = {"contact": contact} | ({"model": model_force(contact)} if pulses.from_source else {})
+    data: dict[str, ArrayLike] = {"contact": contact}
     for wave, colour in zip(pulses.chosen, COLOURS, strict=False):
         left.plot(SPACING * wave.number, wave.normalised, ".", color=colour, markersize=4, label=_label(wave))
     early, late = contact[contact <= 12], contact[contact >= 4]
     if pulses.from_source:
-        black = {"color": "black", "linewidth": 0.9}
+        data["model"] = model_force(contact)
+        black: dict[str, Any] = {"color": "black", "linewidth": 0.9}
         left.plot(SPACING * early, START * np.exp(-DECAY * (early - 1)), "--", label="2.25 by contact", **black)
         left.plot(SPACING * late, INVERSE / (SPACING * late), "-", label="2.26", **black)
     for n, (group, colour) in enumerate(zip(pulses.groups, COLOURS, strict=False)):

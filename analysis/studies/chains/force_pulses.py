@@ -9,13 +9,12 @@ so that a second wave of that height still passes it before the first one comes 
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Sequence
-from functools import cached_property
 
+from granwave.analysis.measures.hertz_chain import ChainScales
 from granwave.analysis.measures.signals import Array, maxima
-from granwave.analysis.studies.chains.runs import ChainRun, chains, uniform
-from granwave.analysis.studies.chains.scales import ChainScales, passed, undisturbed
+from granwave.analysis.studies.chains.runs import ChainRun, chain_runs, uniform
+from granwave.analysis.studies.chains.scales import passed, undisturbed
 from granwave.analysis.studies.runs import FinishedRun
 
 SECOND = 0.01  # of the first peak: from then on a train
@@ -25,64 +24,42 @@ _SHARE = 0.35
 _FEWEST_CONTACTS = 80
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
 class ForcePulse:
-    """A rectangle of force on the first bead, and what became of it; all in normalised units."""
+    """A rectangle of force on the first bead, and what became of it.
 
-    run: ChainRun
+    Attributes
+    ----------
+    amplitude, duration, impulse
+        A/(E* R*^2), T/tau, and their product.
+    reduced
+        A/I^(6/5).
+    peak
+        Force over E* R*^2 at the last contact that the leading wave has passed.
+    contact, signal
+        Contact, from 1, where waves are counted, and its force: (n_times,), N.
+    waves
+        Heights of the successive peaks there over the first one's.
+    second
+        The highest of the later ones; 0 without any.
+    """
 
-    @cached_property
-    def amplitude(self) -> float:
-        """A/(E* R*^2)."""
-        return self.run.load.largest / ChainScales(self.run).force
-
-    @cached_property
-    def duration(self) -> float:
-        """T/tau."""
-        return self.run.load.lasts / ChainScales(self.run).time
-
-    @cached_property
-    def impulse(self) -> float:
-        """A T."""
-        return self.amplitude * self.duration
-
-    @property
-    def reduced(self) -> float:
-        """A/I^(6/5)."""
-        return float(self.amplitude / self.impulse**1.2)
-
-    @cached_property
-    def peak(self) -> float:
-        """Force at the last contact that the leading wave has passed."""
-        force = self.run.of_contacts("peak_force")[passed(self.run) - 1]
-        return float(force) / ChainScales(self.run).force
-
-    @property
-    def contact(self) -> int:
-        """Contact, from 1, where waves are counted."""
-        return round(_SHARE * self.run.force.shape[1])
-
-    @property
-    def signal(self) -> Array:
-        """Force at that contact: (n_times,), N."""
-        return self.run.force[:, self.contact - 1]
-
-    @cached_property
-    def waves(self) -> Array:
-        """Heights of the successive peaks at that contact over the first one's."""
+    def __init__(self, run: ChainRun) -> None:
+        self.run, scales = run, ChainScales(run)
+        self.amplitude, self.duration = run.load.largest / scales.force, run.load.lasts / scales.time
+        self.impulse = self.amplitude * self.duration
+        self.reduced = self.amplitude / self.impulse**1.2
+        self.peak = float(run.of_contacts("peak_force")[passed(run) - 1]) / scales.force
+        self.contact = round(_SHARE * run.force.shape[1])
+        self.signal: Array = run.force[:, self.contact - 1]
         heights = self.signal[maxima(self.signal)]
-        return heights / heights[0] if len(heights) else heights
-
-    @property
-    def second(self) -> float:
-        """The highest of the later peaks over the first one; 0 without any."""
-        return float(self.waves[1:].max(initial=0.0))
+        self.waves: Array = heights / heights[:1]
+        self.second = float(self.waves[1:].max(initial=0.0))
 
 
 def force_pulses(runs: Sequence[FinishedRun]) -> list[ForcePulse]:
     """Pulses of runs that go on after the force has ended and stop before the end of the chain."""
     return [
-        ForcePulse(run) for run in uniform(chains(runs), "hertz")
+        ForcePulse(run) for run in uniform(chain_runs(runs), "hertz")
         if run.load.kind == "force" and run.load.shape == "rectangle" and run.load.spheres == 1
         and run.load.lasts < run.time[-1] and passed(run) >= _FEWEST_CONTACTS and undisturbed(run)
     ]  # fmt: skip

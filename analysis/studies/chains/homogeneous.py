@@ -15,9 +15,9 @@ from numpy.typing import ArrayLike
 
 from granwave.analysis.figures.curves import COLOURS, label, panels
 from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing
+from granwave.analysis.measures.hertz_chain import IMPULSE_COEFFICIENT, ChainScales, discrete_speed
 from granwave.analysis.measures.signals import first_peak
-from granwave.analysis.studies.chains.runs import ChainRun, chains, uniform
-from granwave.analysis.studies.chains.scales import IMPULSE_COEFFICIENT, ChainScales, discrete_speed
+from granwave.analysis.studies.chains.runs import ChainRun, chain_runs, uniform
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture, Row
 from granwave.lammps_inputs.case.material import material
@@ -94,7 +94,7 @@ class Found:
 def select(runs: Sequence[FinishedRun]) -> list[Found]:
     """The first elastic chain of like beads, its first struck, its last against a wall of a material."""
     found = [
-        run for run in uniform(chains(runs), "hertz")
+        run for run in uniform(chain_runs(runs), "hertz")
         if run.load.kind == "impact" and run.case.boundary.bottom_material and run.force.shape[1] > max(_CONTACTS)
     ]  # fmt: skip
     return [Found(run) for run in found[:1]]

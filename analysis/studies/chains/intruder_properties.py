@@ -81,7 +81,9 @@ def select(runs: Sequence[FinishedRun]) -> list[Properties]:
     groups = []
     for suffix, chains in lines(runs):
         base = next((chain for chain in chains if chain.place is None), None)
-        for place in sorted({chain.place for chain in chains if chain.place is not None and base is not None}):
+        if base is None:
+            continue
+        for place in sorted({chain.place for chain in chains if chain.place is not None}):
             there = [chain for chain in chains if chain.place == place]
             curves = {one: _varied(one, base, there) for one in _PROPERTIES}
             curves = {one: curve for one, curve in curves.items() if len(curve) >= FEWEST}

@@ -12,9 +12,10 @@ from collections.abc import Hashable, Iterable, Sequence
 import numpy as np
 
 from granwave.analysis.measures.bar_pulse import impedance
-from granwave.analysis.studies.chains.runs import ChainRun, chains
+from granwave.analysis.studies.chains.runs import ChainRun, chain_runs
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.lammps_inputs.case.material import Material
+from granwave.lammps_inputs.packing.assembly import BAR
 
 FEWEST = 3  # runs of a curve
 _LAST, _SETTLED = 0.05, 1e-3  # of the run, in which the energy in the bar changes by less than this share of it
@@ -40,7 +41,7 @@ class OddBead:
     @property
     def energy(self) -> float:
         """Transmitted, J."""
-        return float(self.run.transmitted or 0.0)
+        return self.run.value(f"energy_{BAR}_J")
 
     @property
     def peak(self) -> float:
@@ -74,7 +75,7 @@ class OddBead:
 def lines(runs: Sequence[FinishedRun]) -> list[tuple[str, list[OddBead]]]:
     """Chains that differ in at most one bead, each line with the end of its name, such as ``_2``."""
     found: dict[Hashable, list[OddBead]] = {}
-    for run in chains(runs):
+    for run in chain_runs(runs):
         if (chain := _chain(run)) is not None:
             found.setdefault((chain.line, constants(chain.base)), []).append(chain)
     return [(f"_{n + 1}" if n else "", line) for n, line in enumerate(found.values())]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from collections.abc import Sequence
 from functools import cached_property
@@ -10,8 +9,8 @@ from functools import cached_property
 import numpy as np
 
 from granwave.analysis.measures.signals import Array, Power, at_time, first_peak, power
-from granwave.analysis.studies.chains.bilinear import PRINTED, LeadingWave, Spring, leading_wave, spring_of
-from granwave.analysis.studies.chains.runs import ChainRun, chains, uniform
+from granwave.analysis.studies.chains.bilinear import PRINTED, leading_wave, spring_of
+from granwave.analysis.studies.chains.runs import ChainRun, chain_runs, uniform
 from granwave.analysis.studies.chains.scales import impulse_of, is_pulse
 from granwave.analysis.studies.runs import FinishedRun
 
@@ -26,65 +25,38 @@ _FRONTS = (119.1, 238.2, 357.4)  # sqrt(k/m) t of Fig. 4.8: 1.5, 3 and 4.5 ms
 _BEHIND = 0.9  # of the way to the front over which velocities are averaged
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
 class ShortPulse:
-    """Chains of one beta after a short pulse: one recorded in short steps, one followed far."""
+    """Chains of one beta after a short pulse.
 
-    near: ChainRun
-    far: ChainRun
+    Attributes
+    ----------
+    near, far
+        One recorded in short steps, and one followed far.
+    spring, beta
+        Contact and bead; residual overlap over the largest one.
+    model
+        Of thesis 4.23 to 4.31.
+    impulse, velocity_unit, force_unit
+        I in N s, I/m in m/s, sqrt(k/m) I in N.
+    contacts
+        How many the leading wave is followed over.
+    crests, leading
+        When it peaks at each, s, and how high, N: (contacts,).
+    largest
+        Largest force ever at each contact: (n_contacts,), N.
+    """
 
-    @cached_property
-    def spring(self) -> Spring:
-        """Contact and bead."""
-        return spring_of(self.near)
-
-    @property
-    def beta(self) -> float:
-        """Of the law."""
-        return self.spring.beta
-
-    @property
-    def impulse(self) -> float:
-        """N s."""
-        return impulse_of(self.near)
-
-    @property
-    def velocity_unit(self) -> float:
-        """I/m, m/s."""
-        return self.impulse / self.spring.mass
-
-    @property
-    def force_unit(self) -> float:
-        """sqrt(k/m) I, N."""
-        return self.impulse * self.spring.rate
-
-    @cached_property
-    def model(self) -> LeadingWave:
-        """Of thesis 4.23 to 4.31."""
-        return leading_wave(self.beta)
-
-    @cached_property
-    def _leading(self) -> tuple[Array, Array]:
-        found = [first_peak(self.near.time, self.near.force[:, n]) for n in range(self.contacts)]
-        time, force = np.array(found).T
+    def __init__(self, near: ChainRun, far: ChainRun) -> None:
+        self.near, self.far, self.spring = near, far, spring_of(near)
+        self.beta, self.model = self.spring.beta, leading_wave(self.spring.beta)
+        self.impulse = impulse_of(near)
+        self.velocity_unit, self.force_unit = self.impulse / self.spring.mass, self.impulse * self.spring.rate
+        reached = self.spring.rate * near.time[-1] - 3  # three contacts long
+        self.contacts = max(2, min(_CONTACTS, int(reached), near.force.shape[1]))
+        self.crests, heights = np.array([first_peak(near.time, near.force[:, n]) for n in range(self.contacts)]).T
         # the parabola overshoots where unloading is much steeper than loading; peaks of every step bound it
-        return time, np.minimum(force, self.near.of_contacts("peak_force")[: self.contacts])
-
-    @property
-    def contacts(self) -> int:
-        """That the leading wave is followed over."""
-        reached = self.spring.rate * self.near.time[-1] - 3  # three contacts long
-        return max(2, min(_CONTACTS, int(reached), self.near.force.shape[1]))
-
-    @property
-    def leading(self) -> Array:
-        """First peak at each contact: (n_followed,), N."""
-        return self._leading[1]
-
-    @cached_property
-    def largest(self) -> Array:
-        """Largest force ever at each contact: (n_contacts,), N."""
-        return self.far.of_contacts("peak_force")
+        self.leading: Array = np.minimum(heights, near.of_contacts("peak_force")[: self.contacts])
+        self.largest = far.of_contacts("peak_force")
 
     @property
     def transition(self) -> int | None:
@@ -132,7 +104,7 @@ class ShortPulse:
         if bead > self.contacts:
             return math.nan
         force = self.near.force[:, max(0, bead - 2) : bead]
-        free = (self.near.time > self._leading[0][bead - 1]) & (force.max(axis=1) == 0)
+        free = (self.near.time > self.crests[bead - 1]) & (force.max(axis=1) == 0)
         places = np.flatnonzero(free)
         return float(self.near.velocity[places[0], bead - 1]) if len(places) else math.nan
 
@@ -168,7 +140,7 @@ class ShortPulse:
 def short_pulses(runs: Sequence[FinishedRun]) -> list[ShortPulse]:
     """Chains after short pulses, by beta; those of one beta are of one material and impulse."""
     found: dict[float, list[ChainRun]] = {}
-    for run in uniform(chains(runs), "bilinear"):
+    for run in uniform(chain_runs(runs), "bilinear"):
         if is_pulse(run) and run.force.shape[1] > 2 and run.load.lasts * spring_of(run).rate < _SHORT:
             found.setdefault(run.case.contact.beta, []).append(run)
     pulses = []

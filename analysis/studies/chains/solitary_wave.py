@@ -18,16 +18,15 @@ from scipy.interpolate import CubicSpline
 
 from granwave.analysis.figures.curves import DOUBLE, few_ticks, label, panels
 from granwave.analysis.figures.style import BLUE, GREY, Drawing
-from granwave.analysis.measures.signals import Array, Power, first_peak, power, width
-from granwave.analysis.studies.chains.runs import ChainRun, chains, columns, uniform
-from granwave.analysis.studies.chains.scales import (
+from granwave.analysis.measures.hertz_chain import (
     DISCRETE_COEFFICIENT,
     IMPULSE_COEFFICIENT,
     ChainScales,
     discrete_speed,
-    passed,
-    undisturbed,
 )
+from granwave.analysis.measures.signals import Array, Power, first_peak, power, width
+from granwave.analysis.studies.chains.runs import ChainRun, chain_runs, columns, uniform
+from granwave.analysis.studies.chains.scales import passed, undisturbed
 from granwave.analysis.studies.runs import FinishedRun, rising
 from granwave.analysis.studies.study import Picture, Row
 
@@ -84,7 +83,7 @@ class Wave:
 
 def select(runs: Sequence[FinishedRun]) -> list[list[Wave]]:
     """Waves of chains whose first bead is struck, by its velocity."""
-    struck = [run for run in uniform(chains(runs), "hertz") if run.load.kind == "impact" and run.load.spheres == 1]
+    struck = [run for run in uniform(chain_runs(runs), "hertz") if run.load.kind == "impact" and run.load.spheres == 1]
     ordered = rising(struck, lambda run: run.load.velocity / ChainScales(run).velocity)
     waves = [Wave(run) for run in ordered if undisturbed(run) and passed(run) >= _FEWEST_CONTACTS]
     return [waves] if waves else []

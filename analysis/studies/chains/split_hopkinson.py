@@ -9,9 +9,10 @@ from granwave.analysis.figures.curves import label, panels
 from granwave.analysis.figures.style import BLUE, Drawing
 from granwave.analysis.measures.bar_pulse import passage
 from granwave.analysis.result.reader import Result
-from granwave.analysis.studies.chains.runs import ChainRun, chains
+from granwave.analysis.studies.chains.runs import ChainRun, chain_runs
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture, Row
+from granwave.lammps_inputs.packing.assembly import BAR, INCIDENT_BAR
 
 TITLE = "Split-Hopkinson bar"
 _MICRO, _KILO = 1e6, 1e-3
@@ -22,7 +23,7 @@ _SECTIONS = (("Incident bar", 0.5), ("Bar", 0.25))  # shown; lengths from the en
 
 def select(runs: Sequence[FinishedRun]) -> list[ChainRun]:
     """Recorded chains between two bars."""
-    return [run for run in chains(runs) if run.case.bar and run.case.incident_bar and run.recorded]
+    return [run for run in chain_runs(runs) if run.case.bar and run.case.incident_bar and run.recorded]
 
 
 def text(run: ChainRun) -> str:
@@ -42,8 +43,8 @@ def rows(run: ChainRun) -> Iterator[Row]:
         ("Peak force, incident", "kN", incident * _KILO, ""),
         ("Peak force, transmitted", "kN", transmitted * _KILO, "Fig. 3.5 has an axis to 2.5 kN, for another pulse."),
         ("Force, transmitted over incident", "", transmitted / incident, _ASSUMED),
-        ("Energy, transmitted over incident", "", (run.transmitted or 0.0) / entered, _ASSUMED),
-        ("Energy, reflected over incident", "", (run.reflected or 0.0) / entered,
+        ("Energy, transmitted over incident", "", run.value(f"energy_{BAR}_J") / entered, _ASSUMED),
+        ("Energy, reflected over incident", "", run.value(f"energy_{INCIDENT_BAR}_J") / entered,
          "The source says that nearly all is reflected."),
         ("Energy, dissipated over incident", "", run.value("energy_dissipated_J") / entered, ""),
     ):  # fmt: skip
@@ -55,7 +56,7 @@ def pictures(run: ChainRun) -> Iterator[Picture]:
     figure, *stack = panels(3.6, rows=2, sharex=True)
     data = {"time_s": run.time}
     for axes, bar, (name, share) in zip(stack, run.assembly.bars, _SECTIONS, strict=True):
-        force = run.array(f"{bar.name}/force")[:, int(share * bar.section.elements)]
+        force = run.array(f"bars/{bar.name}/force")[:, int(share * bar.section.elements)]
         axes.plot(run.time * _MICRO, force * _KILO, color=BLUE)
         axes.axhline(0, color="black", linewidth=0.5)
         label(axes, y=f"{name}\nsection force (kN)")

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from granwave.analysis.figures.curves import COLOURS, MARKS, label, panels
 from granwave.analysis.figures.style import Drawing
 from granwave.analysis.measures.probed_pair import Pair, probed_name
-from granwave.analysis.studies.chains.runs import chains
+from granwave.analysis.studies.chains.runs import chain_runs
 from granwave.analysis.studies.runs import FinishedRun, rising
 from granwave.analysis.studies.study import Picture, Row
 from granwave.lammps_inputs.case.material import material
@@ -54,8 +54,9 @@ class Pairs:
 
 def select(runs: Sequence[FinishedRun]) -> list[Pairs]:
     """Runs of two spheres with a probed contact, of unlike radii, materials or yield strengths."""
-    found = [run for run in chains(runs) if run.assembly.n_particles == 2 and run.case.contact.law == "elastoplastic"]
-    every = sorted((Pair(run) for run in found if probed_name(run.case)), key=_label)
+    found = [run for run in chain_runs(runs) if run.assembly.n_particles == 2]
+    found = [run for run in found if run.case.contact.law == "elastoplastic" and probed_name(run.case)]
+    every = sorted((Pair(run) for run in found), key=_label)
     unequal = [pair for pair in every if pair.like and pair.ratio > 1]
     radii = rising((p for p in every if unequal and p.materials == unequal[0].materials), lambda p: p.ratio)
     equal = [pair for pair in every if pair.like and pair.ratio == 1]
