@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
-import math
 from collections.abc import Sequence
 from functools import cached_property
 
@@ -12,7 +10,7 @@ import numpy as np
 from granwave.analysis.measures.hertz_chain import ChainScales
 from granwave.analysis.measures.line_pulse import LinePulse
 from granwave.analysis.measures.signals import Array, Power, power
-from granwave.analysis.studies.chains.runs import ChainRun, chain_runs, uniform
+from granwave.analysis.studies.chains.runs import ChainRun, chain_runs, clustered, uniform
 from granwave.analysis.studies.chains.scales import impulse_of, is_pulse, of_thesis
 from granwave.analysis.studies.runs import FinishedRun
 
@@ -67,7 +65,6 @@ class Wave(LinePulse):
         return np.cumsum(self.run.of_contacts("dissipated_energy"))[: self.contacts]
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
 class Pulses:
     """Chains of one material and radius after pulses, and the elastic chain under one of them.
 
@@ -76,31 +73,24 @@ class Pulses:
     groups
         By impulse, the largest first; within one in rising order of duration.
     elastic
-        Its load is that of one of the others.
+        An elastic chain and the one of the others under the same load.
+    chosen
+        One of each impulse, with the duration that the source's impulses share.
+    weakest
+        That of the smallest impulse.
+    contacts
+        How many all chosen waves have passed.
+    from_source
+        The beads are those of the thesis.
     """
 
-    groups: tuple[tuple[Wave, ...], ...]
-    elastic: tuple[Wave, Wave] | None
-
-    @cached_property
-    def chosen(self) -> tuple[Wave, ...]:
-        """One of each impulse, with the duration that the source's impulses share."""
-        return tuple(min(group, key=lambda wave: abs(wave.duration - _USUAL)) for group in self.groups)
-
-    @property
-    def weakest(self) -> Wave:
-        """The chosen wave of the smallest impulse."""
-        return self.chosen[-1]
-
-    @property
-    def contacts(self) -> int:
-        """That all chosen waves have passed."""
-        return min(wave.contacts for wave in self.chosen)
-
-    @property
-    def from_source(self) -> bool:
-        """Beads of the thesis."""
-        return of_thesis(self.weakest.run)
+    def __init__(self, waves: Sequence[Wave], elastic: tuple[Wave, Wave] | None) -> None:
+        groups = clustered(waves, "impulse", _SAME)
+        self.groups: list[list[Wave]] = [sorted(group, key=lambda wave: wave.duration) for group in reversed(groups)]
+        self.elastic = elastic
+        self.chosen = [min(group, key=lambda wave: abs(wave.duration - _USUAL)) for group in self.groups]
+        self.weakest, self.contacts = self.chosen[-1], min(wave.contacts for wave in self.chosen)
+        self.from_source = of_thesis(self.weakest.run)
 
     def impulse_power(self, contact: Array) -> Power | None:
         """Power of the leading speed with the impulse, at equal places; None from one impulse."""
@@ -113,23 +103,12 @@ class Pulses:
 def collect_pulses(runs: Sequence[FinishedRun]) -> Pulses | None:
     """The elasto-plastic chains after pulses among runs; of several materials or radii those of the most runs."""
     long = [run for run in uniform(chain_runs(runs), "elastoplastic") if run.force.shape[1] > _FEWEST]
-    waves = [Wave(run) for run in long if is_pulse(run)]
     alike: dict[tuple[float, float], list[Wave]] = {}
-    for wave in waves:
+    for wave in (Wave(run) for run in long if is_pulse(run)):
         if wave.duration <= _LONGEST and wave.contacts >= _FEWEST and wave.largest[0] > wave.run.law.yield_force:
             alike.setdefault((wave.scales.force, wave.scales.time), []).append(wave)
-    if not alike:
-        return None
-    most = max(alike.values(), key=lambda waves: len(waves))
-    chosen = sorted(most, key=lambda wave: (-wave.impulse, wave.duration))
-    groups: list[list[Wave]] = []
-    for wave in chosen:
-        if groups and math.isclose(groups[-1][0].impulse, wave.impulse, rel_tol=_SAME):
-            groups[-1].append(wave)
-        else:
-            groups.append([wave])
-    ordered = tuple(tuple(sorted(group, key=lambda wave: wave.duration)) for group in groups)
-    return Pulses(ordered, _elastic(chain_runs(runs), chosen))
+    most = max(alike.values(), key=lambda waves: len(waves), default=[])
+    return Pulses(most, _elastic(chain_runs(runs), most)) if most else None
 
 
 def _elastic(runs: Sequence[ChainRun], waves: Sequence[Wave]) -> tuple[Wave, Wave] | None:

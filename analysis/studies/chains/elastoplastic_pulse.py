@@ -114,17 +114,13 @@ def _rows_of_decay(pulses: Pulses) -> Iterator[Row]:
         first, last = _FAR[0], min(_FAR[1], wave.contacts)
         if last < _LEAST_FAR:
             continue
-        fit = wave.force_power(first, last)
+        steps = 4 * wave.number[9:last] * wave.normalised[9:last]
         yield Row(f"C: mean of (x/R*) F/(E*R*^2 I), contacts 10 to {last}, {_tag(wave)}", "", INVERSE,
-                  wave.inverse_constant(10, last), "thesis 2.26", _steps(wave, last))  # fmt: skip
+                  wave.inverse_constant(10, last), "thesis 2.26",
+                  f"Between {steps.min():.2f} and {steps.max():.2f} from contact to contact.")  # fmt: skip
         yield Row(f"Power of the peak force with distance, contacts {first} to {last}, {_tag(wave)}", "", -1.0,
-                  fit.exponent, "thesis 2.26",
+                  wave.force_power(first, last).exponent, "thesis 2.26",
                   "Waves that merge make steps in the curve; near yield the chain turns elastic.")  # fmt: skip
-
-
-def _steps(wave: Wave, last: int) -> str:
-    values = 4 * wave.number[9:last] * wave.normalised[9:last]
-    return f"Between {values.min():.2f} and {values.max():.2f} from contact to contact."
 
 
 def _rows_of_speed(pulses: Pulses) -> Iterator[Row]:
@@ -132,20 +128,18 @@ def _rows_of_speed(pulses: Pulses) -> Iterator[Row]:
     for wave in pulses.chosen:
         farthest = min(_FAR[1], wave.contacts)
         for last in (_MIDDLE, farthest) if farthest >= _LEAST_FAR else ():
-            distance, force = wave.speed_powers(10, last)
             low = float(wave.largest[last - 1]) / wave.run.law.yield_force
             remark = f"Peak force at contact {last}: {low:.2g} F_y. " + (
                 "Nearer to yield the elastic power 1/6 of the force comes back, which makes -1/6 of the distance."
                 if last > _MIDDLE
                 else "It depends by some 0.02 on what counts as arrival, which the source does not say."
             )
-            yield Row(f"Power of the leading speed with distance, contacts 10 to {last}, {_tag(wave)}", "", -0.2,
-                      distance.exponent, where, remark)  # fmt: skip
-            yield Row(f"Power of the leading speed with the peak force, contacts 10 to {last}, {_tag(wave)}", "", 0.2,
-                      force.exponent, where, remark)  # fmt: skip
+            for what, source, fit in zip(("distance", "the peak force"), (-0.2, 0.2), wave.speed_powers(10, last),
+                                         strict=True):  # fmt: skip
+                yield Row(f"Power of the leading speed with {what}, contacts 10 to {last}, {_tag(wave)}", "", source,
+                          fit.exponent, where, remark)  # fmt: skip
     contact = np.arange(20.0, min(_FAR[1], pulses.contacts) - 5)
-    fit = pulses.impulse_power(contact) if len(contact) > 10 else None
-    if fit is not None:
+    if len(contact) > 10 and (fit := pulses.impulse_power(contact)) is not None:
         yield Row("Power of the leading speed with the impulse, at equal places from contact 20 on", "", 1 / 6,
                   fit.exponent, where, "Depends on the range by some 0.01.")  # fmt: skip
 
@@ -166,7 +160,9 @@ def _rows_of_collapse(pulses: Pulses) -> Iterator[Row]:
 
 
 def _rows_of_dissipation(pulses: Pulses) -> Iterator[Row]:
-    for wave in pulses.chosen if pulses.from_source else ():
+    if not pulses.from_source:
+        return
+    for wave in pulses.chosen:
         last = min(_LAST, wave.contacts)
         summed, integral = (f(last, wave.peak_unit)[-1] for f in (model_dissipation, integrated_dissipation))
         ours = float(wave.dissipated[last - 1])
@@ -179,15 +175,12 @@ def _rows_of_dissipation(pulses: Pulses) -> Iterator[Row]:
             remark += f" The constant d0 alone, at every contact, makes {constant:.0%} of the sum."
         yield Row(f"Dissipated up to contact {last} over F_y alpha_y, {_tag(wave)}; source: sum of 2.28", "",
                   summed / wave.energy_unit, ours / wave.energy_unit, "thesis Fig. 2.16", remark)  # fmt: skip
-    if not pulses.from_source:
-        return
     law = pulses.weakest.run.law
-    remarks = ("Depends on the range of the fit.",
-               "Depends on the range of the fit, and even changes sign.", "")  # fmt: skip
-    names = ((f"{d} of 2.28, fitted to the law up to {FITTED_TO:g} N", unit)
-             for d, unit in (("d0", "J"), ("d1", "J/N"), ("d2", "J/N^2")))  # fmt: skip
-    for name, printed, ours, remark in zip(names, QUADRATIC, quadratic_of(law), remarks, strict=True):
-        yield Row(*name, printed, float(ours), "thesis 2.28", remark)
+    range_ = "Depends on the range of the fit"
+    units = (("d0", "J", f"{range_}."), ("d1", "J/N", f"{range_}, and even changes sign."), ("d2", "J/N^2", ""))
+    for (what, unit, remark), printed, fitted in zip(units, QUADRATIC, quadratic_of(law), strict=True):
+        yield Row(f"{what} of 2.28, fitted to the law up to {FITTED_TO:g} N", unit, printed, float(fitted),
+                  "thesis 2.28", remark)  # fmt: skip
     for force in (1e3, 5e3):
         printed = float(np.polynomial.polynomial.polyval(force, QUADRATIC))
         ours = float(dissipation_at(law, np.array([force]))[0])

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 
 from granwave.analysis.measures.hertz_chain import ChainScales
 from granwave.analysis.measures.signals import Array, maxima
-from granwave.analysis.studies.chains.runs import ChainRun, chain_runs, uniform
+from granwave.analysis.studies.chains.runs import ChainRun, chain_runs, clustered, uniform
 from granwave.analysis.studies.chains.scales import passed, undisturbed
 from granwave.analysis.studies.runs import FinishedRun
 
@@ -73,10 +73,5 @@ def grouped(pulses: Sequence[ForcePulse], key: str) -> list[list[ForcePulse]]:
     key
         ``amplitude`` or ``impulse``.
     """
-    groups: list[list[ForcePulse]] = []
-    for pulse in sorted(pulses, key=lambda pulse: float(getattr(pulse, key))):
-        if not groups or getattr(pulse, key) > (1 + ALIKE) * getattr(groups[-1][0], key):
-            groups.append([])
-        groups[-1].append(pulse)
-    ordered = [sorted(group, key=lambda pulse: pulse.duration) for group in groups]
+    ordered = [sorted(group, key=lambda pulse: pulse.duration) for group in clustered(pulses, key, ALIKE)]
     return [group for group in ordered if len(group) >= FEWEST_DURATIONS]
