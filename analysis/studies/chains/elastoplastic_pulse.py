@@ -105,11 +105,9 @@ def _rows_of_decay(pulses: Pulses) -> Iterator[Row]:
                   wave.decay(1, 3), where, remark)  # fmt: skip
     for wave in pulses.chosen:
         if wave.transition is not None:
-            remark = (
-                "The source saw 6 to 10 and took 7 for all. Ours: the first contact that a later wave presses more."
-            )
             yield Row(f"Start of the second regime, contact, {_tag(wave)}", "", SWITCH, wave.transition,
-                      "thesis 2.2.4", remark)  # fmt: skip
+                      "thesis 2.2.4", "The source saw 6 to 10 and took 7 for all. Ours: the first contact that a later "
+                      "wave presses more.")  # fmt: skip
     for wave in pulses.chosen:
         first, last = _FAR[0], min(_FAR[1], wave.contacts)
         if last < _LEAST_FAR:
@@ -139,9 +137,9 @@ def _rows_of_speed(pulses: Pulses) -> Iterator[Row]:
                 yield Row(f"Power of the leading speed with {what}, contacts 10 to {last}, {_tag(wave)}", "", source,
                           fit.exponent, where, remark)  # fmt: skip
     contact = np.arange(20.0, min(_FAR[1], pulses.contacts) - 5)
-    if len(contact) > 10 and (fit := pulses.impulse_power(contact)) is not None:
+    if len(contact) > 10 and (law := pulses.impulse_power(contact)) is not None:
         yield Row("Power of the leading speed with the impulse, at equal places from contact 20 on", "", 1 / 6,
-                  fit.exponent, where, "Depends on the range by some 0.01.")  # fmt: skip
+                  law.exponent, where, "Depends on the range by some 0.01.")  # fmt: skip
 
 
 def _rows_of_collapse(pulses: Pulses) -> Iterator[Row]:
