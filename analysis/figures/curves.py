@@ -9,8 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.collections import QuadMesh
-from matplotlib.figure import Figure
-from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, NullLocator
+from matplotlib.ticker import FixedLocator, LogLocator, NullLocator
 from numpy.typing import ArrayLike, NDArray
 
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, WIDTH, new_figure
@@ -48,16 +47,20 @@ def label(axes: Axes, x: str = "", y: str = "", *, log: str = "", **settings: An
     axes.set(**({"xlabel": x} if x else {}), **({"ylabel": y} if y else {}), **scales, **settings)
 
 
-def few_ticks(axis: Axis, ticks: Iterable[float] | None = None, *, subs: Sequence[float] = ()) -> None:
+def few_ticks(
+    axis: Axis, ticks: Iterable[float] | None = None, *, subs: Sequence[float] = (), form: str = "{x:.3g}"
+) -> None:
     """Plain numbers at a logarithmic axis that spans little.
 
     Parameters
     ----------
     ticks
         Where they stand; None: at ``subs`` times the powers of ten.
+    form
+        Of their numbers ``x``.
     """
     axis.set_major_locator(LogLocator(subs=subs) if ticks is None else FixedLocator(list(ticks)))
-    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.3g}"))
+    axis.set_major_formatter(form)
     axis.set_minor_locator(NullLocator())
 
 
@@ -70,6 +73,3 @@ def key_of_lines(axes: Axes, lines: Iterable[tuple[str, dict[str, Any]]]) -> Non
     """Entries of the legend for lines that no single curve stands for."""
     for name, style in lines:
         axes.plot([], [], label=name, **style)
-
-
-__all__ = ["COLOURS", "DOUBLE", "MARKS", "Figure", "few_ticks", "key_of_lines", "label", "map_of", "panels"]

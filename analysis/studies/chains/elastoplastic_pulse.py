@@ -281,7 +281,7 @@ def _speeds(pulses: Pulses) -> Drawing:
     axes.plot(guide, 0.29 * (guide / guide[0]) ** -0.2, "--", color="black", linewidth=0.9, label="power -1/5")
     label(axes, _PLACE, r"Leading speed $(v\,\tau/R^*)\,/\,\bar I^{1/6}$", log="xy")
     few_ticks(axes.xaxis, (20, 50, 100, 200, 400))
-    few_ticks(axes.yaxis, (0.15, 0.2, 0.25, 0.3, 0.35))
+    few_ticks(axes.yaxis, (0.15, 0.2, 0.25, 0.3, 0.35), form="{x:.2f}")
     axes.legend(fontsize=7)
     return Drawing(figure, data)
 

@@ -60,7 +60,7 @@ def pictures(groups: Groups) -> Iterator[Picture]:
     few_ticks(left.yaxis, subs=(1, 1.5, 2, 3, 4, 6, 8))
     left.legend()
     middle = _middle(groups)
-    for pulse, colour in zip(middle, COLOURS, strict=False):
+    for pulse, colour in zip(middle, COLOURS[:5], strict=False):
         first = pulse.run.time[maxima(pulse.signal)[0]]
         scaled = f"{pulse.duration * pulse.amplitude ** (1 / 6):.1f}"
         right.plot((pulse.run.time - first) / pulse.run.load.lasts, pulse.signal / pulse.run.load.largest,
