@@ -15,8 +15,10 @@ from granwave.analysis.studies.chains.elastic_pulses import TRAIN_LIMIT
 from granwave.analysis.studies.chains.runs import ChainRun
 from granwave.analysis.studies.chains.scales import from_thesis, passed, undisturbed
 from granwave.analysis.studies.chains.solitary_wave import DISCRETE_WIDTH
+from granwave.analysis.studies.registry import STUDIES
 from granwave.analysis.studies.study import Row, Study, make_studies
 from granwave.workflows import load_case, load_scan, run_case
+from granwave.workflows.scanning.suite import load_suite
 from tests.chain_twin import Bead, Chain
 
 FEW = {"run.frames": 2}
@@ -125,6 +127,15 @@ def test_long_loading(loaded: ChainRun) -> None:
     assert len(study.pictures) == 1
 
 
+def test_studies_of_several_runs_are_numbered(loaded: ChainRun) -> None:
+    found = make_studies({"elastic-long-load": [loaded, loaded]})
+    assert [study.name for study in found] == ["elastic-long-load-1", "elastic-long-load-2"]
+    assert [picture.name for study in found for picture in study.pictures] == [
+        "elastic_long_load_1",
+        "elastic_long_load_2",
+    ]
+
+
 def test_only_runs_that_show_an_endless_chain(loaded: ChainRun, struck: list[ChainRun], tmp_path: Path) -> None:
     """What has come to the end, or is of another law, or ends too soon, yields nothing."""
     assert from_thesis(loaded)
@@ -179,4 +190,9 @@ def test_all_pulses_on_one_curve(pulses: list[ChainRun]) -> None:
 
 @pytest.mark.parametrize(("name", "points"), [("solitary-wave", 5), ("wave-train", 20), ("elastic-pulses", 26)])
 def test_scans_are_whole(name: str, points: int) -> None:
-    assert len(load_scan(name).points) == points
+    scan = load_scan(name)
+    assert (len(scan.points), scan.study) == (points, (name,))
+
+
+def test_the_suite_names_all_studies_of_chains() -> None:
+    assert set(load_suite("chains").study) == {name for name, module in STUDIES.items() if module.startswith("chains.")}
