@@ -8,13 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from granwave.analysis.figures.style import style
-from granwave.analysis.studies.chains.composite import Composite, composites, decay
-from granwave.analysis.studies.chains.composite_study import composite_chain
-from granwave.analysis.studies.chains.homogeneous import discrete_speed, homogeneous_chain
-from granwave.analysis.studies.chains.runs import ChainRun, collect
-from granwave.analysis.studies.chains.unlike import Pair, unlike_spheres
-from granwave.analysis.studies.study import Row, Study
+from granwave.analysis.measures.composite_section import Composite, composite_of
+from granwave.analysis.measures.hertz_chain import discrete_speed
+from granwave.analysis.measures.probed_pair import Pair
+from granwave.analysis.measures.signals import decay
+from granwave.analysis.studies.chains.runs import ChainRun
+from granwave.analysis.studies.study import Row, Study, make_studies
 from granwave.lammps_inputs.case.material import material
 from granwave.workflows import load_case, load_scan, run_case
 from tests.chain_twin import Bead, Chain, Solid
@@ -24,7 +23,8 @@ STEEL = {"modulus": 209e9, "ratio": 0.28, "density": 7925.0}
 
 def run(directory: Path, name: str, changes: dict[str, Any]) -> ChainRun:
     outcome = run_case(load_case(name, changes), directory, figures=False)
-    return collect([(directory.name, directory, outcome.summary)])[0]
+    (found,) = ChainRun.among([(directory.name, directory, outcome.summary)], lambda _: True)
+    return found
 
 
 def rows_of(study: Study) -> dict[str, Row]:
@@ -36,8 +36,8 @@ def rows_of(study: Study) -> dict[str, Row]:
 
 @pytest.fixture(scope="module")
 def homogeneous(tmp_path_factory: pytest.TempPathFactory) -> Study:
-    with style():
-        (study,) = homogeneous_chain([run(tmp_path_factory.mktemp("homogeneous"), "homogeneous-chain", {})])
+    found = run(tmp_path_factory.mktemp("homogeneous"), "homogeneous-chain", {})
+    (study,) = make_studies({"homogeneous-chain": [found]})
     return study
 
 
@@ -71,8 +71,7 @@ def test_speed_of_the_discrete_wave() -> None:
 
 def test_other_like_chains_have_no_source(tmp_path: Path) -> None:
     other = run(tmp_path / "run", "homogeneous-chain", {"load.velocity": 1.0, "run.end_time": 1.2e-4})
-    with style():
-        (study,) = homogeneous_chain([other])
+    (study,) = make_studies({"homogeneous-chain": [other]})
     assert all(row.source is None and row.ours == pytest.approx(row.expected, rel=2e-3) for row in study.rows)
 
 
@@ -99,8 +98,8 @@ def chains(tmp_path_factory: pytest.TempPathFactory) -> list[ChainRun]:
 
 
 def chain_of(runs: list[ChainRun], n: int, *, elastic: bool) -> Composite:
-    ((light, found),) = composites(runs)
-    assert light.name == "brass-composite"
+    found = [chain for run in runs if (chain := composite_of(run)) is not None]
+    assert {chain.light.name for chain in found} == {"brass-composite"}
     return next(chain for chain in found if chain.n == n and (chain.strength == np.inf) is elastic)
 
 
@@ -146,8 +145,7 @@ def test_reflections(chains: list[ChainRun]) -> None:
 
 
 def test_composite_study(chains: list[ChainRun]) -> None:
-    with style():
-        (study,) = composite_chain(chains)
+    (study,) = make_studies({"composite-chain": chains})
     rows = rows_of(study)
     assert rows["V, N2 = 3, elastic"].source == 469
     assert rows["V, N2 = 3, elastic"].ours == pytest.approx(511.6, rel=2e-3)
@@ -162,7 +160,7 @@ def test_a_chain_without_sensors_is_no_composite_chain(chains: list[ChainRun]) -
     from dataclasses import replace
 
     bare = [replace(one, case=replace(one.case, sensor=())) for one in chains]
-    assert not list(composite_chain(bare))
+    assert not make_studies({"composite-chain": bare})
 
 
 def test_exponential_fit() -> None:
@@ -213,13 +211,12 @@ def test_unlike_spheres_follow_the_law(pairs: list[ChainRun]) -> None:
 
 
 def test_unlike_study(pairs: list[ChainRun]) -> None:
-    with style():
-        (study,) = unlike_spheres(pairs)
+    (study,) = make_studies({"unlike-spheres": pairs})
     assert len(study.pictures) == 4
     spread = next(row for row in study.rows if row.quantity.startswith("Spread"))
     assert abs(spread.ours) < 0.1  # per cent: one normalised curve for ratios 1 and 4
     assert all(row.ours == pytest.approx(row.expected, rel=1e-3) for row in study.rows if row.expected)
-    assert not list(unlike_spheres(pairs[:1]))
+    assert not make_studies({"unlike-spheres": pairs[:1]})
 
 
 def test_materials_of_the_composite_source() -> None:

@@ -9,14 +9,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from granwave.analysis.figures.style import style
-from granwave.analysis.studies.chains.elastic import DISCRETE_COEFFICIENT, DISCRETE_WIDTH, long_load, solitary
-from granwave.analysis.studies.chains.elastic_pulses import TRAIN_LIMIT, master_curve, wave_train
-from granwave.analysis.studies.chains.measures import width
-from granwave.analysis.studies.chains.runs import ChainRun, collect
-from granwave.analysis.studies.chains.scales import ChainScales, discrete_speed, from_thesis, passed, undisturbed
-from granwave.analysis.studies.study import Row, Study
+from granwave.analysis.measures.hertz_chain import DISCRETE_COEFFICIENT, ChainScales, discrete_speed
+from granwave.analysis.measures.signals import width
+from granwave.analysis.studies.chains.elastic_pulses import TRAIN_LIMIT
+from granwave.analysis.studies.chains.runs import ChainRun
+from granwave.analysis.studies.chains.scales import from_thesis, passed, undisturbed
+from granwave.analysis.studies.chains.solitary_wave import DISCRETE_WIDTH
+from granwave.analysis.studies.registry import STUDIES
+from granwave.analysis.studies.study import Row, Study, make_studies
 from granwave.workflows import load_case, load_scan, run_case
+from granwave.workflows.scanning.suite import load_suite
 from tests.chain_twin import Bead, Chain
 
 FEW = {"run.frames": 2}
@@ -25,7 +27,8 @@ STEEL = {"material": "steel", "packing.diameter": 0.006}
 
 def run(directory: Path, name: str, changes: dict[str, Any]) -> ChainRun:
     outcome = run_case(load_case(name, FEW | changes), directory, figures=False)
-    return collect([(directory.name, directory, outcome.summary)])[0]
+    (found,) = ChainRun.among([(directory.name, directory, outcome.summary)], lambda _: True)
+    return found
 
 
 def pulse(directory: Path, amplitude: float, duration: float, end: float, **changes: Any) -> ChainRun:
@@ -42,9 +45,8 @@ def row(study: Study, start: str) -> Row:
     return found
 
 
-def one(find: Any, runs: Sequence[ChainRun]) -> Study:
-    with style():
-        (study,) = find(runs)
+def one(name: str, runs: Sequence[ChainRun]) -> Study:
+    (study,) = make_studies({name: runs})
     return study
 
 
@@ -61,7 +63,7 @@ def struck(tmp_path_factory: pytest.TempPathFactory) -> list[ChainRun]:
 
 @pytest.fixture(scope="module")
 def wave(struck: list[ChainRun]) -> Study:
-    return one(solitary, struck)
+    return one("solitary-wave", struck)
 
 
 def test_solitary_wave_of_any_like_beads(wave: Study) -> None:
@@ -107,7 +109,7 @@ def loaded(tmp_path_factory: pytest.TempPathFactory) -> ChainRun:
 
 
 def test_long_loading(loaded: ChainRun) -> None:
-    study = one(long_load, [loaded])
+    study = one("elastic-long-load", [loaded])
     rows = rows_of(study)
     peak = rows["Peak force"]
     assert peak.source == 92.7
@@ -125,6 +127,15 @@ def test_long_loading(loaded: ChainRun) -> None:
     assert len(study.pictures) == 1
 
 
+def test_studies_of_several_runs_are_numbered(loaded: ChainRun) -> None:
+    found = make_studies({"elastic-long-load": [loaded, loaded]})
+    assert [study.name for study in found] == ["elastic-long-load-1", "elastic-long-load-2"]
+    assert [picture.name for study in found for picture in study.pictures] == [
+        "elastic_long_load_1",
+        "elastic_long_load_2",
+    ]
+
+
 def test_only_runs_that_show_an_endless_chain(loaded: ChainRun, struck: list[ChainRun], tmp_path: Path) -> None:
     """What has come to the end, or is of another law, or ends too soon, yields nothing."""
     assert from_thesis(loaded)
@@ -133,9 +144,9 @@ def test_only_runs_that_show_an_endless_chain(loaded: ChainRun, struck: list[Cha
     over = pulse(tmp_path / "over", 40.0, 2e-5, 2.6e-3)
     plastic = pulse(tmp_path / "plastic", 40.0, 3e-3, 1.5e-3, **{"contact.law": "elastoplastic"})
     assert not undisturbed(over)
-    for find in (solitary, long_load, wave_train, master_curve):
-        assert not list(find([over, plastic]))
-        assert not list(find([]))
+    for name in ("solitary-wave", "elastic-long-load", "wave-train", "elastic-pulses"):
+        assert not make_studies({name: [over, plastic]})
+        assert not make_studies({name: []})
 
 
 # ---------------------------------------------------------------------- train and master curve
@@ -157,7 +168,7 @@ def pulses(tmp_path_factory: pytest.TempPathFactory) -> list[ChainRun]:
 
 
 def test_critical_duration(pulses: list[ChainRun]) -> None:
-    study = one(wave_train, pulses)
+    study = one("wave-train", pulses)
     assert row(study, "Power of the critical").ours == pytest.approx(-1 / 6, abs=1e-3)
     assert row(study, "Critical loading time").ours == pytest.approx(13.4, rel=0.1)  # between runs 20 % apart
     (picture,) = study.pictures
@@ -166,7 +177,7 @@ def test_critical_duration(pulses: list[ChainRun]) -> None:
 
 
 def test_all_pulses_on_one_curve(pulses: list[ChainRun]) -> None:
-    study = one(master_curve, pulses)
+    study = one("elastic-pulses", pulses)
     assert all(passed(run) > 75 for run in pulses)
     assert row(study, "Short pulses").ours == pytest.approx(0.0755, rel=2e-3)
     assert row(study, "Largest spread").ours < 0.1  # %
@@ -179,4 +190,9 @@ def test_all_pulses_on_one_curve(pulses: list[ChainRun]) -> None:
 
 @pytest.mark.parametrize(("name", "points"), [("solitary-wave", 5), ("wave-train", 20), ("elastic-pulses", 26)])
 def test_scans_are_whole(name: str, points: int) -> None:
-    assert len(load_scan(name).points) == points
+    scan = load_scan(name)
+    assert (len(scan.points), scan.study) == (points, (name,))
+
+
+def test_the_suite_names_all_studies_of_chains() -> None:
+    assert set(load_suite("chains").study) == {name for name, module in STUDIES.items() if module.startswith("chains.")}

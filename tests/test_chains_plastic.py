@@ -10,18 +10,15 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from granwave.analysis.figures.style import style
 from granwave.analysis.studies.chains.bilinear import (
     LeadingWave,
+    LongLoad,
     Spring,
     bead_velocity,
     contact_force,
     first_coefficients,
     leading_wave,
-    long_load,
 )
-from granwave.analysis.studies.chains.bilinear_long import long_loads
-from granwave.analysis.studies.chains.bilinear_short import short_pulses
 from granwave.analysis.studies.chains.elastoplastic import Pulses, collect_pulses
 from granwave.analysis.studies.chains.elastoplastic_model import (
     QUADRATIC,
@@ -32,10 +29,9 @@ from granwave.analysis.studies.chains.elastoplastic_model import (
     model_force,
     quadratic_of,
 )
-from granwave.analysis.studies.chains.elastoplastic_study import elastoplastic_pulses
-from granwave.analysis.studies.chains.runs import ChainRun, collect
-from granwave.analysis.studies.chains.studies import studies
-from granwave.analysis.studies.study import Row, Study, draw_studies
+from granwave.analysis.studies.chains.runs import ChainRun
+from granwave.analysis.studies.registry import STUDIES
+from granwave.analysis.studies.study import Row, Study, draw_studies, make_studies
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.workflows import run_case
 from granwave.workflows.library import load_case
@@ -47,12 +43,12 @@ def run(case: str, directory: Path, **overrides: Any) -> ChainRun:
     changed = load_case(case, {name.replace("__", "."): value for name, value in overrides.items()})
     outcome = run_case(changed, directory, figures=False)
     assert outcome.summary["energy_balance_error"] < 1e-5
-    return collect([(directory.name, directory, outcome.summary)])[0]
+    (found,) = ChainRun.among([(directory.name, directory, outcome.summary)], lambda _: True)
+    return found
 
 
-def one(found: Any) -> Study:
-    with style():
-        (study,) = found
+def one(name: str, runs: list[ChainRun]) -> Study:
+    (study,) = make_studies({name: runs})
     return study
 
 
@@ -91,12 +87,12 @@ def test_a_wave_that_leaves_no_velocity_is_never_overtaken():
 
 
 def test_the_closed_forms_of_a_long_load():
-    theory = long_load(SPRING, 8e3, 2.5e-3)
+    theory = LongLoad(SPRING, 8e3, 2.5e-3)
     assert (theory.velocity, theory.trailing, theory.later) == pytest.approx((26.234, 14.502, 10.021), rel=1e-4)
     assert (theory.later_force, theory.meeting) == pytest.approx((3055.7, 3.419), rel=1e-4)
     # the two meet: the leading front from 0 at c, the trailing one from T at c_u
     assert theory.meeting / 9.52e-3 == pytest.approx(SPRING.unloading_rate * (theory.meeting_time - 2.5e-3))
-    assert long_load(Spring(1e7, 0.0, 1e-3, 1e-2), 1.0, 1.0).meeting_time == np.inf
+    assert LongLoad(Spring(1e7, 0.0, 1e-3, 1e-2), 1.0, 1.0).meeting_time == np.inf
 
 
 # bilinear chains
@@ -110,7 +106,7 @@ def short(tmp_path_factory) -> list[ChainRun]:
 
 
 def test_a_short_pulse_on_bilinear_chains(short):
-    study = one(short_pulses(short))
+    study = one("bilinear-pulse", short)
     for name, theory in zip(("4.19", "4.20", "4.21"), first_coefficients(), strict=True):
         found = row(study, f"({name})")
         assert found.expected == pytest.approx(theory)
@@ -128,7 +124,7 @@ def test_other_beads_and_an_impact_give_the_same_numbers(short, tmp_path):
     other = run("bilinear-pulse", tmp_path / "steel", material="steel", packing__size=30, packing__diameter=6e-3,
                 load={"kind": "impact", "velocity": 12.0}, run__end_time=1.5e-4, run__timestep=2e-8,
                 output__history=1500)  # fmt: skip
-    theirs, ours = one(short_pulses(short)), one(short_pulses([other]))
+    theirs, ours = one("bilinear-pulse", short), one("bilinear-pulse", [other])
     for words in (("4.19",), ("4.20",), ("4.21",), ("Factor", "beta 0.8"), ("Transition", "beta 0.8")):
         assert row(ours, *words).ours == pytest.approx(row(theirs, *words).ours, rel=3e-3)
 
@@ -136,12 +132,12 @@ def test_other_beads_and_an_impact_give_the_same_numbers(short, tmp_path):
 def test_a_long_load_on_a_bilinear_chain(tmp_path):
     found = run("bilinear-long-load", tmp_path / "long", packing__size=145, load__duration=7e-4,
                 run__end_time=1.5e-3, output__history=400)  # fmt: skip
-    study = one(long_loads([found]))
+    study = one("bilinear-long-load", [found])
     for name, tolerance in (("v1,", 0.02), ("vt,", 0.02), ("v2,", 0.03), ("F2,", 0.02), ("xt,", 0.05), ("F1,", 0.02)):
         measured = row(study, name)
         assert measured.ours == pytest.approx(measured.expected, rel=tolerance)
         assert measured.source is None  # not the source's case
-    assert not list(long_loads([])) and not list(short_pulses([found]))
+    assert not make_studies({"bilinear-long-load": [], "bilinear-pulse": [found]})
 
 
 # elasto-plastic chains
@@ -201,7 +197,7 @@ def test_inverse_regime_speed_and_dissipation(plastic):
 
 
 def test_the_study_of_elastoplastic_chains(plastic, tmp_path):
-    study = one(elastoplastic_pulses(plastic))
+    study = one("elastoplastic-pulse", plastic)
     elastic = row(study, "Elastic chain")
     assert elastic.ours == pytest.approx(elastic.expected, rel=0.03)
     assert row(study, "a: ").source == 0.0374
@@ -216,14 +212,14 @@ def test_other_beads_stand_alone(tmp_path):
     """The source's constants are those of its brass: no source values beside another material."""
     found = run("elastoplastic-pulse", tmp_path / "soft", material="aluminium", packing__size=60, run__end_time=2e-3,
                 output__history=400)  # fmt: skip
-    study = one(elastoplastic_pulses([found]))
+    study = one("elastoplastic-pulse", [found])
     assert study.rows and all(row.source is None and not row.remark for row in study.rows)
     assert [picture.name.split("_")[1] for picture in study.pictures] == ["peaks", "speed", "dissipation"]
-    assert list(elastoplastic_pulses([])) == []
+    assert make_studies({"elastoplastic-pulse": []}) == []
 
 
 def test_the_studies_are_found_among_all_runs(plastic, short):
-    names = [study.name for study in studies([*plastic, *short])]
+    names = [study.name for study in make_studies({name: [*plastic, *short] for name in STUDIES})]
     assert {"elastoplastic-pulse", "bilinear-pulse"} <= set(names)
     assert collect_pulses(short) is None
 

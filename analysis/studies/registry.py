@@ -9,10 +9,26 @@ A study is a module with
     pictures(group) -> Picture ...     figures with captions
 
 and, where they are wanted, `title(group)`, `name(group)` (short, for links and files), `tables(group)` and
-`verdict(group)`. A group is whatever `select` makes of the runs. `make_studies` in `study` puts it together.
+`verdict(group)`. A group is whatever `select` makes of the runs. Without `name` a study has the name of its entry here;
+several groups are then numbered, and so are their pictures. `make_studies` in `study` puts it together.
 """
 
 from __future__ import annotations
 
 #: Module of each study, below this package, in the order of a report.
-STUDIES: dict[str, str] = {}
+STUDIES: dict[str, str] = {
+    "solitary-wave": "chains.solitary_wave",
+    "elastic-long-load": "chains.elastic_long_load",
+    "wave-train": "chains.wave_train",
+    "elastic-pulses": "chains.elastic_pulses",
+    "elastoplastic-pulse": "chains.elastoplastic_pulse",
+    "bilinear-pulse": "chains.bilinear_pulse",
+    "bilinear-long-load": "chains.bilinear_long_load",
+    "unlike-spheres": "chains.unlike",
+    "homogeneous-chain": "chains.homogeneous",
+    "composite-chain": "chains.composite",
+    "elastic-bar": "chains.bar",
+    "intruder-place": "chains.intruder_place",
+    "intruder-properties": "chains.intruder_properties",
+    "split-hopkinson": "chains.split_hopkinson",
+}

@@ -18,6 +18,7 @@ from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.run_directory import CASE_FILE
 
 Kind = TypeVar("Kind", bound="FinishedRun")
+Item = TypeVar("Item")
 
 _NOT_OF_THE_CASE = ("name", "run", "output", "sensor")  # tables: how long and how finely it was followed
 
@@ -69,6 +70,8 @@ class FinishedRun:
 
     def seen_as(self, kind: type[Kind]) -> Kind:
         """The run as a record with methods of its own; the same object at each call, so that it reads files once."""
+        if isinstance(self, kind):
+            return self
         if kind not in self._views:
             self._views[kind] = kind(self.label, self.directory, self.case, self.summary)
         return self._views[kind]
@@ -83,9 +86,9 @@ class FinishedRun:
         return float(found) if isinstance(found, int | float) and not isinstance(found, bool) else math.nan
 
 
-def rising(runs: Iterable[Kind], key: Callable[[Kind], float]) -> list[Kind]:
-    """Runs in rising order of a key; of equal ones the first."""
-    unique: dict[float, Kind] = {}
+def rising(runs: Iterable[Item], key: Callable[[Item], float]) -> list[Item]:
+    """Runs, or what was made of them, in rising order of a key; of equal ones the first."""
+    unique: dict[float, Item] = {}
     for run in runs:
         unique.setdefault(key(run), run)
     return [unique[value] for value in sorted(unique)]

@@ -110,17 +110,22 @@ def make_studies(runs: Mapping[str, Sequence[FinishedRun]]) -> list[Study]:
 
 def _make(name: str, runs: Sequence[FinishedRun]) -> Iterator[Study]:
     module: Any = importlib.import_module(f"{__package__}.{STUDIES[name]}")
+    groups = list(module.select(runs))
+    numbered = len(groups) > 1 and not hasattr(module, "name")  # else the module tells groups apart
 
     def parts(which: str, group: Any) -> tuple[Any, ...]:
         return tuple(getattr(module, which)(group)) if hasattr(module, which) else ()
 
-    for number, group in enumerate(module.select(runs), start=1):
+    for number, group in enumerate(groups, start=1):
+        pictures = parts("pictures", group)
+        if numbered:
+            pictures = tuple(dataclasses.replace(one, name=f"{one.name}_{number}") for one in pictures)
         yield Study(
-            module.name(group) if hasattr(module, "name") else name + (f"-{number}" if number > 1 else ""),
-            module.title(group) if hasattr(module, "title") else module.TITLE,
+            module.name(group) if hasattr(module, "name") else name + (f"-{number}" if numbered else ""),
+            module.title(group) if hasattr(module, "title") else module.TITLE + (f" ({number})" if numbered else ""),
             module.text(group),
             parts("rows", group),
-            parts("pictures", group),
+            pictures,
             parts("tables", group),
             parts("verdict", group),
         )

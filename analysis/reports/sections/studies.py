@@ -10,7 +10,6 @@ from granwave.analysis.document.model import Cell, Column, Gallery, Group, Note,
 from granwave.analysis.document.pictures import picture_of
 from granwave.analysis.reports.inputs import Inputs
 from granwave.analysis.studies.chains.runs import collect
-from granwave.analysis.studies.chains.studies import studies
 from granwave.analysis.studies.precompression.runs import collect as collect_with_past
 from granwave.analysis.studies.precompression.studies import studies as studies_of_the_past
 from granwave.analysis.studies.protection.runs import collect as collect_targets
@@ -64,7 +63,7 @@ def _guessed(inputs: Inputs) -> list[Study]:
     """Studies that still find their runs by themselves."""
     found = [(run.label, run.directory, run.summary) for run in inputs.whole() if run.kind == "run"]
     chains = collect(found)
-    ours = studies([run for run in chains if not run.case.has_past]) + packing_studies(collect_packings(found), chains)
+    ours = packing_studies(collect_packings(found), chains)
     ours += studies_of_the_past(collect_with_past(found), chains)
     undone = [point.result.labels for scan in inputs.scans for point in scan.points if point.run is None]
     return ours + protection_studies(collect_targets(found)) + tolerance_studies(collect_tolerances(found), undone)

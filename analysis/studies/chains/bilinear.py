@@ -10,16 +10,16 @@ import dataclasses
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.special import jv
 
+from granwave.analysis.measures.signals import Array
 from granwave.analysis.studies.chains.runs import ChainRun
-
-Array = NDArray[np.float64]
 
 #: As thesis 4.19 to 4.22 print them: v_m, F_p, F_2, and the factor of sqrt(1 - beta) in v_t.
 PRINTED = (0.482, 0.721, 0.199, 0.599)
+#: Axes of figures, in the chain's own units.
+FORCE, VELOCITY = r"Force $F/E^*R^{*2}$", r"Velocity $v\,\tau/R^*$"
 _SMALL = 1e-3  # of R*: an overlap at which the slope is taken
 
 
@@ -146,9 +146,10 @@ def leading_wave(beta: float) -> LeadingWave:
     return LeadingWave(second / peak, moving / peak, (moving - trailing * math.sqrt(1 - beta)) / peak, beta)
 
 
-@dataclasses.dataclass(frozen=True)
 class LongLoad:
-    """A force A held for T, much longer than a wave takes for a bead (thesis 4.36 to 4.39).
+    """A force A held for T, much longer than a wave takes for a bead, in closed form (thesis 4.36 to 4.39).
+
+    In 4.38 the second c_u is read as c, without which 4.39 does not follow.
 
     Attributes
     ----------
@@ -156,33 +157,14 @@ class LongLoad:
         v_1 behind the leading front, v_t behind the trailing one, v_2 after the two have met, m/s.
     force, later_force
         F_1 = A and F_2, N.
-    meeting
-        x_t, where they meet, m.
-    meeting_time
-        T_t, s.
+    meeting, meeting_time
+        x_t, where they meet, m, and T_t, when, s.
     """
 
-    velocity: float
-    trailing: float
-    later: float
-    force: float
-    later_force: float
-    meeting: float
-    meeting_time: float
-
-
-def long_load(spring: Spring, amplitude: float, duration: float) -> LongLoad:
-    """Closed forms; in 4.38 the second c_u is read as c, without which 4.39 does not follow."""
-    velocity = amplitude / (spring.mass * spring.rate)
-    trailing = velocity * (1 - spring.share)
-    later = trailing / (1 + spring.share)
-    time = duration / (1 - spring.share) if spring.beta else math.inf
-    return LongLoad(
-        velocity=velocity,
-        trailing=trailing,
-        later=later,
-        force=amplitude,
-        later_force=spring.mass * later * spring.rate,
-        meeting=spring.diameter * spring.rate * time,
-        meeting_time=time,
-    )
+    def __init__(self, spring: Spring, amplitude: float, duration: float) -> None:
+        self.force, self.velocity = amplitude, amplitude / (spring.mass * spring.rate)
+        self.trailing = self.velocity * (1 - spring.share)
+        self.later = self.trailing / (1 + spring.share)
+        self.later_force = spring.mass * self.later * spring.rate
+        self.meeting_time = duration / (1 - spring.share) if spring.beta else math.inf
+        self.meeting = spring.diameter * spring.rate * self.meeting_time

@@ -11,16 +11,18 @@ import dataclasses
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike
 
-from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing, new_figure
-from granwave.analysis.studies.chains.elastic import IMPULSE_COEFFICIENT
-from granwave.analysis.studies.chains.measures import first_peak
-from granwave.analysis.studies.chains.runs import ChainRun, uniform
-from granwave.analysis.studies.chains.scales import ChainScales, discrete_speed
-from granwave.analysis.studies.study import Picture, Row, Study
+from granwave.analysis.figures.curves import COLOURS, label, panels
+from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing
+from granwave.analysis.measures.hertz_chain import IMPULSE_COEFFICIENT, ChainScales, discrete_speed
+from granwave.analysis.measures.signals import first_peak
+from granwave.analysis.studies.chains.runs import ChainRun, chain_runs, uniform
+from granwave.analysis.studies.runs import FinishedRun
+from granwave.analysis.studies.study import Picture, Row
 from granwave.lammps_inputs.case.material import material
 
+TITLE = "Homogeneous chain of the composite-chain source"
 _CONTACTS = (4, 9)  # from 0: of beads 5 and 6, 10 and 11, as the source takes them
 _DIAMETER, _VELOCITY = 4.76e-3, 0.626  # m, m/s: of the source
 _WHERE = "composite chain, Tables 2 and 3"
@@ -55,55 +57,30 @@ _FINEST, _CHOSEN = MODELS[4], MODELS[10]
 _FIRST_PENALTY = 5  # from where on the mesh is the same
 
 
-def homogeneous_chain(runs: Sequence[ChainRun]) -> Iterator[Study]:
-    """Elastic chains of like beads, the first struck, the last against a wall of a material."""
-    for run in uniform(runs, "hertz"):
-        case = run.case
-        if (
-            case.load.kind == "impact"
-            and case.boundary.bottom_material is not None
-            and run.force.shape[1] > max(_CONTACTS)
-        ):
-            yield _study(run)
-            return
+class Found:
+    """The wave between contacts 5 and 10.
 
+    Attributes
+    ----------
+    force, speed
+        N, m/s.
+    expected
+        Force of the impact by thesis 4.5, N.
+    """
 
-def _study(run: ChainRun) -> Study:
-    diameter, velocity, scales = run.case.packing.diameter, run.case.load.velocity, ChainScales(run)
-    (early, _), (late, force) = (first_peak(run.time, run.force[:, k]) for k in _CONTACTS)
-    found = _Found(
-        force, (_CONTACTS[1] - _CONTACTS[0]) * diameter / (late - early),
-        IMPULSE_COEFFICIENT * scales.impulse_force(run.mass * velocity), scales,
-    )  # fmt: skip
-    pictures = [Picture("homogeneous_forces", "Force at contacts 5 and 10 (source Fig. 3)", _histories(run))]
-    if _is_source(run):
-        rows = _rows_of_source(found)
-        pictures.append(
-            Picture("homogeneous_errors", "Errors of the source's finite elements and ours", _errors(found))
-        )
-    else:
-        rows = [
-            Row("Peak force at contact 10", "N", None, found.force, "thesis 4.5", "", found.expected),
-            Row("Speed over 5 diameters", "m/s", None, found.speed, "discrete chain", "", found.wave(found.force)),
-        ]
-    return Study(
-        "homogeneous-chain",
-        "Homogeneous chain of the composite-chain source",
-        f"{run.velocity.shape[1]} elastic spheres of {1e3 * diameter:.3g} mm, the first with {velocity:g} m/s. Speed: "
-        "5 diameters over the time between the peaks at contacts 5 and 10; force: the peak at contact 10.",
-        tuple(rows),
-        tuple(pictures),
-    )
+    def __init__(self, run: ChainRun) -> None:
+        self.run, self.scales = run, ChainScales(run)
+        (early, _), (late, self.force) = (first_peak(run.time, run.force[:, k]) for k in _CONTACTS)
+        self.speed = (_CONTACTS[1] - _CONTACTS[0]) * run.case.packing.diameter / (late - early)
+        self.expected = IMPULSE_COEFFICIENT * self.scales.impulse_force(run.mass * run.load.velocity)
 
-
-@dataclasses.dataclass(frozen=True)
-class _Found:
-    """Force (N) and speed (m/s) of the wave; the force that is expected of the impact."""
-
-    force: float
-    speed: float
-    expected: float
-    scales: ChainScales
+    @property
+    def is_source(self) -> bool:
+        """It is the chain of the source."""
+        ours, theirs = self.run.case.material, material("stainless-steel")
+        same = all(getattr(ours, key) == getattr(theirs, key) for key in ("youngs_modulus", "poisson_ratio", "density"))
+        values = ((self.run.case.packing.diameter, _DIAMETER), (self.run.load.velocity, _VELOCITY))
+        return same and all(abs(a / b - 1) < _SAME for a, b in values)
 
     def wave(self, force: float) -> float:
         """Speed of the discrete chain's wave of this force, m/s."""
@@ -114,86 +91,86 @@ class _Found:
         return abs(force / self.expected - 1), abs(speed / self.wave(force) - 1)
 
 
-def _is_source(run: ChainRun) -> bool:
-    ours, theirs = run.case.material, material("stainless-steel")
-    same = all(getattr(ours, key) == getattr(theirs, key) for key in ("youngs_modulus", "poisson_ratio", "density"))
-    values = ((run.case.packing.diameter, _DIAMETER), (run.case.load.velocity, _VELOCITY))
-    return same and all(abs(a / b - 1) < _SAME for a, b in values)
+def select(runs: Sequence[FinishedRun]) -> list[Found]:
+    """The first elastic chain of like beads, its first struck, its last against a wall of a material."""
+    found = [
+        run for run in uniform(chain_runs(runs), "hertz")
+        if run.load.kind == "impact" and run.case.boundary.bottom_material and run.force.shape[1] > max(_CONTACTS)
+    ]  # fmt: skip
+    return [Found(run) for run in found[:1]]
 
 
-def _rows_of_source(found: _Found) -> list[Row]:
-    errors = 100 * np.array([found.errors(model.force, model.speed) for model in MODELS])
-    own_force, own_speed = (100 * error for error in found.errors(found.force, found.speed))
+def text(found: Found) -> str:
+    """What was run."""
+    case = found.run.case
+    return (
+        f"{found.run.velocity.shape[1]} elastic spheres of {1e3 * case.packing.diameter:.3g} mm, the first with "
+        f"{case.load.velocity:g} m/s. Speed: 5 diameters over the time between the peaks at contacts 5 and 10; force: "
+        "the peak at contact 10."
+    )
+
+
+def rows(found: Found) -> Iterator[Row]:
+    """Force and speed; for the source's chain also the errors of its models."""
+    if not found.is_source:
+        yield Row("Peak force at contact 10", "N", None, found.force, "thesis 4.5", "", found.expected)
+        yield Row("Speed over 5 diameters", "m/s", None, found.speed, "discrete chain", "", found.wave(found.force))
+        return
+    coarsest = "The coarsest mesh is too coarse for the contact."
+    for model, remark in ((MODELS[0], coarsest), (_FINEST, ""), (_CHOSEN, "")):
+        yield Row(f"Peak force; source: {model.name}", "N", model.force, found.force, _WHERE, remark, found.expected)
+    slow = "Theirs is below the wave of the discrete chain at their own force."
+    for model in (_FINEST, _CHOSEN):
+        yield Row(f"Wave speed; source: {model.name}", "m/s", model.speed, found.speed, _WHERE, slow,
+                  found.wave(found.force))  # fmt: skip
     nesterenko = found.scales.nesterenko
     theirs = 100 * abs(_CHOSEN.speed / nesterenko(_CHOSEN.force) - 1)
-    slow = "Theirs is below the wave of the discrete chain at their own force."
-    rows = [
-        Row(f"Peak force; source: {model.name}", "N", model.force, found.force, _WHERE, remark, found.expected)
-        for model, remark in (
-            (MODELS[0], "The coarsest mesh is too coarse for the contact."),
-            (_FINEST, ""),
-            (_CHOSEN, ""),
-        )
-    ]
-    rows += [
-        Row(f"Wave speed; source: {model.name}", "m/s", model.speed, found.speed, _WHERE, slow, found.wave(found.force))
-        for model in (_FINEST, _CHOSEN)
-    ]
-    return [
-        *rows,
-        Row(
-            "Error of the speed against Nesterenko's formula at the force found, best model",
-            "%", _CHOSEN.error, 100 * abs(found.speed / nesterenko(found.force) - 1), _WHERE,
-            f"Theirs as printed; from its force and speed it is {theirs:.2f}. Ours is the formula's own: it takes the "
-            "chain for a continuum, and the discrete wave is faster.",
-            100 * (discrete_speed() - 1),
-        ),
-        Row(
-            "Error of the speed against the discrete chain's wave at the force found", "%", None, own_speed, _WHERE,
-            f"The source's 11 models: {errors[:, 1].min():.1f} to {errors[:, 1].max():.0f} %.", 0.0,
-        ),
-        Row(
-            "Error of the force against thesis 4.5", "%", None, own_force, _WHERE,
-            f"The source's 11 models: {errors[:, 0].min():.1f} to {errors[:, 0].max():.0f} %.", 0.0,
-        ),
-        Row(
-            "Exponent of force against approach", "", 1.554, _EXPONENT, "composite chain, Fig. 5",
-            "Theirs is fitted to finite elements; ours is the law's.", 1.5,
-        ),
-    ]  # fmt: skip
+    yield Row("Error of the speed against Nesterenko's formula at the force found, best model", "%", _CHOSEN.error,
+              100 * abs(found.speed / nesterenko(found.force) - 1), _WHERE,
+              f"Theirs as printed; from its force and speed it is {theirs:.2f}. Ours is the formula's own: it takes "
+              "the chain for a continuum, and the discrete wave is faster.", 100 * (discrete_speed() - 1))  # fmt: skip
+    errors = 100 * np.array([found.errors(model.force, model.speed) for model in MODELS])
+    ours = [100 * error for error in found.errors(found.force, found.speed)]
+    against = ((1, "speed against the discrete chain's wave at the force found"), (0, "force against thesis 4.5"))
+    for k, what in against:
+        yield Row(f"Error of the {what}", "%", None, ours[k], _WHERE,
+                  f"The source's 11 models: {errors[:, k].min():.1f} to {errors[:, k].max():.0f} %.", 0.0)  # fmt: skip
+    yield Row("Exponent of force against approach", "", 1.554, _EXPONENT, "composite chain, Fig. 5",
+              "Theirs is fitted to finite elements; ours is the law's.", 1.5)  # fmt: skip
+
+
+def pictures(found: Found) -> Iterator[Picture]:
+    """Force histories; for the source's chain also errors."""
+    yield Picture("homogeneous_forces", "Force at contacts 5 and 10 (source Fig. 3)", _histories(found.run))
+    if found.is_source:
+        caption = "Errors of the source's finite elements and ours"
+        yield Picture("homogeneous_errors", caption, _errors(found))
 
 
 def _histories(run: ChainRun) -> Drawing:
-    figure = new_figure(2.3)
-    axes = figure.subplots()
-    columns: dict[str, NDArray[np.float64]] = {"time_s": run.time}
-    for k, colour in zip(_CONTACTS, (BLUE, ORANGE), strict=True):
+    figure, axes = panels(2.3)
+    data: dict[str, ArrayLike] = {"time_s": run.time}
+    for k, colour in zip(_CONTACTS, COLOURS, strict=False):
         axes.plot(1e6 * run.time, run.force[:, k], color=colour, label=f"beads {k + 1} and {k + 2}")
-        columns[f"contact_{k + 1}_N"] = run.force[:, k]
-    axes.set_xlim(0, 1e6 * float(run.time[-1]))
-    axes.set_ylim(0, 1.4 * float(run.force[:, list(_CONTACTS)].max()))
-    axes.set_xlabel("Time (µs)")
-    axes.set_ylabel("Contact force (N)")
+        data[f"contact_{k + 1}_N"] = run.force[:, k]
+    label(axes, "Time (µs)", "Contact force (N)", xlim=(0, 1e6 * float(run.time[-1])),
+          ylim=(0, 1.4 * float(run.force[:, list(_CONTACTS)].max())))  # fmt: skip
     axes.legend(loc="upper right")
-    return Drawing(figure, columns)
+    return Drawing(figure, data)
 
 
-def _errors(found: _Found) -> Drawing:
+def _errors(found: Found) -> Drawing:
     """Error of the force against that of the speed, each against its theory."""
     values = [(model.force, model.speed) for model in MODELS] + [(found.force, found.speed)]
     errors = 100 * np.array([found.errors(*pair) for pair in values])
-    figure = new_figure(2.7)
-    axes = figure.subplots()
-    for part, mark, size, colour, label in (
+    figure, axes = panels(2.7)
+    for part, mark, size, colour, what in (
         (slice(0, _FIRST_PENALTY), "s-", 4, ORANGE, "source, mesh made finer"),
         (slice(_FIRST_PENALTY, -1), "^", 4, GREY, "source, penalty and solver"),
         (slice(-1, None), "o", 6, BLUE, "ours"),
     ):
-        axes.plot(*errors[part].T, mark, color=colour, markersize=size, linewidth=0.7, label=label)
-    axes.set_xscale("log")
-    axes.set_yscale("log")
-    axes.set_xlabel("Error of the peak force (%)")
-    axes.set_ylabel("Error of the wave speed (%)")
+        axes.plot(*errors[part].T, mark, color=colour, markersize=size, linewidth=0.7, label=what)
+    label(axes, "Error of the peak force (%)", "Error of the wave speed (%)", log="xy")
     axes.legend(loc="upper left", fontsize=7)
     names = [*(model.name for model in MODELS), "ours"]
     return Drawing(figure, {"model": names, "force_error_percent": errors[:, 0], "speed_error_percent": errors[:, 1]})

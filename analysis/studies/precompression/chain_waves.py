@@ -14,7 +14,7 @@ from matplotlib.ticker import ScalarFormatter
 from numpy.typing import ArrayLike, NDArray
 
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, Drawing, new_figure
-from granwave.analysis.studies.chains.measures import Power, first_peak, power
+from granwave.analysis.measures.signals import Power, first_peak, power
 from granwave.analysis.studies.chains.runs import ChainRun, uniform
 from granwave.analysis.studies.chains.scales import ChainScales
 from granwave.analysis.studies.precompression import theory

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, Drawing, new_figure
+from granwave.analysis.measures.signals import first_peak, power
 from granwave.analysis.result.reader import Result
-from granwave.analysis.studies.chains.measures import first_peak, power
 from granwave.analysis.studies.precompression import theory
 from granwave.analysis.studies.precompression.runs import PastRun
 from granwave.analysis.studies.precompression.theory import Array

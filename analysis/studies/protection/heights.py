@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing, new_figure
 from granwave.analysis.formatting.numbers import number
-from granwave.analysis.studies.chains.measures import power
+from granwave.analysis.measures.signals import power
 from granwave.analysis.studies.protection import tables
 from granwave.analysis.studies.protection.runs import TargetRun, names, series, slug
 from granwave.analysis.studies.study import Picture, Study

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing, new_figure
 from granwave.analysis.formatting.numbers import number
+from granwave.analysis.measures.signals import width
 from granwave.analysis.measures.target import period_of
-from granwave.analysis.studies.chains.measures import width
 from granwave.analysis.studies.protection.runs import TargetRun, slug
 from granwave.analysis.studies.protection.theory import after_impulse, response
 from granwave.analysis.studies.study import Picture, Row, Study

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq, least_squares
 
-from granwave.analysis.studies.chains.measures import first_peak, width
+from granwave.analysis.measures.signals import first_peak, width
 from granwave.analysis.studies.square.runs import Array
 from granwave.lammps_inputs.case.material import Material
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing, new_figure
-from granwave.analysis.studies.chains.measures import Power, power
+from granwave.analysis.measures.signals import Power, power
 from granwave.analysis.studies.square.pulses import peaks, speed_of
 from granwave.analysis.studies.square.regions import groups
 from granwave.analysis.studies.square.runs import Array, PackingRun, squares

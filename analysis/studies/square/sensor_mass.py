@@ -8,8 +8,8 @@ import numpy as np
 
 from granwave.analysis.figures.style import BLUE, GREY, Drawing, new_figure
 from granwave.analysis.measures.sensors import sensor_velocities
+from granwave.analysis.measures.signals import first_peak
 from granwave.analysis.result.reader import Result
-from granwave.analysis.studies.chains.measures import first_peak
 from granwave.analysis.studies.chains.runs import ChainRun
 from granwave.analysis.studies.square.runs import PackingRun
 from granwave.analysis.studies.study import Picture, Row, Study

@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from collections.abc import Iterator, Sequence
-from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from granwave.analysis.figures.style import Drawing, new_figure
-from granwave.analysis.studies.chains.bilinear import LongLoad, Spring, long_load, spring_of
-from granwave.analysis.studies.chains.bilinear_figures import COLOURS, FORCE, VELOCITY
-from granwave.analysis.studies.chains.runs import ChainRun, uniform
-from granwave.analysis.studies.chains.scales import ChainScales, of_thesis
-from granwave.analysis.studies.study import Picture, Row, Study
+from granwave.analysis.figures.curves import COLOURS, label, panels
+from granwave.analysis.figures.style import Drawing
+from granwave.analysis.measures.hertz_chain import ChainScales
+from granwave.analysis.studies.chains.bilinear import FORCE, VELOCITY, LongLoad, spring_of
+from granwave.analysis.studies.chains.runs import ChainRun, chain_runs, uniform
+from granwave.analysis.studies.chains.scales import of_thesis
+from granwave.analysis.studies.runs import FinishedRun
+from granwave.analysis.studies.study import Picture, Row
 
-Array = NDArray[np.float64]
-
+TITLE = "Bilinear chain under a long load"
 _LONG = 50.0  # 1/sqrt(k/m): the shortest load with plateaus
 _INSTANTS = (0.8, 1.2)  # of T: with one front, and with two
 _LAST = 1.15  # of T_t: with the fronts apart again
@@ -27,27 +26,26 @@ _WHERE = "thesis 4.2.2, table 4.1"
 _SOURCE = (8e3, 2.5e-3, 0.8)  # N, s, beta
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
 class HeldLoad:
-    """One run, and what the closed forms say of it."""
+    """One run, and what the closed forms say of it.
 
-    run: ChainRun
+    Attributes
+    ----------
+    spring
+        Contact and bead.
+    theory
+        Closed forms.
+    times
+        Under load; after it; after the fronts have met; s. For the source's case its 2, 3 and 5.2 ms.
+    largest
+        Largest force ever at each contact: (n_contacts,), N.
+    """
 
-    @cached_property
-    def spring(self) -> Spring:
-        """Contact and bead."""
-        return spring_of(self.run)
-
-    @cached_property
-    def theory(self) -> LongLoad:
-        """Closed forms."""
-        return long_load(self.spring, self.run.load.largest, self.run.load.lasts)
-
-    @property
-    def times(self) -> tuple[float, float, float]:
-        """Under load; after it; after the fronts have met; s. For the source's case its 2, 3 and 5.2 ms."""
-        early, late = (share * self.run.load.lasts for share in _INSTANTS)
-        return early, late, _LAST * self.theory.meeting_time
+    def __init__(self, run: ChainRun) -> None:
+        self.run, self.spring, self.largest = run, spring_of(run), run.of_contacts("peak_force")
+        self.theory = LongLoad(self.spring, run.load.largest, run.load.lasts)
+        early, late = (share * run.load.lasts for share in _INSTANTS)
+        self.times = early, late, _LAST * self.theory.meeting_time
 
     @property
     def reaches(self) -> bool:
@@ -87,11 +85,6 @@ class HeldLoad:
         """Median on the plateau, N."""
         return float(np.median(self.run.force[self.row(instant), self.plateau(instant)]))
 
-    @cached_property
-    def largest(self) -> Array:
-        """Largest force ever at each contact, N."""
-        return self.run.of_contacts("peak_force")
-
     @property
     def meeting(self) -> float:
         """Where the largest force falls half-way from F_1 to F_2, m from the centre of bead 1."""
@@ -100,35 +93,36 @@ class HeldLoad:
         return float(np.interp(-level, -self.largest[k - 1 : k + 1], self.run.place[k - 1 : k + 1]))
 
 
-def long_loads(runs: Sequence[ChainRun]) -> Iterator[Study]:
-    """The studies of bilinear chains under a force that lasts, one for each run."""
+def select(runs: Sequence[FinishedRun]) -> list[HeldLoad]:
+    """Chains under a force that lasts, long enough to see its fronts meet; each by itself."""
     held = [
-        HeldLoad(run)
-        for run in uniform(runs, "bilinear")
+        HeldLoad(run) for run in uniform(chain_runs(runs), "bilinear")
         if run.load.kind == "force" and run.load.shape == "rectangle" and run.load.lasts * spring_of(run).rate > _LONG
-    ]
-    found = [one for one in held if one.reaches]
-    for number, one in enumerate(found, start=1):
-        load, name = one.run.load, "bilinear-long-load" + (f"-{number}" if len(found) > 1 else "")
-        yield Study(
-            name,
-            "Bilinear chain under a long load" + (f" ({one.run.label})" if len(found) > 1 else ""),
-            f"{load.largest:.4g} N on the first bead for {load.lasts * 1e3:.4g} ms, beta {one.spring.beta:g}. Plateaus "
-            "are medians over their inner six tenths at three instants: under load, after it, and after the trailing "
-            "front has caught up with the leading one. Theory is thesis 4.36 to 4.39 with the stated constants.",
-            tuple(_rows(one)),
-            (
-                Picture(
-                    name.replace("-", "_"),
-                    "Contact forces and bead velocities at three instants, with the largest force so far; dotted: "
-                    "closed forms (thesis Fig. 4.9)",
-                    _drawing(one),
-                ),
-            ),
-        )
+    ]  # fmt: skip
+    return [one for one in held if one.reaches]
 
 
-def _rows(one: HeldLoad) -> Iterator[Row]:
+def text(one: HeldLoad) -> str:
+    """What was run."""
+    load = one.run.load
+    return (
+        f"{load.largest:.4g} N on the first bead for {load.lasts * 1e3:.4g} ms, beta {one.spring.beta:g}. Plateaus "
+        "are medians over their inner six tenths at three instants: under load, after it, and after the trailing "
+        "front has caught up with the leading one. Theory is thesis 4.36 to 4.39 with the stated constants."
+    )
+
+
+def pictures(one: HeldLoad) -> Iterator[Picture]:
+    """Thesis Fig. 4.9."""
+    caption = (
+        "Contact forces and bead velocities at three instants, with the largest force so far; dotted: closed forms "
+        "(thesis Fig. 4.9)"
+    )
+    yield Picture("bilinear_long_load", caption, _drawing(one))
+
+
+def rows(one: HeldLoad) -> Iterator[Row]:
+    """Table 4.1, and forces."""
     theory = one.theory
     #        quantity, unit, numerical and predicted as printed, ours, theory, remarks on both
     table = (
@@ -161,33 +155,27 @@ def _rows(one: HeldLoad) -> Iterator[Row]:
 
 def _drawing(one: HeldLoad) -> Drawing:
     run, scales, theory = one.run, ChainScales(one.run), one.theory
-    figure = new_figure(2.8, 7.0)
-    left, right = figure.subplots(1, 2)
+    figure, left, right = panels(2.8, 2)
     shown = int(1.15 * one.spring.rate * one.times[-1])
     contact, bead = np.arange(1, run.force.shape[1] + 1), np.arange(1, run.velocity.shape[1] + 1)
     largest = one.largest / scales.force
-    columns: dict[str, ArrayLike] = {"bead": bead, "contact": contact, "largest_force_normalised": largest}
+    data: dict[str, ArrayLike] = {"bead": bead, "contact": contact, "largest_force_normalised": largest}
     left.plot(contact[:shown], largest[:shown], color="black", linewidth=0.9, label="largest ever")
-    for instant, colour in zip(range(3), COLOURS, strict=False):
-        time, row = run.time[one.row(instant)], one.row(instant)
-        force, velocity = run.force[row] / scales.force, run.velocity[row] / scales.velocity
+    for row, colour in zip(map(one.row, range(3)), COLOURS, strict=False):
+        time, force, velocity = run.time[row], run.force[row] / scales.force, run.velocity[row] / scales.velocity
         left.plot(contact[:shown], force[:shown], color=colour, linewidth=0.9, label=f"{time * 1e3:.3g} ms")
         right.plot(bead[:shown], velocity[:shown], color=colour, linewidth=0.9, label=f"{time * 1e3:.3g} ms")
-        columns |= {f"force_at_{time:.4g}_s_normalised": force, f"velocity_at_{time:.4g}_s_normalised": velocity}
-    for axes, lines, scale in (
-        (left, (("$F_1$", theory.force), ("$F_2$", theory.later_force)), scales.force),
-        (right, (("$v_1$", theory.velocity), ("$v_t$", theory.trailing), ("$v_2$", theory.later)), scales.velocity),
-    ):
-        for name, value in lines:
-            axes.axhline(value / scale, color="black", linestyle=":", linewidth=0.8)
-            axes.text(0.995 * shown, value / scale, name, ha="right", va="bottom")
-        axes.set_xlim(0, shown)
-    left.set_ylim(0, 1.7 * float(largest.max()))
-    right.set_ylim(0, 1.7 * theory.velocity / scales.velocity)
-    left.set_xlabel("Contact")
-    left.set_ylabel(FORCE)
-    right.set_xlabel("Bead")
-    right.set_ylabel(VELOCITY)
-    left.legend(ncols=2, loc="upper right")
-    right.legend(ncols=2, loc="upper right")
-    return Drawing(figure, columns)
+        data |= {f"force_at_{time:.4g}_s_normalised": force, f"velocity_at_{time:.4g}_s_normalised": velocity}
+    for axes, lines in (
+        (left, {"$F_1$": theory.force / scales.force, "$F_2$": theory.later_force / scales.force}),
+        (right, {"$v_1$": theory.velocity / scales.velocity, "$v_t$": theory.trailing / scales.velocity,
+                 "$v_2$": theory.later / scales.velocity}),
+    ):  # fmt: skip
+        for name, value in lines.items():
+            axes.axhline(value, color="black", linestyle=":", linewidth=0.8)
+            axes.text(0.995 * shown, value, name, ha="right", va="bottom")
+    label(left, "Contact", FORCE, xlim=(0, shown), ylim=(0, 1.7 * float(largest.max())))
+    label(right, "Bead", VELOCITY, xlim=(0, shown), ylim=(0, 1.7 * theory.velocity / scales.velocity))
+    for axes in (left, right):
+        axes.legend(ncols=2, loc="upper right")
+    return Drawing(figure, data)

@@ -1,4 +1,4 @@
-"""What is measured on a chain: peaks, arrivals, speeds, widths, and powers."""
+"""Measures of signals: first peaks, arrivals, widths, and laws fitted to points."""
 
 from __future__ import annotations
 
@@ -7,8 +7,11 @@ import dataclasses
 import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
+from scipy.optimize import curve_fit
 
 Array = NDArray[np.float64]
+
+_FEWEST_FITTED = 4  # points of an exponential law
 
 
 def first_peak(time: Array, signal: Array, *, floor: float = 0.01) -> tuple[float, float]:
@@ -27,12 +30,24 @@ def first_peak(time: Array, signal: Array, *, floor: float = 0.01) -> tuple[floa
     largest = float(signal.max(initial=0.0))
     if not largest > 0:
         return np.nan, np.nan
-    inner = (signal[1:-1] >= signal[:-2]) & (signal[1:-1] > signal[2:]) & (signal[1:-1] > floor * largest)
-    places = np.flatnonzero(inner)
-    k = int(places[0]) + 1 if len(places) else int(signal.argmax())
+    places = maxima(signal, floor * largest)
+    k = int(places[0]) if len(places) else int(signal.argmax())
     if not 0 < k < len(signal) - 1:
         return float(time[k]), float(signal[k])
     return _vertex(time[k - 1 : k + 2], signal[k - 1 : k + 2])
+
+
+def maxima(signal: Array, floor: float = 0.0) -> NDArray[np.intp]:
+    """Places of the local maxima of a signal (n_times,) above a floor."""
+    inner = (signal[1:-1] >= signal[:-2]) & (signal[1:-1] > signal[2:]) & (signal[1:-1] > floor)
+    return np.flatnonzero(inner) + 1
+
+
+def at_time(time: float, times: Array, rows: Array) -> Array:
+    """A record (n_times, n) at one time, between its rows by straight lines: (n,)."""
+    k = min(int(np.searchsorted(times, time)), len(times) - 1)
+    part = (time - times[k - 1]) / (times[k] - times[k - 1])
+    return np.asarray(rows[k - 1] + part * (rows[k] - rows[k - 1]))
 
 
 def arrival(time: Array, signal: Array, level: float) -> float:
@@ -77,6 +92,11 @@ class Power:
         """Values of the law."""
         return self.factor * x**self.exponent
 
+    @property
+    def interval(self) -> str:
+        """Confidence interval of the exponent as a sentence; empty where there is none."""
+        return f"95 % confidence interval: ± {self.margin:.1g}." if np.isfinite(self.margin) else ""
+
 
 def power(x: Array, y: Array) -> Power:
     """The power law through points (n_points,), positive ones alone.
@@ -93,6 +113,43 @@ def power(x: Array, y: Array) -> Power:
     n = int(np.count_nonzero(chosen))
     margin = float(stats.t.ppf(0.975, n - 2) * fit.stderr) if n > 2 else np.nan
     return Power(float(np.exp(fit.intercept)), float(fit.slope), margin)
+
+
+@dataclasses.dataclass(frozen=True)
+class Decay:
+    """``y = end + span exp(-x/length)``, fitted by least squares.
+
+    Attributes
+    ----------
+    residual
+        Root mean square.
+    """
+
+    end: float
+    span: float
+    length: float
+    residual: float
+
+    def __call__(self, x: Array) -> Array:
+        """Values of the law."""
+        return _exponential(x, self.end, self.span, self.length)
+
+
+def decay(x: Array, y: Array) -> Decay | None:
+    """The exponential law through points (n_points,); None where there are too few, or no such law is found."""
+    if len(x) < _FEWEST_FITTED:
+        return None
+    start = (float(y[-1]), float(y[0] - y[-1]) * np.e, float(x[-1] - x[0]) / 3)
+    try:
+        (end, span, length), _ = curve_fit(_exponential, x, y, p0=start, maxfev=5000)
+    except RuntimeError:
+        return None
+    residual = float(np.sqrt(np.mean((_exponential(x, end, span, length) - y) ** 2)))
+    return Decay(float(end), float(span), float(length), residual)
+
+
+def _exponential(x: Array, end: float, span: float, length: float) -> Array:
+    return end + span * np.exp(-x / length)
 
 
 def _vertex(time: Array, signal: Array) -> tuple[float, float]:

@@ -1,0 +1,116 @@
+"""Arrays of a finished run of a chain, in the order of the chain."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granwave.analysis.measures.sensors import sensor_forces
+from granwave.analysis.measures.signals import Array
+from granwave.analysis.result.chain import along
+from granwave.analysis.result.reader import Result
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.load import Load
+from granwave.lammps_inputs.contact.law import sphere_contact
+from granwave.lammps_inputs.packing.assembly import Assembly
+
+if TYPE_CHECKING:
+    from granwave._contact_laws import ContactLaw
+
+
+class ChainRecord:
+    """What a run of a chain recorded; for classes with a directory, a case and its assembly.
+
+    Contacts are numbered from the struck end, from 0, those with strikers and with the faces of bars among them; so are
+    beads, strikers first.
+    """
+
+    directory: Path
+    case: Case
+
+    @property
+    def assembly(self) -> Assembly:
+        """All bodies of the case."""
+        raise NotImplementedError
+
+    def value(self, name: str) -> float:
+        """A number of the summary; NaN where it does not apply."""
+        raise NotImplementedError
+
+    @property
+    def load(self) -> Load:
+        """What drives the chain."""
+        return self.case.load
+
+    @cached_property
+    def law(self) -> ContactLaw:
+        """Between two beads that are not replaced."""
+        return sphere_contact(self.case)
+
+    @cached_property
+    def mass(self) -> float:
+        """Of a bead that is not replaced, kg."""
+        return self.case.sphere_mass
+
+    @cached_property
+    def _arrays(self) -> dict[str, NDArray]:
+        return {}
+
+    def array(self, name: str) -> NDArray:
+        """An array of the result, such as ``energy/time`` and ``walls/bar/force``; read once.
+
+        Raises
+        ------
+        KeyError
+            The run has none of that name.
+        """
+        if name not in self._arrays:
+            with Result(self.directory) as result:
+                self._arrays[name] = result[name]
+        return self._arrays[name]
+
+    @cached_property
+    def recorded(self) -> bool:
+        """The chain's history was recorded."""
+        with Result(self.directory) as result:
+            return "chain/time" in result
+
+    @property
+    def time(self) -> Array:
+        """Instants of the history: (n_times,), s."""
+        return self.array("chain/time")
+
+    @property
+    def force(self) -> Array:
+        """Contact forces: (n_times, n_contacts), N."""
+        return self.array("chain/contact_force")
+
+    @property
+    def velocity(self) -> Array:
+        """Of the beads along the chain: (n_times, n_beads), m/s."""
+        return self.array("chain/velocity")
+
+    @property
+    def place(self) -> Array:
+        """Of the contacts along the chain at the start, the centre of bead 1 at 0: (n_contacts,), m."""
+        return self.array("chain/contact_position")
+
+    def of_contacts(self, name: str) -> Array:
+        """A column of ``/contacts``, such as ``peak_force``, along the chain, contacts with bars too: (n_contacts,)."""
+        with Result(self.directory) as result:
+            return along(result, name)
+
+    @cached_property
+    def sensors(self) -> dict[str, Array]:
+        """Force of every sensor at the instants of ``time``, by its name: (n_times,), N."""
+        with Result(self.directory) as result:
+            return sensor_forces(result)
+
+    def contact_between(self, bead: int) -> int:
+        """Place, in the arrays of the history, of the contact between this bead and the next."""
+        i, j = self.array("chain/contact_i"), self.array("chain/contact_j")
+        return int(np.flatnonzero((i == bead) & (j == bead + 1))[0])
