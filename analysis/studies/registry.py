@@ -15,4 +15,11 @@ and, where they are wanted, `title(group)`, `name(group)` (short, for links and 
 from __future__ import annotations
 
 #: Module of each study, below this package, in the order of a report.
-STUDIES: dict[str, str] = {}
+STUDIES: dict[str, str] = {
+    "square-impact": "square.impact",
+    "square-wave-speed": "square.wave_speed",
+    "square-yielding": "square.yielding",
+    "sensors-in-square": "square.sensors",
+    "directional": "square.directional",
+    "sensor-chain": "square.sensor_chain",
+}

@@ -17,8 +17,6 @@ from granwave.analysis.studies.precompression.studies import studies as studies_
 from granwave.analysis.studies.protection.runs import collect as collect_targets
 from granwave.analysis.studies.protection.studies import studies as protection_studies
 from granwave.analysis.studies.runs import FinishedRun
-from granwave.analysis.studies.square.runs import collect as collect_packings
-from granwave.analysis.studies.square.studies import studies as packing_studies
 from granwave.analysis.studies.study import Row, Study, make_studies
 from granwave.analysis.studies.tolerance.runs import collect as collect_tolerances
 from granwave.analysis.studies.tolerance.study import studies as tolerance_studies
@@ -64,7 +62,7 @@ def _guessed(inputs: Inputs) -> list[Study]:
     """Studies that still find their runs by themselves."""
     found = [(run.label, run.directory, run.summary) for run in inputs.results() if run.kind == "run"]
     chains = collect(found)
-    ours = studies([run for run in chains if not run.case.has_past]) + packing_studies(collect_packings(found), chains)
+    ours = studies([run for run in chains if not run.case.has_past])
     ours += studies_of_the_past(collect_with_past(found), chains)
     return ours + protection_studies(collect_targets(found)) + tolerance_studies(collect_tolerances(found))
 

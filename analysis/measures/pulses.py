@@ -11,8 +11,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq, least_squares
 
-from granwave.analysis.measures.signals import first_peak, width
-from granwave.analysis.studies.square.runs import Array
+from granwave.analysis.measures.signals import Array, first_peak, width
 from granwave.lammps_inputs.case.material import Material
 
 LENGTH = math.pi * math.sqrt(10) / 2  # diameters, of the solitary wave in the long-wave approximation: 4.97
