@@ -13,13 +13,14 @@ from pathlib import Path
 from granwave.analysis.document.model import Report, cleaned
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.outline import build_report
+from granwave.analysis.studies.registry import STUDIES
 from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.files import replace_bytes, replace_text
 
 SUFFIXES = (".html", ".pdf", ".md")
 
 
-def write_report(directories: Sequence[str | Path], output: str | Path) -> Path:
+def write_report(directories: Sequence[str | Path], output: str | Path, studies: Sequence[str] = ()) -> Path:
     """Write the report of runs and scans; an older report of that name is replaced.
 
     Parameters
@@ -28,6 +29,8 @@ def write_report(directories: Sequence[str | Path], output: str | Path) -> Path:
         Of runs and scans, in any mix, in the order in which they shall appear. A scan need not be finished.
     output
         The report: ``.html``, ``.pdf`` or ``.md`` (pictures then go to ``NAME_files`` beside it).
+    studies
+        Studies of all runs, beside those that their scans name; see `granwave.analysis.studies.registry`.
 
     Returns
     -------
@@ -37,19 +40,22 @@ def write_report(directories: Sequence[str | Path], output: str | Path) -> Path:
     Raises
     ------
     InputError
-        A directory is no run or scan, or is damaged; or the report cannot be written there. Nothing was written.
+        A directory is no run or scan, or is damaged; there is no such study; or the report cannot be written there.
+        Nothing was written.
     RunError
         Writing failed, as on a full disk; an older report is still there.
     """
     output = Path(output)
     faults = _faults_of(output)
+    known = ", ".join(STUDIES)
+    faults += [f"--study: found {name}, expected one of: {known}" for name in studies if name not in STUDIES]
     try:
         inputs = read_inputs(directories, output.parent)
     except InputError as error:
         faults += error.faults
     if faults:
         raise InputError(faults)
-    report = cleaned(build_report(inputs))
+    report = cleaned(build_report(inputs, studies))
     try:
         _write(report, output)
     except OSError as error:

@@ -18,6 +18,7 @@ from granwave.lammps_inputs.load_case import load_case
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 
 Kind = TypeVar("Kind", bound="FinishedRun")
+Item = TypeVar("Item")
 
 _NOT_OF_THE_CASE = ("name", "run", "output", "sensor")  # tables: how long and how finely it was followed
 
@@ -83,9 +84,9 @@ class FinishedRun:
         return float(found) if isinstance(found, int | float) and not isinstance(found, bool) else math.nan
 
 
-def rising(runs: Iterable[Kind], key: Callable[[Kind], float]) -> list[Kind]:
-    """Runs in rising order of a key; of equal ones the first."""
-    unique: dict[float, Kind] = {}
+def rising(runs: Iterable[Item], key: Callable[[Item], float]) -> list[Item]:
+    """Runs, or what was made of them, in rising order of a key; of equal ones the first."""
+    unique: dict[float, Item] = {}
     for run in runs:
         unique.setdefault(key(run), run)
     return [unique[value] for value in sorted(unique)]

@@ -54,7 +54,14 @@ class Row:
 
 @dataclasses.dataclass(frozen=True)
 class Picture:
-    """A figure of a study."""
+    """A figure of a study.
+
+    Attributes
+    ----------
+    name
+        Of its files. One that is empty or begins with an underscore goes on after the study's: ``_pulses`` of
+        ``square-in-plane`` becomes ``square_in_plane_pulses``.
+    """
 
     name: str
     caption: str
@@ -110,17 +117,25 @@ def make_studies(runs: Mapping[str, Sequence[FinishedRun]]) -> list[Study]:
 
 def _make(name: str, runs: Sequence[FinishedRun]) -> Iterator[Study]:
     module: Any = importlib.import_module(f"{__package__}.{STUDIES[name]}")
+    groups = list(module.select(runs))
+    numbered = len(groups) > 1 and not hasattr(module, "name")  # else the module tells groups apart
 
     def parts(which: str, group: Any) -> tuple[Any, ...]:
         return tuple(getattr(module, which)(group)) if hasattr(module, which) else ()
 
-    for number, group in enumerate(module.select(runs), start=1):
+    def named(picture: Picture, study: str, number: int) -> Picture:
+        if not picture.name or picture.name.startswith("_"):
+            return dataclasses.replace(picture, name=study.replace("-", "_") + picture.name)
+        return dataclasses.replace(picture, name=f"{picture.name}_{number}") if numbered else picture
+
+    for number, group in enumerate(groups, start=1):
+        word = module.name(group) if hasattr(module, "name") else name + (f"-{number}" if number > 1 else "")
         yield Study(
-            module.name(group) if hasattr(module, "name") else name + (f"-{number}" if number > 1 else ""),
-            module.title(group) if hasattr(module, "title") else module.TITLE,
-            module.text(group),
+            name + f"-{number}" if numbered else word,
+            module.title(group) if hasattr(module, "title") else module.TITLE + (f" ({number})" if numbered else ""),
+            module.text(group) if hasattr(module, "text") else module.TEXT,
             parts("rows", group),
-            parts("pictures", group),
+            tuple(named(picture, word, number) for picture in parts("pictures", group)),
             parts("tables", group),
             parts("verdict", group),
         )

@@ -12,10 +12,6 @@ from granwave.analysis.figures.run_figures import FIGURES_DIRECTORY
 from granwave.analysis.reports.inputs import Inputs
 from granwave.analysis.studies.chains.runs import collect
 from granwave.analysis.studies.chains.studies import studies
-from granwave.analysis.studies.precompression.runs import collect as collect_with_past
-from granwave.analysis.studies.precompression.studies import studies as studies_of_the_past
-from granwave.analysis.studies.protection.runs import collect as collect_targets
-from granwave.analysis.studies.protection.studies import studies as protection_studies
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Row, Study, make_studies
 from granwave.analysis.studies.tolerance.runs import collect as collect_tolerances
@@ -43,19 +39,26 @@ def verdicts(found: Sequence[Study]) -> tuple[Group, ...]:
     return tuple(Group(study.title, tuple(map(Note, study.verdict))) for study in found if study.verdict)
 
 
-def studies_of(inputs: Inputs) -> list[Study]:
-    """Studies that the scans of a report name, of all runs of the scans that name them."""
-    offered: dict[str, list[FinishedRun]] = {}
+def studies_of(inputs: Inputs, named: Sequence[str] = ()) -> list[Study]:
+    """Studies that the scans of a report name, of all runs of the scans that name them.
+
+    Parameters
+    ----------
+    named
+        Further studies, of all runs of the report.
+    """
+    offered: dict[str, dict[Path, FinishedRun]] = {}
     read: dict[Path, tuple[FinishedRun, ...]] = {}
-    for scan in inputs.scans:
-        for point in scan.points if scan.studies else ():
-            run = point.run
-            if run is None or run.kind != "run" or run.directory in read:
-                continue
+    asked = [(run, tuple(named)) for run in inputs.runs]
+    asked += [(point.run, (*scan.studies, *named)) for scan in inputs.scans for point in scan.points if point.run]
+    for run, names in asked:
+        if not names or run.kind != "run":
+            continue
+        if run.directory not in read:
             read[run.directory] = FinishedRun.among([(run.label, run.directory, run.summary)], lambda _: True)
-            for name in scan.studies:
-                offered.setdefault(name, []).extend(read[run.directory])
-    return make_studies(offered) + _guessed(inputs)
+        for name in names:
+            offered.setdefault(name, {}).update((one.directory, one) for one in read[run.directory])
+    return make_studies({name: list(runs.values()) for name, runs in offered.items()}) + _guessed(inputs)
 
 
 def _guessed(inputs: Inputs) -> list[Study]:
@@ -63,8 +66,7 @@ def _guessed(inputs: Inputs) -> list[Study]:
     found = [(run.label, run.directory, run.summary) for run in inputs.results() if run.kind == "run"]
     chains = collect(found)
     ours = studies([run for run in chains if not run.case.has_past])
-    ours += studies_of_the_past(collect_with_past(found), chains)
-    return ours + protection_studies(collect_targets(found)) + tolerance_studies(collect_tolerances(found))
+    return ours + tolerance_studies(collect_tolerances(found))
 
 
 def _group(study: Study, inputs: Inputs) -> Group:

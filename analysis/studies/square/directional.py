@@ -11,6 +11,11 @@ from granwave.analysis.studies.study import Row
 from granwave.analysis.studies.titles import law_words
 
 TITLE = "How directional the waves stay"
+TEXT = (
+    "Share of the energy of the spheres, before the wave reaches an end, and of all dissipation, "
+    f"within {AXIS_ANGLE:g} degrees of the directions of contacts from the struck spheres. Theory: an even "
+    "spread. Square packings: the fastest impact. Each run's own map is its figure `directions`."
+)
 
 
 def select(runs: Sequence[FinishedRun]) -> list[list[PackingRun]]:
@@ -19,15 +24,6 @@ def select(runs: Sequence[FinishedRun]) -> list[list[PackingRun]]:
     laws = dict.fromkeys(run.case.contact.law for run in packings(runs))
     chosen += [series[-1] for way in WAYS for law in laws if (series := squares(runs, way, law))]
     return [chosen] if any(one is not None for run in chosen for one in run.spreads) else []
-
-
-def text(_: Sequence[PackingRun]) -> str:
-    """What the shares are."""
-    return (
-        "Share of the energy of the spheres, before the wave reaches an end, and of all dissipation, "
-        f"within {AXIS_ANGLE:g} degrees of the directions of contacts from the struck spheres. Theory: an even "
-        "spread. Square packings: the fastest impact. Each run's own map is its figure `directions`."
-    )
 
 
 def rows(runs: Sequence[PackingRun]) -> list[Row]:

@@ -90,11 +90,11 @@ def rows(run: PackingRun) -> Iterator[Row]:
 
 def pictures(run: PackingRun) -> Iterator[Picture]:
     """Energies, maps of speed, and lengths where a pulse passed."""
-    slug, impact = f"square_{run.way.replace('-', '_')}", f"{run.way} impact"
-    yield Picture(f"{slug}_energies", f"Energy by region, {impact}", _draw_energies(run))
-    yield Picture(f"{slug}_speeds", f"Speed of the spheres, {impact} (source Figs 3 and 6)", _draw_maps(run))
+    impact = f"{run.way} impact"
+    yield Picture("_energies", f"Energy by region, {impact}", _draw_energies(run))
+    yield Picture("_speeds", f"Speed of the spheres, {impact} (source Figs 3 and 6)", _draw_maps(run))
     if measured := _measured(run):
-        yield Picture(f"{slug}_pulses", f"Length of the pulse, {impact} (source Fig. 11)", _draw_lengths(measured))
+        yield Picture("_pulses", f"Length of the pulse, {impact} (source Fig. 11)", _draw_lengths(measured))
 
 
 def _measured(run: PackingRun) -> dict[str, Lengths]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from granwave.analysis.figures.series import one_panel
 from granwave.analysis.figures.style import BLUE, GREY, Drawing
-from granwave.analysis.measures.signals import first_peak
+from granwave.analysis.measures.pulses import reflection
 from granwave.analysis.studies.chains.runs import ChainRun
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture, Row
@@ -16,9 +16,11 @@ from granwave.analysis.studies.study import Picture, Row
 Reflections = dict[float, float]  # per cent of the wave, by mass over the others'
 
 TITLE = "A lighter sphere in a chain"
+TEXT = (
+    "Largest contact force of what comes back, over that of the incident wave, four contacts before the sphere, "
+    "until waves from the far end can arrive. The source does not say which amplitude it took, nor where."
+)
 _BEFORE = 4  # contacts between the lighter sphere and the one at which the reflection is measured
-_GONE = 1e-3  # of its peak: the incident wave has passed
-_BACK = 0.8  # part of the wave's way to the far end and back that is waited for
 _SENSOR_MASS, _LIMIT = 26.52 / 28.79, 1.2  # over the others'; per cent of the incident wave
 _SAME = 0.005
 
@@ -27,19 +29,13 @@ def select(runs: Sequence[FinishedRun]) -> list[Reflections]:
     """Chains that a striker hits, with one sphere of another mass and the same diameter: reflection by rising mass."""
     found: Reflections = {}
     for run in runs:
-        ratio = _mass_ratio(run)
-        share = np.nan if ratio is None else _reflection(run.seen_as(ChainRun))
-        if ratio is not None and np.isfinite(share):
-            found.setdefault(round(ratio, 6), 100 * share)
+        ratio, chain = _mass_ratio(run), run.seen_as(ChainRun)
+        if ratio is not None:
+            place = next(iter(run.assembly.materials)) - _BEFORE  # the contact of the striker is number 0
+            share = reflection(chain.time, chain.force, place, _BEFORE + 2)
+            if np.isfinite(share):
+                found.setdefault(round(ratio, 6), 100 * share)
     return [dict(sorted(found.items()))] if found else []
-
-
-def text(_: Reflections) -> str:
-    """How the reflection is measured."""
-    return (
-        "Largest contact force of what comes back, over that of the incident wave, four contacts before the sphere, "
-        "until waves from the far end can arrive. The source does not say which amplitude it took, nor where."
-    )
 
 
 def rows(found: Reflections) -> Iterator[Row]:
@@ -62,7 +58,7 @@ def pictures(found: Reflections) -> Iterator[Picture]:
     axes.set_ylim(0)
     axes.legend()
     drawing = Drawing(figure, {"mass_ratio": ratios, "reflection_percent": reflected})
-    yield Picture("sensor_chain", "Reflection of a lighter sphere in a chain", drawing)
+    yield Picture("", "Reflection of a lighter sphere in a chain", drawing)
 
 
 def _mass_ratio(run: FinishedRun) -> float | None:
@@ -76,20 +72,3 @@ def _mass_ratio(run: FinishedRun) -> float | None:
     if (theirs.youngs_modulus, theirs.poisson_ratio) != (ours.youngs_modulus, ours.poisson_ratio):
         return None
     return theirs.density / ours.density if run.seen_as(ChainRun).recorded else None
-
-
-def _reflection(run: ChainRun) -> float:
-    """NaN where the run ends too soon, or the sphere is too near an end."""
-    place = next(iter(run.assembly.materials)) - _BEFORE  # the contact of the striker is number 0
-    n = run.force.shape[1]
-    if place < 2 or place + _BEFORE + 2 > n:
-        return np.nan
-    (here, peak), (early, _), (far, _) = (first_peak(run.time, run.force[:, k], floor=0.5) for k in (place, 1, n - 1))
-    period = (here - early) / (place - 1)  # from contact to contact
-    signal = run.force[:, place]
-    gone = np.flatnonzero((run.time > here) & (signal < _GONE * peak))
-    until = far + _BACK * (n - place) * period
-    if not len(gone) or run.time[-1] < until:
-        return np.nan
-    after = signal[int(gone[0]) :][run.time[int(gone[0]) :] < until]
-    return float(after.max(initial=0.0) / peak)

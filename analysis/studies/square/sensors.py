@@ -16,6 +16,10 @@ from granwave.analysis.studies.study import Row
 Pair = tuple[PackingRun, PackingRun]
 
 TITLE = "Sensor spheres in a square packing"
+TEXT = (
+    "What lighter spheres with sensors change at the sensors, beside spheres alike: peak velocity, and its "
+    "time. The source found no trend in its experiments with a chain."
+)
 _WHERE = "square packing, Experimental Setup"
 _FELT = 0.01  # of the largest velocity: the wave passes a sensor
 
@@ -26,14 +30,6 @@ def select(runs: Sequence[FinishedRun]) -> list[list[Pair]]:
     plain = {_key(run): run for run in chosen if run.alike}
     pairs = [(run, plain[_key(run)]) for run in chosen if not run.alike and _key(run) in plain]
     return [pairs] if any(rows([pair]) for pair in pairs) else []
-
-
-def text(_: Sequence[Pair]) -> str:
-    """What is compared."""
-    return (
-        "What lighter spheres with sensors change at the sensors, beside spheres alike: peak velocity, and its "
-        "time. The source found no trend in its experiments with a chain."
-    )
 
 
 def rows(pairs: Sequence[Pair]) -> list[Row]:

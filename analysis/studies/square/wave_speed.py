@@ -18,6 +18,10 @@ from granwave.analysis.studies.study import Picture, Row
 from granwave.lammps_inputs.case.material import Material
 
 TITLE = "Square packing: wave speed"
+TEXT = (
+    "Between the places of two sensors in a chain: wave speed from the times of the velocity peaks, against "
+    "the mean of the peaks, for a scan of the striker's velocity."
+)
 _LEAST = 3  # velocities for a fit
 _WHERE = "square packing, equation 3, Figs 8 to 10"
 #: Places of the sensors, counted along the chain from the struck sphere as 1: B and C of the source.
@@ -52,14 +56,6 @@ def select(runs: Sequence[FinishedRun]) -> list[list[Series]]:
     return [found] if found else []
 
 
-def text(_: Sequence[Series]) -> str:
-    """How the speed is measured."""
-    return (
-        "Between the places of two sensors in a chain: wave speed from the times of the velocity peaks, against "
-        "the mean of the peaks, for a scan of the striker's velocity."
-    )
-
-
 def rows(found: Sequence[Series]) -> Iterator[Row]:
     """Exponents, and a speed in the middle of each series."""
     for one in found:
@@ -88,8 +84,7 @@ def pictures(found: Sequence[Series]) -> Iterator[Picture]:
     low, high = axes.get_ylim()
     axes.set_ylim(low, high * (high / low) ** 0.5)
     axes.legend(loc="upper left")
-    caption = "Wave speed against particle velocity (source Figs 8 to 10)"
-    yield Picture("square_wave_speed", caption, Drawing(figure, columns))
+    yield Picture("", "Wave speed against particle velocity (source Figs 8 to 10)", Drawing(figure, columns))
 
 
 def _point(run: PackingRun, group: str) -> tuple[float, float] | None:

@@ -69,6 +69,4 @@ def pictures(series: Series) -> Iterator[Picture]:
         axes.plot(speed, 100 * share, "o-", markersize=3, color=_COLOURS.get(region, "black"), label=region)
         columns[f"{region.replace(' ', '_')}_over_input"] = share
     axes.legend(loc="center right")
-    way = series[0].way
-    yield Picture(f"square_yielding_{way.replace('-', '_')}", f"Where the energy goes, {way} impact",
-                  Drawing(figure, columns))  # fmt: skip
+    yield Picture("", f"Where the energy goes, {series[0].way} impact", Drawing(figure, columns))
