@@ -11,22 +11,20 @@ import numpy as np
 import pytest
 
 from granwave.analysis.figures.style import save, style
-from granwave.analysis.reports.inputs import read_inputs
+from granwave.analysis.measures import loaded_line as theory
+from granwave.analysis.measures.hertz_chain import discrete_speed
+from granwave.analysis.reports.inputs import Point, Scan, read_inputs
 from granwave.analysis.reports.sections.studies import studies_of
 from granwave.analysis.studies.chains.runs import ChainRun
-from granwave.analysis.studies.chains.runs import collect as collect_chains
-from granwave.analysis.studies.chains.scales import discrete_speed
-from granwave.analysis.studies.precompression import theory
-from granwave.analysis.studies.precompression.chain_waves import Wave, precompressed_chains
-from granwave.analysis.studies.precompression.hits import repeated_hits, series_of
-from granwave.analysis.studies.precompression.packing_impact import precompressed_impacts
-from granwave.analysis.studies.precompression.packing_speed import long_wave_speed, packing_speeds
-from granwave.analysis.studies.precompression.preconditioned import level_of, preconditioned
-from granwave.analysis.studies.precompression.runs import PastRun, collect, groups
-from granwave.analysis.studies.precompression.settled import contacts_a_sphere, settled_packings
+from granwave.analysis.studies.precompression import hits
+from granwave.analysis.studies.precompression.packing_speed import SmallWave
+from granwave.analysis.studies.precompression.preconditioned import level_of
+from granwave.analysis.studies.precompression.runs import PastRun
+from granwave.analysis.studies.precompression.settled import contacts_a_sphere
+from granwave.analysis.studies.precompression.waves import ChainWave
 from granwave.analysis.studies.registry import STUDIES
+from granwave.analysis.studies.runs import FinishedRun, grouped
 from granwave.analysis.studies.study import Row, Study, make_studies
-from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.planning.timestep import auto_timestep
@@ -41,12 +39,12 @@ SCANS = (
 
 def run(directory: Path, name: str, changes: dict[str, Any]) -> PastRun:
     outcome = run_case(load_case(name, FEW | changes), directory, figures=False)
-    (found,) = collect([(directory.name, directory, outcome.summary)])
-    return found
+    return PastRun(directory.name, directory, load_case(directory / "case.toml"), outcome.summary)
 
 
-def chain_of(run: PastRun) -> ChainRun:
-    return collect_chains([(run.label, run.directory, run.summary)])[0]
+def made(name: str, *runs: FinishedRun) -> Study:
+    (study,) = make_studies({name: runs})
+    return study
 
 
 def row(study: Study, start: str) -> Row:
@@ -113,27 +111,27 @@ def test_contact_force_of_a_packing_is_that_of_its_mean_stress() -> None:
 
 
 @pytest.fixture(scope="module")
-def chains(tmp_path_factory: pytest.TempPathFactory) -> list[ChainRun]:
+def chains(tmp_path_factory: pytest.TempPathFactory) -> list[PastRun]:
     """Steel chains of 80 beads: small pulses at three forces, and three impacts at one."""
-    made = tmp_path_factory.mktemp("chains")
+    folder = tmp_path_factory.mktemp("chains")
     points = [(1.0, 2e-4, 3.0e-3), (10.0, 1.4e-3, 2.1e-3), (100.0, 9e-3, 1.4e-3), (10.0, 1.0, 1.5e-3), (10.0, 20.0, 9e-4),
               (0.01, 0.02, 4e-3), (1.0, 0.02, 3e-3), (100.0, 0.02, 1.4e-3)]  # fmt: skip
     found = []
     for n, (force, velocity, end) in enumerate(points):
         changes = {"precompression.force": force, "load.velocity": velocity, "run.end_time": end, "packing.size": 80,
                    "output.history": 700, "material": "steel"}  # fmt: skip
-        found.append(chain_of(run(made / f"{n}", "precompressed-chain", changes)))
+        found.append(run(folder / f"{n}", "precompressed-chain", changes))
     return found
 
 
-def test_chains_follow_the_formulas(chains: list[ChainRun]) -> None:
-    with style():
-        studies = list(precompressed_chains(chains))
+def test_chains_follow_the_formulas(chains: list[PastRun]) -> None:
+    names = ("precompressed-small-pulses", "precompressed-waves", "precompressed-transition")
+    studies = make_studies({name: chains for name in names})
     small, waves, transition = studies
     assert row(small, "Power").ours == pytest.approx(1 / 6, abs=3e-4)
     assert row(small, "Factor").ours == pytest.approx(theory.EXACT_FACTOR, rel=1e-3)
     for chain in chains:
-        wave = Wave(chain)
+        wave = ChainWave(chain.seen_as(ChainRun))
         if wave.ratio < 1.05:
             assert wave.long_wave_speed == pytest.approx(wave.line.speed, rel=2e-3)
             assert wave.speed == pytest.approx(wave.linear_speed, rel=2e-3)
@@ -147,7 +145,7 @@ def test_chains_follow_the_formulas(chains: list[ChainRun]) -> None:
     assert all(study.pictures for study in studies)
 
 
-def test_precompressed_chains_are_no_runs_of_other_studies(chains: list[ChainRun]) -> None:
+def test_precompressed_chains_are_no_runs_of_other_studies(chains: list[PastRun]) -> None:
     """Reports show them in their own studies alone; a chain at rest between small forces is another problem."""
     assert all(chain.case.has_past for chain in chains)
     names = [name for name, module in STUDIES.items() if module.startswith("chains.")]
@@ -167,9 +165,8 @@ def test_speed_of_small_waves_in_packings(tmp_path: Path, kind: str, how: str, s
                "run.end_time": 2.3e-4 if how == "uniaxial" else 1.2e-4, "run.frames": 50}  # fmt: skip
     found = run(tmp_path / "run", "precompressed-fcc", changes)
     assert found.of_prestage("residual") < 1e-6
-    assert long_wave_speed(found) == pytest.approx(theory.line_of(found.case, found.law).speed, rel=3e-3)
-    with style():
-        (study,) = packing_speeds([found])
+    assert found.seen_as(SmallWave).speed == pytest.approx(theory.line_of(found.case, found.law).speed, rel=3e-3)
+    study = made("precompressed-packing-speed", found)
     assert len(study.rows) == 1
 
 
@@ -177,8 +174,7 @@ def test_impact_on_top_of_pressure(tmp_path: Path) -> None:
     changes = {"packing.size": [6, 6, 4], "run.end_time": 1.5e-4}
     pressed = {"precompression.kind": "uniform", "precompression.pressure": 1e5}
     runs = [run(tmp_path / "0", "fcc-small", changes), run(tmp_path / "1", "fcc-small", changes | pressed)]
-    with style():
-        (study,) = precompressed_impacts(runs)
+    study = made("precompressed-impact", *runs)
     without, under = runs
     assert len(study.tables[0].rows) == 2
     assert 0.5 < under.dissipated < 0.95
@@ -194,8 +190,7 @@ def test_more_than_the_input_is_dissipated(tmp_path: Path) -> None:
     runs = [run(tmp_path / f"{p:g}", "fcc-small", changes | {"precompression.pressure": p}) for p in (1e4, 1.4e5)]
     assert runs[1].dissipated > 1 > runs[0].dissipated
     assert runs[1].summary["energy_elastic_J"] < 0 and runs[1].summary["energy_balance_error"] < 1e-5
-    with style():
-        (study,) = precompressed_impacts(runs)
+    study = made("precompressed-impact", *runs)
     assert "More than 100 %" in study.text and "More than 100 %" in study.verdict[0]
 
 
@@ -210,13 +205,12 @@ def test_settled_packing_beside_the_same_as_placed(tmp_path: Path) -> None:
     ideal = dataclasses.replace(placed, packing=dataclasses.replace(placed.packing, diameter_scatter=0.0, seed=None))
     for name, case in (("placed", placed), ("ideal", ideal)):
         outcome = run_case(case, tmp_path / name, figures=False)
-        runs += collect([(name, tmp_path / name, outcome.summary)])
+        runs.append(PastRun(name, tmp_path / name, case, outcome.summary))
     settled, placed_run, ideal_run = runs
     assert settled.of_prestage("residual") < 1e-6
     assert 2.5 < contacts_a_sphere(settled) < 5
     assert max(settled.arrival, ideal_run.arrival) < placed_run.arrival
-    with style():
-        (study,) = settled_packings(runs)
+    study = made("settled-packing", *runs)
     assert [cells[0].text for cells in study.tables[0].rows] == [
         "like spheres, as placed", "scattered, as placed", "scattered, settled under 100 kPa on top",
     ]  # fmt: skip
@@ -239,10 +233,9 @@ def test_preconditioned_chain_is_elastic_up_to_its_level(tmp_path: Path) -> None
     assert max(slow.dissipated, elastic.dissipated) < 1e-9
     assert elastic.summary["peak_force_N"] < 2e3 < losing.summary["peak_force_N"]
     assert losing.dissipated > 0.1
-    with style():
-        (study,) = preconditioned(runs)
+    study = made("preconditioned", *runs)
     assert row(study, "Largest force without").ours < 1 < row(study, "Smallest force with").ours
-    peaks = chain_of(elastic).of_contacts("peak_force")
+    peaks = elastic.seen_as(ChainRun).of_contacts("peak_force")
     assert peaks[25] == pytest.approx(peaks[12], rel=0.02)
     assert len(study.pictures) == 2
 
@@ -283,13 +276,13 @@ def test_packing_hit_three_times(tmp_path: Path) -> None:
     for n in (2, 3):
         dents = {"contact.initial_overlap": str(runs[-1].directory / "result.h5")}
         runs.append(run(tmp_path / f"hit{n}", "fcc-small", changes | dents))
-    assert [[one.label for one in series] for series in series_of(runs[::-1])] == [["hit1", "hit2", "hit3"]]
+    assert [[one.label for one in series] for series in hits.select(runs[::-1])] == [["hit1", "hit2", "hit3"]]
     first, second, third = (one.dissipated for one in runs)
     assert third < second < 0.9 * first
-    with style():
-        (study,) = repeated_hits(runs)
+    study = made("repeated-hits", *runs)
     assert len(study.tables[0].rows) == 3
-    save(study.pictures[0].drawing, tmp_path / "figure", pdf=False)
+    with style():
+        save(study.pictures[0].drawing, tmp_path / "figure", pdf=False)
 
 
 def test_a_report_shows_the_studies_of_its_runs(tmp_path: Path) -> None:
@@ -297,7 +290,12 @@ def test_a_report_shows_the_studies_of_its_runs(tmp_path: Path) -> None:
     first = run(tmp_path / "hit1", "fcc-small", changes)
     run(tmp_path / "hit2", "fcc-small", changes | {"contact.initial_overlap": str(first.directory)})
     inputs = read_inputs([tmp_path / "hit1", tmp_path / "hit2"], tmp_path / "report.html")
-    assert "repeated-hits" in [study.name for study in studies_of(inputs)]
+    assert studies_of(inputs) == []
+    assert "repeated-hits" in [study.name for study in studies_of(inputs, ["repeated-hits"])]
+    points = tuple(Point(None, "", one) for one in inputs.runs)
+    scans = (Scan("dents", None, points, ("preconditioned",)), Scan("hits", None, points, ("repeated-hits",)))
+    found = studies_of(dataclasses.replace(inputs, items=scans))  # runs that two scans share
+    assert [study.name for study in found] == ["repeated-hits"]
 
 
 # ---------------------------------------------------------------------- finding runs, built-in studies
@@ -308,13 +306,10 @@ def test_twins_differ_in_what_is_named_alone() -> None:
     other = load_case("settled-fcc", {"precompression.pressure": 1e4, "run.end_time": 1e-3})
     faster = load_case("settled-fcc", {"load.velocity": 10.0})
 
-    def made(case: Case) -> PastRun:
-        return PastRun("", Path(), case, {})
-
-    runs = [made(case), made(other), made(faster)]
-    assert [len(group) for group in groups(runs, "precompression")] == [2, 1]
-    assert [len(group) for group in groups(runs, "precompression", "load.velocity")] == [3]
-    assert [len(group) for group in groups(runs)] == [1, 1, 1]
+    runs = [PastRun("", Path(), one, {}) for one in (case, other, faster)]
+    assert [len(group) for group in grouped(runs, "precompression")] == [2, 1]
+    assert [len(group) for group in grouped(runs, "precompression", "load.velocity")] == [3]
+    assert [len(group) for group in grouped(runs)] == [1, 1, 1]
 
 
 @pytest.mark.parametrize("name", SCANS)

@@ -11,18 +11,18 @@ import numpy as np
 import pytest
 from scipy.integrate import cumulative_trapezoid
 
+from granwave.analysis.measures.hertz_impact import HertzImpact, after_impulse, response
 from granwave.analysis.result.reader import Result
 from granwave.analysis.result.writer import BALANCE_REFUSED
-from granwave.analysis.studies.protection.checks import hertz
-from granwave.analysis.studies.protection.runs import TargetRun, collect, names, series
-from granwave.analysis.studies.protection.studies import studies
-from granwave.analysis.studies.protection.theory import HertzImpact, after_impulse, response
-from granwave.analysis.studies.study import draw_studies
+from granwave.analysis.studies.protection.runs import TargetRun, impacts, names, series
+from granwave.analysis.studies.runs import FinishedRun
+from granwave.analysis.studies.study import draw_studies, make_studies
 from granwave.lammps_inputs.case.sections import Run
 from granwave.lammps_inputs.load_case import load_case
 from granwave.workflows import load_scan, run_case
 
 CASES = Path(__file__).parents[1] / "workflows" / "cases"
+STUDIES = ("protected-height", "protected-bottoms", "protected-spectrum", "protected-checks")
 CONCRETE = {"name": "concrete", "youngs_modulus": 31e9, "poisson_ratio": 0.2, "density": 2447}
 PLATE = {"plate": {"mass": 0.5, "stiffness": 2e9}, "material": "steel"}
 Found = list[tuple[str, Path, Any]]
@@ -66,6 +66,10 @@ def packings(tmp_path_factory: pytest.TempPathFactory) -> Found:
     ]
 
 
+def collect(found: Found) -> list[list[TargetRun]]:
+    return impacts(FinishedRun.among(found, lambda _: True))
+
+
 def work_on(run: TargetRun) -> np.ndarray:
     """Of the force on a target along its motion, at the instants of the force, J."""
     if not run.moves:
@@ -100,7 +104,7 @@ def test_oscillator_between_its_limits() -> None:
 
 def test_single_spheres_obey_the_closed_forms(spheres: Found) -> None:
     (group,) = collect(spheres)
-    (found,) = [study for study in studies([group]) if study.name == "protected-checks"]
+    (found,) = make_studies({"protected-checks": group})
     assert len(found.rows) == 8 and found.title.endswith(": Brass sphere of 10 mm, elastic contacts, 1 m/s")
     assert {row.where for row in found.rows} >= {"Hertz (1882)", "2 m v"} and not any(row.remark for row in found.rows)
     for row in found.rows:
@@ -108,7 +112,7 @@ def test_single_spheres_obey_the_closed_forms(spheres: Found) -> None:
         assert row.ours == pytest.approx(row.expected, rel=1e-2), row.quantity
     exact = [row for row in found.rows if row.quantity.startswith(("Peak", "Impulse"))]
     assert [row.ours for row in exact] == pytest.approx([row.expected for row in exact], rel=3e-4)
-    assert not [study for study in studies([group]) if study.name == "protected-bottoms"]  # a sphere is no packing
+    assert not make_studies({"protected-bottoms": group})  # a sphere is no packing
 
 
 def test_momentum_and_energy_that_arrive(packings: Found) -> None:
@@ -138,7 +142,7 @@ def test_studies_of_bottoms_and_heights(packings: Found, tmp_path: Path) -> None
     assert names(group)[0] == "rigid wall, 2 layers" and group[-1].bottom == "concrete half-space"
     ((*heights,),) = series(group)
     assert [run.layers for run in heights] == [2, 3, 4]
-    found = {study.name: study for study in studies([group])}
+    found = {study.name: study for study in make_studies({name: group for name in STUDIES})}
     assert list(found) == ["protected-height", "protected-bottoms"]
     (table,) = found["protected-bottoms"].tables
     assert [row[0].text for row in table.rows] == ["rigid wall", "plate of 0.5 kg, 99.3 µs", "concrete half-space"]
@@ -161,7 +165,7 @@ def test_spectrum_follows_the_oscillator(tmp_path: Path) -> None:
         bottom = {"plate": {"mass": 10.0, "stiffness": stiffness}}
         found.append(ran("protected-sphere", tmp_path / str(n), **{"boundary.bottom": bottom}, **more))
     (group,) = collect(found)
-    (study,) = [study for study in studies([group]) if study.name == "protected-spectrum"]
+    (study,) = make_studies({"protected-spectrum": group})
     rows = study.rows
     assert len(rows) == 4 and "slow force" in rows[0].where and "short impulse" in rows[-1].where
     for row in rows:
@@ -186,13 +190,14 @@ def test_only_runs_that_compare_make_a_study(packings: Found, tmp_path: Path) ->
 def test_hertz_of_a_run(spheres: Found) -> None:
     runs = {run.label: run for run in collect(spheres)[0]}
     wall: TargetRun = runs["wall"]
-    assert hertz(wall).force == pytest.approx(wall.summary["unprotected_peak_force_N"], rel=1e-6)
+    assert HertzImpact.of(wall.case).force == pytest.approx(wall.summary["unprotected_peak_force_N"], rel=1e-6)
     for name in ("slow", "fast", "ground", "bar"):  # nothing between: the run is the impact without a packing
         assert runs[name].summary["peak_reduction"] == pytest.approx(1, abs=1e-3)
 
 
 def test_a_report_shows_them(packings: Found, granwave, tmp_path: Path) -> None:
-    done = granwave("report", *(path for _, path, _ in packings), "-o", tmp_path / "r.md")
+    studies = ("--study", "protected-bottoms", "--study", "protected-height")
+    done = granwave("report", *(path for _, path, _ in packings), *studies, "-o", tmp_path / "r.md")
     assert done.returncode == 0, done.stderr
     text = (tmp_path / "r.md").read_text(encoding="utf-8")
     assert "Protected target, by bottom" in text and "Peak reduction by height" in text

@@ -24,6 +24,13 @@ def refused(directories, output) -> list[str]:
     return error.value.faults
 
 
+def test_studies_that_do_not_exist(runs, tmp_path):
+    with pytest.raises(InputError, match=r"--study: found directionl, expected one of: .*directional") as error:
+        write_report(runs, tmp_path / "r.md", ["directionl", "repeated-hits"])
+    assert len(error.value.faults) == 1
+    assert not list(tmp_path.glob("r*"))
+
+
 def test_all_faults_at_once_and_nothing_written(runs, tmp_path):
     (tmp_path / "empty").mkdir()
     (tmp_path / "other").mkdir()

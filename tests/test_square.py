@@ -10,12 +10,12 @@ import pytest
 
 from granwave.analysis import Result
 from granwave.analysis.figures.run_figures import draw_figures
+from granwave.analysis.measures import pulses
 from granwave.analysis.measures.directions import energy_of_spheres, spread, travelling_frame
-from granwave.analysis.studies.chains.runs import collect as collect_chains
-from granwave.analysis.studies.square import pulses
-from granwave.analysis.studies.square.regions import groups, regions, settled
-from granwave.analysis.studies.square.runs import PackingRun, collect
-from granwave.analysis.studies.square.studies import studies
+from granwave.analysis.measures.regions import groups, regions
+from granwave.analysis.studies.runs import FinishedRun
+from granwave.analysis.studies.square.runs import PackingRun
+from granwave.analysis.studies.study import make_studies
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import material
 from granwave.lammps_inputs.errors import InputError
@@ -23,14 +23,14 @@ from granwave.lammps_inputs.load_case import case_from_dict, load_case
 from granwave.workflows import run_case
 
 CASES = Path(__file__).parents[1] / "workflows" / "cases"
+STUDIES = ("square-impact", "square-wave-speed", "square-yielding", "sensors-in-square", "directional")
 STEEL = {"youngs_modulus": 193e9, "poisson_ratio": 0.3, "density": 8000.0, "yield_strength": 240e6}
 
 
 def run(name: str, directory: Path, **changes: Any) -> PackingRun:
     outcome = run_case(load_case(CASES / f"{name}.toml", changes), directory, figures=False)
     assert outcome.summary["energy_balance_error"] < 1e-5
-    (found,) = collect([(name, directory, outcome.summary)])
-    return found
+    return PackingRun(name, directory, load_case(directory / "case.toml"), outcome.summary)
 
 
 @pytest.fixture(scope="module")
@@ -44,27 +44,27 @@ def out_of_plane(tmp_path_factory: pytest.TempPathFactory) -> PackingRun:
 
 
 def test_energies_of_the_source(in_plane: PackingRun, out_of_plane: PackingRun) -> None:
-    found = settled(in_plane)
+    found = in_plane.settled
     assert 100 * found["central chains"] == pytest.approx(71.5, abs=0.1)
     assert 100 * found["edge chains"] == pytest.approx(24.5, abs=0.1)
-    found = settled(out_of_plane)
+    found = out_of_plane.settled
     assert 100 * found["central chains"] == pytest.approx(44.3, abs=0.1)
     assert 100 * found["strikers"] == pytest.approx(8.0, abs=0.1)
     assert 100 * found["struck spheres"] == pytest.approx(47.7, abs=0.1)
     for one in (in_plane, out_of_plane):
-        shares = regions(one)
+        shares = regions(one.snapshots)
         np.testing.assert_allclose(sum(shares.values()), 1.0, atol=2e-5)  # every joule is somewhere
         assert shares["other spheres"].max() < 1e-6
 
 
 def test_wave_is_nesterenkos_but_shorter(in_plane: PackingRun) -> None:
-    chain = groups(in_plane)["central chains"][0]
+    chain = groups(in_plane.snapshots)["central chains"][0]
     assert chain.name == "Y10 +x" and len(chain.rows) == 20
-    velocity, diameter = chain.speeds(in_plane), in_plane.case.packing.diameter
-    found = pulses.peaks(in_plane.time, velocity, diameter)
+    velocity, diameter = chain.speeds(in_plane.snapshots), in_plane.case.packing.diameter
+    found = pulses.peaks(in_plane.snapshots.time, velocity, diameter)
     expected = pulses.speed_of(in_plane.case.material, found.velocity[9])
     assert found.speed[9] == pytest.approx(expected, rel=0.012)
-    lengths, theory = pulses.lengths(in_plane.time, velocity, diameter), pulses.theory()
+    lengths, theory = pulses.lengths(in_plane.snapshots.time, velocity, diameter), pulses.theory()
     assert theory["fit of velocity"] == pytest.approx(4.967, abs=1e-3)
     ratio = [lengths[name][12] / theory[name] for name in pulses.MEASURES]
     np.testing.assert_allclose(ratio, [0.871, 0.890, 0.875, 0.873], atol=0.004)
@@ -87,7 +87,7 @@ def test_studies_and_their_pictures(in_plane: PackingRun, tmp_path: Path) -> Non
     slow = {"striker.2.velocity": [0.05, 0, 0], "run.end_time": 1e-3}
     fast = {"striker.2.velocity": [3.0, 0, 0], "run.end_time": 5e-4}
     slow, fast = (run("square-in-plane", tmp_path / f"{n}", **less, **one) for n, one in enumerate((slow, fast)))
-    found = {study.name: study for study in studies([fast, in_plane, slow], [])}
+    found = {study.name: study for study in make_studies({name: [fast, in_plane, slow] for name in STUDIES})}
     assert {"square-in-plane", "square-wave-speed", "directional"} <= found.keys()
     rows = {row.quantity: row for study in found.values() for row in study.rows}
     for name in ("central", "edge"):
@@ -117,9 +117,9 @@ def test_yielding_leaves_little_for_the_waves(tmp_path: Path) -> None:
     changes = {"contact.law": "elastoplastic", "packing.size": [12, 12], "sensor": [], "run.frames": 121}
     places = {"striker.1.touches": [61, 73], "striker.2.touches": 145}
     plastic = run("square-in-plane", tmp_path / "plastic", **changes, **places)
-    found = settled(plastic)
+    found = plastic.settled
     assert found["dissipated"] > 0.85 and found["central chains"] < 0.2
-    (study,) = (one for one in studies([plastic], []) if one.name == "square-yielding-in-plane")
+    (study,) = make_studies({"square-yielding": [plastic]})
     assert study.rows[0].source is None and study.rows[0].ours == pytest.approx(100 * found["dissipated"])
 
 
@@ -148,8 +148,8 @@ def test_directions_of_other_packings(kind: str, tmp_path: Path) -> None:
 def test_a_lighter_sphere_in_a_chain_reflects_little(tmp_path: Path) -> None:
     case = load_case(CASES / "sensor-chain.toml")
     outcome = run_case(case, tmp_path / "chain", figures=False)
-    found = studies([], collect_chains([("chain", tmp_path / "chain", outcome.summary)]))
-    (row,) = next(study for study in found if study.name == "sensor-chain").rows
+    (study,) = make_studies({"sensor-chain": [FinishedRun("chain", tmp_path / "chain", case, outcome.summary)]})
+    (row,) = study.rows
     assert row.source == 1.2 and 0.5 < row.ours < 1.2
 
 

@@ -23,11 +23,17 @@ _KIND = {"run": "granular run", "continuum": "continuum run"}
 _IN_TITLE = 3  # names
 
 
-def build_report(inputs: Inputs) -> Report:
-    """The report of runs and scans."""
+def build_report(inputs: Inputs, named: Sequence[str] = ()) -> Report:
+    """The report of runs and scans.
+
+    Parameters
+    ----------
+    named
+        Studies of all runs, beside those that their scans name.
+    """
     labels = [item.label for item in inputs.items]
     names = ", ".join(labels[:_IN_TITLE]) + (f" and {len(labels) - _IN_TITLE} more" if len(labels) > _IN_TITLE else "")
-    failures, studies = failures_section(inputs), studies_of(inputs)
+    failures, studies = failures_section(inputs), studies_of(inputs, named)
     sections = (
         _attention(inputs, failures.slug),
         Section("Verdict", "verdict", verdicts(studies)),

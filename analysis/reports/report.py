@@ -16,6 +16,7 @@ from granwave.analysis.document.model import Report, cleaned
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.outline import build_report
+from granwave.analysis.studies.registry import STUDIES
 from granwave.lammps_inputs.directories import output_path, refuse_other_file
 from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.files import head, replace_bytes, replace_text
@@ -28,7 +29,7 @@ _OWN = {  # what every report holds
 }
 
 
-def write_report(directories: Sequence[str | Path], output: str | Path) -> Path:
+def write_report(directories: Sequence[str | Path], output: str | Path, studies: Sequence[str] = ()) -> Path:
     """Write the report of runs and scans; an older report of that name is replaced.
 
     Parameters
@@ -37,6 +38,8 @@ def write_report(directories: Sequence[str | Path], output: str | Path) -> Path:
         Of runs and scans, in any mix, in the order in which they shall appear. A scan need not be finished.
     output
         The report: ``.html``, ``.pdf`` or ``.md`` (pictures then go to ``NAME_files`` beside it).
+    studies
+        Studies of all runs, beside those that their scans name; see `granwave.analysis.studies.registry`.
 
     Returns
     -------
@@ -46,12 +49,15 @@ def write_report(directories: Sequence[str | Path], output: str | Path) -> Path:
     Raises
     ------
     InputError
-        A directory is no run or scan, or is damaged; or the report cannot be written there. Nothing was written.
+        A directory is no run or scan, or is damaged; there is no such study; or the report cannot be written there.
+        Nothing was written.
     RunError
         Writing failed, as on a full disk; an older report is still there.
     """
     output = output_path(output)
     faults = _faults_of(output)
+    known = ", ".join(STUDIES)
+    faults += [f"--study: found {name}, expected one of: {known}" for name in studies if name not in STUDIES]
     try:
         inputs = read_inputs(directories, output.parent)
     except InputError as error:
@@ -59,7 +65,7 @@ def write_report(directories: Sequence[str | Path], output: str | Path) -> Path:
     if faults:
         raise InputError(faults)
     try:
-        report = cleaned(build_report(inputs))
+        report = cleaned(build_report(inputs, studies))
     except (MissingOutputError, OutputFormatError) as error:  # of a file that a study needs
         raise InputError(str(error)) from None
     try:

@@ -2,9 +2,8 @@
 
 A study is a module with
 
-    TITLE                              title, unless there is a function `title`
+    TITLE, TEXT                        title, and what was run in a few sentences; or `title(group)`, `text(group)`
     select(runs) -> list of groups     the runs that it is about, put together; a study is made of each group
-    text(group) -> str                 what was run, in a few sentences
     rows(group) -> Row ...             the table "source against ours"
     pictures(group) -> Picture ...     figures with captions
 
@@ -31,4 +30,22 @@ STUDIES: dict[str, str] = {
     "intruder-place": "chains.intruder_place",
     "intruder-properties": "chains.intruder_properties",
     "split-hopkinson": "chains.split_hopkinson",
+    "square-impact": "square.impact",
+    "square-wave-speed": "square.wave_speed",
+    "square-yielding": "square.yielding",
+    "sensors-in-square": "square.sensors",
+    "directional": "square.directional",
+    "sensor-chain": "square.sensor_chain",
+    "precompressed-small-pulses": "precompression.small_pulses",
+    "precompressed-waves": "precompression.solitary_waves",
+    "precompressed-transition": "precompression.transition",
+    "precompressed-packing-speed": "precompression.packing_speed",
+    "precompressed-impact": "precompression.packing_impact",
+    "settled-packing": "precompression.settled",
+    "preconditioned": "precompression.preconditioned",
+    "repeated-hits": "precompression.hits",
+    "protected-height": "protection.heights",
+    "protected-bottoms": "protection.bottoms",
+    "protected-spectrum": "protection.spectrum",
+    "protected-checks": "protection.checks",
 }

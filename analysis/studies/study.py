@@ -54,7 +54,14 @@ class Row:
 
 @dataclasses.dataclass(frozen=True)
 class Picture:
-    """A figure of a study."""
+    """A figure of a study.
+
+    Attributes
+    ----------
+    name
+        Of its files. One that is empty or begins with an underscore goes on after the study's: ``_pulses`` of
+        ``square-in-plane`` becomes ``square_in_plane_pulses``.
+    """
 
     name: str
     caption: str
@@ -116,16 +123,19 @@ def _make(name: str, runs: Sequence[FinishedRun]) -> Iterator[Study]:
     def parts(which: str, group: Any) -> tuple[Any, ...]:
         return tuple(getattr(module, which)(group)) if hasattr(module, which) else ()
 
+    def named(picture: Picture, study: str, number: int) -> Picture:
+        if not picture.name or picture.name.startswith("_"):
+            return dataclasses.replace(picture, name=study.replace("-", "_") + picture.name)
+        return dataclasses.replace(picture, name=f"{picture.name}_{number}") if numbered else picture
+
     for number, group in enumerate(groups, start=1):
-        pictures = parts("pictures", group)
-        if numbered:
-            pictures = tuple(dataclasses.replace(one, name=f"{one.name}_{number}") for one in pictures)
+        word = module.name(group) if hasattr(module, "name") else name + (f"-{number}" if number > 1 else "")
         yield Study(
-            module.name(group) if hasattr(module, "name") else name + (f"-{number}" if numbered else ""),
+            name + f"-{number}" if numbered else word,
             module.title(group) if hasattr(module, "title") else module.TITLE + (f" ({number})" if numbered else ""),
-            module.text(group),
+            module.text(group) if hasattr(module, "text") else module.TEXT,
             parts("rows", group),
-            pictures,
+            tuple(named(picture, word, number) for picture in parts("pictures", group)),
             parts("tables", group),
             parts("verdict", group),
         )

@@ -189,7 +189,7 @@ def report(options: argparse.Namespace, _: Words) -> int:
     """granwave report"""
     from granwave.analysis.reports.report import write_report
 
-    print(write_report(options.directories, options.output))
+    print(write_report(options.directories, options.output, options.study))
     return 0
 
 

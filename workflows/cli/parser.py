@@ -189,6 +189,13 @@ def _parser() -> argparse.ArgumentParser:
         metavar="FILE",
         help=".html, .pdf or .md (default: report.html)",
     )
+    report.add_argument(
+        "--study",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="a study to make of all runs, beside those that scan and suite files name; may be repeated",
+    )
 
     export = _verb(verbs, "export", commands.export, "the results for other programs: ParaView, pandas, xarray, OVITO")
     export.add_argument("directory", type=_input, metavar="DIR")

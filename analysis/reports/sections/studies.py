@@ -9,14 +9,7 @@ from granwave.analysis.document.cells import BLANK, percent, value_cell
 from granwave.analysis.document.model import Cell, Column, Gallery, Group, Note, Section, Table
 from granwave.analysis.document.pictures import picture_of
 from granwave.analysis.reports.inputs import Inputs
-from granwave.analysis.studies.chains.runs import collect
-from granwave.analysis.studies.precompression.runs import collect as collect_with_past
-from granwave.analysis.studies.precompression.studies import studies as studies_of_the_past
-from granwave.analysis.studies.protection.runs import collect as collect_targets
-from granwave.analysis.studies.protection.studies import studies as protection_studies
 from granwave.analysis.studies.runs import FinishedRun
-from granwave.analysis.studies.square.runs import collect as collect_packings
-from granwave.analysis.studies.square.studies import studies as packing_studies
 from granwave.analysis.studies.study import Row, Study, make_studies
 from granwave.analysis.studies.tolerance.runs import collect as collect_tolerances
 from granwave.analysis.studies.tolerance.study import studies as tolerance_studies
@@ -44,29 +37,33 @@ def verdicts(found: Sequence[Study]) -> tuple[Group, ...]:
     return tuple(Group(study.title, tuple(map(Note, study.verdict))) for study in found if study.verdict)
 
 
-def studies_of(inputs: Inputs) -> list[Study]:
-    """Studies that the scans of a report name, of all runs of the scans that name them."""
-    offered: dict[str, list[FinishedRun]] = {}
+def studies_of(inputs: Inputs, named: Sequence[str] = ()) -> list[Study]:
+    """Studies that the scans of a report name, of all runs of the scans that name them.
+
+    Parameters
+    ----------
+    named
+        Further studies, of all runs of the report.
+    """
+    offered: dict[str, dict[Path, FinishedRun]] = {}
     read: dict[Path, tuple[FinishedRun, ...]] = {}
-    for scan in inputs.scans:
-        for point in scan.points if scan.studies else ():
-            run = point.run
-            if run is None or run.kind != "run" or run.directory in read:
-                continue
+    asked = [(run, tuple(named)) for run in inputs.runs]
+    asked += [(point.run, (*scan.studies, *named)) for scan in inputs.scans for point in scan.points if point.run]
+    for run, names in asked:
+        if not names or run.kind != "run":
+            continue
+        if run.directory not in read:
             read[run.directory] = FinishedRun.among([(run.label, run.directory, run.summary)], lambda _: True)
-            for name in scan.studies:
-                offered.setdefault(name, []).extend(read[run.directory])
-    return make_studies(offered) + _guessed(inputs)
+        for name in names:
+            offered.setdefault(name, {}).update((one.directory, one) for one in read[run.directory])
+    return make_studies({name: list(runs.values()) for name, runs in offered.items()}) + _guessed(inputs)
 
 
 def _guessed(inputs: Inputs) -> list[Study]:
     """Studies that still find their runs by themselves."""
     found = [(run.label, run.directory, run.summary) for run in inputs.whole() if run.kind == "run"]
-    chains = collect(found)
-    ours = packing_studies(collect_packings(found), chains)
-    ours += studies_of_the_past(collect_with_past(found), chains)
     undone = [point.result.labels for scan in inputs.scans for point in scan.points if point.run is None]
-    return ours + protection_studies(collect_targets(found)) + tolerance_studies(collect_tolerances(found), undone)
+    return tolerance_studies(collect_tolerances(found), undone)
 
 
 def _group(study: Study, inputs: Inputs) -> Group:

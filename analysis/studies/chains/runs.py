@@ -2,28 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Sequence
+from typing import Any
 
 import numpy as np
 
 from granwave.analysis.measures.chain_record import ChainRecord
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.studies.runs import FinishedRun
-from granwave.lammps_inputs.packing.assembly import assemble
-
-if TYPE_CHECKING:
-    pass
 
 
 class ChainRun(FinishedRun, ChainRecord):
     """A finished run of a chain."""
-
-
-def collect(found: Iterable[tuple[str, Path, Mapping[str, Any]]]) -> tuple[ChainRun, ...]:
-    """Of finished runs, given by label, directory and summary, those of chains of two beads and more."""
-    return ChainRun.among(found, lambda case: case.packing.kind == "chain" and assemble(case).lattice.n_spheres > 1)
 
 
 def chain_runs(runs: Iterable[FinishedRun]) -> list[ChainRun]:

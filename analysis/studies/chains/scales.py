@@ -6,8 +6,6 @@ import math
 
 import numpy as np
 
-from granwave.analysis.measures.hertz_chain import ChainScales as ChainScales
-from granwave.analysis.measures.hertz_chain import discrete_speed as discrete_speed
 from granwave.analysis.studies.chains.runs import ChainRun
 from granwave.lammps_inputs.case.material import material
 

@@ -1,33 +1,31 @@
-"""Speed of small longitudinal waves along [111] of fcc and along c of hcp against the static pressure.
-
-The mean velocity of a layer of a periodic packing obeys the line of layers of `theory` exactly as long as everything is
-linear, whichever spheres of the top layer were struck; in a packing with free sides until the wave is back from them.
-The times of its crests then give omega, and the speed of long waves c0.
-"""
+"""Speed of small longitudinal waves along [111] of fcc and along c of hcp against the static pressure."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import cached_property
+from itertools import groupby
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
-from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, Drawing, new_figure
-from granwave.analysis.measures.signals import first_peak, power
+from granwave.analysis.figures.series import one_panel
+from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, Drawing
+from granwave.analysis.measures import loaded_line as theory
+from granwave.analysis.measures.line_waves import speed_along_layers
+from granwave.analysis.measures.signals import Array, power
 from granwave.analysis.result.reader import Result
-from granwave.analysis.studies.precompression import theory
-from granwave.analysis.studies.precompression.runs import PastRun
-from granwave.analysis.studies.precompression.theory import Array
-from granwave.analysis.studies.study import Picture, Row, Study
-from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.analysis.studies.precompression.runs import PastRun, past_runs
+from granwave.analysis.studies.runs import FinishedRun
+from granwave.analysis.studies.study import Picture, Row
 
+TITLE = "Precompressed packings: speed of small waves"
+TEXT = (
+    "Small impacts on packings under static pressure, along the stacking of their layers. c0 by the times of the "
+    "crests of the layers' mean velocities, over the places that layers had before the load. Theory: "
+    "c0 = h sqrt((2 k - f/D)/m), layers h = D sqrt(2/3) apart, k = 3/2 f/alpha, and f = p D^2/(2 sqrt 2) the force "
+    "of a contact, by balance on a layer (uniaxial) as by the virial (uniform)."
+)
 SMALL = 0.1  # impact velocity over omega alpha0 up to which everything is linear enough
-_FIRST = 3  # layer from which on crests are followed
-_FEWEST = 3  # layers
-_BEFORE_END = 3  # layers left out at the bottom
-_BEFORE_SIDES = 0.8  # of half the width: how deep a wave is followed in a packing with free sides
-_FINE = 10  # points put between two snapshots
 _MARKERS = {
     ("fcc", "uniaxial"): ("o", BLUE, 7),
     ("hcp", "uniaxial"): ("s", ORANGE, 4),
@@ -36,116 +34,77 @@ _MARKERS = {
 }
 
 
-def packing_speeds(runs: Sequence[PastRun]) -> Iterator[Study]:
-    """One study of all precompressed fcc and hcp packings of like elastic spheres with a small impact."""
-    series: dict[tuple[str, str], list[tuple[PastRun, float, float]]] = {}
-    for run in runs:
-        if not fits(run):
-            continue
-        speed = long_wave_speed(run)
-        stage = run.case.precompression
-        if stage is not None and np.isfinite(speed):
-            theirs = theory.line_of(run.case, run.law).speed
-            series.setdefault((run.case.packing.kind, stage.kind), []).append((run, speed, theirs))
-    if not series:
-        return
-    rows: list[Row] = []
-    for (kind, how), found in sorted(series.items()):
-        found.sort(key=lambda one: pressure_of(one[0]))
-        where = f"{kind}, {how}"
-        if len({pressure_of(run) for run, _, _ in found}) > 1:
-            fit = power(np.array([pressure_of(run) for run, _, _ in found]), np.array([speed for _, speed, _ in found]))
-            rows.append(Row(f"Power of the speed with the pressure, {where}", "", None, fit.exponent, "Hertz lattice",
-                            "", 1 / 6))  # fmt: skip
-        for run, speed, theirs in found:
-            remark = ""
-            if abs(speed / theirs - 1) > 0.01:
-                remark = "Free sides: the static forces are not even." if how == "uniform" else "Not small enough."
-            rows.append(
-                Row(f"Speed of small waves, {where}, {pressure_of(run):.4g} Pa", "m/s", None, speed,
-                    "Hertz lattice", remark, theirs)
-            )  # fmt: skip
-    yield Study(
-        "precompressed-packing-speed",
-        "Precompressed packings: speed of small waves",
-        "Small impacts on packings under static pressure, along the stacking of their layers. c0 by the times of the "
-        "crests of the layers' mean velocities, over the places that layers had before the load. Theory: "
-        "c0 = h sqrt((2 k - f/D)/m), layers h = D sqrt(2/3) apart, k = 3/2 f/alpha, and f = p D^2/(2 sqrt 2) the force "
-        "of a contact, by balance on a layer (uniaxial) as by the virial (uniform).",
-        tuple(rows),
-        (Picture("precompressed_packing_speed", "Speed of small waves against pressure", _draw(series)),),
-    )
+class SmallWave(PastRun):
+    """A run of a small wave along the stacking of a precompressed packing."""
+
+    @property
+    def kind(self) -> tuple[str, str]:
+        """Of the packing and of the load."""
+        assert self.case.precompression is not None
+        return self.case.packing.kind, self.case.precompression.kind
+
+    @cached_property
+    def line(self) -> theory.Line:
+        """The line that its layers are."""
+        return theory.line_of(self.case, self.law)
+
+    @cached_property
+    def speed(self) -> float:
+        """c0, m/s; see `granwave.analysis.measures.line_waves.speed_along_layers`."""
+        with Result(self.directory) as result:
+            return speed_along_layers(result, self.line)
+
+
+def select(runs: Sequence[FinishedRun]) -> list[list[SmallWave]]:
+    """All precompressed fcc and hcp packings of like elastic spheres with a small impact, by kind and pressure."""
+    found = [run.seen_as(SmallWave) for run in past_runs(runs) if fits(run)]
+    found = sorted((run for run in found if np.isfinite(run.speed)), key=lambda run: (run.kind, run.pressure))
+    return [found] if found else []
 
 
 def fits(run: PastRun) -> bool:
     """A small impact along the stacking of like elastic spheres under pressure."""
-    case = run.case
-    stage = case.precompression
+    case, stage = run.case, run.case.precompression
     if stage is None or stage.kind == "gravity" or case.packing.kind not in ("fcc", "hcp"):
         return False
-    if not assemble(case).plain or case.contact.law != "hertz" or case.load.angle:
+    if not run.assembly.plain or case.contact.law != "hertz" or case.load.angle:
         return False
     return case.load.velocity < SMALL * theory.line_of(case, run.law).velocity
 
 
-def pressure_of(run: PastRun) -> float:
-    """On the faces, by the force of a contact, Pa."""
-    return float(2 * np.sqrt(2) * run.static_force / run.case.packing.diameter**2)
+def rows(runs: Sequence[SmallWave]) -> Iterator[Row]:
+    """The power of each kind, and the speed at each pressure."""
+    for where, pressure, speed, theirs in _series(runs):
+        if len(set(pressure.tolist())) > 1:
+            quantity, fit = f"Power of the speed with the pressure, {', '.join(where)}", power(pressure, speed)
+            yield Row(quantity, "", None, fit.exponent, "Hertz lattice", "", 1 / 6)
+        for p, ours, expected in zip(pressure.tolist(), speed.tolist(), theirs.tolist(), strict=True):
+            remark = ""
+            if abs(ours / expected - 1) > 0.01:
+                uneven = where[1] == "uniform"
+                remark = "Free sides: the static forces are not even." if uneven else "Not small enough."
+            quantity = f"Speed of small waves, {', '.join(where)}, {p:.4g} Pa"
+            yield Row(quantity, "m/s", None, ours, "Hertz lattice", remark, expected)
 
 
-def long_wave_speed(run: PastRun) -> float:
-    """c0, m/s; NaN where the run has too few layers, or is too short."""
-    nx, ny, nz = run.assembly.lattice.shape
-    with Result(run.directory) as result:
-        time = result.frame_times
-        layer = (result["spheres/id"] - 1) // (nx * ny)
-        mean = np.stack([
-            np.bincount(layer, result.frame(frame, "velocity")[:, 2], nz) / (nx * ny)
-            for frame in range(result.n_frames)
-        ])  # fmt: skip
-    deepest = nz - _BEFORE_END
-    if run.case.boundary.sides != "periodic":
-        half = min(nx, ny * np.sqrt(3) / 2) / 2
-        deepest = min(deepest, int(_BEFORE_SIDES * half / theory.SPACING[run.case.packing.kind]))
-    numbers, times = crests(time, mean[:, :deepest])
-    if len(numbers) < _FEWEST:
-        return np.nan
-    spacing = theory.line_of(run.case, run.law).spacing
-    return spacing / (2 * float(np.polyfit(theory.crest_times(numbers), times, 1)[0]))
-
-
-def crests(time: Array, mean: Array) -> tuple[NDArray[np.int64], Array]:
-    """Layers, from 1, that the crest has passed, and when.
-
-    Parameters
-    ----------
-    mean
-        Velocity of the layers: (n_times, n_layers), m/s.
-    """
-    fine = np.linspace(time[0], time[-1], _FINE * (len(time) - 1) + 1)
-    found = [first_peak(fine, CubicSpline(time, one)(fine), floor=0.5)[0] for one in mean.T]
-    numbers = np.arange(1, len(found) + 1)
-    times = np.array(found)
-    good = (numbers >= _FIRST) & np.isfinite(times) & (times < time[-2])
-    return numbers[good], times[good]
-
-
-def _draw(series: dict[tuple[str, str], list[tuple[PastRun, float, float]]]) -> Drawing:
-    figure = new_figure(2.6)
-    axes = figure.subplots()
+def pictures(runs: Sequence[SmallWave]) -> Iterator[Picture]:
+    """Speed against pressure."""
+    figure, axes = one_panel(2.6, "Pressure (Pa)", "Speed of small waves (m/s)")
     columns: dict[str, Array] = {}
-    for (kind, how), found in sorted(series.items()):
-        pressure = np.array([pressure_of(run) for run, _, _ in found])
-        speed, theirs = (np.array([one[n] for one in found]) for n in (1, 2))
+    for where, pressure, speed, theirs in _series(runs):
         axes.loglog(pressure, theirs, "-", color=GREY)
-        marker, colour, size = _MARKERS[kind, how]
-        axes.loglog(
-            pressure, speed, marker, color=colour, markersize=size, markerfacecolor="none", label=f"{kind}, {how}"
-        )
-        columns |= {f"{kind}_{how}_pressure_Pa": pressure, f"{kind}_{how}_speed_m_s": speed,
-                    f"{kind}_{how}_theory_m_s": theirs}  # fmt: skip
+        marker, colour, size = _MARKERS[where]
+        look = {"color": colour, "markersize": size, "markerfacecolor": "none", "label": ", ".join(where)}
+        axes.loglog(pressure, speed, marker, **look)
+        word = "_".join(where)
+        columns |= {f"{word}_pressure_Pa": pressure, f"{word}_speed_m_s": speed, f"{word}_theory_m_s": theirs}
     axes.plot([], [], "-", color=GREY, label="theory")
-    axes.set_xlabel("Pressure (Pa)")
-    axes.set_ylabel("Speed of small waves (m/s)")
     axes.legend(loc="upper left")
-    return Drawing(figure, columns)
+    yield Picture("", "Speed of small waves against pressure", Drawing(figure, columns))
+
+
+def _series(runs: Sequence[SmallWave]) -> Iterator[tuple[tuple[str, str], Array, Array, Array]]:
+    """Kind, pressure, Pa, speed and its theory, m/s: (n_runs,) each."""
+    for kind, members in groupby(runs, key=lambda run: run.kind):
+        pressure, speed, theirs = np.array([(run.pressure, run.speed, run.line.speed) for run in members]).T
+        yield kind, pressure, speed, theirs

@@ -6,34 +6,45 @@ gaps between spheres at nominal places; a small static load closes them.
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing, new_figure
+from granwave.analysis.document.model import Table
+from granwave.analysis.figures.series import legend_outside, one_panel
+from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing
 from granwave.analysis.studies.chains.runs import ChainRun
-from granwave.analysis.studies.precompression.runs import PastRun, freed_words, groups, rising, values_table
-from granwave.analysis.studies.study import Picture, Row, Study
+from granwave.analysis.studies.precompression.runs import (
+    DISSIPATED,
+    GREW,
+    IMPACT,
+    PEAK_FORCE,
+    TRANSMITTED,
+    PastRun,
+    freed_words,
+    past_runs,
+)  # fmt: skip
+from granwave.analysis.studies.runs import FinishedRun, grouped, rising
+from granwave.analysis.studies.study import Picture, Row
+from granwave.analysis.studies.tables import Quantity, values_table
 from granwave.analysis.studies.titles import packing_words
 from granwave.lammps_inputs.case.sections import Dents
+
+Runs = Sequence[PastRun]
 
 _VARYING = ("contact.initial_overlap", "load.velocity")
 _ELASTIC = 1e-9  # share of the input: nothing is dissipated
 _COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY)
-_WHERE = "thesis 1.1"
 _REACHED = 1e-3  # of the largest force along the chain: the pulse has come to a contact
 
 
-def preconditioned(runs: Sequence[PastRun]) -> Iterator[Study]:
-    """One study of each chain and packing that was struck with dents of one size everywhere, and without."""
-    chosen = [run for run in runs if run.case.contact.yields and np.isfinite(level_of(run))]
-    number = 0
-    for group in groups(chosen, *_VARYING):
-        if any(level_of(run) for run in group):
-            number += 1
-            yield _study(sorted(group, key=lambda run: (level_of(run), run.case.load.velocity)), number)
+def select(runs: Sequence[FinishedRun]) -> list[list[PastRun]]:
+    """Each chain and packing that was struck with dents of one size everywhere, and without, by level and velocity."""
+    chosen = [run for run in past_runs(runs) if run.case.contact.yields and np.isfinite(level_of(run))]
+    groups = [group for group in grouped(chosen, *_VARYING) if any(map(level_of, group))]
+    return [sorted(group, key=lambda run: (level_of(run), run.case.load.velocity)) for group in groups]
 
 
 def level_of(run: PastRun) -> float:
@@ -50,73 +61,50 @@ def level_of(run: PastRun) -> float:
     return float(run.law.loading_force(np.array([given[0].overlap or 0.0]))[0])
 
 
-def _study(runs: Sequence[PastRun], number: int) -> Study:
-    case = runs[0].case
-    name = "preconditioned" + (f"-{number}" if number > 1 else "")
-    slug = name.replace("-", "_")
-    pictures = [
-        Picture(f"{slug}_dissipation", "Dissipation against the largest force, by preconditioning", _draw(runs))
-    ]
-    if case.packing.kind == "chain":
-        fastest = _one_velocity(runs)
-        if len(fastest) > 1:
-            caption = f"Largest force along the chain, impact at {fastest[0].case.load.velocity:g} m/s"
-            pictures.append(Picture(f"{slug}_pulse", caption, _draw_pulses(fastest)))
-    columns = {
-        "level_N": [level_of(run) for run in runs],
-        "velocity_m_s": [run.case.load.velocity for run in runs],
-        "peak_force_N": [float(run.summary["peak_force_N"]) for run in runs],
-        "dissipated_share": [run.dissipated for run in runs],
-        "contacts_yielded": [run.summary["n_plastic_contacts"] for run in runs],
-        "transmitted_force_N": [run.transmitted for run in runs],
-    }
-    heads = (
-        ("Preconditioned to", "N", 1.0, "level_N"),
-        ("Impact", "m/s", 1.0, "velocity_m_s"),
-        ("Largest force", "N", 1.0, "peak_force_N"),
-        ("Dissipated", "% of input", 100.0, "dissipated_share"),
-        ("Contacts whose dents grew", "", 1.0, "contacts_yielded"),
-        ("Largest force added at the bottom", "N", 1.0, "transmitted_force_N"),
-    )
-    reached = heads if any(columns["transmitted_force_N"]) else heads[:-1]  # the bottom
-    gaps = "The gaps that dents leave between spheres at their nominal places "
-    gaps += "are closed by a static load, which stays on." if case.precompression else "are there at the impact."
-    return Study(
-        name,
-        f"Preconditioned: {packing_words(case)}",
+def title(runs: Runs) -> str:
+    """By packing."""
+    return f"Preconditioned: {packing_words(runs[0].case)}"
+
+
+def text(runs: Runs) -> str:
+    """What dents do, and whether their gaps are closed."""
+    closed = "are closed by a static load, which stays on."
+    gaps = closed if runs[0].case.precompression else "are there at the impact."
+    return (
         "Contacts that have dents from the start, of one force everywhere: they shall stay elastic up to that force. "
-        f"{gaps}{freed_words(runs)}",
-        tuple(_rows(runs)),
-        tuple(pictures),
-        (values_table("Impacts with and without preconditioning", reached, columns),),
-        tuple(_verdict(runs)),
+        f"The gaps that dents leave between spheres at their nominal places {gaps}{freed_words(runs)}"
     )
 
 
-def _rows(runs: Sequence[PastRun]) -> Iterator[Row]:
+def rows(runs: Runs) -> Iterator[Row]:
     """How far the contacts stay elastic, and what is dissipated just beyond."""
-    for level in sorted({level_of(run) for run in runs} - {0.0}):
-        series = [run for run in runs if level_of(run) == level]
+    for level, series in _by_level(runs):
         elastic = [run for run in series if run.dissipated < _ELASTIC]
         losing = [run for run in series if run.dissipated >= _ELASTIC]
         for found, which, choose in ((elastic, "Largest force without", max), (losing, "Smallest force with", min)):
-            if found:
-                force = choose(float(run.summary["peak_force_N"]) for run in found)
+            if found and level:
+                force = choose(map(PEAK_FORCE.value, found))
                 quantity = f"{which} dissipation over that of the preconditioning, {level:g} N"
                 remark = f"Theory: the two are on either side of 1; of {len(series)} impacts."
-                yield Row(quantity, "", None, force / level, _WHERE, remark, 1.0)
+                yield Row(quantity, "", None, force / level, "thesis 1.1", remark, 1.0)
 
 
-def _one_velocity(runs: Sequence[PastRun]) -> list[PastRun]:
-    """Runs by level at the velocity that most levels have, the largest of such."""
-    by_velocity: dict[float, list[PastRun]] = {}
-    for run in runs:
-        by_velocity.setdefault(run.case.load.velocity, []).append(run)
-    found = max(by_velocity.values(), key=lambda same: (len(same), same[0].case.load.velocity))
-    return rising(found, level_of)
+def tables(runs: Runs) -> list[Table]:
+    """All impacts; without what arrives at the bottom where nothing does."""
+    quantities = [
+        Quantity("level_N", "Preconditioned to", "N", level_of),
+        IMPACT,
+        dataclasses.replace(PEAK_FORCE, heading="Largest force"),
+        DISSIPATED,
+        GREW,
+    ]
+    if any(run.transmitted for run in runs):
+        quantities.append(TRANSMITTED)
+    return [values_table("Impacts with and without preconditioning", runs, quantities)]
 
 
-def _verdict(runs: Sequence[PastRun]) -> Iterator[str]:
+def verdict(runs: Runs) -> Iterator[str]:
+    """Fresh contacts beside those of the highest level."""
     series = _one_velocity(runs)
     fresh, best = series[0], series[-1]
     if level_of(fresh) == 0 and best is not fresh:
@@ -126,48 +114,57 @@ def _verdict(runs: Sequence[PastRun]) -> Iterator[str]:
         )
 
 
-def _draw(runs: Sequence[PastRun]) -> Drawing:
-    figure = new_figure(2.7)
-    axes = figure.subplots()
+def pictures(runs: Runs) -> Iterator[Picture]:
+    """Dissipation, and in chains the largest force along them."""
+    yield Picture("_dissipation", "Dissipation against the largest force, by preconditioning", _draw_dissipation(runs))
+    fastest = _one_velocity(runs) if runs[0].case.packing.kind == "chain" else []
+    if len(fastest) > 1:
+        caption = f"Largest force along the chain, impact at {fastest[0].case.load.velocity:g} m/s"
+        yield Picture("_pulse", caption, _draw_pulses(fastest))
+
+
+def _by_level(runs: Runs) -> list[tuple[float, list[PastRun]]]:
+    return [(level, [run for run in runs if level_of(run) == level]) for level in sorted(set(map(level_of, runs)))]
+
+
+def _one_velocity(runs: Runs) -> list[PastRun]:
+    """Runs by level at the velocity that most levels have, the largest of such."""
+    same = max(grouped(runs, "contact.initial_overlap"), key=lambda one: (len(one), one[0].case.load.velocity))
+    return rising(same, level_of)
+
+
+def _draw_dissipation(runs: Runs) -> Drawing:
+    figure, axes = one_panel(2.7, "Largest contact force (N)", "Dissipated (% of input)")
     columns: dict[str, np.ndarray] = {}
-    for place, level in enumerate(sorted({level_of(run) for run in runs})):
-        series = [run for run in runs if level_of(run) == level]
-        force = np.array([float(run.summary["peak_force_N"]) for run in series])
-        share = 100 * np.array([run.dissipated for run in series])
-        colour = _COLOURS[place % len(_COLOURS)] if level else GREY
-        axes.semilogx(force, share, "o-", color=colour, markersize=3, label=f"{level:g} N" if level else "fresh")
+    for place, (level, series) in enumerate(_by_level(runs)):
+        force, share = (np.array([one.value(run) for run in series]) for one in (PEAK_FORCE, DISSIPATED))
+        colour, label = _look(place, level)
+        axes.semilogx(force, 100 * share, "o-", color=colour, markersize=3, label=label)
         if level:
             axes.axvline(level, color=colour, linestyle=":", linewidth=0.8)
-        columns |= {f"level_{level:g}_N_peak_force_N": force, f"level_{level:g}_N_dissipated_percent": share}
-    axes.set_xlabel("Largest contact force (N)")
-    axes.set_ylabel("Dissipated (% of input)")
+        columns |= {f"level_{level:g}_N_peak_force_N": force, f"level_{level:g}_N_dissipated_percent": 100 * share}
     axes.set_ylim(-2, max(105.0, 105 * max(run.dissipated for run in runs)))
     axes.xaxis.set_major_locator(LogLocator(subs=(1, 3)))
     axes.xaxis.set_major_formatter("{x:g}")
     axes.xaxis.set_minor_formatter(NullFormatter())
-    _legend(figure)
+    legend_outside(figure, title="Preconditioned to")
     return Drawing(figure, columns)
 
 
-def _draw_pulses(runs: Sequence[PastRun]) -> Drawing:
-    figure = new_figure(2.5)
-    axes = figure.subplots()
+def _draw_pulses(runs: Runs) -> Drawing:
+    figure, axes = one_panel(2.5, "Contact", "Largest force (N)")
     columns: dict[str, np.ndarray] = {}
     for place, run in enumerate(runs):
-        chain, level = ChainRun(run.label, run.directory, run.case, run.summary), level_of(run)
-        peaks = chain.of_contacts("peak_force")
+        peaks, level = run.seen_as(ChainRun).of_contacts("peak_force"), level_of(run)
         contact = np.arange(1, len(peaks) + 1)
-        colour = _COLOURS[place % len(_COLOURS)] if level else GREY
-        reached = np.where(peaks > _REACHED * peaks.max(), peaks, np.nan)
-        axes.semilogy(contact, reached, color=colour, label=f"{level:g} N" if level else "fresh")
+        colour, label = _look(place, level)
+        axes.semilogy(contact, np.where(peaks > _REACHED * peaks.max(), peaks, np.nan), color=colour, label=label)
         columns |= {"contact": contact, f"level_{level:g}_N_peak_force_N": peaks}
-    axes.set_xlabel("Contact")
-    axes.set_ylabel("Largest force (N)")
     axes.set_xlim(left=0)
-    _legend(figure)
+    legend_outside(figure, title="Preconditioned to")
     return Drawing(figure, columns)
 
 
-def _legend(figure: Figure) -> None:
-    handles, labels = figure.axes[0].get_legend_handles_labels()
-    figure.legend(handles, labels, title="Preconditioned to", loc="outside upper center", ncols=len(labels))
+def _look(place: int, level: float) -> tuple[str, str]:
+    """Colour and label of a level."""
+    return (_COLOURS[place % len(_COLOURS)], f"{level:g} N") if level else (GREY, "fresh")

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable
 from functools import cached_property
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.document.cells import BLANK, value_cell
-from granwave.analysis.document.model import Cell, Column, Table
 from granwave.analysis.measures.target import Reached, reached, risen
 from granwave.analysis.result.reader import Result
-from granwave.analysis.studies.runs import FinishedRun, all_but
+from granwave.analysis.studies.runs import FinishedRun
+from granwave.analysis.studies.tables import Quantity, of_summary
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.contact.static_load import force_of_contact
 
@@ -32,15 +30,20 @@ class PastRun(FinishedRun):
         """Between two spheres that are not replaced."""
         return sphere_contact(self.case)
 
-    @property
+    @cached_property
     def static_force(self) -> float:
         """What the dead loads make each contact of the lattice that carries them bear, N; 0 without any."""
         return force_of_contact(self.assembly) if self.case.precompression else 0.0
 
     @property
+    def pressure(self) -> float:
+        """Static one on the faces of an fcc or hcp packing, by the force of a contact, Pa."""
+        return float(2 * np.sqrt(2) * self.static_force / self.case.packing.diameter**2)
+
+    @property
     def dissipated(self) -> float:
         """Share of the input."""
-        return float(self.summary["dissipated_fraction"])
+        return self.value("dissipated_fraction")
 
     @property
     def transmitted(self) -> float:
@@ -71,29 +74,21 @@ class PastRun(FinishedRun):
             return float(result[f"prestage/{name}"][-1]) if f"prestage/{name}" in result else np.nan
 
 
-def collect(found: Iterable[tuple[str, Path, Mapping[str, Any]]]) -> tuple[PastRun, ...]:
-    """Of finished runs, given by label, directory and summary, those of impacts."""
-    runs = PastRun.among(found, lambda case: case.load.kind == "impact")
-    return tuple(run for run in runs if run.summary.get("dissipated_fraction") is not None)
+IMPACT = Quantity("velocity_m_s", "Impact", "m/s", lambda run: run.case.load.velocity)
+DISSIPATED = Quantity("dissipated_share", "Dissipated", "% of input", lambda run: run.dissipated, 100.0)
+GREW = Quantity("contacts_yielded", "Contacts whose dents grew", "", of_summary("n_plastic_contacts"))
+PEAK_FORCE = Quantity("peak_force_N", "Largest contact force", "N", of_summary("peak_force_N"))
+TRANSMITTED = Quantity("transmitted_force_N", "Largest force added at the bottom", "N", lambda run: run.transmitted)
+ARRIVAL = Quantity("arrival_s", "Arrival there", "µs", lambda run: run.arrival, 1e6)
 
 
-def groups(runs: Iterable[PastRun], *varying: str) -> list[list[PastRun]]:
-    """Runs that differ in the named tables or keys alone, such as ``precompression`` or ``load.velocity``.
-
-    How long and how finely a run was followed does not count.
-    """
-    found: dict[str, list[PastRun]] = {}
-    for run in runs:
-        found.setdefault(all_but(run.case, *varying), []).append(run)
-    return list(found.values())
-
-
-def rising(runs: Sequence[PastRun], key: Callable[[PastRun], float]) -> list[PastRun]:
-    """In rising order of a key; of equal ones the first."""
-    unique: dict[float, PastRun] = {}
-    for run in runs:
-        unique.setdefault(key(run), run)
-    return [unique[value] for value in sorted(unique)]
+def past_runs(runs: Iterable[FinishedRun]) -> list[PastRun]:
+    """Runs of impacts."""
+    return [
+        run.seen_as(PastRun)
+        for run in runs
+        if run.case.load.kind == "impact" and run.summary.get("dissipated_fraction") is not None
+    ]
 
 
 def freed_words(runs: Iterable[PastRun]) -> str:
@@ -104,19 +99,3 @@ def freed_words(runs: Iterable[PastRun]) -> str:
         " More than 100 % is no error: energies count from the static state, and the impact also sets free what "
         "contacts had stored there, and lets the static load do work."
     )
-
-
-def values_table(
-    caption: str, heads: Sequence[tuple[str, str, float, str]], columns: Mapping[str, Sequence[float]]
-) -> Table:
-    """A table of the numbers that a figure shows.
-
-    Parameters
-    ----------
-    heads
-        Of each column: heading, unit, what the values are multiplied by for it, and its name in ``columns``.
-    """
-    shown = [[scale * value for value in columns[name]] for _, _, scale, name in heads]
-    rows = tuple(tuple(value_cell(value) if np.isfinite(value) else Cell(BLANK) for value in row)
-                 for row in zip(*shown, strict=True))  # fmt: skip
-    return Table(caption, tuple(Column(text, unit, numeric=True) for text, unit, _, _ in heads), rows, sortable=True)

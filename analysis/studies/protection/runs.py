@@ -3,23 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from functools import cached_property
-from pathlib import Path
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from granwave.analysis.measures.hertz_impact import Array
 from granwave.analysis.measures.target import Reached, reached
 from granwave.analysis.result.reader import Result
-from granwave.analysis.studies.runs import FinishedRun, all_but
+from granwave.analysis.studies.runs import FinishedRun, all_but, rising
 from granwave.analysis.studies.titles import bottom_words
-from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.supports import Plate
-from granwave.lammps_inputs.packing.assembly import assemble, velocities_of
-
-Array = NDArray[np.float64]
+from granwave.lammps_inputs.packing.assembly import velocities_of
 
 FEWEST_HEIGHTS = 3  # that make a series of packings on one bottom
 
@@ -91,39 +86,37 @@ class TargetRun(FinishedRun):
     def _read(self) -> tuple[Reached, tuple[Array, Array], float]:
         with Result(self.directory) as result:
             found = reached(result)
-            assert found is not None  # `collect` takes no run without a bottom
+            assert found is not None  # `impacts` takes no run without a bottom
             time = result["energy/time"]
             energy = result["energy/target"] if self.moves else np.zeros_like(time)
             single = result["wall_contacts/peak_force"][result["wall_contacts/wall"] == "bottom"]
         return found, (time, energy), float(single.max()) if len(single) else math.nan
 
 
-def collect(found: Iterable[tuple[str, Path, Mapping[str, Any]]]) -> list[list[TargetRun]]:
-    """Groups of finished runs of one impact in which the bottom or the height differs.
+def impacts(runs: Iterable[FinishedRun]) -> list[list[TargetRun]]:
+    """Runs of one impact in which the bottom, the height or friction differs, for each impact.
 
     A group has a bottom that moves, or so many heights on one bottom that they make a series; the runs are in the order
-    of bottoms, friction and layers.
-
-    Parameters
-    ----------
-    found
-        Label, directory and summary of finished runs.
+    of bottoms, friction and layers. Of equal cases the longest run counts.
     """
     groups: dict[str, dict[str, TargetRun]] = {}
-    for run in TargetRun.among(found, lambda case: case.boundary.bottom != "free" and not assemble(case).bars):
-        group, key = groups.setdefault(_impact(run.case), {}), all_but(run.case)
-        if run.value("end_time_s") > group.setdefault(key, run).value("end_time_s"):
-            group[key] = run
+    for run in runs:
+        if run.case.boundary.bottom != "free" and not run.assembly.bars:
+            one, group, key = run.seen_as(TargetRun), groups.setdefault(_impact(run), {}), all_but(run.case)
+            if one.value("end_time_s") > group.setdefault(key, one).value("end_time_s"):
+                group[key] = one
     ordered = (sorted(group.values(), key=_order) for group in groups.values())
     return [runs for runs in ordered if len(runs) > 1 and (any(run.moves for run in runs) or series(runs))]
 
 
 def series(runs: Sequence[TargetRun]) -> list[list[TargetRun]]:
     """Runs that differ in nothing but the height, by rising height; at least `FEWEST_HEIGHTS` of them."""
-    alike: dict[str, dict[int, TargetRun]] = {}
+    alike: dict[str, list[TargetRun]] = {}
     for run in runs:
-        alike.setdefault(repr((_bottom(run.case), run.friction)), {}).setdefault(run.layers, run)
-    return [[one[n] for n in sorted(one)] for one in alike.values() if len(one) >= FEWEST_HEIGHTS]
+        boundary = run.case.to_dict()["boundary"]
+        alike.setdefault(repr((boundary.get("bottom"), boundary.get("friction"), run.friction)), []).append(run)
+    found = (rising(one, lambda run: run.layers) for one in alike.values())
+    return [one for one in found if len(one) >= FEWEST_HEIGHTS]
 
 
 def names(runs: Sequence[TargetRun]) -> list[str]:
@@ -137,21 +130,11 @@ def names(runs: Sequence[TargetRun]) -> list[str]:
     return [name if found.count(name) == 1 else f"{name} ({found[:n].count(name) + 1})" for n, name in enumerate(found)]
 
 
-def slug(name: str) -> str:
-    """A name as part of a column's or a file's."""
-    kept = "".join(letter if letter.isalnum() and letter.isascii() else "_" for letter in name.replace("µ", "u"))
-    return "_".join(filter(None, kept.split("_")))
-
-
-def _impact(case: Case) -> str:
+def _impact(run: FinishedRun) -> str:
     """Everything but the bottom, the height and friction."""
-    base = case.packing.size[:2] if len(case.packing.size) == 3 else ()
+    size = run.case.packing.size
     varying = "packing.size", "boundary.bottom", "boundary.friction", "contact.friction"
-    return f"{base} {all_but(case, *varying)}"
-
-
-def _bottom(case: Case) -> list[Any]:
-    return [case.to_dict()["boundary"].get(key) for key in ("bottom", "friction")]
+    return f"{size[:2] if len(size) == 3 else ()} {all_but(run.case, *varying)}"
 
 
 def _order(run: TargetRun) -> tuple:

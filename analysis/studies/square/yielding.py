@@ -6,71 +6,67 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from granwave.analysis.figures.style import BLUE, GREEN, ORANGE, PURPLE, Drawing, new_figure
-from granwave.analysis.studies.square.regions import groups, settled
-from granwave.analysis.studies.square.runs import PackingRun, squares
-from granwave.analysis.studies.study import Picture, Row, Study
-from granwave.lammps_inputs.case.material import Material
+from granwave.analysis.figures.series import one_panel
+from granwave.analysis.figures.style import BLUE, GREEN, ORANGE, PURPLE, Drawing
+from granwave.analysis.measures.regions import groups
+from granwave.analysis.studies.runs import FinishedRun
+from granwave.analysis.studies.square.runs import WAYS, PackingRun, squares
+from granwave.analysis.studies.study import Picture, Row
+
+Series = Sequence[PackingRun]
 
 _PLACES = (2, 6)  # spheres of the chain, from the struck one as 1
-_LAW = "elastoplastic"
+_COLOURS = {"dissipated": GREEN, "central chains": BLUE, "struck spheres": ORANGE, "strikers": PURPLE}
 
 
-def yielding(runs: Sequence[PackingRun]) -> Iterator[Study]:
-    """One study for each way of impact with yielding runs."""
-    for way in ("in-plane", "out-of-plane"):
-        series = squares(runs, way, _LAW)
-        if series:
-            yield _study(series, way)
+def select(runs: Sequence[FinishedRun]) -> list[list[PackingRun]]:
+    """The yielding runs of each way of impact."""
+    return [series for way in WAYS if (series := squares(runs, way, "elastoplastic"))]
 
 
-def _study(series: list[PackingRun], way: str) -> Study:
+def name(series: Series) -> str:
+    """``square-yielding-in-plane``."""
+    return f"square-yielding-{series[0].way}"
+
+
+def title(series: Series) -> str:
+    """By way of impact."""
+    return f"Square packing with yielding, {series[0].way} impact"
+
+
+def text(series: Series) -> str:
+    """The law and the yield strength."""
     material = series[0].case.material
-    rows = []
-    for run in series:
-        shares = settled(run)
-        largest = groups(run)["central chains"][0].speeds(run).max(axis=0)
-        rows.append(_row(f"Dissipated at {run.speed:g} m/s, {way}", "% of input", 100 * shares["dissipated"]))
-        rows.append(
-            _row(f"Most in central chains at {run.speed:g} m/s, {way}", "% of input", 100 * shares["central chains"])
-        )
-        if len(largest) >= max(_PLACES):
-            first, second = _PLACES
-            quantity = f"Peak velocity at sphere {second} over that at sphere {first}, {run.speed:g} m/s, {way}"
-            rows.append(_row(quantity, "", float(largest[second - 1] / largest[first - 1])))
-    return Study(
-        f"square-yielding-{way}",
-        f"Square packing with yielding, {way} impact",
-        f"The same impacts with the elasto-plastic law and {_yield_strength(material)}, which the source did not do. "
-        "Harder spheres lose less. In the chains: the most they ever held.",
-        tuple(rows),
-        (Picture(f"square_yielding_{way.replace('-', '_')}", f"Where the energy goes, {way} impact", _draw(series)),),
+    size = f"a yield strength of {(material.yield_strength or 0) / 1e6:g} MPa"
+    source = f" ({material.name}: {material.source})" if material.name and material.source else ""
+    return (
+        f"The same impacts with the elasto-plastic law and {size}{source}, which the source did not do. "
+        "Harder spheres lose less. In the chains: the most they ever held."
     )
 
 
-def _yield_strength(material: Material) -> str:
-    size = f"a yield strength of {(material.yield_strength or 0) / 1e6:g} MPa"
-    return f"{size} ({material.name}: {material.source})" if material.name and material.source else size
+def rows(series: Series) -> Iterator[Row]:
+    """Losses, and what is left for the chains, at each velocity."""
+    first, second = _PLACES
+    for run in series:
+        where = f"at {run.speed:g} m/s, {run.way}"
+        lost, kept = (100 * run.settled[name] for name in ("dissipated", "central chains"))
+        yield Row(f"Dissipated {where}", "% of input", None, lost, "ours alone")
+        yield Row(f"Most in central chains {where}", "% of input", None, kept, "ours alone")
+        largest = groups(run.snapshots)["central chains"][0].speeds(run.snapshots).max(axis=0)
+        if len(largest) >= second:
+            quantity = f"Peak velocity at sphere {second} over that at sphere {first}, {run.speed:g} m/s, {run.way}"
+            yield Row(quantity, "", None, float(largest[second - 1] / largest[first - 1]), "ours alone")
 
 
-def _row(quantity: str, unit: str, ours: float) -> Row:
-    return Row(quantity, unit, None, ours, "ours alone")
-
-
-def _draw(series: list[PackingRun]) -> Drawing:
-    figure = new_figure(2.4)
-    axes = figure.subplots()
+def pictures(series: Series) -> Iterator[Picture]:
+    """Energies by region against velocity."""
+    figure, axes = one_panel(2.4, "Velocity of the striker (m/s)", "Energy (% of input)", xscale="log", ylim=(0, 105))
     speed = np.array([run.speed for run in series])
-    found = [settled(run) for run in series]
     columns = {"striker_velocity_m_s": speed}
-    names = ["dissipated", *groups(series[0]), "struck spheres", "strikers"]
-    colours = {"dissipated": GREEN, "central chains": BLUE, "struck spheres": ORANGE, "strikers": PURPLE}
-    for name in names:
-        share = np.array([one[name] for one in found])
-        axes.semilogx(speed, 100 * share, "o-", markersize=3, color=colours.get(name, "black"), label=name)
-        columns[f"{name.replace(' ', '_')}_over_input"] = share
-    axes.set_xlabel("Velocity of the striker (m/s)")
-    axes.set_ylabel("Energy (% of input)")
-    axes.set_ylim(0, 105)
+    for region in ("dissipated", *groups(series[0].snapshots), "struck spheres", "strikers"):
+        share = np.array([run.settled[region] for run in series])
+        axes.plot(speed, 100 * share, "o-", markersize=3, color=_COLOURS.get(region, "black"), label=region)
+        columns[f"{region.replace(' ', '_')}_over_input"] = share
     axes.legend(loc="center right")
-    return Drawing(figure, columns)
+    yield Picture("", f"Where the energy goes, {series[0].way} impact", Drawing(figure, columns))

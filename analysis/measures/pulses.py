@@ -11,13 +11,14 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq, least_squares
 
-from granwave.analysis.measures.signals import first_peak, width
-from granwave.analysis.studies.square.runs import Array
+from granwave.analysis.measures.signals import Array, first_peak, width
 from granwave.lammps_inputs.case.material import Material
 
 LENGTH = math.pi * math.sqrt(10) / 2  # diameters, of the solitary wave in the long-wave approximation: 4.97
 MEASURES = ("fit of acceleration", "fit of velocity", "half maximum of acceleration", "half maximum of velocity")
 _FINE = 4  # points between two snapshots
+_GONE = 1e-3  # of its peak: the incident wave has passed
+_BACK = 0.8  # part of the wave's way to the far end and back that is waited for
 _LARGEST = 3 * math.sqrt(3) / 16  # of cos^3 sin
 
 
@@ -111,6 +112,33 @@ def theory() -> dict[str, float]:
         for span in ((0.0, math.pi / 6), (math.pi / 6, math.pi / 2))
     ]
     return dict(zip(MEASURES, (LENGTH, LENGTH, (ends[1] - ends[0]) / math.pi * LENGTH, half_v), strict=True))
+
+
+def reflection(time: Array, force: Array, place: int, beyond: int) -> float:
+    """Largest force of what comes back to a contact of a chain, over that of the incident wave.
+
+    Until waves from the far end can arrive; NaN where the record ends sooner, or the contact is too near an end.
+
+    Parameters
+    ----------
+    time, force
+        (n_times,), s, and of the contacts, (n_times, n_contacts), N.
+    place
+        The contact, from 0.
+    beyond
+        Contacts that there must be beyond it.
+    """
+    n = force.shape[1]
+    if place < 2 or place + beyond > n:
+        return np.nan
+    (here, peak), (early, _), (far, _) = (first_peak(time, force[:, k], floor=0.5) for k in (place, 1, n - 1))
+    period = (here - early) / (place - 1)  # from contact to contact
+    gone = np.flatnonzero((time > here) & (force[:, place] < _GONE * peak))
+    until = far + _BACK * (n - place) * period
+    if not len(gone) or time[-1] < until:
+        return np.nan
+    after = force[int(gone[0]) :, place][time[int(gone[0]) :] < until]
+    return float(after.max(initial=0.0) / peak)
 
 
 def speed_of(material: Material, peak: Array | float) -> Array | float:

@@ -11,12 +11,19 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.signal import lsim
 from scipy.special import beta
+
+from granwave.lammps_inputs.contact.law import flat_contact
+
+if TYPE_CHECKING:
+    from granwave.lammps_inputs.case.case import Case
+    from granwave.lammps_inputs.case.supports import Plate
 
 Array = NDArray[np.float64]
 
@@ -38,6 +45,13 @@ class HertzImpact:
     mass: float
     velocity: float
     stiffness: float
+
+    @classmethod
+    def of(cls, case: Case) -> HertzImpact:
+        """The impact of a case's first sphere on its bottom, held in place."""
+        law = flat_contact(case, 1, case.boundary.bottom_material)
+        stiffness = 4 / 3 * law.effective_modulus * math.sqrt(law.effective_radius)
+        return cls(case.sphere_mass, case.load.velocity * math.cos(math.radians(case.load.angle)), stiffness)
 
     @property
     def overlap(self) -> float:
@@ -77,6 +91,14 @@ class HertzImpact:
             even, np.concatenate([time, 2 * time[-1] - time[-2::-1]]), np.append(force, force[-2::-1])
         )
 
+    def energy_into(self, spring: float, damping: float) -> float:
+        """Work on a spring (N/m; 0: none) and damper (N s/m) without mass that hardly give way, J."""
+        if not spring:
+            return self.square / damping
+        time, force = self.history()
+        speed = np.gradient(response(time, force, 0.0, spring, damping), time)
+        return float(np.trapezoid(force * speed, time))
+
     def on_spring(self, stiffness: float) -> float:
         """Largest force on a wall without mass on a spring (N/m), N: from the balance of energy at rest."""
         energy = 0.5 * self.mass * self.velocity**2
@@ -106,3 +128,12 @@ def response(time: Array, force: Array, mass: float, stiffness: float, damping: 
 def after_impulse(impulse: float, mass: float, stiffness: float) -> float:
     """Largest displacement of a mass on a spring after a short impulse, m."""
     return impulse / math.sqrt(mass * stiffness)
+
+
+def largest_displacement(plate: Plate, time: Array, force: Array, end: float) -> float:
+    """Of a plate under a force (N) in time (s), both (n_times,), and after it up to an end (s): m."""
+    if end > time[-1]:
+        step = time[1] - time[0]
+        time = np.append(time, np.arange(time[-1] + step, end, step))
+        force = np.append(force, np.zeros(len(time) - len(force)))
+    return float(response(time, force, plate.mass, plate.stiffness, plate.damping).max())

@@ -1,0 +1,75 @@
+"""Small pulses on precompressed elastic chains: their speed against the static force."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from matplotlib.ticker import ScalarFormatter
+
+from granwave.analysis.figures.series import one_panel
+from granwave.analysis.figures.style import BLUE, GREY, Drawing
+from granwave.analysis.measures import loaded_line as theory
+from granwave.analysis.measures.line_waves import FIRST_BEAD
+from granwave.analysis.measures.signals import Array, power
+from granwave.analysis.studies.precompression.waves import SMALL, WHERE, ChainWave, waves_of
+from granwave.analysis.studies.runs import FinishedRun, rising
+from granwave.analysis.studies.study import Picture, Row
+
+Waves = Sequence[ChainWave]
+
+TITLE = "Precompressed chain: small pulses"
+
+
+def select(runs: Sequence[FinishedRun]) -> list[list[ChainWave]]:
+    """Small pulses by rising static force, of two forces and more."""
+    small = rising((wave for wave in waves_of(runs) if wave.ratio < 1 + SMALL), lambda wave: wave.static)
+    return [small] if len(small) > 1 else []
+
+
+def text(waves: Waves) -> str:
+    """How c0 is found."""
+    crest = waves[len(waves) // 2]
+    return (
+        f"The first bead of a precompressed chain is struck so that F_m/F0 stays below {1 + SMALL:g}, at {len(waves)} "
+        f"static forces. Such a pulse spreads, and its crest is slower than long waves (here by "
+        f"{100 * (1 - crest.speed / crest.c0):.2g} %): c0 is found by the times of the crests at beads {FIRST_BEAD} to "
+        f"{crest.last}, which are known for a linear chain. The source prints the formula."
+    )
+
+
+def rows(waves: Waves) -> Iterator[Row]:
+    """Power, factor, and the speed at each force."""
+    force, speed, printed = _speeds(waves)
+    yield Row(
+        "Power of the speed of small pulses with the static force", "", 1 / 6, power(force, speed).exponent, WHERE
+    )
+    yield Row(
+        "Factor of c0 in (4 E^2 F0/(a^2 rho^3 (1-nu^2)^2))^(1/6)", "", theory.PRINTED_FACTOR,
+        theory.PRINTED_FACTOR * float(np.mean(speed / printed)), WHERE,
+        "Theory: long waves of the lattice, sqrt(9/pi) 3^(-1/3) 4^(-1/6), with a the diameter.", theory.EXACT_FACTOR,
+    )  # fmt: skip
+    for wave, of_source, ours in zip(waves, printed, speed, strict=True):
+        yield Row(f"Speed of small pulses, F0 = {wave.static:g} N", "m/s", of_source, ours, WHERE, "", wave.c0)
+
+
+def pictures(waves: Waves) -> Iterator[Picture]:
+    """Speed against the static force."""
+    force, speed, printed = _speeds(waves)
+    figure, axes = one_panel(2.4, "Static force F0 (N)", "Speed of small pulses (m/s)")
+    axes.loglog(force, printed, "-", color=GREY, label="c0 (composite 3)")
+    label = f"simulation: power {power(force, speed).exponent:.4f}"
+    axes.loglog(force, speed, "o", color=BLUE, markersize=4, label=label)
+    axes.yaxis.set_minor_formatter(ScalarFormatter())
+    axes.xaxis.set_major_formatter("{x:g}")
+    axes.legend(loc="upper left")
+    drawing = Drawing(figure, {"static_force_N": force, "speed_m_s": speed, "printed_m_s": printed})
+    caption = "Speed of small pulses against the static force (composite 3)"
+    yield Picture("precompressed_chain_small_pulses", caption, drawing)
+
+
+def _speeds(waves: Waves) -> tuple[Array, Array, Array]:
+    """Static force, N, the speed found, and the one that the source prints, m/s: (n_waves,) each."""
+    found = [(wave.static, wave.long_wave_speed, theory.printed_speed(wave.case, wave.static)) for wave in waves]
+    force, speed, printed = np.array(found).T
+    return force, speed, printed

@@ -1,0 +1,87 @@
+"""One impact on elastic chains under many static forces: from the uncompressed chain to small pulses."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from granwave.analysis.figures.series import one_panel
+from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing
+from granwave.analysis.measures.hertz_chain import ChainScales
+from granwave.analysis.studies.precompression.waves import LARGE, WHERE, ChainWave, waves_of
+from granwave.analysis.studies.runs import FinishedRun, rising
+from granwave.analysis.studies.study import Picture, Row
+
+Waves = Sequence[ChainWave]
+
+
+def select(runs: Sequence[FinishedRun]) -> list[list[ChainWave]]:
+    """Waves of one impact by rising static force, from far below that of the wave to about it."""
+    waves = waves_of(runs)
+    series = [
+        rising((wave for wave in waves if wave.velocity == velocity), lambda wave: wave.static)
+        for velocity in sorted({wave.velocity for wave in waves})
+    ]
+    return [one for one in series if len(one) > 2 and one[0].ratio > LARGE and one[-1].ratio < 2]
+
+
+def name(waves: Waves) -> str:
+    """``precompressed-chain-0-1-m-s``."""
+    return f"precompressed-chain-{waves[0].velocity:g}-m-s".replace(".", "-")
+
+
+def title(waves: Waves) -> str:
+    """By impact velocity."""
+    return f"Precompressed to uncompressed chain, {waves[0].velocity:g} m/s"
+
+
+def text(waves: Waves) -> str:
+    """The forces, and where the two limits meet."""
+    first, last = waves[0], waves[-1]
+    crossing = (_uncompressed(first) / last.c0) ** 6 * last.static
+    return (
+        f"One impact, at {first.velocity:g} m/s, on a chain under {len(waves)} static forces from {first.static:g} to "
+        f"{last.static:g} N: the wave is that of an uncompressed chain as long as c0 is far below its speed, and a "
+        f"small pulse beyond; the two lines cross at F0 = {crossing:.3g} N."
+    )
+
+
+def rows(waves: Waves) -> Iterator[Row]:
+    """Speed and height at both ends."""
+    first, last = waves[0], waves[-1]
+    free = _uncompressed(first)
+    height = 0.7176 * float(ChainScales(first.run).impulse_force(first.run.mass * first.velocity))
+    yield Row(
+        f"Speed at F0 = {first.static:g} N over that of an uncompressed chain", "", 1.0, first.speed / free,
+        "composite (4)", "At the same largest force added; theory: the travelling wave of the lattice under F0.",
+        first.of_lattice / free,
+    )  # fmt: skip
+    yield Row(
+        f"Largest force at F0 = {first.static:g} N", "N", None, first.static + first.added, "thesis 4.5",
+        "Theory: the uncompressed lattice, 0.7176 (m^3 E*^2 R* v^6)^(1/5), and F0.", height + first.static,
+    )  # fmt: skip
+    remark = "" if last.steady else "The crest still spreads: it is slower than a solitary wave."
+    yield Row(f"Speed at F0 = {last.static:g} N", "m/s", last.printed, last.speed, WHERE, remark, last.of_lattice)
+
+
+def pictures(waves: Waves) -> Iterator[Picture]:
+    """Speed against the static force."""
+    first, last = waves[0], waves[-1]
+    force, speed = np.array([(wave.static, wave.speed) for wave in waves]).T
+    figure, axes = one_panel(2.6, "Static force F0 (N)", "Speed of the wave (m/s)")
+    line = np.geomspace(force.min(), force.max(), 50)
+    axes.loglog(line, last.c0 * (line / last.static) ** (1 / 6), "-", color=GREY, label="c0")
+    axes.axhline(_uncompressed(first), color=ORANGE, linestyle="--", label="uncompressed (composite 4)")
+    axes.loglog(force, speed, "o", color=BLUE, markersize=4, label="simulation")
+    axes.set_ylim(top=1.5 * speed.max())
+    axes.legend(loc="upper left")
+    columns = {"static_force_N": force, "speed_m_s": speed}
+    columns |= {"force_ratio": [wave.ratio for wave in waves], "c0_m_s": [wave.c0 for wave in waves]}
+    caption = f"One impact at {first.velocity:g} m/s on chains under static forces"
+    yield Picture("", caption, Drawing(figure, columns))
+
+
+def _uncompressed(wave: ChainWave) -> float:
+    """Speed of Nesterenko's wave of the same largest force added, m/s."""
+    return ChainScales(wave.run).nesterenko(wave.added)
