@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-2.0-only
 /* What a load is as a function of time, in closed form. No LAMMPS types.
 
      half-sine    A sin(pi t/T)      0 <= t <= T, else 0

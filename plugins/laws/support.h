@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-2.0-only
 /* What is behind a plane wall that can move: a node, or an elastic bar, along the plane's normal. No LAMMPS types.
 
      support MASS STIFFNESS DAMPING                  M u" + C u' + K u = F, or with MASS 0  C u' + K u = F

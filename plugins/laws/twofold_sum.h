@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-2.0-only
 /* Sums of forces or torques on spheres in twice the precision of a double. No LAMMPS types.
 
    What acts on a sphere is added up in whatever order the list has, which differs with the number of processors. Twice

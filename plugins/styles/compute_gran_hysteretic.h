@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-2.0-only
 /* What pair style gran/hysteretic reports, for LAMMPS's own output commands:
 
    compute ID group gran/hysteretic/atom            per sphere

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-2.0-only
 #include "fix_gran_load.h"
 
 #include "atom.h"

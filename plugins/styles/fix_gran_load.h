@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-2.0-only
 /* Fix gran/load: a force pulse on a group, or its prescribed displacement, with the work done and the impulse given.
 
    fix ID group gran/load x|y|z force half-sine|rectangle AMPLITUDE DURATION

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-2.0-only
 /* Command gran/dents: what contacts of pair style gran/hysteretic and its walls went through before a run.
 
    gran/dents read FILE     dents by ids: lines `i j peak` of two spheres, `FIXID i peak` of a sphere and a wall, # comments

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-2.0-only
 /* What LAMMPS's plugin command loads: checks that library and styles belong together, then loads the styles.
 
    LAMMPS keeps no binary interface between releases, not even between updates of one release, and only warns. Here a

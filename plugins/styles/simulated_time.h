@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-2.0-only
 /* The simulated time of a force evaluation, the same bits however many runs a simulation is cut into. */
 
 #ifndef GRANWAVE_SIMULATED_TIME_H
