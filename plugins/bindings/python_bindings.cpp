@@ -149,6 +149,7 @@ PYBIND11_MODULE(_contact_laws, module)
            py::arg("yield_strength"), py::arg("radius"), py::arg("variant") = "continuous", py::arg("yield_factor") = 1.6,
            py::arg("beta") = 0.8, py::arg("constants") = std::map<std::string, double>(), py::arg("checked") = true)
       .def_property_readonly("name", [](const Contact &b) { return std::string(b.law.entry().name); })
+      .def_property_readonly("entry", [](const Contact &b) { return b.law.entry(); }, "of the table LAWS")
       .def_property_readonly("constants", [](const Contact &b) { return by_name(b.law.constants()); },
                              "of the elasto-plastic law, by name")
       .def_property_readonly("effective_radius", [](const Contact &b) { return b.scaled.effective_radius(); }, "R*, m")

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from granwave import __version__
+from granwave.lammps_inputs.case.sections import LAWS
 from granwave.lammps_inputs.errors import GranwaveError, InputError
 from granwave.workflows.cli import commands
 from granwave.workflows.run import mpi
@@ -144,7 +145,7 @@ def _parser() -> argparse.ArgumentParser:
     law.add_argument(
         "--radius", nargs="+", type=float, default=[0.005], metavar="R", help="one radius or two, m (default: 0.005)"
     )
-    law.add_argument("--law", default="elastoplastic", choices=["elastoplastic", "hertz", "bilinear", "thornton"])
+    law.add_argument("--law", default="elastoplastic", choices=list(LAWS))
     law.add_argument("--variant", default="continuous", choices=["continuous", "published"])
     law.add_argument(
         "--max-overlap",
