@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* The contact laws for Python: the table of laws, and a law at the scale of a contact; numpy arrays in and out, SI units. */
+/* Contact laws for Python: the table of laws, and a law at the scale of a contact; numpy arrays in and out, SI units. */
 
 #include "../laws/contact_law.h"
 #include "../laws/law_arguments.h"

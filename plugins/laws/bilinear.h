@@ -16,9 +16,10 @@ class Bilinear : public NormalLaw {
   /* `slope` is k alpha_y / F_y. */
   Bilinear(double slope, double beta) : slope_(slope), beta_(beta) {}
 
-  double loading(double a, const double *) const override { return slope_ * a; }
-  double loading_work(double a, const double *) const override { return 0.5 * slope_ * a * a; }
-  Turning turning(double peak, const double *) const override { return {peak, slope_ * peak, beta_ * peak, 1.0}; }
+  double loading(double a, const double *) const { return slope_ * a; }
+  double loading_work(double a, const double *) const { return 0.5 * slope_ * a * a; }
+  Turning turning(double peak, const double *) const { return {peak, slope_ * peak, beta_ * peak, 1.0}; }
+  double dissipated_energy(const Turning &t, const double *extra) const { return energy_lost(loading_work(t.peak, extra), t); }
 
  private:
   double slope_, beta_;

@@ -9,8 +9,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <string>
+#include <variant>
 
 namespace granwave {
 
@@ -22,6 +22,8 @@ struct LawHistory {
 
 /* Law of a pair of materials, in units of the overlap and force at first yield (normal_law.h). */
 class ContactLaw {
+  template <class Function> auto with(const Function &function) const { return std::visit(function, normal_); }
+
  public:
   ContactLaw() : ContactLaw(law_table().front(), {1.0, 0.0, INFINITE}, {1.0, 0.0, INFINITE}, {}) {}
 
@@ -38,7 +40,7 @@ class ContactLaw {
 
   const LawEntry &entry() const { return *entry_; }
   const LawConstants &constants() const { return constants_; }
-  std::string fault() const { return normal_->fault(); }
+  std::string fault() const { return with([](const auto &law) { return law.fault(); }); }
   double modulus() const { return modulus_; }
   double shear_modulus() const { return shear_modulus_; }
   double yield_strength() const { return yield_; }
@@ -47,18 +49,18 @@ class ContactLaw {
   double force_per_area() const { return force_per_area_; }
 
   bool yields(double peak) const { return peak > entry_->elastic_limit; }
-  double loading(double a, const double *extra) const { return a <= 0.0 ? 0.0 : normal_->loading(a, extra); }
-  double loading_work(double a, const double *extra) const { return a <= 0.0 ? 0.0 : normal_->loading_work(a, extra); }
+  double loading(double a, const double *extra) const { return a <= 0.0 ? 0.0 : with([&](const auto &law) { return law.loading(a, extra); }); }
+  double loading_work(double a, const double *extra) const { return a <= 0.0 ? 0.0 : with([&](const auto &law) { return law.loading_work(a, extra); }); }
   Turning turning(double peak, const double *extra) const
   {
-    return yields(peak) ? normal_->turning(peak, extra) : Turning{peak, loading(peak, extra), 0.0, 1.5};
+    return yields(peak) ? with([&](const auto &law) { return law.turning(peak, extra); }) : Turning{peak, loading(peak, extra), 0.0, 1.5};
   }
   double dissipated_energy(const Turning &t, const double *extra) const
   {
-    return yields(t.peak) ? normal_->dissipated_energy(t, extra) : 0.0;
+    return yields(t.peak) ? with([&](const auto &law) { return law.dissipated_energy(t, extra); }) : 0.0;
   }
-  double area(double a) const { return normal_->area(a); }
-  bool update(double a, double peak, double *extra) const { return normal_->update(a, peak, extra); }
+  double area(double a) const { return with([&](const auto &law) { return law.area(a); }); }
+  bool update(double a, double peak, double *extra) const { return with([&](const auto &law) { return law.update(a, peak, extra); }); }
 
   /* k_t = 8 G* a of a contact circle of this radius squared, in physical units. */
   double tangential_stiffness(double circle_squared) const { return 8.0 * shear_modulus_ * std::sqrt(circle_squared); }
@@ -68,7 +70,7 @@ class ContactLaw {
   LawConstants constants_;
   double modulus_, shear_modulus_, yield_, share1_;
   double overlap_per_radius_, force_per_area_;
-  std::shared_ptr<const NormalLaw> normal_;
+  AnyLaw normal_;
 };
 
 /* A law at the scale of a contact, in physical units. Keeps a pointer to the law. */

@@ -65,7 +65,7 @@ class Elastoplastic : public NormalLaw {
     if (variant == Variant::continuous) examine();
   }
 
-  std::string fault() const override
+  std::string fault() const
   {
     if (!fault_) return "";
     char where[80] = "";
@@ -73,12 +73,12 @@ class Elastoplastic : public NormalLaw {
     return std::string(fault_) + where;
   }
 
-  double loading(double a, const double *) const override
+  double loading(double a, const double *) const
   {
     return a <= 1.0 ? hertz_force(a) : amplitude_ * pressure(a) * area(a);
   }
 
-  double loading_work(double a, const double *) const override
+  double loading_work(double a, const double *) const
   {
     if (a <= 1.0) return hertz_work(a);
     const double joint = constants_.area_switch;
@@ -87,7 +87,7 @@ class Elastoplastic : public NormalLaw {
     return work;
   }
 
-  Turning turning(double peak, const double *extra) const override
+  Turning turning(double peak, const double *extra) const
   {
     Turning t{peak, loading(peak, extra), residual(peak), constants_.unloading_exponent};
     // just after yield this exponent would return more than loading took (physics: passive law)
@@ -96,14 +96,14 @@ class Elastoplastic : public NormalLaw {
     return t;
   }
 
-  double dissipated_energy(const Turning &t, const double *extra) const override
+  double dissipated_energy(const Turning &t, const double *extra) const
   {
     // where the exponent was chosen to give back all, what is left is rounding
     if (variant_ == Variant::continuous && t.exponent > constants_.unloading_exponent) return 0.0;
-    return NormalLaw::dissipated_energy(t, extra);
+    return energy_lost(loading_work(t.peak, extra), t);
   }
 
-  double area(double a) const override
+  double area(double a) const
   {
     if (a <= 1.0) return a;
     return a < constants_.area_switch ? std::pow(a, area_exponent_) : linear_area(a);

@@ -14,9 +14,10 @@ inline double hertz_work(double a) { return 0.4 * a * a * std::sqrt(a); }
 
 class Hertz : public NormalLaw {
  public:
-  double loading(double a, const double *) const override { return hertz_force(a); }
-  double loading_work(double a, const double *) const override { return hertz_work(a); }
-  Turning turning(double peak, const double *) const override { return {peak, hertz_force(peak), 0.0, 1.5}; }
+  double loading(double a, const double *) const { return hertz_force(a); }
+  double loading_work(double a, const double *) const { return hertz_work(a); }
+  Turning turning(double peak, const double *) const { return {peak, hertz_force(peak), 0.0, 1.5}; }
+  double dissipated_energy(const Turning &, const double *) const { return 0.0; }
 };
 
 }    // namespace granwave

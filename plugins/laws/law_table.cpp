@@ -1,28 +1,23 @@
 // SPDX-License-Identifier: GPL-2.0-only
 #include "law_table.h"
 
-#include "bilinear.h"
-#include "thornton.h"
-
 namespace granwave {
 
 namespace {
 
-using Made = std::shared_ptr<const NormalLaw>;
+AnyLaw make_hertz(const LawOptions &, const LawScales &) { return Hertz(); }
 
-Made make_hertz(const LawOptions &, const LawScales &) { return std::make_shared<Hertz>(); }
-
-Made make_elastoplastic(const LawOptions &o, const LawScales &)
+AnyLaw make_elastoplastic(const LawOptions &o, const LawScales &)
 {
-  return std::make_shared<Elastoplastic>(o.variant, o.yield_factor, o.constants);
+  return Elastoplastic(o.variant, o.yield_factor, o.constants);
 }
 
-Made make_bilinear(const LawOptions &o, const LawScales &s)
+AnyLaw make_bilinear(const LawOptions &o, const LawScales &s)
 {
-  return std::make_shared<Bilinear>(Bilinear::STIFFNESS * s.yield_strength * s.overlap_per_radius / s.force_per_area, o.beta);
+  return Bilinear(Bilinear::STIFFNESS * s.yield_strength * s.overlap_per_radius / s.force_per_area, o.beta);
 }
 
-Made make_thornton(const LawOptions &o, const LawScales &) { return std::make_shared<Thornton>(o.yield_factor); }
+AnyLaw make_thornton(const LawOptions &o, const LawScales &) { return Thornton(o.yield_factor); }
 
 }    // namespace
 

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* The table of contact laws, which input scripts, restart files and Python take names and options from. A new law is a
-   header beside this one and an entry in law_table.cpp. No LAMMPS types. */
+/* Table of contact laws, which input scripts, restart files and Python take names and options from. A new law is a
+   header beside this one, its class in AnyLaw, and an entry in law_table.cpp. No LAMMPS types. */
 
 #ifndef GRANWAVE_LAW_TABLE_H
 #define GRANWAVE_LAW_TABLE_H
 
+#include "bilinear.h"
 #include "elastoplastic.h"
+#include "hertz.h"
+#include "thornton.h"
 
-#include <memory>
 #include <string>
+#include <variant>
 #include <vector>
 
 namespace granwave {
@@ -25,7 +28,9 @@ struct LawOptions {
   }
 };
 
-/* What a law may depend on besides its options: ratios of the pair of materials. */
+using AnyLaw = std::variant<Hertz, Elastoplastic, Bilinear, Thornton>;
+
+/* Scales of the pair of materials that a law may depend on. */
 struct LawScales {
   double yield_strength;         // of the softer body
   double overlap_per_radius;     // alpha_y / R*
@@ -40,7 +45,7 @@ struct LawEntry {
   bool fitted;             // a fit, valid to overlaps of 0.2 R*
   unsigned options;        // LawOption
   int n_extra;             // doubles of history beyond the largest overlap
-  std::shared_ptr<const NormalLaw> (*make)(const LawOptions &, const LawScales &);
+  AnyLaw (*make)(const LawOptions &, const LawScales &);
 
   bool yields() const { return elastic_limit < INFINITE; }    // and needs the yield strength of one body
   bool takes(LawOption option) const { return options & option; }
@@ -49,7 +54,7 @@ struct LawEntry {
 /* All laws, in the order of their numbers in restart files. */
 const std::vector<LawEntry> &law_table();
 
-/* The law of this name; null if there is none. */
+/* Find a law by name; null if there is none. */
 const LawEntry *find_law(const std::string &name);
 
 /* Names of all laws, or of those that yield, joined by `separator`. */

@@ -23,7 +23,7 @@
 
 namespace granwave {
 
-/* The un-/reloading branch, fixed at the turning point. */
+/* Un-/reloading branch, fixed at the turning point. */
 struct Turning {
   double peak;        // a_max for which the rest holds
   double force;       // f_max
@@ -55,34 +55,31 @@ struct Turning {
   }
 };
 
-class NormalLaw {
- public:
-  virtual ~NormalLaw() = default;
+/* Base of the laws. A law is a class with the functions
 
-  /* Force on the loading branch, a > 0. */
-  virtual double loading(double a, const double *extra) const = 0;
+       double loading(double a, const double *extra) const              force on the loading branch, a > 0
+       double loading_work(double a, const double *extra) const         work of loading from zero overlap, a > 0
+       Turning turning(double peak, const double *extra) const          the branch below a peak beyond the elastic limit
+       double dissipated_energy(const Turning &, const double *extra) const     energy lost for good by a contact that has yielded
 
-  /* Work of loading from zero overlap, a > 0. */
-  virtual double loading_work(double a, const double *extra) const = 0;
-
-  /* The un-/reloading branch of a contact with this peak, which is beyond the law's elastic limit. */
-  virtual Turning turning(double peak, const double *extra) const = 0;
-
-  /* Energy lost for good by a contact that has yielded. */
-  virtual double dissipated_energy(const Turning &t, const double *extra) const
-  {
-    return loading_work(t.peak, extra) - t.force * (t.peak - t.residual) / (t.exponent + 1.0);
-  }
-
+   and, where the defaults below do not hold, with those. No virtual functions: loading is in the innermost loop, and the
+   table (law_table.h) knows all classes. */
+struct NormalLaw {
   /* Radius of the contact circle on loading, squared, in units of R* alpha_y. */
-  virtual double area(double a) const { return a; }
+  double area(double a) const { return a; }
 
   /* Update the block of a contact that overlaps by a > 0, in every step, before its peak is raised; true if it changed.
      Called again with the same overlap it must leave the block alone: a run may be cut in pieces. */
-  virtual bool update(double, double /* peak */, double * /* extra */) const { return false; }
+  bool update(double /* a */, double /* peak */, double * /* extra */) const { return false; }
 
-  /* What is wrong with the law's constants, in a line; empty where they make a passive law. */
-  virtual std::string fault() const { return ""; }
+  /* Fault of the law's constants, in a line; empty where they make a passive law. */
+  std::string fault() const { return ""; }
+
+  /* Work of loading up to the peak less what unloading gives back. */
+  static double energy_lost(double work, const Turning &t)
+  {
+    return work - t.force * (t.peak - t.residual) / (t.exponent + 1.0);
+  }
 };
 
 }    // namespace granwave

@@ -13,19 +13,21 @@ class Thornton : public NormalLaw {
  public:
   explicit Thornton(double yield_factor) : yield_factor_(yield_factor), slope_(1.5 / yield_factor) {}
 
-  double loading(double a, const double *) const override { return a <= 1.0 ? hertz_force(a) : 1.0 + slope_ * (a - 1.0); }
+  double loading(double a, const double *) const { return a <= 1.0 ? hertz_force(a) : 1.0 + slope_ * (a - 1.0); }
 
-  double loading_work(double a, const double *) const override
+  double loading_work(double a, const double *) const
   {
     return a <= 1.0 ? hertz_work(a) : 0.4 + (a - 1.0) + 0.5 * slope_ * (a - 1.0) * (a - 1.0);
   }
 
-  Turning turning(double peak, const double *extra) const override
+  Turning turning(double peak, const double *extra) const
   {
     const double force = loading(peak, extra);
     const double radius = std::pow(yield_factor_ * (2.0 * force + 1.0) / 3.0, 1.5) / force;    // R*_p / R*
     return {peak, force, peak - std::pow(force / std::sqrt(radius), 2.0 / 3.0), 1.5};
   }
+
+  double dissipated_energy(const Turning &t, const double *extra) const { return energy_lost(loading_work(t.peak, extra), t); }
 
  private:
   double yield_factor_, slope_;

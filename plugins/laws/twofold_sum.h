@@ -28,7 +28,7 @@ struct alignas(64) TwofoldSum {
   }
 };
 
-/* One for each sphere. Of an ordered list only those between a row and its farthest partner are in use at a time, and a ring
+/* A sum for each sphere. Of an ordered list only those between a row and its farthest partner are in use at a time, and a ring
    of that many stays in the cache. All zero but for those in use. */
 class TwofoldSums {
  public:

@@ -148,7 +148,7 @@ void FixGranHystereticHistory::unpack_restart(int nlocal, int nth)
   for (int i = 0; i < nth; i++) m += static_cast<int>(extra[nlocal][m]);
   const double *const stored = &extra[nlocal][m];
   const int count = static_cast<int>(stored[1]), n = std::abs(count);
-  int n_extra = 0;    // what a record has beyond those of a law without a block of its own
+  int n_extra = 0;    // from the size of a record
   if (n > 0) n_extra = (static_cast<int>(stored[0]) - 3) / n - ContactRecord::SIZE;
   if (count < 0) n_extra = (n_extra - BlockLayout::N_EXTENDED) / 2;
   unpack(nlocal, stored + 1, n_extra);

@@ -37,7 +37,7 @@ class FixGranHystereticHistory : public Fix {
   double memory_usage() override;
 
   granwave::ContactHistory history;
-  PairGranHysteretic *pair = nullptr;    // whose flat contact list is the newer copy while it is valid
+  PairGranHysteretic *pair = nullptr;    // its flat contact list is the newer copy while valid
 
  private:
   void gather();

@@ -52,10 +52,10 @@ void GranDents::command(int narg, char **arg)
     for (auto *fix : modify->get_fix_list())
       if (auto *wall = dynamic_cast<FixWallGranHysteretic *>(fix)) wall->begin();
   }
-  for (auto *compute : modify->get_compute_list()) compute->invoked_flag = 0;    // what they told of this step is no longer so
+  for (auto *compute : modify->get_compute_list()) compute->invoked_flag = 0;    // their values of this step are out of date
 }
 
-/* Ghosts and neighbour lists as at the start of a run. */
+/* Build ghosts and neighbour lists as at the start of a run. */
 
 void GranDents::build_lists()
 {

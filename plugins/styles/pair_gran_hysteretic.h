@@ -64,7 +64,7 @@ class PairGranHysteretic : public Pair {
   void publish_contacts();
   void release_contacts();
 
-  /* Call back for every dent of this processor: a pair of which one sphere is a ghost is reported by both owners,
+  /* Call back for every contact of this processor: a pair of which one sphere is a ghost is reported by both owners,
      a forgotten dent by the owner of each sphere. Needs a current list (after setup or during a run). */
   void for_each_dent(const std::function<void(const Report &)> &);
 
@@ -74,7 +74,7 @@ class PairGranHysteretic : public Pair {
      the normal forces store. A collective call. Needs a current list. */
   double tally_totals();
 
-  /* The same for the one pair of these ids, where this processor has it in reach. */
+  /* Call back for the one pair of these ids, where this processor has it in reach. */
   void visit_pair(tagint, tagint, const std::function<void(const Report &)> &);
 
   /* Dents from before the run (gran_dents.h). `prepare` comes first, with LAMMPS's own lists built anew: from then on

@@ -113,8 +113,8 @@ void PairGranHysteretic::build_contacts()
   c.published = false;
 }
 
-/* A sphere that moves by much of its radius in one step would pass through others unseen; so would a face that moves by
-   much of theirs. */
+/* Refuse spheres that move by much of their radius in one step, and faces by much of the largest sphere's: they would pass
+   through others unseen. */
 
 void PairGranHysteretic::check_displacements()
 {
@@ -285,7 +285,7 @@ void PairGranHysteretic::reset_history(int k, double peak, bool dented)
   std::copy_n(extra, c.n_extra, c.initial_extra.data() + static_cast<std::size_t>(k) * c.n_extra);
 }
 
-/* The pair has parted for good: both spheres file the record, a new one may start. */
+/* Forget a pair that has parted for good: both spheres file its record, and a new one may start. */
 
 void PairGranHysteretic::forget(int row, int k)
 {

@@ -19,7 +19,7 @@ using granwave::ScaledLaw;
 using granwave::TangentialSpring;
 using granwave::TwofoldSum;
 
-/* The turning of a contact that has yielded, computed anew when its history has changed. */
+/* Turning of a contact that has yielded, computed anew when its history has changed. */
 
 int PairGranHysteretic::cached_turning(int k, const ScaledLaw &contact)
 {

@@ -17,7 +17,7 @@ using granwave::ContactRecord;
 using granwave::LawHistory;
 using granwave::ScaledLaw;
 
-/* The largest force of this run: at the peak, or below the dent that was there before. */
+/* Largest force of this run: at the peak, or below the dent that was there before. */
 
 double PairGranHysteretic::largest_force_of_run(const ScaledLaw &contact, const LawHistory &history, const BlockView &view,
                                                 double overlap) const
@@ -28,7 +28,7 @@ double PairGranHysteretic::largest_force_of_run(const ScaledLaw &contact, const 
                                  : contact.unloading(reached, contact.turning(history));
 }
 
-/* A pair shared with another processor counts half. */
+/* Sum up the totals; a pair shared with another processor counts half. */
 
 double PairGranHysteretic::tally_totals()
 {
