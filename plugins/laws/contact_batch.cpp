@@ -44,7 +44,7 @@ FOR_EACH_PROCESSOR void ContactBatch::compute_tangential(double dt)
     slip_of_step(v, spin, n, dt, slip);
     TangentialSpring spring{{tangential[0][m], tangential[1][m], tangential[2][m]}, compliance[m], loss[m]};
     granwave::compute_tangential(spring, n, slip, shear_stiffness[m] * std::sqrt(circle[m]), limit[m],
-            keeps[m] > 0.0 ? TangentialModel::MINDLIN : TangentialModel::MINDLIN_RESCALE);
+                                 keeps[m] > 0.0 ? TangentialModel::MINDLIN : TangentialModel::MINDLIN_RESCALE);
     for (int d = 0; d < 3; d++) tangential[d][m] = spring.force[d];
     compliance[m] = spring.compliance;
     loss[m] = spring.loss;

@@ -49,8 +49,14 @@ class ContactLaw {
   double force_per_area() const { return force_per_area_; }
 
   bool yields(double peak) const { return peak > entry_->elastic_limit; }
-  double loading(double a, const double *extra) const { return a <= 0.0 ? 0.0 : with([&](const auto &law) { return law.loading(a, extra); }); }
-  double loading_work(double a, const double *extra) const { return a <= 0.0 ? 0.0 : with([&](const auto &law) { return law.loading_work(a, extra); }); }
+  double loading(double a, const double *extra) const
+  {
+    return a <= 0.0 ? 0.0 : with([&](const auto &law) { return law.loading(a, extra); });
+  }
+  double loading_work(double a, const double *extra) const
+  {
+    return a <= 0.0 ? 0.0 : with([&](const auto &law) { return law.loading_work(a, extra); });
+  }
   Turning turning(double peak, const double *extra) const
   {
     return yields(peak) ? with([&](const auto &law) { return law.turning(peak, extra); }) : Turning{peak, loading(peak, extra), 0.0, 1.5};
@@ -60,7 +66,10 @@ class ContactLaw {
     return yields(t.peak) ? with([&](const auto &law) { return law.dissipated_energy(t, extra); }) : 0.0;
   }
   double area(double a) const { return with([&](const auto &law) { return law.area(a); }); }
-  bool update(double a, double peak, double *extra) const { return with([&](const auto &law) { return law.update(a, peak, extra); }); }
+  bool update(double a, double peak, double *extra) const
+  {
+    return with([&](const auto &law) { return law.update(a, peak, extra); });
+  }
 
   /* k_t = 8 G* a of a contact circle of this radius squared, in physical units. */
   double tangential_stiffness(double circle_squared) const { return 8.0 * shear_modulus_ * std::sqrt(circle_squared); }

@@ -68,7 +68,8 @@ inline void rotate(TangentialSpring &spring, double square, const double (&n)[3]
 }
 
 /* Advance the spring by one step of a contact that bears a normal force. */
-inline void compute_tangential(TangentialSpring &spring, const double (&n)[3], const double (&slip)[3], double stiffness, double limit, TangentialModel model)
+inline void compute_tangential(TangentialSpring &spring, const double (&n)[3], const double (&slip)[3], double stiffness,
+                               double limit, TangentialModel model)
 {
   const double before = dot(spring.force, spring.force), stored = 0.5 * before * spring.compliance;
   rotate(spring, before, n);

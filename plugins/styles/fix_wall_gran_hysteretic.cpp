@@ -228,7 +228,8 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
   if (side.touching == 0.0) {
     side.touching = 1.0;
     if (side.dent > 0.0) {
-      const double circle_sq = std::isfinite(scaled.yield_overlap()) ? scaled.loading_circle(side.dent) : radius * side.dent;
+      const double circle_sq =
+          std::isfinite(scaled.yield_overlap()) ? scaled.loading_circle(side.dent) : radius * side.dent;
       const double d1 = minimum_image((axis + 1) % 3, place[0] - side.place[0]), d2 = minimum_image((axis + 2) % 3, place[1] - side.place[1]);
       if (d1 * d1 + d2 * d2 > circle_sq) {
         side.lost_before = lost(i, which, scaled);
