@@ -105,7 +105,7 @@ def law_drawing(law: ContactLaw, max_overlap: float = _MAX_OVERLAP, title: str =
     if np.all(np.isfinite(table["overlap_normalised"])):
         _normalised_axes(axes, law)
     limit = 0.2 * law.effective_radius * _MICRO
-    if law.name == "elastoplastic" and overlap.max() > limit:
+    if law.entry.fitted and overlap.max() > limit:
         axes.axvline(limit, color=GREY, linestyle=":", label=r"0.2 $R^*$, end of the fit")
     axes.legend(loc="upper left", title=f"{title}, {law.name}" if title else law.name, alignment="left")
     return Drawing(figure, table)

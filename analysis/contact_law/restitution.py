@@ -42,7 +42,7 @@ def restitution(
     """
     check_forces(law)
     largest = max_overlap * law.yield_overlap
-    if law.name == "elastoplastic":
+    if law.entry.fitted:
         largest = min(largest, 0.2 * law.effective_radius)
     peak = np.geomspace(_SLOWEST * law.yield_overlap, largest, _POINTS)
     work = law.loading_work(peak)

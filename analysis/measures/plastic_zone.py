@@ -8,7 +8,6 @@ fitted up to an overlap of about 0.2 R*; from 0.1 R* on the plastic zones of one
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -38,11 +37,6 @@ class PlasticZone:
     volume: float
     depth: float
     radius: float
-
-
-def yields_from(law: str, yield_overlap: float) -> float:
-    """The largest overlap beyond which a contact of a law has yielded, m."""
-    return {"hertz": math.inf, "bilinear": 0.0}.get(law, yield_overlap)
 
 
 def plastic_zone(

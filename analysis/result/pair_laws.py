@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.measures.plastic_zone import yields_from
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.law import law_between
 from granwave.lammps_inputs.packing.assembly import assemble
@@ -69,7 +68,7 @@ def pair_laws(case: Case, types: NDArray[np.int64], radii: NDArray[np.float64]) 
     scale = effective_radius / (radius / 2)
     return PairLaws(
         each(lambda law: law.yield_overlap) * scale,
-        each(lambda law: yields_from(law.name, law.yield_overlap)) * scale,
+        each(lambda law: law.elastic_limit) * scale,
         effective_radius,
         shares[kind] if laws else np.empty(0),
     )

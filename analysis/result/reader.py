@@ -172,7 +172,7 @@ class Result:
     @property
     def has_law_limit(self) -> bool:
         """Whether the law was fitted up to an overlap that a contact may exceed."""
-        return self.case.contact.law == "elastoplastic"
+        return bool(self.case.contact.entry.fitted)
 
     @cached_property
     def struck(self) -> tuple[int, ...]:

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from itertools import pairwise
 from typing import Any, Literal
 
+from granwave import _contact_laws
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.schema import LARGEST_COUNT, Unfit, choice, custom, finite, number, parse_point, whole
 from granwave.lammps_inputs.case.si_values import (
@@ -25,13 +26,10 @@ from granwave.lammps_inputs.case.yield_factor import DEFAULT_YIELD_FACTOR
 from granwave.lammps_inputs.lattices import KINDS
 
 BOTTOMS = ("wall", "fixed", "free")
-LAWS = ("elastoplastic", "hertz", "bilinear", "thornton")
+LAWS = _contact_laws.LAWS  # the table of the plugin, by name
+LAW_CONSTANTS = tuple(_contact_laws.LAW_CONSTANTS)  # of the elasto-plastic law
 AUTO_END_TIME = 5e-3  # s, the longest that `end_time = "auto"` goes on
 DEFAULT_FRAMES = 20  # `run.frames` where it is not given; a run of fewer steps has fewer
-LAW_CONSTANTS = (
-    "pressure_limit", "pressure_rate", "area_switch", "area_slope", "area_offset",
-    "residual_slope", "residual_offset", "residual_rate", "unloading_exponent",
-)  # fmt: skip
 _CONSTANT: dict[str, Any] = {"above": 0, "default": None}
 LARGEST_ID = LARGEST_COUNT
 _NO_LIMIT = 2**63 - 1  # the schedule knows how many there can be
@@ -187,9 +185,7 @@ class PackingSection:
 class Contact:
     """``[contact]``: how two spheres press on each other."""
 
-    law: Literal["elastoplastic", "hertz", "bilinear", "thornton"] = choice(
-        "contact law", LAWS, default="elastoplastic"
-    )
+    law: str = choice("contact law", tuple(LAWS), default="elastoplastic")
     variant: Literal["continuous", "published"] = choice(
         "constants of the elasto-plastic law: made continuous, or as printed",
         ("continuous", "published"),
@@ -240,9 +236,18 @@ class Contact:
         return {name: value for name, value in given.items() if value is not None}
 
     @property
+    def entry(self) -> _contact_laws.LawEntry:
+        """Entry of the law in the plugin's table."""
+        return LAWS[self.law]
+
+    @property
     def yields(self) -> bool:
-        """The law needs a yield strength."""
-        return self.law != "hertz"
+        """True if the law needs a yield strength."""
+        return bool(self.entry.yields)
+
+    def takes(self, option: str) -> bool:
+        """Tell if the law has an option: ``variant``, ``yield_factor``, ``beta`` or ``constants``."""
+        return option in self.entry.options
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -88,7 +88,7 @@ def warn_about(assembly: Assembly, *, chose_yield_factor: bool) -> None:
     """Log what is allowed but may not be meant."""
     case = assembly.case
     ratio = case.material.poisson_ratio
-    uses_factor = case.contact.law in ("elastoplastic", "thornton")
+    uses_factor = case.contact.takes("yield_factor")
     if uses_factor and not chose_yield_factor and ratio != FITTED_POISSON_RATIO:
         _LOG.warning(
             "%s: the contact law was fitted for a Poisson's ratio of %.2f, found %g; "

@@ -37,7 +37,7 @@ def check_dents(assembly: Assembly, faults: Faults) -> None:
 def _check_constants(contact: Contact, key: str, faults: Faults) -> None:
     if not contact.constants:
         return
-    if (contact.law, contact.variant) != ("elastoplastic", "continuous"):
+    if not contact.takes("constants") or contact.variant != "continuous":
         for name in contact.constants:
             faults.add(
                 f"{key}.{name}",

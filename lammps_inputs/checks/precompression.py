@@ -67,7 +67,8 @@ def check_first_yield(assembly: Assembly, faults: Faults) -> None:
     deepest = float(law.loading_force(np.array([LARGEST * law.effective_radius]))[0])
     fault, force, limit = "", largest, deepest
     # contacts with dents stay elastic beyond first yield
-    if contact.yields and contact.law != "bilinear" and not case.contact.initial_overlap and least >= law.yield_force:
+    has_elastic_range = contact.yields and law.elastic_limit > 0
+    if has_elastic_range and not case.contact.initial_overlap and least >= law.yield_force:
         force, limit = least, law.yield_force
         fault = f"would yield every contact: about {force:.3g} N on each, first yield at {limit:.3g} N"
     elif largest > deepest:

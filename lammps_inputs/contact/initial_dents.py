@@ -77,8 +77,7 @@ class Meetings:
     @property
     def yields_from(self) -> NDArray[np.float64]:
         """Overlap at first yield: (n,), m."""
-        alone = 0.0 if self.law.name == "bilinear" else self.law.yield_overlap
-        return alone * self.effective_radius / self.law.effective_radius
+        return self.law.elastic_limit * self.effective_radius / self.law.effective_radius
 
     def rows(self, peak: NDArray[np.float64]) -> list[str]:
         """Lines of the table of dents."""
@@ -208,7 +207,7 @@ def fault_of_dents(assembly: Assembly) -> str:
 def largest_dent(case: Case, law: ContactLaw) -> float:
     """The largest that a contact of this law may have before the run, m; of a file that cannot be read, none."""
     given = case.contact.initial_overlap
-    if not given or law.name == "hertz":
+    if not given or not law.entry.yields:
         return 0.0
     path = earlier_result(case)
     if path is None:

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from granwave._contact_laws import ContactLaw
-from granwave.lammps_inputs.case.sections import LAW_CONSTANTS, Contact
+from granwave.lammps_inputs.case.sections import LAW_CONSTANTS, LAWS, Contact
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 
@@ -136,5 +136,5 @@ def _contact(law: str, variant: str, constants: Mapping[str, float]) -> Contact:
 
 def _require_strength(materials: Sequence[Material], law: str) -> None:
     for material in materials:
-        if law != "hertz" and material.yield_strength is None:
+        if LAWS[law].yields and material.yield_strength is None:
             raise InputError(f"material {material.name}: yield_strength: missing; law {law} needs it")

@@ -44,11 +44,12 @@ def law_coefficients(contact: Contact, first: Material, second: Material | None 
         words += [num(material.youngs_modulus), num(material.poisson_ratio)]
         if contact.yields:
             words.append("INF" if material.yield_strength is None else num(material.yield_strength))
-    if contact.law == "elastoplastic":
-        words += ["variant", contact.variant, "yield_factor", num(contact.yield_factor)]
-        words += [word for name, value in contact.constants.items() for word in (name, num(value))]
-    if contact.law == "bilinear":
-        words += ["beta", num(contact.beta)]
+    if contact.takes("variant"):
+        words += ["variant", contact.variant]
+    for option in ("yield_factor", "beta"):
+        if contact.takes(option):
+            words += [option, num(getattr(contact, option))]
+    words += [word for name, value in contact.constants.items() for word in (name, num(value))]
     if friction:
         words += ["friction", num(friction)]
         words += [] if contact.tangential == "mindlin_rescale" else ["tangential", contact.tangential]

@@ -1,26 +1,29 @@
-/* The memory of contacts by sphere: one record for each dent that a sphere shares with another, whether the pair is
-   close now (live) or has parted for good (forgotten; kept for the ledger only). No LAMMPS types.
+// SPDX-License-Identifier: GPL-2.0-only
+/* Contact history by sphere: one record for each contact of a sphere, whether the pair is within reach (live) or has parted
+   for good (not live; kept for the energies only). No LAMMPS types.
 
-   Records of one sphere are contiguous in a pool, so that moving a sphere within the processor moves two numbers. What only
-   friction and dents of earlier runs need lies in a second pool beside it, which is empty until widen(). */
+   Records of one sphere are contiguous in a pool, so that moving a sphere within the processor moves two numbers. A record
+   is what every contact has, and a block of doubles that is copied whole: the law's own history, and what friction and
+   dents of earlier runs add. With laws that need the largest overlap alone, and without those, the block is empty. */
 
 #ifndef GRANWAVE_CONTACT_HISTORY_H
 #define GRANWAVE_CONTACT_HISTORY_H
 
 #include "tangential.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
 namespace granwave {
 
-/* What a contact remembers. Overlap in length units; times in time units, -1 = never. */
+/* Largest overlap of a contact, in length units, and its times; -1 = never. */
 struct Dent {
-  double peak = 0.0;    // largest overlap ever: the only variable of the law
+  double peak = 0.0;
   double time_first = -1.0, time_peak = -1.0, time_yield = -1.0;
 };
 
-struct DentRecord {
+struct ContactRecord {
   static constexpr int SIZE = 8;    // as doubles, in messages and restart files
 
   std::int64_t partner;    // id of the other sphere
@@ -30,22 +33,66 @@ struct DentRecord {
   Dent dent;
 };
 
-/* The rest of it, where there is friction or a past. */
-struct ContactPast {
-  static constexpr int SIZE = 7;    // as doubles
+/* Places in the block of a record. */
+struct BlockLayout {
+  static constexpr int N_EXTENDED = 7;
 
-  Spring spring;
-  double initial = 0.0;    // the dent before this run
-  double reached = 0.0;    // largest overlap of this run
+  int n_extra = 0;          // of the law; of several laws the largest
+  bool extended = false;    // with friction or dents of earlier runs
+
+  int size() const { return extended ? 2 * n_extra + N_EXTENDED : n_extra; }
+  // n_extra doubles of the law come first, the rest if extended
+  int spring() const { return n_extra; }              // force of 3, compliance, loss
+  int initial() const { return n_extra + 5; }         // the dent before this run
+  int reached() const { return n_extra + 6; }         // largest overlap of this run
+  int initial_extra() const { return n_extra + 7; }    // the law's doubles before this run
+
+  bool operator!=(const BlockLayout &other) const { return n_extra != other.n_extra || extended != other.extended; }
+};
+
+/* A block taken apart. */
+struct BlockView {
+  BlockView(const BlockLayout &layout, const double *block) : extra(block)
+  {
+    if (!layout.extended) return;
+    const double *const s = block + layout.spring();
+    spring = {{s[0], s[1], s[2]}, s[3], s[4]};
+    initial = block[layout.initial()];
+    reached = block[layout.reached()];
+    initial_extra = block + layout.initial_extra();
+  }
+  BlockView() = default;
+
+  const double *extra = nullptr, *initial_extra = nullptr;
+  TangentialSpring spring;
+  double initial = 0.0, reached = 0.0;
 };
 
 class ContactHistory {
  public:
-  bool wide() const { return wide_; }
-  void widen()
+  const BlockLayout &layout() const { return layout_; }
+
+  /* Give all blocks room for this layout too; what they hold stays. */
+  void extend(BlockLayout wanted)
   {
-    wide_ = true;
-    pasts_.resize(pool_.size());
+    wanted.n_extra = std::max(wanted.n_extra, layout_.n_extra);
+    wanted.extended = wanted.extended || layout_.extended;
+    if (!(wanted != layout_)) return;
+    const int before = layout_.size(), after = wanted.size();
+    std::vector<double> fresh(pool_.size() * after, 0.0);
+    for (std::size_t k = 0; k < pool_.size(); k++) copy_block(layout_, blocks_.data() + k * before, wanted, fresh.data() + k * after);
+    blocks_.swap(fresh);
+    layout_ = wanted;
+  }
+
+  /* Copy a block into one of another layout with room for it, which is zero. */
+  static void copy_block(const BlockLayout &from, const double *source, const BlockLayout &to, double *target)
+  {
+    const int n = std::min(from.n_extra, to.n_extra);
+    std::copy_n(source, n, target);
+    if (!from.extended || !to.extended) return;
+    std::copy_n(source + from.spring(), static_cast<int>(BlockLayout::N_EXTENDED), target + to.spring());
+    std::copy_n(source + from.initial_extra(), n, target + to.initial_extra());
   }
 
   void grow(int n)
@@ -55,14 +102,14 @@ class ContactHistory {
     owner_.resize(n, 0);
   }
 
-  /* Whose records these are: a sphere that was given another id since cannot be told from a stranger. */
+  /* Set the id of the sphere that the records belong to: one given another id since cannot be told from a stranger. */
   void own(int i, std::int64_t id) { owner_[i] = id; }
   std::int64_t owner(int i) const { return owner_[i]; }
 
   int count(int i) const { return count_[i]; }
-  DentRecord *records(int i) { return pool_.data() + first_[i]; }
-  const DentRecord *records(int i) const { return pool_.data() + first_[i]; }
-  ContactPast past(int i, int m) const { return wide_ ? pasts_[first_[i] + m] : ContactPast(); }    // of record m of sphere i
+  ContactRecord *records(int i) { return pool_.data() + first_[i]; }
+  const ContactRecord *records(int i) const { return pool_.data() + first_[i]; }
+  const double *block(int i, int m) const { return blocks_.data() + (first_[i] + m) * layout_.size(); }    // of record m of sphere i
 
   void forget_sphere(int i) { count_[i] = 0; }
   void copy(int from, int to)
@@ -72,90 +119,88 @@ class ContactHistory {
     owner_[to] = owner_[from];
   }
 
-  /* Append to the records of sphere i; they move to the end of the pool unless they lie there already. */
-  void append(int i, const DentRecord &record, const ContactPast &past)
+  /* Append to the records of sphere i; they move to the end of the pool unless they lie there already. The block must not
+     lie in the pool. */
+  void append(int i, const ContactRecord &record, const double *block)
   {
     if (count_[i] == 0) {
       first_[i] = pool_.size();
     } else if (first_[i] + count_[i] != pool_.size()) {
-      const std::size_t from = first_[i];
+      const std::size_t from = first_[i], size = layout_.size();
       first_[i] = pool_.size();
       for (int k = 0; k < count_[i]; k++) {
-        const DentRecord moved = pool_[from + k];
+        const ContactRecord moved = pool_[from + k];
         pool_.push_back(moved);
-        if (!wide_) continue;
-        const ContactPast moved_past = pasts_[from + k];
-        pasts_.push_back(moved_past);
       }
+      blocks_.resize(pool_.size() * size);
+      std::copy_n(blocks_.data() + from * size, count_[i] * size, blocks_.data() + first_[i] * size);
     }
     pool_.push_back(record);
-    if (wide_) pasts_.push_back(past);
+    blocks_.insert(blocks_.end(), block, block + layout_.size());
     count_[i]++;
   }
 
   /* Start a new pool in which sphere i < n has room for extra[i] records behind those it keeps. */
   void reserve(int n, const std::vector<int> &extra)
   {
-    std::vector<DentRecord> fresh;
-    std::vector<ContactPast> fresh_pasts;
+    const std::size_t size = layout_.size();
     std::size_t total = 0;
     for (int i = 0; i < n; i++) total += count_[i] + extra[i];
-    fresh.resize(total);
-    if (wide_) fresh_pasts.resize(total);
+    std::vector<ContactRecord> fresh(total);
+    std::vector<double> fresh_blocks(total * size);
     std::size_t at = 0;
     for (int i = 0; i < n; i++) {
-      for (int k = 0; k < count_[i]; k++) {
-        fresh[at + k] = pool_[first_[i] + k];
-        if (wide_) fresh_pasts[at + k] = pasts_[first_[i] + k];
-      }
+      std::copy_n(pool_.data() + first_[i], count_[i], fresh.data() + at);
+      std::copy_n(blocks_.data() + first_[i] * size, count_[i] * size, fresh_blocks.data() + at * size);
       first_[i] = at;
       at += count_[i] + extra[i];
     }
     pool_.swap(fresh);
-    pasts_.swap(fresh_pasts);
+    blocks_.swap(fresh_blocks);
   }
 
-  /* Fill the room made by reserve(). */
-  void place(int i, const DentRecord &record, const ContactPast &past)
+  /* Fill the room made by reserve(). Returns the block, which the caller fills. */
+  double *place(int i, const ContactRecord &record)
   {
     const std::size_t at = first_[i] + count_[i]++;
     pool_[at] = record;
-    if (wide_) pasts_[at] = past;
+    return blocks_.data() + at * layout_.size();
   }
 
-  /* Keep only the forgotten records of spheres i < n; gives the memory of the live ones back. */
+  /* Keep only the records of spheres i < n that are not live; gives the memory of the live ones back. */
   void keep_forgotten(int n)
   {
-    std::vector<DentRecord> kept;
-    std::vector<ContactPast> kept_pasts;
+    const std::size_t size = layout_.size();
+    std::vector<ContactRecord> kept;
+    std::vector<double> kept_blocks;
     for (int i = 0; i < n; i++) {
       const std::size_t at = kept.size();
       for (std::size_t k = first_[i]; k < first_[i] + count_[i]; k++) {
         if (pool_[k].live) continue;
         kept.push_back(pool_[k]);
-        if (wide_) kept_pasts.push_back(pasts_[k]);
+        kept_blocks.insert(kept_blocks.end(), blocks_.data() + k * size, blocks_.data() + (k + 1) * size);
       }
       first_[i] = at;
       count_[i] = static_cast<int>(kept.size() - at);
     }
     pool_.swap(kept);
-    pasts_.swap(kept_pasts);
+    blocks_.swap(kept_blocks);
   }
 
   std::size_t size() const { return pool_.size(); }
   double memory_usage() const
   {
-    return static_cast<double>(pool_.capacity() * sizeof(DentRecord) + pasts_.capacity() * sizeof(ContactPast) +
+    return static_cast<double>(pool_.capacity() * sizeof(ContactRecord) + blocks_.capacity() * sizeof(double) +
                                first_.capacity() * sizeof(std::size_t) + count_.capacity() * (sizeof(int) + sizeof(std::int64_t)));
   }
 
  private:
+  BlockLayout layout_;
   std::vector<std::size_t> first_;
   std::vector<int> count_;
   std::vector<std::int64_t> owner_;
-  std::vector<DentRecord> pool_;
-  bool wide_ = false;
-  std::vector<ContactPast> pasts_;    // as long as the pool, or empty
+  std::vector<ContactRecord> pool_;
+  std::vector<double> blocks_;    // layout_.size() doubles for each record
 };
 
 }    // namespace granwave

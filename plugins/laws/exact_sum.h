@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-2.0-only
 /* A sum of doubles without rounding, so that it has the same bits in any order and on any number of processors. No LAMMPS
    types. The number is kept in bins of 32 bits, integers that add up without error; those of all processors are added as
    such (MPI_SUM of data()). Parts of a term below 2^-256 are cut off; one beyond 2^180 or so makes the sum not a number. */

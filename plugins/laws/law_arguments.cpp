@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-2.0-only
 #include "law_arguments.h"
 
 #include <cstdlib>
@@ -5,8 +6,6 @@
 namespace granwave {
 
 namespace {
-
-constexpr const char *NAMES[] = {"hertz", "elastoplastic", "bilinear", "thornton"};
 
 [[noreturn]] void refuse(const std::string &what) { throw std::invalid_argument(what); }
 
@@ -46,8 +45,6 @@ double poisson(const std::string &word)
 
 }    // namespace
 
-const char *law_name(Law law) { return NAMES[static_cast<int>(law)]; }
-
 double LawConstants::*law_constant(const std::string &name)
 {
   for (const auto &[known, member] : LAW_CONSTANTS)
@@ -57,20 +54,18 @@ double LawConstants::*law_constant(const std::string &name)
 
 LawArguments parse_law(const std::vector<std::string> &words)
 {
-  const std::string usage = "expected: hertz E nu [E2 nu2], or elastoplastic|bilinear|thornton E nu sigma_y "
+  const std::string usage = "expected: hertz E nu [E2 nu2], or " + law_names("|", true) + " E nu sigma_y "
                             "[E2 nu2 sigma_y2], then [friction mu] [tangential mindlin_rescale|mindlin] "
                             "[variant continuous|published] [yield_factor C] "
                             "[beta b], and for elastoplastic its constants [pressure_limit x] [pressure_rate x] ...";
   if (words.empty()) refuse("no contact law; " + usage);
   LawArguments args;
-  int law = 0;
-  while (law < 4 && words[0] != NAMES[law]) law++;
-  if (law == 4) refuse("unknown contact law '" + words[0] + "'; " + usage);
-  args.law = static_cast<Law>(law);
+  args.law = find_law(words[0]);
+  if (!args.law) refuse("unknown contact law '" + words[0] + "'; " + usage);
 
   std::size_t numbers = 0;
   while (1 + numbers < words.size() && is_number(words[1 + numbers])) numbers++;
-  const std::size_t each = args.law == Law::hertz ? 2 : 3;
+  const std::size_t each = args.law->yields() ? 3 : 2;
   if (numbers != each && numbers != 2 * each)
     refuse("law '" + words[0] + "' has " + std::to_string(numbers) + " material constants; " + usage);
   const auto material = [&](std::size_t at) {
@@ -93,24 +88,24 @@ LawArguments parse_law(const std::vector<std::string> &words)
     } else if (key == "tangential") {
       if (value != "mindlin_rescale" && value != "mindlin")
         refuse("tangential must be mindlin_rescale or mindlin, found '" + value + "'");
-      args.grip = value == "mindlin" ? Grip::KEPT : Grip::RESCALED;
-    } else if (key == "variant" && args.law == Law::elastoplastic) {
+      args.tangential = value == "mindlin" ? TangentialModel::MINDLIN : TangentialModel::MINDLIN_RESCALE;
+    } else if (key == "variant" && args.law->takes(VARIANT)) {
       if (value != "continuous" && value != "published")
         refuse("variant must be continuous or published, found '" + value + "'");
-      args.variant = value == "published" ? Variant::published : Variant::continuous;
-    } else if (key == "yield_factor" && (args.law == Law::elastoplastic || args.law == Law::thornton)) {
-      args.yield_factor = positive(value, "yield_factor");
-    } else if (key == "beta" && args.law == Law::bilinear) {
-      args.beta = is_number(value) ? std::strtod(value.c_str(), nullptr) : -1.0;
-      if (!(args.beta >= 0.0 && args.beta < 1.0)) refuse("beta must lie in [0, 1), found '" + value + "'");
-    } else if (const auto constant = law_constant(key); constant && args.law == Law::elastoplastic) {
-      args.constants.*constant = number(value, key);
+      args.options.variant = value == "published" ? Variant::published : Variant::continuous;
+    } else if (key == "yield_factor" && args.law->takes(YIELD_FACTOR)) {
+      args.options.yield_factor = positive(value, "yield_factor");
+    } else if (key == "beta" && args.law->takes(BETA)) {
+      args.options.beta = is_number(value) ? std::strtod(value.c_str(), nullptr) : -1.0;
+      if (!(args.options.beta >= 0.0 && args.options.beta < 1.0)) refuse("beta must lie in [0, 1), found '" + value + "'");
+    } else if (const auto constant = law_constant(key); constant && args.law->takes(CONSTANTS)) {
+      args.options.constants.*constant = number(value, key);
       given = true;
     } else {
       refuse("'" + key + "' is no option of law '" + words[0] + "'; " + usage);
     }
   }
-  if (given && args.variant == Variant::published) refuse("variant published has constants of its own: take one or the other");
+  if (given && args.options.variant == Variant::published) refuse("variant published has constants of its own: take one or the other");
   if (const std::string fault = given ? args.contact(args.first, args.first).fault() : ""; !fault.empty())
     refuse("these constants make no passive law: " + fault);
   return args;

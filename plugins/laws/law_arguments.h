@@ -1,14 +1,15 @@
-/* Words of an input script -> contact law; the one syntax that the pair style and the wall fix share:
+// SPDX-License-Identifier: GPL-2.0-only
+/* Contact law from the words of an input script; the one syntax that the pair style and the wall fix share:
 
      hertz E nu [E2 nu2]
-     elastoplastic | bilinear | thornton  E nu sigma_y [E2 nu2 sigma_y2]      (INF for one sigma_y: that body never yields)
-     keywords: friction mu, tangential mindlin_rescale|mindlin, variant continuous|published, yield_factor C, any of LAW_CONSTANTS (elastoplastic),
-     beta b (bilinear)  */
+     any other law of the table  E nu sigma_y [E2 nu2 sigma_y2]      (INF for one sigma_y: that body never yields)
+     keywords: friction mu, tangential mindlin_rescale|mindlin, and of the options that the law takes: variant
+     continuous|published, yield_factor C, beta b, any of LAW_CONSTANTS  */
 
 #ifndef GRANWAVE_LAW_ARGUMENTS_H
 #define GRANWAVE_LAW_ARGUMENTS_H
 
-#include "contact_laws.h"
+#include "contact_law.h"
 #include "tangential.h"
 
 #include <optional>
@@ -19,33 +20,25 @@
 namespace granwave {
 
 struct LawArguments {
-  Law law = Law::hertz;
+  const LawEntry *law = &law_table().front();
   Material first{0, 0, INFINITE};
   std::optional<Material> second;
-  Variant variant = Variant::continuous;
-  double yield_factor = 1.6, beta = 0.8;
+  LawOptions options;
   double friction = 0.0;    // Coulomb's coefficient
-  Grip grip = Grip::RESCALED;
-  LawConstants constants;
+  TangentialModel tangential = TangentialModel::MINDLIN_RESCALE;
 
   bool same_options(const LawArguments &other) const
   {
-    return law == other.law && variant == other.variant && yield_factor == other.yield_factor && beta == other.beta &&
-        friction == other.friction && grip == other.grip && constants == other.constants;
+    return law == other.law && options == other.options && friction == other.friction && tangential == other.tangential;
   }
 
-  ContactLaw contact(const Material &m1, const Material &m2) const
-  {
-    return ContactLaw(law, m1, m2, variant, yield_factor, beta, constants);
-  }
+  ContactLaw contact(const Material &m1, const Material &m2) const { return ContactLaw(*law, m1, m2, options); }
 };
 
-/* Raises std::invalid_argument with what was found and what was expected. */
+/* Parse the words of a law. Raises std::invalid_argument with what was found and what was expected. */
 LawArguments parse_law(const std::vector<std::string> &words);
 
-const char *law_name(Law law);
-
-/* The member that a name of LAW_CONSTANTS stands for; null if it is none. */
+/* Member of LawConstants with this name; null if it is none of LAW_CONSTANTS. */
 double LawConstants::*law_constant(const std::string &name);
 
 }    // namespace granwave

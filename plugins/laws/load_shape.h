@@ -1,4 +1,5 @@
-/* What a load is as a function of time, in closed form. No LAMMPS types.
+// SPDX-License-Identifier: GPL-2.0-only
+/* Load as a function of time, in closed form. No LAMMPS types.
 
      half-sine    A sin(pi t/T)      0 <= t <= T, else 0
      rectangle    A                  0 <= t <= T, else 0
@@ -65,7 +66,7 @@ class LoadShape {
     }
   }
 
-  /* A displacement and its velocity: harmonic, or a table that holds its first and its last value. */
+  /* Displacement and its velocity: harmonic, or a table that holds its first and its last value. */
   double value(double t) const
   {
     if (form_ == Form::harmonic) return amplitude_ * std::sin(2.0 * PI_ * t / period_);
@@ -85,7 +86,7 @@ class LoadShape {
  private:
   static constexpr double PI_ = 3.14159265358979323846;
 
-  /* the last row whose time is not after t, which lies within the table */
+  /* Last row whose time is not after t, which lies within the table */
   std::size_t row(double t) const
   {
     const auto later = std::upper_bound(rows_.begin(), rows_.end(), t, [](double at, const auto &r) { return at < r.first; });

@@ -1,4 +1,5 @@
-/* What is behind a plane wall that can move: a node, or an elastic bar, along the plane's normal. No LAMMPS types.
+// SPDX-License-Identifier: GPL-2.0-only
+/* Support of a plane wall that can move: a node, or an elastic bar, along the plane's normal. No LAMMPS types.
 
      support MASS STIFFNESS DAMPING                  M u" + C u' + K u = F, or with MASS 0  C u' + K u = F
      support bar ELEMENTS MASS STIFFNESS END         lumped masses joined by springs; END = free | fixed | impedance
@@ -30,7 +31,7 @@ namespace granwave {
 
 class Support {
  public:
-  /* From the words behind `support`, of which it takes `used`. Raises std::invalid_argument. */
+  /* Parse the words behind `support`, of which it takes `used`. Raises std::invalid_argument. */
   Support(const std::vector<std::string> &words, std::size_t &used)
   {
     const bool bar = !words.empty() && words[0] == "bar";
@@ -66,7 +67,7 @@ class Support {
     speed_.assign(mass_.size(), 0.0);
   }
 
-  /* The longest stable timestep; given the stiffness of the contacts with the plane, of plane and contacts. */
+  /* Longest stable timestep; given the stiffness of the contacts with the plane, of plane and contacts. */
   double critical_timestep(double contacts = 0.0) const
   {
     const double ground = mass_.size() == 1 ? ground_stiffness_ : 0.0;
@@ -97,7 +98,7 @@ class Support {
     end_moved_ = place_.back() - last;
   }
 
-  /* The force of the spheres on the plane where it is now. */
+  /* Set the force of the spheres on the plane where it is now. */
   void push(double force)
   {
     if (!started_) earlier_ = force;
@@ -116,7 +117,7 @@ class Support {
     damped_ += 0.5 * ground_damping_ * (before_ + speed_.back()) * end_moved_;
   }
 
-  /* In a minimisation: a step towards static balance, that of Newton for the spheres where they are. A support without a
+  /* Make a step of a minimisation towards static balance, that of Newton for the spheres where they are. A support without a
      spring to the ground stays where it is. */
   void settle(double contacts)
   {
@@ -129,7 +130,7 @@ class Support {
     for (std::size_t i = 0; i < place_.size(); i++) place_[i] = front * (1.0 - static_cast<double>(i) / n);
   }
 
-  /* -------------------------------------------------------------------------- what it tells */
+  /* -------------------------------------------------------------------------- output */
 
   double displacement() const { return place_.front(); }
   double velocity() const { return speed_.front(); }
@@ -144,7 +145,7 @@ class Support {
     return 0.5 * sum;
   }
 
-  /* Work and damper's loss are counted from now. */
+  /* Start work and damper's loss from zero. */
   void begin() { work_ = damped_ = 0.0; }
 
   /* -------------------------------------------------------------------------- restart */
@@ -185,7 +186,7 @@ class Support {
   bool started_ = false;
   double before_ = 0.0, plane_moved_ = 0.0, end_moved_ = 0.0;    // in this step
 
-  /* Half a step's acceleration by springs and force, without the damper. */
+  /* Accelerate for half a step by springs and force, without the damper. */
   void kick(double dt)
   {
     double pull = force_;    // of the node before on this one

@@ -1,12 +1,13 @@
-/* The tangential spring of a rubbing contact, after Mindlin and Coulomb: the force that friction holds so far, how a step of
-   slip changes it, and what it stores and loses. Used by the pair style and by the walls. No LAMMPS types.
+// SPDX-License-Identifier: GPL-2.0-only
+/* Tangential spring of a contact with friction, after Mindlin and Coulomb: its force, the change in a step of slip, stored
+   and lost energy. Used by the pair style and by the walls. No LAMMPS types.
 
    n is the unit normal towards the first body. In a step with slip s (relative displacement of the surfaces, first minus
    second, in the tangent plane), the force F on the first body
 
        turns into the present tangent plane and keeps its length
-       F <- F min(1, k/k_before)     a contact whose circle shrinks lets go of the part of its grip that it leaves; may be left
-                                     out (Grip::KEPT, "mindlin"), for comparison with programs that do so
+       F <- F min(1, k/k_before)     a contact whose circle shrinks loses the force of the part that parts; left out by
+                                     TangentialModel::MINDLIN, for comparison with programs that do so
        F <- F - k s                  k = 8 G* a, a = radius of the contact circle now
        |F| <= limit = mu F_n         Coulomb
 
@@ -24,20 +25,20 @@
 
 namespace granwave {
 
-enum class Grip { RESCALED, KEPT };    // of a contact whose circle shrinks
+enum class TangentialModel { MINDLIN_RESCALE, MINDLIN };    // force scaled down where the circle shrinks, or kept
 
-/* Its loss outlives the contact; the force does not. */
-struct Spring {
+/* Tangential history of a contact. The loss outlives the contact; the force does not. */
+struct TangentialSpring {
   double force[3] = {};       // on the first body
-  double compliance = 0.0;    // 1/k at the last step; 0: nothing held
+  double compliance = 0.0;    // 1/k at the last step; 0: no spring
   double loss = 0.0;          // frictional, since the first contact
 };
 
 inline double dot(const double (&a)[3], const double (&b)[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-inline double tangential_force(const Spring &spring) { return std::sqrt(dot(spring.force, spring.force)); }
+inline double tangential_force(const TangentialSpring &spring) { return std::sqrt(dot(spring.force, spring.force)); }
 
-inline double tangential_energy(const Spring &spring) { return 0.5 * dot(spring.force, spring.force) * spring.compliance; }
+inline double tangential_energy(const TangentialSpring &spring) { return 0.5 * dot(spring.force, spring.force) * spring.compliance; }
 
 /* Slip of a step. `velocity` is that of the first body against the second at their centres, `spin` the sum of lever times
    angular velocity over both (a plane has none). */
@@ -57,8 +58,8 @@ inline void torque_per_lever(const double (&n)[3], const double (&force)[3], dou
   torque[2] = -(n[0] * force[1] - n[1] * force[0]);
 }
 
-/* Into the plane normal to n, with the same length, whose square is given. Without branches (see touching.h). */
-inline void rotate(Spring &spring, double square, const double (&n)[3])
+/* Rotate the force into the plane normal to n; it keeps its length, whose square is given. No branches (contact_batch.h). */
+inline void rotate(TangentialSpring &spring, double square, const double (&n)[3])
 {
   const double along = dot(spring.force, n), q = along * along / square;
   const bool turns = q < 1.0;    // else it points along n, or is next to nothing
@@ -66,14 +67,15 @@ inline void rotate(Spring &spring, double square, const double (&n)[3])
   for (int d = 0; d < 3; d++) spring.force[d] = stretch * (spring.force[d] - taken * n[d]);
 }
 
-/* One step of a contact that bears a normal force. */
-inline void advance(Spring &spring, const double (&n)[3], const double (&slip)[3], double stiffness, double limit, Grip grip)
+/* Advance the spring by one step of a contact that bears a normal force. */
+inline void compute_tangential(TangentialSpring &spring, const double (&n)[3], const double (&slip)[3], double stiffness,
+                               double limit, TangentialModel model)
 {
   const double before = dot(spring.force, spring.force), stored = 0.5 * before * spring.compliance;
   rotate(spring, before, n);
   double work = dot(spring.force, slip);
   const double ratio = spring.compliance > 0.0 ? stiffness * spring.compliance : 1.0;
-  const double kept = grip == Grip::RESCALED && ratio < 1.0 ? ratio : 1.0;
+  const double kept = model == TangentialModel::MINDLIN_RESCALE && ratio < 1.0 ? ratio : 1.0;
   for (int d = 0; d < 3; d++) spring.force[d] = kept * spring.force[d] - stiffness * slip[d];
   spring.compliance = 1.0 / stiffness;
   const double grown = dot(spring.force, spring.force), most = limit * limit;
@@ -83,11 +85,11 @@ inline void advance(Spring &spring, const double (&n)[3], const double (&slip)[3
   work = -0.5 * (work + dot(spring.force, slip));
   const double lost = work - (0.5 * square * spring.compliance - stored);
   // rescaled it is negative by rounding alone, or where a step's slip is longer than the spring: next to nothing
-  spring.loss += grip == Grip::RESCALED && lost < 0.0 ? 0.0 : lost;
+  spring.loss += model == TangentialModel::MINDLIN_RESCALE && lost < 0.0 ? 0.0 : lost;
 }
 
-/* The surfaces have parted: what is stored is lost. */
-inline void release(Spring &spring)
+/* Release the spring of surfaces that have parted: what is stored is lost. */
+inline void release(TangentialSpring &spring)
 {
   spring.loss += tangential_energy(spring);
   spring = {{0.0, 0.0, 0.0}, 0.0, spring.loss};

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-2.0-only
 /* Sums of forces or torques on spheres in twice the precision of a double. No LAMMPS types.
 
    What acts on a sphere is added up in whatever order the list has, which differs with the number of processors. Twice
@@ -27,7 +28,7 @@ struct alignas(64) TwofoldSum {
   }
 };
 
-/* One for each sphere. Of an ordered list only those between a row and its farthest partner are in use at a time, and a ring
+/* A sum for each sphere. Of an ordered list only those between a row and its farthest partner are in use at a time, and a ring
    of that many stays in the cache. All zero but for those in use. */
 class TwofoldSums {
  public:

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-2.0-only
 /* Registers the styles with LAMMPS, once granwaveplugin.cpp has found that library and styles belong together. */
 
 #include "compute_gran_hysteretic.h"

@@ -1,4 +1,5 @@
-/* What pair style gran/hysteretic reports, for LAMMPS's own output commands:
+// SPDX-License-Identifier: GPL-2.0-only
+/* Computes of pair style gran/hysteretic:
 
    compute ID group gran/hysteretic/atom            per sphere
    compute ID group gran/hysteretic/local           per contact, forgotten dents included
@@ -60,7 +61,7 @@ class ComputeGranHystereticContact : public ComputeGranHysteretic {
   tagint first, second;
 };
 
-/* What compute pair gives, summed when somebody looks at it. LAMMPS flags a compute of its own at every step at which any
+/* Energies of compute pair, summed only when asked for. LAMMPS flags a compute of its own at every step at which any
    fix with averages is due, so that the pair style has to sum up energies that nobody reads. */
 class ComputeGranHystereticEnergy : public ComputeGranHysteretic {
  public:

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-2.0-only
 #include "finite_motion.h"
 
 #include "atom.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-2.0-only
 /* Ends the run when positions or velocities are not finite numbers. LAMMPS's own checks miss a NaN: every comparison with
    one is false, so that such an atom never counts as moved, and the neighbour lists are not built again. */
 

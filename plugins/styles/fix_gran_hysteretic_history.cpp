@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-2.0-only
 #include "fix_gran_hysteretic_history.h"
 
 #include "atom.h"
@@ -9,10 +10,11 @@
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
+#include <vector>
 
 using namespace LAMMPS_NS;
-using granwave::ContactPast;
-using granwave::DentRecord;
+using granwave::BlockLayout;
+using granwave::ContactRecord;
 
 FixGranHystereticHistory::FixGranHystereticHistory(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg)
 {
@@ -70,19 +72,17 @@ void FixGranHystereticHistory::set_arrays(int i)
   history.forget_sphere(i);
 }
 
-int FixGranHystereticHistory::record_size() const
-{
-  return DentRecord::SIZE + (history.wide() ? ContactPast::SIZE : 0);
-}
+int FixGranHystereticHistory::record_size() const { return ContactRecord::SIZE + history.layout().size(); }
 
-/* A negative count says that the records are wide. */
+/* A negative count marks extended blocks. */
 
 int FixGranHystereticHistory::pack(int i, double *buf) const
 {
   int m = 0;
-  buf[m++] = history.wide() ? -history.count(i) : history.count(i);
+  const int size = history.layout().size();
+  buf[m++] = history.layout().extended ? -history.count(i) : history.count(i);
   buf[m++] = ubuf(static_cast<int64_t>(history.owner(i))).d;
-  const DentRecord *record = history.records(i);
+  const ContactRecord *record = history.records(i);
   for (int k = 0; k < history.count(i); k++, record++) {
     buf[m++] = ubuf(static_cast<int64_t>(record->partner)).d;
     buf[m++] = record->partner_radius;
@@ -92,38 +92,35 @@ int FixGranHystereticHistory::pack(int i, double *buf) const
     buf[m++] = record->dent.time_first;
     buf[m++] = record->dent.time_peak;
     buf[m++] = record->dent.time_yield;
-    if (!history.wide()) continue;
-    const ContactPast past = history.past(i, k);
-    for (int d = 0; d < 3; d++) buf[m++] = past.spring.force[d];
-    buf[m++] = past.spring.compliance;
-    buf[m++] = past.spring.loss;
-    buf[m++] = past.initial;
-    buf[m++] = past.reached;
+    std::copy_n(history.block(i, k), size, buf + m);
+    m += size;
   }
   return m;
 }
 
-int FixGranHystereticHistory::unpack(int i, const double *buf)
+/* `n_extra` is that of the blocks in the buffer. */
+
+int FixGranHystereticHistory::unpack(int i, const double *buf, int n_extra)
 {
   int m = 0;
   history.forget_sphere(i);
   const int count = static_cast<int>(buf[m++]), n = std::abs(count);
-  if (count < 0 && !history.wide()) history.widen();
+  const BlockLayout packed{n_extra, count < 0};
+  history.extend(packed);
   history.own(i, static_cast<std::int64_t>(ubuf(buf[m++]).i));
+  std::vector<double> block(history.layout().size());
   for (int k = 0; k < n; k++) {
-    DentRecord record;
+    ContactRecord record;
     record.partner = static_cast<std::int64_t>(ubuf(buf[m]).i);
     record.partner_radius = buf[m + 1];
     record.partner_type = static_cast<int>(buf[m + 2]);
     record.live = static_cast<int>(buf[m + 3]);
     record.dent = {buf[m + 4], buf[m + 5], buf[m + 6], buf[m + 7]};
-    m += DentRecord::SIZE;
-    ContactPast past;
-    if (count < 0) {
-      past = {{{buf[m], buf[m + 1], buf[m + 2]}, buf[m + 3], buf[m + 4]}, buf[m + 5], buf[m + 6]};
-      m += ContactPast::SIZE;
-    }
-    history.append(i, record, past);
+    m += ContactRecord::SIZE;
+    std::fill(block.begin(), block.end(), 0.0);
+    granwave::ContactHistory::copy_block(packed, buf + m, history.layout(), block.data());
+    m += packed.size();
+    history.append(i, record, block.data());
   }
   return m;
 }
@@ -137,7 +134,7 @@ int FixGranHystereticHistory::pack_exchange(int i, double *buf)
 int FixGranHystereticHistory::unpack_exchange(int nlocal, double *buf)
 {
   if (pair) pair->release_contacts();
-  return unpack(nlocal, buf);
+  return unpack(nlocal, buf, history.layout().n_extra);
 }
 
 int FixGranHystereticHistory::pack_restart(int i, double *buf)
@@ -152,7 +149,12 @@ void FixGranHystereticHistory::unpack_restart(int nlocal, int nth)
   double **extra = atom->extra;
   int m = 0;
   for (int i = 0; i < nth; i++) m += static_cast<int>(extra[nlocal][m]);
-  unpack(nlocal, &extra[nlocal][m + 1]);
+  const double *const stored = &extra[nlocal][m];
+  const int count = static_cast<int>(stored[1]), n = std::abs(count);
+  int n_extra = 0;    // from the size of a record
+  if (n > 0) n_extra = (static_cast<int>(stored[0]) - 3) / n - ContactRecord::SIZE;
+  if (count < 0) n_extra = (n_extra - BlockLayout::N_EXTENDED) / 2;
+  unpack(nlocal, stored + 1, n_extra);
 }
 
 int FixGranHystereticHistory::size_restart(int i)

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-2.0-only
 /* Carries the contact history of pair style gran/hysteretic with the spheres: through separation, reneighbouring,
    migration between processors and restart. Made by the pair style under the fixed ID below, never by the user. */
 
@@ -36,13 +37,13 @@ class FixGranHystereticHistory : public Fix {
   double memory_usage() override;
 
   granwave::ContactHistory history;
-  PairGranHysteretic *pair = nullptr;    // whose flat contact list is the newer copy while it is valid
+  PairGranHysteretic *pair = nullptr;    // its flat contact list is the newer copy while valid
 
  private:
   void gather();
   int record_size() const;
   int pack(int, double *) const;
-  int unpack(int, const double *);
+  int unpack(int, const double *, int n_extra);
 };
 
 }    // namespace LAMMPS_NS

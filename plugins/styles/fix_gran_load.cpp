@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-2.0-only
 #include "fix_gran_load.h"
 
 #include "atom.h"
@@ -55,14 +56,14 @@ FixGranLoad::FixGranLoad(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg
   restart_global = 1;
   time_integrate = moves ? 1 : 0;
   scalar_flag = vector_flag = 1;
-  size_vector = N_GIVEN - 1;
+  size_vector = N_TOTALS - 1;
   global_freq = 1;
   extscalar = 1;
   extvector = -1;
   extlist = extensive;
 }
 
-/* Two columns, read by the first processor. */
+/* Read the two columns of a table, on the first processor. */
 
 void FixGranLoad::read_table(const char *file)
 {
@@ -119,22 +120,22 @@ void FixGranLoad::init()
   }
 }
 
-/* Of the same time and state as the end of the last run, so that nothing is given twice. */
+/* Set force or motion for the time at which the last run ended, so that nothing is counted twice. */
 
 void FixGranLoad::setup(int)
 {
   const double now = granwave::simulated_time(*update);
   if (!moves) {
     force = (shape.integral(now + 0.5 * update->dt) - shape.integral(now - 0.5 * update->dt)) / update->dt;
-    give_force();
-    if (!started) given[WORK] -= in_half_kick();
+    apply_force();
+    if (!started) total[WORK] -= half_kick_work();
   } else {
-    if (!started)    // what the atoms had of themselves was not given
+    if (!started)    // the load did not give the atoms their own motion
       for (int i = 0; i < atom->nlocal; i++) {
         if (!(atom->mask[i] & groupbit)) continue;
         const double *const v = atom->v[i];
-        given[WORK] -= 0.5 * mass_of(i) * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-        given[IMPULSE] -= mass_of(i) * v[axis];
+        total[WORK] -= 0.5 * mass_of(i) * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+        total[IMPULSE] -= mass_of(i) * v[axis];
       }
     place = shape.value(now);
     velocity = shape.slope(now);
@@ -147,7 +148,7 @@ double FixGranLoad::mass_of(int i) const { return atom->rmass ? atom->rmass[i] :
 
 /* ---------------------------------------------------------------------- a force */
 
-void FixGranLoad::give_force()
+void FixGranLoad::apply_force()
 {
   const double share = force / atoms;
   if (share == 0.0) return;
@@ -155,11 +156,11 @@ void FixGranLoad::give_force()
     if (atom->mask[i] & groupbit) atom->f[i][axis] += share;
 }
 
-/* A half kick of velocity Verlet does the work F dt/2 times the mean of the velocities before and after it, which differ by
+/* Work of a half kick. Velocity Verlet's half kick does the work F dt/2 times the mean of the velocities before and after it, which differ by
    f dt/2m with the whole force f. Taken with the velocity in the middle of the step instead, as below, the sum over steps
    misses the difference of this between the last one and the first. */
 
-double FixGranLoad::in_half_kick() const
+double FixGranLoad::half_kick_work() const
 {
   const double share = force / atoms, dt = update->dt;
   double sum = 0.0;
@@ -179,10 +180,10 @@ void FixGranLoad::post_force(int)
     if (atom->mask[i] & groupbit) speeds += atom->v[i][axis];
   if (!std::isfinite(speeds)) granwave::require_finite_motion(lmp);
   const double moved = speeds / atoms * dt, mean = 0.5 * (before + force);
-  given[WORK] += mean * moved;
-  given[DISPLACEMENT] += moved;
-  if (comm->me == 0) given[IMPULSE] += mean * dt;
-  give_force();
+  total[WORK] += mean * moved;
+  total[DISPLACEMENT] += moved;
+  if (comm->me == 0) total[IMPULSE] += mean * dt;
+  apply_force();
 }
 
 /* ---------------------------------------------------------------------- a displacement */
@@ -213,26 +214,26 @@ void FixGranLoad::initial_integrate(int)
   for (int i = 0; i < atom->nlocal; i++)
     if (atom->mask[i] & groupbit) atom->x[i][axis] += moved;
   set_velocity(moved / update->dt);
-  if (comm->me == 0) given[DISPLACEMENT] += moved;
+  if (comm->me == 0) total[DISPLACEMENT] += moved;
 }
 
 void FixGranLoad::final_integrate()
 {
   const double mean = 0.5 * (resistance + force_on_group());
   if (!std::isfinite(mean)) error->one(FLERR, "Fix {} {}: the force on its atoms is not finite", STYLE, id);
-  given[WORK] -= mean * moved;
-  given[IMPULSE] -= mean * update->dt;
+  total[WORK] -= mean * moved;
+  total[IMPULSE] -= mean * update->dt;
   velocity = shape.slope(granwave::simulated_time(*update));
   set_velocity(velocity);
 }
 
 /* ---------------------------------------------------------------------- output and restart */
 
-void FixGranLoad::totals(double (&sum)[N_GIVEN]) const
+void FixGranLoad::totals(double (&sum)[N_TOTALS]) const
 {
-  double mine[N_GIVEN] = {given[WORK], given[IMPULSE], given[DISPLACEMENT], 0.0};
+  double mine[N_TOTALS] = {total[WORK], total[IMPULSE], total[DISPLACEMENT], 0.0};
   if (moves) mine[FORCE] = -force_on_group();
-  else if (started) mine[WORK] += in_half_kick();
+  else if (started) mine[WORK] += half_kick_work();
   if (comm->me == 0) {
     if (!moves) mine[FORCE] = force;
     if (moves && started) {
@@ -240,12 +241,12 @@ void FixGranLoad::totals(double (&sum)[N_GIVEN]) const
       mine[IMPULSE] += mass * velocity;
     }
   }
-  MPI_Allreduce(mine, sum, N_GIVEN, MPI_DOUBLE, MPI_SUM, world);
+  MPI_Allreduce(mine, sum, N_TOTALS, MPI_DOUBLE, MPI_SUM, world);
 }
 
 double FixGranLoad::compute_scalar()
 {
-  double sum[N_GIVEN];
+  double sum[N_TOTALS];
   totals(sum);
   return sum[WORK];
 }
@@ -253,21 +254,21 @@ double FixGranLoad::compute_scalar()
 double FixGranLoad::compute_vector(int n)
 {
   constexpr int ORDER[] = {FORCE, IMPULSE, DISPLACEMENT};
-  double sum[N_GIVEN];
+  double sum[N_TOTALS];
   totals(sum);
   return sum[ORDER[n]];
 }
 
-/* What was given without the motion that the atoms have now: setup() finds that again. */
+/* Write the totals without the motion that the atoms have now: setup() finds that again. */
 
 void FixGranLoad::write_restart(FILE *fp)
 {
-  double state[N_GIVEN + 2] = {double(RESTART_FORMAT), double(started), double(moves)};
-  MPI_Reduce(given, state + 3, N_GIVEN - 1, MPI_DOUBLE, MPI_SUM, 0, world);
+  double state[N_TOTALS + 2] = {double(RESTART_FORMAT), double(started), double(moves)};
+  MPI_Reduce(total, state + 3, N_TOTALS - 1, MPI_DOUBLE, MPI_SUM, 0, world);
   if (comm->me != 0) return;
   const int size = sizeof(state);
   fwrite(&size, sizeof(int), 1, fp);
-  fwrite(state, sizeof(double), N_GIVEN + 2, fp);
+  fwrite(state, sizeof(double), N_TOTALS + 2, fp);
 }
 
 void FixGranLoad::restart(char *buffer)
@@ -278,5 +279,5 @@ void FixGranLoad::restart(char *buffer)
   if ((state[2] != 0.0) != moves)
     error->all(FLERR, "Restart file holds fix {} {} with a {}: give it again as it was", STYLE, id, moves ? "force" : "displacement");
   started = state[1] != 0.0;
-  if (comm->me == 0) std::copy_n(state + 3, N_GIVEN - 1, given);
+  if (comm->me == 0) std::copy_n(state + 3, N_TOTALS - 1, total);
 }

@@ -1,4 +1,5 @@
-/* Fix gran/load: a force pulse on a group, or its prescribed displacement, with the work done and the impulse given.
+// SPDX-License-Identifier: GPL-2.0-only
+/* Fix gran/load: a force pulse on a group, or its prescribed displacement, with its work and impulse.
 
    fix ID group gran/load x|y|z force half-sine|rectangle AMPLITUDE DURATION
    fix ID group gran/load x|y|z force|displacement harmonic AMPLITUDE FREQUENCY
@@ -33,14 +34,14 @@ class FixGranLoad : public Fix {
   void restart(char *) override;
 
  private:
-  enum { WORK, IMPULSE, DISPLACEMENT, FORCE, N_GIVEN };
+  enum { WORK, IMPULSE, DISPLACEMENT, FORCE, N_TOTALS };
 
   void read_table(const char *file);
-  void give_force();
+  void apply_force();
   void set_velocity(double along);
   double force_on_group() const;
-  double in_half_kick() const;
-  void totals(double (&sum)[N_GIVEN]) const;
+  double half_kick_work() const;
+  void totals(double (&sum)[N_TOTALS]) const;
   double mass_of(int i) const;
 
   int axis = 2;
@@ -48,12 +49,12 @@ class FixGranLoad : public Fix {
   granwave::LoadShape shape;
   double atoms = 0.0, mass = 0.0;    // of the group
   bool started = false;
-  // this processor's part of what was given so far; a restart gives the whole to the first one
-  double given[N_GIVEN - 1] = {};
+  // this processor's part of the totals so far; a restart gives the whole to the first one
+  double total[N_TOTALS - 1] = {};
   double force = 0.0;                     // on the group, of the shape
   double resistance = 0.0;                // of this processor's part, before the step
   double place = 0.0, moved = 0.0, velocity = 0.0;    // of the prescribed motion: now, in this step
-  int extensive[N_GIVEN - 1] = {1, 1, 0};
+  int extensive[N_TOTALS - 1] = {1, 1, 0};
 };
 
 }    // namespace LAMMPS_NS

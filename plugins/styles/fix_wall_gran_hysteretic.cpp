@@ -1,4 +1,5 @@
-/* The forces of plane walls, their motion, and the totals. What travels with the spheres, what is set from outside and restart
+// SPDX-License-Identifier: GPL-2.0-only
+/* Fix wall/gran/hysteretic: forces, motion of the plane, totals. The state that travels with the spheres, initial dents and restart
    files are in fix_wall_gran_hysteretic_state.cpp. */
 
 #include "fix_wall_gran_hysteretic.h"
@@ -17,10 +18,9 @@
 #include <iterator>
 
 using namespace LAMMPS_NS;
-using granwave::ContactScale;
 using granwave::INFINITE;
-using granwave::Spring;
-using granwave::Turning;
+using granwave::ScaledLaw;
+using granwave::TangentialSpring;
 
 namespace {
 
@@ -53,7 +53,7 @@ FixWallGranHysteretic::FixWallGranHysteretic(LAMMPS *lmp, int narg, char **arg) 
     const granwave::LawArguments args = granwave::parse_law(words);
     law = args.contact(args.first, args.second.value_or(granwave::Material{INFINITE, 0.0, INFINITE}));
     friction = args.friction;
-    grip = args.grip;
+    tangential_model = args.tangential;
   } catch (const std::invalid_argument &fault) {
     error->all(FLERR, "Illegal fix {}: {}", STYLE, fault.what());
   }
@@ -117,7 +117,7 @@ void FixWallGranHysteretic::min_post_force(int)
   evaluate();
 }
 
-/* Where the low or high plane is now. */
+/* Position of the low or high plane now. */
 
 double FixWallGranHysteretic::level(int side) const
 {
@@ -131,7 +131,7 @@ double FixWallGranHysteretic::depth(int i, int side) const
   return side == 0 ? level(0) + radius - along : along + radius - level(1);
 }
 
-/* The whole force on the plane, on every processor the same bits. */
+/* Sum the force on the plane over all processors, with the same bits on each. */
 
 void FixWallGranHysteretic::push_support()
 {
@@ -179,7 +179,7 @@ void FixWallGranHysteretic::evaluate()
       if (!touches[side] && mine.touching == 0.0) continue;
       Contact contact{};
       if (touches[side]) {
-        contact = touch(i, side, overlap[side], now);
+        contact = compute_normal(i, side, overlap[side], now);
         const double push = contact.force * (side == 0 ? 1.0 : -1.0);
         f[i][axis] += push;
         wall_force[axis] -= push;
@@ -190,15 +190,15 @@ void FixWallGranHysteretic::evaluate()
       } else {
         mine.touching = 0.0;
       }
-      if (friction > 0.0) rub(i, side, overlap[side], contact);
+      if (friction > 0.0) compute_tangential(i, side, overlap[side], contact);
     }
   }
   if (support) push_support();
 }
 
-/* The distance along an axis to the nearest image. */
+/* Distance along an axis to the nearest image. */
 
-double FixWallGranHysteretic::apart(int along, double distance) const
+double FixWallGranHysteretic::minimum_image(int along, double distance) const
 {
   if (!domain->periodicity[along]) return distance;
   return distance - domain->prd[along] * std::round(distance / domain->prd[along]);
@@ -206,17 +206,16 @@ double FixWallGranHysteretic::apart(int along, double distance) const
 
 /* Energy that yielding at one wall took in this run. */
 
-double FixWallGranHysteretic::lost(const Side &side, const ContactScale &scale) const
+double FixWallGranHysteretic::lost(int i, int which, const ScaledLaw &scaled)
 {
-  double sum = side.lost_before;
-  if (side.dent > scale.elastic_limit) sum += scale.force * scale.overlap * law.dissipated_energy(law.turning(side.dent / scale.overlap));
-  if (side.initial > 0.0) sum -= scale.force * scale.overlap * law.dissipated_energy(law.turning(side.initial / scale.overlap));
-  return sum;
+  const Side &side = sides[2 * i + which];
+  return side.lost_before + scaled.dissipated_energy(law_history(i, which)) -
+      scaled.dissipated_energy({side.initial, initial_extra(i, which)});
 }
 
-/* The normal force of one wall on sphere i, which overlaps it; keeps its dent and its report. */
+/* Compute the normal force of one wall on sphere i, which overlaps it; updates its dent and its output. */
 
-FixWallGranHysteretic::Contact FixWallGranHysteretic::touch(int i, int which, double overlap, double now)
+FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int which, double overlap, double now)
 {
   double *const state = array_atom[i];
   Side &side = sides[2 * i + which];
@@ -226,20 +225,23 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::touch(int i, int which, do
     error->one(FLERR, "Sphere {} reaches {:.3g} into the wall of fix {}, more than its radius {:.3g}: it was placed into "
                       "it, or the timestep is far too large", atom->tag[i], overlap, id, radius);
   }
-  const ContactScale scale = law.scale(radius);
+  const ScaledLaw scaled(law, radius);
   const double place[2] = {atom->x[i][(axis + 1) % 3], atom->x[i][(axis + 2) % 3]};
   if (state[TIME_FIRST] < 0.0) state[TIME_FIRST] = now;
   if (side.touching == 0.0) {
     side.touching = 1.0;
     if (side.dent > 0.0) {
-      const double circle_sq = std::isfinite(scale.overlap) ? radius * scale.overlap * law.area(side.dent / scale.overlap) : radius * side.dent;
-      const double d1 = apart((axis + 1) % 3, place[0] - side.place[0]), d2 = apart((axis + 2) % 3, place[1] - side.place[1]);
+      const double circle_sq =
+          std::isfinite(scaled.yield_overlap()) ? scaled.loading_circle(side.dent) : radius * side.dent;
+      const double d1 = minimum_image((axis + 1) % 3, place[0] - side.place[0]), d2 = minimum_image((axis + 2) % 3, place[1] - side.place[1]);
       if (d1 * d1 + d2 * d2 > circle_sq) {
-        side.lost_before = lost(side, scale);
+        side.lost_before = lost(i, which, scaled);
         side.dent = side.initial = 0.0;
+        std::fill_n(extra(i, which), n_extra(), 0.0);
       }
     }
   }
+  if (n_extra() > 0) scaled.update(overlap, side.dent, extra(i, which));
   const bool raised = overlap > side.dent;
   if (raised) {
     side.dent = overlap;
@@ -247,22 +249,19 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::touch(int i, int which, do
     side.place[1] = place[1];
   }
   Contact contact{};
-  if (side.dent <= scale.elastic_limit) {
-    contact.force = scale.hertz * overlap * std::sqrt(overlap);
+  if (!scaled.yielded(side.dent)) {
+    contact.force = scaled.hertz_force(overlap);
     if (support) contact.stiffness = 1.5 * contact.force / overlap;
     contact.circle_sq = radius * overlap;
   } else {
-    const Turning turning = law.turning(side.dent / scale.overlap);
-    contact.force = scale.force * (raised ? turning.force : granwave::ContactLaw::unloading(overlap / scale.overlap, turning));
-    if (support) contact.stiffness = scale.force / scale.overlap * law.unloading_slope(turning);
-    if (friction > 0.0) {
-      const double circle = law.area(turning.peak);
-      contact.circle_sq = radius * scale.overlap *
-          (raised ? circle : granwave::ContactLaw::unloading_area(overlap / scale.overlap, turning, circle));
-    }
+    const granwave::Turning turning = scaled.turning(law_history(i, which));
+    contact.force = raised ? scaled.peak_force(turning) : scaled.unloading(overlap, turning);
+    if (support) contact.stiffness = scaled.stiffness(turning);
+    if (friction > 0.0)
+      contact.circle_sq = raised ? scaled.loading_circle(overlap) : scaled.unloading_circle(overlap, turning, law.area(turning.peak));
     if (raised) {
       if (state[TIME_YIELD] < 0.0) state[TIME_YIELD] = now;
-      state[DISSIPATED] = lost(sides[2 * i], scale) + lost(sides[2 * i + 1], scale);
+      state[DISSIPATED] = lost(i, 0, scaled) + lost(i, 1, scaled);
     }
   }
   if (contact.force > state[FORCE] || state[FORCE] == 0.0) {
@@ -277,11 +276,11 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::touch(int i, int which, do
   return contact;
 }
 
-/* The tangential force of one wall on sphere i, and its torque. The spring is that of the last step unless a step was made. */
+/* Compute the tangential force of one wall on sphere i, and its torque. The spring is that of the last step unless a step was made. */
 
-void FixWallGranHysteretic::rub(int i, int which, double overlap, const Contact &contact)
+void FixWallGranHysteretic::compute_tangential(int i, int which, double overlap, const Contact &contact)
 {
-  Spring &spring = springs[2 * i + which];
+  TangentialSpring &spring = springs[2 * i + which];
   double *const state = array_atom[i];
   if (contact.force > 0.0) {
     double normal[3] = {};
@@ -292,7 +291,7 @@ void FixWallGranHysteretic::rub(int i, int which, double overlap, const Contact 
       const double velocity[3] = {v[0], v[1], v[2]}, spin[3] = {lever * omega[0], lever * omega[1], lever * omega[2]};
       double slip[3];
       granwave::slip_of_step(velocity, spin, normal, update->dt, slip);
-      granwave::advance(spring, normal, slip, law.tangential_stiffness(contact.circle_sq), friction * contact.force, grip);
+      granwave::compute_tangential(spring, normal, slip, law.tangential_stiffness(contact.circle_sq), friction * contact.force, tangential_model);
     }
     double torque[3];
     granwave::torque_per_lever(normal, spring.force, torque);
@@ -319,21 +318,17 @@ void FixWallGranHysteretic::tally()
     const double *state = array_atom[i];
     if (state[PEAK_OVERLAP] == 0.0) continue;
     const double radius = atom->radius[i];
-    const ContactScale scale = law.scale(radius);
+    const ScaledLaw scaled(law, radius);
     mine[DISSIPATED_SUM] += state[DISSIPATED];
     mine[FRICTION_LOSS_SUM] += state[FRICTION_LOSS];
-    if (law.plastic() && state[TIME_YIELD] >= 0.0) mine[YIELDED] += 1.0;
-    if (law.fitted() && state[PEAK_OVERLAP] > 0.2 * radius) mine[BEYOND_LAW] += 1.0;
+    if (law.entry().yields() && state[TIME_YIELD] >= 0.0) mine[YIELDED] += 1.0;
+    if (law.entry().fitted && state[PEAK_OVERLAP] > 0.2 * radius) mine[BEYOND_LAW] += 1.0;
     for (int side = 0; side < 2; side++) {
       const Side &own = sides[2 * i + side];
       const double overlap = depth(i, side);
       if (friction > 0.0) mine[TANGENTIAL_STORED] += granwave::tangential_energy(springs[2 * i + side]);
       if (own.touching == 0.0 || overlap <= 0.0) continue;
-      if (own.dent > scale.elastic_limit)
-        mine[STORED] += scale.force * scale.overlap *
-            granwave::ContactLaw::elastic_energy(overlap / scale.overlap, law.turning(own.dent / scale.overlap));
-      else
-        mine[STORED] += 0.4 * scale.hertz * overlap * overlap * std::sqrt(overlap);
+      mine[STORED] += scaled.elastic_energy(overlap, law_history(i, side));
     }
   }
   MPI_Allreduce(mine, totals, N_TOTALS, MPI_DOUBLE, MPI_SUM, world);

@@ -1,5 +1,6 @@
+// SPDX-License-Identifier: GPL-2.0-only
 /* Fix wall/gran/hysteretic: plane walls normal to an axis, with the contact laws and the lasting dents of pair style
-   gran/hysteretic, with friction, and with what is behind a plane that can move (support.h).
+   gran/hysteretic, with friction, and with the support of a plane that can move (support.h).
 
    fix ID group wall/gran/hysteretic xplane|yplane|zplane LO HI law ... [friction MU] [support ...]
        (law_arguments.h, support.h; LO, HI a coordinate or NULL)
@@ -10,7 +11,7 @@
 #ifndef LMP_FIX_WALL_GRAN_HYSTERETIC_H
 #define LMP_FIX_WALL_GRAN_HYSTERETIC_H
 
-#include "../laws/contact_laws.h"
+#include "../laws/contact_law.h"
 #include "../laws/exact_sum.h"
 #include "fix.h"
 #include "../laws/support.h"
@@ -40,9 +41,9 @@ class FixWallGranHysteretic : public Fix {
   double compute_scalar() override;
   double compute_vector(int) override;
 
-  /* The sphere has this dent where it is now, on the nearer of the two walls, from before the run. */
+  /* Give a sphere a dent from before the run where it is now, on the nearer of the two walls. */
   void set_dent(int i, double peak);
-  /* What the spheres and the wall went through so far is past: what is counted starts anew, and dents become initial ones. */
+  /* Make all dents so far initial ones, and start totals anew. */
   void begin();
 
   void grow_arrays(int) override;
@@ -59,7 +60,7 @@ class FixWallGranHysteretic : public Fix {
   double memory_usage() override;
 
  private:
-  // columns of array_atom, what is reported of a sphere
+  // columns of array_atom, the output of a sphere
   enum { OVERLAP, FORCE, PEAK_OVERLAP, PEAK_FORCE, DISSIPATED, TIME_FIRST, TIME_PEAK, TIME_YIELD, TANGENTIAL, FRICTION_LOSS,
          INITIAL, N_REPORTED };
 
@@ -67,7 +68,7 @@ class FixWallGranHysteretic : public Fix {
     double dent = 0.0, place[2] = {}, lost_before = 0.0, touching = 0.0;
     double initial = 0.0;    // the dent before the run, where beyond the elastic limit
   };
-  static constexpr int N_SIDE = sizeof(Side) / sizeof(double), N_SPRING = sizeof(granwave::Spring) / sizeof(double);
+  static constexpr int N_SIDE = sizeof(Side) / sizeof(double), N_SPRING = sizeof(granwave::TangentialSpring) / sizeof(double);
 
   struct Contact {    // of a sphere with a wall, now
     double force;
@@ -78,27 +79,32 @@ class FixWallGranHysteretic : public Fix {
   void evaluate();
   double level(int side) const;
   double depth(int i, int side) const;
-  Contact touch(int i, int side, double overlap, double now);
-  void rub(int i, int side, double overlap, const Contact &);
-  double apart(int along, double distance) const;
-  double lost(const Side &, const granwave::ContactScale &) const;
+  Contact compute_normal(int i, int side, double overlap, double now);
+  void compute_tangential(int i, int side, double overlap, const Contact &);
+  double minimum_image(int along, double distance) const;
+  double *extra(int i, int side) { return extras.data() + (4 * static_cast<std::size_t>(i) + side) * n_extra(); }
+  double *initial_extra(int i, int side) { return extra(i, 2 + side); }
+  granwave::LawHistory law_history(int i, int side) { return {sides[2 * i + side].dent, extra(i, side)}; }
+  double lost(int i, int side, const granwave::ScaledLaw &);
   void report_dents(int i);
   void push_support();
   void check_timestep(double contacts) const;
   void tally();
-  int n_state() const { return N_REPORTED + 2 * N_SIDE + (friction > 0.0 ? 2 * N_SPRING : 0); }
+  int n_extra() const { return law.entry().n_extra; }
+  int n_state() const { return N_REPORTED + 2 * N_SIDE + (friction > 0.0 ? 2 * N_SPRING : 0) + 4 * n_extra(); }
 
   int axis = 2;
   double plane[2];    // low and high side, infinite when absent; where they are at rest
   granwave::ContactLaw law;
   double friction = 0.0;
-  granwave::Grip grip = granwave::Grip::RESCALED;
+  granwave::TangentialModel tangential_model = granwave::TangentialModel::MINDLIN_RESCALE;
   std::unique_ptr<granwave::Support> support;    // of the one plane, if it can move
   int moving = 0;                                // which one
 
   std::vector<char> near;                   // 0: the sphere touched no wall at the last evaluation, and is not new here
   std::vector<Side> sides;                  // two for each sphere: low and high wall
-  std::vector<granwave::Spring> springs;    // likewise, if there is friction
+  std::vector<granwave::TangentialSpring> springs;    // likewise, if there is friction
+  std::vector<double> extras;    // history of the law beyond the dent: low and high wall now, the same before the run
 
   double wall_force[3];    // of this processor's spheres on the wall
   granwave::ExactSum pressed, stiffness;    // force and stiffness of this processor's contacts with a moving plane

@@ -1,4 +1,5 @@
-/* Fix wall/gran/hysteretic: what travels with the spheres, what is set from outside, restart files. */
+// SPDX-License-Identifier: GPL-2.0-only
+/* Fix wall/gran/hysteretic: state that travels with the spheres, initial dents, restart files. */
 
 #include "fix_wall_gran_hysteretic.h"
 
@@ -11,13 +12,14 @@
 #include <cmath>
 
 using namespace LAMMPS_NS;
-using granwave::ContactScale;
-using granwave::Spring;
+using granwave::ScaledLaw;
+using granwave::TangentialSpring;
 
 namespace {
 
-// Of the spheres' part. The first one had 8 reported quantities and 5 numbers for each side, and no springs.
-enum { WITHOUT_FRICTION = 1, WITH_FRICTION = 2 };
+// Format of the spheres' part. The first one had 8 reported quantities and 5 numbers for each side, and no springs; the third
+// has the law's own history, and is written by laws that have one.
+enum { WITHOUT_FRICTION = 1, WITH_FRICTION = 2, EXTRA_HISTORY = 3 };
 constexpr int OLD_REPORTED = 8, OLD_SIDE = 5;
 constexpr int SUPPORT_FORMAT = 1;
 
@@ -48,24 +50,28 @@ void FixWallGranHysteretic::set_dent(int i, double peak)
   side.dent = peak;
   side.place[0] = atom->x[i][(axis + 1) % 3];
   side.place[1] = atom->x[i][(axis + 2) % 3];
-  side.initial = peak > law.scale(radius).elastic_limit ? peak : 0.0;
+  side.initial = peak > ScaledLaw(law, radius).elastic_limit() ? peak : 0.0;
   side.lost_before = 0.0;
+  std::fill_n(extra(i, which), n_extra(), 0.0);
+  std::fill_n(initial_extra(i, which), n_extra(), 0.0);
   report_dents(i);
 }
 
 void FixWallGranHysteretic::begin()
 {
   for (int i = 0; i < atom->nlocal; i++) {
-    const ContactScale scale = law.scale(atom->radius[i]);
+    const ScaledLaw scaled(law, atom->radius[i]);
     double *const state = array_atom[i];
     state[PEAK_FORCE] = state[FRICTION_LOSS] = 0.0;
     state[TIME_FIRST] = state[TIME_PEAK] = state[TIME_YIELD] = -1.0;
     for (int which = 0; which < 2; which++) {
       Side &side = sides[2 * i + which];
-      const bool yielded = side.dent > scale.elastic_limit;
+      const bool yielded = scaled.yielded(side.dent);
       side.initial = yielded ? side.dent : 0.0;
       if (!yielded) side.dent = side.touching != 0.0 ? std::max(depth(i, which), 0.0) : 0.0;
       side.lost_before = 0.0;
+      if (!yielded) std::fill_n(extra(i, which), n_extra(), 0.0);
+      std::copy_n(extra(i, which), n_extra(), initial_extra(i, which));
       if (friction > 0.0) springs[2 * i + which].loss = 0.0;
     }
     report_dents(i);
@@ -74,15 +80,15 @@ void FixWallGranHysteretic::begin()
   tallied = -1;
 }
 
-/* The columns that follow from the dents alone. */
+/* Update the columns that follow from the dents alone. */
 
 void FixWallGranHysteretic::report_dents(int i)
 {
-  const ContactScale scale = law.scale(atom->radius[i]);
+  const ScaledLaw scaled(law, atom->radius[i]);
   const Side &low = sides[2 * i], &high = sides[2 * i + 1];
   array_atom[i][PEAK_OVERLAP] = std::max(low.dent, high.dent);
   array_atom[i][INITIAL] = std::max(low.initial, high.initial);
-  array_atom[i][DISSIPATED] = lost(low, scale) + lost(high, scale);
+  array_atom[i][DISSIPATED] = lost(i, 0, scaled) + lost(i, 1, scaled);
   tallied = -1;
 }
 
@@ -94,6 +100,7 @@ void FixWallGranHysteretic::grow_arrays(int nmax)
   near.resize(nmax);
   sides.resize(2 * static_cast<std::size_t>(nmax));
   if (friction > 0.0) springs.resize(2 * static_cast<std::size_t>(nmax));
+  extras.resize(4 * static_cast<std::size_t>(nmax) * n_extra());
 }
 
 void FixWallGranHysteretic::copy_arrays(int i, int j, int)
@@ -102,6 +109,7 @@ void FixWallGranHysteretic::copy_arrays(int i, int j, int)
   std::copy_n(array_atom[i], static_cast<int>(N_REPORTED), array_atom[j]);
   std::copy_n(&sides[2 * i], 2, &sides[2 * j]);
   if (friction > 0.0) std::copy_n(&springs[2 * i], 2, &springs[2 * j]);
+  std::copy_n(extra(i, 0), 4 * n_extra(), extra(j, 0));
 }
 
 void FixWallGranHysteretic::set_arrays(int i)
@@ -110,14 +118,16 @@ void FixWallGranHysteretic::set_arrays(int i)
   std::fill_n(array_atom[i], static_cast<int>(N_REPORTED), 0.0);
   array_atom[i][TIME_FIRST] = array_atom[i][TIME_PEAK] = array_atom[i][TIME_YIELD] = -1.0;
   std::fill_n(&sides[2 * i], 2, Side{});
-  if (friction > 0.0) std::fill_n(&springs[2 * i], 2, Spring{});
+  if (friction > 0.0) std::fill_n(&springs[2 * i], 2, TangentialSpring{});
+  std::fill_n(extra(i, 0), 4 * n_extra(), 0.0);
 }
 
 int FixWallGranHysteretic::pack_exchange(int i, double *buf)
 {
   buf = std::copy_n(array_atom[i], static_cast<int>(N_REPORTED), buf);
   buf = std::copy_n(numbers(&sides[2 * i]), 2 * N_SIDE, buf);
-  if (friction > 0.0) std::copy_n(numbers(&springs[2 * i]), 2 * N_SPRING, buf);
+  if (friction > 0.0) buf = std::copy_n(numbers(&springs[2 * i]), 2 * N_SPRING, buf);
+  std::copy_n(extra(i, 0), 4 * n_extra(), buf);
   return n_state();
 }
 
@@ -127,13 +137,14 @@ int FixWallGranHysteretic::unpack_exchange(int i, double *buf)
   std::copy_n(buf, static_cast<int>(N_REPORTED), array_atom[i]);
   std::copy_n(buf + N_REPORTED, 2 * N_SIDE, numbers(&sides[2 * i]));
   if (friction > 0.0) std::copy_n(buf + N_REPORTED + 2 * N_SIDE, 2 * N_SPRING, numbers(&springs[2 * i]));
+  std::copy_n(buf + n_state() - 4 * n_extra(), 4 * n_extra(), extra(i, 0));
   return n_state();
 }
 
 int FixWallGranHysteretic::pack_restart(int i, double *buf)
 {
   buf[0] = n_state() + 2;
-  buf[1] = WITH_FRICTION;
+  buf[1] = n_extra() > 0 ? EXTRA_HISTORY : WITH_FRICTION;
   pack_exchange(i, buf + 2);
   return n_state() + 2;
 }
@@ -145,15 +156,18 @@ void FixWallGranHysteretic::unpack_restart(int i, int nth)
   const int size = static_cast<int>(stored[0]) - 2;
   const double format = stored[1];
   stored += 2;
-  if (format != WITHOUT_FRICTION && format != WITH_FRICTION)
-    error->one(FLERR, "Restart file holds format {} of fix {}; this version reads formats {} and {}", format, STYLE,
-               int(WITHOUT_FRICTION), int(WITH_FRICTION));
+  if (format != WITHOUT_FRICTION && format != WITH_FRICTION && format != EXTRA_HISTORY)
+    error->one(FLERR, "Restart file holds format {} of fix {}; this version reads formats {} to {}", format, STYLE,
+               int(WITHOUT_FRICTION), int(EXTRA_HISTORY));
+  if (format == EXTRA_HISTORY && size != n_state())
+    error->one(FLERR, "Restart file holds fix {} {} with another law or friction: give it again as it was", STYLE, id);
   const bool old = format == WITHOUT_FRICTION;
   const int reported = old ? OLD_REPORTED : N_REPORTED, each = old ? OLD_SIDE : N_SIDE, behind = reported + 2 * each;
   FixWallGranHysteretic::set_arrays(i);
   std::copy_n(stored, reported, array_atom[i]);
   for (int which = 0; which < 2; which++) std::copy_n(stored + reported + which * each, each, numbers(&sides[2 * i + which]));
-  if (friction > 0.0 && size == behind + 2 * N_SPRING) std::copy_n(stored + behind, 2 * N_SPRING, numbers(&springs[2 * i]));
+  if (friction > 0.0 && size >= behind + 2 * N_SPRING) std::copy_n(stored + behind, 2 * N_SPRING, numbers(&springs[2 * i]));
+  if (format == EXTRA_HISTORY) std::copy_n(stored + size - 4 * n_extra(), 4 * n_extra(), extra(i, 0));
 }
 
 int FixWallGranHysteretic::size_restart(int) { return n_state() + 2; }
@@ -161,7 +175,8 @@ int FixWallGranHysteretic::maxsize_restart() { return n_state() + 2; }
 
 double FixWallGranHysteretic::memory_usage()
 {
-  const double of_sides = double(sides.capacity()) * sizeof(Side) + double(springs.capacity()) * sizeof(Spring);
+  const double of_sides = double(sides.capacity()) * sizeof(Side) + double(springs.capacity()) * sizeof(TangentialSpring) +
+      double(extras.capacity()) * sizeof(double);
   return double(atom->nmax) * (N_REPORTED * sizeof(double) + 1) + of_sides;
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-2.0-only
 #include "gran_dents.h"
 
 #include "atom.h"
@@ -21,7 +22,7 @@
 #include <utility>
 
 using namespace LAMMPS_NS;
-using Given = PairGranHysteretic::Given;
+using DentStatus = PairGranHysteretic::DentStatus;
 
 namespace {
 
@@ -43,18 +44,18 @@ void GranDents::command(int narg, char **arg)
   pair = dynamic_cast<PairGranHysteretic *>(force->pair_match(PairGranHysteretic::STYLE, 1));
   if (!pair) error->all(FLERR, "Command {} requires pair style {}", STYLE, PairGranHysteretic::STYLE);
   build_lists();
-  pair->prepare_pasts();
+  pair->prepare_initial_dents();
   if (word == "read") {
     set(arg[1], read(arg[1]));
   } else {
-    pair->begin_pasts();
+    pair->begin_initial_dents();
     for (auto *fix : modify->get_fix_list())
       if (auto *wall = dynamic_cast<FixWallGranHysteretic *>(fix)) wall->begin();
   }
-  for (auto *compute : modify->get_compute_list()) compute->invoked_flag = 0;    // what they told of this step is no longer so
+  for (auto *compute : modify->get_compute_list()) compute->invoked_flag = 0;    // their values of this step are out of date
 }
 
-/* Ghosts and neighbour lists as at the start of a run. */
+/* Build ghosts and neighbour lists as at the start of a run. */
 
 void GranDents::build_lists()
 {
@@ -149,8 +150,8 @@ void GranDents::set(const std::string &file, const std::vector<Line> &lines)
         const auto found = pairs.find({i, j});
         return found == pairs.end() ? -1.0 : lines[found->second].peak;
       },
-      [&](tagint i, tagint j, Given given) {
-        mine[pairs.at({i, j})] |= given == Given::SET ? DONE : given == Given::TOO_DEEP ? TOO_DEEP : OUT_OF_REACH;
+      [&](tagint i, tagint j, DentStatus status) {
+        mine[pairs.at({i, j})] |= status == DentStatus::SET ? DONE : status == DentStatus::TOO_DEEP ? TOO_DEEP : OUT_OF_REACH;
       });
   MPI_Allreduce(mine.data(), state.data(), static_cast<int>(lines.size()), MPI_INT, MPI_BOR, world);
 

@@ -1,7 +1,8 @@
-/* Command gran/dents: what contacts of pair style gran/hysteretic and its walls went through before a run.
+// SPDX-License-Identifier: GPL-2.0-only
+/* Command gran/dents: dents of pair style gran/hysteretic and its walls from before a run.
 
    gran/dents read FILE     dents by ids: lines `i j peak` of two spheres, `FIXID i peak` of a sphere and a wall, # comments
-   gran/dents begin         what contacts went through so far is their past  */
+   gran/dents begin         all dents so far are initial ones  */
 
 #ifndef LMP_GRAN_DENTS_H
 #define LMP_GRAN_DENTS_H

@@ -1,4 +1,5 @@
-/* What LAMMPS's plugin command loads: checks that library and styles belong together, then loads the styles.
+// SPDX-License-Identifier: GPL-2.0-only
+/* Entry point of LAMMPS's plugin command: checks that library and styles belong together, then loads the styles.
 
    LAMMPS keeps no binary interface between releases, not even between updates of one release, and only warns. Here a
    library of another release date, one that lacks a function that the styles call, or whose base classes have another
@@ -26,7 +27,7 @@ std::size_t size_of_symbol(void *library, const char *name)
   return static_cast<const ElfW(Sym) *>(symbol)->st_size;
 }
 
-/* Our classes add no virtual functions, so their tables must be as long as those of LAMMPS's base classes. */
+/* True if our classes, which add no virtual functions, have tables as long as those of LAMMPS's base classes. */
 bool same_interface(void *styles)
 {
   constexpr const char *TABLES[][2] = {
@@ -41,7 +42,7 @@ bool same_interface(void *styles)
   return true;
 }
 
-/* The library of the styles lies beside this one. */
+/* Open the library of the styles, which lies beside this one. */
 void *open_styles()
 {
   Dl_info info;

@@ -1,4 +1,5 @@
-/* Pair style gran/hysteretic: settings, coefficients, what it asks of LAMMPS. */
+// SPDX-License-Identifier: GPL-2.0-only
+/* Pair style gran/hysteretic: settings, coefficients, requirements. */
 
 #include "pair_gran_hysteretic.h"
 
@@ -20,6 +21,7 @@
 using namespace LAMMPS_NS;
 using granwave::ContactLaw;
 using granwave::LawArguments;
+using granwave::ScaledLaw;
 using granwave::Turning;
 
 PairGranHysteretic::PairGranHysteretic(LAMMPS *lmp) : Pair(lmp)
@@ -60,7 +62,7 @@ void PairGranHysteretic::allocate()
   for (int i = 0; i < n; i++) std::fill_n(setflag[i], n, 0);
   memory->create(cutsq, n, n, "pair:cutsq");
   laws.assign(n * n, ContactLaw());
-  given.assign(n * n, LawArguments());
+  coefficients.assign(n * n, LawArguments());
   largest_radius.assign(n, 0.0);
 }
 
@@ -93,7 +95,7 @@ void PairGranHysteretic::coeff(int narg, char **arg)
     for (int j = std::max(jlo, i); j <= jhi; j++) {
       if (i == j && args.second)
         error->all(FLERR, "Incorrect pair_coeff for gran/hysteretic: a second material needs two different types");
-      given[i * (atom_types + 1) + j] = args;
+      coefficients[i * (atom_types + 1) + j] = args;
       setflag[i][j] = 1;
       count++;
     }
@@ -110,14 +112,20 @@ void PairGranHysteretic::init_style()
   if (std::strncmp(update->integrate_style, "respa", 5) == 0)
     error->all(FLERR, "Pair style gran/hysteretic does not work with run_style respa");
 
-  bool any = rubbing;
+  bool any = has_friction;
+  int n_extra = 0;
   for (int i = 1; i <= atom_types; i++)
-    for (int j = i; j <= atom_types; j++) any = any || (setflag[i][j] && given[i * (atom_types + 1) + j].friction > 0.0);
-  if (any && !rubbing && fix_history) release_contacts();    // that list has no springs
-  rubbing = any;
-  if (rubbing && (!atom->omega_flag || !atom->torque_flag))
+    for (int j = i; j <= atom_types; j++) {
+      if (!setflag[i][j]) continue;
+      const LawArguments &args = coefficients[i * (atom_types + 1) + j];
+      any = any || args.friction > 0.0;
+      n_extra = std::max(n_extra, args.law->n_extra);
+    }
+  if (fix_history && ((any && !has_friction) || n_extra > contacts.n_extra)) release_contacts();    // its list lacks them
+  has_friction = any;
+  if (has_friction && (!atom->omega_flag || !atom->torque_flag))
     error->all(FLERR, "Pair style gran/hysteretic with friction requires atom attributes omega and torque (atom_style sphere)");
-  if (rubbing && comm->ghost_velocity == 0)
+  if (has_friction && comm->ghost_velocity == 0)
     error->all(FLERR, "Pair style gran/hysteretic with friction needs the velocities of ghost atoms: use 'comm_modify vel yes'");
 
   neighbor->add_request(this);
@@ -129,7 +137,7 @@ void PairGranHysteretic::init_style()
         modify->add_fix(fmt::format("{} all {}", FixGranHystereticHistory::ID, FixGranHystereticHistory::STYLE)));
     fix_history->pair = this;
   }
-  if (rubbing || pasts) fix_history->history.widen();
+  fix_history->history.extend({n_extra, has_friction || has_initial_dents});
 
   // largest radius by type sets the cutoff
   std::vector<double> mine(atom_types + 1, 0.0);
@@ -146,11 +154,11 @@ void PairGranHysteretic::init_style()
 double PairGranHysteretic::init_one(int i, int j)
 {
   const int n = atom_types + 1;
-  LawArguments &args = given[i * n + j];
+  LawArguments &args = coefficients[i * n + j];
   if (!setflag[i][j]) {
     if (!setflag[i][i] || !setflag[j][j])
       error->all(FLERR, "All pair coeffs are not set: gran/hysteretic has none for types {} and {}", i, j);
-    const LawArguments &a = given[i * n + i], &b = given[j * n + j];
+    const LawArguments &a = coefficients[i * n + i], &b = coefficients[j * n + j];
     if (!a.same_options(b))
       error->all(FLERR, "Types {} and {} have different laws or options for like spheres: give pair_coeff {} {}", i, j, i, j);
     args = a;
@@ -159,25 +167,24 @@ double PairGranHysteretic::init_one(int i, int j)
   const granwave::Material second = args.second.value_or(args.first);
   law(i, j) = args.contact(args.first, second);
   law(j, i) = args.contact(second, args.first);
-  given[j * n + i] = args;
+  coefficients[j * n + i] = args;
   return largest_radius[i] + largest_radius[j] + gap;
 }
 
-PairGranHysteretic::Pairing PairGranHysteretic::pairing(int itype, int jtype, double ri, double rj)
+PairGranHysteretic::PairParameters PairGranHysteretic::pair_parameters(int itype, int jtype, double ri, double rj)
 {
-  const granwave::LawArguments &options = given[itype * (atom_types + 1) + jtype];
-  Pairing p;
+  const granwave::LawArguments &args = coefficients[itype * (atom_types + 1) + jtype];
+  const ContactLaw &contact_law = law(itype, jtype);
+  PairParameters p;
   p.radius_i = ri;
   p.radius_j = rj;
-  p.sum_radii = ri + rj;
-  p.touch_sq = touch_squared(p.sum_radii);
-  p.effective_radius = effective_radius(ri, rj);
-  p.law = &law(itype, jtype);
-  p.scale = p.law->scale(p.effective_radius);
+  p.radsum = ri + rj;
+  p.touch_sq = touch_squared(p.radsum);
   p.largest_overlap = largest_overlap(ri, rj);
-  p.friction = ri > 0.0 && rj > 0.0 ? options.friction : 0.0;
-  p.shear_stiffness = p.law->tangential_stiffness(1.0);
-  p.grip = options.grip;
+  p.contact = ScaledLaw(contact_law, effective_radius(ri, rj));
+  p.friction = ri > 0.0 && rj > 0.0 ? args.friction : 0.0;
+  p.shear_stiffness = contact_law.tangential_stiffness(1.0);
+  p.tangential_model = args.tangential;
   return p;
 }
 
@@ -189,7 +196,8 @@ double PairGranHysteretic::memory_usage()
   bytes += double(c.partner_radius.capacity()) * (sizeof(double) + sizeof(int));
   bytes += double(c.row.capacity()) * (2 * sizeof(int) + sizeof(tagint));
   bytes += double(c.turnings.capacity()) * (sizeof(Turning) + sizeof(double));
-  bytes += double(c.spring.capacity()) * sizeof(granwave::Spring) + double(c.held.capacity());
-  bytes += double(c.circle.capacity() + c.initial.capacity() + c.reached.capacity()) * sizeof(double);
+  bytes += double(c.spring.capacity()) * sizeof(granwave::TangentialSpring) + double(c.has_spring.capacity());
+  bytes += double(c.circle.capacity() + c.initial.capacity() + c.reached.capacity() + c.extra.capacity() +
+                  c.initial_extra.capacity()) * sizeof(double);
   return bytes;
 }

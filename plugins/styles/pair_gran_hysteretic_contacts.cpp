@@ -1,4 +1,5 @@
-/* Pair style gran/hysteretic: the flat list of near pairs, and the records of the spheres that it is made of and returns to. */
+// SPDX-License-Identifier: GPL-2.0-only
+/* Pair style gran/hysteretic: the flat list of near pairs, and its exchange with the records of the spheres. */
 
 #include "pair_gran_hysteretic.h"
 
@@ -15,9 +16,10 @@
 #include <cmath>
 
 using namespace LAMMPS_NS;
-using granwave::ContactPast;
+using granwave::BlockLayout;
+using granwave::BlockView;
+using granwave::ContactRecord;
 using granwave::Dent;
-using granwave::DentRecord;
 
 void PairGranHysteretic::build_contacts()
 {
@@ -59,10 +61,10 @@ void PairGranHysteretic::build_contacts()
     for (int jj = 0; jj < list->numneigh[i]; jj++) {
       if (force->special_lj[sbmask(jlist[jj])] == 0.0) continue;
       const int j = jlist[jj] & NEIGHMASK;
-      const double dx = x[i][0] - x[j][0], dy = x[i][1] - x[j][1], dz = x[i][2] - x[j][2];
+      const double delx = x[i][0] - x[j][0], dely = x[i][1] - x[j][1], delz = x[i][2] - x[j][2];
       if (radius[i] == 0.0 && radius[j] == 0.0) continue;    // two faces
       const double far = radius[i] + radius[j] + reach;
-      if (dx * dx + dy * dy + dz * dz >= far * far) continue;
+      if (delx * delx + dely * dely + delz * delz >= far * far) continue;
       c.partner.push_back(j);
       if (j < i) c.ordered = false;
       if (j < atom->nlocal) c.span = std::max(c.span, j - i);
@@ -75,15 +77,18 @@ void PairGranHysteretic::build_contacts()
   c.time_first.assign(n, -1.0);
   c.time_peak.assign(n, -1.0);
   c.time_yield.assign(n, -1.0);
+  c.n_extra = fix_history->history.layout().n_extra;
+  c.extra.assign(n * c.n_extra, 0.0);
   c.turning.assign(n, -1);
   c.turnings.clear();
   c.work_lost.clear();
   c.circle.clear();
-  if (rubbing) c.held.assign(n + HELD_AT_A_TIME, 0);
-  if (rubbing) c.spring.assign(n, granwave::Spring());
-  if (pasts) {
+  if (has_friction) c.has_spring.assign(n + FLAGS_AT_A_TIME, 0);
+  if (has_friction) c.spring.assign(n, granwave::TangentialSpring());
+  if (has_initial_dents) {
     c.initial.assign(n, 0.0);
     c.reached.assign(n, 0.0);
+    c.initial_extra.assign(n * c.n_extra, 0.0);
   }
   c.row_tag.resize(c.row.size());
   c.partner_tag.resize(n);
@@ -102,16 +107,16 @@ void PairGranHysteretic::build_contacts()
     c.partner_radius[k] = radius[c.partner[k]];
     c.partner_type[k] = type[c.partner[k]];
   }
-  refuse_leaps();
-  restore_dents();
+  check_displacements();
+  restore_history();
   c.valid = true;
   c.published = false;
 }
 
-/* A sphere that moves by much of its radius in one step would pass through others unseen; so would a face that moves by
-   much of theirs. */
+/* Refuse spheres that move by much of their radius in one step, and faces by much of the largest sphere's: they would pass
+   through others unseen. */
 
-void PairGranHysteretic::refuse_leaps()
+void PairGranHysteretic::check_displacements()
 {
   constexpr double LARGEST = 0.5;    // of the radius
   const double *const *v = atom->v;
@@ -127,9 +132,9 @@ void PairGranHysteretic::refuse_leaps()
   }
 }
 
-/* The spheres' live records become flat again. A live record whose pair is out of reach now is forgotten. */
+/* Restore the flat list from the spheres' live records. A live record whose pair is out of reach now is forgotten. */
 
-void PairGranHysteretic::restore_dents()
+void PairGranHysteretic::restore_history()
 {
   granwave::ContactHistory &history = fix_history->history;
   if (history.size() == 0) return;
@@ -143,21 +148,16 @@ void PairGranHysteretic::restore_dents()
     const int i = c.row[r];
     for (int k = c.begin[r]; k < c.begin[r + 1]; k++) {
       const int j = c.partner[k];
-      const auto find = [&](int of, tagint partner) -> DentRecord * {
-        DentRecord *record = history.records(of);
+      const auto find = [&](int of, tagint partner) -> ContactRecord * {
+        ContactRecord *record = history.records(of);
         for (int m = 0; m < history.count(of); m++, record++)
           if (record->live && record->partner == partner) return record;
         return nullptr;
       };
-      DentRecord *record = find(i, c.partner_tag[k]);
-      if (record && history.wide()) {
-        const ContactPast past = history.past(i, static_cast<int>(record - history.records(i)));
-        if (rubbing) c.spring[k] = past.spring;
-        if (rubbing) c.held[k] = past.spring.compliance > 0.0;
-        if (pasts) c.initial[k] = past.initial;
-        if (pasts) c.reached[k] = past.reached;
-      }
+      ContactRecord *record = find(i, c.partner_tag[k]);
       if (record) {
+        if (history.layout().size() > 0)
+          unpack_block(k, history.layout(), history.block(i, static_cast<int>(record - history.records(i))));
         c.peak[k] = record->dent.peak;
         c.time_first[k] = record->dent.time_first;
         c.time_peak[k] = record->dent.time_peak;
@@ -165,11 +165,11 @@ void PairGranHysteretic::restore_dents()
         record->live = FOUND;
       }
       if (j < atom->nlocal)
-        if (DentRecord *other = find(j, c.row_tag[r])) other->live = FOUND;
+        if (ContactRecord *other = find(j, c.row_tag[r])) other->live = FOUND;
     }
   }
   for (int i = 0; i < atom->nlocal; i++) {
-    DentRecord *record = history.records(i);
+    ContactRecord *record = history.records(i);
     for (int m = 0; m < history.count(i); m++, record++)
       if (record->live == 1) record->live = 0;
   }
@@ -198,9 +198,9 @@ void PairGranHysteretic::publish_contacts()
       if (c.peak[k] <= 0.0) continue;
       const int of_pair = uniform ? 0 : k;
       const Dent dent = dent_of(k);
-      history.place(c.row[r], {c.partner_tag[k], c.partner_radius[of_pair], c.partner_type[of_pair], 1, dent}, past_of(k, 1.0));
+      pack_block(k, 1.0, history.place(c.row[r], {c.partner_tag[k], c.partner_radius[of_pair], c.partner_type[of_pair], 1, dent}));
       if (c.partner[k] < c.owned)
-        history.place(c.partner[k], {c.row_tag[r], c.row_radius[of_row], c.row_type[of_row], 1, dent}, past_of(k, -1.0));
+        pack_block(k, -1.0, history.place(c.partner[k], {c.row_tag[r], c.row_radius[of_row], c.row_type[of_row], 1, dent}));
     }
   }
   c.published = true;
@@ -218,32 +218,74 @@ Dent PairGranHysteretic::dent_of(int k) const
   return {c.peak[k], c.time_first[k], c.time_peak[k], c.time_yield[k]};
 }
 
-/* The rest of what pair k remembers, as the row's sphere (side 1) or its partner (-1) feels it. */
-
-ContactPast PairGranHysteretic::past_of(int k, double side) const
+granwave::LawHistory PairGranHysteretic::law_history(int k) const
 {
   const Contacts &c = contacts;
-  ContactPast past;
-  if (rubbing) past.spring = c.spring[k];
-  for (double &force : past.spring.force) force *= side;
-  if (pasts) past.initial = c.initial[k];
-  if (pasts) past.reached = c.reached[k];
-  return past;
+  return {c.peak[k], c.extra.data() + static_cast<std::size_t>(k) * c.n_extra};
 }
 
-/* Pair k as if it had never met in this run, with a dent from before it. */
+/* Block of pair k, on the side of the row's sphere. */
 
-void PairGranHysteretic::set_fresh(int k, double peak, double initial)
+BlockView PairGranHysteretic::block_view(int k) const
+{
+  const Contacts &c = contacts;
+  BlockView view;
+  view.extra = law_history(k).extra;
+  if (has_friction) view.spring = c.spring[k];
+  if (!has_initial_dents) return view;
+  view.initial = c.initial[k];
+  view.reached = c.reached[k];
+  view.initial_extra = c.initial_extra.data() + static_cast<std::size_t>(k) * c.n_extra;
+  return view;
+}
+
+/* Write the block of pair k, as the row's sphere (side 1) or its partner (-1) has it; it is zero before. */
+
+void PairGranHysteretic::pack_block(int k, double side, double *block) const
+{
+  const BlockLayout &layout = fix_history->history.layout();
+  if (layout.size() == 0) return;
+  const BlockView view = block_view(k);
+  std::copy_n(view.extra, contacts.n_extra, block);
+  if (!layout.extended) return;
+  const double *const force = view.spring.force;
+  const double values[] = {side * force[0], side * force[1], side * force[2], view.spring.compliance, view.spring.loss,
+                           view.initial, view.reached};
+  std::copy_n(values, static_cast<int>(BlockLayout::N_EXTENDED), block + layout.spring());
+  if (has_initial_dents) std::copy_n(view.initial_extra, contacts.n_extra, block + layout.initial_extra());
+}
+
+void PairGranHysteretic::unpack_block(int k, const BlockLayout &layout, const double *block)
 {
   Contacts &c = contacts;
-  c.peak[k] = peak;
-  c.time_first[k] = c.time_peak[k] = c.time_yield[k] = -1.0;
-  if (rubbing) c.spring[k].loss = 0.0;
-  if (pasts) c.initial[k] = initial;
-  if (pasts) c.reached[k] = 0.0;
+  const BlockView view(layout, block);
+  std::copy_n(view.extra, c.n_extra, c.extra.data() + static_cast<std::size_t>(k) * c.n_extra);
+  if (has_friction) c.spring[k] = view.spring;
+  if (has_friction) c.has_spring[k] = view.spring.compliance > 0.0;
+  if (!has_initial_dents) return;
+  c.initial[k] = view.initial;
+  c.reached[k] = view.reached;
+  std::copy_n(view.initial_extra, c.n_extra, c.initial_extra.data() + static_cast<std::size_t>(k) * c.n_extra);
 }
 
-/* The pair has parted for good: both spheres file the dent, a new one may start. */
+/* Set pair k as if it had never met in this run, with this peak; `dented`: from a dent before it, whose history stays. */
+
+void PairGranHysteretic::reset_history(int k, double peak, bool dented)
+{
+  Contacts &c = contacts;
+  double *const extra = c.extra.data() + static_cast<std::size_t>(k) * c.n_extra;
+  if (!dented) std::fill_n(extra, c.n_extra, 0.0);
+  c.peak[k] = peak;
+  c.time_first[k] = c.time_peak[k] = c.time_yield[k] = -1.0;
+  c.turning[k] = -1;
+  if (has_friction) c.spring[k].loss = 0.0;
+  if (!has_initial_dents) return;
+  c.initial[k] = dented ? peak : 0.0;
+  c.reached[k] = 0.0;
+  std::copy_n(extra, c.n_extra, c.initial_extra.data() + static_cast<std::size_t>(k) * c.n_extra);
+}
+
+/* Forget a pair that has parted for good: both spheres file its record, and a new one may start. */
 
 void PairGranHysteretic::forget(int row, int k)
 {
@@ -251,13 +293,16 @@ void PairGranHysteretic::forget(int row, int k)
   const int i = c.row[row], j = c.partner[k];
   const Dent dent = dent_of(k);
   granwave::ContactHistory &history = fix_history->history;
+  std::vector<double> block(history.layout().size(), 0.0);
   history.own(i, c.row_tag[row]);
   if (j < atom->nlocal) history.own(j, c.partner_tag[k]);
-  history.append(i, {c.partner_tag[k], atom->radius[j], atom->type[j], 0, dent}, past_of(k, 1.0));
-  if (j < atom->nlocal)
-    history.append(j, {c.row_tag[row], atom->radius[i], atom->type[i], 0, dent}, past_of(k, -1.0));
-  set_fresh(k, 0.0, 0.0);
-  c.turning[k] = -1;
+  pack_block(k, 1.0, block.data());
+  history.append(i, {c.partner_tag[k], atom->radius[j], atom->type[j], 0, dent}, block.data());
+  if (j < atom->nlocal) {
+    pack_block(k, -1.0, block.data());
+    history.append(j, {c.row_tag[row], atom->radius[i], atom->type[i], 0, dent}, block.data());
+  }
+  reset_history(k, 0.0, false);
 }
 
 void PairGranHysteretic::require_contacts()
@@ -269,15 +314,15 @@ void PairGranHysteretic::require_contacts()
 
 /* ---------------------------------------------------------------------- dents from before the run */
 
-void PairGranHysteretic::prepare_pasts()
+void PairGranHysteretic::prepare_initial_dents()
 {
   release_contacts();
-  pasts = true;
-  fix_history->history.widen();
+  has_initial_dents = true;
+  fix_history->history.extend({0, true});
   build_contacts();
 }
 
-void PairGranHysteretic::begin_pasts()
+void PairGranHysteretic::begin_initial_dents()
 {
   const double *const *x = atom->x;
   const double *radius = atom->radius;
@@ -287,12 +332,12 @@ void PairGranHysteretic::begin_pasts()
     for (int k = c.begin[r]; k < c.begin[r + 1]; k++) {
       if (c.peak[k] == 0.0) continue;
       const int j = c.partner[k];
-      const Pairing p = pairing(atom->type[i], atom->type[j], radius[i], radius[j]);
-      const double dx = x[i][0] - x[j][0], dy = x[i][1] - x[j][1], dz = x[i][2] - x[j][2];
-      const double rsq = dx * dx + dy * dy + dz * dz;
-      const bool dented = c.peak[k] > p.scale.elastic_limit;
-      const double touching = rsq < p.touch_sq ? p.sum_radii - std::sqrt(rsq) : 0.0;
-      set_fresh(k, dented ? c.peak[k] : touching, dented ? c.peak[k] : 0.0);
+      const PairParameters p = pair_parameters(atom->type[i], atom->type[j], radius[i], radius[j]);
+      const double delx = x[i][0] - x[j][0], dely = x[i][1] - x[j][1], delz = x[i][2] - x[j][2];
+      const double rsq = delx * delx + dely * dely + delz * delz;
+      const bool dented = p.contact.yielded(c.peak[k]);
+      const double overlap = rsq < p.touch_sq ? p.radsum - std::sqrt(rsq) : 0.0;
+      reset_history(k, dented ? c.peak[k] : overlap, dented);
     }
   }
   for (int i = 0; i < atom->nlocal; i++) fix_history->history.forget_sphere(i);
@@ -300,7 +345,7 @@ void PairGranHysteretic::begin_pasts()
 }
 
 void PairGranHysteretic::set_dents(const std::function<double(tagint, tagint)> &dent,
-                                   const std::function<void(tagint, tagint, Given)> &said)
+                                   const std::function<void(tagint, tagint, DentStatus)> &report)
 {
   const double *const *x = atom->x;
   const double *radius = atom->radius;
@@ -312,17 +357,18 @@ void PairGranHysteretic::set_dents(const std::function<double(tagint, tagint)> &
       const double peak = dent(lower, higher);
       if (peak < 0.0) continue;
       const int j = c.partner[k];
-      const double dx = x[i][0] - x[j][0], dy = x[i][1] - x[j][1], dz = x[i][2] - x[j][2];
+      const double delx = x[i][0] - x[j][0], dely = x[i][1] - x[j][1], delz = x[i][2] - x[j][2];
       const double reach = radius[i] + radius[j] + gap;
-      const Pairing p = pairing(atom->type[i], atom->type[j], radius[i], radius[j]);
-      const bool lasts = peak > p.scale.elastic_limit;    // a smaller one would leave nothing
+      const PairParameters p = pair_parameters(atom->type[i], atom->type[j], radius[i], radius[j]);
+      const bool dented = p.contact.yielded(peak);    // a smaller one would leave nothing
       if (peak > largest_overlap(radius[i], radius[j])) {
-        said(lower, higher, Given::TOO_DEEP);
-      } else if (dx * dx + dy * dy + dz * dz > reach * reach) {
-        said(lower, higher, Given::OUT_OF_REACH);
+        report(lower, higher, DentStatus::TOO_DEEP);
+      } else if (delx * delx + dely * dely + delz * delz > reach * reach) {
+        report(lower, higher, DentStatus::OUT_OF_REACH);
       } else {
-        set_fresh(k, lasts ? peak : 0.0, lasts ? peak : 0.0);
-        said(lower, higher, Given::SET);
+        reset_history(k, 0.0, false);
+        if (dented) reset_history(k, peak, true);
+        report(lower, higher, DentStatus::SET);
       }
     }
   }

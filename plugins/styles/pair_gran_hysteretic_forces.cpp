@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-2.0-only
 /* Pair style gran/hysteretic: forces. */
 
 #include "pair_gran_hysteretic.h"
@@ -15,74 +16,72 @@
 #include <cstring>
 
 using namespace LAMMPS_NS;
-using granwave::ContactLaw;
-using granwave::Spring;
-using granwave::Turning;
+using granwave::ScaledLaw;
+using granwave::TangentialSpring;
 using granwave::TwofoldSum;
 
-int PairGranHysteretic::turning_of(int k, double peak, const ContactLaw &contact_law)
+/* Turning of a contact that has yielded, computed anew when its history has changed. */
+
+int PairGranHysteretic::cached_turning(int k, const ScaledLaw &contact)
 {
   Contacts &c = contacts;
   if (c.turning[k] < 0) {
     c.turning[k] = static_cast<int>(c.turnings.size());
     c.turnings.push_back({-1.0, 0.0, 0.0, 0.0});
     c.work_lost.push_back(0.0);
-    if (rubbing) c.circle.push_back(0.0);
+    if (has_friction) c.circle.push_back(0.0);
   }
   const int t = c.turning[k];
+  const double peak = contact.normalised(c.peak[k]);
   if (c.turnings[t].peak != peak) {
-    c.turnings[t] = contact_law.turning(peak);
+    c.turnings[t] = contact.turning(law_history(k));
     c.work_lost[t] = -1.0;
-    if (rubbing) c.circle[t] = contact_law.area(peak);
+    if (has_friction) c.circle[t] = contact.law().area(peak);
   }
   return t;
 }
 
-/* A contact beyond its elastic limit, loading (the peak was raised just now) or below its peak. */
+/* Force of a contact beyond its elastic limit, loading (the peak was raised just now) or below its peak. */
 
-double PairGranHysteretic::yielding_force(int k, double overlap, const Pairing &p, bool raised)
+double PairGranHysteretic::plastic_force(int k, double overlap, const ScaledLaw &contact, bool raised)
 {
   if (raised) {
     if (contacts.time_yield[k] < 0.0) contacts.time_yield[k] = now;
-    return p.scale.force * p.law->loading(overlap / p.scale.overlap);
+    return contact.loading_beyond_yield(overlap, law_history(k).extra);
   }
-  const Turning &turning = contacts.turnings[turning_of(k, contacts.peak[k] / p.scale.overlap, *p.law)];
-  return p.scale.force * ContactLaw::unloading(overlap / p.scale.overlap, turning);
+  return contact.unloading(overlap, contacts.turnings[cached_turning(k, contact)]);
 }
 
-/* Radius of the contact circle now, squared. */
+/* Radius of the contact circle now, squared, of a contact beyond its elastic limit. */
 
-double PairGranHysteretic::circle_squared(int k, double overlap, const Pairing &p)
+double PairGranHysteretic::circle_squared(int k, double overlap, const ScaledLaw &contact)
 {
-  const double peak = contacts.peak[k];
-  if (peak <= p.scale.elastic_limit) return p.effective_radius * overlap;
-  const double a = overlap / p.scale.overlap, unit = p.effective_radius * p.scale.overlap;
-  if (overlap >= peak) return unit * p.law->area(a);
-  const int t = turning_of(k, peak / p.scale.overlap, *p.law);
-  return unit * ContactLaw::unloading_area(a, contacts.turnings[t], contacts.circle[t]);
+  if (overlap >= contacts.peak[k]) return contact.loading_circle(overlap);
+  const int t = cached_turning(k, contact);
+  return contact.unloading_circle(overlap, contacts.turnings[t], contacts.circle[t]);
 }
 
-inline void PairGranHysteretic::let_go(int k)
+inline void PairGranHysteretic::release_spring(int k)
 {
   release(contacts.spring[k]);
-  contacts.held[k] = 0;
+  contacts.has_spring[k] = 0;
 }
 
-/* Whether any contact of a row holds a spring; eight at a time, so one of the next row may count too. */
+/* True if any contact of a row has a spring; eight at a time, so one of the next row may count too. */
 
-inline bool PairGranHysteretic::any_held(int begin, int end) const
+inline bool PairGranHysteretic::any_spring(int begin, int end) const
 {
-  std::uint64_t held = 0, eight;
-  for (int k = begin; k < end; k += HELD_AT_A_TIME) {
-    std::memcpy(&eight, contacts.held.data() + k, HELD_AT_A_TIME);
-    held |= eight;
+  std::uint64_t any = 0, eight;
+  for (int k = begin; k < end; k += FLAGS_AT_A_TIME) {
+    std::memcpy(&eight, contacts.has_spring.data() + k, FLAGS_AT_A_TIME);
+    any |= eight;
   }
-  return held != 0;
+  return any != 0;
 }
 
-/* The largest overlap of this run, which may be less than the dent from before it. */
+/* Raise the largest overlap of this run, which may be less than the dent from before it. */
 
-inline void PairGranHysteretic::reach(int k, double overlap)
+inline void PairGranHysteretic::raise_reached(int k, double overlap)
 {
   Contacts &c = contacts;
   if (c.time_first[k] < 0.0) c.time_first[k] = now;
@@ -90,141 +89,140 @@ inline void PairGranHysteretic::reach(int k, double overlap)
   c.time_peak[k] = now;
 }
 
-inline void PairGranHysteretic::Touch::set(int m, const Pairing &p)
+inline void PairGranHysteretic::Batch::set(int m, const PairParameters &p)
 {
-  pairing[m] = &p;
+  pair[m] = &p;
   radius_i[m] = p.radius_i;
   radius_j[m] = p.radius_j;
-  sum_radii[m] = p.sum_radii;
-  effective_radius[m] = p.effective_radius;
-  hertz[m] = p.scale.hertz;
+  radsum[m] = p.radsum;
+  effective_radius[m] = p.contact.effective_radius();
+  hertz[m] = p.contact.hertz();
   shear_stiffness[m] = p.shear_stiffness;
-  keeps[m] = p.grip == granwave::Grip::KEPT ? 1.0 : 0.0;
+  keeps[m] = p.tangential_model == granwave::TangentialModel::MINDLIN ? 1.0 : 0.0;
 }
 
-/* The memory of those that touch: new peaks, and the forces of those that have yielded. */
+/* Update the history of touching pairs, and the forces of those that have yielded. */
 
-void PairGranHysteretic::remember(Touch &touch)
+void PairGranHysteretic::update_history(Batch &batch)
 {
   Contacts &c = contacts;
-  for (int m = 0; m < touch.size; m++) {
-    const int k = touch.k[m];
-    const Pairing &p = *touch.pairing[m];
-    const double overlap = touch.overlap[m];
-    if (!(overlap <= p.largest_overlap)) overlap_error(touch.i[m], touch.j[m], overlap);
+  for (int m = 0; m < batch.size; m++) {
+    const int k = batch.k[m];
+    const PairParameters &p = *batch.pair[m];
+    const double overlap = batch.overlap[m];
+    if (!(overlap <= p.largest_overlap)) overlap_error(batch.i[m], batch.j[m], overlap);
+    if (c.n_extra > 0 && p.contact.update(overlap, c.peak[k], c.extra.data() + std::size_t(k) * c.n_extra) && c.turning[k] >= 0)
+      c.turnings[c.turning[k]].peak = -1.0;    // of another history
     const bool raised = overlap > c.peak[k];
     if (raised) {
       if (c.peak[k] == 0.0) c.time_first[k] = now;
       c.peak[k] = overlap;
       c.time_peak[k] = now;
     }
-    if (pasts && overlap > c.reached[k]) reach(k, overlap);
-    if (c.peak[k] <= p.scale.elastic_limit) continue;
-    touch.force[m] = yielding_force(k, overlap, p, raised);
-    if (rubbing) touch.circle[m] = circle_squared(k, overlap, p);
+    if (has_initial_dents && overlap > c.reached[k]) raise_reached(k, overlap);
+    if (!p.contact.yielded(c.peak[k])) continue;
+    batch.force[m] = plastic_force(k, overlap, p.contact, raised);
+    if (has_friction) batch.circle[m] = circle_squared(k, overlap, p.contact);
   }
 }
 
-/* Friction of those that touch. */
+/* Advance the tangential springs of touching pairs; forces on the spheres, friction included. */
 
-void PairGranHysteretic::rub(Touch &touch)
+void PairGranHysteretic::compute_tangential(Batch &batch)
 {
   Contacts &c = contacts;
   const double *const v = atom->v[0], *const omega = atom->omega[0];    // contiguous
-  for (int m = 0; m < touch.size; m++) {
-    const int k = touch.k[m], i = 3 * touch.i[m], j = 3 * touch.j[m];
-    touch.limit[m] = std::max(touch.pairing[m]->friction * touch.force[m], 0.0);
-    if (touch.limit[m] == 0.0) {
-      if (c.held[k]) let_go(k);
-      touch.circle[m] = 1.0;    // may be none, and nothing comes of it
+  for (int m = 0; m < batch.size; m++) {
+    const int k = batch.k[m], i = 3 * batch.i[m], j = 3 * batch.j[m];
+    batch.limit[m] = std::max(batch.pair[m]->friction * batch.force[m], 0.0);
+    if (batch.limit[m] == 0.0) {
+      if (c.has_spring[k]) release_spring(k);
+      batch.circle[m] = 1.0;    // may be none, and nothing comes of it
     }
-    const Spring &spring = c.spring[k];
+    const TangentialSpring &spring = c.spring[k];
     for (int d = 0; d < 3; d++) {
-      touch.velocity[d][m] = v[i + d] - v[j + d];
-      touch.omega_i[d][m] = omega[i + d];
-      touch.omega_j[d][m] = omega[j + d];
-      touch.held[d][m] = spring.force[d];
+      batch.velocity[d][m] = v[i + d] - v[j + d];
+      batch.omega_i[d][m] = omega[i + d];
+      batch.omega_j[d][m] = omega[j + d];
+      batch.tangential[d][m] = spring.force[d];
     }
-    touch.compliance[m] = spring.compliance;
-    touch.loss[m] = spring.loss;
+    batch.compliance[m] = spring.compliance;
+    batch.loss[m] = spring.loss;
   }
-  if (slips) {
-    touch.slide(update->dt);
-    for (int m = 0; m < touch.size; m++) {
-      if (touch.limit[m] == 0.0) continue;
-      c.spring[touch.k[m]] = {{touch.held[0][m], touch.held[1][m], touch.held[2][m]}, touch.compliance[m], touch.loss[m]};
-      c.held[touch.k[m]] = 1;
+  if (springs_advance) {
+    batch.compute_tangential(update->dt);
+    for (int m = 0; m < batch.size; m++) {
+      if (batch.limit[m] == 0.0) continue;
+      c.spring[batch.k[m]] = {{batch.tangential[0][m], batch.tangential[1][m], batch.tangential[2][m]}, batch.compliance[m], batch.loss[m]};
+      c.has_spring[batch.k[m]] = 1;
     }
   }
-  touch.push_and_twist();
-  add_up(touch, torque_sums, touch.twist_i, touch.twist_j);
+  batch.compute_forces_and_torques();
+  accumulate(batch, torque_sums, batch.torque_i, batch.torque_j);
 }
 
-void PairGranHysteretic::tally(const Touch &touch, Tally what)
+void PairGranHysteretic::tally(const Batch &batch, Tally what)
 {
   const int nlocal = atom->nlocal;
-  for (int m = 0; m < touch.size; m++) {
-    const double dx = touch.apart[0][m], dy = touch.apart[1][m], dz = touch.apart[2][m];
-    const double fx = touch.push_i[0][m], fy = touch.push_i[1][m], fz = touch.push_i[2][m];
-    if (what == Tally::PRESSURE) {
-      const double share = touch.j[m] < nlocal ? 1.0 : 0.5;
-      virial[0] += share * dx * fx;
-      virial[1] += share * dy * fy;
-      virial[2] += share * dz * fz;
-      virial[3] += share * dx * fy;
-      virial[4] += share * dx * fz;
-      virial[5] += share * dy * fz;
+  for (int m = 0; m < batch.size; m++) {
+    const double delx = batch.del[0][m], dely = batch.del[1][m], delz = batch.del[2][m];
+    const double fx = batch.force_i[0][m], fy = batch.force_i[1][m], fz = batch.force_i[2][m];
+    if (what == Tally::VIRIAL) {
+      const double share = batch.j[m] < nlocal ? 1.0 : 0.5;
+      virial[0] += share * delx * fx;
+      virial[1] += share * dely * fy;
+      virial[2] += share * delz * fz;
+      virial[3] += share * delx * fy;
+      virial[4] += share * delx * fz;
+      virial[5] += share * dely * fz;
       continue;
     }
-    const Pairing &p = *touch.pairing[m];
-    const double peak = contacts.peak[touch.k[m]], overlap = touch.overlap[m];
-    double elastic = 0.4 * touch.force[m] * overlap;
-    if (peak > p.scale.elastic_limit) {
-      const Turning &turning = contacts.turnings[turning_of(touch.k[m], peak / p.scale.overlap, *p.law)];
-      elastic = p.scale.force * p.scale.overlap * ContactLaw::elastic_energy(overlap / p.scale.overlap, turning);
-    }
-    ev_tally_xyz(touch.i[m], touch.j[m], nlocal, 0, elastic, 0.0, fx, fy, fz, dx, dy, dz);
+    const PairParameters &p = *batch.pair[m];
+    const double peak = contacts.peak[batch.k[m]], overlap = batch.overlap[m];
+    double elastic = 0.4 * batch.force[m] * overlap;
+    if (p.contact.yielded(peak)) elastic = p.contact.elastic_energy(overlap, contacts.turnings[cached_turning(batch.k[m], p.contact)]);
+    ev_tally_xyz(batch.i[m], batch.j[m], nlocal, 0, elastic, 0.0, fx, fy, fz, delx, dely, delz);
   }
 }
 
-/* Into the sums of both spheres. The pairs of a row come one after the other. */
+/* Add to the sums of both spheres. The pairs of a row come one after the other. */
 
-void PairGranHysteretic::add_up(const Touch &touch, granwave::TwofoldSums &sums, const double (&on_i)[3][Touch::MOST],
-                                const double (&on_j)[3][Touch::MOST])
+void PairGranHysteretic::accumulate(const Batch &batch, granwave::TwofoldSums &sums, const double (&on_i)[3][Batch::CAPACITY],
+                                    const double (&on_j)[3][Batch::CAPACITY])
 {
   const int nlocal = atom->nlocal;
-  for (int m = 0; m < touch.size;) {
-    const int i = touch.i[m];
+  for (int m = 0; m < batch.size;) {
+    const int i = batch.i[m];
     TwofoldSum sum = sums[i];
-    for (; m < touch.size && touch.i[m] == i; m++) {
+    for (; m < batch.size && batch.i[m] == i; m++) {
       sum.add(on_i[0][m], on_i[1][m], on_i[2][m]);
-      if (touch.j[m] < nlocal) sums[touch.j[m]].add(on_j[0][m], on_j[1][m], on_j[2][m]);
+      if (batch.j[m] < nlocal) sums[batch.j[m]].add(on_j[0][m], on_j[1][m], on_j[2][m]);
     }
     sums[i] = sum;
   }
 }
 
-/* All that a batch of touching pairs does. */
+/* Compute forces and history of a batch of touching pairs. */
 
-void PairGranHysteretic::act(Touch &touch, Tally what)
+void PairGranHysteretic::compute_batch(Batch &batch, Tally what)
 {
-  touch.measure();
-  remember(touch);
-  if (rubbing)
-    rub(touch);
+  batch.compute_overlap();
+  update_history(batch);
+  if (has_friction)
+    compute_tangential(batch);
   else
-    touch.push();
-  add_up(touch, force_sums, touch.push_i, touch.push_j);
-  if (what != Tally::NOTHING) tally(touch, what);
-  touch.size = 0;
+    batch.compute_normal();
+  accumulate(batch, force_sums, batch.force_i, batch.force_j);
+  if (what != Tally::NONE) tally(batch, what);
+  batch.size = 0;
 }
 
-template <bool UNIFORM> void PairGranHysteretic::forces(Tally what)
+template <bool UNIFORM> void PairGranHysteretic::compute_forces(Tally what)
 {
   constexpr int ROWS_AT_A_TIME = 64;    // as few pairs touch in a packing at rest
   const double(*const x)[3] = reinterpret_cast<const double(*)[3]>(atom->x[0]);
-  const double *const v = atom->v[0], *const omega = rubbing ? atom->omega[0] : nullptr;    // contiguous, as those below
-  double *const f = atom->f[0], *const torque = rubbing ? atom->torque[0] : nullptr;
+  const double *const v = atom->v[0], *const omega = has_friction ? atom->omega[0] : nullptr;    // contiguous, as those below
+  double *const f = atom->f[0], *const torque = has_friction ? atom->torque[0] : nullptr;
   const double *const radius = atom->radius;
   const int *const type = atom->type;
   const int nlocal = atom->nlocal;
@@ -233,72 +231,72 @@ template <bool UNIFORM> void PairGranHysteretic::forces(Tally what)
   const int *const partner = c.partner.data();
   const double *const peak = c.peak.data();
   force_sums.reserve(c.ordered ? c.span + ROWS_AT_A_TIME : nlocal);
-  if (rubbing) torque_sums.reserve(c.ordered ? c.span + ROWS_AT_A_TIME : nlocal);
-  const auto give = [&](int i) {
+  if (has_friction) torque_sums.reserve(c.ordered ? c.span + ROWS_AT_A_TIME : nlocal);
+  const auto add_forces = [&](int i) {
     force_sums.give(i, f + 3 * i);
-    if (rubbing) torque_sums.give(i, torque + 3 * i);
+    if (has_friction) torque_sums.give(i, torque + 3 * i);
   };
 
-  Touch touch;
-  Pairing pairings[Touch::MOST];
+  Batch batch;
+  PairParameters parameters[Batch::CAPACITY];
   double touch_sq = 0.0, forget_sq = 0.0;
   if (UNIFORM) {
-    pairings[0] = pairing(type[0], type[0], radius[0], radius[0]);
-    touch_sq = pairings[0].touch_sq;
-    forget_sq = (pairings[0].sum_radii + gap) * (pairings[0].sum_radii + gap);
+    parameters[0] = pair_parameters(type[0], type[0], radius[0], radius[0]);
+    touch_sq = parameters[0].touch_sq;
+    forget_sq = (parameters[0].radsum + gap) * (parameters[0].radsum + gap);
   }
 
-  int set = 0;      // places of the batch that know of their spheres, where all are alike
-  int given = 0;    // rows whose spheres have their forces
-  const auto act_up_to = [&](int row) {
-    if (touch.size > 0) act(touch, what);
-    for (; given < row; given++)
-      if (c.ordered) give(c.row[given]);
+  int set = 0;     // places of the batch whose parameters are set, if all spheres are equal
+  int done = 0;    // rows whose spheres have their forces
+  const auto compute_up_to = [&](int row) {
+    if (batch.size > 0) compute_batch(batch, what);
+    for (; done < row; done++)
+      if (c.ordered) add_forces(c.row[done]);
   };
   for (int r = 0; r < rows; r++) {
     const int i = c.row[r], end = c.begin[r + 1];
     const double xi = x[i][0], yi = x[i][1], zi = x[i][2];
-    const bool held = rubbing && any_held(c.begin[r], end);
+    const bool springs = has_friction && any_spring(c.begin[r], end);
     for (int k = c.begin[r]; k < end; k++) {
       const int j = partner[k];
-      const double dx = xi - x[j][0], dy = yi - x[j][1], dz = zi - x[j][2];
-      const double rsq = dx * dx + dy * dy + dz * dz;
+      const double delx = xi - x[j][0], dely = yi - x[j][1], delz = zi - x[j][2];
+      const double rsq = delx * delx + dely * dely + delz * delz;
       if (!UNIFORM) {
         const double sum = radius[i] + radius[j];
         touch_sq = touch_squared(sum);
         forget_sq = (sum + gap) * (sum + gap);
       }
       if (rsq >= touch_sq) {
-        if (held && c.held[k]) let_go(k);
+        if (springs && c.has_spring[k]) release_spring(k);
         if (rsq > forget_sq && peak[k] > 0.0) forget(r, k);
         continue;
       }
-      const int m = touch.size++;
-      touch.k[m] = k;
-      touch.i[m] = i;
-      touch.j[m] = j;
-      touch.apart[0][m] = dx;
-      touch.apart[1][m] = dy;
-      touch.apart[2][m] = dz;
-      touch.square[m] = rsq;
-      if (rubbing) {    // what friction needs is on its way from memory while others are looked at
+      const int m = batch.size++;
+      batch.k[m] = k;
+      batch.i[m] = i;
+      batch.j[m] = j;
+      batch.del[0][m] = delx;
+      batch.del[1][m] = dely;
+      batch.del[2][m] = delz;
+      batch.rsq[m] = rsq;
+      if (has_friction) {    // fetched from memory while the next pairs are looked at
         __builtin_prefetch(&c.spring[k], 1);
         __builtin_prefetch(v + 3 * j);
         __builtin_prefetch(omega + 3 * j);
       }
       if (!UNIFORM) {
-        pairings[m] = pairing(type[i], type[j], radius[i], radius[j]);
-        touch.set(m, pairings[m]);
+        parameters[m] = pair_parameters(type[i], type[j], radius[i], radius[j]);
+        batch.set(m, parameters[m]);
       } else if (m == set) {
-        touch.set(set++, pairings[0]);
+        batch.set(set++, parameters[0]);
       }
-      if (touch.size == Touch::MOST) act_up_to(r);
+      if (batch.size == Batch::CAPACITY) compute_up_to(r);
     }
-    if (r + 1 - given >= ROWS_AT_A_TIME) act_up_to(r + 1);
+    if (r + 1 - done >= ROWS_AT_A_TIME) compute_up_to(r + 1);
   }
-  act_up_to(rows);
+  compute_up_to(rows);
   if (!c.ordered)
-    for (int i = 0; i < nlocal; i++) give(i);
+    for (int i = 0; i < nlocal; i++) add_forces(i);
 }
 
 void PairGranHysteretic::compute(int eflag, int vflag)
@@ -309,13 +307,13 @@ void PairGranHysteretic::compute(int eflag, int vflag)
   contacts.published = false;
   now = granwave::simulated_time(*update);
   // springs keep still where no time passes: a run that is set up anew goes on as if it had not been cut
-  slips = update->whichflag == 1 && !update->setupflag;
+  springs_advance = update->whichflag == 1 && !update->setupflag;
 
-  // LAMMPS asks for the pressure more often than anybody looks at it: it must cost next to nothing
+  // LAMMPS asks for the pressure more often than it is used: it must cost next to nothing
   const Tally what = eflag_atom || vflag_atom || cvflag_atom || num_tally_compute > 0 ? Tally::EACH_PAIR
-      : vflag_global                                                                  ? Tally::PRESSURE
-                                                                                       : Tally::NOTHING;
-  if (atom->nlocal > 0) uniform ? forces<true>(what) : forces<false>(what);
+      : vflag_global                                                                  ? Tally::VIRIAL
+                                                                                       : Tally::NONE;
+  if (atom->nlocal > 0) uniform ? compute_forces<true>(what) : compute_forces<false>(what);
   if (eflag_global) eng_vdwl = tally_totals();
 }
 

@@ -1,4 +1,5 @@
-/* Pair style gran/hysteretic: what it tells of its contacts: totals, one pair, each of them. */
+// SPDX-License-Identifier: GPL-2.0-only
+/* Pair style gran/hysteretic: output of its contacts: totals, one pair, each of them. */
 
 #include "pair_gran_hysteretic.h"
 
@@ -12,33 +13,23 @@
 #include <cmath>
 
 using namespace LAMMPS_NS;
-using granwave::ContactLaw;
-using granwave::ContactPast;
-using granwave::ContactScale;
-using granwave::Dent;
-using granwave::DentRecord;
-using granwave::Turning;
+using granwave::BlockView;
+using granwave::ContactRecord;
+using granwave::LawHistory;
+using granwave::ScaledLaw;
 
-/* What the dent from before the run had cost. */
+/* Largest force of this run: at the peak, or below the dent that was there before. */
 
-double PairGranHysteretic::lost_before(double initial, const ContactScale &scale, const ContactLaw &contact_law) const
+double PairGranHysteretic::largest_force_of_run(const ScaledLaw &contact, const LawHistory &history, const BlockView &view,
+                                                double overlap) const
 {
-  if (initial <= scale.elastic_limit) return 0.0;
-  return scale.force * scale.overlap * contact_law.dissipated_energy(contact_law.turning(initial / scale.overlap));
+  const double reached = std::max(view.reached, overlap);
+  if (!contact.yielded(history.peak)) return reached > 0.0 ? contact.hertz_force(reached) : 0.0;
+  return reached >= history.peak ? contact.loading_beyond_yield(reached, history.extra)
+                                 : contact.unloading(reached, contact.turning(history));
 }
 
-/* The largest force of this run: at the peak, or below the dent that was there before. */
-
-double PairGranHysteretic::force_reached(const ContactPast &past, const Dent &dent, double overlap, const ContactScale &scale,
-                                         const ContactLaw &contact_law) const
-{
-  const double reached = std::max(past.reached, overlap);
-  if (dent.peak <= scale.elastic_limit) return reached > 0.0 ? scale.hertz * reached * std::sqrt(reached) : 0.0;
-  const double a = reached / scale.overlap, peak = dent.peak / scale.overlap;
-  return scale.force * (a >= peak ? contact_law.loading(a) : ContactLaw::unloading(a, contact_law.turning(peak)));
-}
-
-/* A pair shared with another processor counts half. */
+/* Sum up the totals; a pair shared with another processor counts half. */
 
 double PairGranHysteretic::tally_totals()
 {
@@ -52,26 +43,24 @@ double PairGranHysteretic::tally_totals()
   const int nlocal = atom->nlocal;
   Contacts &c = contacts;
 
-  const auto count = [&](const ContactLaw &contact_law, const ContactScale &scale, double peak, double peak_force,
-                         double dissipated, double between, double weight, const ContactPast &past, double overlap) {
-    pvector[TANGENTIAL] += weight * tangential_energy(past.spring);
-    pvector[FRICTIONAL] += weight * past.spring.loss;
-    if (pasts) peak_force = force_reached(past, {peak}, overlap, scale, contact_law);
-    if (peak > scale.elastic_limit) {
-      if (peak > past.initial) pvector[YIELDED] += weight;
-      pvector[DISSIPATED] += weight * (peak > past.initial ? dissipated - lost_before(past.initial, scale, contact_law) : 0.0);
-      if (contact_law.fitted() && peak > 0.1 * between) {
-        pvector[BEYOND_HALF] += weight;
-        if (peak > 0.2 * between) pvector[BEYOND_LAW] += weight;
-      }
-      largest_force = std::max(largest_force, peak_force);
-    } else {
-      largest_force = std::max(largest_force, pasts ? peak_force : scale.hertz * peak * std::sqrt(peak));
+  const auto count = [&](const ScaledLaw &contact, const LawHistory &h, const BlockView &view, double dissipated,
+                         double peak_force, double overlap, double weight) {
+    pvector[TANGENTIAL] += weight * tangential_energy(view.spring);
+    pvector[FRICTIONAL] += weight * view.spring.loss;
+    largest_force = std::max(largest_force, has_initial_dents ? largest_force_of_run(contact, h, view, overlap) : peak_force);
+    if (!contact.yielded(h.peak)) return;
+    if (h.peak > view.initial) {
+      pvector[YIELDED] += weight;
+      pvector[DISSIPATED] += weight * (dissipated - contact.dissipated_energy({view.initial, view.initial_extra}));
+    }
+    if (contact.law().entry().fitted && h.peak > 0.1 * contact.effective_radius()) {
+      pvector[BEYOND_HALF] += weight;
+      if (h.peak > 0.2 * contact.effective_radius()) pvector[BEYOND_LAW] += weight;
     }
   };
 
-  Pairing p{};
-  if (uniform && nlocal > 0) p = pairing(type[0], type[0], radius[0], radius[0]);
+  PairParameters p{};
+  if (uniform && nlocal > 0) p = pair_parameters(type[0], type[0], radius[0], radius[0]);
   for (std::size_t r = 0; r < c.row.size(); r++) {
     const int i = c.row[r];
     for (int k = c.begin[r]; k < c.begin[r + 1]; k++) {
@@ -79,41 +68,35 @@ double PairGranHysteretic::tally_totals()
       if (peak == 0.0) continue;
       const int j = c.partner[k];
       const double weight = j < nlocal ? 1.0 : 0.5;
-      if (!uniform) p = pairing(type[i], type[j], radius[i], radius[j]);
-      const ContactLaw &contact_law = *p.law;
-      const double dx = x[i][0] - x[j][0], dy = x[i][1] - x[j][1], dz = x[i][2] - x[j][2];
-      const double overlap = p.sum_radii - std::sqrt(dx * dx + dy * dy + dz * dz);
+      if (!uniform) p = pair_parameters(type[i], type[j], radius[i], radius[j]);
+      const double delx = x[i][0] - x[j][0], dely = x[i][1] - x[j][1], delz = x[i][2] - x[j][2];
+      const double overlap = p.radsum - std::sqrt(delx * delx + dely * dely + delz * delz);
+      const LawHistory h = law_history(k);
       double dissipated = 0.0, peak_force = 0.0;
-      if (peak > p.scale.elastic_limit) {
-        const int t = turning_of(k, peak / p.scale.overlap, contact_law);
-        const double unit = p.scale.force * p.scale.overlap;
-        if (c.work_lost[t] == -1.0) c.work_lost[t] = contact_law.dissipated_energy(c.turnings[t]);
-        dissipated = unit * c.work_lost[t];
-        peak_force = p.scale.force * c.turnings[t].force;
-        if (overlap > 0.0) elastic += weight * unit * ContactLaw::elastic_energy(overlap / p.scale.overlap, c.turnings[t]);
-      } else if (overlap > 0.0) {
-        elastic += weight * 0.4 * p.scale.hertz * overlap * overlap * std::sqrt(overlap);
+      if (p.contact.yielded(peak)) {
+        const int t = cached_turning(k, p.contact);
+        if (c.work_lost[t] == -1.0) c.work_lost[t] = p.contact.dissipated_energy(c.turnings[t], h.extra);
+        dissipated = c.work_lost[t];
+        peak_force = p.contact.peak_force(c.turnings[t]);
+        if (overlap > 0.0) elastic += weight * p.contact.elastic_energy(overlap, c.turnings[t]);
+      } else {
+        peak_force = p.contact.hertz_force(peak);
+        if (overlap > 0.0) elastic += weight * p.contact.hertz_energy(overlap);
       }
-      count(contact_law, p.scale, peak, peak_force, dissipated, p.effective_radius, weight, past_of(k, 1.0), overlap);
+      count(p.contact, h, block_view(k), dissipated, peak_force, overlap, weight);
     }
   }
 
   const granwave::ContactHistory &history = fix_history->history;
   if (history.size() > 0)
     for (int i = 0; i < nlocal; i++) {
-      const DentRecord *record = history.records(i);
+      const ContactRecord *record = history.records(i);
       for (int m = 0; m < history.count(i); m++, record++) {
         if (record->live) continue;
-        const double between = effective_radius(radius[i], record->partner_radius);
-        const ContactLaw &contact_law = law(type[i], record->partner_type);
-        const ContactScale scale = contact_law.scale(between);
-        double lost = 0.0, peak_force = 0.0;
-        if (record->dent.peak > scale.elastic_limit) {
-          const Turning turning = contact_law.turning(record->dent.peak / scale.overlap);
-          lost = scale.force * scale.overlap * contact_law.dissipated_energy(turning);
-          peak_force = scale.force * turning.force;
-        }
-        count(contact_law, scale, record->dent.peak, peak_force, lost, between, 0.5, history.past(i, m), 0.0);
+        const ScaledLaw contact(law(type[i], record->partner_type), effective_radius(radius[i], record->partner_radius));
+        const BlockView view(history.layout(), history.block(i, m));
+        const LawHistory h{record->dent.peak, view.extra};
+        count(contact, h, view, contact.dissipated_energy(h), contact.peak_force(h), 0.0, 0.5);
       }
     }
 
@@ -126,47 +109,54 @@ double PairGranHysteretic::tally_totals()
   return elastic;
 }
 
-void PairGranHysteretic::tell_past(const ContactPast &past, Report &report)
+/* Forces and energies of a contact with this overlap, from the dent of its report. */
+
+void PairGranHysteretic::fill_report(Report &report, const ScaledLaw &contact, const BlockView &view, double overlap) const
 {
-  report.tangential_force = tangential_force(past.spring);
-  report.tangential_elastic = tangential_energy(past.spring);
-  report.frictional_loss = past.spring.loss;
-  report.initial = past.initial;
+  report.share_i = contact.law().share_of_first();
+  report.effective_radius = contact.effective_radius();
+  report.tangential_force = tangential_force(view.spring);
+  report.tangential_elastic = tangential_energy(view.spring);
+  report.frictional_loss = view.spring.loss;
+  report.initial = view.initial;
+  // a pair that was moved since the last step may be beyond its peak
+  const LawHistory h{std::max(report.dent.peak, overlap), view.extra};
+  if (contact.yielded(h.peak)) {
+    const granwave::Turning turning = contact.turning(h);
+    report.yielded = h.peak > view.initial;
+    report.peak_force = contact.peak_force(turning);
+    if (overlap > 0.0) report.force = overlap >= h.peak ? report.peak_force : contact.unloading(overlap, turning);
+    if (overlap > 0.0) report.elastic = contact.elastic_energy(overlap, turning);
+    if (report.yielded)
+      report.dissipated = contact.dissipated_energy(turning, h.extra) - contact.dissipated_energy({view.initial, view.initial_extra});
+  } else {
+    report.force = contact.hertz_force(overlap);
+    report.peak_force = contact.hertz_force(h.peak);
+    report.elastic = 0.4 * report.force * overlap;
+  }
+  if (has_initial_dents) report.peak_force = largest_force_of_run(contact, h, view, overlap);
 }
 
-PairGranHysteretic::Report PairGranHysteretic::describe(int i, int j, int k, double rsq)
+PairGranHysteretic::Report PairGranHysteretic::report_pair(int i, int j, int k, double rsq)
 {
-  const Pairing p = pairing(atom->type[i], atom->type[j], atom->radius[i], atom->radius[j]);
-  const ContactLaw &contact_law = *p.law;
+  const PairParameters p = pair_parameters(atom->type[i], atom->type[j], atom->radius[i], atom->radius[j]);
   Report report{};
   report.i = i;
   report.j = j;
   report.tag_i = atom->tag[i];
   report.tag_j = atom->tag[j];
   report.live = true;
-  report.share_i = contact_law.share_of_first();
-  report.effective_radius = p.effective_radius;
-  report.overlap = p.sum_radii - std::sqrt(rsq);
-  const ContactPast past = k >= 0 ? past_of(k, 1.0) : ContactPast();
-  if (k >= 0) report.dent = dent_of(k);
-  tell_past(past, report);
-  const double peak = report.dent.peak, overlap = report.overlap > ROUNDING * p.sum_radii ? report.overlap : 0.0;
-  const double reached = std::max(peak, overlap);    // a pair that was moved since the last step may be beyond its peak
-  if (reached > p.scale.elastic_limit) {
-    const Turning turning = contact_law.turning(reached / p.scale.overlap);
-    const double unit = p.scale.force * p.scale.overlap;
-    report.yielded = reached > past.initial;
-    report.force = p.scale.force * (overlap >= reached ? turning.force : ContactLaw::unloading(overlap / p.scale.overlap, turning));
-    report.peak_force = p.scale.force * turning.force;
-    report.elastic = unit * ContactLaw::elastic_energy(overlap / p.scale.overlap, turning);
-    if (report.yielded)
-      report.dissipated = unit * contact_law.dissipated_energy(turning) - lost_before(past.initial, p.scale, contact_law);
+  report.overlap = p.radsum - std::sqrt(rsq);
+  std::vector<double> fresh;    // history of a pair that is not in the list
+  BlockView view;
+  if (k >= 0) {
+    report.dent = dent_of(k);
+    view = block_view(k);
   } else {
-    report.force = p.scale.hertz * overlap * std::sqrt(overlap);
-    report.peak_force = p.scale.hertz * reached * std::sqrt(reached);
-    report.elastic = 0.4 * report.force * overlap;
+    fresh.assign(contacts.n_extra, 0.0);
+    view.extra = view.initial_extra = fresh.data();
   }
-  if (pasts) report.peak_force = force_reached(past, {reached}, overlap, p.scale, contact_law);
+  fill_report(report, p.contact, view, report.overlap > ROUNDING * p.radsum ? report.overlap : 0.0);
   return report;
 }
 
@@ -181,39 +171,24 @@ void PairGranHysteretic::for_each_dent(const std::function<void(const Report &)>
     for (int k = c.begin[r]; k < c.begin[r + 1]; k++) {
       if (c.peak[k] == 0.0) continue;
       const int j = c.partner[k];
-      const double dx = x[i][0] - x[j][0], dy = x[i][1] - x[j][1], dz = x[i][2] - x[j][2];
-      visit(describe(i, j, k, dx * dx + dy * dy + dz * dz));
+      const double delx = x[i][0] - x[j][0], dely = x[i][1] - x[j][1], delz = x[i][2] - x[j][2];
+      visit(report_pair(i, j, k, delx * delx + dely * dely + delz * delz));
     }
   }
   const granwave::ContactHistory &history = fix_history->history;
   for (int i = 0; i < atom->nlocal; i++) {
-    const DentRecord *record = history.records(i);
+    const ContactRecord *record = history.records(i);
     for (int m = 0; m < history.count(i); m++, record++) {
       if (record->live) continue;
-      const ContactLaw &contact_law = law(atom->type[i], record->partner_type);
       Report report{};
       report.i = i;
       report.j = -1;
       report.tag_i = atom->tag[i];
       report.tag_j = static_cast<tagint>(record->partner);
-      report.share_i = contact_law.share_of_first();
-      report.effective_radius = effective_radius(atom->radius[i], record->partner_radius);
-      const ContactPast past = history.past(i, m);
       report.dent = record->dent;
-      tell_past(past, report);
       report.overlap = -gap;
-      const ContactScale scale = contact_law.scale(report.effective_radius);
-      if (record->dent.peak > scale.elastic_limit) {
-        const Turning turning = contact_law.turning(record->dent.peak / scale.overlap);
-        report.yielded = record->dent.peak > past.initial;
-        report.peak_force = scale.force * turning.force;
-        if (report.yielded)
-          report.dissipated = scale.force * scale.overlap * contact_law.dissipated_energy(turning) -
-              lost_before(past.initial, scale, contact_law);
-      } else {
-        report.peak_force = scale.hertz * record->dent.peak * std::sqrt(record->dent.peak);
-      }
-      if (pasts) report.peak_force = force_reached(past, record->dent, 0.0, scale, contact_law);
+      const ScaledLaw contact(law(atom->type[i], record->partner_type), effective_radius(atom->radius[i], record->partner_radius));
+      fill_report(report, contact, BlockView(history.layout(), history.block(i, m)), 0.0);
       visit(report);
     }
   }
@@ -230,8 +205,8 @@ void PairGranHysteretic::visit_pair(tagint one, tagint other, const std::functio
     for (int k = c.begin[r]; k < c.begin[r + 1]; k++) {
       if (c.partner_tag[k] != wanted) continue;
       const int i = c.row[r], j = c.partner[k];
-      const double dx = x[i][0] - x[j][0], dy = x[i][1] - x[j][1], dz = x[i][2] - x[j][2];
-      visit(describe(i, j, k, dx * dx + dy * dy + dz * dz));
+      const double delx = x[i][0] - x[j][0], dely = x[i][1] - x[j][1], delz = x[i][2] - x[j][2];
+      visit(report_pair(i, j, k, delx * delx + dely * dely + delz * delz));
     }
   }
 }
@@ -250,7 +225,7 @@ double PairGranHysteretic::single(int i, int j, int, int, double rsq, double, do
     for (int k = c.begin[r]; k < c.begin[r + 1]; k++)
       if (c.partner[k] == b || c.partner_tag[k] == atom->tag[b]) found = k;
   }
-  const Report report = describe(i, j, found, rsq);
+  const Report report = report_pair(i, j, found, rsq);
   svector[OVERLAP] = report.overlap;
   svector[PEAK_OVERLAP] = report.dent.peak;
   svector[PEAK_FORCE] = report.peak_force;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-2.0-only
 /* Pair style gran/hysteretic: its settings and coefficients in restart files. */
 
 #include "pair_gran_hysteretic.h"
@@ -9,7 +10,6 @@
 #include <iterator>
 
 using namespace LAMMPS_NS;
-using granwave::Law;
 using granwave::LawArguments;
 using granwave::Material;
 
@@ -17,7 +17,7 @@ namespace {
 
 // Each format adds to the one before. A file is of the first that has room for what is in use, and so readable by every
 // version that knows that.
-enum { DEFAULT_CONSTANTS = 1, OWN_CONSTANTS = 2, FRICTION = 3 };    // the third: or dents from before the run
+enum { DEFAULT_CONSTANTS = 1, OWN_CONSTANTS = 2, FRICTION = 3, EXTRA_HISTORY = 4 };    // the third: or dents from before the run
 constexpr int N_BASIC = 11, N_CONSTANTS = std::size(granwave::LAW_CONSTANTS), N_OWN = N_BASIC + N_CONSTANTS, N_STORED = N_OWN + 2;
 
 int stored(int format) { return format == DEFAULT_CONSTANTS ? N_BASIC : format == OWN_CONSTANTS ? N_OWN : N_STORED; }
@@ -25,29 +25,29 @@ int stored(int format) { return format == DEFAULT_CONSTANTS ? N_BASIC : format =
 void store(const LawArguments &a, double *v)
 {
   const Material second = a.second.value_or(Material{0, 0, 0});
-  const double values[N_BASIC] = {double(a.law), a.first.youngs_modulus, a.first.poisson_ratio, a.first.yield_strength,
+  const double values[N_BASIC] = {double(a.law - granwave::law_table().data()), a.first.youngs_modulus, a.first.poisson_ratio, a.first.yield_strength,
                                   double(a.second.has_value()), second.youngs_modulus, second.poisson_ratio,
-                                  second.yield_strength, double(a.variant), a.yield_factor, a.beta};
+                                  second.yield_strength, double(a.options.variant), a.options.yield_factor, a.options.beta};
   std::copy_n(values, N_BASIC, v);
-  for (int k = 0; k < N_CONSTANTS; k++) v[N_BASIC + k] = a.constants.*granwave::LAW_CONSTANTS[k].second;
+  for (int k = 0; k < N_CONSTANTS; k++) v[N_BASIC + k] = a.options.constants.*granwave::LAW_CONSTANTS[k].second;
   v[N_OWN] = a.friction;
-  v[N_OWN + 1] = double(a.grip);
+  v[N_OWN + 1] = double(a.tangential);
 }
 
 LawArguments recall(const double *v, int format)
 {
   LawArguments a;
-  a.law = static_cast<Law>(int(v[0]));
+  a.law = &granwave::law_table()[int(v[0])];
   a.first = {v[1], v[2], v[3]};
   if (v[4] != 0.0) a.second = Material{v[5], v[6], v[7]};
-  a.variant = static_cast<granwave::Variant>(int(v[8]));
-  a.yield_factor = v[9];
-  a.beta = v[10];
+  a.options.variant = static_cast<granwave::Variant>(int(v[8]));
+  a.options.yield_factor = v[9];
+  a.options.beta = v[10];
   for (int k = 0; k < N_CONSTANTS && format >= OWN_CONSTANTS; k++)
-    a.constants.*granwave::LAW_CONSTANTS[k].second = v[N_BASIC + k];
+    a.options.constants.*granwave::LAW_CONSTANTS[k].second = v[N_BASIC + k];
   if (format >= FRICTION) {
     a.friction = v[N_OWN];
-    a.grip = static_cast<granwave::Grip>(int(v[N_OWN + 1]));
+    a.tangential = static_cast<granwave::TangentialModel>(int(v[N_OWN + 1]));
   }
   return a;
 }
@@ -57,13 +57,15 @@ LawArguments recall(const double *v, int format)
 void PairGranHysteretic::write_restart_settings(FILE *fp)
 {
   restart_format = DEFAULT_CONSTANTS;
-  for (const LawArguments &args : given)
-    if (args.constants != granwave::LawConstants()) restart_format = OWN_CONSTANTS;
-  if (rubbing || pasts) restart_format = FRICTION;
+  for (const LawArguments &args : coefficients)
+    if (args.options.constants != granwave::LawConstants()) restart_format = OWN_CONSTANTS;
+  if (has_friction || has_initial_dents) restart_format = FRICTION;
+  for (const LawArguments &args : coefficients)
+    if (args.law->n_extra > 0) restart_format = EXTRA_HISTORY;
   fwrite(&restart_format, sizeof(int), 1, fp);
   fwrite(&gap, sizeof(double), 1, fp);
-  const int extras[2] = {rubbing, pasts};
-  if (restart_format == FRICTION) fwrite(extras, sizeof(int), 2, fp);
+  const int extras[2] = {has_friction, has_initial_dents};
+  if (restart_format >= FRICTION) fwrite(extras, sizeof(int), 2, fp);
 }
 
 void PairGranHysteretic::read_restart_settings(FILE *fp)
@@ -74,14 +76,14 @@ void PairGranHysteretic::read_restart_settings(FILE *fp)
   }
   MPI_Bcast(&restart_format, 1, MPI_INT, 0, world);
   MPI_Bcast(&gap, 1, MPI_DOUBLE, 0, world);
-  if (restart_format < DEFAULT_CONSTANTS || restart_format > FRICTION)
+  if (restart_format < DEFAULT_CONSTANTS || restart_format > EXTRA_HISTORY)
     error->all(FLERR, "Restart file holds format {} of pair style gran/hysteretic; this version reads formats {} to {}",
-               restart_format, int(DEFAULT_CONSTANTS), int(FRICTION));
+               restart_format, int(DEFAULT_CONSTANTS), int(EXTRA_HISTORY));
   int extras[2] = {};
-  if (restart_format == FRICTION && comm->me == 0) utils::sfread(FLERR, extras, sizeof(int), 2, fp, nullptr, error);
+  if (restart_format >= FRICTION && comm->me == 0) utils::sfread(FLERR, extras, sizeof(int), 2, fp, nullptr, error);
   MPI_Bcast(extras, 2, MPI_INT, 0, world);
-  rubbing = extras[0];
-  pasts = extras[1];
+  has_friction = extras[0];
+  has_initial_dents = extras[1];
 }
 
 void PairGranHysteretic::write_restart(FILE *fp)
@@ -91,7 +93,7 @@ void PairGranHysteretic::write_restart(FILE *fp)
   for (int i = 1; i <= atom_types; i++)
     for (int j = i; j <= atom_types; j++) {
       fwrite(&setflag[i][j], sizeof(int), 1, fp);
-      store(given[i * (atom_types + 1) + j], values);
+      store(coefficients[i * (atom_types + 1) + j], values);
       if (setflag[i][j]) fwrite(values, sizeof(double), stored(restart_format), fp);
     }
 }
@@ -108,6 +110,9 @@ void PairGranHysteretic::read_restart(FILE *fp)
       if (!setflag[i][j]) continue;
       if (comm->me == 0) utils::sfread(FLERR, values, sizeof(double), stored(restart_format), fp, nullptr, error);
       MPI_Bcast(values, N_STORED, MPI_DOUBLE, 0, world);
-      given[i * (atom_types + 1) + j] = recall(values, restart_format);
+      if (!(values[0] >= 0.0 && values[0] < granwave::law_table().size()))
+        error->all(FLERR, "Restart file holds law number {} of pair style gran/hysteretic; this version knows {}: {}", values[0],
+                   granwave::law_table().size(), granwave::law_names(", "));
+      coefficients[i * (atom_types + 1) + j] = recall(values, restart_format);
     }
 }

@@ -1,4 +1,5 @@
-/* The simulated time of a force evaluation, the same bits however many runs a simulation is cut into. */
+// SPDX-License-Identifier: GPL-2.0-only
+/* Simulated time of a force evaluation, the same bits however many runs a simulation is cut into. */
 
 #ifndef GRANWAVE_SIMULATED_TIME_H
 #define GRANWAVE_SIMULATED_TIME_H

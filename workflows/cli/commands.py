@@ -12,6 +12,7 @@ from typing import Any
 from granwave.analysis.measures.zone_marks import zone_warnings
 from granwave.lammps_inputs.case.material import Material, material, sphere_mass
 from granwave.lammps_inputs.case.overrides import apply_overrides, parse_overrides
+from granwave.lammps_inputs.case.sections import LAWS
 from granwave.lammps_inputs.contact.law import contact_of, rigid_wall_contact_of
 from granwave.lammps_inputs.deck.deck import write_deck
 from granwave.lammps_inputs.directories import refuse_other_file, results_directory
@@ -246,8 +247,8 @@ def law(options: argparse.Namespace, _: Words) -> int:
         raise InputError("--radius: expected positive lengths in m")
     if not 0 < options.max_overlap < float("inf"):
         raise InputError(f"--max-overlap: found {options.max_overlap:g}, expected a positive number")
-    if options.restitution and options.law == "hertz":
-        raise InputError("--restitution: a Hertz contact gives all back; choose another --law")
+    if options.restitution and not LAWS[options.law].yields:
+        raise InputError(f"--restitution: a contact of law {options.law} gives all back; choose another --law")
     materials = [material(name) for name in options.material]
     (_write_restitution if options.restitution else _write_law)(options, materials, output)
     print(output)

@@ -22,6 +22,7 @@ from typing import NoReturn
 
 from granwave import __version__
 from granwave.lammps_inputs.case.schema import printable, show
+from granwave.lammps_inputs.case.sections import LAWS
 from granwave.lammps_inputs.case.si_values import POSSIBLE
 from granwave.lammps_inputs.directories import output_path
 from granwave.lammps_inputs.errors import GranwaveError, InputError
@@ -216,7 +217,7 @@ def _parser() -> argparse.ArgumentParser:
     law.add_argument(
         "--radius", nargs="+", type=_radius, default=[0.005], metavar="R", help="one radius or two, m (default: 0.005)"
     )
-    law.add_argument("--law", default="elastoplastic", choices=["elastoplastic", "hertz", "bilinear", "thornton"])
+    law.add_argument("--law", default="elastoplastic", choices=list(LAWS))
     law.add_argument("--variant", default="continuous", choices=["continuous", "published"])
     law.add_argument(
         "--max-overlap",

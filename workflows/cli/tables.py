@@ -122,7 +122,7 @@ def plan_table(case: Case, plan: Plan) -> str:
     overlap = f"{plan.peak_overlap:.3g} m, {plan.peak_overlap_radius:.3g} R*"
     if plan.peak_overlap_yield is not None:
         overlap += f", {plan.peak_overlap_yield:.3g} of that at first yield"
-    if case.contact.law == "elastoplastic" and plan.peak_overlap_radius > 0.2:
+    if case.contact.entry.fitted and plan.peak_overlap_radius > 0.2:
         overlap += " - beyond 0.2 R*, where the contact law ends"
     return lines(
         [

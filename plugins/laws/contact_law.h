@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: GPL-2.0-only
+/* A contact law between two materials, and the same at the scale of one contact: what the LAMMPS styles and the Python
+   bindings use. No LAMMPS types. SI or any other consistent units. */
+
+#ifndef GRANWAVE_CONTACT_LAW_H
+#define GRANWAVE_CONTACT_LAW_H
+
+#include "law_table.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <variant>
+
+namespace granwave {
+
+/* History of a contact as its law sees it. */
+struct LawHistory {
+  double peak;            // largest overlap
+  const double *extra;    // the law's own block, n_extra doubles
+};
+
+/* Law of a pair of materials, in units of the overlap and force at first yield (normal_law.h). */
+class ContactLaw {
+  template <class Function> auto with(const Function &function) const { return std::visit(function, normal_); }
+
+ public:
+  ContactLaw() : ContactLaw(law_table().front(), {1.0, 0.0, INFINITE}, {1.0, 0.0, INFINITE}, {}) {}
+
+  ContactLaw(const LawEntry &entry, const Material &m1, const Material &m2, const LawOptions &options) :
+      entry_(&entry), constants_(options.constants), modulus_(granwave::effective_modulus(m1, m2)),
+      shear_modulus_(granwave::effective_shear_modulus(m1, m2)), yield_(std::min(m1.yield_strength, m2.yield_strength)),
+      share1_(m1.yield_strength == m2.yield_strength ? 0.5 : (m1.yield_strength < m2.yield_strength ? 1.0 : 0.0))
+  {
+    const double ratio = options.yield_factor * yield_ / modulus_;
+    overlap_per_radius_ = std::isfinite(yield_) ? 0.25 * PI * PI * ratio * ratio : INFINITE;
+    force_per_area_ = std::isfinite(yield_) ? 4.0 / 3.0 * modulus_ * std::pow(overlap_per_radius_, 1.5) : INFINITE;
+    normal_ = entry.make(options, {yield_, overlap_per_radius_, force_per_area_});
+  }
+
+  const LawEntry &entry() const { return *entry_; }
+  const LawConstants &constants() const { return constants_; }
+  std::string fault() const { return with([](const auto &law) { return law.fault(); }); }
+  double modulus() const { return modulus_; }
+  double shear_modulus() const { return shear_modulus_; }
+  double yield_strength() const { return yield_; }
+  double share_of_first() const { return share1_; }    // of the dissipated energy: all to the softer sphere
+  double overlap_per_radius() const { return overlap_per_radius_; }
+  double force_per_area() const { return force_per_area_; }
+
+  bool yields(double peak) const { return peak > entry_->elastic_limit; }
+  double loading(double a, const double *extra) const
+  {
+    return a <= 0.0 ? 0.0 : with([&](const auto &law) { return law.loading(a, extra); });
+  }
+  double loading_work(double a, const double *extra) const
+  {
+    return a <= 0.0 ? 0.0 : with([&](const auto &law) { return law.loading_work(a, extra); });
+  }
+  Turning turning(double peak, const double *extra) const
+  {
+    return yields(peak) ? with([&](const auto &law) { return law.turning(peak, extra); }) : Turning{peak, loading(peak, extra), 0.0, 1.5};
+  }
+  double dissipated_energy(const Turning &t, const double *extra) const
+  {
+    return yields(t.peak) ? with([&](const auto &law) { return law.dissipated_energy(t, extra); }) : 0.0;
+  }
+  double area(double a) const { return with([&](const auto &law) { return law.area(a); }); }
+  bool update(double a, double peak, double *extra) const
+  {
+    return with([&](const auto &law) { return law.update(a, peak, extra); });
+  }
+
+  /* k_t = 8 G* a of a contact circle of this radius squared, in physical units. */
+  double tangential_stiffness(double circle_squared) const { return 8.0 * shear_modulus_ * std::sqrt(circle_squared); }
+
+ private:
+  const LawEntry *entry_;
+  LawConstants constants_;
+  double modulus_, shear_modulus_, yield_, share1_;
+  double overlap_per_radius_, force_per_area_;
+  AnyLaw normal_;
+};
+
+/* A law at the scale of a contact, in physical units. Keeps a pointer to the law. */
+class ScaledLaw {
+ public:
+  ScaledLaw() = default;
+  ScaledLaw(const ContactLaw &law, double effective_radius) :
+      law_(&law), effective_radius_(effective_radius), hertz_(4.0 / 3.0 * law.modulus() * std::sqrt(effective_radius)),
+      overlap_(law.overlap_per_radius() * effective_radius), force_(law.force_per_area() * effective_radius * effective_radius)
+  {
+    const double limit = law.entry().elastic_limit;
+    elastic_limit_ = limit > 0.0 && std::isfinite(limit) ? limit * overlap_ : limit;
+  }
+
+  const ContactLaw &law() const { return *law_; }
+  double effective_radius() const { return effective_radius_; }
+  double hertz() const { return hertz_; }                    // F = hertz alpha^1.5 up to the elastic limit
+  double elastic_limit() const { return elastic_limit_; }    // overlap up to which the contact is Hertzian and forgets
+  double yield_overlap() const { return overlap_; }
+  double yield_force() const { return force_; }
+
+  bool yielded(double peak) const { return peak > elastic_limit_; }
+  double normalised(double overlap) const { return overlap / overlap_; }
+
+  double hertz_force(double overlap) const { return hertz_ * overlap * std::sqrt(overlap); }
+  double hertz_energy(double overlap) const { return 0.4 * hertz_ * overlap * overlap * std::sqrt(overlap); }
+
+  /* Update the law's own block of a contact that overlaps now, before its peak is raised; true if it changed. */
+  bool update(double overlap, double peak, double *extra) const { return law_->update(normalised(overlap), normalised(peak), extra); }
+
+  /* ---- a contact that has yielded */
+
+  Turning turning(const LawHistory &h) const { return law_->turning(normalised(h.peak), h.extra); }
+  double loading_beyond_yield(double overlap, const double *extra) const { return force_ * law_->loading(normalised(overlap), extra); }
+  double unloading(double overlap, const Turning &t) const { return force_ * t.unloading(normalised(overlap)); }
+  double peak_force(const Turning &t) const { return force_ * t.force; }
+  double elastic_energy(double overlap, const Turning &t) const { return force_ * overlap_ * t.elastic_energy(normalised(overlap)); }
+  double dissipated_energy(const Turning &t, const double *extra) const { return force_ * overlap_ * law_->dissipated_energy(t, extra); }
+  double stiffness(const Turning &t) const { return force_ / overlap_ * t.slope(); }
+  double loading_circle(double overlap) const { return effective_radius_ * overlap_ * law_->area(normalised(overlap)); }
+  double unloading_circle(double overlap, const Turning &t, double area_at_peak) const
+  {
+    return effective_radius_ * overlap_ * t.area(normalised(overlap), area_at_peak);
+  }
+
+  /* ---- any contact */
+
+  double loading_force(double overlap, const double *extra) const
+  {
+    if (overlap <= 0.0) return 0.0;
+    return yielded(overlap) ? loading_beyond_yield(overlap, extra) : hertz_force(overlap);
+  }
+
+  double loading_work(double overlap, const double *extra) const
+  {
+    if (overlap <= 0.0) return 0.0;
+    return yielded(overlap) ? force_ * overlap_ * law_->loading_work(normalised(overlap), extra) : hertz_energy(overlap);
+  }
+
+  /* Force at an overlap; beyond the peak the contact loads. */
+  double force(double overlap, const LawHistory &h) const
+  {
+    return overlap >= h.peak || !yielded(h.peak) ? loading_force(overlap, h.extra) : unloading(overlap, turning(h));
+  }
+
+  double peak_force(const LawHistory &h) const { return yielded(h.peak) ? peak_force(turning(h)) : hertz_force(h.peak); }
+
+  /* Energy stored at an overlap up to the peak, 0 beyond the surfaces' touch. */
+  double elastic_energy(double overlap, const LawHistory &h) const
+  {
+    if (overlap <= 0.0) return 0.0;
+    return yielded(h.peak) ? elastic_energy(overlap, turning(h)) : hertz_energy(overlap);
+  }
+
+  /* Energy lost for good once the peak was reached. */
+  double dissipated_energy(const LawHistory &h) const { return yielded(h.peak) ? dissipated_energy(turning(h), h.extra) : 0.0; }
+
+  double residual_overlap(const LawHistory &h) const { return yielded(h.peak) ? overlap_ * turning(h).residual : 0.0; }
+  double unloading_exponent(const LawHistory &h) const { return yielded(h.peak) ? turning(h).exponent : 1.5; }
+
+  /* Slope of the force where unloading starts. */
+  double unloading_stiffness(const LawHistory &h) const
+  {
+    if (yielded(h.peak)) return stiffness(turning(h));
+    return h.peak > 0.0 ? 1.5 * hertz_ * std::sqrt(h.peak) : 0.0;
+  }
+
+  /* Radius of the contact circle, squared. */
+  double circle_squared(double overlap, const LawHistory &h) const
+  {
+    if (overlap <= 0.0) return 0.0;
+    if (!yielded(std::max(overlap, h.peak))) return effective_radius_ * overlap;
+    return overlap >= h.peak ? loading_circle(overlap) : unloading_circle(overlap, turning(h), law_->area(normalised(h.peak)));
+  }
+
+ private:
+  const ContactLaw *law_ = nullptr;
+  double effective_radius_ = 0.0, hertz_ = 0.0, overlap_ = INFINITE, force_ = INFINITE, elastic_limit_ = INFINITE;
+};
+
+}    // namespace granwave
+
+#endif

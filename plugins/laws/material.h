@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-2.0-only
+/* Material of a sphere or a wall, and the effective constants of two bodies in contact. No LAMMPS types. */
+
+#ifndef GRANWAVE_MATERIAL_H
+#define GRANWAVE_MATERIAL_H
+
+#include <limits>
+
+namespace granwave {
+
+constexpr double PI = 3.14159265358979323846;
+constexpr double INFINITE = std::numeric_limits<double>::infinity();
+
+/* Elastic-perfectly-plastic material; a rigid partner has infinite modulus and yield strength. */
+struct Material {
+  double youngs_modulus, poisson_ratio, yield_strength;
+};
+
+inline double effective_modulus(const Material &a, const Material &b)
+{
+  const auto compliance = [](const Material &m) {
+    return (1.0 - m.poisson_ratio * m.poisson_ratio) / m.youngs_modulus;
+  };
+  return 1.0 / (compliance(a) + compliance(b));
+}
+
+/* 1/G* = (2 - nu1)/G1 + (2 - nu2)/G2, G = E/(2 (1 + nu)): Mindlin's, for slip of bodies pressed together. */
+inline double effective_shear_modulus(const Material &a, const Material &b)
+{
+  const auto compliance = [](const Material &m) {
+    return 2.0 * (2.0 - m.poisson_ratio) * (1.0 + m.poisson_ratio) / m.youngs_modulus;
+  };
+  return 1.0 / (compliance(a) + compliance(b));
+}
+
+/* 1/R* = 1/R1 + 1/R2; an infinite radius is a plane. */
+inline double effective_radius(double r1, double r2)
+{
+  return 1.0 / (1.0 / r1 + 1.0 / r2);
+}
+
+}    // namespace granwave
+
+#endif
