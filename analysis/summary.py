@@ -17,8 +17,9 @@ from granwave.analysis.measures.zone_of_packing import zone_summary
 from granwave.analysis.result.contacts import LISTED_FROM
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.files import plain, replace_text
+from granwave.lammps_inputs.ownership import claim
 from granwave.lammps_inputs.packing.assembly import assemble, velocities_of
-from granwave.lammps_inputs.run_directory import SUMMARY_FILE, claim
+from granwave.lammps_inputs.run_directory import SUMMARY_FILE
 
 Summary = dict[str, Any]
 

@@ -17,7 +17,7 @@ from typing import Any
 
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import head
-from granwave.lammps_inputs.run_directory import refuse_foreign, refuse_other_kind, refuse_results, results_in
+from granwave.lammps_inputs.ownership import refuse_foreign, refuse_other_kind, refuse_results, results_in
 from granwave.lammps_inputs.run_state import check_case, tables_as_run
 
 

@@ -10,17 +10,9 @@ from typing import Any
 
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json, replace_text
-from granwave.lammps_inputs.run_directory import (
-    CASE_FILE,
-    DATA_FILE,
-    RECORD_FILE,
-    RESULT_FILE,
-    SUMMARY_FILE,
-    claim,
-    output_names,
-    own_file,
-    read_marker,
-)
+from granwave.lammps_inputs.ownership import claim, output_names, own_file, read_marker
+from granwave.lammps_inputs.run_directory import CASE_FILE, DATA_FILE, RECORD_FILE, RESULT_FILE, SUMMARY_FILE
+from granwave.lammps_inputs.toml_files import read_tables
 
 _SHOWN = 3  # keys in a message
 _LONGEST = 40  # characters of a value in a message
@@ -68,14 +60,6 @@ def restore_case(directory: Path) -> bool:
     claim(directory, [CASE_FILE])
     replace_text(directory / CASE_FILE, marker.case)
     return True
-
-
-def read_tables(path: Path) -> dict[str, Any] | None:
-    """The tables of a TOML file; None where there is none, or none that can be read."""
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8")) or None
-    except (OSError, ValueError, RecursionError):
-        return None
 
 
 def _changes(there: Mapping[str, Any], as_run: Mapping[str, Any], prefix: str = "") -> Iterator[str]:

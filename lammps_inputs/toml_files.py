@@ -50,3 +50,11 @@ def _similar(path: Path) -> str:
         return f"; there is no directory {path.parent}"
     near = difflib.get_close_matches(path.name, names, n=1)
     return f"; did you mean {path.parent / near[0]}?" if near else ""
+
+
+def read_tables(path: Path) -> dict[str, Any] | None:
+    """The tables of a TOML file; None where there is none, or none that can be read."""
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8")) or None
+    except (OSError, ValueError, RecursionError):
+        return None

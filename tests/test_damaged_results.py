@@ -13,7 +13,8 @@ import pytest
 from granwave.analysis import OutputFormatError, analyse
 from granwave.analysis.reports.report import write_report
 from granwave.lammps_inputs.errors import InputError, RunError
-from granwave.lammps_inputs.run_directory import MARKER, read_marker
+from granwave.lammps_inputs.ownership import read_marker
+from granwave.lammps_inputs.run_directory import MARKER
 from granwave.workflows import load_case, run_case
 from granwave.workflows.cli.parser import main
 

@@ -13,7 +13,8 @@ import pytest
 from granwave.lammps_inputs.directories import check_disk, decide, output_path, refuse_other_file, results_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import naming, plain, read_json, replace_text, replacing
-from granwave.lammps_inputs.run_directory import RUN, SCAN, claim, clear
+from granwave.lammps_inputs.ownership import claim, clear
+from granwave.lammps_inputs.run_directory import RUN, SCAN
 
 RESULTS = ("case.toml", "summary.json", "figures/a.png", "log")
 CASE = {"name": "a", "load": {"velocity": 5.0}}

@@ -10,7 +10,7 @@ from granwave.analysis import Result
 from granwave.analysis.exports.export import FORMATS, export
 from granwave.analysis.exports.staging import staged
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.run_directory import claim
+from granwave.lammps_inputs.ownership import claim
 from tests import synthetic_scan
 from tests.export_inputs import write_walled_run
 

@@ -17,7 +17,8 @@ workflows/__main__
 workflows/cli
 workflows/scanning
 workflows/run
-workflows/solvers workflows/library
+workflows/library
+workflows/solvers
 workflows/finite_elements
 analysis/reports analysis/exports
 analysis/studies
@@ -29,7 +30,6 @@ analysis/measures
 analysis/result
 analysis/lammps_output
 analysis/formatting
-analysis/quantities
 analysis/statistics analysis/errors analysis/versions
 lammps_inputs/deck
 lammps_inputs/load_case
@@ -37,8 +37,13 @@ lammps_inputs/planning lammps_inputs/checks
 lammps_inputs/contact
 lammps_inputs/packing
 lammps_inputs/case
+lammps_inputs/directories
+lammps_inputs/run_state
+lammps_inputs/ownership
+lammps_inputs/unmarked_results
 lammps_inputs/lattices lammps_inputs/run_directory
-lammps_inputs/toml_files lammps_inputs/files
+lammps_inputs/toml_files lammps_inputs/memory
+lammps_inputs/files lammps_inputs/named_files
 lammps_inputs/errors
 plugins
 """

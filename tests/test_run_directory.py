@@ -10,20 +10,8 @@ import pytest
 from granwave.analysis import analyse, draw_figures, summarise
 from granwave.lammps_inputs import write_deck
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.run_directory import (
-    CONTINUUM,
-    FIT,
-    MARKER,
-    POINT_FILES,
-    RUN,
-    SCAN,
-    SUITE,
-    claim,
-    clear,
-    foreign,
-    read_marker,
-    results_in,
-)
+from granwave.lammps_inputs.ownership import claim, clear, foreign, read_marker, results_in
+from granwave.lammps_inputs.run_directory import CONTINUUM, FIT, MARKER, POINT_FILES, RUN, SCAN, SUITE
 from tests import synthetic
 from tests.synthetic_scan import grid, write_scan
 

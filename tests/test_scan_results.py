@@ -28,7 +28,7 @@ from granwave.analysis.scans.table import (
     write_scan_table,
 )
 from granwave.lammps_inputs import load_case, sphere_contact, write_deck
-from granwave.lammps_inputs.run_directory import claim
+from granwave.lammps_inputs.ownership import claim
 from granwave.workflows import library
 from tests import synthetic
 from tests.synthetic_scan import case_of, grid, point_id, summary_of, write_json, write_scan

@@ -25,7 +25,8 @@ from granwave.analysis.figures.style import (
 )
 from granwave.lammps_inputs.case.sections import LAW_CONSTANTS
 from granwave.lammps_inputs.files import replace_text, replacing
-from granwave.lammps_inputs.run_directory import FIT, claim, clear, figure_files, read_marker
+from granwave.lammps_inputs.ownership import claim, clear, figure_files, read_marker
+from granwave.lammps_inputs.run_directory import FIT
 
 TOML_FILE, PAIR_FILE, CSV_FILE, MISFIT_FILE, FIGURE = "fit.toml", "pair.toml", "fit.csv", "misfit.csv", "fit"
 FIT_FILES = (TOML_FILE, PAIR_FILE, CSV_FILE, MISFIT_FILE, *figure_files(FIGURE))

@@ -12,11 +12,11 @@ from granwave.analysis.exports import ovito_scene, to_csv, to_netcdf, to_vtp
 from granwave.analysis.exports.staging import staged
 from granwave.analysis.result.not_a_run import around, similar
 from granwave.analysis.result.reader import Result
-from granwave.analysis.scans.result import is_scan
 from granwave.analysis.scans.table import read_scan
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.run_directory import EXPORT_DIRECTORY, claim
+from granwave.lammps_inputs.ownership import claim
+from granwave.lammps_inputs.run_directory import EXPORT_DIRECTORY, is_scan
 
 OVITO_SCRIPT = "open_in_ovito.py"
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import discard, naming
-from granwave.lammps_inputs.run_directory import claim, clear, read_marker
+from granwave.lammps_inputs.ownership import claim, clear, read_marker
 
 
 class Staging:

@@ -22,14 +22,8 @@ from numpy.typing import ArrayLike
 from granwave.lammps_inputs.directories import refuse_other_file
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import replacing
-from granwave.lammps_inputs.run_directory import (
-    FIGURE_SUFFIXES,
-    FIGURES_DIRECTORY,
-    claim,
-    clear,
-    figure_files,
-    read_marker,
-)
+from granwave.lammps_inputs.ownership import claim, clear, figure_files, read_marker
+from granwave.lammps_inputs.run_directory import FIGURE_SUFFIXES, FIGURES_DIRECTORY
 
 logger = logging.getLogger(__name__)
 

@@ -6,8 +6,8 @@ from pathlib import Path
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.lammps_output.number_rows import AGAIN, CUT
+from granwave.analysis.lammps_output.run_record import read_record
 from granwave.analysis.lammps_output.time_series import Table, read_energy, read_prestage, read_probes, read_walls
-from granwave.analysis.result.writer import read_record
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.deck import read_deck
 from granwave.lammps_inputs.packing.assembly import assemble

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.lammps_output.number_rows import AGAIN, CUT, DAMAGED, read_rows, whole_number
 from granwave.lammps_inputs.deck import columns
+from granwave.lammps_inputs.ownership import output_names
 from granwave.lammps_inputs.run_directory import (
     CASE_FILE,
     CONTACTS_FILE,
@@ -28,7 +29,6 @@ from granwave.lammps_inputs.run_directory import (
     FRAMES_FILE,
     HISTORY_FILE,
     WALL_CONTACTS_FILE,
-    output_names,
 )
 
 # What the readers cannot do without; runs have more or fewer of the others, see `Frame.get`.

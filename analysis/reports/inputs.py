@@ -18,11 +18,20 @@ from granwave.analysis.document.model import Link
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.result.not_a_run import OF_A_RUN, UNFINISHED, around, no_results, resumed, similar
 from granwave.analysis.result.reader import Result
-from granwave.analysis.scans.result import PointResult, ScanResult, is_scan
+from granwave.analysis.scans.result import PointResult, ScanResult
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json
-from granwave.lammps_inputs.run_directory import CASE_FILE, POINTS, RECORD_FILE, SCAN_INDEX, SUITE_INDEX, SUMMARY_FILE
-from granwave.lammps_inputs.run_state import check_case, read_tables, tables_as_run
+from granwave.lammps_inputs.run_directory import (
+    CASE_FILE,
+    POINTS,
+    RECORD_FILE,
+    SCAN_INDEX,
+    SUITE_INDEX,
+    SUMMARY_FILE,
+    is_scan,
+)
+from granwave.lammps_inputs.run_state import check_case, tables_as_run
+from granwave.lammps_inputs.toml_files import read_tables
 
 Kind = Literal["run", "continuum"]
 

@@ -6,7 +6,6 @@ import difflib
 from collections.abc import Sequence
 from pathlib import Path
 
-from granwave.analysis.scans.result import is_scan
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json
 from granwave.lammps_inputs.run_directory import (
@@ -18,6 +17,7 @@ from granwave.lammps_inputs.run_directory import (
     SCAN_TABLE,
     SUITE_INDEX,
     SUMMARY_FILE,
+    is_scan,
 )
 from granwave.lammps_inputs.toml_files import read_toml
 

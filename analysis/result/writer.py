@@ -39,7 +39,8 @@ from granwave.analysis.lammps_output.dumps import (
     read_frames,
     read_wall_contacts,
 )
-from granwave.analysis.lammps_output.number_rows import AGAIN, CUT
+from granwave.analysis.lammps_output.number_rows import CUT
+from granwave.analysis.lammps_output.run_record import read_record
 from granwave.analysis.lammps_output.time_series import Table, read_energy, read_prestage, read_probes, read_walls
 from granwave.analysis.result.chain import Groups, read_chain
 from granwave.analysis.result.contacts import Contacts, list_contacts, merge_dents, sphere_values, touching_pairs
@@ -58,15 +59,14 @@ from granwave.lammps_inputs.deck.columns import (
     WALL_CONTACTS,
     names,
 )
-from granwave.lammps_inputs.files import read_json
 from granwave.lammps_inputs.load_case import load_case
+from granwave.lammps_inputs.ownership import claim
 from granwave.lammps_inputs.packing.assembly import assemble, gap_tolerance
 from granwave.lammps_inputs.packing.walls import walls
-from granwave.lammps_inputs.run_directory import CASE_FILE, RECORD_FILE, RESULT_FILE, claim
+from granwave.lammps_inputs.run_directory import CASE_FILE, RESULT_FILE
 from granwave.lammps_inputs.run_state import check_case
 
 BALANCE_REFUSED = "energy balance refused"  # end_reason of a run whose energies do not add up
-_RECORDED = {"n_steps": int, "wall_time_s": int | float, "versions": dict}  # what is taken from run.json
 _COMPRESSED_FROM = 4096  # values; smaller data sets are kept plain
 
 # units of columns that LAMMPS writes, and of those made of them
@@ -125,23 +125,6 @@ def write_result(directory: str | Path) -> Path:
     with new_hdf5(path, libver="v110") as file:
         _write(file, directory)
     return path
-
-
-def read_record(directory: str | Path) -> dict[str, Any]:
-    """What the driver noted of the run (``run.json``); empty when there is nothing.
-
-    Raises
-    ------
-    OutputFormatError
-        It is damaged.
-    """
-    path = Path(directory) / RECORD_FILE
-    if not path.exists():
-        return {}
-    record = read_json(path)
-    if record is None or any(not isinstance(record[name], kind) for name, kind in _RECORDED.items() if name in record):
-        raise OutputFormatError(f"{path} cannot be read: delete it, or {AGAIN}")
-    return record
 
 
 def _write(file: h5py.File, directory: Path) -> None:

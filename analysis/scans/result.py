@@ -138,11 +138,6 @@ def _checked(entry: dict[str, Any]) -> dict[str, Any]:
     return entry
 
 
-def is_scan(directory: str | Path) -> bool:
-    """The directory is that of a scan."""
-    return (Path(directory) / SCAN_INDEX).is_file()
-
-
 def read_point(directory: Path) -> dict[str, Any]:
     """The record of a point: ``state``, ``attempts``, ``reason``; empty where there is none."""
     return read_json(directory / POINT_FILE) or {}

@@ -26,7 +26,8 @@ from granwave.analysis.result.hdf5_file import new_hdf5
 from granwave.analysis.scans.result import SEED, PointResult, ScanResult
 from granwave.analysis.statistics import estimate
 from granwave.lammps_inputs.files import replacing
-from granwave.lammps_inputs.run_directory import SCAN_DATA, SCAN_MEANS, SCAN_TABLE, claim, clear
+from granwave.lammps_inputs.ownership import claim, clear
+from granwave.lammps_inputs.run_directory import SCAN_DATA, SCAN_MEANS, SCAN_TABLE
 
 if TYPE_CHECKING:
     import pandas

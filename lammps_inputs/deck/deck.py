@@ -17,6 +17,7 @@ from granwave.lammps_inputs.deck.static_stage import load_tables
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import naming, replacing
 from granwave.lammps_inputs.load_case import load_case
+from granwave.lammps_inputs.ownership import claim, clear, results_in
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble, struck_of
 from granwave.lammps_inputs.packing.walls import walls
 from granwave.lammps_inputs.planning.schedule import Schedule, make_schedule
@@ -30,9 +31,6 @@ from granwave.lammps_inputs.run_directory import (
     PRELOAD_FILE,
     RUN,
     SCRIPT_FILE,
-    claim,
-    clear,
-    results_in,
 )
 from granwave.lammps_inputs.toml_files import read_toml
 

@@ -18,18 +18,10 @@ from granwave.lammps_inputs.deck.deck import write_deck
 from granwave.lammps_inputs.directories import refuse_other_file, results_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import replace_text
+from granwave.lammps_inputs.ownership import refuse_foreign, refuse_other_kind, refuse_results
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.plan import check_run, plan
-from granwave.lammps_inputs.run_directory import (
-    CASE_FILE,
-    EXPORT_DIRECTORY,
-    RESULT_FILE,
-    RUN,
-    SUMMARY_FILE,
-    refuse_foreign,
-    refuse_other_kind,
-    refuse_results,
-)
+from granwave.lammps_inputs.run_directory import CASE_FILE, EXPORT_DIRECTORY, RESULT_FILE, RUN, SUMMARY_FILE
 from granwave.lammps_inputs.run_state import restore_case
 from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows import library

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from granwave.lammps_inputs.case.material import Material, load_materials, material
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.run_directory import refuse_foreign, results_in
+from granwave.lammps_inputs.ownership import refuse_foreign, results_in
 
 if TYPE_CHECKING:
     from granwave.analysis.contact_law.fit import Fit

@@ -29,17 +29,10 @@ import tomli_w
 from granwave.lammps_inputs.directories import free_space, room_words
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import DISK_IS_FULL, replace_text
-from granwave.lammps_inputs.run_directory import (
-    CASE_FILE,
-    POINT_CASE,
-    POINT_FILES,
-    POINT_LOG,
-    POINT_STOP,
-    SUMMARY_FILE,
-    claim,
-    clear,
-)
-from granwave.lammps_inputs.run_state import read_tables, tables_as_run
+from granwave.lammps_inputs.ownership import claim, clear
+from granwave.lammps_inputs.run_directory import CASE_FILE, POINT_CASE, POINT_FILES, POINT_LOG, POINT_STOP, SUMMARY_FILE
+from granwave.lammps_inputs.run_state import tables_as_run
+from granwave.lammps_inputs.toml_files import read_tables
 from granwave.workflows.run import mpi, record
 from granwave.workflows.run.directory import busy
 from granwave.workflows.scanning import layout

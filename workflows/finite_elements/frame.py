@@ -26,16 +26,8 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import replace_text
 from granwave.lammps_inputs.memory import refuse_too_large
 from granwave.lammps_inputs.named_files import with_absolute_paths
-from granwave.lammps_inputs.run_directory import (
-    CASE_FILE,
-    CONTINUUM,
-    FIGURES_DIRECTORY,
-    RESULT_FILE,
-    claim,
-    clear,
-    figure_files,
-    refuse_foreign,
-)
+from granwave.lammps_inputs.ownership import claim, clear, figure_files, refuse_foreign
+from granwave.lammps_inputs.run_directory import CASE_FILE, CONTINUUM, FIGURES_DIRECTORY, RESULT_FILE
 from granwave.lammps_inputs.run_state import read_summary, restore_case, result_fault
 from granwave.lammps_inputs.toml_files import read_toml
 

@@ -10,16 +10,8 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from granwave.lammps_inputs.run_directory import (
-    CHECKPOINT_FILE,
-    DATA_FILE,
-    SCRIPT_FILE,
-    claim,
-    clear,
-    output_names,
-    own_file,
-    read_marker,
-)
+from granwave.lammps_inputs.ownership import claim, clear, output_names, own_file, read_marker
+from granwave.lammps_inputs.run_directory import CHECKPOINT_FILE, DATA_FILE, SCRIPT_FILE
 from granwave.workflows.run.mpi import on_first
 
 if TYPE_CHECKING:

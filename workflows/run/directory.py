@@ -16,6 +16,7 @@ from granwave.lammps_inputs.contact.initial_dents import dents_table, earlier_re
 from granwave.lammps_inputs.deck.deck import deck_files
 from granwave.lammps_inputs.errors import InputError, raise_all
 from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.lammps_inputs.ownership import clear, figure_files, refuse_foreign
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.plan import check_run, plan
 from granwave.lammps_inputs.planning.schedule import Schedule
@@ -27,9 +28,6 @@ from granwave.lammps_inputs.run_directory import (
     RESULT_FILE,
     RUN,
     SUMMARY_FILE,
-    clear,
-    figure_files,
-    refuse_foreign,
 )
 from granwave.lammps_inputs.run_state import outputs_complete, result_fault
 from granwave.workflows.run import checkpoint, record

@@ -21,21 +21,11 @@ from granwave.lammps_inputs.deck.deck import Deck, read_deck, write_deck
 from granwave.lammps_inputs.deck.script import input_script, part
 from granwave.lammps_inputs.directories import free_space, results_directory, room_words
 from granwave.lammps_inputs.errors import RunError
+from granwave.lammps_inputs.ownership import claim, clear, output_names
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.plan import plan
 from granwave.lammps_inputs.planning.schedule import BLOCK_THRESHOLD
-from granwave.lammps_inputs.run_directory import (
-    CASE_FILE,
-    DATA_FILE,
-    DUMPS,
-    ENERGY_FILE,
-    LOG_FILE,
-    RECORD_FILE,
-    RUN,
-    claim,
-    clear,
-    output_names,
-)
+from granwave.lammps_inputs.run_directory import CASE_FILE, DATA_FILE, DUMPS, ENERGY_FILE, LOG_FILE, RECORD_FILE, RUN
 from granwave.lammps_inputs.run_state import note_sizes, read_summary, restore_case
 from granwave.workflows.run import checkpoint, record
 from granwave.workflows.run.balance import TOLERANCE, Balance

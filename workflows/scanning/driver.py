@@ -13,23 +13,13 @@ from pathlib import Path
 from typing import Any
 
 from granwave.analysis.errors import OutputFormatError
-from granwave.analysis.scans.result import ScanResult, is_scan
+from granwave.analysis.scans.result import ScanResult
 from granwave.analysis.scans.table import ScanData, read_scan, write_scan_table
 from granwave.lammps_inputs.directories import check_directory, results_directory
 from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.files import replace_text
-from granwave.lammps_inputs.run_directory import (
-    SCAN,
-    SCAN_FILE,
-    SCAN_INDEX,
-    SCAN_REPORT,
-    SCAN_WORK,
-    claim,
-    clear,
-    refuse_foreign,
-    refuse_other_kind,
-    refuse_results,
-)
+from granwave.lammps_inputs.ownership import claim, clear, refuse_foreign, refuse_other_kind, refuse_results
+from granwave.lammps_inputs.run_directory import SCAN, SCAN_FILE, SCAN_INDEX, SCAN_REPORT, SCAN_WORK, is_scan
 from granwave.workflows.run.directory import busy, held
 from granwave.workflows.run.interrupts import Interrupts
 from granwave.workflows.run.progress import Progress

@@ -12,6 +12,7 @@ from typing import Any
 from granwave.analysis.scans.result import read_point
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import replace_text
+from granwave.lammps_inputs.ownership import clear
 from granwave.lammps_inputs.run_directory import (
     CASE_FILE,
     POINT_FILE,
@@ -25,9 +26,9 @@ from granwave.lammps_inputs.run_directory import (
     SCAN_TABLE,
     SCAN_WORK,
     UNFINISHED,
-    clear,
 )
-from granwave.lammps_inputs.run_state import check_case, read_summary, read_tables, result_fault, tables_as_run
+from granwave.lammps_inputs.run_state import check_case, read_summary, result_fault, tables_as_run
+from granwave.lammps_inputs.toml_files import read_tables
 
 DRIVER = "GRANWAVE_SCAN_DRIVER"  # variable: process of the driver, on this machine, without which a job ends
 BATCHES, DONE, LOGS = f"{SCAN_WORK}/batches", f"{SCAN_WORK}/done", f"{SCAN_WORK}/logs"

@@ -1,0 +1,30 @@
+"""What the driver noted of a run, ``run.json``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from granwave.analysis.errors import OutputFormatError
+from granwave.analysis.lammps_output.number_rows import AGAIN
+from granwave.lammps_inputs.files import read_json
+from granwave.lammps_inputs.run_directory import RECORD_FILE
+
+_RECORDED = {"n_steps": int, "wall_time_s": int | float, "versions": dict}  # what is taken from run.json
+
+
+def read_record(directory: str | Path) -> dict[str, Any]:
+    """What the driver noted of the run (``run.json``); empty when there is nothing.
+
+    Raises
+    ------
+    OutputFormatError
+        It is damaged.
+    """
+    path = Path(directory) / RECORD_FILE
+    if not path.exists():
+        return {}
+    record = read_json(path)
+    if record is None or any(not isinstance(record[name], kind) for name, kind in _RECORDED.items() if name in record):
+        raise OutputFormatError(f"{path} cannot be read: delete it, or {AGAIN}")
+    return record

@@ -1,0 +1,253 @@
+"""What of a directory granwave may overwrite or delete, and what it refuses: the files of its marker and no others."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+from collections.abc import Collection, Iterable, Sequence
+from pathlib import Path, PurePosixPath
+
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import read_json
+from granwave.lammps_inputs.run_directory import (
+    CONTINUUM,
+    DUMPS,
+    FIGURE_SUFFIXES,
+    FIGURES_DIRECTORY,
+    MARKER,
+    OTHER,
+    POINT_FILES,
+    RUN,
+    SCAN,
+    SCAN_WORK,
+    SUITE,
+    Marker,
+)
+from granwave.lammps_inputs.unmarked_results import recognise
+
+_GROUPS = {RUN: "a run", CONTINUUM: "a run", SCAN: "a scan", SUITE: "a suite of scans"}  # one of them a directory
+_SHOWN = 3  # names in a message
+_WORK_FILES = ("jobs-*.json", "stop", "batches/*.json", "done/*", "logs/**/*")  # in SCAN_WORK
+_SCRATCH = re.compile(r"\.(.+)\.\d+")  # of a process that was killed before its file took its place
+
+
+def read_marker(directory: Path) -> Marker | None:
+    """Read the marker of a directory; where there is none, recognise results of version 0.1.0.
+
+    Returns
+    -------
+    Marker or None
+        None where granwave wrote nothing.
+    """
+    path = directory / MARKER
+    if not path.is_symlink() and (found := read_json(path)) is not None:
+        kind, case, files = found.get("kind"), found.get("case", ""), found.get("files")
+        if isinstance(kind, str) and isinstance(case, str) and isinstance(files, dict):
+            inside = {name: size for name, size in files.items() if _is_inside(name)}
+            return Marker(kind, str(found.get("version", "")), case, inside)
+    return recognise(directory)
+
+
+def _is_inside(name: str) -> bool:
+    """A name leads to nothing outside of the directory."""
+    path = PurePosixPath(name)
+    return bool(path.parts) and not path.is_absolute() and ".." not in path.parts
+
+
+# ---------------------------------------------------------------------- what is ours, and what is not
+
+
+def claim(directory: Path, names: Iterable[str], *, kind: str | None = None, case: str | None = None) -> None:
+    """Note files as granwave's own in the marker, before they are written.
+
+    Parameters
+    ----------
+    names
+        As in `Marker.files`.
+    kind
+        Of the results; None: more files beside those that are there.
+    case
+        Text of case.toml, where the run begins.
+
+    Raises
+    ------
+    InputError
+        A file of such a name is there, and granwave did not write it, or results that those of ``kind`` do not replace;
+        the marker stays as it is.
+    """
+    names = list(names)
+    marker = read_marker(directory) or Marker(kind or OTHER)
+    if kind:
+        refuse_other_kind(directory, kind)
+    refuse_foreign(directory, names, marker)
+    marker.kind = kind or marker.kind
+    marker.case = marker.case if case is None else case
+    marker.files |= dict.fromkeys(names)
+    marker.write(directory)
+
+
+def refuse_foreign(directory: Path, names: Iterable[str], marker: Marker | None = None) -> None:
+    """Raise InputError where a file that would be written is there, and granwave did not write it.
+
+    Parameters
+    ----------
+    names
+        Of what would be written.
+    marker
+        Of the directory, where it was read already.
+    """
+    if found := foreign(directory, names, marker):
+        raise InputError(
+            f"{directory}: {_few(found)} would be overwritten, and granwave did not write "
+            f"{(it := 'it' if len(found) == 1 else 'them')}; move {it} away, or choose another directory with -o"
+        )
+
+
+def foreign(directory: Path, names: Iterable[str], marker: Marker | None = None) -> list[str]:
+    """Those of ``names``, or what is in their way, that somebody else put into a directory; folders are shared."""
+    marker = marker or read_marker(directory)
+    own: Collection[str] = marker.files if marker else ()
+    found = []
+    for name in names:
+        if obstacle := _obstacle(directory, name):
+            found.append(obstacle)
+        elif name not in own and not name.endswith("/") and os.path.lexists(directory / name):
+            found.append(name)
+    return list(dict.fromkeys(found))
+
+
+def _obstacle(directory: Path, name: str) -> str:
+    """A link, or a file in the place of a folder or the reverse, on the way to a file; empty if there is none."""
+    parts = PurePosixPath(name).parts
+    for n in range(1, len(parts) + 1):
+        path, shown = directory.joinpath(*parts[:n]), "/".join(parts[:n])
+        if path.is_symlink():
+            return f"{shown} (a link)"
+        if not path.exists():
+            return ""
+        folder = n < len(parts) or name.endswith("/")
+        if path.is_dir() != folder:
+            return f"{shown} (a {'file' if folder else 'folder'})"
+    return ""
+
+
+def own_file(directory: Path, name: str) -> Path | None:
+    """Path of a file, or directory, of the marker that is there; None where it is not, or only through a link."""
+    path = directory / name
+    return path if os.path.lexists(path) and not _obstacle(directory, name) else None
+
+
+def figure_files(name: str) -> list[str]:
+    """Names of the files of a figure: picture, the same for print, and its data."""
+    return [f"{FIGURES_DIRECTORY}/{name}{suffix}" for suffix in FIGURE_SUFFIXES]
+
+
+def output_names(directory: Path) -> list[str]:
+    """Names of what LAMMPS writes into dumps/, of a deck that is there."""
+    marker = read_marker(directory)
+    return [name for name in (marker.files if marker else ()) if name.startswith(f"{DUMPS}/")]
+
+
+def results_in(directory: Path) -> list[str]:
+    """Names of the results that a directory holds; files of a scan that a point has beside its run are none."""
+    marker = read_marker(directory)
+    names = [name for name in (marker.files if marker else ()) if name not in POINT_FILES]
+    return [name for name in names if own_file(directory, name) is not None]
+
+
+def refuse_other_kind(directory: Path, kind: str) -> None:
+    """Raise InputError where a directory holds results that those of ``kind`` do not replace: a scan is no run."""
+    marker = read_marker(directory)
+    there, here = _GROUPS.get(marker.kind if marker else ""), _GROUPS.get(kind)
+    if there and here and there != here and results_in(directory):
+        raise InputError(f"{directory}: holds {there}, expected {here} or nothing; choose another with -o")
+
+
+def refuse_results(directory: Path, ways: str = "--resume goes on with them, --force replaces them") -> None:
+    """Raise InputError where a directory holds results; ``ways`` are those that lead on."""
+    if found := results_in(directory):
+        raise InputError(
+            f"{directory}: already holds results ({_few(found)}); {ways}, or choose another directory with -o"
+        )
+
+
+def _few(names: Sequence[str]) -> str:
+    return ", ".join(names[:_SHOWN]) + (", ..." if len(names) > _SHOWN else "")
+
+
+# ---------------------------------------------------------------------- removal
+
+
+def clear(directory: Path, names: Collection[str] | None = None) -> None:
+    """Remove what granwave wrote into a directory, and folders that are empty then.
+
+    Parameters
+    ----------
+    names
+        Of the files to remove; if not given, all but those that a scan keeps beside the run of a point.
+    """
+    marker = read_marker(directory)
+    if marker is None:
+        return
+    chosen = [name for name in marker.files if (name not in POINT_FILES if names is None else name in names)]
+    for name in chosen:
+        path = own_file(directory, name)
+        if path is not None and name.endswith("/"):
+            _clear_nested(path)
+        elif path is not None:
+            path.unlink()
+        del marker.files[name]
+    if names is None:
+        marker.case = ""
+        if marker.kind == SCAN:
+            _clear_work(directory / SCAN_WORK)
+    _clear_scratch(directory, chosen)
+    _remove_empty(directory, chosen)
+    if marker.files:
+        marker.write(directory)
+    elif not (directory / MARKER).is_symlink():
+        (directory / MARKER).unlink(missing_ok=True)
+
+
+def _clear_nested(directory: Path) -> None:
+    clear(directory)
+    clear(directory, POINT_FILES)
+    with contextlib.suppress(OSError):
+        directory.rmdir()
+
+
+def _clear_work(work: Path) -> None:
+    if work.is_symlink() or not work.is_dir():
+        return
+    for pattern in _WORK_FILES:
+        for path in work.glob(pattern):
+            if path.is_file() or path.is_symlink():
+                path.unlink()
+    folders = [path for path in work.rglob("*") if path.is_dir() and not path.is_symlink()]
+    for folder in [*sorted(folders, key=lambda path: -len(path.parts)), work]:
+        with contextlib.suppress(OSError):
+            folder.rmdir()
+
+
+def _clear_scratch(directory: Path, names: Iterable[str]) -> None:
+    """Remove what killed processes left of files that they were about to replace."""
+    folders: dict[str, set[str]] = {}
+    for name in names:
+        folders.setdefault(str(PurePosixPath(name).parent), set()).add(PurePosixPath(name).name)
+    for folder, files in folders.items():
+        if _obstacle(directory, f"{folder}/") or not (directory / folder).is_dir():
+            continue
+        for path in list((directory / folder).iterdir()):
+            left = _SCRATCH.fullmatch(path.name)
+            if left and left[1] in files and path.is_file() and not path.is_symlink():
+                path.unlink()
+
+
+def _remove_empty(directory: Path, names: Iterable[str]) -> None:
+    """Remove the folders of files, the deepest first, as far as nothing is in them."""
+    folders = {folder for name in names for folder in PurePosixPath(name).parents if folder.name}
+    for folder in sorted(folders, key=lambda folder: -len(folder.parts)):
+        if not _obstacle(directory, f"{folder}/"):
+            with contextlib.suppress(OSError):
+                (directory / folder).rmdir()
