@@ -12,6 +12,7 @@ import shlex
 import shutil
 import signal
 import subprocess
+import sys
 import tomllib
 import unicodedata
 import warnings
@@ -225,7 +226,7 @@ def _as_if_started_anew() -> Iterator[None]:
 
 
 def _print_warning(message: Warning | str, category: type[Warning], name: str, line: int, *_: Any) -> None:
-    print(warnings.formatwarning(message, category, name, line), file=__import__("sys").stderr)
+    print(warnings.formatwarning(message, category, name, line), file=sys.stderr)
 
 
 class OverTime(BaseException):
