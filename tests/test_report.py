@@ -235,9 +235,9 @@ def test_figures_in_a_fixed_order_made_small(runs, tmp_path):
     report = build(runs, tmp_path)
     gallery = next(block for block in blocks(report, "figures") if isinstance(block, Gallery))
     assert [figure.caption for figure in gallery.figures] == [
-        "Peak contact force, principal plane",
-        "Energies and the error of their balance",
-        "Zebra",
+        "Peak contact force, principal plane: run first",
+        "Energies and the error of their balance: run first",
+        "Zebra: run first",
     ]
     figure = gallery.figures[-1]
     assert figure.size == (900, 45)

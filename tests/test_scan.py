@@ -17,7 +17,7 @@ from pathlib import Path
 import pytest
 
 from granwave.analysis.scans.table import read_scan, write_scan_table
-from granwave.workflows.scanning.worker import _Worker
+from granwave.workflows.cli.worker import _Worker
 from tests.conftest import PLAIN
 
 HEAD = """
@@ -291,7 +291,7 @@ def test_damaged_points_are_made_again(granwave, tmp_path) -> None:
 def test_too_little_room_for_a_point_is_told(tmp_path, monkeypatch) -> None:
     (tmp_path / ".scan").mkdir()
     worker = _Worker(tmp_path, {}, tmp_path)
-    monkeypatch.setattr("granwave.workflows.scanning.worker.free_space", lambda _: 21e6)
+    monkeypatch.setattr("granwave.workflows.cli.worker.free_space", lambda _: 21e6)
     assert not worker._room({"disk": 1e6})
     assert (tmp_path / ".scan" / "stop").read_text() == (
         f"{tmp_path}: the results of the next point need about 0.001 GB and 0.05 GB must stay free, 0.021 GB are free there"

@@ -13,6 +13,7 @@ What enters the incident bar is the load, what enters the other one is its conta
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Callable
 from functools import cached_property
 
@@ -69,9 +70,14 @@ class Passage:
 
     @property
     def speed(self) -> float:
-        """Between the sections: of the centroid of a pulse that passed both, else of its rise through half, m/s."""
+        """Between the sections: of the centroid of a pulse that passed both, else of its rise through half, m/s.
+
+        NaN where nothing reached one of them.
+        """
         forces = [force[np.isfinite(force)] for force in self.force]
         times = [self.time[: len(force)] for force in forces]
+        if not all(force.any() for force in forces):
+            return math.nan
         if all(abs(force[-1]) < _THROUGH * self.peak for force in forces):
             near, far = (float(t @ force / force.sum()) for t, force in zip(times, forces, strict=True))
         else:

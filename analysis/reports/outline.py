@@ -34,6 +34,7 @@ def build_report(inputs: Inputs, named: Sequence[str] = ()) -> Report:
     labels = [item.label for item in inputs.items]
     names = ", ".join(labels[:_IN_TITLE]) + (f" and {len(labels) - _IN_TITLE} more" if len(labels) > _IN_TITLE else "")
     failures, studies = failures_section(inputs), studies_of(inputs, named)
+    above = {picture.name for study in studies for picture in study.pictures}
     sections = (
         _attention(inputs, failures.slug),
         Section("Verdict", "verdict", verdicts(studies)),
@@ -44,7 +45,7 @@ def build_report(inputs: Inputs, named: Sequence[str] = ()) -> Report:
         sources_section(inputs),
         balance_section(inputs),
         failures,
-        figures_section(inputs),
+        figures_section(inputs, above),
     )
     return tidied(Report(f"Report: {names}", _lead(inputs), tuple(section for section in sections if section.blocks)))
 

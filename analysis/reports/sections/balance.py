@@ -42,11 +42,11 @@ def balance_section(inputs: Inputs) -> Section:
         "continuum": "A continuum run above 2 % is stopped.",
     }
     text = " ".join([text, *(limits[kind] for kind in LIMITS if any(run.kind == kind for run in runs))])
-    return Section("Energy balance", SLUG, (Note(text), *balance_notes(runs), _table(runs)))
+    return Section("Energy balance", SLUG, (Note(text), _table(runs)))
 
 
 def balance_notes(runs: Sequence[Run], section: str = "") -> list[Note]:
-    """Warnings of poor balances and of contacts beyond the law."""
+    """Warnings of poor balances and of contacts beyond the law, for the top of the report."""
     notes = []
     for kind, largest in LIMITS.items():
         poor = [run for run in runs if run.kind == kind and verdict(run)[1] == "bad"]

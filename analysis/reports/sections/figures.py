@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from itertools import cycle
 from pathlib import Path
 
@@ -73,16 +73,24 @@ _QUANTITIES = {  # of figures of scans, where their names do not tell
 _AGAINST = "_vs_"  # in names of figures of scans: of what, against which key
 
 
-def figures_section(inputs: Inputs) -> Section:
-    """The section of the report."""
+def figures_section(inputs: Inputs, above: Collection[str] = ()) -> Section:
+    """The section of the report.
+
+    Parameters
+    ----------
+    above
+        Names of figures that stand in other sections; scans keep those of their studies as files, too.
+    """
     blocks: list[Block] = []
     n_items = len(inputs.items)
     for number, item in enumerate(inputs.items, start=1):
         what = "scan" if isinstance(item, Scan) else "run"
         words = _words_of_keys(item) if isinstance(item, Scan) else {}
-        parts = _pictures(item.directory, inputs, f"{number}-{item.label}", f"{what} {item.label}", WIDTH, words)
+        left_out = above if isinstance(item, Scan) else ()
+        name, label = f"{number}-{item.label}", f"{what} {item.label}"
+        parts = _pictures(item.directory, inputs, name, label, WIDTH, words, left_out)
         if parts:
-            title = f"{what.capitalize()} {item.label}"
+            title = f"Figures of {what} {item.label}"
             blocks.append(Group(title, parts, folded=n_items > 2 and isinstance(item, Run)))
         if isinstance(item, Scan):
             blocks += _points(item, inputs, number)
@@ -159,12 +167,12 @@ def _points(scan: Scan, inputs: Inputs, number: int) -> list[Block]:
     """Pictures of the points of a scan, a folded group each, as long as the page stays of a reasonable size."""
     blocks: list[Block] = []
     left, size = [], 0
-    seen: set[Path] = set()
+    seen = {run.directory.resolve() for run in inputs.runs}
     for point in scan.points:
         run = point.run
-        if run is None or run.directory in seen or not any((run.directory / FIGURES_DIRECTORY).glob("*.png")):
+        if run is None or run.directory.resolve() in seen or not any((run.directory / FIGURES_DIRECTORY).glob("*.png")):
             continue
-        seen.add(run.directory)
+        seen.add(run.directory.resolve())
         if size > POINTS_BUDGET:
             left.append(inputs.link(run.directory / FIGURES_DIRECTORY, f"#{point.result.number}"))
             continue
@@ -179,7 +187,13 @@ def _points(scan: Scan, inputs: Inputs, number: int) -> list[Block]:
 
 
 def _pictures(
-    directory: Path, inputs: Inputs, name: str, what: str, width: int, words: Mapping[str, str]
+    directory: Path,
+    inputs: Inputs,
+    name: str,
+    what: str,
+    width: int,
+    words: Mapping[str, str],
+    left_out: Collection[str] = (),
 ) -> tuple[Gallery | Note, ...]:
     """The PNG files of a directory's figures, in the order of the figures of a run, others by name after them."""
     order = list(_CAPTIONS)
@@ -189,6 +203,8 @@ def _pictures(
     )
     figures, damaged = [], []
     for path in paths:
+        if path.stem in left_out:
+            continue
         try:
             png, size, inches = shrunk(path, width)
         except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
@@ -197,7 +213,9 @@ def _pictures(
         caption = _caption(path.stem, words)
         data = path.with_suffix(".csv")
         link = inputs.link(data, f"{FIGURES_DIRECTORY}/{data.name}") if data.is_file() else None
-        figures.append(Figure(_slug(f"{name}-{path.stem}"), caption, f"{caption}: {what}", png, size, link, inches))
+        alone = len(inputs.items) == 1 and directory == inputs.items[0].directory
+        alt = f"{caption}: {what}"
+        figures.append(Figure(_slug(f"{name}-{path.stem}"), caption if alone else alt, alt, png, size, link, inches))
     gallery = (Gallery(tuple(figures)),) if figures else ()
     return (*gallery, *damaged)
 

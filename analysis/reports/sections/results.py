@@ -98,7 +98,7 @@ def _scan_blocks(scan: Scan, inputs: Inputs) -> list[Block]:
     files = [scan.directory / name for name in (SCAN_TABLE, SCAN_MEANS)]
     links = tuple(inputs.link(path) for path in files if path.is_file())
     if links:
-        blocks.append(Note("All values:", links=links))
+        blocks.append(Note(f"All values of scan {scan.label}:", links=links))
     return blocks
 
 

@@ -29,7 +29,9 @@ _COLUMNS = (
 
 def studies_section(inputs: Inputs, found: Sequence[Study]) -> Section:
     """The section of the report; without blocks where there is no study."""
-    return Section("Studies", SLUG, tuple(_group(study, inputs) for study in found))
+    texts = [study.text for study in found]
+    first = [texts.index(text) == n for n, text in enumerate(texts)]
+    return Section("Studies", SLUG, tuple(_group(study, inputs, new) for study, new in zip(found, first, strict=True)))
 
 
 def verdicts(found: Sequence[Study]) -> tuple[Group, ...]:
@@ -66,22 +68,25 @@ def _guessed(inputs: Inputs) -> list[Study]:
     return tolerance_studies(collect_tolerances(found), undone)
 
 
-def _group(study: Study, inputs: Inputs) -> Group:
-    blocks: list[Table | Gallery | Note] = [Note(study.text)]
+def _group(study: Study, inputs: Inputs, new: bool) -> Group:
+    """A study; its text only where it is new."""
+    blocks: list[Table | Gallery | Note] = [Note(study.text)] if new else []
     if study.rows:
         what = "source" if any(row.source is not None for row in study.rows) else "theory"
         rows = tuple(map(_cells, study.rows))
         blocks.append(Table(f"{study.title}: {what} against ours", _COLUMNS, rows, sortable=True, by_row=True))
     blocks += study.tables
     figures = []
+    folders = [inputs.base] + [item.directory for item in inputs.items if len(inputs.items) == 1]
     for picture in study.pictures:
-        data = inputs.base / FIGURES_DIRECTORY / f"{picture.name}.csv"
-        link = inputs.link(data, f"{FIGURES_DIRECTORY}/{data.name}") if data.is_file() else None
+        name = f"{FIGURES_DIRECTORY}/{picture.name}.csv"
+        data = next((folder / name for folder in folders if (folder / name).is_file()), None)
+        link = inputs.link(data, name) if data else None
         slug = f"studies-{picture.name.replace('_', '-')}"
         figures.append(picture_of(picture.drawing, slug, picture.caption, link))
     if figures:
         blocks.append(Gallery(tuple(figures)))
-    return Group(study.title, tuple(blocks))
+    return Group(f"{study.title}: tables and figures" if study.verdict else study.title, tuple(blocks))
 
 
 def _cells(row: Row) -> tuple[Cell, ...]:

@@ -28,29 +28,43 @@ def studies(packings: Sequence[Packing], undone: Sequence[Mapping[str, Any]] = (
     undone
         Points of scans that failed or were not run, as values of the keys that vary.
     """
+    titles = [f"{impact_words(packing.case)}, {bottom_words(packing.case)}" for packing in packings]
     with style():
         return [
-            _study(measure(packing), number, any(is_ideal(labels, packing) for labels in undone))
-            for number, packing in enumerate(packings, start=1)
+            _study(measure(packing), number, title, own, any(is_ideal(labels, packing) for labels in undone))
+            for number, (packing, title, own) in enumerate(zip(packings, titles, _own(titles), strict=True), start=1)
         ]
 
 
-def _study(measured: Measured, number: int, ideal_undone: bool) -> Study:
-    case = measured.packing.case
+def _own(titles: Sequence[str]) -> list[str]:
+    """What tells each of several packings from the others, for captions; nothing of a single one."""
+    if len(titles) < 2:
+        return [""] * len(titles)
+    parts = [title.split(", ") for title in titles]
+    own = [", ".join(part for part in words if not all(part in other for other in parts)) for words in parts]
+    if len(set(own)) < len(own):  # they differ in what no title says
+        own = [", ".join(filter(None, (words, f"packing {n}"))) for n, words in enumerate(own, start=1)]
+    return own
+
+
+def _study(measured: Measured, number: int, title: str, own: str, ideal_undone: bool) -> Study:
     name = "tolerances" if number == 1 else f"tolerances-{number}"
+    told = f" ({own})" if own else ""
+    title += told if own not in title else ""
     return Study(
         name,
-        f"Tolerances: {impact_words(case)}, {bottom_words(case)}",
+        f"Tolerances: {title}",
         "Means over the seeds and their 95 % confidence intervals (Student). Values without an interval are of "
         "packings in which nothing is random, or of a single seed. With a diameter scatter, diameters lie between the "
         "nominal one and so much less. A lower peak force and a larger dissipated share protect better.",
-        pictures=tuple(_pictures(measured, name.replace("-", "_"))),
-        tables=tuple(_tables(measured)),
+        pictures=tuple(_pictures(measured, name.replace("-", "_"), told)),
+        tables=tuple(_tables(measured, told)),
         verdict=verdict(measured, asked=ideal_undone),
     )
 
 
-def _pictures(measured: Measured, name: str) -> Iterator[Picture]:
+def _pictures(measured: Measured, name: str, told: str) -> Iterator[Picture]:
+    """Figures; ``told`` stands behind each caption."""
     axes = axes_of(measured.packing)
     for axis in axes:
         drawing = figures.against(measured, axis)
@@ -58,19 +72,20 @@ def _pictures(measured: Measured, name: str) -> Iterator[Picture]:
             random = not measured.random.isdisjoint(axis.tried(measured.packing))
             what = "means, 95 % confidence bands, and single runs as dots" if random else "nothing is random here"
             caption = f"Against {axis.words}: {what}"
-            yield Picture(f"{name}_{axis.name}", caption, drawing)
+            yield Picture(f"{name}_{axis.name}", caption + told, drawing)
     for across, up in itertools.combinations(axes, 2):
         drawing = figures.left_of_ideal(measured, across, up)
         if drawing is not None:
             caption = f"{across.words.capitalize()} and {up.words} together, in per cent of the ideal packing's"
-            yield Picture(f"{name}_{across.name}_{up.name}", caption, drawing)
+            yield Picture(f"{name}_{across.name}_{up.name}", caption + told, drawing)
     drawing = figures.convergence(measured)
     if drawing is not None:
         caption = "Confidence of the mean of the first n seeds, and what the scatter of all of them makes of n"
-        yield Picture(f"{name}_seeds", caption, drawing)
+        yield Picture(f"{name}_seeds", caption + told, drawing)
 
 
-def _tables(measured: Measured) -> Iterator[Table]:
+def _tables(measured: Measured, told: str) -> Iterator[Table]:
+    """Tables; ``told`` stands behind each caption."""
     axes = axes_of(measured.packing)
     quantities = measured.shown()
     heads = tuple(Column(axis.words.capitalize(), axis.unit, numeric=True, key=True) for axis in axes)
@@ -84,7 +99,7 @@ def _tables(measured: Measured) -> Iterator[Table]:
     )
     seeds = Column("Seeds", numeric=True)
     columns = tuple(Column(one.words.capitalize(), one.unit, numeric=True) for one in quantities)
-    yield Table("Mean and 95 % confidence interval", (*heads, seeds, *columns), rows, sortable=True)
+    yield Table(f"Mean and 95 % confidence interval{told}", (*heads, seeds, *columns), rows, sortable=True)
     kept = [
         one for one in measured.performance if any(measured.left(one, setting) for setting in measured.packing.settings)
     ]
@@ -99,7 +114,7 @@ def _tables(measured: Measured) -> Iterator[Table]:
             for setting in measured.packing.settings
             if setting != IDEAL
         )
-        yield Table("Against the ideal packing", (*heads, seeds, *columns), rows, sortable=True)
+        yield Table(f"Against the ideal packing{told}", (*heads, seeds, *columns), rows, sortable=True)
 
 
 def _setting(setting: Setting, axes: Sequence[Axis]) -> Iterator[Cell]:
