@@ -191,6 +191,8 @@ def clear(directory: Path, names: Collection[str] | None = None) -> None:
     if marker is None:
         return
     chosen = [name for name in marker.files if (name not in POINT_FILES if names is None else name in names)]
+    if names is not None and not chosen:
+        return
     for name in chosen:
         path = own_file(directory, name)
         if path is not None and name.endswith("/"):

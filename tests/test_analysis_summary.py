@@ -165,7 +165,7 @@ def test_loaded_contacts_are_those_that_bore_a_force(tmp_path):
     """Nothing touches at the start where diameters are scattered; contacts form all the same."""
     scattered, case = summary_of(tmp_path / "scattered", packing={"diameter_scatter": 5e-6}.items())
     assert assemble(case).n_contacts == scattered["n_contacts"] == 0
-    dents = synthetic.make_case().lattice.n_contacts
+    dents = assemble(synthetic.make_case()).lattice.n_contacts
     synthetic.write_run(tmp_path / "loaded", synthetic.make_case())
     path = tmp_path / "loaded" / "dumps" / "contacts.dump"
     head, rows = path.read_text().splitlines()[:9], np.loadtxt(path, skiprows=9)

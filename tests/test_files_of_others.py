@@ -99,6 +99,16 @@ def test_a_case_file_of_that_name_is_not_overwritten(says, tmp_path, capsys):
     assert files(tmp_path) == before
 
 
+def test_a_deck_that_was_run_by_hand_is_not_lost(says, tmp_path):
+    says(0, "write", *TINY, "-o", "r")
+    says(0, "run", *QUICK, "-o", "r", "--resume")  # there is nothing yet that could be lost
+    says(0, "write", *TINY, "-o", "r", "--force")
+    Path("r", "dumps", "energy.txt").write_text("# by LAMMPS")
+    before = files(tmp_path / "r")
+    assert "LAMMPS was run on by hand" in says(2, "run", *QUICK, "-o", "r", "--resume")
+    assert files(tmp_path / "r") == before
+
+
 def test_an_empty_directory_stays_where_nothing_came_of_it(says, tmp_path):
     Path("r").mkdir()
     says(2, "run", *TINY, "--set", "packing.size=[1000,1000,1000]", "-o", "r")
@@ -195,7 +205,7 @@ def test_names_that_are_no_directories_are_refused(says, tmp_path, name):
     )
     for command in (["run", "mine.toml"], ["write", "mine.toml", "-o", "d"], ["scan", "my.toml"]):
         message = says(2, *command)
-        assert ": name: found " in message and "that can be that of a directory" in message
+        assert ": name: found " in message and "expected a plain name, as of a directory" in message
         assert len(message.splitlines()) == 1
     assert sorted(files(tmp_path)) == ["mine.toml", "my.toml"]
 

@@ -8,6 +8,7 @@ import shutil
 import pytest
 
 from granwave.analysis import analyse, draw_figures, summarise
+from granwave.analysis.exports.export import export
 from granwave.lammps_inputs import write_deck
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.ownership import claim, clear, foreign, read_marker, results_in
@@ -182,6 +183,15 @@ def test_what_an_earlier_version_left_is_replaced_and_noted(earlier):
     draw_figures(earlier, names=("energies",))
     assert {"summary.json", "figures/energies.png", "dumps/energy.txt"} <= set(read_marker(earlier).files)
     assert (earlier / MARKER).exists()
+
+
+def test_an_export_of_an_earlier_version_is_replaced(earlier):
+    fill(earlier, "export/energy.csv", "export/snapshot_0077.csv", "export/mine.csv", "export/walls_mine.txt")
+    export(earlier, "csv")
+    assert (earlier / "export" / "energy.csv").read_text() != "mine"
+    assert not (earlier / "export" / "snapshot_0077.csv").exists()
+    clear(earlier)
+    assert tree(earlier / "export") == ["mine.csv", "walls_mine.txt"]
 
 
 def test_names_alone_are_no_results(tmp_path):

@@ -15,8 +15,8 @@ from granwave.analysis.result.reader import Result
 from granwave.analysis.scans.table import read_scan
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.ownership import claim
-from granwave.lammps_inputs.run_directory import EXPORT_DIRECTORY, is_scan
+from granwave.lammps_inputs.ownership import claim, read_marker
+from granwave.lammps_inputs.run_directory import EXPORT_DIRECTORY, OTHER, Marker, is_scan
 
 OVITO_SCRIPT = "open_in_ovito.py"
 
@@ -67,9 +67,19 @@ def export(directory: str | Path, to: str, output: str | Path | None = None) -> 
     if output is not None:
         results_directory(output)
         return _export(directory, to, Path(output))
-    placed = _export(directory, to, directory / EXPORT_DIRECTORY)
+    output = directory / EXPORT_DIRECTORY
+    _take_over(directory, output)
+    placed = _export(directory, to, output)
     claim(directory, [f"{EXPORT_DIRECTORY}/"])  # so that --force removes it with the results
     return placed
+
+
+def _take_over(directory: Path, output: Path) -> None:
+    """Mark the export that version 0.1.0 left within its results."""
+    marker, prefix = read_marker(directory), f"{EXPORT_DIRECTORY}/"
+    names = [name.removeprefix(prefix) for name in (marker.files if marker else ()) if name.startswith(prefix)]
+    if any(names) and read_marker(output) is None:
+        Marker(OTHER, files=dict.fromkeys(filter(None, names))).write(output)
 
 
 def _export(directory: Path, to: str, output: Path) -> list[Path]:

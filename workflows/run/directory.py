@@ -16,7 +16,7 @@ from granwave.lammps_inputs.contact.initial_dents import dents_table, earlier_re
 from granwave.lammps_inputs.deck.deck import deck_files
 from granwave.lammps_inputs.errors import InputError, raise_all
 from granwave.lammps_inputs.load_case import case_from_dict
-from granwave.lammps_inputs.ownership import clear, figure_files, refuse_foreign
+from granwave.lammps_inputs.ownership import clear, figure_files, output_names, read_marker, refuse_foreign
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.plan import check_run, plan
 from granwave.lammps_inputs.planning.schedule import Schedule
@@ -81,6 +81,7 @@ def decide(case: Case, directory: Path, *, resume: bool, force: bool, n_ranks: i
 
 def _how_far(directory: Path) -> str:
     """What is left to do in the directory of a run of the same case; warnings say what is damaged."""
+    _refuse_by_hand(directory)
     there, fault = record.read(directory), result_fault(directory)
     seen = there or record.recover(directory)
     state = seen.state if seen else None
@@ -94,6 +95,17 @@ def _how_far(directory: Path) -> str:
     if fault and (there is None or state == record.FINISHED):
         logger.warning("%s; %s", fault, "analysed again" if way == ANALYSE else "the case is run again")
     return way
+
+
+def _refuse_by_hand(directory: Path) -> None:
+    """Raise InputError where LAMMPS was run by hand on a deck: nothing tells whether it came to its end."""
+    marker = read_marker(directory)
+    outputs = [name for name in output_names(directory) if (directory / name).is_file()]
+    if marker is not None and RECORD_FILE not in marker.files and outputs:
+        raise InputError(
+            f"{directory}: holds a deck that LAMMPS was run on by hand, which --resume cannot go on with: "
+            f"granwave analyse {directory}  makes the results, --force runs the case again"
+        )
 
 
 def _case(tables: Mapping[str, Any], directory: Path) -> dict[str, Any]:

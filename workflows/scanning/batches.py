@@ -9,6 +9,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
+from granwave.lammps_inputs.files import replace_text
 from granwave.lammps_inputs.planning.plan import Plan
 from granwave.workflows.scanning.profile import Profile
 from granwave.workflows.scanning.scan_file import Point
@@ -48,7 +49,7 @@ class Batch:
             {"id": point.id, "verb": point.kind.verb, "case": point.case.to_dict(), "disk": point.plan.disk}
             for point in self.points
         ]
-        path.write_text(json.dumps({"points": points, "ranks": self.ranks, **settings}), encoding="utf-8")
+        replace_text(path, json.dumps({"points": points, "ranks": self.ranks, **settings}))
 
 
 def expected_time(point: Point, slowness: float = 1.0) -> float:

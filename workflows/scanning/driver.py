@@ -18,7 +18,7 @@ from granwave.analysis.scans.table import ScanData, read_scan, write_scan_table
 from granwave.lammps_inputs.directories import check_directory, results_directory
 from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.files import replace_text
-from granwave.lammps_inputs.ownership import claim, clear, refuse_foreign, refuse_other_kind, refuse_results
+from granwave.lammps_inputs.ownership import claim, clear, refuse_foreign, refuse_other_kind, refuse_results, results_in
 from granwave.lammps_inputs.run_directory import SCAN, SCAN_FILE, SCAN_INDEX, SCAN_REPORT, SCAN_WORK, is_scan
 from granwave.workflows.run.directory import busy, held
 from granwave.workflows.run.interrupts import Interrupts
@@ -180,7 +180,8 @@ def _prepare(scan: Scan, directory: Path, *, on_cluster: bool) -> None:
     for point in scan.distinct:
         in_work = point in adopted or busy(layout.unfinished(directory, point))
         if not in_work and (fault := layout.fault(directory, point)):
-            logger.warning("%s; the point is analysed again, or run again", fault)
+            if results_in(layout.finished(directory, point)):
+                logger.warning("%s; the point is analysed again, or run again", fault)
             layout.reopen(directory, point)
         state = layout.state(directory, point)
         if state.get("attempts") and point not in adopted:  # it failed, or was killed with its job: another chance

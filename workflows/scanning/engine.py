@@ -13,6 +13,7 @@ from importlib import util
 from pathlib import Path
 
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import replace_text
 from granwave.lammps_inputs.memory import available_memory
 from granwave.lammps_inputs.run_directory import SCAN_WORK
 from granwave.workflows.run import mpi
@@ -52,7 +53,7 @@ class Engine:
         self.name, self.directory, self.profile = name, directory, profile
         round_name = batches[0].id.split("x")[0]
         plan = directory / SCAN_WORK / f"jobs-{round_name}.json"
-        plan.write_text(json.dumps(self._plan(batches)), encoding="utf-8")
+        replace_text(plan, json.dumps(self._plan(batches)))
         self.log = directory / layout.LOGS / f"snakemake-{round_name}.log"
         command = [
             sys.executable, "-m", "snakemake", "--snakefile", str(_SNAKEFILE), "--directory", str(directory),

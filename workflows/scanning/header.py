@@ -52,7 +52,7 @@ def _parse_ranks(value: Any) -> RanksBySize:
 def parse_studies(value: Any) -> tuple[str, ...]:
     """Names of studies, from a word or a list of words."""
     names = [value] if isinstance(value, str) else value
-    if not isinstance(names, list) or not all(isinstance(name, str) and name in STUDIES for name in names):
+    if not isinstance(names, list) or not names or not all(isinstance(n, str) and n in STUDIES for n in names):
         raise Unfit(f"a study, or a list of studies, of: {', '.join(STUDIES)}")
     return tuple(names)
 
