@@ -79,7 +79,8 @@ class Contact {
     law = ContactLaw(entry, first, second, options);
     if (const std::string fault = law.fault(); checked && !own.empty() && !fault.empty()) throw py::value_error(fault);
     scaled = ScaledLaw(law, granwave::effective_radius(radius.first, radius.second));
-    if (entry.yields() && !std::isfinite(scaled.yield_overlap())) throw py::value_error("law '" + name + "' needs a yield strength");
+    if (entry.yields() && !std::isfinite(scaled.yield_overlap()))
+      throw py::value_error("law '" + name + "' needs a yield strength");
     extra.assign(entry.n_extra, 0.0);
   }
   Contact(const Contact &) = delete;    // `scaled` points to `law`
@@ -87,12 +88,18 @@ class Contact {
   double loading_force(double overlap) const { return scaled.loading_force(overlap, extra.data()); }
   double loading_work(double overlap) const { return scaled.loading_work(overlap, extra.data()); }
   double force(double overlap, double peak) const { return scaled.force(overlap, history(peak)); }
-  double elastic_energy(double overlap, double peak) const { return scaled.elastic_energy(overlap, history(std::max(peak, overlap))); }
+  double elastic_energy(double overlap, double peak) const
+  {
+    return scaled.elastic_energy(overlap, history(std::max(peak, overlap)));
+  }
   double dissipated_energy(double peak) const { return scaled.dissipated_energy(history(peak)); }
   double residual_overlap(double peak) const { return scaled.residual_overlap(history(peak)); }
   double unloading_exponent(double peak) const { return scaled.unloading_exponent(history(peak)); }
   double unloading_stiffness(double peak) const { return scaled.unloading_stiffness(history(peak)); }
-  double contact_radius(double overlap, double peak) const { return std::sqrt(scaled.circle_squared(overlap, history(peak))); }
+  double contact_radius(double overlap, double peak) const
+  {
+    return std::sqrt(scaled.circle_squared(overlap, history(peak)));
+  }
   double peak_contact_radius(double peak) const { return contact_radius(peak, peak); }
   double tangential_stiffness(double overlap, double peak) const
   {
@@ -125,12 +132,14 @@ template <auto Method> auto two()
 
 PYBIND11_MODULE(_contact_laws, module)
 {
-  module.doc() = "Force-overlap laws of a contact: the functions that the LAMMPS pair style uses, for numpy arrays in SI units.";
+  module.doc() =
+      "Force-overlap laws of a contact: the functions that the LAMMPS pair style uses, for numpy arrays in SI units.";
   module.attr("LAMMPS_RELEASE") = GRANWAVE_LAMMPS_RELEASE;
   module.attr("LAW_CONSTANTS") = by_name({});
   py::class_<LawEntry>(module, "LawEntry", "A contact law of the table LAWS.")
       .def_readonly("name", &LawEntry::name)
-      .def_readonly("elastic_limit", &LawEntry::elastic_limit, "largest overlap that leaves no dent, in alpha_y; infinite: it never yields")
+      .def_readonly("elastic_limit", &LawEntry::elastic_limit,
+                    "largest overlap that leaves no dent, in alpha_y; infinite: it never yields")
       .def_readonly("fitted", &LawEntry::fitted, "True for a fit, valid to overlaps of 0.2 R*")
       .def_readonly("n_extra", &LawEntry::n_extra, "numbers of history beyond the largest overlap")
       .def_property_readonly("yields", &LawEntry::yields, "True if the law needs a yield strength")
@@ -138,31 +147,41 @@ PYBIND11_MODULE(_contact_laws, module)
   py::dict laws;
   for (const LawEntry &entry : granwave::law_table()) laws[entry.name] = py::cast(entry, py::return_value_policy::reference);
   module.attr("LAWS") = laws;
-  py::class_<Contact>(module, "ContactLaw",
-                       "Contact of two spheres, or of a sphere and a plane (radius inf), rigid where the modulus is inf.\n\n"
-                       "Every pair of arguments is (first, second) body. Overlaps in m, forces in N, energies in J.\n"
-                       "The elasto-plastic law takes other constants than those of LAW_CONSTANTS, by name.\n"
-                       "Raises ValueError for constants without meaning, or (unless checked is False) that make no passive law.")
+  py::class_<Contact>(
+      module, "ContactLaw",
+      "Contact of two spheres, or of a sphere and a plane (radius inf), rigid where the modulus is inf.\n\n"
+      "Every pair of arguments is (first, second) body. Overlaps in m, forces in N, energies in J.\n"
+      "The elasto-plastic law takes other constants than those of LAW_CONSTANTS, by name.\n"
+      "Raises ValueError for constants without meaning, or (unless checked is False) that make no passive law.")
       .def(py::init<const std::string &, Two, Two, Two, Two, const std::string &, double, double,
                     const std::map<std::string, double> &, bool>(),
            py::arg("law") = "elastoplastic", py::kw_only(), py::arg("youngs_modulus"), py::arg("poisson_ratio"),
            py::arg("yield_strength"), py::arg("radius"), py::arg("variant") = "continuous", py::arg("yield_factor") = 1.6,
            py::arg("beta") = 0.8, py::arg("constants") = std::map<std::string, double>(), py::arg("checked") = true)
       .def_property_readonly("name", [](const Contact &b) { return std::string(b.law.entry().name); })
-      .def_property_readonly("entry", [](const Contact &b) { return b.law.entry(); }, "of the table LAWS")
-      .def_property_readonly("constants", [](const Contact &b) { return by_name(b.law.constants()); },
-                             "of the elasto-plastic law, by name")
-      .def_property_readonly("effective_radius", [](const Contact &b) { return b.scaled.effective_radius(); }, "R*, m")
-      .def_property_readonly("effective_modulus", [](const Contact &b) { return b.law.modulus(); }, "E*, Pa")
-      .def_property_readonly("shear_modulus", [](const Contact &b) { return b.law.shear_modulus(); },
-                             "G*, 1/G* = (2 - nu1)/G1 + (2 - nu2)/G2, Pa")
-      .def_property_readonly("yield_strength", [](const Contact &b) { return b.law.yield_strength(); }, "of the softer body, Pa")
-      .def_property_readonly("yield_overlap", [](const Contact &b) { return b.scaled.yield_overlap(); }, "alpha_y, m")
-      .def_property_readonly("elastic_limit", [](const Contact &b) { return b.scaled.elastic_limit(); },
-                             "largest overlap that leaves no dent, m: alpha_y, 0 without an elastic range, infinite if it never yields")
-      .def_property_readonly("yield_force", [](const Contact &b) { return b.scaled.yield_force(); }, "F_y, N")
-      .def_property_readonly("share_of_first", [](const Contact &b) { return b.law.share_of_first(); },
-                             "share of the dissipated energy that belongs to the first body")
+      .def_property_readonly(
+          "entry", [](const Contact &b) { return b.law.entry(); }, "of the table LAWS")
+      .def_property_readonly(
+          "constants", [](const Contact &b) { return by_name(b.law.constants()); }, "of the elasto-plastic law, by name")
+      .def_property_readonly(
+          "effective_radius", [](const Contact &b) { return b.scaled.effective_radius(); }, "R*, m")
+      .def_property_readonly(
+          "effective_modulus", [](const Contact &b) { return b.law.modulus(); }, "E*, Pa")
+      .def_property_readonly(
+          "shear_modulus", [](const Contact &b) { return b.law.shear_modulus(); },
+          "G*, 1/G* = (2 - nu1)/G1 + (2 - nu2)/G2, Pa")
+      .def_property_readonly(
+          "yield_strength", [](const Contact &b) { return b.law.yield_strength(); }, "of the softer body, Pa")
+      .def_property_readonly(
+          "yield_overlap", [](const Contact &b) { return b.scaled.yield_overlap(); }, "alpha_y, m")
+      .def_property_readonly(
+          "elastic_limit", [](const Contact &b) { return b.scaled.elastic_limit(); },
+          "largest overlap that leaves no dent, m: alpha_y, 0 without an elastic range, infinite if it never yields")
+      .def_property_readonly(
+          "yield_force", [](const Contact &b) { return b.scaled.yield_force(); }, "F_y, N")
+      .def_property_readonly(
+          "share_of_first", [](const Contact &b) { return b.law.share_of_first(); },
+          "share of the dissipated energy that belongs to the first body")
       .def("force", two<&Contact::force>(), py::arg("overlap"), py::arg("peak_overlap"),
            "Force at an overlap when the largest so far was peak_overlap, N.")
       .def("loading_force", one<&Contact::loading_force>(), py::arg("overlap"), "Force of first loading, N.")
@@ -171,11 +190,13 @@ PYBIND11_MODULE(_contact_laws, module)
            "Energy that unloading would give back, J.")
       .def("dissipated_energy", one<&Contact::dissipated_energy>(), py::arg("peak_overlap"),
            "Energy lost once peak_overlap was reached, J.")
-      .def("residual_overlap", one<&Contact::residual_overlap>(), py::arg("peak_overlap"), "Overlap of the unloaded dent, m.")
+      .def("residual_overlap", one<&Contact::residual_overlap>(), py::arg("peak_overlap"),
+           "Overlap of the unloaded dent, m.")
       .def("unloading_exponent", one<&Contact::unloading_exponent>(), py::arg("peak_overlap"), "n of the unloading branch.")
       .def("unloading_stiffness", one<&Contact::unloading_stiffness>(), py::arg("peak_overlap"),
            "Slope dF/d(overlap) where unloading starts, N/m.")
-      .def("contact_radius", one<&Contact::peak_contact_radius>(), py::arg("peak_overlap"), "Radius of the contact circle at a peak, m.")
+      .def("contact_radius", one<&Contact::peak_contact_radius>(), py::arg("peak_overlap"),
+           "Radius of the contact circle at a peak, m.")
       .def("contact_radius", two<&Contact::contact_radius>(), py::arg("overlap"), py::arg("peak_overlap"),
            "Radius of the contact circle at an overlap when the largest so far was peak_overlap, m.")
       .def("tangential_stiffness", two<&Contact::tangential_stiffness>(), py::arg("overlap"), py::arg("peak_overlap"),

@@ -19,7 +19,10 @@ class Bilinear : public NormalLaw {
   double loading(double a, const double *) const { return slope_ * a; }
   double loading_work(double a, const double *) const { return 0.5 * slope_ * a * a; }
   Turning turning(double peak, const double *) const { return {peak, slope_ * peak, beta_ * peak, 1.0}; }
-  double dissipated_energy(const Turning &t, const double *extra) const { return energy_lost(loading_work(t.peak, extra), t); }
+  double dissipated_energy(const Turning &t, const double *extra) const
+  {
+    return energy_lost(loading_work(t.peak, extra), t);
+  }
 
  private:
   double slope_, beta_;

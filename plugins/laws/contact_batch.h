@@ -35,8 +35,8 @@ struct ContactBatch {
   double keeps[CAPACITY];          // 1: TangentialModel::MINDLIN, 0: MINDLIN_RESCALE
   double velocity[3][CAPACITY];    // of i against j
   double omega_i[3][CAPACITY], omega_j[3][CAPACITY];
-  double tangential[3][CAPACITY];                        // tangential force on i, before and after
-  double compliance[CAPACITY], loss[CAPACITY];           // as in TangentialSpring, before and after
+  double tangential[3][CAPACITY];                 // tangential force on i, before and after
+  double compliance[CAPACITY], loss[CAPACITY];    // as in TangentialSpring, before and after
   // friction, output
   double torque_i[3][CAPACITY], torque_j[3][CAPACITY];    // on the spheres
 

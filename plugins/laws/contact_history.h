@@ -42,9 +42,9 @@ struct BlockLayout {
 
   int size() const { return extended ? 2 * n_extra + N_EXTENDED : n_extra; }
   // n_extra doubles of the law come first, the rest if extended
-  int spring() const { return n_extra; }              // force of 3, compliance, loss
-  int initial() const { return n_extra + 5; }         // the dent before this run
-  int reached() const { return n_extra + 6; }         // largest overlap of this run
+  int spring() const { return n_extra; }               // force of 3, compliance, loss
+  int initial() const { return n_extra + 5; }          // the dent before this run
+  int reached() const { return n_extra + 6; }          // largest overlap of this run
   int initial_extra() const { return n_extra + 7; }    // the law's doubles before this run
 
   bool operator!=(const BlockLayout &other) const { return n_extra != other.n_extra || extended != other.extended; }
@@ -80,7 +80,8 @@ class ContactHistory {
     if (!(wanted != layout_)) return;
     const int before = layout_.size(), after = wanted.size();
     std::vector<double> fresh(pool_.size() * after, 0.0);
-    for (std::size_t k = 0; k < pool_.size(); k++) copy_block(layout_, blocks_.data() + k * before, wanted, fresh.data() + k * after);
+    for (std::size_t k = 0; k < pool_.size(); k++)
+      copy_block(layout_, blocks_.data() + k * before, wanted, fresh.data() + k * after);
     blocks_.swap(fresh);
     layout_ = wanted;
   }
@@ -109,7 +110,10 @@ class ContactHistory {
   int count(int i) const { return count_[i]; }
   ContactRecord *records(int i) { return pool_.data() + first_[i]; }
   const ContactRecord *records(int i) const { return pool_.data() + first_[i]; }
-  const double *block(int i, int m) const { return blocks_.data() + (first_[i] + m) * layout_.size(); }    // of record m of sphere i
+  const double *block(int i, int m) const
+  {
+    return blocks_.data() + (first_[i] + m) * layout_.size();
+  }    // of record m of sphere i
 
   void forget_sphere(int i) { count_[i] = 0; }
   void copy(int from, int to)
@@ -191,7 +195,8 @@ class ContactHistory {
   double memory_usage() const
   {
     return static_cast<double>(pool_.capacity() * sizeof(ContactRecord) + blocks_.capacity() * sizeof(double) +
-                               first_.capacity() * sizeof(std::size_t) + count_.capacity() * (sizeof(int) + sizeof(std::int64_t)));
+                               first_.capacity() * sizeof(std::size_t) +
+                               count_.capacity() * (sizeof(int) + sizeof(std::int64_t)));
   }
 
  private:

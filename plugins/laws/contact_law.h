@@ -40,7 +40,10 @@ class ContactLaw {
 
   const LawEntry &entry() const { return *entry_; }
   const LawConstants &constants() const { return constants_; }
-  std::string fault() const { return with([](const auto &law) { return law.fault(); }); }
+  std::string fault() const
+  {
+    return with([](const auto &law) { return law.fault(); });
+  }
   double modulus() const { return modulus_; }
   double shear_modulus() const { return shear_modulus_; }
   double yield_strength() const { return yield_; }
@@ -59,13 +62,17 @@ class ContactLaw {
   }
   Turning turning(double peak, const double *extra) const
   {
-    return yields(peak) ? with([&](const auto &law) { return law.turning(peak, extra); }) : Turning{peak, loading(peak, extra), 0.0, 1.5};
+    return yields(peak) ? with([&](const auto &law) { return law.turning(peak, extra); })
+                        : Turning{peak, loading(peak, extra), 0.0, 1.5};
   }
   double dissipated_energy(const Turning &t, const double *extra) const
   {
     return yields(t.peak) ? with([&](const auto &law) { return law.dissipated_energy(t, extra); }) : 0.0;
   }
-  double area(double a) const { return with([&](const auto &law) { return law.area(a); }); }
+  double area(double a) const
+  {
+    return with([&](const auto &law) { return law.area(a); });
+  }
   bool update(double a, double peak, double *extra) const
   {
     return with([&](const auto &law) { return law.update(a, peak, extra); });
@@ -88,7 +95,8 @@ class ScaledLaw {
   ScaledLaw() = default;
   ScaledLaw(const ContactLaw &law, double effective_radius) :
       law_(&law), effective_radius_(effective_radius), hertz_(4.0 / 3.0 * law.modulus() * std::sqrt(effective_radius)),
-      overlap_(law.overlap_per_radius() * effective_radius), force_(law.force_per_area() * effective_radius * effective_radius)
+      overlap_(law.overlap_per_radius() * effective_radius),
+      force_(law.force_per_area() * effective_radius * effective_radius)
   {
     const double limit = law.entry().elastic_limit;
     elastic_limit_ = limit > 0.0 && std::isfinite(limit) ? limit * overlap_ : limit;
@@ -108,16 +116,28 @@ class ScaledLaw {
   double hertz_energy(double overlap) const { return 0.4 * hertz_ * overlap * overlap * std::sqrt(overlap); }
 
   /* Update the law's own block of a contact that overlaps now, before its peak is raised; true if it changed. */
-  bool update(double overlap, double peak, double *extra) const { return law_->update(normalised(overlap), normalised(peak), extra); }
+  bool update(double overlap, double peak, double *extra) const
+  {
+    return law_->update(normalised(overlap), normalised(peak), extra);
+  }
 
   /* ---- a contact that has yielded */
 
   Turning turning(const LawHistory &h) const { return law_->turning(normalised(h.peak), h.extra); }
-  double loading_beyond_yield(double overlap, const double *extra) const { return force_ * law_->loading(normalised(overlap), extra); }
+  double loading_beyond_yield(double overlap, const double *extra) const
+  {
+    return force_ * law_->loading(normalised(overlap), extra);
+  }
   double unloading(double overlap, const Turning &t) const { return force_ * t.unloading(normalised(overlap)); }
   double peak_force(const Turning &t) const { return force_ * t.force; }
-  double elastic_energy(double overlap, const Turning &t) const { return force_ * overlap_ * t.elastic_energy(normalised(overlap)); }
-  double dissipated_energy(const Turning &t, const double *extra) const { return force_ * overlap_ * law_->dissipated_energy(t, extra); }
+  double elastic_energy(double overlap, const Turning &t) const
+  {
+    return force_ * overlap_ * t.elastic_energy(normalised(overlap));
+  }
+  double dissipated_energy(const Turning &t, const double *extra) const
+  {
+    return force_ * overlap_ * law_->dissipated_energy(t, extra);
+  }
   double stiffness(const Turning &t) const { return force_ / overlap_ * t.slope(); }
   double loading_circle(double overlap) const { return effective_radius_ * overlap_ * law_->area(normalised(overlap)); }
   double unloading_circle(double overlap, const Turning &t, double area_at_peak) const
@@ -155,7 +175,10 @@ class ScaledLaw {
   }
 
   /* Energy lost for good once the peak was reached. */
-  double dissipated_energy(const LawHistory &h) const { return yielded(h.peak) ? dissipated_energy(turning(h), h.extra) : 0.0; }
+  double dissipated_energy(const LawHistory &h) const
+  {
+    return yielded(h.peak) ? dissipated_energy(turning(h), h.extra) : 0.0;
+  }
 
   double residual_overlap(const LawHistory &h) const { return yielded(h.peak) ? overlap_ * turning(h).residual : 0.0; }
   double unloading_exponent(const LawHistory &h) const { return yielded(h.peak) ? turning(h).exponent : 1.5; }
@@ -172,7 +195,8 @@ class ScaledLaw {
   {
     if (overlap <= 0.0) return 0.0;
     if (!yielded(std::max(overlap, h.peak))) return effective_radius_ * overlap;
-    return overlap >= h.peak ? loading_circle(overlap) : unloading_circle(overlap, turning(h), law_->area(normalised(h.peak)));
+    return overlap >= h.peak ? loading_circle(overlap)
+                             : unloading_circle(overlap, turning(h), law_->area(normalised(h.peak)));
   }
 
  private:

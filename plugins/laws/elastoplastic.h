@@ -27,10 +27,10 @@ enum class Variant { continuous, published };
 /* Constants of the elasto-plastic law. What follows from them does so in Elastoplastic: the pressure at yield 2C/3, the area
    exponent that makes both branches meet, and the amplitude that makes a_R(1) = 0. */
 struct LawConstants {
-  double pressure_limit = 2.48, pressure_rate = 0.098;                     // thesis 2.8
-  double area_switch = 177.6, area_slope = 2.37, area_offset = 59.96;      // thesis 2.10
+  double pressure_limit = 2.48, pressure_rate = 0.098;                             // thesis 2.8
+  double area_switch = 177.6, area_slope = 2.37, area_offset = 59.96;              // thesis 2.10
   double residual_slope = 0.95, residual_offset = 25.94, residual_rate = 0.015;    // thesis 2.13
-  double unloading_exponent = 1.35;                                        // thesis 2.12
+  double unloading_exponent = 1.35;                                                // thesis 2.12
 
   inline bool operator==(const LawConstants &other) const;
   bool operator!=(const LawConstants &other) const { return !(*this == other); }
@@ -38,10 +38,14 @@ struct LawConstants {
 
 /* Their names in input scripts, case files and Python, in the order of restart files. */
 constexpr std::pair<const char *, double LawConstants::*> LAW_CONSTANTS[] = {
-    {"pressure_limit", &LawConstants::pressure_limit},     {"pressure_rate", &LawConstants::pressure_rate},
-    {"area_switch", &LawConstants::area_switch},           {"area_slope", &LawConstants::area_slope},
-    {"area_offset", &LawConstants::area_offset},           {"residual_slope", &LawConstants::residual_slope},
-    {"residual_offset", &LawConstants::residual_offset},   {"residual_rate", &LawConstants::residual_rate},
+    {"pressure_limit", &LawConstants::pressure_limit},
+    {"pressure_rate", &LawConstants::pressure_rate},
+    {"area_switch", &LawConstants::area_switch},
+    {"area_slope", &LawConstants::area_slope},
+    {"area_offset", &LawConstants::area_offset},
+    {"residual_slope", &LawConstants::residual_slope},
+    {"residual_offset", &LawConstants::residual_offset},
+    {"residual_rate", &LawConstants::residual_rate},
     {"unloading_exponent", &LawConstants::unloading_exponent},
 };
 
@@ -73,10 +77,7 @@ class Elastoplastic : public NormalLaw {
     return std::string(fault_) + where;
   }
 
-  double loading(double a, const double *) const
-  {
-    return a <= 1.0 ? hertz_force(a) : amplitude_ * pressure(a) * area(a);
-  }
+  double loading(double a, const double *) const { return a <= 1.0 ? hertz_force(a) : amplitude_ * pressure(a) * area(a); }
 
   double loading_work(double a, const double *) const
   {
@@ -111,7 +112,7 @@ class Elastoplastic : public NormalLaw {
 
  private:
   static constexpr double FIRST_STEP = 1e-3, STEP_GROWTH = 1.1, LARGEST_PEAK = 1e5;    // of examine(), in alpha_y
-  static constexpr double ROUNDING = 1e-12;                         // of the work, in a difference of energies
+  static constexpr double ROUNDING = 1e-12;                          // of the work, in a difference of energies
   static constexpr double LEAST_RATE = 1e-4, LARGEST_RATE = 10.0;    // for which loading_work is exact to 1e-8
 
   Variant variant_;
@@ -132,7 +133,7 @@ class Elastoplastic : public NormalLaw {
   double residual(double peak) const
   {
     return constants_.residual_slope * peak - constants_.residual_offset +
-        residual_amplitude_ * std::exp(-constants_.residual_rate * (peak - 1.0));
+           residual_amplitude_ * std::exp(-constants_.residual_rate * (peak - 1.0));
   }
 
   /* Check peaks from first yield to far beyond every contact. A law is passive if loading rises, if dents lie within
@@ -144,27 +145,21 @@ class Elastoplastic : public NormalLaw {
       fault_ = "area_switch and area_slope area_switch - area_offset must both exceed 1";
     else if (!(c.pressure_rate >= LEAST_RATE && c.pressure_rate <= LARGEST_RATE))
       fault_ = "pressure_rate must lie between 1e-4 and 10";
-    else if (!(c.unloading_exponent >= 1.0))
-      fault_ = "unloading_exponent must be at least 1";
+    else if (!(c.unloading_exponent >= 1.0)) fault_ = "unloading_exponent must be at least 1";
     double before = 1.0, work = 0.4, force = 1.0, dent = 0.0, lost = 0.0;
     for (double step = FIRST_STEP; !fault_ && step < LARGEST_PEAK;) {
       double peak = 1.0 + step;
       if (before < c.area_switch && peak > c.area_switch)
         peak = c.area_switch;    // where the slope of the force may jump: look at it and right behind it
-      else if (before == c.area_switch)
-        peak = c.area_switch * (1.0 + FIRST_STEP);
-      else
-        step *= STEP_GROWTH;
+      else if (before == c.area_switch) peak = c.area_switch * (1.0 + FIRST_STEP);
+      else step *= STEP_GROWTH;
       if (peak <= before) continue;
       const double f = loading(peak, nullptr), r = residual(peak);
       work += step_work(before, peak);
       const double loss = work - f * (peak - r) / (c.unloading_exponent + 1.0), kept = std::max(loss, 0.0);
-      if (!(f > force))
-        fault_ = "the force of loading does not rise";
-      else if (!(r >= dent))
-        fault_ = "the residual overlap is negative or falls";
-      else if (!(r < peak))
-        fault_ = "the residual overlap is not below the largest one";
+      if (!(f > force)) fault_ = "the force of loading does not rise";
+      else if (!(r >= dent)) fault_ = "the residual overlap is negative or falls";
+      else if (!(r < peak)) fault_ = "the residual overlap is not below the largest one";
       else if (!(kept >= lost - ROUNDING * work))
         fault_ = "a larger overlap loses less energy, so that a cycle gives back more than it took";
       if (fault_) fault_at_ = peak;
@@ -213,7 +208,7 @@ class Elastoplastic : public NormalLaw {
     const double limit = constants_.pressure_limit, slope = constants_.area_slope, b = constants_.pressure_rate;
     const double decay = std::exp(-b * (a - 1.0));
     return limit * a * (0.5 * slope * a - constants_.area_offset) +
-        (limit - pressure_at_yield_) * decay * (linear_area(a) / b + slope / (b * b));
+           (limit - pressure_at_yield_) * decay * (linear_area(a) / b + slope / (b * b));
   }
 };
 

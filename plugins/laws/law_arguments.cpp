@@ -31,10 +31,7 @@ double positive(const std::string &word, const std::string &what)
 }
 
 /* INF: never yields. */
-double strength(const std::string &word)
-{
-  return word == "INF" ? INFINITE : positive(word, "yield strength");
-}
+double strength(const std::string &word) { return word == "INF" ? INFINITE : positive(word, "yield strength"); }
 
 double poisson(const std::string &word)
 {
@@ -54,7 +51,8 @@ double LawConstants::*law_constant(const std::string &name)
 
 LawArguments parse_law(const std::vector<std::string> &words)
 {
-  const std::string usage = "expected: hertz E nu [E2 nu2], or " + law_names("|", true) + " E nu sigma_y "
+  const std::string usage = "expected: hertz E nu [E2 nu2], or " + law_names("|", true) +
+                            " E nu sigma_y "
                             "[E2 nu2 sigma_y2], then [friction mu] [tangential mindlin_rescale|mindlin] "
                             "[variant continuous|published] [yield_factor C] "
                             "[beta b], and for elastoplastic its constants [pressure_limit x] [pressure_rate x] ...";
@@ -105,7 +103,8 @@ LawArguments parse_law(const std::vector<std::string> &words)
       refuse("'" + key + "' is no option of law '" + words[0] + "'; " + usage);
     }
   }
-  if (given && args.options.variant == Variant::published) refuse("variant published has constants of its own: take one or the other");
+  if (given && args.options.variant == Variant::published)
+    refuse("variant published has constants of its own: take one or the other");
   if (const std::string fault = given ? args.contact(args.first, args.first).fault() : ""; !fault.empty())
     refuse("these constants make no passive law: " + fault);
   return args;

@@ -24,7 +24,8 @@ struct LawOptions {
 
   bool operator==(const LawOptions &other) const
   {
-    return variant == other.variant && yield_factor == other.yield_factor && beta == other.beta && constants == other.constants;
+    return variant == other.variant && yield_factor == other.yield_factor && beta == other.beta &&
+           constants == other.constants;
   }
 };
 
@@ -32,19 +33,20 @@ using AnyLaw = std::variant<Hertz, Elastoplastic, Bilinear, Thornton>;
 
 /* Scales of the pair of materials that a law may depend on. */
 struct LawScales {
-  double yield_strength;         // of the softer body
-  double overlap_per_radius;     // alpha_y / R*
-  double force_per_area;         // F_y / R*^2
+  double yield_strength;        // of the softer body
+  double overlap_per_radius;    // alpha_y / R*
+  double force_per_area;        // F_y / R*^2
 };
 
 enum LawOption : unsigned { VARIANT = 1, YIELD_FACTOR = 2, BETA = 4, CONSTANTS = 8 };
 
 struct LawEntry {
   const char *name;
-  double elastic_limit;    // overlap up to which a contact is Hertzian and leaves no dent, in alpha_y; infinite: it never yields
-  bool fitted;             // a fit, valid to overlaps of 0.2 R*
-  unsigned options;        // LawOption
-  int n_extra;             // doubles of history beyond the largest overlap
+  double
+      elastic_limit;    // overlap up to which a contact is Hertzian and leaves no dent, in alpha_y; infinite: it never yields
+  bool fitted;          // a fit, valid to overlaps of 0.2 R*
+  unsigned options;     // LawOption
+  int n_extra;          // doubles of history beyond the largest overlap
   AnyLaw (*make)(const LawOptions &, const LawScales &);
 
   bool yields() const { return elastic_limit < INFINITE; }    // and needs the yield strength of one body

@@ -89,7 +89,8 @@ class LoadShape {
   /* Last row whose time is not after t, which lies within the table */
   std::size_t row(double t) const
   {
-    const auto later = std::upper_bound(rows_.begin(), rows_.end(), t, [](double at, const auto &r) { return at < r.first; });
+    const auto later =
+        std::upper_bound(rows_.begin(), rows_.end(), t, [](double at, const auto &r) { return at < r.first; });
     return later - rows_.begin() - 1;
   }
   double rise(std::size_t k) const

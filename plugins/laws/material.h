@@ -18,9 +18,7 @@ struct Material {
 
 inline double effective_modulus(const Material &a, const Material &b)
 {
-  const auto compliance = [](const Material &m) {
-    return (1.0 - m.poisson_ratio * m.poisson_ratio) / m.youngs_modulus;
-  };
+  const auto compliance = [](const Material &m) { return (1.0 - m.poisson_ratio * m.poisson_ratio) / m.youngs_modulus; };
   return 1.0 / (compliance(a) + compliance(b));
 }
 
@@ -34,10 +32,7 @@ inline double effective_shear_modulus(const Material &a, const Material &b)
 }
 
 /* 1/R* = 1/R1 + 1/R2; an infinite radius is a plane. */
-inline double effective_radius(double r1, double r2)
-{
-  return 1.0 / (1.0 / r1 + 1.0 / r2);
-}
+inline double effective_radius(double r1, double r2) { return 1.0 / (1.0 / r1 + 1.0 / r2); }
 
 }    // namespace granwave
 

@@ -141,7 +141,8 @@ class Support {
   {
     double sum = ground_stiffness_ * place_.back() * place_.back();
     for (std::size_t i = 0; i < place_.size(); i++) sum += mass_[i] * speed_[i] * speed_[i];
-    for (std::size_t i = 0; i + 1 < place_.size(); i++) sum += stiffness_ * (place_[i + 1] - place_[i]) * (place_[i + 1] - place_[i]);
+    for (std::size_t i = 0; i + 1 < place_.size(); i++)
+      sum += stiffness_ * (place_[i + 1] - place_[i]) * (place_[i + 1] - place_[i]);
     return 0.5 * sum;
   }
 
@@ -200,7 +201,8 @@ class Support {
 
   [[noreturn]] static void refuse(const std::string &what)
   {
-    throw std::invalid_argument("support: " + what + "; expected support MASS STIFFNESS DAMPING (MASS may be 0 with DAMPING), or "
+    throw std::invalid_argument("support: " + what +
+                                "; expected support MASS STIFFNESS DAMPING (MASS may be 0 with DAMPING), or "
                                 "support bar ELEMENTS MASS STIFFNESS free|fixed|IMPEDANCE");
   }
 
@@ -208,7 +210,8 @@ class Support {
   {
     char *end = nullptr;
     const double value = std::strtod(word.c_str(), &end);
-    if (word.empty() || *end || !std::isfinite(value) || value < 0.0) refuse(what + " must be a number, 0 or more, found '" + word + "'");
+    if (word.empty() || *end || !std::isfinite(value) || value < 0.0)
+      refuse(what + " must be a number, 0 or more, found '" + word + "'");
     return value;
   }
 };

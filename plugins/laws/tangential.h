@@ -38,11 +38,15 @@ inline double dot(const double (&a)[3], const double (&b)[3]) { return a[0] * b[
 
 inline double tangential_force(const TangentialSpring &spring) { return std::sqrt(dot(spring.force, spring.force)); }
 
-inline double tangential_energy(const TangentialSpring &spring) { return 0.5 * dot(spring.force, spring.force) * spring.compliance; }
+inline double tangential_energy(const TangentialSpring &spring)
+{
+  return 0.5 * dot(spring.force, spring.force) * spring.compliance;
+}
 
 /* Slip of a step. `velocity` is that of the first body against the second at their centres, `spin` the sum of lever times
    angular velocity over both (a plane has none). */
-inline void slip_of_step(const double (&velocity)[3], const double (&spin)[3], const double (&n)[3], double dt, double (&slip)[3])
+inline void slip_of_step(const double (&velocity)[3], const double (&spin)[3], const double (&n)[3], double dt,
+                         double (&slip)[3])
 {
   const double along = dot(velocity, n);
   slip[0] = (velocity[0] - along * n[0] - (spin[1] * n[2] - spin[2] * n[1])) * dt;

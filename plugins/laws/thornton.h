@@ -27,7 +27,10 @@ class Thornton : public NormalLaw {
     return {peak, force, peak - std::pow(force / std::sqrt(radius), 2.0 / 3.0), 1.5};
   }
 
-  double dissipated_energy(const Turning &t, const double *extra) const { return energy_lost(loading_work(t.peak, extra), t); }
+  double dissipated_energy(const Turning &t, const double *extra) const
+  {
+    return energy_lost(loading_work(t.peak, extra), t);
+  }
 
  private:
   double yield_factor_, slope_;

@@ -29,7 +29,10 @@ using Register = void (*)(Registration *, void *);
 std::list<std::string> infos;    // LAMMPS keeps pointers to them
 
 template <class Base, class Style> Base *create(LAMMPS *lmp) { return new Style(lmp); }
-template <class Base, class Style> Base *create_named(LAMMPS *lmp, int narg, char **arg) { return new Style(lmp, narg, arg); }
+template <class Base, class Style> Base *create_named(LAMMPS *lmp, int narg, char **arg)
+{
+  return new Style(lmp, narg, arg);
+}
 
 }    // namespace
 
@@ -39,7 +42,8 @@ extern "C" __attribute__((visibility("default"))) void granwave_add_styles(void 
   // releases before 2025 register a plugin once per process: a second instance gets the style by its map
   const auto add = [&](const char *style, const char *name, auto *creator, auto &known) {
     infos.push_back(std::string("granwave ") + GRANWAVE_VERSION + ": " + style + " style " + name);
-    Registration entry{lmp->version, style, name, infos.back().c_str(), "granwave", reinterpret_cast<void *>(creator), handle};
+    Registration entry{lmp->version, style, name, infos.back().c_str(), "granwave", reinterpret_cast<void *>(creator),
+                       handle};
     reinterpret_cast<Register>(regfunc)(&entry, lmp);
     known.emplace(name, creator);
   };

@@ -25,8 +25,21 @@ void ComputeGranHysteretic::init()
 /* ---------------------------------------------------------------------- per sphere */
 
 namespace {
-enum { FORCE, PEAK_FORCE, PEAK_OVERLAP, DISSIPATED, YIELDED, COORDINATION, FIRST, PEAK, YIELD, ELASTIC, TANGENTIAL, FRICTIONAL,
-       N_ATOM };
+enum {
+  FORCE,
+  PEAK_FORCE,
+  PEAK_OVERLAP,
+  DISSIPATED,
+  YIELDED,
+  COORDINATION,
+  FIRST,
+  PEAK,
+  YIELD,
+  ELASTIC,
+  TANGENTIAL,
+  FRICTIONAL,
+  N_ATOM
+};
 
 void earliest(double &time, double other)
 {
@@ -108,11 +121,22 @@ void ComputeGranHystereticLocal::compute_local()
     if (report.j >= 0 && !(atom->mask[report.j] & groupbit)) return;
     // both owners know a shared pair, and both spheres of a forgotten one: the owner of the lower id reports it
     if ((report.j < 0 || report.j >= nlocal) && report.tag_i > report.tag_j) return;
-    const double row[N_LOCAL] = {double(std::min(report.tag_i, report.tag_j)), double(std::max(report.tag_i, report.tag_j)),
-                                 report.overlap, report.force, report.dent.peak, report.peak_force, report.elastic,
-                                 report.dissipated, report.dent.time_first, report.dent.time_peak, report.dent.time_yield,
-                                 report.live ? 1.0 : 0.0, report.tangential_force, report.tangential_elastic,
-                                 report.frictional_loss, report.initial};
+    const double row[N_LOCAL] = {double(std::min(report.tag_i, report.tag_j)),
+                                 double(std::max(report.tag_i, report.tag_j)),
+                                 report.overlap,
+                                 report.force,
+                                 report.dent.peak,
+                                 report.peak_force,
+                                 report.elastic,
+                                 report.dissipated,
+                                 report.dent.time_first,
+                                 report.dent.time_peak,
+                                 report.dent.time_yield,
+                                 report.live ? 1.0 : 0.0,
+                                 report.tangential_force,
+                                 report.tangential_elastic,
+                                 report.frictional_loss,
+                                 report.initial};
     values.insert(values.end(), row, row + N_LOCAL);
   });
   size_local_rows = static_cast<int>(values.size() / N_LOCAL);
@@ -152,8 +176,9 @@ void ComputeGranHystereticContact::compute_vector()
   invoked_vector = update->ntimestep;
   double mine[N_CONTACT + 1] = {};    // the last counts the processors that know the pair
   pair->visit_pair(first, second, [&](const Report &report) {
-    const double row[N_CONTACT + 1] = {report.overlap, report.force, report.dent.peak, report.elastic, report.dissipated,
-                                       report.tangential_force, report.frictional_loss, 1.0};
+    const double row[N_CONTACT + 1] = {
+        report.overlap,         report.force, report.dent.peak, report.elastic, report.dissipated, report.tangential_force,
+        report.frictional_loss, 1.0};
     std::copy_n(row, N_CONTACT + 1, mine);
   });
   double sum[N_CONTACT + 1];

@@ -34,10 +34,7 @@ FixGranHystereticHistory::~FixGranHystereticHistory()
   atom->delete_callback(id, Atom::RESTART);
 }
 
-int FixGranHystereticHistory::setmask()
-{
-  return FixConst::PRE_EXCHANGE | FixConst::MIN_PRE_EXCHANGE;
-}
+int FixGranHystereticHistory::setmask() { return FixConst::PRE_EXCHANGE | FixConst::MIN_PRE_EXCHANGE; }
 
 /* Before spheres change place the flat list of the pair style goes back to the spheres. LAMMPS sorts spheres into boxes
    and bins next, where one whose place is not finite would be lost. */

@@ -23,8 +23,9 @@ using granwave::LoadShape;
 namespace {
 
 constexpr int RESTART_FORMAT = 1;
-constexpr const char *USAGE = "expected x|y|z, then force half-sine|rectangle AMPLITUDE DURATION, or force|displacement harmonic "
-                              "AMPLITUDE FREQUENCY, or force|displacement table FILE";
+constexpr const char *USAGE =
+    "expected x|y|z, then force half-sine|rectangle AMPLITUDE DURATION, or force|displacement harmonic "
+    "AMPLITUDE FREQUENCY, or force|displacement table FILE";
 
 }    // namespace
 
@@ -32,7 +33,8 @@ FixGranLoad::FixGranLoad(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg
 {
   if (narg < 7) error->all(FLERR, "Illegal fix {}: {}", STYLE, USAGE);
   const std::string along = arg[3], kind = arg[4], form = arg[5];
-  if (along != "x" && along != "y" && along != "z") error->all(FLERR, "Illegal fix {}: '{}' is no direction; {}", STYLE, along, USAGE);
+  if (along != "x" && along != "y" && along != "z")
+    error->all(FLERR, "Illegal fix {}: '{}' is no direction; {}", STYLE, along, USAGE);
   axis = along[0] - 'x';
   if (kind != "force" && kind != "displacement")
     error->all(FLERR, "Illegal fix {}: '{}' is neither force nor displacement; {}", STYLE, kind, USAGE);
@@ -40,7 +42,8 @@ FixGranLoad::FixGranLoad(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg
   const bool pulse = form == "half-sine" || form == "rectangle";
   if (!(form == "table" || form == "harmonic" || (pulse && !moves)))
     error->all(FLERR, "Illegal fix {}: '{}' is no shape of a {}; {}", STYLE, form, kind, USAGE);
-  if (narg != (form == "table" ? 7 : 8)) error->all(FLERR, "Illegal fix {}: {} words after '{}'; {}", STYLE, narg - 6, form, USAGE);
+  if (narg != (form == "table" ? 7 : 8))
+    error->all(FLERR, "Illegal fix {}: {} words after '{}'; {}", STYLE, narg - 6, form, USAGE);
   if (form == "table") {
     read_table(arg[6]);
   } else {
@@ -48,8 +51,11 @@ FixGranLoad::FixGranLoad(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg
     const char *const name = pulse ? "duration" : "frequency";
     if (!(amplitude > 0.0) || !std::isfinite(amplitude))
       error->all(FLERR, "Illegal fix {}: the amplitude must be positive, found {}", STYLE, arg[6]);
-    if (!(other > 0.0) || !std::isfinite(other)) error->all(FLERR, "Illegal fix {}: the {} must be positive, found {}", STYLE, name, arg[7]);
-    const auto known = form == "half-sine" ? LoadShape::Form::half_sine : pulse ? LoadShape::Form::rectangle : LoadShape::Form::harmonic;
+    if (!(other > 0.0) || !std::isfinite(other))
+      error->all(FLERR, "Illegal fix {}: the {} must be positive, found {}", STYLE, name, arg[7]);
+    const auto known = form == "half-sine" ? LoadShape::Form::half_sine
+                       : pulse             ? LoadShape::Form::rectangle
+                                           : LoadShape::Form::harmonic;
     shape = LoadShape(known, amplitude, pulse ? other : 1.0 / other);
   }
 
@@ -102,7 +108,8 @@ int FixGranLoad::setmask() { return moves ? FixConst::INITIAL_INTEGRATE | FixCon
 
 void FixGranLoad::init()
 {
-  if (std::strncmp(update->integrate_style, "respa", 5) == 0) error->all(FLERR, "Fix {} does not work with run_style respa", STYLE);
+  if (std::strncmp(update->integrate_style, "respa", 5) == 0)
+    error->all(FLERR, "Fix {} does not work with run_style respa", STYLE);
   if (update->whichflag == 2) error->all(FLERR, "Fix {} does not work with minimize: its load is a function of time", STYLE);
   atoms = static_cast<double>(group->count(igroup));
   if (atoms == 0.0) error->all(FLERR, "Fix {} {}: its group {} has no atoms", STYLE, id, group->names[igroup]);
@@ -115,8 +122,10 @@ void FixGranLoad::init()
       if ((atom->mask[i] & groupbit) && (atom->mask[i] & other->groupbit)) shared = 1;
     MPI_Allreduce(&shared, &any, 1, MPI_INT, MPI_MAX, world);
     if (any)
-      error->all(FLERR, "Fix {} {} prescribes the motion of atoms that fix {} {} integrates: leave them out of the group of that one",
-                 STYLE, id, other->style, other->id);
+      error->all(
+          FLERR,
+          "Fix {} {} prescribes the motion of atoms that fix {} {} integrates: leave them out of the group of that one",
+          STYLE, id, other->style, other->id);
   }
 }
 
@@ -275,9 +284,11 @@ void FixGranLoad::restart(char *buffer)
 {
   const auto *const state = reinterpret_cast<const double *>(buffer);
   if (state[0] != RESTART_FORMAT)
-    error->all(FLERR, "Restart file holds format {} of fix {}; this version reads format {}", state[0], STYLE, RESTART_FORMAT);
+    error->all(FLERR, "Restart file holds format {} of fix {}; this version reads format {}", state[0], STYLE,
+               RESTART_FORMAT);
   if ((state[2] != 0.0) != moves)
-    error->all(FLERR, "Restart file holds fix {} {} with a {}: give it again as it was", STYLE, id, moves ? "force" : "displacement");
+    error->all(FLERR, "Restart file holds fix {} {} with a {}: give it again as it was", STYLE, id,
+               moves ? "force" : "displacement");
   started = state[1] != 0.0;
   if (comm->me == 0) std::copy_n(state + 3, N_TOTALS - 1, total);
 }

@@ -51,8 +51,8 @@ class FixGranLoad : public Fix {
   bool started = false;
   // this processor's part of the totals so far; a restart gives the whole to the first one
   double total[N_TOTALS - 1] = {};
-  double force = 0.0;                     // on the group, of the shape
-  double resistance = 0.0;                // of this processor's part, before the step
+  double force = 0.0;                                 // on the group, of the shape
+  double resistance = 0.0;                            // of this processor's part, before the step
   double place = 0.0, moved = 0.0, velocity = 0.0;    // of the prescribed motion: now, in this step
   int extensive[N_TOTALS - 1] = {1, 1, 0};
 };

@@ -30,8 +30,7 @@ constexpr double ROUNDING = 1e-12;    // of the radius: overlaps below are round
 
 FixWallGranHysteretic::FixWallGranHysteretic(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg)
 {
-  if (narg < 7)
-    error->all(FLERR, "Illegal fix {}: expected xplane|yplane|zplane LO HI law and its constants", STYLE);
+  if (narg < 7) error->all(FLERR, "Illegal fix {}: expected xplane|yplane|zplane LO HI law and its constants", STYLE);
   axis = arg[3][0] - 'x';
   if (axis < 0 || axis > 2 || std::strcmp(arg[3] + 1, "plane") != 0)
     error->all(FLERR, "Illegal fix {}: expected xplane, yplane or zplane, found {}", STYLE, arg[3]);
@@ -47,7 +46,8 @@ FixWallGranHysteretic::FixWallGranHysteretic(LAMMPS *lmp, int narg, char **arg) 
       words.erase(at, at + 1 + used);
       if (std::isfinite(plane[0]) && std::isfinite(plane[1]))
         throw std::invalid_argument("support moves one plane, found two: take a fix for each");
-      if (!std::isfinite(plane[0]) && !std::isfinite(plane[1])) throw std::invalid_argument("support moves a plane, found none");
+      if (!std::isfinite(plane[0]) && !std::isfinite(plane[1]))
+        throw std::invalid_argument("support moves a plane, found none");
       moving = std::isfinite(plane[0]) ? 0 : 1;
     }
     const granwave::LawArguments args = granwave::parse_law(words);
@@ -150,8 +150,8 @@ void FixWallGranHysteretic::push_support()
 void FixWallGranHysteretic::check_timestep(double contacts) const
 {
   if (!support || update->dt <= support->critical_timestep(contacts)) return;
-  error->all(FLERR, "Fix {} {}: the timestep {:.4g} is beyond the critical one of the support{}, {:.4g}: shorten it", STYLE, id,
-             update->dt, contacts > 0.0 ? " with the spheres on it" : "", support->critical_timestep(contacts));
+  error->all(FLERR, "Fix {} {}: the timestep {:.4g} is beyond the critical one of the support{}, {:.4g}: shorten it", STYLE,
+             id, update->dt, contacts > 0.0 ? " with the spheres on it" : "", support->critical_timestep(contacts));
 }
 
 /* ---------------------------------------------------------------------- forces */
@@ -210,7 +210,7 @@ double FixWallGranHysteretic::lost(int i, int which, const ScaledLaw &scaled)
 {
   const Side &side = sides[2 * i + which];
   return side.lost_before + scaled.dissipated_energy(law_history(i, which)) -
-      scaled.dissipated_energy({side.initial, initial_extra(i, which)});
+         scaled.dissipated_energy({side.initial, initial_extra(i, which)});
 }
 
 /* Compute the normal force of one wall on sphere i, which overlaps it; updates its dent and its output. */
@@ -222,8 +222,10 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
   const double radius = atom->radius[i];
   if (!(overlap <= radius)) {
     granwave::require_finite_motion(lmp, i);
-    error->one(FLERR, "Sphere {} reaches {:.3g} into the wall of fix {}, more than its radius {:.3g}: it was placed into "
-                      "it, or the timestep is far too large", atom->tag[i], overlap, id, radius);
+    error->one(FLERR,
+               "Sphere {} reaches {:.3g} into the wall of fix {}, more than its radius {:.3g}: it was placed into "
+               "it, or the timestep is far too large",
+               atom->tag[i], overlap, id, radius);
   }
   const ScaledLaw scaled(law, radius);
   const double place[2] = {atom->x[i][(axis + 1) % 3], atom->x[i][(axis + 2) % 3]};
@@ -231,9 +233,9 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
   if (side.touching == 0.0) {
     side.touching = 1.0;
     if (side.dent > 0.0) {
-      const double circle_sq =
-          std::isfinite(scaled.yield_overlap()) ? scaled.loading_circle(side.dent) : radius * side.dent;
-      const double d1 = minimum_image((axis + 1) % 3, place[0] - side.place[0]), d2 = minimum_image((axis + 2) % 3, place[1] - side.place[1]);
+      const double circle_sq = std::isfinite(scaled.yield_overlap()) ? scaled.loading_circle(side.dent) : radius * side.dent;
+      const double d1 = minimum_image((axis + 1) % 3, place[0] - side.place[0]),
+                   d2 = minimum_image((axis + 2) % 3, place[1] - side.place[1]);
       if (d1 * d1 + d2 * d2 > circle_sq) {
         side.lost_before = lost(i, which, scaled);
         side.dent = side.initial = 0.0;
@@ -258,7 +260,8 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
     contact.force = raised ? scaled.peak_force(turning) : scaled.unloading(overlap, turning);
     if (support) contact.stiffness = scaled.stiffness(turning);
     if (friction > 0.0)
-      contact.circle_sq = raised ? scaled.loading_circle(overlap) : scaled.unloading_circle(overlap, turning, law.area(turning.peak));
+      contact.circle_sq =
+          raised ? scaled.loading_circle(overlap) : scaled.unloading_circle(overlap, turning, law.area(turning.peak));
     if (raised) {
       if (state[TIME_YIELD] < 0.0) state[TIME_YIELD] = now;
       state[DISSIPATED] = lost(i, 0, scaled) + lost(i, 1, scaled);
@@ -291,7 +294,8 @@ void FixWallGranHysteretic::compute_tangential(int i, int which, double overlap,
       const double velocity[3] = {v[0], v[1], v[2]}, spin[3] = {lever * omega[0], lever * omega[1], lever * omega[2]};
       double slip[3];
       granwave::slip_of_step(velocity, spin, normal, update->dt, slip);
-      granwave::compute_tangential(spring, normal, slip, law.tangential_stiffness(contact.circle_sq), friction * contact.force, tangential_model);
+      granwave::compute_tangential(spring, normal, slip, law.tangential_stiffness(contact.circle_sq),
+                                   friction * contact.force, tangential_model);
     }
     double torque[3];
     granwave::torque_per_lever(normal, spring.force, torque);
@@ -353,11 +357,17 @@ double FixWallGranHysteretic::compute_vector(int n)
   }
   if (!support) return 0.0;
   switch (n - 3 - N_TOTALS) {
-    case 0: return support->displacement();
-    case 1: return support->velocity();
-    case 2: return support->energy();
-    case 3: return support->damped();
-    case 4: return support->force_on_ground();
-    default: return support->work();
+    case 0:
+      return support->displacement();
+    case 1:
+      return support->velocity();
+    case 2:
+      return support->energy();
+    case 3:
+      return support->damped();
+    case 4:
+      return support->force_on_ground();
+    default:
+      return support->work();
   }
 }

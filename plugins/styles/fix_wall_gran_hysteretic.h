@@ -61,14 +61,27 @@ class FixWallGranHysteretic : public Fix {
 
  private:
   // columns of array_atom, the output of a sphere
-  enum { OVERLAP, FORCE, PEAK_OVERLAP, PEAK_FORCE, DISSIPATED, TIME_FIRST, TIME_PEAK, TIME_YIELD, TANGENTIAL, FRICTION_LOSS,
-         INITIAL, N_REPORTED };
+  enum {
+    OVERLAP,
+    FORCE,
+    PEAK_OVERLAP,
+    PEAK_FORCE,
+    DISSIPATED,
+    TIME_FIRST,
+    TIME_PEAK,
+    TIME_YIELD,
+    TANGENTIAL,
+    FRICTION_LOSS,
+    INITIAL,
+    N_REPORTED
+  };
 
   struct Side {    // a sphere's dent on one of the walls; all doubles, as which it travels
     double dent = 0.0, place[2] = {}, lost_before = 0.0, touching = 0.0;
     double initial = 0.0;    // the dent before the run, where beyond the elastic limit
   };
-  static constexpr int N_SIDE = sizeof(Side) / sizeof(double), N_SPRING = sizeof(granwave::TangentialSpring) / sizeof(double);
+  static constexpr int N_SIDE = sizeof(Side) / sizeof(double),
+                       N_SPRING = sizeof(granwave::TangentialSpring) / sizeof(double);
 
   struct Contact {    // of a sphere with a wall, now
     double force;
@@ -101,12 +114,12 @@ class FixWallGranHysteretic : public Fix {
   std::unique_ptr<granwave::Support> support;    // of the one plane, if it can move
   int moving = 0;                                // which one
 
-  std::vector<char> near;                   // 0: the sphere touched no wall at the last evaluation, and is not new here
-  std::vector<Side> sides;                  // two for each sphere: low and high wall
+  std::vector<char> near;     // 0: the sphere touched no wall at the last evaluation, and is not new here
+  std::vector<Side> sides;    // two for each sphere: low and high wall
   std::vector<granwave::TangentialSpring> springs;    // likewise, if there is friction
   std::vector<double> extras;    // history of the law beyond the dent: low and high wall now, the same before the run
 
-  double wall_force[3];    // of this processor's spheres on the wall
+  double wall_force[3];                     // of this processor's spheres on the wall
   granwave::ExactSum pressed, stiffness;    // force and stiffness of this processor's contacts with a moving plane
   double contact_stiffness = 0.0;           // of all
   bigint tallied = -1;

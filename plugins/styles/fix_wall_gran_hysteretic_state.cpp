@@ -41,7 +41,8 @@ void FixWallGranHysteretic::set_dent(int i, double peak)
 {
   const double radius = atom->radius[i];
   if (!(atom->mask[i] & groupbit) || radius == 0.0)
-    error->one(FLERR, "Fix {} {}: sphere {} cannot have a dent, it is not of the fix's group or has no radius", STYLE, id, atom->tag[i]);
+    error->one(FLERR, "Fix {} {}: sphere {} cannot have a dent, it is not of the fix's group or has no radius", STYLE, id,
+               atom->tag[i]);
   if (!(peak >= 0.0 && peak <= radius))
     error->one(FLERR, "Fix {} {}: a dent of sphere {} must lie between 0 and its radius {:.4g}, found {:.4g}", STYLE, id,
                atom->tag[i], radius, peak);
@@ -165,7 +166,8 @@ void FixWallGranHysteretic::unpack_restart(int i, int nth)
   const int reported = old ? OLD_REPORTED : N_REPORTED, each = old ? OLD_SIDE : N_SIDE, behind = reported + 2 * each;
   FixWallGranHysteretic::set_arrays(i);
   std::copy_n(stored, reported, array_atom[i]);
-  for (int which = 0; which < 2; which++) std::copy_n(stored + reported + which * each, each, numbers(&sides[2 * i + which]));
+  for (int which = 0; which < 2; which++)
+    std::copy_n(stored + reported + which * each, each, numbers(&sides[2 * i + which]));
   if (friction > 0.0 && size >= behind + 2 * N_SPRING) std::copy_n(stored + behind, 2 * N_SPRING, numbers(&springs[2 * i]));
   if (format == EXTRA_HISTORY) std::copy_n(stored + size - 4 * n_extra(), 4 * n_extra(), extra(i, 0));
 }
@@ -176,7 +178,7 @@ int FixWallGranHysteretic::maxsize_restart() { return n_state() + 2; }
 double FixWallGranHysteretic::memory_usage()
 {
   const double of_sides = double(sides.capacity()) * sizeof(Side) + double(springs.capacity()) * sizeof(TangentialSpring) +
-      double(extras.capacity()) * sizeof(double);
+                          double(extras.capacity()) * sizeof(double);
   return double(atom->nmax) * (N_REPORTED * sizeof(double) + 1) + of_sides;
 }
 
@@ -197,8 +199,8 @@ void FixWallGranHysteretic::restart(char *buffer)
 {
   const auto *const stored = reinterpret_cast<const double *>(buffer);
   if (stored[0] != SUPPORT_FORMAT)
-    error->all(FLERR, "Restart file holds format {} of the support of fix {}; this version reads format {}", stored[0], STYLE,
-               SUPPORT_FORMAT);
+    error->all(FLERR, "Restart file holds format {} of the support of fix {}; this version reads format {}", stored[0],
+               STYLE, SUPPORT_FORMAT);
   if (!support || stored[1] != double(support->state_size()))
     error->all(FLERR, "Restart file holds fix {} {} with {}: give it again as it was", STYLE, id,
                support ? "another number of elements in its support" : "a support");

@@ -151,7 +151,9 @@ void GranDents::set(const std::string &file, const std::vector<Line> &lines)
         return found == pairs.end() ? -1.0 : lines[found->second].peak;
       },
       [&](tagint i, tagint j, DentStatus status) {
-        mine[pairs.at({i, j})] |= status == DentStatus::SET ? DONE : status == DentStatus::TOO_DEEP ? TOO_DEEP : OUT_OF_REACH;
+        mine[pairs.at({i, j})] |= status == DentStatus::SET        ? DONE
+                                  : status == DentStatus::TOO_DEEP ? TOO_DEEP
+                                                                   : OUT_OF_REACH;
       });
   MPI_Allreduce(mine.data(), state.data(), static_cast<int>(lines.size()), MPI_INT, MPI_BOR, world);
 
@@ -160,9 +162,11 @@ void GranDents::set(const std::string &file, const std::vector<Line> &lines)
     if (!line.wall && !(state[k] & FIRST_SEEN)) wrong(line, fmt::format("there is no sphere {}", line.i));
     if (!(state[k] & SECOND_SEEN)) wrong(line, fmt::format("there is no sphere {}", line.j));
     if (state[k] & TOO_DEEP)
-      wrong(line, fmt::format("the dent, {:.6g}, exceeds the radius of the {}", line.peak, line.wall ? "sphere" : "smaller sphere"));
+      wrong(line, fmt::format("the dent, {:.6g}, exceeds the radius of the {}", line.peak,
+                              line.wall ? "sphere" : "smaller sphere"));
     if (!line.wall && !(state[k] & DONE))
-      wrong(line, fmt::format("spheres {} and {} are further apart than the gap beyond which a dent is forgotten", line.i, line.j));
+      wrong(line, fmt::format("spheres {} and {} are further apart than the gap beyond which a dent is forgotten", line.i,
+                              line.j));
     if (line.wall && owned.count(line.j)) line.wall->set_dent(owned[line.j], line.peak);
   }
 }

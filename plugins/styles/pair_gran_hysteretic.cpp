@@ -69,8 +69,10 @@ void PairGranHysteretic::allocate()
 void PairGranHysteretic::settings(int narg, char **arg)
 {
   if (narg != 1)
-    error->all(FLERR, "Illegal pair_style gran/hysteretic: expected one argument, the gap beyond which a dent is "
-                      "forgotten, found {}", narg);
+    error->all(FLERR,
+               "Illegal pair_style gran/hysteretic: expected one argument, the gap beyond which a dent is "
+               "forgotten, found {}",
+               narg);
   gap = utils::numeric(FLERR, arg[0], false, lmp);
   if (!(gap > 0.0) || !std::isfinite(gap))
     error->all(FLERR, "Illegal pair_style gran/hysteretic: the gap must be positive, found {}", arg[0]);
@@ -99,7 +101,8 @@ void PairGranHysteretic::coeff(int narg, char **arg)
       setflag[i][j] = 1;
       count++;
     }
-  if (count == 0) error->all(FLERR, "Incorrect pair_coeff for gran/hysteretic: no pair of types I <= J in {} {}", arg[0], arg[1]);
+  if (count == 0)
+    error->all(FLERR, "Incorrect pair_coeff for gran/hysteretic: no pair of types I <= J in {} {}", arg[0], arg[1]);
 }
 
 void PairGranHysteretic::init_style()
@@ -124,9 +127,11 @@ void PairGranHysteretic::init_style()
   if (fix_history && ((any && !has_friction) || n_extra > contacts.n_extra)) release_contacts();    // its list lacks them
   has_friction = any;
   if (has_friction && (!atom->omega_flag || !atom->torque_flag))
-    error->all(FLERR, "Pair style gran/hysteretic with friction requires atom attributes omega and torque (atom_style sphere)");
+    error->all(FLERR,
+               "Pair style gran/hysteretic with friction requires atom attributes omega and torque (atom_style sphere)");
   if (has_friction && comm->ghost_velocity == 0)
-    error->all(FLERR, "Pair style gran/hysteretic with friction needs the velocities of ghost atoms: use 'comm_modify vel yes'");
+    error->all(FLERR,
+               "Pair style gran/hysteretic with friction needs the velocities of ghost atoms: use 'comm_modify vel yes'");
 
   neighbor->add_request(this);
 
@@ -160,7 +165,8 @@ double PairGranHysteretic::init_one(int i, int j)
       error->all(FLERR, "All pair coeffs are not set: gran/hysteretic has none for types {} and {}", i, j);
     const LawArguments &a = coefficients[i * n + i], &b = coefficients[j * n + j];
     if (!a.same_options(b))
-      error->all(FLERR, "Types {} and {} have different laws or options for like spheres: give pair_coeff {} {}", i, j, i, j);
+      error->all(FLERR, "Types {} and {} have different laws or options for like spheres: give pair_coeff {} {}", i, j, i,
+                 j);
     args = a;
     args.second = b.first;
   }
@@ -198,6 +204,7 @@ double PairGranHysteretic::memory_usage()
   bytes += double(c.turnings.capacity()) * (sizeof(Turning) + sizeof(double));
   bytes += double(c.spring.capacity()) * sizeof(granwave::TangentialSpring) + double(c.has_spring.capacity());
   bytes += double(c.circle.capacity() + c.initial.capacity() + c.reached.capacity() + c.extra.capacity() +
-                  c.initial_extra.capacity()) * sizeof(double);
+                  c.initial_extra.capacity()) *
+           sizeof(double);
   return bytes;
 }

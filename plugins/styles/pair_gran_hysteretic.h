@@ -34,13 +34,13 @@ class PairGranHysteretic : public Pair {
 
   /* State of one contact for output, in physical units. */
   struct Report {
-    int i, j;                      // local index; j may be a ghost, -1 for a forgotten dent
+    int i, j;    // local index; j may be a ghost, -1 for a forgotten dent
     tagint tag_i, tag_j;
-    double overlap, force;         // now; overlap < 0 is a gap
+    double overlap, force;    // now; overlap < 0 is a gap
     double peak_force, elastic, dissipated, share_i;
     double tangential_force, tangential_elastic, frictional_loss;
     double effective_radius;
-    double initial;                // the dent before this run
+    double initial;    // the dent before this run
     bool live, yielded;
     granwave::Dent dent;
   };
@@ -83,7 +83,8 @@ class PairGranHysteretic : public Pair {
   enum class DentStatus { SET, TOO_DEEP, OUT_OF_REACH };
   void prepare_initial_dents();
   void begin_initial_dents();
-  void set_dents(const std::function<double(tagint, tagint)> &dent, const std::function<void(tagint, tagint, DentStatus)> &report);
+  void set_dents(const std::function<double(tagint, tagint)> &dent,
+                 const std::function<void(tagint, tagint, DentStatus)> &report);
 
  private:
   // Spheres of a lattice that just touch overlap or part by the rounding of their positions. Overlaps below this part of
@@ -100,21 +101,21 @@ class PairGranHysteretic : public Pair {
   /* Pairs of spheres within reach, row by row as in LAMMPS's half list. */
   struct Contacts {
     bool valid = false, published = false;
-    int owned = 0;                           // spheres of this processor when the list was built
-    bool ordered = true;                     // rows rise, and no partner comes before its row
-    int span = 0;                            // largest distance in index between a row and an owned partner
-    std::vector<int> row, begin;             // sphere of each row; where its pairs begin (one longer)
-    std::vector<int> partner;                // local or ghost index
-    std::vector<double> peak;                // largest overlap ever
+    int owned = 0;                  // spheres of this processor when the list was built
+    bool ordered = true;            // rows rise, and no partner comes before its row
+    int span = 0;                   // largest distance in index between a row and an owned partner
+    std::vector<int> row, begin;    // sphere of each row; where its pairs begin (one longer)
+    std::vector<int> partner;       // local or ghost index
+    std::vector<double> peak;       // largest overlap ever
     std::vector<double> time_first, time_peak, time_yield;
-    int n_extra = 0;                         // doubles of history that the laws in use have beyond the peak
-    std::vector<double> extra;               // so many for each pair
-    std::vector<int> turning;                // index into turnings, or -1 while Hertzian
+    int n_extra = 0;              // doubles of history that the laws in use have beyond the peak
+    std::vector<double> extra;    // so many for each pair
+    std::vector<int> turning;     // index into turnings, or -1 while Hertzian
     std::vector<granwave::Turning> turnings;
-    std::vector<double> work_lost;           // normalised dissipated energy at the turning; -1: not yet asked for
-    std::vector<double> circle;              // with friction: normalised area at the turning
+    std::vector<double> work_lost;                     // normalised dissipated energy at the turning; -1: not yet asked for
+    std::vector<double> circle;                        // with friction: normalised area at the turning
     std::vector<granwave::TangentialSpring> spring;    // with friction: force on the row's sphere
-    std::vector<char> has_spring;            // with friction: 1 if there is a spring now; FLAGS_AT_A_TIME longer
+    std::vector<char> has_spring;                      // with friction: 1 if there is a spring now; FLAGS_AT_A_TIME longer
     std::vector<double> initial, reached;    // with initial dents: dent before this run, largest overlap of this run
     std::vector<double> initial_extra;       // likewise: the law's doubles before this run
     std::vector<tagint> row_tag, partner_tag;
@@ -139,7 +140,10 @@ class PairGranHysteretic : public Pair {
   static double effective_radius(double ri, double rj) { return ri > 0.0 && rj > 0.0 ? ri * rj / (ri + rj) : ri + rj; }
 
   /* Overlaps beyond this are an error: a sphere's centre is near the other surface, or the face near the sphere's centre. */
-  static double largest_overlap(double ri, double rj) { return ri > 0.0 && rj > 0.0 ? (ri < rj ? ri : rj) : 0.5 * (ri + rj); }
+  static double largest_overlap(double ri, double rj)
+  {
+    return ri > 0.0 && rj > 0.0 ? (ri < rj ? ri : rj) : 0.5 * (ri + rj);
+  }
 
   void allocate();
   granwave::ContactLaw &law(int itype, int jtype) { return laws[itype * (atom_types + 1) + jtype]; }
@@ -154,7 +158,8 @@ class PairGranHysteretic : public Pair {
   void compute_batch(Batch &, Tally);
   void update_history(Batch &);
   void compute_tangential(Batch &);
-  void accumulate(const Batch &, granwave::TwofoldSums &, const double (&on_i)[3][Batch::CAPACITY], const double (&on_j)[3][Batch::CAPACITY]);
+  void accumulate(const Batch &, granwave::TwofoldSums &, const double (&on_i)[3][Batch::CAPACITY],
+                  const double (&on_j)[3][Batch::CAPACITY]);
   void tally(const Batch &, Tally);
   double plastic_force(int k, double overlap, const granwave::ScaledLaw &, bool raised);
   void release_spring(int k);
@@ -169,7 +174,8 @@ class PairGranHysteretic : public Pair {
   void unpack_block(int k, const granwave::BlockLayout &, const double *block);
   void reset_history(int k, double peak, bool initial);
   void forget(int row, int k);
-  double largest_force_of_run(const granwave::ScaledLaw &, const granwave::LawHistory &, const granwave::BlockView &, double overlap) const;
+  double largest_force_of_run(const granwave::ScaledLaw &, const granwave::LawHistory &, const granwave::BlockView &,
+                              double overlap) const;
   void fill_report(Report &, const granwave::ScaledLaw &, const granwave::BlockView &, double overlap) const;
   Report report_pair(int i, int j, int k, double rsq);
   [[noreturn]] void overlap_error(int i, int j, double overlap);
@@ -181,11 +187,11 @@ class PairGranHysteretic : public Pair {
   std::vector<granwave::LawArguments> coefficients;    // as set by pair_coeff, to mix from and for restarts
   std::vector<double> largest_radius;
   bool uniform = false;
-  bool has_friction = false;    // any friction, ever
+  bool has_friction = false;         // any friction, ever
   bool has_initial_dents = false;    // dents of earlier runs are told from those of this one
   Contacts contacts;
   granwave::TwofoldSums force_sums, torque_sums;
-  double now = 0.0;    // simulated time of this force evaluation
+  double now = 0.0;                // simulated time of this force evaluation
   bool springs_advance = false;    // time passes in it
   FixGranHystereticHistory *fix_history = nullptr;
 };

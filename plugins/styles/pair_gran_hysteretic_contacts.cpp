@@ -32,8 +32,10 @@ void PairGranHysteretic::build_contacts()
   const double widest = 2.0 * *std::max_element(largest_radius.begin(), largest_radius.end()) + reach;
   for (int axis = 0; axis < domain->dimension; axis++)
     if (domain->periodicity[axis] && domain->prd[axis] < 2.0 * widest)
-      error->all(FLERR, "Pair style gran/hysteretic: the periodic box is {:.3g} long in {}, where two spheres could meet both "
-                        "directly and across the boundary; it must be at least {:.3g}", domain->prd[axis], "xyz"[axis], 2.0 * widest);
+      error->all(FLERR,
+                 "Pair style gran/hysteretic: the periodic box is {:.3g} long in {}, where two spheres could meet both "
+                 "directly and across the boundary; it must be at least {:.3g}",
+                 domain->prd[axis], "xyz"[axis], 2.0 * widest);
 
   uniform = true;
   for (int i = 1; i < nall && uniform; i++) uniform = radius[i] == radius[0] && type[i] == type[0];
@@ -94,7 +96,8 @@ void PairGranHysteretic::build_contacts()
   c.partner_tag.resize(n);
   for (std::size_t r = 0; r < c.row.size(); r++) c.row_tag[r] = atom->tag[c.row[r]];
   for (std::size_t k = 0; k < n; k++) c.partner_tag[k] = atom->tag[c.partner[k]];
-  const std::size_t rows = uniform ? std::min<std::size_t>(1, c.row.size()) : c.row.size(), pairs_kept = uniform ? std::min<std::size_t>(1, n) : n;
+  const std::size_t rows = uniform ? std::min<std::size_t>(1, c.row.size()) : c.row.size(),
+                    pairs_kept = uniform ? std::min<std::size_t>(1, n) : n;
   c.row_radius.resize(rows);
   c.row_type.resize(rows);
   c.partner_radius.resize(pairs_kept);
@@ -126,9 +129,10 @@ void PairGranHysteretic::check_displacements()
     if (radius == 0.0) continue;    // nodes alone
     const double leap = std::sqrt(v[i][0] * v[i][0] + v[i][1] * v[i][1] + v[i][2] * v[i][2]) * update->dt;
     if (!(leap <= LARGEST * radius))
-      error->one(FLERR, "Sphere {} moves by {:.3g} of {} radius in one timestep: the timestep is far too large for its "
-                        "velocity, or the run is unstable", atom->tag[i], leap / radius,
-                 atom->radius[i] > 0.0 ? "its" : "the largest sphere's");
+      error->one(FLERR,
+                 "Sphere {} moves by {:.3g} of {} radius in one timestep: the timestep is far too large for its "
+                 "velocity, or the run is unstable",
+                 atom->tag[i], leap / radius, atom->radius[i] > 0.0 ? "its" : "the largest sphere's");
   }
 }
 
@@ -140,8 +144,10 @@ void PairGranHysteretic::restore_history()
   if (history.size() == 0) return;
   for (int i = 0; i < atom->nlocal; i++)
     if (history.count(i) > 0 && history.owner(i) != atom->tag[i])
-      error->one(FLERR, "The ID of sphere {} was {} when its contacts were made: dents are known by the IDs of their spheres. "
-                        "Use 'delete_atoms ... compress no', and no reset_atoms id", atom->tag[i], history.owner(i));
+      error->one(FLERR,
+                 "The ID of sphere {} was {} when its contacts were made: dents are known by the IDs of their spheres. "
+                 "Use 'delete_atoms ... compress no', and no reset_atoms id",
+                 atom->tag[i], history.owner(i));
   Contacts &c = contacts;
   constexpr int FOUND = 2;
   for (std::size_t r = 0; r < c.row.size(); r++) {
@@ -198,7 +204,8 @@ void PairGranHysteretic::publish_contacts()
       if (c.peak[k] <= 0.0) continue;
       const int of_pair = uniform ? 0 : k;
       const Dent dent = dent_of(k);
-      pack_block(k, 1.0, history.place(c.row[r], {c.partner_tag[k], c.partner_radius[of_pair], c.partner_type[of_pair], 1, dent}));
+      pack_block(k, 1.0,
+                 history.place(c.row[r], {c.partner_tag[k], c.partner_radius[of_pair], c.partner_type[of_pair], 1, dent}));
       if (c.partner[k] < c.owned)
         pack_block(k, -1.0, history.place(c.partner[k], {c.row_tag[r], c.row_radius[of_row], c.row_type[of_row], 1, dent}));
     }
@@ -249,8 +256,8 @@ void PairGranHysteretic::pack_block(int k, double side, double *block) const
   std::copy_n(view.extra, contacts.n_extra, block);
   if (!layout.extended) return;
   const double *const force = view.spring.force;
-  const double values[] = {side * force[0], side * force[1], side * force[2], view.spring.compliance, view.spring.loss,
-                           view.initial, view.reached};
+  const double values[] = {side * force[0],  side * force[1], side * force[2], view.spring.compliance,
+                           view.spring.loss, view.initial,    view.reached};
   std::copy_n(values, static_cast<int>(BlockLayout::N_EXTENDED), block + layout.spring());
   if (has_initial_dents) std::copy_n(view.initial_extra, contacts.n_extra, block + layout.initial_extra());
 }

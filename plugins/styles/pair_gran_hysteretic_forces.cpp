@@ -111,7 +111,8 @@ void PairGranHysteretic::update_history(Batch &batch)
     const PairParameters &p = *batch.pair[m];
     const double overlap = batch.overlap[m];
     if (!(overlap <= p.largest_overlap)) overlap_error(batch.i[m], batch.j[m], overlap);
-    if (c.n_extra > 0 && p.contact.update(overlap, c.peak[k], c.extra.data() + std::size_t(k) * c.n_extra) && c.turning[k] >= 0)
+    if (c.n_extra > 0 && p.contact.update(overlap, c.peak[k], c.extra.data() + std::size_t(k) * c.n_extra) &&
+        c.turning[k] >= 0)
       c.turnings[c.turning[k]].peak = -1.0;    // of another history
     const bool raised = overlap > c.peak[k];
     if (raised) {
@@ -153,7 +154,8 @@ void PairGranHysteretic::compute_tangential(Batch &batch)
     batch.compute_tangential(update->dt);
     for (int m = 0; m < batch.size; m++) {
       if (batch.limit[m] == 0.0) continue;
-      c.spring[batch.k[m]] = {{batch.tangential[0][m], batch.tangential[1][m], batch.tangential[2][m]}, batch.compliance[m], batch.loss[m]};
+      c.spring[batch.k[m]] = {
+          {batch.tangential[0][m], batch.tangential[1][m], batch.tangential[2][m]}, batch.compliance[m], batch.loss[m]};
       c.has_spring[batch.k[m]] = 1;
     }
   }
@@ -180,15 +182,16 @@ void PairGranHysteretic::tally(const Batch &batch, Tally what)
     const PairParameters &p = *batch.pair[m];
     const double peak = contacts.peak[batch.k[m]], overlap = batch.overlap[m];
     double elastic = 0.4 * batch.force[m] * overlap;
-    if (p.contact.yielded(peak)) elastic = p.contact.elastic_energy(overlap, contacts.turnings[cached_turning(batch.k[m], p.contact)]);
+    if (p.contact.yielded(peak))
+      elastic = p.contact.elastic_energy(overlap, contacts.turnings[cached_turning(batch.k[m], p.contact)]);
     ev_tally_xyz(batch.i[m], batch.j[m], nlocal, 0, elastic, 0.0, fx, fy, fz, delx, dely, delz);
   }
 }
 
 /* Add to the sums of both spheres. The pairs of a row come one after the other. */
 
-void PairGranHysteretic::accumulate(const Batch &batch, granwave::TwofoldSums &sums, const double (&on_i)[3][Batch::CAPACITY],
-                                    const double (&on_j)[3][Batch::CAPACITY])
+void PairGranHysteretic::accumulate(const Batch &batch, granwave::TwofoldSums &sums,
+                                    const double (&on_i)[3][Batch::CAPACITY], const double (&on_j)[3][Batch::CAPACITY])
 {
   const int nlocal = atom->nlocal;
   for (int m = 0; m < batch.size;) {
@@ -208,10 +211,8 @@ void PairGranHysteretic::compute_batch(Batch &batch, Tally what)
 {
   batch.compute_overlap();
   update_history(batch);
-  if (has_friction)
-    compute_tangential(batch);
-  else
-    batch.compute_normal();
+  if (has_friction) compute_tangential(batch);
+  else batch.compute_normal();
   accumulate(batch, force_sums, batch.force_i, batch.force_j);
   if (what != Tally::NONE) tally(batch, what);
   batch.size = 0;
@@ -220,8 +221,9 @@ void PairGranHysteretic::compute_batch(Batch &batch, Tally what)
 template <bool UNIFORM> void PairGranHysteretic::compute_forces(Tally what)
 {
   constexpr int ROWS_AT_A_TIME = 64;    // as few pairs touch in a packing at rest
-  const double(*const x)[3] = reinterpret_cast<const double(*)[3]>(atom->x[0]);
-  const double *const v = atom->v[0], *const omega = has_friction ? atom->omega[0] : nullptr;    // contiguous, as those below
+  const double (*const x)[3] = reinterpret_cast<const double (*)[3]>(atom->x[0]);
+  const double *const v = atom->v[0], *const omega =
+                                          has_friction ? atom->omega[0] : nullptr;    // contiguous, as those below
   double *const f = atom->f[0], *const torque = has_friction ? atom->torque[0] : nullptr;
   const double *const radius = atom->radius;
   const int *const type = atom->type;
@@ -311,8 +313,8 @@ void PairGranHysteretic::compute(int eflag, int vflag)
 
   // LAMMPS asks for the pressure more often than it is used: it must cost next to nothing
   const Tally what = eflag_atom || vflag_atom || cvflag_atom || num_tally_compute > 0 ? Tally::EACH_PAIR
-      : vflag_global                                                                  ? Tally::VIRIAL
-                                                                                       : Tally::NONE;
+                     : vflag_global                                                   ? Tally::VIRIAL
+                                                                                      : Tally::NONE;
   if (atom->nlocal > 0) uniform ? compute_forces<true>(what) : compute_forces<false>(what);
   if (eflag_global) eng_vdwl = tally_totals();
 }
@@ -321,8 +323,9 @@ void PairGranHysteretic::overlap_error(int i, int j, double overlap)
 {
   for (const int sphere : {i, j}) granwave::require_finite_motion(lmp, sphere);
   const bool face = atom->radius[i] == 0.0 || atom->radius[j] == 0.0;
-  error->one(FLERR, fmt::format("Spheres {} and {} overlap by {:.3g}, more than {}: they were placed into each other, or the "
-                                "timestep is far too large", atom->tag[i], atom->tag[j], overlap,
-                                face ? "half the radius of the one that meets a flat face" : "the radius of the smaller one"));
+  error->one(FLERR,
+             fmt::format("Spheres {} and {} overlap by {:.3g}, more than {}: they were placed into each other, or the "
+                         "timestep is far too large",
+                         atom->tag[i], atom->tag[j], overlap,
+                         face ? "half the radius of the one that meets a flat face" : "the radius of the smaller one"));
 }
-

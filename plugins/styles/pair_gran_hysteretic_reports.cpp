@@ -47,7 +47,8 @@ double PairGranHysteretic::tally_totals()
                          double peak_force, double overlap, double weight) {
     pvector[TANGENTIAL] += weight * tangential_energy(view.spring);
     pvector[FRICTIONAL] += weight * view.spring.loss;
-    largest_force = std::max(largest_force, has_initial_dents ? largest_force_of_run(contact, h, view, overlap) : peak_force);
+    largest_force =
+        std::max(largest_force, has_initial_dents ? largest_force_of_run(contact, h, view, overlap) : peak_force);
     if (!contact.yielded(h.peak)) return;
     if (h.peak > view.initial) {
       pvector[YIELDED] += weight;
@@ -128,7 +129,8 @@ void PairGranHysteretic::fill_report(Report &report, const ScaledLaw &contact, c
     if (overlap > 0.0) report.force = overlap >= h.peak ? report.peak_force : contact.unloading(overlap, turning);
     if (overlap > 0.0) report.elastic = contact.elastic_energy(overlap, turning);
     if (report.yielded)
-      report.dissipated = contact.dissipated_energy(turning, h.extra) - contact.dissipated_energy({view.initial, view.initial_extra});
+      report.dissipated =
+          contact.dissipated_energy(turning, h.extra) - contact.dissipated_energy({view.initial, view.initial_extra});
   } else {
     report.force = contact.hertz_force(overlap);
     report.peak_force = contact.hertz_force(h.peak);
@@ -187,7 +189,8 @@ void PairGranHysteretic::for_each_dent(const std::function<void(const Report &)>
       report.tag_j = static_cast<tagint>(record->partner);
       report.dent = record->dent;
       report.overlap = -gap;
-      const ScaledLaw contact(law(atom->type[i], record->partner_type), effective_radius(atom->radius[i], record->partner_radius));
+      const ScaledLaw contact(law(atom->type[i], record->partner_type),
+                              effective_radius(atom->radius[i], record->partner_radius));
       fill_report(report, contact, BlockView(history.layout(), history.block(i, m)), 0.0);
       visit(report);
     }

@@ -17,17 +17,31 @@ namespace {
 
 // Each format adds to the one before. A file is of the first that has room for what is in use, and so readable by every
 // version that knows that.
-enum { DEFAULT_CONSTANTS = 1, OWN_CONSTANTS = 2, FRICTION = 3, EXTRA_HISTORY = 4 };    // the third: or dents from before the run
-constexpr int N_BASIC = 11, N_CONSTANTS = std::size(granwave::LAW_CONSTANTS), N_OWN = N_BASIC + N_CONSTANTS, N_STORED = N_OWN + 2;
+enum {
+  DEFAULT_CONSTANTS = 1,
+  OWN_CONSTANTS = 2,
+  FRICTION = 3,
+  EXTRA_HISTORY = 4
+};    // the third: or dents from before the run
+constexpr int N_BASIC = 11, N_CONSTANTS = std::size(granwave::LAW_CONSTANTS), N_OWN = N_BASIC + N_CONSTANTS,
+              N_STORED = N_OWN + 2;
 
 int stored(int format) { return format == DEFAULT_CONSTANTS ? N_BASIC : format == OWN_CONSTANTS ? N_OWN : N_STORED; }
 
 void store(const LawArguments &a, double *v)
 {
   const Material second = a.second.value_or(Material{0, 0, 0});
-  const double values[N_BASIC] = {double(a.law - granwave::law_table().data()), a.first.youngs_modulus, a.first.poisson_ratio, a.first.yield_strength,
-                                  double(a.second.has_value()), second.youngs_modulus, second.poisson_ratio,
-                                  second.yield_strength, double(a.options.variant), a.options.yield_factor, a.options.beta};
+  const double values[N_BASIC] = {double(a.law - granwave::law_table().data()),
+                                  a.first.youngs_modulus,
+                                  a.first.poisson_ratio,
+                                  a.first.yield_strength,
+                                  double(a.second.has_value()),
+                                  second.youngs_modulus,
+                                  second.poisson_ratio,
+                                  second.yield_strength,
+                                  double(a.options.variant),
+                                  a.options.yield_factor,
+                                  a.options.beta};
   std::copy_n(values, N_BASIC, v);
   for (int k = 0; k < N_CONSTANTS; k++) v[N_BASIC + k] = a.options.constants.*granwave::LAW_CONSTANTS[k].second;
   v[N_OWN] = a.friction;
@@ -111,8 +125,8 @@ void PairGranHysteretic::read_restart(FILE *fp)
       if (comm->me == 0) utils::sfread(FLERR, values, sizeof(double), stored(restart_format), fp, nullptr, error);
       MPI_Bcast(values, N_STORED, MPI_DOUBLE, 0, world);
       if (!(values[0] >= 0.0 && values[0] < granwave::law_table().size()))
-        error->all(FLERR, "Restart file holds law number {} of pair style gran/hysteretic; this version knows {}: {}", values[0],
-                   granwave::law_table().size(), granwave::law_names(", "));
+        error->all(FLERR, "Restart file holds law number {} of pair style gran/hysteretic; this version knows {}: {}",
+                   values[0], granwave::law_table().size(), granwave::law_names(", "));
       coefficients[i * (atom_types + 1) + j] = recall(values, restart_format);
     }
 }
