@@ -36,6 +36,7 @@ from granwave.workflows import mpi, record
 from granwave.workflows.directory import busy, clear
 from granwave.workflows.kinds import GRANULAR, kind_of
 from granwave.workflows.scanning import layout
+from granwave.workflows.scanning.ended_jobs import end_of
 
 DRIVER = "GRANWAVE_SCAN_DRIVER"  # variable: process of the driver, on this machine, without which the job ends
 _POLL = 0.5  # s
@@ -118,8 +119,10 @@ class _Worker:
         # by a process whose worker was killed
         ended = (begun is not None and begun.state == record.FINISHED) or (place / SUMMARY_FILE).exists()
         if before >= layout.MOST_ATTEMPTS and not ended:  # and nobody was left to say so
-            reason = "its job was killed; was the machine out of memory, or the time limit too short?"
-            layout.write_state(place, **{**seen, "state": layout.FAILED, "reason": seen.get("reason") or reason})
+            job = seen.get("job", "")
+            reason = seen.get("reason") or (end_of(self.directory, job) if job else "")
+            reason = reason or "its job was killed; was the machine out of memory, or the time limit too short?"
+            layout.write_state(place, **{**seen, "state": layout.FAILED, "reason": reason, "asked": job})
             return
         note = {"attempts": before + 1, "host": os.uname().nodename, "pid": os.getpid(), "started": time.time()}
         note["job"] = os.environ.get("SLURM_JOB_ID", "")
