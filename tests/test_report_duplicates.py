@@ -81,6 +81,7 @@ def repeated(report: Report) -> dict[str, list[object]]:
     assert figures and tables and notes
     return {
         "pictures": twice([figure.png for figure in figures]),
+        "data of pictures": twice([figure.data.href for figure in figures if figure.data]),
         "captions": twice([figure.caption for figure in figures]),
         "headings": twice(headings),
         "tables": twice([(table.columns, table.rows) for table in tables]),

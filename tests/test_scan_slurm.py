@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 import signal
 import subprocess
 import sys
@@ -13,6 +14,7 @@ from pathlib import Path
 
 import pytest
 
+from granwave.workflows.scanning.ended_jobs import end_of
 from tests.conftest import PLAIN
 from tests.slurm_cluster import slurm  # noqa: F401 (a fixture)
 
@@ -95,6 +97,11 @@ def states(directory: Path) -> list[str]:
     return found
 
 
+def attempts(directory: Path) -> list[int]:
+    """How often each point was begun that is not done."""
+    return [json.loads(path.read_text())["attempts"] for path in directory.glob("unfinished/*/point.json")]
+
+
 def jobs_ever() -> int:
     """The largest job id there has been."""
     done = subprocess.run(["scontrol", "-o", "show", "jobs"], capture_output=True, text=True, check=True)
@@ -159,6 +166,77 @@ def test_ctrl_c_takes_jobs_back_and_resume_goes_on(scan, tmp_path):
     driver = scan(LONG.replace("[5, 6]", "[5]"), "--resume")
     text, err = driver.communicate(timeout=240)
     assert driver.returncode == 0, text + err
+
+
+def rows_of(directory: Path) -> list[dict[str, str]]:
+    with (directory / "scan.csv").open() as file:
+        return list(csv.DictReader(file))
+
+
+def test_refused_jobs_have_slurm_s_reason(scan, tmp_path):
+    """A wrong partition; then the same command with the profile mended."""
+    small = TINY.replace('run.timestep = ["auto", 1.0e-5]       # the second is far too large: it fails\n', "")
+    (tmp_path / "profile.toml").write_text(PROFILE.replace('"main"', '"nix"'))
+    out, err = (process := scan(small)).communicate(timeout=120)
+    words = "Slurm did not run the job: invalid partition specified: nix"
+    assert process.returncode == 1 and err.count(words) == 1 and "2 failed" in err, out + err
+    assert all(row["status"] == "failed" and row["reason"].startswith(words) for row in rows_of(tmp_path / "out"))
+    assert words in (tmp_path / "out" / "report.html").read_text()
+    (tmp_path / "profile.toml").write_text(PROFILE)
+    out, err = (process := scan(small, "--resume")).communicate(timeout=240)
+    assert process.returncode == 0, out + err
+
+
+def test_jobs_that_wait_for_what_never_comes_say_so(scan):
+    update = ["scontrol", "update", "PartitionName=main"]
+    subprocess.run([*update, "MaxTime=5"], check=True)
+    try:
+        driver = scan(LONG)
+        wait_for(lambda: any(state == "PENDING" for _, state in queue()), 60)
+        time.sleep(3)
+        driver.send_signal(signal.SIGINT)
+        _, err = driver.communicate(timeout=120)
+        assert driver.returncode == 130 and err.count("Slurm lets jobs wait: PartitionTimeLimit") == 1, err
+    finally:
+        subprocess.run([*update, "MaxTime=INFINITE"], check=True)
+
+
+def test_jobs_that_are_ended_have_slurm_s_reason(scan, tmp_path):
+    """The nodes fail under both points, twice."""
+    (tmp_path / "profile.toml").write_text(PROFILE + 'options = "--no-requeue"\n')
+    out = tmp_path / "out"
+    driver = scan(LONG)
+    for attempt in (1, 2):
+        wait_for(lambda number=attempt: attempts(out) == [number] * 2, 120)
+        subprocess.run(["scontrol", "update", "NodeName=n1,n2", "State=DOWN", "Reason=test"], check=True)
+        wait_for(lambda: not queue(), 60)
+        subprocess.run(["scontrol", "update", "NodeName=n1,n2", "State=RESUME"], check=True)
+    text, err = driver.communicate(timeout=240)
+    assert driver.returncode == 1 and "2 failed" in err, text + err
+    for row in rows_of(out):
+        assert row["status"] == "failed" and row["attempts"] == "2"
+        assert re.match(r"Slurm ended job \d+: NODE_FAIL \(NodeDown\)", row["reason"]), row["reason"]
+
+
+def test_how_slurm_ended_a_job(slurm, tmp_path):  # noqa: F811
+    logs = tmp_path / ".scan" / "logs" / "rule_serial" / "batch"
+    logs.mkdir(parents=True)
+
+    def submit(command: str) -> str:
+        words = ["sbatch", "--parsable", "-D", str(tmp_path), f"--output={logs}/%j.log", "--wrap", command]
+        return subprocess.run(words, check=True, capture_output=True, text=True).stdout.strip()
+
+    late, killed, failed, done = map(submit, ("sleep 300", "sleep 300", "exit 3", "true"))
+    wait_for(lambda: sum(state == "RUNNING" for _, state in queue()) == 2, 60)
+    subprocess.run(["scontrol", "update", f"JobId={late}", "TimeLimit=00:00:01"], check=True)
+    subprocess.run(["scancel", killed], check=True)
+    wait_for(lambda: not queue(), 120)
+    assert end_of(tmp_path, failed) == end_of(tmp_path, done) == end_of(tmp_path, "999999") == ""
+    assert end_of(tmp_path, killed).startswith(f"Slurm ended job {killed}: CANCELLED")
+    said = end_of(tmp_path, late)
+    assert re.match(
+        rf"Slurm ended job {late}: TIMEOUT \(TimeLimit\): .*DUE TO TIME LIMIT; give a longer slurm\.time", said
+    ), said
 
 
 def test_jobs_of_another_scan_are_not_ours(scan, tmp_path):

@@ -143,9 +143,16 @@ def _status(stopped: str | None, outcomes: Sequence[ScanOutcome]) -> int:
             f"{n} {what}" for n, what in ((outcome.failed, "failed"), (outcome.missing, "missing")) if n
         )
         if left:
-            print(f"granwave: {left} of the points; the reasons are in {outcome.directory / 'scan.csv'}; "
-                  "the same command with --resume tries them again", file=sys.stderr)  # fmt: skip
+            print(f"granwave: {left} of the points{_reasons(outcome)}; the reasons are in "
+                  f"{outcome.directory / 'scan.csv'}; the same command with --resume tries them again",
+                  file=sys.stderr)  # fmt: skip
     return 0 if all(outcome.complete for outcome in outcomes) else 1
+
+
+def _reasons(outcome: ScanOutcome) -> str:
+    """Why points failed, where all have one reason."""
+    found = {point.reason.strip() for point in ScanResult(outcome.directory).points if point.status == "failed"}
+    return f" ({' '.join(found.pop().split())})" if len(found) == 1 else ""
 
 
 def _executor(options: argparse.Namespace) -> Profile | None:

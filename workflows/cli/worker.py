@@ -36,6 +36,7 @@ from granwave.lammps_inputs.toml_files import read_tables
 from granwave.workflows.run import mpi, record
 from granwave.workflows.run.directory import busy
 from granwave.workflows.scanning import layout
+from granwave.workflows.scanning.ended_jobs import end_of
 from granwave.workflows.solvers import GRANULAR, kind_of
 
 _POLL = 0.5  # s
@@ -116,8 +117,10 @@ class _Worker:
         # by a process whose worker was killed
         ended = (begun is not None and begun.state == record.FINISHED) or (place / SUMMARY_FILE).exists()
         if before >= layout.MOST_ATTEMPTS and not ended:  # and nobody was left to say so
-            reason = "its job was killed; was the machine out of memory, or the time limit too short?"
-            layout.write_state(place, **{**seen, "state": layout.FAILED, "reason": seen.get("reason") or reason})
+            job = seen.get("job", "")
+            reason = seen.get("reason") or (end_of(self.directory, job) if job else "")
+            reason = reason or "its job was killed; was the machine out of memory, or the time limit too short?"
+            layout.write_state(place, **{**seen, "state": layout.FAILED, "reason": reason, "asked": job})
             return
         note = {"attempts": before + 1, "host": os.uname().nodename, "pid": os.getpid(), "started": time.time()}
         note["job"] = os.environ.get("SLURM_JOB_ID", "")

@@ -25,6 +25,7 @@ from granwave.workflows.run.interrupts import Interrupts
 from granwave.workflows.run.progress import Progress
 from granwave.workflows.scanning import layout, queue
 from granwave.workflows.scanning.batches import make_batches, start_of_job
+from granwave.workflows.scanning.ended_jobs import note_ended, note_refused
 from granwave.workflows.scanning.engine import SLURM, Engine, check_installed
 from granwave.workflows.scanning.needs import check_points
 from granwave.workflows.scanning.outlook import Outlook
@@ -40,6 +41,7 @@ _TABLE_EVERY, _FIGURES_EVERY = 5.0, 60.0  # s, at most so often while points com
 # a round that leaves points behind (jobs were killed, or met their time limit) is followed by another
 _MOST_ROUNDS = 20
 _MOST_LABELS = 3  # of a point that runs, beside the bar
+_USUAL = ("None", "Resources", "Priority", "BeginTime", "Cleaning", "Prolog")  # why jobs wait
 _GONE = 15.0  # s without a job in the queue, after which a round is over, whatever the engine believes
 
 
@@ -184,7 +186,8 @@ def _prepare(scan: Scan, directory: Path, *, on_cluster: bool) -> None:
                 logger.warning("%s; the point is analysed again, or run again", fault)
             layout.reopen(directory, point)
         state = layout.state(directory, point)
-        if state.get("attempts") and point not in adopted:  # it failed, or was killed with its job: another chance
+        begun = state.get("attempts") or state.get("state") == layout.FAILED
+        if begun and point not in adopted:  # it failed, or was killed with its job: another chance
             layout.write_state(
                 layout.unfinished(directory, point), **{**state, "state": layout.INTERRUPTED, "attempts": 0}
             )
@@ -213,6 +216,7 @@ class _ScanRun:
         self.changed = True
         self.stopped: str | None = None
         self.finished: set[str] = set()  # those of the closed points that are done
+        self.said: set[str] = set()  # why jobs wait
         left = [point for name, point in self.open.items() if not layout.is_done(directory, name)]
         self.outlook = Outlook(left, profile, jobs, slowness)
 
@@ -259,9 +263,15 @@ class _ScanRun:
         finally:
             engine.kill()
         self._why_stopped()
+        if not self.stopped and not self.stop.wanted:
+            if self._states(points) == before:
+                words = engine.refusal()
+                if not words:
+                    raise RunError(f"Snakemake started no point; see {engine.log}")
+                note_refused(self.directory, points, words)
+            elif self.profile:
+                note_ended(self.directory, points)
         self._take_stock()
-        if not self.stopped and not self.stop.wanted and self._states(points) == before:
-            raise RunError(f"Snakemake started no point; see {engine.log}")
 
     def _states(self, points: Sequence[Point]) -> list[tuple[bool, dict[str, Any]]]:
         return [(layout.is_done(self.directory, p.id), layout.state(self.directory, p.id)) for p in points]
@@ -279,13 +289,24 @@ class _ScanRun:
             if self.profile and time.monotonic() > asked + _QUEUE_POLL:
                 asked = time.monotonic()
                 try:
-                    live = bool(queue.jobs_of(self.directory))
+                    jobs = queue.jobs_of(self.directory)
+                    live = bool(jobs)
+                    self._say_why(jobs)
                 except RunError:
                     live = True  # nobody knows: the engine may
                 if live:
                     seen, last_seen = True, asked
                 elif seen and (not self.open or asked > last_seen + _GONE):
                     return
+
+    def _say_why(self, jobs: Sequence[queue.Job]) -> None:
+        """Say once why jobs wait, where it is not their turn alone."""
+        for reason in {job.reason for job in jobs if job.pending} - self.said:
+            self.said.add(reason)
+            if reason not in _USUAL:
+                logger.warning(
+                    "%s: Slurm lets jobs wait: %s; Ctrl-C takes them back", self.scan.name, reason.strip("()")
+                )
 
     def _stop_jobs(self, engine: Engine) -> None:
         """The points in work write checkpoints; those that wait are taken back."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -23,6 +24,11 @@ from granwave.workflows.scanning.profile import Profile
 
 LOCAL, SLURM = "local", "slurm"
 EXECUTORS = (LOCAL, SLURM)
+_REFUSALS = (  # in the log of Snakemake
+    re.compile(r"(SLURM-job '\d+' failed, SLURM status is: '\w+')"),
+    re.compile(r"Job submission failed with exception: (.*?)(?:For further error details|$)", re.MULTILINE),
+    re.compile(r"sbatch failed\. The error message was '(.*?)'\.?$", re.MULTILINE | re.DOTALL),
+)
 _SNAKEFILE = Path(__file__).with_name("Snakefile")
 
 
@@ -73,6 +79,13 @@ class Engine:
             self._process = subprocess.Popen(
                 command, env=environment, stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True
             )
+
+    def refusal(self) -> str:
+        """Why a job could not be submitted, in the words of sbatch or of Snakemake; empty if all were."""
+        text = self.log.read_text(encoding="utf-8", errors="replace")
+        found = [match[1] for pattern in _REFUSALS for match in pattern.finditer(text)]
+        lines = [line.removeprefix("sbatch: error: ").strip(" .'") for line in found[-1].splitlines()] if found else []
+        return "; ".join(dict.fromkeys(filter(None, lines)))
 
     def running(self) -> bool:
         """Jobs are running, or still to come."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import re
+import shlex
 from pathlib import Path
 from typing import Any, Literal, Protocol
 
@@ -27,6 +28,48 @@ def _lines(value: Any) -> str:
     if isinstance(value, list) and all(isinstance(line, str) for line in value):
         return "\n".join(value)
     raise Unfit("shell commands, a string or a list of strings")
+
+
+#: Options of sbatch that Snakemake wants as resources of these names.
+_RESOURCES = {"--constraint": "constraint", "-C": "constraint", "--qos": "qos", "-q": "qos", "--gres": "gres"}
+#: Those that are keys of the profile, and those that nobody may change.
+_KEYS = {
+    "--partition": "partition", "-p": "partition", "--account": "account", "-A": "account", "--time": "time",
+    "-t": "time", "--mem": "memory", "--mem-per-cpu": "memory", "--nodes": "nodes", "-N": "nodes",
+}  # fmt: skip
+_OURS = (
+    "--job-name", "-J", "--output", "-o", "--error", "-e", "--parsable", "--export", "--comment", "--workdir",
+    "--chdir", "-D", "--ntasks", "-n", "--cpus-per-task", "-c", "--signal", "--wrap",
+)  # fmt: skip
+
+
+def _options(value: Any) -> str:
+    """Options of sbatch, as text; those that are given in another way are refused."""
+    if not isinstance(value, str):
+        raise Unfit("options of sbatch, a string")
+    try:
+        words = shlex.split(value)
+    except ValueError:  # a quotation mark without its other half
+        raise Unfit("options of sbatch, as in a shell") from None
+    for name in (word.partition("=")[0] for word in words):
+        if name in _KEYS:
+            raise Unfit(f"no {name}: it is the key slurm.{_KEYS[name]}")
+        if name in _OURS:
+            raise Unfit(f"no {name}: granwave gives it to each job")
+    return value
+
+
+def _split(options: str) -> tuple[dict[str, str], list[str]]:
+    """Options that Snakemake wants as resources, and the others."""
+    resources, others = {}, []
+    words = iter(shlex.split(options))
+    for word in words:
+        name, _, value = word.partition("=")
+        if name in _RESOURCES:
+            resources[_RESOURCES[name]] = value or next(words, "")
+        else:
+            others.append(word)
+    return resources, others
 
 
 class Job(Protocol):
@@ -63,7 +106,7 @@ class Profile:
     nodes: int = custom("nodes that the ranks of a point are spread over", _positive, default=1)
     launcher: str = text("starts the ranks of a point", default="srun --mpi=pmi2")
     before: str = custom("shell commands before each job, such as module load ...", _lines, default="")
-    options: str = text("further options for sbatch, such as --constraint=...", default="")
+    options: str = custom("further options for sbatch, such as --constraint=...", _options, default="")
     job_start: float = number("time that it takes to start a job, s", above=0, default=15.0)
     status: Literal["squeue", "sacct"] = choice(
         "how the state of jobs is asked for; sacct needs an accounting database", ("squeue", "sacct"), default="squeue"
@@ -74,10 +117,12 @@ class Profile:
         minutes = self.time or max(_LEAST_MINUTES, math.ceil(max(3 * batch.wall_time, batch.longest) / 60))
         # a request to stop before the limit, to the steps and not to the shell, which it would end at once
         warning = min(_WARNING, minutes * 60 // 3)
+        resources, options = _split(self.options)
         found: dict[str, Any] = {
             "runtime": minutes,
             "mem_mb": self.memory or math.ceil(batch.memory / 1e6),
-            "slurm_extra": " ".join([f"--signal=TERM@{warning}", *self.options.split()]),
+            "slurm_extra": " ".join([f"--signal=TERM@{warning}", *map(shlex.quote, options)]),
+            **resources,
         }
         if batch.ranks > 1:
             found |= {"mpi": "srun", "tasks": batch.ranks, "nodes": self.nodes_of(batch)}

@@ -19,11 +19,12 @@ _ANSWER = 60.0  # s, in which Slurm must answer
 
 @dataclasses.dataclass(frozen=True)
 class Job:
-    """A job that waits or runs."""
+    """A job that waits or runs; ``reason``: why it waits, in Slurm's word."""
 
     id: str
     pending: bool
     points: tuple[str, ...]
+    reason: str = ""
 
 
 def check_slurm() -> None:
@@ -35,7 +36,7 @@ def check_slurm() -> None:
                 "or take --executor local"
             )
     try:
-        _ask(["squeue", "--me", "--noheader", "--format=%i"])
+        ask(["squeue", "--me", "--noheader", "--format=%i"])
     except RunError as error:
         raise InputError(f"--executor slurm: {error}") from None
 
@@ -49,18 +50,19 @@ def jobs_of(directory: Path) -> list[Job]:
         Slurm does not answer: then nothing is known of its jobs.
     """
     jobs = []
-    for line in _ask(["squeue", "--me", "--array", "--noheader", "--format=%i|%T|%k|%Z"]).splitlines():
-        name, state, comment, place = line.split("|", 3)
+    for line in ask(["squeue", "--me", "--array", "--noheader", "--format=%i|%T|%r|%k|%Z"]).splitlines():
+        name, state, reason, comment, place = line.split("|", 4)
         batch = _BATCH.search(comment)
         if batch and os.path.realpath(place) == os.path.realpath(directory):
-            jobs.append(Job(name, state == "PENDING", _points(directory / layout.BATCHES / f"{batch[1]}.json")))
+            points = _points(directory / layout.BATCHES / f"{batch[1]}.json")
+            jobs.append(Job(name, state == "PENDING", points, reason))
     return jobs
 
 
 def cancel(jobs: list[Job]) -> None:
     """Take jobs back; those that run get SIGTERM, and some seconds."""
     if jobs:
-        _ask(["scancel", *(job.id for job in jobs)])
+        ask(["scancel", *(job.id for job in jobs)])
 
 
 def _points(batch: Path) -> tuple[str, ...]:
@@ -70,9 +72,12 @@ def _points(batch: Path) -> tuple[str, ...]:
         return ()
 
 
-def _ask(command: list[str]) -> str:
+def ask(command: list[str]) -> str:
+    """What a command of Slurm prints; RunError with its own words where it fails."""
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=_ANSWER, check=False)
+    except OSError as error:
+        raise RunError(f"{command[0]} cannot be run: {error.strerror}") from None
     except subprocess.TimeoutExpired:
         raise RunError(f"{command[0]} does not answer; is the Slurm controller up?") from None
     if done.returncode:
