@@ -70,9 +70,10 @@ def nasty_inputs(directory: Path) -> list[Path]:
     """A run and a scan, all of whose texts would break a page that takes them as they are."""
     run = write_run(directory / "a<b>&'c", name=NASTY, end_reason=NASTY, versions={NASTY: NASTY})
     draw(run, 'x<y>"&')
-    (run / "case.toml").write_text(
-        (run / "case.toml").read_text() + f"[{json.dumps('<i>')}]\nx = {json.dumps(NASTY)}\n"
-    )
+    case = (run / "case.toml").read_text() + f"[{json.dumps('<i>')}]\nx = {json.dumps(NASTY)}\n"
+    (run / "case.toml").write_text(case)
+    with h5py.File(run / "result.h5", "r+") as file:
+        file.attrs["case"] = case
     scan = write_scan(directory / "scan", grid(load__velocity=[1, 2]), failed={1: NASTY + "\x07\ud800\n" + "w" * 3000})
     return [run, scan]
 

@@ -17,6 +17,8 @@ from granwave.analysis.reports.sections.comparison import impacts_of
 from granwave.analysis.studies.granular_continuum import both, continuum, forces, granular, zone
 from granwave.analysis.studies.granular_continuum.impacts import Impacts, collect
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.ownership import claim
+from granwave.lammps_inputs.run_directory import RUN
 from granwave.workflows import library, load_scan
 from granwave.workflows.cli.parser import main
 from granwave.workflows.scanning.suite import load_suite, run_suite
@@ -245,6 +247,7 @@ def test_nothing_runs_where_one_directory_is_taken(suite: Path, tmp_path: Path) 
     small = load_suite(suite.parent / "suite.toml")
     taken = tmp_path / "continuum"
     taken.mkdir()
+    claim(taken, ["case.toml"], kind=RUN)
     (taken / "case.toml").write_text("", encoding="utf-8")
     with pytest.raises(InputError, match="holds a run"):
         run_suite(small, tmp_path)

@@ -9,8 +9,8 @@ from typing import Any
 import h5py
 import pytest
 
-from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.named_files import with_absolute_paths, with_short_paths
 from granwave.workflows import load_case, load_scan
 from granwave.workflows.cli.parser import main
@@ -141,8 +141,8 @@ def test_dents_of_an_earlier_run(places: tuple[Path, Path]) -> None:
     for overrides in (["contact.initial_overlap=first"], {"contact.initial_overlap": "first"}):
         assert load_case(folder / "my.toml", overrides).contact.initial_overlap == str(here / "first")
     tables = load_case(folder / "my.toml").to_dict() | {"contact": {"initial_overlap": "sub/../first"}}
-    assert Case.from_dict(tables).contact.initial_overlap == str(here / "first")
-    assert Case.from_dict(load_case(folder / "my.toml").to_dict()) == load_case(folder / "my.toml")
+    assert case_from_dict(tables).contact.initial_overlap == str(here / "first")
+    assert case_from_dict(load_case(folder / "my.toml").to_dict()) == load_case(folder / "my.toml")
 
 
 def test_links_lead_to_one_path(tmp_path: Path) -> None:

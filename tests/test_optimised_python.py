@@ -9,10 +9,10 @@ import sys
 from tests.conftest import PLAIN
 
 IMPORTS = """
-import granwave.analysis.figures, granwave.analysis.exports.export, granwave.analysis.reports.report
-import granwave.workflows.driver, granwave.workflows.scanning.command
+import granwave.analysis.figures.run_figures, granwave.analysis.exports.export, granwave.analysis.reports.report
+import granwave.workflows.run.driver, granwave.workflows.cli.scan
 try:
-    from granwave.analysis import universe
+    from granwave.analysis.result import universe
 except ImportError as error:
     print(error)
 """
