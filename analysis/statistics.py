@@ -112,7 +112,7 @@ def seeds_needed(deviation: float, wanted: float, confidence: float = CONFIDENCE
     return enough
 
 
-def can_be_told_apart(first: Estimate, second: Estimate, confidence: float = CONFIDENCE) -> bool | None:
+def differ_significantly(first: Estimate, second: Estimate, confidence: float = CONFIDENCE) -> bool | None:
     """The means differ by more than chance lets expect: Welch's test; None where the spread of one is not known.
 
     Intervals that do not overlap always can be told apart; those that overlap a little may be too.

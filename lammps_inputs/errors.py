@@ -14,28 +14,28 @@ class InputError(GranwaveError, ValueError):
 
     Parameters
     ----------
-    faults
+    errors
         One line each: the file, the key, what was found, what was expected, how to mend it.
     """
 
-    def __init__(self, faults: str | Iterable[str]) -> None:
-        self.faults: list[str] = [faults] if isinstance(faults, str) else list(faults)
-        super().__init__("\n".join(self.faults))
+    def __init__(self, errors: str | Iterable[str]) -> None:
+        self.errors: list[str] = [errors] if isinstance(errors, str) else list(errors)
+        super().__init__("\n".join(self.errors))
 
     def __reduce__(self) -> tuple[type[InputError], tuple[list[str]]]:
-        return type(self), (self.faults,)
+        return type(self), (self.errors,)
 
 
 def raise_all(checks: Iterable[Callable[[], object]]) -> None:
-    """Do all ``checks``; raise one InputError with the faults of all that failed."""
-    faults: list[str] = []
+    """Do all ``checks``; raise one InputError with the errors of all that failed."""
+    errors: list[str] = []
     for check in checks:
         try:
             check()
         except InputError as error:
-            faults += error.faults
-    if faults:
-        raise InputError(faults)
+            errors += error.errors
+    if errors:
+        raise InputError(errors)
 
 
 class RunError(GranwaveError, RuntimeError):

@@ -8,7 +8,7 @@ from typing import Any
 
 from granwave.lammps_inputs.case.case import RECORD, Case, case_keys, parse_case
 from granwave.lammps_inputs.case.overrides import apply_overrides, parse_overrides
-from granwave.lammps_inputs.case.schema import Faults
+from granwave.lammps_inputs.case.schema import ErrorList
 from granwave.lammps_inputs.checks.checks import check_case, check_together, warn_about
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.toml_files import read_toml
@@ -55,13 +55,13 @@ def case_from_dict(
     InputError
         With every fault there is.
     """
-    faults = Faults(str(source), tuple(overridden), case_keys())
-    parts = parse_case(data, source, faults)
-    check_together(parts, faults)
-    faults.report(parts["name"])
+    errors = ErrorList(str(source), tuple(overridden), case_keys())
+    parts = parse_case(data, source, errors)
+    check_together(parts, errors)
+    errors.report(parts["name"])
     case = Case(**parts)
-    assembly = check_case(case, faults)
-    faults.report(case.name)
-    assert assembly is not None  # or there are faults
+    assembly = check_case(case, errors)
+    errors.report(case.name)
+    assert assembly is not None  # or there are errors
     warn_about(assembly, chose_yield_factor="yield_factor" in data.get("contact", {}))
     return case

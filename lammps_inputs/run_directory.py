@@ -23,7 +23,7 @@ MARKER, LOCK_FILE = ".granwave", ".granwave-lock"
 CASE_FILE, DATA_FILE, SCRIPT_FILE = "case.toml", "data.granwave", "in.granwave"
 DENTS_FILE = "dents.txt"  # dents from before the run
 LOAD_FILE = "load.txt"  # points of a load given as a table
-PRELOAD_FILE = "preload_{}.txt"  # dead loads, for each direction in which there are some
+DEAD_LOAD_FILE = "preload_{}.txt"  # dead loads, for each direction in which there are some
 LOG_FILE, RECORD_FILE = "log.lammps", "run.json"
 RESULT_FILE, SUMMARY_FILE = "result.h5", "summary.json"
 CONTACT_TABLE = "contact.csv"  # of two finite-element spheres
@@ -36,7 +36,7 @@ DUMPS = "dumps"
 ENERGY_FILE, WALLS_FILE, PROBES_FILE = "energy.txt", "walls.txt", "probes.txt"
 FRAMES_FILE, HISTORY_FILE, FORCES_FILE = "spheres.dump", "history.dump", "forces.dump"
 CONTACTS_FILE, WALL_CONTACTS_FILE = "contacts.dump", "wall_{}.dump"  # the fix of the wall
-PRESTAGE_FILE, STATIC_FILE = "prestage.txt", "static.lmp"
+STATIC_STAGE_FILE, STATIC_FILE = "prestage.txt", "static.lmp"
 
 # Of a scan, of a suite of scans, and of a point beside its run.
 SCAN_FILE, SCAN_INDEX, SUITE_INDEX = "scan.toml", "scan.json", "suite.json"

@@ -99,9 +99,9 @@ def dents_of(case, packing, struck, law, dent) -> dict[str, np.ndarray]:
     columns = [pairs[:, 0], pairs[:, 1], zeros - 1e-7, zeros, peak, of(law.loading_force, peak), zeros, lost]
     columns += [first, first + 2e-6, np.where(yielded, first + 1e-6, -1.0), zeros + 1]
     found = dict(zip(CONTACT_COLUMNS.split(), columns, strict=True))
-    if case.rubs:
+    if case.has_friction:
         found |= dict(zip(FRICTION_COLUMNS.split(), (zeros, zeros, RUBBED * lost), strict=True))
-    return found | ({"initial": before} if case.has_past else {})
+    return found | ({"initial": before} if case.has_initial_dents else {})
 
 
 def write_frames(path: Path, positions, contacts, ids, steps: Sequence[int] = (0, 250, 500, 1000)):

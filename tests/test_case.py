@@ -32,7 +32,7 @@ TABLE = {"kind": "force", "shape": "table"}
 def faults_of(**changes: Any) -> list[str]:
     with pytest.raises(InputError) as caught:
         case_from_dict(changed(**changes), "my.toml")
-    return caught.value.faults
+    return caught.value.errors
 
 
 @pytest.fixture
@@ -128,7 +128,7 @@ class TestOverrides:
     def test_every_bad_override_is_named(self, file: Path) -> None:
         with pytest.raises(InputError) as caught:
             load_case(file, ["a", "b=[", "load.velocity=3"])
-        assert len(caught.value.faults) == 2
+        assert len(caught.value.errors) == 2
 
 
 @pytest.mark.parametrize(
@@ -337,28 +337,28 @@ class TestOverrides:
     ],
 )
 def test_bad_cases(changes: dict[str, Any], fault: str) -> None:
-    faults = faults_of(**changes)
-    assert len(faults) == 1, faults
-    assert faults[0].startswith(f"my.toml: {fault}")
-    assert "\n" not in faults[0]
+    errors = faults_of(**changes)
+    assert len(errors) == 1, errors
+    assert errors[0].startswith(f"my.toml: {fault}")
+    assert "\n" not in errors[0]
 
 
 def test_missing_tables() -> None:
     with pytest.raises(InputError) as caught:
         case_from_dict({}, "my.toml")
-    assert [line.split(":")[1].strip() for line in caught.value.faults] == ["packing", "material"]
+    assert [line.split(":")[1].strip() for line in caught.value.errors] == ["packing", "material"]
 
 
 def test_all_faults_are_named_at_once() -> None:
-    faults = faults_of(
+    errors = faults_of(
         packing__kind="fxc", packing__diameter=-1, material="bras", load__velocity=True, run__frames=0, laod=3
     )
-    assert len(faults) == 6
+    assert len(errors) == 6
 
 
 def test_material_of_values_needs_them_all() -> None:
-    faults = faults_of(material={"youngs_modulus": 1e9})
-    assert {line.split(":")[1].strip() for line in faults} == {"material.poisson_ratio", "material.density"}
+    errors = faults_of(material={"youngs_modulus": 1e9})
+    assert {line.split(":")[1].strip() for line in errors} == {"material.poisson_ratio", "material.density"}
 
 
 class TestFiles:
@@ -390,7 +390,7 @@ def test_errors_are_builtins_too() -> None:
     error = InputError(["a", "b"])
     assert isinstance(error, GranwaveError) and isinstance(error, ValueError)
     assert str(error) == "a\nb"
-    assert pickle.loads(pickle.dumps(error)).faults == ["a", "b"]
+    assert pickle.loads(pickle.dumps(error)).errors == ["a", "b"]
 
 
 class TestWarnings:

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from granwave.analysis.studies.titles import bottom_words, impact_words, load_words, packing_words, time_words
+from granwave.analysis.studies.titles import bottom_label, impact_title, load_label, packing_title, time_label
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.load_case import case_from_dict
 
@@ -33,23 +33,23 @@ def test_packings(kind: str, size: Any, words: str, of_any_height: str) -> None:
         else {}
     )
     case = made(kind, size, **load)
-    assert packing_words(case) == words
-    assert packing_words(case, height=False) == of_any_height
+    assert packing_title(case) == words
+    assert packing_title(case, height=False) == of_any_height
 
 
 def test_a_material_without_a_name() -> None:
     own = {"youngs_modulus": 1e11, "poisson_ratio": 0.3, "density": 8000, "yield_strength": 5e8}
-    assert packing_words(made("chain", 3, own)) == "Chain of 3 spheres of 9.52 mm"
-    assert packing_words(made("chain", 1, own)) == "Sphere of 9.52 mm"
+    assert packing_title(made("chain", 3, own)) == "Chain of 3 spheres of 9.52 mm"
+    assert packing_title(made("chain", 1, own)) == "Sphere of 9.52 mm"
 
 
 def test_loads() -> None:
-    assert impact_words(made(load={"velocity": 2.5}, contact={"law": "hertz"})).endswith(", elastic contacts, 2.5 m/s")
-    assert load_words(made(load={"velocity": 5, "angle": 30})) == "5 m/s"
+    assert impact_title(made(load={"velocity": 2.5}, contact={"law": "hertz"})).endswith(", elastic contacts, 2.5 m/s")
+    assert load_label(made(load={"velocity": 5, "angle": 30})) == "5 m/s"
     force = {"kind": "force", "shape": "half-sine", "amplitude": 100.0, "duration": 1e-5}
-    assert load_words(made("chain", 3, load=force)) == "force on top"
+    assert load_label(made("chain", 3, load=force)) == "force on top"
     strikers = [{"touches": 1, "velocity": [0, 0, 0.6]}, {"touches": 2, "velocity": [0, 0.6, 0.8]}]
-    assert load_words(made(load={"kind": "striker"}, striker=strikers)) == "1 m/s"
+    assert load_label(made(load={"kind": "striker"}, striker=strikers)) == "1 m/s"
 
 
 @pytest.mark.parametrize(
@@ -68,8 +68,8 @@ def test_loads() -> None:
     ],
 )  # fmt: skip
 def test_bottoms(bottom: Any, words: str) -> None:
-    assert bottom_words(made(boundary={"bottom": bottom})) == words
+    assert bottom_label(made(boundary={"bottom": bottom})) == words
 
 
 def test_times() -> None:
-    assert [time_words(time) for time in (2.5e-5, 9.99e-4, 1e-3)] == ["25 µs", "999 µs", "1 ms"]
+    assert [time_label(time) for time in (2.5e-5, 9.99e-4, 1e-3)] == ["25 µs", "999 µs", "1 ms"]

@@ -166,7 +166,7 @@ def test_two_ranks_change_no_bit(lmp, tmp_path):
 def test_wrong_input_is_one_line(change, expected):
     with pytest.raises(InputError) as refused:
         load_case("intruder", [change])
-    (line,) = refused.value.faults
+    (line,) = refused.value.errors
     assert expected in line
 
 

@@ -233,7 +233,7 @@ def test_wrong_suites_are_refused(text: str, message: str, tmp_path: Path) -> No
     (tmp_path / "s.toml").write_text(text, encoding="utf-8")
     with pytest.raises(InputError) as caught:
         load_suite(tmp_path / "s.toml")
-    assert message in "\n".join(caught.value.faults)
+    assert message in "\n".join(caught.value.errors)
 
 
 def test_keys_of_a_suite_are_set_in_its_scans(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:

@@ -132,7 +132,7 @@ def test_no_passive_law(lammps, own, fault):
     ((name, number),) = own.items()
     with pytest.raises(InputError, match=r"contact") as refused:
         case(**own)
-    assert len(refused.value.faults) == 1 and name in refused.value.faults[0]
+    assert len(refused.value.errors) == 1 and name in refused.value.errors[0]
     with pytest.raises(Exception, match=f"{name}|passive"):
         lammps().commands_string(script_of(PAIR, style=f"elastoplastic 115e9 0.3 550e6 {name} {number}"))
 

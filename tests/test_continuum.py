@@ -292,7 +292,7 @@ def test_every_fault_is_named(tmp_path):
     )
     with pytest.raises(InputError) as caught:
         ContinuumCase.load(path, ["run.end_time=soon"])
-    text = "\n".join(caught.value.faults)
+    text = "\n".join(caught.value.errors)
     for words in ("punch.width: unknown", "material.yield_strength", "run.elements", "--set: run.end_time"):
         assert words in text
     with pytest.raises(InputError, match=r"punch\.diameter: found 0\.2 m, expected less than block\.diameter"):

@@ -99,7 +99,7 @@ def test_large_scans(text: str, expected: str, tmp_path: Path) -> None:
     (tmp_path / "scan.toml").write_text(f'case = "fcc-small"\n{text}', encoding="utf-8")
     with pytest.raises(InputError) as caught:
         load_scan(tmp_path / "scan.toml")
-    (fault,) = caught.value.faults
+    (fault,) = caught.value.errors
     assert expected in fault and fault.startswith(str(tmp_path / "scan.toml"))
 
 

@@ -283,7 +283,7 @@ def test_wrong_curves(tmp_path, text, message):
     (tmp_path / "c.csv").write_text(text)
     with pytest.raises(InputError, match=message) as refused:
         fit(options(tmp_path / "c.csv", tmp_path / "out"))
-    assert len(refused.value.faults) == 1 and "c.csv" in refused.value.faults[0]
+    assert len(refused.value.errors) == 1 and "c.csv" in refused.value.errors[0]
     assert not (tmp_path / "out").exists()
 
 
@@ -309,8 +309,8 @@ def test_every_fault_of_a_file_is_named_up_to_five(tmp_path):
     (tmp_path / "c.csv").write_text("overlap_m,force_N\n" + "x,1\n" * 8)
     with pytest.raises(InputError) as refused:
         read_curve(tmp_path / "c.csv")
-    assert [f"line {n}:" in line for n, line in zip(range(2, 7), refused.value.faults, strict=False)] == [True] * 5
-    assert refused.value.faults[5].endswith("and 3 more") and len(refused.value.faults) == 6
+    assert [f"line {n}:" in line for n, line in zip(range(2, 7), refused.value.errors, strict=False)] == [True] * 5
+    assert refused.value.errors[5].endswith("and 3 more") and len(refused.value.errors) == 6
 
 
 @pytest.mark.parametrize("content", [None, b"\xff\xfe\x00"])

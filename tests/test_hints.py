@@ -17,7 +17,7 @@ from granwave.workflows.finite_elements.punch import ContinuumCase
 def _fault(override: str, case: str = "fcc-small") -> str:
     with pytest.raises(InputError) as caught:
         load_case(case, [override])
-    (fault,) = caught.value.faults
+    (fault,) = caught.value.errors
     return fault
 
 
@@ -71,7 +71,7 @@ def test_a_table_of_a_file_is_not_blamed_on_the_command_line(tmp_path: Path) -> 
     path.write_text('material = "brass"\n[packing]\nkind = "fcc"\nsize = [3, 3, 2]\ndiameter = 0.01\nradius = 1\n')
     with pytest.raises(InputError) as caught:
         load_case(path, ["packing.seed=3"])
-    assert caught.value.faults == [f"{path}: packing.radius: unknown key; did you mean packing.diameter?"]
+    assert caught.value.errors == [f"{path}: packing.radius: unknown key; did you mean packing.diameter?"]
 
 
 def test_hints_of_continuum_cases_and_scans(tmp_path: Path) -> None:

@@ -93,7 +93,7 @@ def test_a_file_of_materials_reports_every_fault(tmp_path: Path) -> None:
     path = write(tmp_path / "m.toml", "a = 3\n[b]\nyoungs_modulus = -1\npoisson_ratio = 0.6\ndensity = true\n")
     with pytest.raises(InputError) as caught:
         load_materials(path)
-    assert len(caught.value.faults) == 4
+    assert len(caught.value.errors) == 4
 
 
 def test_yield_factor_at_poisson_ratio_0_3() -> None:

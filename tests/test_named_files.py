@@ -123,14 +123,14 @@ def test_damaged_points_of_a_load(places: tuple[Path, Path], content: str | byte
     (folder / "my.toml").write_text(CHAIN + '[load]\nkind = "force"\nfile = "pulse.txt"\n', encoding="utf-8")
     with pytest.raises(InputError) as caught:
         load_case(folder / "my.toml")
-    (fault,) = caught.value.faults
+    (fault,) = caught.value.errors
     assert fault.startswith(f"{folder / 'my.toml'}: load.file: {path}: ") and expected in fault
 
 
 def test_a_file_of_points_for_an_impact_names_the_key_that_was_written(places: tuple[Path, Path]) -> None:
     with pytest.raises(InputError) as caught:
         load_case("fcc-small", ["load.file=pulse.txt"])
-    (fault,) = caught.value.faults
+    (fault,) = caught.value.errors
     assert 'load.file: belongs to a load of kind "force" or "displacement"' in fault
 
 
@@ -225,7 +225,7 @@ def test_scans_and_cases_of_a_suite(places: tuple[Path, Path]) -> None:
         (folder / name).rename(here / name)
     with pytest.raises(InputError) as caught:
         load_suite(folder / "suite.toml")
-    assert [fault.removeprefix(f"{folder / 'suite.toml'}: ").partition("; ")[0] for fault in caught.value.faults] == [
+    assert [fault.removeprefix(f"{folder / 'suite.toml'}: ").partition("; ")[0] for fault in caught.value.errors] == [
         "scans: scan.toml: neither a file nor a built-in scan",
         "cases: my.toml: neither a file nor a built-in case",
     ]
@@ -315,8 +315,8 @@ def test_points_that_are_done_need_no_files(tmp_path: Path, monkeypatch: pytest.
     scan, out = load_scan(tmp_path / "scan.toml"), tmp_path / "out"
     with pytest.raises(InputError) as caught:
         check_points(scan, out, force=False)
-    assert [fault.partition(" (")[0] for fault in caught.value.faults] == ["scan: point 2", "scan: point 3"]
-    assert "contact.initial_overlap = gone-too): small: contact.initial_overlap: " in caught.value.faults[1]
+    assert [fault.partition(" (")[0] for fault in caught.value.errors] == ["scan: point 2", "scan: point 3"]
+    assert "contact.initial_overlap = gone-too): small: contact.initial_overlap: " in caught.value.errors[1]
     done = {point.id for point in scan.points[1:]}
     monkeypatch.setattr(layout, "is_whole", lambda _, point: point in done)
     check_points(scan, out, force=False)

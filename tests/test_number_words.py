@@ -6,7 +6,7 @@ import pytest
 
 from granwave.analysis.formatting.numbers import interval, tick, with_interval
 from granwave.analysis.formatting.units import shown_unit
-from granwave.analysis.formatting.values import in_words, told_apart
+from granwave.analysis.formatting.values import as_label, unique_labels
 from granwave.analysis.statistics import estimate, exactly
 
 
@@ -67,12 +67,12 @@ def test_ticks(value, text):
     ],
 )
 def test_tables_of_cases_in_words(value, words):
-    assert in_words(value) == words
+    assert as_label(value) == words
 
 
 def test_different_tables_have_different_words():
     first, second = '{"name": "a", "density": 1}', '{"name": "a", "density": 2}'
-    assert told_apart([first, second, first, "", "a (2)"]) == ["a", "a (2)", "a", "none", "a (2) (2)"]
+    assert unique_labels([first, second, first, "", "a (2)"]) == ["a", "a (2)", "a", "none", "a (2) (2)"]
 
 
 def test_units_within_a_bottom():

@@ -172,7 +172,7 @@ class TestLaws:
     def test_refused(self, sections: dict, message: str) -> None:
         with pytest.raises(InputError, match=message) as refused:
             make(**sections)
-        assert len(refused.value.faults) == 1
+        assert len(refused.value.errors) == 1
 
     def test_only_who_yields_needs_a_strength(self) -> None:
         soft = {"name": "soft", "youngs_modulus": 1e9, "poisson_ratio": 0.4, "density": 1e3}

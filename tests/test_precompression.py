@@ -308,7 +308,7 @@ class TestRefused:
         sections = {name: value for name, value in sections.items() if value is not None}
         with pytest.raises(InputError, match=message) as refused:
             make(kind, size, **sections)
-        assert len(refused.value.faults) == 1
+        assert len(refused.value.errors) == 1
 
     def test_gravity_never_yields_all(self) -> None:
         make("chain", 2000, precompression={"kind": "gravity"})

@@ -133,7 +133,7 @@ class TestRefused:
     def test_values(self, contact: dict, message: str) -> None:
         with pytest.raises(InputError, match=message) as refused:
             case_of(contact=contact)
-        assert len(refused.value.faults) == 1
+        assert len(refused.value.errors) == 1
 
     def test_results(self, tmp_path: Path) -> None:
         with pytest.raises(InputError, match=r"initial_overlap: .*none.h5: there is no such file"):

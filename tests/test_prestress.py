@@ -19,7 +19,7 @@ from granwave.analysis.studies.chains.runs import ChainRun
 from granwave.analysis.studies.precompression import hits
 from granwave.analysis.studies.precompression.packing_speed import SmallWave
 from granwave.analysis.studies.precompression.preconditioned import level_of
-from granwave.analysis.studies.precompression.runs import PastRun
+from granwave.analysis.studies.precompression.runs import DentedRun
 from granwave.analysis.studies.precompression.settled import contacts_a_sphere
 from granwave.analysis.studies.precompression.waves import ChainWave
 from granwave.analysis.studies.registry import STUDIES
@@ -37,9 +37,9 @@ SCANS = (
 )  # fmt: skip
 
 
-def run(directory: Path, name: str, changes: dict[str, Any]) -> PastRun:
+def run(directory: Path, name: str, changes: dict[str, Any]) -> DentedRun:
     outcome = run_case(load_case(name, FEW | changes), directory, figures=False)
-    return PastRun(directory.name, directory, load_case(directory / "case.toml"), outcome.summary)
+    return DentedRun(directory.name, directory, load_case(directory / "case.toml"), outcome.summary)
 
 
 def made(name: str, *runs: FinishedRun) -> Study:
@@ -111,7 +111,7 @@ def test_contact_force_of_a_packing_is_that_of_its_mean_stress() -> None:
 
 
 @pytest.fixture(scope="module")
-def chains(tmp_path_factory: pytest.TempPathFactory) -> list[PastRun]:
+def chains(tmp_path_factory: pytest.TempPathFactory) -> list[DentedRun]:
     """Steel chains of 80 beads: small pulses at three forces, and three impacts at one."""
     folder = tmp_path_factory.mktemp("chains")
     points = [(1.0, 2e-4, 3.0e-3), (10.0, 1.4e-3, 2.1e-3), (100.0, 9e-3, 1.4e-3), (10.0, 1.0, 1.5e-3), (10.0, 20.0, 9e-4),
@@ -124,7 +124,7 @@ def chains(tmp_path_factory: pytest.TempPathFactory) -> list[PastRun]:
     return found
 
 
-def test_chains_follow_the_formulas(chains: list[PastRun]) -> None:
+def test_chains_follow_the_formulas(chains: list[DentedRun]) -> None:
     names = ("precompressed-small-pulses", "precompressed-waves", "precompressed-transition")
     studies = make_studies({name: chains for name in names})
     small, waves, transition = studies
@@ -145,9 +145,9 @@ def test_chains_follow_the_formulas(chains: list[PastRun]) -> None:
     assert all(study.pictures for study in studies)
 
 
-def test_precompressed_chains_are_no_runs_of_other_studies(chains: list[PastRun]) -> None:
+def test_precompressed_chains_are_no_runs_of_other_studies(chains: list[DentedRun]) -> None:
     """Reports show them in their own studies alone; a chain at rest between small forces is another problem."""
-    assert all(chain.case.has_past for chain in chains)
+    assert all(chain.case.has_initial_dents for chain in chains)
     names = [name for name, module in STUDIES.items() if module.startswith("chains.")]
     assert make_studies({name: chains for name in names}) == []
 
@@ -164,7 +164,7 @@ def test_speed_of_small_waves_in_packings(tmp_path: Path, kind: str, how: str, s
     changes = {"packing.kind": kind, "precompression.kind": how, "boundary.sides": sides, "packing.size": size,
                "run.end_time": 2.3e-4 if how == "uniaxial" else 1.2e-4, "run.frames": 50}  # fmt: skip
     found = run(tmp_path / "run", "precompressed-fcc", changes)
-    assert found.of_prestage("residual") < 1e-6
+    assert found.of_static_stage("residual") < 1e-6
     assert found.seen_as(SmallWave).speed == pytest.approx(theory.line_of(found.case, found.law).speed, rel=3e-3)
     study = made("precompressed-packing-speed", found)
     assert len(study.rows) == 1
@@ -205,9 +205,9 @@ def test_settled_packing_beside_the_same_as_placed(tmp_path: Path) -> None:
     ideal = dataclasses.replace(placed, packing=dataclasses.replace(placed.packing, diameter_scatter=0.0, seed=None))
     for name, case in (("placed", placed), ("ideal", ideal)):
         outcome = run_case(case, tmp_path / name, figures=False)
-        runs.append(PastRun(name, tmp_path / name, case, outcome.summary))
+        runs.append(DentedRun(name, tmp_path / name, case, outcome.summary))
     settled, placed_run, ideal_run = runs
-    assert settled.of_prestage("residual") < 1e-6
+    assert settled.of_static_stage("residual") < 1e-6
     assert 2.5 < contacts_a_sphere(settled) < 5
     assert max(settled.arrival, ideal_run.arrival) < placed_run.arrival
     study = made("settled-packing", *runs)
@@ -261,7 +261,7 @@ def test_timestep_counts_the_slope_of_dents(tmp_path: Path) -> None:
 def test_boxes_of_dents_that_hold_nothing(dents: dict[str, Any], message: str) -> None:
     with pytest.raises(InputError, match=message) as refused:
         load_case("fcc-small", {"contact.initial_overlap": dents})
-    assert len(refused.value.faults) == 1
+    assert len(refused.value.errors) == 1
 
 
 def test_pair_without_materials() -> None:
@@ -306,7 +306,7 @@ def test_twins_differ_in_what_is_named_alone() -> None:
     other = load_case("settled-fcc", {"precompression.pressure": 1e4, "run.end_time": 1e-3})
     faster = load_case("settled-fcc", {"load.velocity": 10.0})
 
-    runs = [PastRun("", Path(), one, {}) for one in (case, other, faster)]
+    runs = [DentedRun("", Path(), one, {}) for one in (case, other, faster)]
     assert [len(group) for group in grouped(runs, "precompression")] == [2, 1]
     assert [len(group) for group in grouped(runs, "precompression", "load.velocity")] == [3]
     assert [len(group) for group in grouped(runs)] == [1, 1, 1]

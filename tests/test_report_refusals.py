@@ -21,13 +21,13 @@ def runs(tmp_path):
 def refused(directories, output) -> list[str]:
     with pytest.raises(InputError) as error:
         write_report(directories, output)
-    return error.value.faults
+    return error.value.errors
 
 
 def test_studies_that_do_not_exist(runs, tmp_path):
     with pytest.raises(InputError, match=r"--study: found directionl, expected one of: .*directional") as error:
         write_report(runs, tmp_path / "r.md", ["directionl", "repeated-hits"])
-    assert len(error.value.faults) == 1
+    assert len(error.value.errors) == 1
     assert not list(tmp_path.glob("r*"))
 
 
@@ -39,8 +39,8 @@ def test_all_faults_at_once_and_nothing_written(runs, tmp_path):
     (runs[0] / "summary.json").write_text("{")
     before = sorted(tmp_path.rglob("*"))
     given = [tmp_path / "nowhere", tmp_path / "empty", tmp_path / "other", *runs[:2], tmp_path, runs[0] / "case.toml"]
-    faults = refused(given, tmp_path / "there" / "r.doc")
-    assert len(faults) == 9
+    errors = refused(given, tmp_path / "there" / "r.doc")
+    assert len(errors) == 9
     for part in (
         "found the suffix .doc, expected .html, .pdf or .md",
         "there is no directory",
@@ -52,7 +52,7 @@ def test_all_faults_at_once_and_nothing_written(runs, tmp_path):
         "but holds some (first, scan, second); give those",
         "is a file, expected the directory",
     ):
-        assert any(part in fault for fault in faults), part
+        assert any(part in fault for fault in errors), part
     assert sorted(tmp_path.rglob("*")) == before
 
 

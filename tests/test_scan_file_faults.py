@@ -20,26 +20,26 @@ def load(tmp_path: Path) -> Load:
 
 @pytest.fixture
 def faults_of(load: Load, tmp_path: Path) -> Callable[..., list[str]]:
-    """The faults of a scan of this text, its path left out."""
+    """The errors of a scan of this text, its path left out."""
 
-    def faults(text: str, overrides=()) -> list[str]:
+    def errors(text: str, overrides=()) -> list[str]:
         with pytest.raises(InputError) as caught:
             load(text, overrides)
-        assert all(fault.count("\n") == 0 for fault in caught.value.faults)
-        return [fault.removeprefix(f"{tmp_path / 'my.toml'}: ") for fault in caught.value.faults]
+        assert all(fault.count("\n") == 0 for fault in caught.value.errors)
+        return [fault.removeprefix(f"{tmp_path / 'my.toml'}: ") for fault in caught.value.errors]
 
-    return faults
+    return errors
 
 
 def test_only_the_invalid_points_are_named_a_line_each(faults_of) -> None:
-    faults = faults_of(SMALL + "[grid]\nload.velocity = [1, -1, 2, 0]\nload.spheres = [1, 3]\n")
-    assert [fault.split(")")[0] + ")" for fault in faults] == [
+    errors = faults_of(SMALL + "[grid]\nload.velocity = [1, -1, 2, 0]\nload.spheres = [1, 3]\n")
+    assert [fault.split(")")[0] + ")" for fault in errors] == [
         "point 3 (load.velocity = -1, load.spheres = 1)",
         "point 4 (load.velocity = -1, load.spheres = 3)",
         "point 7 (load.velocity = 0, load.spheres = 1)",
         "point 8 (load.velocity = 0, load.spheres = 3)",
     ]
-    assert all("expected a number above 0 (m/s)" in fault for fault in faults)
+    assert all("expected a number above 0 (m/s)" in fault for fault in errors)
 
 
 def test_a_point_that_is_wrong_twice_has_one_line(faults_of) -> None:
@@ -98,9 +98,9 @@ def test_what_is_wrong_with_every_point_is_said_once(faults_of) -> None:
     ],
 )
 def test_faults_of_the_tables(faults_of, text: str, expected: list[list[str]]) -> None:
-    faults = faults_of(SMALL + text)
-    assert len(faults) == len(expected), faults
-    for fault, words in zip(faults, expected, strict=True):
+    errors = faults_of(SMALL + text)
+    assert len(errors) == len(expected), errors
+    for fault, words in zip(errors, expected, strict=True):
         assert all(word in fault for word in words), fault
 
 
@@ -128,15 +128,15 @@ def test_faults_of_the_tables(faults_of, text: str, expected: list[list[str]]) -
     ],
 )
 def test_faults_of_the_head(faults_of, text: str, expected: list[list[str]]) -> None:
-    faults = faults_of(text + VELOCITIES)
-    assert len(faults) == len(expected), faults
-    for fault, words in zip(faults, expected, strict=True):
+    errors = faults_of(text + VELOCITIES)
+    assert len(errors) == len(expected), errors
+    for fault, words in zip(errors, expected, strict=True):
         assert all(word in fault for word in words), fault
 
 
 def test_every_fault_is_found_at_once(faults_of) -> None:
-    faults = faults_of('ranks = 0\ncase = "fcc-small"\n[grid]\nload.velocity = []\nmaterial = "brass"\n[[zip]]\n')
-    assert [fault.split(" ")[0] for fault in faults] == ["ranks:", "grid:", "grid:", "zip"]
+    errors = faults_of('ranks = 0\ncase = "fcc-small"\n[grid]\nload.velocity = []\nmaterial = "brass"\n[[zip]]\n')
+    assert [fault.split(" ")[0] for fault in errors] == ["ranks:", "grid:", "grid:", "zip"]
 
 
 @pytest.mark.parametrize(
@@ -151,7 +151,7 @@ def test_every_fault_is_found_at_once(faults_of) -> None:
 def test_faults_of_overrides(load: Load, override: str, words: list[str]) -> None:
     with pytest.raises(InputError) as caught:
         load(SMALL + VELOCITIES, [override])
-    (fault,) = caught.value.faults
+    (fault,) = caught.value.errors
     assert all(word in fault for word in words), fault
 
 

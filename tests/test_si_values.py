@@ -17,7 +17,7 @@ from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows import library, load_case, load_scan
 from granwave.workflows.finite_elements.punch import ContinuumCase
 from granwave.workflows.finite_elements.sphere_contact import SphereContactCase
-from granwave.workflows.solvers import kind_of
+from granwave.workflows.solvers import solver_of
 
 STEEL_IN_OTHER_UNITS = {
     "material.youngs_modulus": 210,
@@ -28,7 +28,7 @@ STEEL_IN_OTHER_UNITS = {
 
 
 def _notes(caplog: pytest.LogCaptureFixture, overrides: dict[str, Any], case: str = "fcc-small") -> list[str]:
-    with contextlib.suppress(InputError):  # other faults may come of it
+    with contextlib.suppress(InputError):  # other errors may come of it
         load_case(case, overrides)
     return [record.getMessage() for record in caplog.records if record.levelno == logging.WARNING]
 
@@ -83,7 +83,7 @@ def test_continuum_cases_are_looked_at_too(caplog: pytest.LogCaptureFixture) -> 
 def test_no_built_in_case_or_material_is_unusual(caplog: pytest.LogCaptureFixture) -> None:
     for name in library.names():
         path = library.find(name)
-        kind_of(read_toml(path)).read(read_toml(path), path)
+        solver_of(read_toml(path)).read(read_toml(path), path)
     for name in ("intruder-properties", "composite-brass"):  # with bodies a hundred times as stiff or heavy
         load_scan(name, here=False)
     for material in presets().values():
@@ -113,7 +113,7 @@ def test_absurd_values_are_refused(key: str, values: list[Any]) -> None:
     for value in [*values, "nan", "inf", "-inf"]:
         with pytest.raises(InputError) as caught:
             load_case("fcc-small", [f"{key}={value}"])
-        assert caught.value.faults[0].startswith(f"--set: {key}: found ") and "expected" in caught.value.faults[0]
+        assert caught.value.errors[0].startswith(f"--set: {key}: found ") and "expected" in caught.value.errors[0]
 
 
 def test_zero_is_no_magnitude() -> None:

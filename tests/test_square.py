@@ -170,7 +170,7 @@ def square(**tables: Any) -> Case:
 def test_bad_input_is_one_clear_line(tables: dict[str, Any], message: str) -> None:
     with pytest.raises(InputError, match=message) as error:
         square(**tables)
-    assert len(error.value.faults) == 1
+    assert len(error.value.errors) == 1
 
 
 def test_a_wall_cannot_cut_a_striker_of_a_chain() -> None:

@@ -11,8 +11,8 @@ from scipy.special import gammaln
 
 from granwave.analysis.statistics import (
     Estimate,
-    can_be_told_apart,
     crossing,
+    differ_significantly,
     estimate,
     exactly,
     growing,
@@ -76,12 +76,14 @@ def test_means_that_differ_by_welch() -> None:
     for _ in range(50):
         a, b = rng.normal(0.0, 1.0, 4), rng.normal(1.5, 3.0, 9)
         expected = stats.ttest_ind(a, b, equal_var=False).pvalue < 0.05
-        assert can_be_told_apart(estimate(a), estimate(b)) == expected
-        assert can_be_told_apart(estimate(a), exactly(1.0)) == (stats.ttest_1samp(a, 1.0).pvalue < 0.05)
-    same = [can_be_told_apart(*map(estimate, rng.normal(0.0, 1.0, (2, 5)))) for _ in range(4000)]
+        assert differ_significantly(estimate(a), estimate(b)) == expected
+        assert differ_significantly(estimate(a), exactly(1.0)) == (stats.ttest_1samp(a, 1.0).pvalue < 0.05)
+    same = [differ_significantly(*map(estimate, rng.normal(0.0, 1.0, (2, 5)))) for _ in range(4000)]
     assert np.mean(same) == pytest.approx(0.05, abs=0.012)  # by chance alone
-    assert can_be_told_apart(exactly(1.0), exactly(1.1)) is True and not can_be_told_apart(exactly(1.0), exactly(1.0))
-    assert can_be_told_apart(estimate([1.0]), exactly(2.0)) is None
+    assert differ_significantly(exactly(1.0), exactly(1.1)) is True and not differ_significantly(
+        exactly(1.0), exactly(1.0)
+    )
+    assert differ_significantly(estimate([1.0]), exactly(2.0)) is None
 
 
 def test_confidence_converges_with_the_root_of_the_seeds() -> None:

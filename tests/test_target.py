@@ -10,11 +10,11 @@ import pytest
 from granwave.analysis import Result, analyse, summarise, write_result
 from granwave.analysis.measures.bare_target import (
     Target,
+    bare_target_peak,
     impactors_of,
     load_at,
     target_of,
     unprotected,
-    unprotected_peak,
 )
 from granwave.analysis.measures.bare_target import _hit as hit
 from granwave.analysis.measures.target import Reached, reached
@@ -43,7 +43,7 @@ def test_peak_on_a_rigid_wall_is_that_of_the_energy(law):
     (group,) = impactors_of(case, None)
     energy = 0.5 * case.sphere_mass * 9.0
     assert contact.loading_work(np.array([group.largest_overlap]))[0] == pytest.approx(energy, rel=1e-12)
-    peak, ground = unprotected_peak(case, END)
+    peak, ground = bare_target_peak(case, END)
     assert peak == ground == pytest.approx(contact.loading_force(np.array([group.largest_overlap]))[0], rel=1e-14)
     assert unprotected(case, END).peak_force == pytest.approx(peak, rel=1e-6)
 
@@ -62,17 +62,17 @@ def test_a_hertzian_sphere_gives_back_its_momentum():
 
 def test_several_struck_spheres_press_together():
     one, three = (case_from_dict(synthetic.make_case(load={"spheres": n, "velocity": 2.0}).to_dict()) for n in (1, 3))
-    assert unprotected_peak(three, END)[0] == pytest.approx(3 * unprotected_peak(one, END)[0], rel=1e-12)
+    assert bare_target_peak(three, END)[0] == pytest.approx(3 * bare_target_peak(one, END)[0], rel=1e-12)
 
 
 def test_an_oblique_impact_counts_with_its_normal_part():
-    oblique = unprotected_peak(sphere(**{"load.angle": 60.0}), END)[0]
-    assert oblique == pytest.approx(unprotected_peak(sphere(**{"load.velocity": 0.5}), END)[0], rel=1e-9)
+    oblique = bare_target_peak(sphere(**{"load.angle": 60.0}), END)[0]
+    assert oblique == pytest.approx(bare_target_peak(sphere(**{"load.velocity": 0.5}), END)[0], rel=1e-9)
 
 
 def test_a_heavy_plate_is_a_wall_and_a_light_one_a_mass():
     """The reduced mass decides about the peak while the spring is slow."""
-    wall = unprotected_peak(sphere(), END)[0]
+    wall = bare_target_peak(sphere(), END)[0]
     heavy = sphere(**{"boundary.bottom": {"plate": {"mass": 1e4, "stiffness": 1.0}}})
     assert unprotected(heavy, 5e-5).peak_force == pytest.approx(wall, rel=1e-5)
     case = sphere(**{"boundary.bottom": {"plate": {"mass": sphere().sphere_mass, "stiffness": 1.0}}})
@@ -99,13 +99,13 @@ def test_an_endless_bar_is_a_damper():
 def test_a_force_acts_on_the_target_itself():
     """Half a sine much shorter than the plate's period leaves its impulse: F = J sqrt(K/m); a long one passes."""
     load = {"kind": "force", "shape": "half-sine", "amplitude": 100.0}
-    assert unprotected_peak(sphere(load={**load, "duration": 1e-4}), END) == pytest.approx((100.0, 100.0), rel=1e-12)
+    assert bare_target_peak(sphere(load={**load, "duration": 1e-4}), END) == pytest.approx((100.0, 100.0), rel=1e-12)
     plate = {"plate": {"mass": 1.0, "stiffness": 1e6}}
     short = sphere(load={**load, "duration": 1e-5}, **{"boundary.bottom": plate, "run.end_time": 1e-2})
     impulse = 2 / math.pi * 100.0 * 1e-5
-    assert unprotected_peak(short, 1e-2) == pytest.approx((100.0, impulse * 1e3), rel=1e-3)
+    assert bare_target_peak(short, 1e-2) == pytest.approx((100.0, impulse * 1e3), rel=1e-3)
     long = sphere(load={**load, "duration": 0.1}, **{"boundary.bottom": plate, "run.end_time": 0.2})
-    assert unprotected_peak(long, 0.2)[1] == pytest.approx(100.0, rel=5e-2)
+    assert bare_target_peak(long, 0.2)[1] == pytest.approx(100.0, rel=5e-2)
 
 
 def test_shapes_of_loads():
@@ -116,9 +116,9 @@ def test_shapes_of_loads():
 
 
 def test_nothing_to_compare_with():
-    assert unprotected_peak(sphere(**{"boundary.bottom": "free"}), END) is None
+    assert bare_target_peak(sphere(**{"boundary.bottom": "free"}), END) is None
     moved = {"kind": "displacement", "shape": "harmonic", "amplitude": 1e-5, "frequency": 1e4}
-    assert unprotected_peak(sphere(load=moved), END) is None
+    assert bare_target_peak(sphere(load=moved), END) is None
 
 
 # ------------------------------------------------------------------------------------------ with LAMMPS

@@ -106,7 +106,7 @@ def test_packing_by_counting(tmp_path):
 
 
 def test_friction_does_not_count(tmp_path):
-    """Energy that a far sphere rubs away leaves the zone as it is."""
+    """Energy that friction takes at a far sphere leaves the zone as it is."""
     before = summary_of(tmp_path, contact={"friction": 0.1})
     with h5py.File(tmp_path / "result.h5", "r+") as file:
         for name in ("dissipated_energy", "friction_energy"):

@@ -15,7 +15,7 @@ from granwave.lammps_inputs.deck.deck import CASE_FILE
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import load_case as load_case_file
 from granwave.lammps_inputs.toml_files import read_toml
-from granwave.workflows.solvers import CONTINUUM, GRANULAR, kind_of
+from granwave.workflows.solvers import CONTINUUM, GRANULAR, solver_of
 
 CASES, SCANS = "cases", "scans"
 SCAN = "scan"  # word of the command line
@@ -113,7 +113,7 @@ def verb_of(path: Path) -> str:
     """Word of the command line that runs a file: run, continuum or scan."""
     tables = read_toml(path)
     of_scan = any(name in tables for name in _OF_SCAN) and not any(name in tables for name in _OF_CASE)
-    return SCAN if of_scan else kind_of(tables).verb
+    return SCAN if of_scan else solver_of(tables).verb
 
 
 def _all_names() -> list[str]:

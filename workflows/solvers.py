@@ -77,7 +77,7 @@ class Kind:
     parallel: bool = False
 
 
-def kind_of(tables: Mapping[str, Any]) -> Kind:
+def solver_of(tables: Mapping[str, Any]) -> Kind:
     """The kind of a case from its tables."""
     if any(name in tables for name in _OF_SPHERE_CONTACT):
         return SPHERE_CONTACT

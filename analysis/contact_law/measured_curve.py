@@ -76,20 +76,20 @@ def read_curve(path: str | Path) -> Curve:
         with its line.
     """
     rows, lines = _rows(Path(path))
-    faults: list[str] = []
-    columns = {name: [_number(row, name, f"{path}: line {n}", faults) for n, row in rows] for name in NUMBERS}
+    errors: list[str] = []
+    columns = {name: [_number(row, name, f"{path}: line {n}", errors) for n, row in rows] for name in NUMBERS}
     named = BRANCH in lines
     branch = [(row.get(BRANCH) or "").strip() for _, row in rows]
     for (n, row), name, found in zip(rows, branch, columns["overlap_m"], strict=True):
         if named and not _BRANCHES.fullmatch(name):
-            faults.append(
+            errors.append(
                 f"{path}: line {n}: branch: found {show(row.get(BRANCH) or '')}, "
                 "expected loading, unloading_N or reloading_N"
             )
         if found < 0:
-            faults.append(f"{path}: line {n}: overlap_m: found {found:g}, expected none below 0 (compression > 0)")
-    if faults:
-        raise InputError(faults[:_FAULTS] + [f"{path}: and {len(faults) - _FAULTS} more"] * (len(faults) > _FAULTS))
+            errors.append(f"{path}: line {n}: overlap_m: found {found:g}, expected none below 0 (compression > 0)")
+    if errors:
+        raise InputError(errors[:_FAULTS] + [f"{path}: and {len(errors) - _FAULTS} more"] * (len(errors) > _FAULTS))
     overlap, force = (np.array(columns[name]) for name in NUMBERS)
     return _curve(str(path), overlap, force, branch if named else None)
 
@@ -170,13 +170,13 @@ def _rows(path: Path) -> tuple[list[tuple[int, dict[str, str]]], list[str]]:
     return [(n, dict(zip(columns, cells, strict=False))) for n, cells in parsed[1:]], columns
 
 
-def _number(row: dict[str, str], name: str, where: str, faults: list[str]) -> float:
+def _number(row: dict[str, str], name: str, where: str, errors: list[str]) -> float:
     text = (row.get(name) or "").strip()
     try:
         value = float(text)
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        faults.append(f"{where}: {name}: found {show(text)}, expected a number")
+        errors.append(f"{where}: {name}: found {show(text)}, expected a number")
         return 0.0
     return value

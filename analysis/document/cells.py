@@ -9,7 +9,7 @@ from typing import Any
 from granwave.analysis.document.model import Cell, Column, Group, Table
 from granwave.analysis.formatting.numbers import interval, plain
 from granwave.analysis.formatting.units import shown_unit
-from granwave.analysis.formatting.values import in_words
+from granwave.analysis.formatting.values import as_label
 from granwave.analysis.measures.zone_size import SHARES
 
 BLANK = "\u2013"  # a value that does not apply
@@ -216,7 +216,7 @@ def show(value: Any) -> str:
     if isinstance(value, float):
         return _float(value)
     if isinstance(value, dict) or (isinstance(value, (list, tuple)) and any(isinstance(item, dict) for item in value)):
-        return in_words(value)
+        return as_label(value)
     if isinstance(value, (list, tuple)):
         return "[" + ", ".join(show(item) for item in value) + "]"
     return str(value)

@@ -15,7 +15,7 @@ NONE = "none"
 _NAMES = ("preset", "name")  # either says which material a table is
 
 
-def in_words(value: Any) -> str:
+def as_label(value: Any) -> str:
     """A value of a case, or the label of a scan's point that stands for one."""
     if isinstance(value, str):
         value = _parsed(value)
@@ -23,17 +23,17 @@ def in_words(value: Any) -> str:
         parts = value if set(value) != {"material"} else {"wall": {}, **value}  # the only table that may say no more
         return _material(value) or ", ".join(_part(name, part) for name, part in parts.items()) or NONE
     if isinstance(value, list | tuple) and any(isinstance(part, Mapping) for part in value):
-        return "; ".join(map(in_words, value))
+        return "; ".join(map(as_label, value))
     return _text(value) or NONE
 
 
-def told_apart(values: Sequence[Any]) -> list[str]:
+def unique_labels(values: Sequence[Any]) -> list[str]:
     """Words for each; values that differ have different words, though only a table's main points are in them."""
     words: dict[str, str] = {}
     keys = [json.dumps(value, sort_keys=True, default=str) for value in values]
     for key, value in zip(keys, values, strict=True):
         if key not in words:
-            text = shown = in_words(value)
+            text = shown = as_label(value)
             number = 1
             while shown in words.values():
                 number += 1

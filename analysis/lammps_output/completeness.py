@@ -7,7 +7,7 @@ from pathlib import Path
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.lammps_output.number_rows import AGAIN, CUT
 from granwave.analysis.lammps_output.run_record import read_record
-from granwave.analysis.lammps_output.time_series import Table, read_energy, read_prestage, read_probes, read_walls
+from granwave.analysis.lammps_output.time_series import Table, read_energy, read_probes, read_static_stage, read_walls
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.deck import read_deck
 from granwave.lammps_inputs.packing.assembly import assemble
@@ -15,8 +15,8 @@ from granwave.lammps_inputs.packing.walls import wall_fixes, walls
 from granwave.lammps_inputs.run_directory import (
     DUMPS,
     ENERGY_FILE,
-    PRESTAGE_FILE,
     PROBES_FILE,
+    STATIC_STAGE_FILE,
     WALL_CONTACTS_FILE,
     WALLS_FILE,
 )
@@ -43,8 +43,8 @@ def check_complete(directory: Path) -> None:
     if case.probes:
         columns = _probe_columns(case)
         _check_series(dumps / PROBES_FILE, read_probes(directory), columns, last, max(every, deck.schedule.probe_every))
-    if case.precompression and not read_prestage(directory):
-        raise MissingOutputError(f"{dumps / PRESTAGE_FILE} is missing; {AGAIN}")
+    if case.precompression and not read_static_stage(directory):
+        raise MissingOutputError(f"{dumps / STATIC_STAGE_FILE} is missing; {AGAIN}")
     for name in (name for wall in found if not wall.held_layer for name, _, _ in wall_fixes(assemble(case), wall)):
         if not (path := dumps / WALL_CONTACTS_FILE.format(name)).exists():
             raise MissingOutputError(f"{path} is missing; {AGAIN}")

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.lammps_output.number_rows import AGAIN, read_rows
 from granwave.lammps_inputs.deck import columns
-from granwave.lammps_inputs.run_directory import DUMPS, ENERGY_FILE, PRESTAGE_FILE, PROBES_FILE, WALLS_FILE
+from granwave.lammps_inputs.run_directory import DUMPS, ENERGY_FILE, PROBES_FILE, STATIC_STAGE_FILE, WALLS_FILE
 
 #: Columns of the energy ledger.
 ENERGY_COLUMNS = ("step", *columns.names(columns.LEDGER))
@@ -49,13 +49,13 @@ def read_energy(directory: str | Path) -> Table:
     return table | {name: zeros for name in FRICTION_COLUMNS if name not in table}
 
 
-def read_prestage(directory: str | Path) -> Table:
+def read_static_stage(directory: str | Path) -> Table:
     """What the static stage of a precompressed run came to, one row; empty when there was none.
 
     ``residual`` (largest net force over the largest force of a contact), ``largest_force`` N, ``contacts``,
     ``yielded``, ``stored`` (elastic energy) J, ``displacement`` m, ``iterations``.
     """
-    return _read_if_there(Path(directory) / DUMPS / PRESTAGE_FILE)
+    return _read_if_there(Path(directory) / DUMPS / STATIC_STAGE_FILE)
 
 
 def read_walls(directory: str | Path) -> Table:

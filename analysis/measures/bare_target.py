@@ -44,7 +44,7 @@ Event = Callable[[float, Array], float]
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
-class Unprotected:
+class BareTarget:
     """What the target would feel; every array (n_times,).
 
     Attributes
@@ -169,7 +169,7 @@ class Impactors:
         return 3 * self.largest_overlap / self.velocity
 
 
-def unprotected_peak(case: Case, end_time: float) -> tuple[float, float] | None:
+def bare_target_peak(case: Case, end_time: float) -> tuple[float, float] | None:
     """Largest force (N) of `unprotected` on the target's surface, and on the ground; quick where nothing moves."""
     target = target_of(case)
     if target is not None and not target.moves and case.load.kind in ("impact", "striker"):
@@ -180,7 +180,7 @@ def unprotected_peak(case: Case, end_time: float) -> tuple[float, float] | None:
     return None if found is None else (found.peak_force, found.ground_peak_force)
 
 
-def unprotected(case: Case, end_time: float) -> Unprotected | None:
+def unprotected(case: Case, end_time: float) -> BareTarget | None:
     """The load of a case directly on its target; None where there is no target, or nothing that would hit it.
 
     Parameters
@@ -246,7 +246,7 @@ def load_at(load: Load, time: Array) -> Array:
     return np.where(acts, amplitude, 0.0)
 
 
-def _pushed(load: Load, target: Target, end_time: float) -> Unprotected:
+def _pushed(load: Load, target: Target, end_time: float) -> BareTarget:
     """A force on the target itself."""
     end = min(end_time, load.lasts + target.settles)
     time = np.linspace(0.0, end, _AFTER + 1)
@@ -254,7 +254,7 @@ def _pushed(load: Load, target: Target, end_time: float) -> Unprotected:
     time = np.union1d(time, [one for one in turns if one < end])
     force = load_at(load, time)
     if not target.moves:
-        return Unprotected(time, force, force)
+        return BareTarget(time, force, force)
     n = len(target.mass)
 
     def rates(now: float, state: Array) -> Array:
@@ -263,10 +263,10 @@ def _pushed(load: Load, target: Target, end_time: float) -> Unprotected:
     found = solve_ivp(
         rates, (0.0, end), np.zeros(2 * n), "DOP853", time, rtol=_TOLERANCE, atol=1e-15, max_step=end / _AFTER
     )
-    return Unprotected(time, force, _on_ground(target, force, found.y[:n], found.y[n:]))
+    return BareTarget(time, force, _on_ground(target, force, found.y[:n], found.y[n:]))
 
 
-def _hit(groups: list[Impactors], target: Target, end_time: float) -> Unprotected:
+def _hit(groups: list[Impactors], target: Target, end_time: float) -> BareTarget:
     """Spheres that hit the target, in phases between which one of them turns round."""
     n, k = len(target.mass), len(groups)
     mass, count = np.array([one.mass for one in groups]), np.array([one.count for one in groups])
@@ -334,7 +334,7 @@ def _hit(groups: list[Impactors], target: Target, end_time: float) -> Unprotecte
     for place, deepest in enumerate(peaks):
         peak[:] = deepest
         force[place] = count @ forces(course[:, place])
-    return Unprotected(time, force, _on_ground(target, force, course[2 * k : 2 * k + n], course[2 * k + n :]))
+    return BareTarget(time, force, _on_ground(target, force, course[2 * k : 2 * k + n], course[2 * k + n :]))
 
 
 def _event(function: Callable[[float, Array], float], direction: int) -> Event:

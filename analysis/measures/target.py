@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid
 
-from granwave.analysis.measures.bare_target import unprotected_peak
+from granwave.analysis.measures.bare_target import bare_target_peak
 from granwave.lammps_inputs.packing.assembly import BAR
 
 if TYPE_CHECKING:
@@ -102,7 +102,7 @@ def protection(result: Result) -> dict[str, Any]:
     inside = result.in_packing
     depth, radii = result["spheres/position"][inside, 2], result["spheres/radius"][inside]
     mass, height = float(result["spheres/mass"][inside].sum()), float((depth + radii).max() - (depth - radii).min())
-    without = unprotected_peak(result.case, float(result["energy/time"][-1])) if found else None
+    without = bare_target_peak(result.case, float(result["energy/time"][-1])) if found else None
     reduction = ground_reduction = None
     if found is not None and without is not None:
         if found.force.argmax() < len(found.force) - 1:  # else it still rises: the peak is not known

@@ -185,21 +185,21 @@ def read_inputs(directories: Sequence[str | Path], base: Path) -> Inputs:
     InputError
         A directory is missing, is neither a run nor a scan, or is damaged; every fault is named.
     """
-    faults: list[str] = []
+    errors: list[str] = []
     unique: dict[Path, Path] = {}
     for directory in itertools.chain.from_iterable(map(_parts, map(Path, directories))):
         unique.setdefault(directory.resolve(), directory)
     paths = list(unique.values())
     if not paths:
-        faults.append("no directory was given, expected those of runs or scans: granwave report DIR...")
+        errors.append("no directory was given, expected those of runs or scans: granwave report DIR...")
     items: list[Run | Scan] = []
     for path, label in zip(paths, _labels(paths, base), strict=True):
         try:
             items.append(_read(path, label))
         except InputError as error:
-            faults += error.faults
-    if faults:
-        raise InputError(faults)
+            errors += error.errors
+    if errors:
+        raise InputError(errors)
     return Inputs(tuple(items), base)
 
 
@@ -254,8 +254,8 @@ def _summary(path: Path) -> dict[str, Any]:
             f"{path / SUMMARY_FILE}: found a {type(summary).__name__}, expected a table of values; "
             f"make it anew with  granwave analyse {path}"
         )
-    if faults := _no_numbers(summary):
-        raise InputError(f"{path / SUMMARY_FILE}: {faults[0]}; make it anew with  granwave analyse {path}")
+    if errors := _no_numbers(summary):
+        raise InputError(f"{path / SUMMARY_FILE}: {errors[0]}; make it anew with  granwave analyse {path}")
     return summary
 
 
@@ -321,7 +321,7 @@ def _read_scan(path: Path, label: str) -> Scan:
         ) from None
     runs: dict[str, Run] = {}
     points: list[Point] = []
-    faults: list[str] = []
+    errors: list[str] = []
     for result in results:
         run = None
         if result.status == "done" and result.directory is not None and not _no_numbers(result.summary):
@@ -329,12 +329,12 @@ def _read_scan(path: Path, label: str) -> Scan:
                 try:
                     runs[result.id] = _read_run(result.directory, f"{label} #{result.number}", result.summary)
                 except InputError as error:
-                    faults += error.faults
+                    errors += error.errors
                     continue
             run = runs[result.id]
         points.append(_point(result, path, run))
-    if faults:
-        raise InputError(dict.fromkeys(faults))
+    if errors:
+        raise InputError(dict.fromkeys(errors))
     suite = read_json(path.parent / SUITE_INDEX) or {}
     of_suite = suite.get("study", ()) if path.name in suite.get("scans", ()) else ()
     return Scan(label, source, tuple(points), tuple(dict.fromkeys([*source.studies, *of_suite])))

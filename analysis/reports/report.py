@@ -55,15 +55,15 @@ def write_report(directories: Sequence[str | Path], output: str | Path, studies:
         Writing failed, as on a full disk; an older report is still there.
     """
     output = output_path(output)
-    faults = _faults_of(output)
+    errors = _errors_in(output)
     known = ", ".join(STUDIES)
-    faults += [f"--study: found {name}, expected one of: {known}" for name in studies if name not in STUDIES]
+    errors += [f"--study: found {name}, expected one of: {known}" for name in studies if name not in STUDIES]
     try:
         inputs = read_inputs(directories, output.parent)
     except InputError as error:
-        faults += error.faults
-    if faults:
-        raise InputError(faults)
+        errors += error.errors
+    if errors:
+        raise InputError(errors)
     try:
         report = cleaned(build_report(inputs, studies))
     except (MissingOutputError, OutputFormatError) as error:  # of a file that a study needs
@@ -75,27 +75,27 @@ def write_report(directories: Sequence[str | Path], output: str | Path, studies:
     return output
 
 
-def _faults_of(output: Path) -> list[str]:
-    faults = []
+def _errors_in(output: Path) -> list[str]:
+    errors = []
     if output.suffix.lower() not in SUFFIXES:
         found = f"the suffix {output.suffix}" if output.suffix else "no suffix"
-        faults.append(f"{output}: found {found}, expected {', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}")
+        errors.append(f"{output}: found {found}, expected {', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}")
     if output.is_dir():
-        faults.append(f"{output}: is a directory, expected the name of a file")
+        errors.append(f"{output}: is a directory, expected the name of a file")
     elif not output.parent.is_dir():
-        faults.append(f"{output}: there is no directory {output.parent}; make it first")
+        errors.append(f"{output}: there is no directory {output.parent}; make it first")
     elif not os.access(output.parent, os.W_OK | os.X_OK):
-        faults.append(f"{output}: the directory {output.parent.resolve()} cannot be written to; choose another with -o")
+        errors.append(f"{output}: the directory {output.parent.resolve()} cannot be written to; choose another with -o")
     elif output.suffix.lower() == ".md" and (folder := _folder(output)).exists() and not folder.is_dir():
-        faults.append(
+        errors.append(
             f"{folder}: is a file, but pictures of {output.name} go to a directory of that name; move it away"
         )
     elif own := _OWN.get(output.suffix.lower()):
         try:
             refuse_other_file(output, own)
         except InputError as error:
-            faults += error.faults
-    return faults
+            errors += error.errors
+    return errors
 
 
 def _folder(output: Path) -> Path:

@@ -41,7 +41,7 @@ from granwave.analysis.lammps_output.dumps import (
 )
 from granwave.analysis.lammps_output.number_rows import CUT
 from granwave.analysis.lammps_output.run_record import read_record
-from granwave.analysis.lammps_output.time_series import Table, read_energy, read_prestage, read_probes, read_walls
+from granwave.analysis.lammps_output.time_series import Table, read_energy, read_probes, read_static_stage, read_walls
 from granwave.analysis.result.chain import Groups, read_chain
 from granwave.analysis.result.contacts import Contacts, list_contacts, merge_dents, sphere_values, touching_pairs
 from granwave.analysis.result.hdf5_file import new_hdf5
@@ -145,7 +145,7 @@ def _write(file: h5py.File, directory: Path) -> None:
     timestep = _timestep(text, ledger)
     path = directory / "dumps" / "spheres.dump"
     frames = (frame.up_to(last) for frame in read_frames(directory, partial=False))
-    end = write_trajectory(file, start, frames, timestep, _periodic(case), path, friction=case.rubs).step
+    end = write_trajectory(file, start, frames, timestep, _periodic(case), path, friction=case.has_friction).step
     n_steps = int(ledger["step"][-1])
     if end < n_steps:  # the end of a run is always a snapshot
         raise OutputFormatError(f"{path} ends with the snapshot of step {end}, the run at step {n_steps}: {CUT}")
@@ -157,7 +157,7 @@ def _write(file: h5py.File, directory: Path) -> None:
         check_ids(directory / "dumps" / f"{dump}.dump", frame, everything)
     _write_contacts(file, case, start, dents, planes)
     write_group(file, "energy", ledger)
-    if prestage := read_prestage(directory):
+    if prestage := read_static_stage(directory):
         write_group(file, "prestage", prestage)
     for name, columns in _walls(read_walls(directory)).items():
         write_group(file, f"walls/{name}", columns)

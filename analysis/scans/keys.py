@@ -10,7 +10,7 @@ from typing import Any
 
 from granwave.analysis.formatting.numbers import tick
 from granwave.analysis.formatting.units import shown_unit, unit_of
-from granwave.analysis.formatting.values import NONE, told_apart
+from granwave.analysis.formatting.values import NONE, unique_labels
 
 
 @dataclasses.dataclass(frozen=True)
@@ -131,7 +131,7 @@ def key_of(name: str, labels: Sequence[Any]) -> Key:
         return Key(name, *_size(sizes), tuple(labels))
     if naming is None:
         naming = Naming(name, unit=shown_unit(name))
-    words = told_apart(labels)
+    words = unique_labels(labels)
     values = tuple(
         float(f"{label / naming.scale:.12g}") if _is_number(label) else text
         for label, text in zip(labels, words, strict=True)

@@ -16,7 +16,7 @@ _SQUARE_CM = 1e4
 _LAWS = {"hertz": "elastic", "elastoplastic": "elasto-plastic"}
 
 
-def impact_words(case: Case, *, height: bool = True) -> str:
+def impact_title(case: Case, *, height: bool = True) -> str:
     """``FCC packing of 12 x 12 x 8 brass spheres of 10 mm, elasto-plastic contacts, 5 m/s``.
 
     Parameters
@@ -24,10 +24,10 @@ def impact_words(case: Case, *, height: bool = True) -> str:
     height
         False: of packings that differ in it.
     """
-    return f"{packing_words(case, height=height)}, {contact_words(case)}, {load_words(case)}"
+    return f"{packing_title(case, height=height)}, {contact_label(case)}, {load_label(case)}"
 
 
-def packing_words(case: Case, *, height: bool = True) -> str:
+def packing_title(case: Case, *, height: bool = True) -> str:
     """``FCC packing of 12 x 12 x 8 brass spheres of 10 mm``; of a single sphere ``Brass sphere of 10 mm``."""
     packing = case.packing
     own, diameter = case.material.name or "", f"of {1e3 * packing.diameter:.4g} mm"
@@ -41,24 +41,24 @@ def packing_words(case: Case, *, height: bool = True) -> str:
     return f"{kind} of {spheres}" + ("" if whole or not size else " a layer")
 
 
-def contact_words(case: Case) -> str:
+def contact_label(case: Case) -> str:
     """``elasto-plastic contacts``."""
-    return f"{law_words(case)} contacts"
+    return f"{law_label(case)} contacts"
 
 
-def law_words(case: Case) -> str:
+def law_label(case: Case) -> str:
     """``elasto-plastic``."""
     return _LAWS.get(case.contact.law, case.contact.law)
 
 
-def load_words(case: Case) -> str:
+def load_label(case: Case) -> str:
     """How fast the fastest sphere comes, ``5 m/s``; of a force or a prescribed motion that it acts on top."""
     if case.load.driven:
         return f"{case.load.kind} on top"
     return f"{max((math.hypot(*velocity) for velocity in velocities_of(assemble(case)).values()), default=0.0):g} m/s"
 
 
-def bottom_words(case: Case) -> str:
+def bottom_label(case: Case) -> str:
     """``rigid wall``, ``concrete half-space``, ``plate of 0.5 kg, 314 µs``."""
     boundary = case.boundary
     support, material = boundary.bottom_support, boundary.bottom_material
@@ -67,7 +67,7 @@ def bottom_words(case: Case) -> str:
         return {"fixed": "fixed last layer", "free": "no bottom"}.get(boundary.bottom, f"{name} wall")
     if support.plate:
         damped = ", damped" if support.plate.damping else ""
-        return f"plate of {support.plate.mass:g} kg, {time_words(period_of(support.plate))}{damped}"
+        return f"plate of {support.plate.mass:g} kg, {time_label(period_of(support.plate))}{damped}"
     if support.half_space:
         radius = support.half_space.radius
         return f"{name} half-space" + (f", disc of {1e3 * radius:g} mm" if radius else "")
@@ -76,6 +76,6 @@ def bottom_words(case: Case) -> str:
     return f"{name} bar of {_SQUARE_CM * support.bar.area:.3g} cm²{end}"
 
 
-def time_words(seconds: float) -> str:
+def time_label(seconds: float) -> str:
     """``314 µs``, ``6.28 ms``."""
     return f"{1e3 * seconds:.3g} ms" if seconds >= 1e-3 else f"{1e6 * seconds:.3g} µs"

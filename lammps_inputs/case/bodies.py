@@ -17,8 +17,8 @@ from typing import Any, TypeVar
 
 from granwave.lammps_inputs.case.material import Material, read_material
 from granwave.lammps_inputs.case.schema import (
-    Faults,
-    Unfit,
+    ErrorList,
+    ValidationError,
     count,
     custom,
     number,
@@ -42,16 +42,16 @@ _POINT_FORM = "[x, y, z] in m"
 def _parse_index(value: Any) -> tuple[int, ...]:
     if isinstance(value, Mapping):
         if set(value) != {"first", "last"}:
-            raise Unfit(_INDEX_FORM)
+            raise ValidationError(_INDEX_FORM)
         first, last = (whole(value[name], _INDEX_FORM) for name in ("first", "last"))
         if last < first:
-            raise Unfit(f"{_INDEX_FORM}, the last not before the first")
+            raise ValidationError(f"{_INDEX_FORM}, the last not before the first")
         if last - first >= _MOST_IDS:
-            raise Unfit(f"at most {_MOST_IDS} ids; take a box from low to high for more")
+            raise ValidationError(f"at most {_MOST_IDS} ids; take a box from low to high for more")
         return tuple(range(first, last + 1))
     ids = tuple(whole(one, _INDEX_FORM) for one in (value if isinstance(value, list | tuple) else [value]))
     if not ids:
-        raise Unfit(_INDEX_FORM)
+        raise ValidationError(_INDEX_FORM)
     return ids
 
 
@@ -127,21 +127,21 @@ class Sensor:
     id: int = custom("of its sphere", lambda value: whole(value, "an id from 1 up"))
 
 
-def read_list(section: type[Entry], tables: Any, prefix: str, faults: Faults) -> tuple[Entry, ...]:
+def read_list(section: type[Entry], tables: Any, prefix: str, errors: ErrorList) -> tuple[Entry, ...]:
     """Read an array of tables, such as ``[[replace]]``; entry n has the dotted name ``replace.n``, from 1."""
     if not isinstance(tables, list | tuple):
-        faults.add(prefix, f"found {show(tables)}, expected one or more [[{prefix}]] tables")
+        errors.add(prefix, f"found {show(tables)}, expected one or more [[{prefix}]] tables")
         return ()
-    read = [read_body(section, table, f"{prefix}.{n}", faults) for n, table in enumerate(tables, start=1)]
+    read = [read_body(section, table, f"{prefix}.{n}", errors) for n, table in enumerate(tables, start=1)]
     return tuple(entry for entry in read if entry is not None)
 
 
-def read_body(section: type[Entry], table: Any, prefix: str, faults: Faults) -> Entry | None:
+def read_body(section: type[Entry], table: Any, prefix: str, errors: ErrorList) -> Entry | None:
     """Read the table of one body, its material by name or by value."""
     has_material = any(field.name == "material" for field in dataclasses.fields(section))  # type: ignore[arg-type]
     if not has_material or not isinstance(table, Mapping) or "material" not in table:
-        return read_table(section, table, prefix, faults)
+        return read_table(section, table, prefix, errors)
     rest = {name: value for name, value in table.items() if name != "material"}
-    material = read_material(table["material"], faults, f"{prefix}.material")
-    entry = read_table(section, rest, prefix, faults)
+    material = read_material(table["material"], errors, f"{prefix}.material")
+    entry = read_table(section, rest, prefix, errors)
     return None if entry is None or material is None else dataclasses.replace(entry, material=material)  # type: ignore[type-var]

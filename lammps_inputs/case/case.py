@@ -14,7 +14,7 @@ from granwave.lammps_inputs.case.bodies import Bar, Replace, Sensor, Striker, re
 from granwave.lammps_inputs.case.contact_pairs import RIGID, Pair, read_pairs
 from granwave.lammps_inputs.case.load import Load, read_load
 from granwave.lammps_inputs.case.material import SELECTORS, Material, read_material, sphere_mass
-from granwave.lammps_inputs.case.schema import Faults, keys_of, read_name, read_table, refuse_unknown, show
+from granwave.lammps_inputs.case.schema import ErrorList, keys_of, read_name, read_table, refuse_unknown, show
 from granwave.lammps_inputs.case.sections import Boundary, Contact, Output, PackingSection, Precompression, Probe, Run
 from granwave.lammps_inputs.case.supports import read_bottom
 from granwave.lammps_inputs.named_files import with_absolute_paths
@@ -64,18 +64,18 @@ class Case:
         return next((pair.contact for pair in self.pair if pair.fits(*names)), self.contact)
 
     @property
-    def rubs(self) -> bool:
+    def has_friction(self) -> bool:
         """There is friction somewhere."""
         contacts = [self.contact.friction, self.boundary.friction or 0.0, *(one.contact.friction for one in self.pair)]
         return any(contacts)
 
     @property
-    def rotates(self) -> bool:
+    def has_rotation(self) -> bool:
         """Some sphere turns, or may be turned by friction."""
-        return self.rubs or any(self.load.spin) or any(any(striker.spin) for striker in self.striker)
+        return self.has_friction or any(self.load.spin) or any(any(striker.spin) for striker in self.striker)
 
     @property
-    def has_past(self) -> bool:
+    def has_initial_dents(self) -> bool:
         """Contacts may have dents from before the run."""
         return bool(self.contact.initial_overlap) or self.precompression is not None
 
@@ -111,8 +111,8 @@ class Case:
         return tomli_w.dumps(self.to_dict() | ({RECORD: _plain(resolved)} if resolved else {}))
 
 
-def parse_case(data: Mapping[str, Any], source: str | Path, faults: Faults) -> dict[str, Any]:
-    """Read the nested mapping of a case file, table by table; what is wrong is added to ``faults``.
+def parse_case(data: Mapping[str, Any], source: str | Path, errors: ErrorList) -> dict[str, Any]:
+    """Read the nested mapping of a case file, table by table; what is wrong is added to ``errors``.
 
     Parameters
     ----------
@@ -124,29 +124,29 @@ def parse_case(data: Mapping[str, Any], source: str | Path, faults: Faults) -> d
     dict
         The fields of `Case`; None for a part that is wrong.
     """
-    _refuse_others(data, faults)
+    _refuse_others(data, errors)
     data = _with_implied(with_absolute_paths(data, Path()))
-    parts = read_parts(data, source, faults, sections=_SECTIONS, required=_REQUIRED, read=_read_section)
+    parts = read_parts(data, source, errors, sections=_SECTIONS, required=_REQUIRED, read=_read_section)
     if _PRECOMPRESSION in data:
-        parts[_PRECOMPRESSION] = read_table(Precompression, data[_PRECOMPRESSION], _PRECOMPRESSION, faults)
-    parts["pair"] = read_pairs(data.get("pair", ()), data.get("contact", {}), faults)
+        parts[_PRECOMPRESSION] = read_table(Precompression, data[_PRECOMPRESSION], _PRECOMPRESSION, errors)
+    parts["pair"] = read_pairs(data.get("pair", ()), data.get("contact", {}), errors)
     for name, section in _LISTS.items():
-        parts[name] = read_list(section, data.get(name, ()), name, faults)
+        parts[name] = read_list(section, data.get(name, ()), name, errors)
     for name in _BARS:
-        parts[name] = read_body(Bar, data[name], name, faults) if name in data else None
+        parts[name] = read_body(Bar, data[name], name, errors) if name in data else None
     return parts
 
 
 def read_parts(
     data: Mapping[str, Any],
     source: str | Path,
-    faults: Faults,
+    errors: ErrorList,
     *,
     sections: Mapping[str, type],
     required: Collection[str] = ("material",),
-    read: Callable[[type, Any, str, Faults], Any] = read_table,
+    read: Callable[[type, Any, str, ErrorList], Any] = read_table,
 ) -> dict[str, Any]:
-    """The name, the material and the sections of a case of any kind; what is missing or wrong is added to ``faults``.
+    """The name, the material and the sections of a case of any kind; what is missing or wrong is added to ``errors``.
 
     Parameters
     ----------
@@ -164,15 +164,15 @@ def read_parts(
     dict
         By name; None for a part that is wrong.
     """
-    parts: dict[str, Any] = {"name": read_name(data, source, faults)}
+    parts: dict[str, Any] = {"name": read_name(data, source, errors)}
     for name in required:
         if name not in data:
-            faults.add(name, f"missing; a case needs [{name}]")
+            errors.add(name, f"missing; a case needs [{name}]")
     if "material" in data:
-        parts["material"] = read_material(data["material"], faults)
+        parts["material"] = read_material(data["material"], errors)
     for name, section in sections.items():
         if name in data or name not in required:
-            parts[name] = read(section, data.get(name, {}), name, faults)
+            parts[name] = read(section, data.get(name, {}), name, errors)
     return parts
 
 
@@ -194,34 +194,34 @@ def unit_of(key: str) -> str:
     return (fields[name].metadata.get("unit") or "") if name in fields else ""
 
 
-def _read_section(section: type, table: Any, name: str, faults: Faults) -> Any:
+def _read_section(section: type, table: Any, name: str, errors: ErrorList) -> Any:
     if section is Load:
-        return read_load(table, faults)
+        return read_load(table, errors)
     if section is not Boundary or not isinstance(table, Mapping):
-        return read_table(section, table, name, faults)
-    before, plain = len(faults.lines), dict(table)
+        return read_table(section, table, name, errors)
+    before, plain = len(errors.lines), dict(table)
     read: dict[str, Any] = {}
     for key in _WALLS:
         if not isinstance(table.get(key), Mapping):
             continue
         plain[key] = "wall"
         if key == "bottom":
-            read["bottom_material"], read["bottom_support"] = read_bottom(table[key], f"boundary.{key}", faults)
+            read["bottom_material"], read["bottom_support"] = read_bottom(table[key], f"boundary.{key}", errors)
         else:
-            read[f"{key}_material"] = _read_wall(table[key], f"boundary.{key}", faults)
-    boundary = read_table(Boundary, plain, name, faults)
-    if boundary is None or len(faults.lines) > before:
+            read[f"{key}_material"] = _read_wall(table[key], f"boundary.{key}", errors)
+    boundary = read_table(Boundary, plain, name, errors)
+    if boundary is None or len(errors.lines) > before:
         return None
     return dataclasses.replace(boundary, **read)
 
 
-def _read_wall(table: Mapping[str, Any], key: str, faults: Faults) -> Material | None:
-    refuse_unknown(table, ("material",), key, faults)
+def _read_wall(table: Mapping[str, Any], key: str, errors: ErrorList) -> Material | None:
+    refuse_unknown(table, ("material",), key, errors)
     if not table:
-        faults.add(key, f'found {show(table)}, expected a word, or {{material = "..."}} for a wall')
+        errors.add(key, f'found {show(table)}, expected a word, or {{material = "..."}} for a wall')
     if "material" not in table:
         return None
-    return read_material(table["material"], faults, f"{key}.material")
+    return read_material(table["material"], errors, f"{key}.material")
 
 
 def _with_implied(data: Mapping[str, Any]) -> dict[str, Any]:
@@ -235,16 +235,16 @@ def _with_implied(data: Mapping[str, Any]) -> dict[str, Any]:
     return data
 
 
-def _refuse_others(data: Mapping[str, Any], faults: Faults) -> None:
+def _refuse_others(data: Mapping[str, Any], errors: ErrorList) -> None:
     for name in _OF_CONTINUUM:
         if name in data:
-            faults.add_unknown(name, "belongs to a continuum case: granwave continuum runs it")
+            errors.add_unknown(name, "belongs to a continuum case: granwave continuum runs it")
     for name in _OF_SCAN:
         if name in data:
-            faults.add_unknown(name, "belongs in a scan file: granwave scan runs it")
+            errors.add_unknown(name, "belongs in a scan file: granwave scan runs it")
     others = (*_OF_CONTINUUM, *_OF_SCAN, RECORD)
     rest = {name: value for name, value in data.items() if name not in others}
-    refuse_unknown(rest, KNOWN, "", faults)
+    refuse_unknown(rest, KNOWN, "", errors)
 
 
 def _plain(value: Any) -> Any:

@@ -6,7 +6,7 @@ import dataclasses
 from collections.abc import Mapping
 from typing import Any
 
-from granwave.lammps_inputs.case.schema import Faults, read_table, refuse_unknown, show
+from granwave.lammps_inputs.case.schema import ErrorList, read_table, refuse_unknown, show
 from granwave.lammps_inputs.case.sections import Contact
 
 RIGID = "rigid"  # what stands for a rigid wall in `Pair.materials`
@@ -41,7 +41,7 @@ class Pair:
         }
 
 
-def read_pairs(tables: Any, contact: Any, faults: Faults) -> tuple[Pair, ...]:
+def read_pairs(tables: Any, contact: Any, errors: ErrorList) -> tuple[Pair, ...]:
     """Read the ``[[pair]]`` tables of a case; entry n has the dotted name ``pair.n``, from 1.
 
     Parameters
@@ -50,36 +50,36 @@ def read_pairs(tables: Any, contact: Any, faults: Faults) -> tuple[Pair, ...]:
         The table ``[contact]``: what a pair does not say is said there.
     """
     if not isinstance(tables, list | tuple):
-        faults.add("pair", f"found {show(tables)}, expected one or more [[pair]] tables")
+        errors.add("pair", f"found {show(tables)}, expected one or more [[pair]] tables")
         return ()
     common = {name: value for name, value in contact.items() if name in _KEYS} if isinstance(contact, Mapping) else {}
     found: list[Pair] = []
     for n, table in enumerate(tables, start=1):
-        pair = _read(table, common, f"pair.{n}", faults)
+        pair = _read(table, common, f"pair.{n}", errors)
         if pair is None:
             continue
         if any(other.fits(*pair.materials) for other in found):
-            faults.add(f"pair.{n}.materials", f"found {show(list(pair.materials))} twice, expected each pair once")
+            errors.add(f"pair.{n}.materials", f"found {show(list(pair.materials))} twice, expected each pair once")
         found.append(pair)
     return tuple(found)
 
 
-def _read(table: Any, common: Mapping[str, Any], key: str, faults: Faults) -> Pair | None:
+def _read(table: Any, common: Mapping[str, Any], key: str, errors: ErrorList) -> Pair | None:
     if not isinstance(table, Mapping):
-        faults.add(key, f"found {show(table)}, expected a table of materials and keys of [contact]")
+        errors.add(key, f"found {show(table)}, expected a table of materials and keys of [contact]")
         return None
-    before = len(faults.lines)
-    refuse_unknown(table, ("materials", *_KEYS), key, faults)
+    before = len(errors.lines)
+    refuse_unknown(table, ("materials", *_KEYS), key, errors)
     names, expected = table.get("materials"), 'the names of two, such as ["steel", "brass"]'
     if "materials" not in table:
-        faults.add(f"{key}.materials", f"missing; expected {expected}")
+        errors.add(f"{key}.materials", f"missing; expected {expected}")
     elif not isinstance(names, list | tuple) or len(names) != 2 or not all(isinstance(one, str) for one in names):
-        faults.add(f"{key}.materials", f"found {show(names)}, expected {expected}")
+        errors.add(f"{key}.materials", f"found {show(names)}, expected {expected}")
     own = {name: value for name, value in table.items() if name in _KEYS}
     if not own:
-        faults.add(key, "changes nothing; give keys of [contact], such as friction")
-    contact = read_table(Contact, {**_others(common, own), **own}, key, faults)
-    if contact is None or len(faults.lines) > before or not isinstance(names, list | tuple):
+        errors.add(key, "changes nothing; give keys of [contact], such as friction")
+    contact = read_table(Contact, {**_others(common, own), **own}, key, errors)
+    if contact is None or len(errors.lines) > before or not isinstance(names, list | tuple):
         return None
     return Pair(materials=(names[0], names[1]), contact=contact)
 

@@ -25,8 +25,8 @@ from typing import Any, Literal
 import numpy as np
 
 from granwave.lammps_inputs.case.schema import (
-    Faults,
-    Unfit,
+    ErrorList,
+    ValidationError,
     choice,
     custom,
     finite,
@@ -69,16 +69,16 @@ _TABLE_FORM = "rows [time in s, value], at least two, times rising from 0 on"
 
 def _parse_table(value: Any) -> tuple[tuple[float, float], ...]:
     if not isinstance(value, list | tuple) or len(value) < 2:
-        raise Unfit(_TABLE_FORM)
+        raise ValidationError(_TABLE_FORM)
     if any(not isinstance(row, list | tuple) or len(row) != 2 for row in value):
-        raise Unfit(_TABLE_FORM)
+        raise ValidationError(_TABLE_FORM)
     rows = tuple((finite(time, _TABLE_FORM), finite(size, _TABLE_FORM)) for time, size in value)
     if rows[0][0] < 0 or any(later[0] <= earlier[0] for earlier, later in pairwise(rows)):
-        raise Unfit(_TABLE_FORM)
+        raise ValidationError(_TABLE_FORM)
     if expected := impossible([time for time, _ in rows], "s"):
-        raise Unfit(f"times of {expected}")
+        raise ValidationError(f"times of {expected}")
     if not any(size for _, size in rows):
-        raise Unfit("a value other than zero")
+        raise ValidationError("a value other than zero")
     return rows
 
 
@@ -169,71 +169,71 @@ class Load:
         return {name: getattr(self, name) for name in _OF_KIND[self.kind] if name != "file"}
 
 
-def read_load(table: Any, faults: Faults) -> Load | None:
-    """Read ``[load]``; what is missing or wrong is added to ``faults``.
+def read_load(table: Any, errors: ErrorList) -> Load | None:
+    """Read ``[load]``; what is missing or wrong is added to ``errors``.
 
     The points of ``load.file`` become ``table``, so that the case is whole.
     """
-    before, names = len(faults.lines), list(table) if isinstance(table, Mapping) else []
+    before, names = len(errors.lines), list(table) if isinstance(table, Mapping) else []
     if isinstance(table, Mapping) and "file" in table:
         rest = {name: value for name, value in table.items() if name != "file"}
-        table = {"shape": "table"} | rest | _from_file(table, faults)
-        if len(faults.lines) > before:
+        table = {"shape": "table"} | rest | _from_file(table, errors)
+        if len(errors.lines) > before:
             return None
-    load = read_table(Load, table, "load", faults)
+    load = read_table(Load, table, "load", errors)
     if load is None:
         return None
     for name in names:
         if name not in _OF_KIND[load.kind]:
             belongs = " or ".join(f'"{kind}"' for kind in _KINDS if name in _OF_KIND[kind])
-            faults.add(f"load.{name}", f'belongs to a load of kind {belongs}; found load.kind = "{load.kind}"')
+            errors.add(f"load.{name}", f'belongs to a load of kind {belongs}; found load.kind = "{load.kind}"')
     if load.driven:
-        _check_shape(load, faults)
+        _check_shape(load, errors)
         unit, usual = ("N", FORCE) if load.kind == "force" else ("m", DISPLACEMENT)
         key = "load.table" if load.table else "load.amplitude"
         if expected := impossible(load.largest, unit):
-            faults.add(key, f"found {load.largest:g}, expected {expected}")
+            errors.add(key, f"found {load.largest:g}, expected {expected}")
         elif odd := unusual(load.largest, unit, usual):
-            faults.notes.append(f"{key}: {odd}")
-    return load if len(faults.lines) == before else None
+            errors.notes.append(f"{key}: {odd}")
+    return load if len(errors.lines) == before else None
 
 
-def _check_shape(load: Load, faults: Faults) -> None:
+def _check_shape(load: Load, errors: ErrorList) -> None:
     options = _OF_DISPLACEMENT if load.kind == "displacement" else _SHAPES
     if load.shape not in options:
         found = "missing" if load.shape is None else f'found "{load.shape}"'
-        faults.add("load.shape", f"{found}; a {load.kind} needs one of " + ", ".join(f'"{one}"' for one in options))
+        errors.add("load.shape", f"{found}; a {load.kind} needs one of " + ", ".join(f'"{one}"' for one in options))
         return
     needed = _NEEDS[str(load.shape)]
     for name in needed:
         if getattr(load, name) is None:
             alternative = " (or load.file)" if name == "table" else ""
-            faults.add(f"load.{name}", f'missing; shape "{load.shape}" needs it{alternative}')
+            errors.add(f"load.{name}", f'missing; shape "{load.shape}" needs it{alternative}')
     for name in ("amplitude", "duration", "frequency", "table"):
         if name not in needed and getattr(load, name) is not None:
-            faults.add(f"load.{name}", f'does not belong to shape "{load.shape}", which takes {", ".join(needed)}')
+            errors.add(f"load.{name}", f'does not belong to shape "{load.shape}", which takes {", ".join(needed)}')
 
 
-def _from_file(table: Mapping[str, Any], faults: Faults) -> dict[str, Any]:
+def _from_file(table: Mapping[str, Any], errors: ErrorList) -> dict[str, Any]:
     name = table["file"]
     if "table" in table:
-        faults.add("load.file", "found beside load.table; give one of them")
+        errors.add("load.file", "found beside load.table; give one of them")
         return {}
     if not isinstance(name, str) or not name:
-        faults.add("load.file", f"found {show(name)}, expected the path of a file of two columns, time and value")
+        errors.add("load.file", f"found {show(name)}, expected the path of a file of two columns, time and value")
         return {}
     try:
         rows = _numbers(read_regular(Path(name)).decode("utf-8-sig").splitlines())
     except OSError as error:
-        faults.add("load.file", f"{name}: cannot be read: {error.strerror or error}")
+        errors.add("load.file", f"{name}: cannot be read: {error.strerror or error}")
         return {}
     except ValueError as error:
-        faults.add("load.file", f"{name}: {error}; expected two columns of numbers, {_TABLE_FORM}")
+        errors.add("load.file", f"{name}: {error}; expected two columns of numbers, {_TABLE_FORM}")
         return {}
     try:
         return {"table": _parse_table(rows)}
-    except Unfit as unfit:
-        faults.add("load.file", f"{name}: found {show(rows)}, expected {unfit}")
+    except ValidationError as error:
+        errors.add("load.file", f"{name}: found {show(rows)}, expected {error}")
         return {}
 
 

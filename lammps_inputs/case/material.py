@@ -15,7 +15,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from granwave.lammps_inputs.case.schema import Faults, number, read_table, refuse_unknown, show, text
+from granwave.lammps_inputs.case.schema import ErrorList, number, read_table, refuse_unknown, show, text
 from granwave.lammps_inputs.case.si_values import DENSITY, YIELD_STRENGTH, YOUNGS_MODULUS
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.toml_files import read_toml
@@ -52,10 +52,10 @@ def material(name: str) -> Material:
     InputError
         There is no such preset; the nearest one is named.
     """
-    faults = Faults("material")
-    found = _select(name, presets(), "preset", faults)
+    errors = ErrorList("material")
+    found = _select(name, presets(), "preset", errors)
     if found is None:
-        raise InputError(faults.lines)
+        raise InputError(errors.lines)
     return found
 
 
@@ -72,69 +72,69 @@ def load_materials(path: str | Path) -> dict[str, Material]:
     InputError
         The file cannot be read, or a table in it is not a material.
     """
-    faults = Faults(str(path))
+    errors = ErrorList(str(path))
     read = {
-        name: read_table(Material, {"name": name, **table} if isinstance(table, Mapping) else table, name, faults)
+        name: read_table(Material, {"name": name, **table} if isinstance(table, Mapping) else table, name, errors)
         for name, table in read_toml(path).items()
     }
-    if not read and not faults.lines:
+    if not read and not errors.lines:
         raise InputError(f"{path}: found no material, expected tables such as [my-steel] with youngs_modulus and so on")
-    if faults.lines:
-        raise InputError(faults.lines)
+    if errors.lines:
+        raise InputError(errors.lines)
     return {name: entry for name, entry in read.items() if entry is not None}
 
 
-def read_material(table: Any, faults: Faults, key: str = "material") -> Material | None:
+def read_material(table: Any, errors: ErrorList, key: str = "material") -> Material | None:
     """Read a material of a case: a preset's name, or a table of values and, perhaps, ``preset`` and ``file``.
 
     Parameters
     ----------
     key
-        Dotted name of the table, for faults.
+        Dotted name of the table, for errors.
     """
     if isinstance(table, str):
-        return _select(table, presets(), key, faults)
+        return _select(table, presets(), key, errors)
     if not isinstance(table, Mapping):
-        faults.add(key, f'found {show(table)}, expected a name ("brass") or a table [{key}]')
+        errors.add(key, f'found {show(table)}, expected a name ("brass") or a table [{key}]')
         return None
     own = {name: value for name, value in table.items() if name not in SELECTORS}
     if "preset" not in table:
         if "file" in table:
-            faults.add(f"{key}.preset", f"missing; name the material to take from {key}.file")
+            errors.add(f"{key}.preset", f"missing; name the material to take from {key}.file")
             return None
-        return read_table(Material, own, key, faults)
-    known = _library(table.get("file"), faults, f"{key}.file")
-    base = None if known is None else _select(table["preset"], known, f"{key}.preset", faults, table.get("file"))
+        return read_table(Material, own, key, errors)
+    known = _library(table.get("file"), errors, f"{key}.file")
+    base = None if known is None else _select(table["preset"], known, f"{key}.preset", errors, table.get("file"))
     if base is None:
-        refuse_unknown(own, [field.name for field in dataclasses.fields(Material)], key, faults)
+        refuse_unknown(own, [field.name for field in dataclasses.fields(Material)], key, errors)
         return None
     values = {name: value for name, value in dataclasses.asdict(base).items() if value is not None}
     if own.keys() - {"name"}:
         values.pop("source", None)  # the source does not vouch for a changed value
-    return read_table(Material, {**values, **own}, key, faults)
+    return read_table(Material, {**values, **own}, key, errors)
 
 
-def _library(file: Any, faults: Faults, key: str) -> dict[str, Material] | None:
+def _library(file: Any, errors: ErrorList, key: str) -> dict[str, Material] | None:
     if file is None:
         return presets()
     if not isinstance(file, str) or not file:
-        faults.add(key, f"found {show(file)}, expected the path of a TOML file of materials")
+        errors.add(key, f"found {show(file)}, expected the path of a TOML file of materials")
         return None
     try:
         return load_materials(file)
     except InputError as error:
-        for line in error.faults:
-            faults.add(key, line)
+        for line in error.errors:
+            errors.add(key, line)
         return None
 
 
 def _select(
-    name: Any, known: Mapping[str, Material], key: str, faults: Faults, file: str | None = None
+    name: Any, known: Mapping[str, Material], key: str, errors: ErrorList, file: str | None = None
 ) -> Material | None:
     if isinstance(name, str) and name in known:
         return known[name]
     near = difflib.get_close_matches(str(name).lower(), known, n=1, cutoff=0.5)
     hint = f"did you mean {near[0]}?" if near else ""
     there = f" in {file}" if file else ""
-    faults.add(key, f"found {show(name)}, expected one of {', '.join(known)}{there}; {hint}".rstrip("; "))
+    errors.add(key, f"found {show(name)}, expected one of {', '.join(known)}{there}; {hint}".rstrip("; "))
     return None

@@ -47,7 +47,7 @@ def parse_override(override: str) -> tuple[str, Any]:
 
 
 def parse_overrides(overrides: Iterable[str] | Mapping[str, Any]) -> dict[str, Any]:
-    """Overrides as a mapping of dotted keys to values; all faults are raised at once.
+    """Overrides as a mapping of dotted keys to values; all errors are raised at once.
 
     Files that they name are found from the working directory.
     """
@@ -56,17 +56,17 @@ def parse_overrides(overrides: Iterable[str] | Mapping[str, Any]) -> dict[str, A
     if isinstance(overrides, str):
         overrides = [overrides]
     parsed: dict[str, Any] = {}
-    faults: list[str] = []
+    errors: list[str] = []
     for override in overrides:
         try:
             key, value = parse_override(override)
         except InputError as error:
-            faults += error.faults
+            errors += error.errors
         else:
             parsed.pop(key, None)  # the last word counts, also in the order of application
             parsed[key] = value
-    if faults:
-        raise InputError(faults)
+    if errors:
+        raise InputError(errors)
     return dict(with_absolute_paths(parsed, Path()))
 
 
@@ -79,13 +79,13 @@ def apply_overrides(data: Mapping[str, Any], overrides: Mapping[str, Any]) -> di
         A key leads through a value that is not a table.
     """
     result = copy.deepcopy(dict(data))
-    faults: list[str] = []
+    errors: list[str] = []
     for key, value in overrides.items():
         *path, last = key.split(".")
         table = result
         for name, following in pairwise([*path, last]):
             if following.isdigit() and name not in table:
-                faults.append(
+                errors.append(
                     f"--set: {key}: found no [[{name}]] tables, expected {following} or more; give them whole"
                 )
                 break
@@ -95,16 +95,16 @@ def apply_overrides(data: Mapping[str, Any], overrides: Mapping[str, Any]) -> di
             if isinstance(inner, list) and following.isdigit():
                 inner = table[name] = _Numbered(inner)
             if not isinstance(inner, dict):
-                faults.append(f"--set: {key}: found {name} = {show(inner)}, expected a table [{name}]")
+                errors.append(f"--set: {key}: found {name} = {show(inner)}, expected a table [{name}]")
                 break
             if isinstance(inner, _Numbered) and following not in inner:
-                faults.append(f"--set: {key}: found {len(inner)} [[{name}]] tables, expected {following} or more")
+                errors.append(f"--set: {key}: found {len(inner)} [[{name}]] tables, expected {following} or more")
                 break
             table = inner
         else:
             table[last] = copy.deepcopy(value)
-    if faults:
-        raise InputError(faults)
+    if errors:
+        raise InputError(errors)
     return _with_lists(result)
 
 

@@ -2,7 +2,7 @@
 
 A section is a frozen dataclass whose fields are made by the functions below. Each field carries, as metadata,
 the ``description`` for people, the ``unit``, and the ``parse`` function that turns a TOML value into the
-field's value or raises `Unfit`. `read_table` applies them and collects every fault instead of stopping at the
+field's value or raises `ValidationError`. `read_table` applies them and collects every fault instead of stopping at the
 first.
 """
 
@@ -30,20 +30,20 @@ _SHOWN_CHARACTERS = 60
 _LONGEST_NAME = 200  # bytes; file systems end at 255, and endings come on top
 
 
-class Unfit(Exception):
+class ValidationError(Exception):
     """A value does not fit its key; the message says what was expected."""
 
 
 @dataclasses.dataclass
-class Faults:
-    """The faults of one file, a line each.
+class ErrorList:
+    """The errors of one file, a line each.
 
     Attributes
     ----------
     source
         Name of the file, as shown to the user.
     overridden
-        Dotted keys that came from the command line; their faults name ``--set`` as the source.
+        Dotted keys that came from the command line; their errors name ``--set`` as the source.
     vocabulary
         Dotted keys that there are, for hints.
     lines
@@ -69,7 +69,7 @@ class Faults:
         self.add(next((one for one in self.overridden if one.startswith(f"{key}.")), key), message)
 
     def report(self, name: str) -> None:
-        """Log the notes on a case of this name as warnings; raise InputError if there are faults."""
+        """Log the notes on a case of this name as warnings; raise InputError if there are errors."""
         for note in self.notes:
             _LOG.warning("%s: %s", name, note)
         self.notes.clear()
@@ -99,7 +99,7 @@ def number(
             return value
         result = finite(value, expected)
         if not (above < result < below and at_least <= result <= at_most):
-            raise Unfit(expected)
+            raise ValidationError(expected)
         return result
 
     return _field(description, unit, default, parse, usual)
@@ -112,7 +112,7 @@ def choice(description: str, options: tuple[Any, ...], *, default: Any = REQUIRE
     def parse(value: Any) -> Any:
         if value not in options or type(value) is not type(options[0]):
             near = difflib.get_close_matches(str(value).lower(), map(str, options), n=1)
-            raise Unfit(expected + (f"; did you mean {near[0]}?" if near else ""))
+            raise ValidationError(expected + (f"; did you mean {near[0]}?" if near else ""))
         return value
 
     return _field(description, None, default, parse)
@@ -123,7 +123,7 @@ def text(description: str, *, default: Any = REQUIRED) -> Any:
 
     def parse(value: Any) -> Any:
         if not isinstance(value, str) or not value.strip():
-            raise Unfit("a string that is not empty")
+            raise ValidationError("a string that is not empty")
         return value
 
     return _field(description, None, default, parse)
@@ -142,24 +142,24 @@ def custom(
 
 
 def finite(value: Any, expected: str) -> float:
-    """``value`` as a finite float; booleans, strings and NaN are `Unfit`."""
+    """``value`` as a finite float; booleans, strings and NaN are `ValidationError`."""
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise Unfit(expected)
+        raise ValidationError(expected)
     try:
         result = float(value)
     except OverflowError:
-        raise Unfit(expected) from None
+        raise ValidationError(expected) from None
     if not math.isfinite(result):
-        raise Unfit(expected)
+        raise ValidationError(expected)
     return result
 
 
 def whole(value: Any, expected: str, *, at_least: int = 1, at_most: int = LARGEST_COUNT) -> int:
-    """``value`` as an integer within bounds; booleans and floats are `Unfit`."""
+    """``value`` as an integer within bounds; booleans and floats are `ValidationError`."""
     if isinstance(value, bool) or not isinstance(value, int) or value < at_least:
-        raise Unfit(expected)
+        raise ValidationError(expected)
     if value > at_most:
-        raise Unfit(f"at most {at_most}")
+        raise ValidationError(f"at most {at_most}")
     return value
 
 
@@ -170,9 +170,9 @@ def count(description: str, *, default: Any = REQUIRED, at_least: int = 1, at_mo
 
 
 def parse_point(value: Any, expected: str) -> tuple[float, float, float]:
-    """Three numbers; `Unfit` says what was ``expected``."""
+    """Three numbers; `ValidationError` says what was ``expected``."""
     if not isinstance(value, list | tuple) or len(value) != 3:
-        raise Unfit(expected)
+        raise ValidationError(expected)
     x, y, z = (finite(one, expected) for one in value)
     return x, y, z
 
@@ -181,20 +181,20 @@ def plain_name(value: Any) -> str:
     """``value`` as a name that can be that of a directory too, and leads nowhere else."""
     fits = isinstance(value, str) and value.strip() == value != "" and value.isprintable()
     if not fits or "/" in value or value[0] in ".-~":
-        raise Unfit('a plain name, as of a directory: without "/", not beginning with ".", "-" or "~"')
+        raise ValidationError('a plain name, as of a directory: without "/", not beginning with ".", "-" or "~"')
     if len(value.encode()) > _LONGEST_NAME:
-        raise Unfit(f"a plain name of at most {_LONGEST_NAME} bytes")
+        raise ValidationError(f"a plain name of at most {_LONGEST_NAME} bytes")
     return value
 
 
-def read_name(data: Mapping[str, Any], source: str | Path, faults: Faults) -> str:
+def read_name(data: Mapping[str, Any], source: str | Path, errors: ErrorList) -> str:
     """The ``name`` of a case or a scan; without one the stem of its file."""
     name = data.get("name", Path(source).stem)
     try:
         return plain_name(name)
-    except Unfit as unfit:
+    except ValidationError as error:
         where = "" if "name" in data else ", from the name of the file: give the case a name of its own"
-        faults.add("name", f"found {show(name)}, expected {unfit}{where}")
+        errors.add("name", f"found {show(name)}, expected {error}{where}")
         return str(name)
 
 
@@ -223,7 +223,7 @@ def _cut(text: str) -> str:
     return text if len(text) <= _SHOWN_CHARACTERS else text[: _SHOWN_CHARACTERS - 3] + "..."
 
 
-def read_table(section: type[Section], table: Any, prefix: str, faults: Faults) -> Section | None:
+def read_table(section: type[Section], table: Any, prefix: str, errors: ErrorList) -> Section | None:
     """Read one TOML table into ``section``, or return None after recording every fault.
 
     Fields that are not made by the functions above are left at their defaults.
@@ -234,11 +234,11 @@ def read_table(section: type[Section], table: Any, prefix: str, faults: Faults) 
         Dotted name of the table, as in the file; empty for the file itself.
     """
     if not isinstance(table, Mapping):
-        faults.add(prefix, f"found {show(table)}, expected a table [{prefix}] of keys and values")
+        errors.add(prefix, f"found {show(table)}, expected a table [{prefix}] of keys and values")
         return None
-    before = len(faults.lines)
+    before = len(errors.lines)
     fields = {field.name: field for field in dataclasses.fields(section) if field.metadata}  # type: ignore[arg-type]
-    refuse_unknown(table, list(fields), prefix, faults)
+    refuse_unknown(table, list(fields), prefix, errors)
     values: dict[str, Any] = {}
     for name, field in fields.items():
         key = f"{prefix}.{name}" if prefix else name
@@ -246,25 +246,25 @@ def read_table(section: type[Section], table: Any, prefix: str, faults: Faults) 
         if name in table:
             try:
                 values[name] = parse(table[name])
-            except Unfit as unfit:
-                faults.add(key, f"found {show(table[name])}, expected {unfit}")
+            except ValidationError as error:
+                errors.add(key, f"found {show(table[name])}, expected {error}")
                 continue
             unit, usual = field.metadata["unit"], field.metadata["usual"]
             if expected := impossible(values[name], unit):
-                faults.add(key, f"found {show(table[name])}, expected {expected}")
+                errors.add(key, f"found {show(table[name])}, expected {expected}")
             elif usual is not None and (odd := unusual(values[name], unit, usual)):
-                faults.notes.append(f"{key}: {odd}")
+                errors.notes.append(f"{key}: {odd}")
         elif field.default is REQUIRED and field.default_factory is REQUIRED:
-            faults.add(key, f"missing; it is required: {field.metadata['description']}")
-    return section(**values) if len(faults.lines) == before else None
+            errors.add(key, f"missing; it is required: {field.metadata['description']}")
+    return section(**values) if len(errors.lines) == before else None
 
 
-def refuse_unknown(table: Mapping[str, Any], known: Collection[str], prefix: str, faults: Faults) -> None:
+def refuse_unknown(table: Mapping[str, Any], known: Collection[str], prefix: str, errors: ErrorList) -> None:
     """Record a fault for each key of ``table`` that is not ``known``, naming the nearest one that is."""
     for name in table:
         key = f"{prefix}.{name}" if prefix else name
         if name not in known:
-            faults.add_unknown(key, f"unknown key; {hint_for(name, known, prefix, faults.vocabulary)}")
+            errors.add_unknown(key, f"unknown key; {hint_for(name, known, prefix, errors.vocabulary)}")
 
 
 def keys_of(sections: Mapping[str, type]) -> list[str]:

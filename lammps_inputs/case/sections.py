@@ -10,7 +10,16 @@ from typing import Any, Literal
 
 from granwave import _contact_laws
 from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.case.schema import LARGEST_COUNT, Unfit, choice, custom, finite, number, parse_point, whole
+from granwave.lammps_inputs.case.schema import (
+    LARGEST_COUNT,
+    ValidationError,
+    choice,
+    custom,
+    finite,
+    number,
+    parse_point,
+    whole,
+)
 from granwave.lammps_inputs.case.si_values import (
     ACCELERATION,
     DIAMETER,
@@ -40,9 +49,9 @@ def _parse_size(value: Any) -> tuple[int, ...]:
     counts = value if isinstance(value, list | tuple) else [value]
     size = tuple(whole(count, expected) for count in counts)
     if not 1 <= len(size) <= 3:
-        raise Unfit(expected)
+        raise ValidationError(expected)
     if math.prod(size) > LARGEST_ID:
-        raise Unfit(f"at most {LARGEST_ID} spheres in all")
+        raise ValidationError(f"at most {LARGEST_ID} spheres in all")
     return size
 
 
@@ -52,7 +61,7 @@ def _parse_frames(value: Any) -> int | tuple[float, ...]:
         return whole(value, expected, at_most=_NO_LIMIT)
     times = tuple(finite(time, expected) for time in value)
     if not times or times[0] < 0 or any(later <= earlier for earlier, later in pairwise(times)):
-        raise Unfit(expected)
+        raise ValidationError(expected)
     return times
 
 
@@ -60,7 +69,7 @@ def _parse_seed(value: Any) -> int:
     expected = f"a whole number from 0 to {LARGEST_ID}"
     seed = whole(value, expected, at_least=0)
     if seed > LARGEST_ID:
-        raise Unfit(expected)
+        raise ValidationError(expected)
     return seed
 
 
@@ -70,7 +79,7 @@ def _parse_vacancies(value: Any) -> float | tuple[int, ...]:
         return tuple(sorted({whole(one, expected) for one in value}))
     share = finite(value, expected)
     if not 0 <= share < 1:
-        raise Unfit(expected)
+        raise ValidationError(expected)
     return share
 
 
@@ -85,24 +94,24 @@ def _parse_dents(value: Any) -> float | str | tuple[Dents, ...]:
     if isinstance(value, Mapping | list | tuple):
         tables = [value] if isinstance(value, Mapping) else value
         if not tables:
-            raise Unfit(_DENT_FORM)
+            raise ValidationError(_DENT_FORM)
         return tuple(_parse_dent(table) for table in tables)
     size = finite(value, _DENT_FORM)
     if size < 0:
-        raise Unfit(f"{_DENT_FORM}, not negative")
+        raise ValidationError(f"{_DENT_FORM}, not negative")
     return size
 
 
 def _parse_dent(table: Any) -> Dents:
     known = {"overlap", "force", "low", "high"}
     if not isinstance(table, Mapping) or not set(table) <= known or ("overlap" in table) == ("force" in table):
-        raise Unfit(_DENT_FORM)
+        raise ValidationError(_DENT_FORM)
     size = finite(table.get("overlap", table.get("force")), _DENT_FORM)
     if size < 0:
-        raise Unfit(f"{_DENT_FORM}, not negative")
+        raise ValidationError(f"{_DENT_FORM}, not negative")
     low, high = (parse_point(table[name], _DENT_FORM) if name in table else None for name in ("low", "high"))
     if low is not None and high is not None and any(a > b for a, b in zip(low, high, strict=True)):
-        raise Unfit("low of a box of dents below its high, along each axis")
+        raise ValidationError("low of a box of dents below its high, along each axis")
     return Dents(overlap=size, low=low, high=high) if "overlap" in table else Dents(force=size, low=low, high=high)
 
 
@@ -113,7 +122,7 @@ def _parse_history(value: Any) -> int | str:
 
 def _parse_probes(value: Any) -> tuple[Probe, ...]:
     if not isinstance(value, list | tuple):
-        raise Unfit(_PROBE_FORM)
+        raise ValidationError(_PROBE_FORM)
     return tuple(_parse_probe(probe) for probe in value)
 
 
@@ -122,7 +131,7 @@ _PROBE_FORM = "a list such as [{sphere = 12}, {contact = [12, 34]}]"
 
 def _parse_probe(value: Any) -> Probe:
     if not isinstance(value, Mapping) or len(value) != 1:
-        raise Unfit(_PROBE_FORM)
+        raise ValidationError(_PROBE_FORM)
     ((what, which),) = value.items()
     expected = f"{_PROBE_FORM} with ids from 1 up"
     if what == "sphere":
@@ -130,7 +139,7 @@ def _parse_probe(value: Any) -> Probe:
     if what == "contact" and isinstance(which, list | tuple) and len(which) == 2:
         first, second = (whole(sphere, expected) for sphere in which)
         return Probe(contact=(first, second))
-    raise Unfit(_PROBE_FORM)
+    raise ValidationError(_PROBE_FORM)
 
 
 @dataclasses.dataclass(frozen=True)

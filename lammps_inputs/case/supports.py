@@ -15,7 +15,7 @@ from typing import Any, Literal
 
 from granwave.lammps_inputs.case.material import Material, read_material
 from granwave.lammps_inputs.case.schema import (
-    Faults,
+    ErrorList,
     choice,
     count,
     number,
@@ -27,7 +27,7 @@ from granwave.lammps_inputs.case.si_values import AREA, LENGTH, MASS
 
 _SPRING = 4.0  # K (1 - nu) / (G r) of a rigid disc on a half-space, exact in statics
 _DAMPER = 3.4  # C (1 - nu) / (r^2 sqrt(rho G)) (Lysmer and Richart, 1966)
-_OF_ELEMENT = 0.5  # of the time that a wave takes for an element of a bar
+BAR_COURANT_NUMBER = 0.5  # of the time that a wave takes for an element of a bar
 _OF_OSCILLATION = 0.05  # of sqrt(mass/stiffness)
 _OF_DECAY = 0.05  # of damping/stiffness of a surface without mass
 
@@ -184,7 +184,7 @@ class Support:
         element = self.bar.length / self.bar.elements
         front = self.bar.mass(material) / self.bar.elements / 2
         return min(
-            _OF_ELEMENT * element * math.sqrt(material.density / material.youngs_modulus),
+            BAR_COURANT_NUMBER * element * math.sqrt(material.density / material.youngs_modulus),
             _OF_OSCILLATION * math.sqrt(front / (self.bar.stiffness(material) + contacts)),
         )
 
@@ -192,21 +192,21 @@ class Support:
 _KINDS: dict[str, type] = {"plate": Plate, "half_space": HalfSpace, "bar": SupportBar}
 
 
-def read_bottom(table: Mapping[str, Any], key: str, faults: Faults) -> tuple[Material | None, Support | None]:
-    """Read ``bottom = {...}``: its material, and what it rests on; what is wrong is added to ``faults``."""
-    refuse_unknown(table, ("material", *_KINDS), key, faults)
+def read_bottom(table: Mapping[str, Any], key: str, errors: ErrorList) -> tuple[Material | None, Support | None]:
+    """Read ``bottom = {...}``: its material, and what it rests on; what is wrong is added to ``errors``."""
+    refuse_unknown(table, ("material", *_KINDS), key, errors)
     chosen = [name for name in _KINDS if name in table]
     if not table:
-        faults.add(key, f'found {show(table)}, expected a word, {{material = "..."}}, or one of {", ".join(_KINDS)}')
+        errors.add(key, f'found {show(table)}, expected a word, {{material = "..."}}, or one of {", ".join(_KINDS)}')
     if len(chosen) > 1:
-        faults.add(key, f"found {' and '.join(chosen)}, expected one of them")
+        errors.add(key, f"found {' and '.join(chosen)}, expected one of them")
         return None, None
-    material = read_material(table["material"], faults, f"{key}.material") if "material" in table else None
+    material = read_material(table["material"], errors, f"{key}.material") if "material" in table else None
     if not chosen:
         return material, None
     if "material" not in table and chosen[0] != "plate":
-        faults.add(f"{key}.material", f"missing; a {chosen[0]} needs it")
-    section = read_table(_KINDS[chosen[0]], table[chosen[0]], f"{key}.{chosen[0]}", faults)
+        errors.add(f"{key}.material", f"missing; a {chosen[0]} needs it")
+    section = read_table(_KINDS[chosen[0]], table[chosen[0]], f"{key}.{chosen[0]}", errors)
     return material, None if section is None else Support(**{chosen[0]: section})
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from granwave.lammps_inputs.case.bodies import Bar, Sensor, Striker
 from granwave.lammps_inputs.case.load import Load
-from granwave.lammps_inputs.case.schema import Faults, show
+from granwave.lammps_inputs.case.schema import ErrorList, show
 from granwave.lammps_inputs.case.sections import Boundary, Output, PackingSection, Run
 from granwave.lammps_inputs.case.yield_factor import FITTED_POISSON_RATIO, hertz_von_mises_yield_factor
 from granwave.lammps_inputs.checks.contacts import check_contacts, check_dents
@@ -30,50 +30,50 @@ _MEMORY_OF_SITE = 40.0  # bytes, where sites differ, or in the struck layer: 34 
 _LEAST_PERIODIC = 3  # fewer spheres would touch their own images, or one neighbour twice
 
 
-def check_together(parts: Mapping[str, Any], faults: Faults) -> None:
+def check_together(parts: Mapping[str, Any], errors: ErrorList) -> None:
     """Check what concerns several keys; a part that is missing or itself wrong is None and passed over."""
     packing: PackingSection | None = parts.get("packing")
     boundary: Boundary | None = parts.get("boundary")
     run: Run | None = parts.get("run")
     output: Output | None = parts.get("output")
-    check_contacts(parts, faults)
+    check_contacts(parts, errors)
     if run is not None:
-        _check_times(run, output, faults)
-    if packing is None or not _size_fits(packing, faults) or not _fits_into_memory(packing, parts, faults):
+        _check_times(run, output, errors)
+    if packing is None or not _size_fits(packing, errors) or not _fits_into_memory(packing, parts, errors):
         return
     n_spheres = Lattice(packing.kind, packing.size, packing.diameter).n_spheres
     strikers, sensors = parts.get("striker", ()), parts.get("sensor", ())
-    _check_strikers(strikers, n_spheres, faults)
+    _check_strikers(strikers, n_spheres, errors)
     n_spheres += len(strikers)
-    _check_sensors(sensors, n_spheres, faults)
+    _check_sensors(sensors, n_spheres, errors)
     if output is not None:
-        _check_probes(output, n_spheres, faults)
+        _check_probes(output, n_spheres, errors)
         if output.history not in (0, "auto") and packing.kind != "chain":
-            faults.add("output.history", f"found {output.history} for {packing.kind}, expected 0: only chains have one")
-    if boundary is not None and _boundary_fits(packing, boundary, faults):
-        _check_load(parts.get("load"), packing, boundary, faults)
-        _check_bars(parts, packing, boundary, faults)
-        check_precompression(parts, packing, boundary, faults)
-    check_disorder(parts, faults)
+            errors.add("output.history", f"found {output.history} for {packing.kind}, expected 0: only chains have one")
+    if boundary is not None and _boundary_fits(packing, boundary, errors):
+        _check_load(parts.get("load"), packing, boundary, errors)
+        _check_bars(parts, packing, boundary, errors)
+        check_precompression(parts, packing, boundary, errors)
+    check_disorder(parts, errors)
 
 
-def check_case(case: Case, faults: Faults) -> Assembly | None:
+def check_case(case: Case, errors: ErrorList) -> Assembly | None:
     """Check what takes the whole case: room for larger spheres, the places of strikers."""
-    check_room(case, faults)
+    check_room(case, errors)
     try:
         assembly = assemble(case)
     except ValueError as error:
-        faults.add("striker", str(error))
+        errors.add("striker", str(error))
         return None
-    check_support(assembly, faults)
-    check_first_yield(assembly, faults)
-    check_dents(assembly, faults)
+    check_support(assembly, errors)
+    check_first_yield(assembly, errors)
+    check_dents(assembly, errors)
     if case.packing.kind == "chain" and (case.boundary.bottom == "wall" or case.bar is not None):
-        _check_below(assembly, faults)
+        _check_below(assembly, errors)
     return assembly
 
 
-def _check_below(assembly: Assembly, faults: Faults) -> None:
+def _check_below(assembly: Assembly, errors: ErrorList) -> None:
     """Below a chain there is no room for a striker if a wall or a bar is there; those of other packings let it pass."""
     case = assembly.case
     bottom = assembly.bottom()
@@ -81,7 +81,7 @@ def _check_below(assembly: Assembly, faults: Faults) -> None:
     for n, (_, centre) in enumerate(assembly.strikers, start=1):
         beyond = centre[2] + assembly.diameter_of(assembly.lattice.n_spheres + n) / 2 - bottom
         if beyond > _OVERLAP * case.packing.diameter:
-            faults.add(f"striker.{n}", f"the {what} cuts through it, {beyond:.3g} m deep; take one of them away")
+            errors.add(f"striker.{n}", f"the {what} cuts through it, {beyond:.3g} m deep; take one of them away")
 
 
 def warn_about(assembly: Assembly, *, chose_yield_factor: bool) -> None:
@@ -116,77 +116,77 @@ def warn_about(assembly: Assembly, *, chose_yield_factor: bool) -> None:
         _LOG.warning('%s: a Hertz packing dissipates nothing, so run.end_time = "auto" ends after 50 us', case.name)
 
 
-def _check_strikers(strikers: tuple[Striker, ...], n_spheres: int, faults: Faults) -> None:
+def _check_strikers(strikers: tuple[Striker, ...], n_spheres: int, errors: ErrorList) -> None:
     for n, striker in enumerate(strikers, start=1):
         known = n_spheres + n - 1
         beyond = [sphere for sphere in striker.touches if sphere > known]
         if beyond:
-            faults.add(
+            errors.add(
                 f"striker.{n}.touches",
                 f"found {beyond[0]}, expected ids from 1 to {known}: spheres of the packing, and earlier strikers",
             )
 
 
-def _check_sensors(sensors: tuple[Sensor, ...], n_spheres: int, faults: Faults) -> None:
+def _check_sensors(sensors: tuple[Sensor, ...], n_spheres: int, errors: ErrorList) -> None:
     for n, sensor in enumerate(sensors, start=1):
         if sensor.id > n_spheres:
-            faults.add(f"sensor.{n}.id", f"found {sensor.id}, expected an id from 1 to {n_spheres}")
+            errors.add(f"sensor.{n}.id", f"found {sensor.id}, expected an id from 1 to {n_spheres}")
         if sensor.name in [other.name for other in sensors[: n - 1]]:
-            faults.add(f"sensor.{n}.name", f"found {show(sensor.name)} twice, expected a name of its own")
+            errors.add(f"sensor.{n}.name", f"found {show(sensor.name)} twice, expected a name of its own")
 
 
-def _check_bars(parts: Mapping[str, Any], packing: PackingSection, boundary: Boundary, faults: Faults) -> None:
+def _check_bars(parts: Mapping[str, Any], packing: PackingSection, boundary: Boundary, errors: ErrorList) -> None:
     bars: dict[str, Bar | None] = {name: parts.get(name) for name in (BAR, INCIDENT_BAR)}
     for name, bar in bars.items():
         if bar is not None and packing.kind != "chain":
-            faults.add(name, f"found with packing.kind = {show(packing.kind)}, expected a chain")
+            errors.add(name, f"found with packing.kind = {show(packing.kind)}, expected a chain")
         elif bar is not None and bar.length > _LONGEST_ELEMENT * packing.diameter * bar.elements:
             least = math.ceil(bar.length / (_LONGEST_ELEMENT * packing.diameter))
-            faults.add(
+            errors.add(
                 f"{name}.elements",
                 f"found {bar.elements} in {bar.length:g} m, expected {least} or more: "
                 f"elements of at most {_LONGEST_ELEMENT} bead diameters, or they cannot carry a chain's pulses",
             )
     if bars[BAR] is not None and boundary.bottom != "free":
-        faults.add(
+        errors.add(
             "boundary.bottom", f'found {show(boundary.bottom)} beside [bar], expected "free": the bar is what is below'
         )
     load: Load | None = parts.get("load")
     if bars[INCIDENT_BAR] is not None and load is not None and load.kind != "force":
-        faults.add(
+        errors.add(
             "load.kind", f"found {show(load.kind)}, expected a force: it acts on the free end of the incident_bar"
         )
     if bars[INCIDENT_BAR] is not None and parts.get("striker"):
-        faults.add("striker", "found beside [incident_bar]; take one of them out")
+        errors.add("striker", "found beside [incident_bar]; take one of them out")
 
 
-def _check_times(run: Run, output: Output | None, faults: Faults) -> None:
+def _check_times(run: Run, output: Output | None, errors: ErrorList) -> None:
     ends = f"run.end_time, {run.longest:g} s"
     if not isinstance(run.timestep, str) and run.timestep > run.longest:
-        faults.add("run.timestep", f"found {run.timestep:g} s, expected at most {ends}")
+        errors.add("run.timestep", f"found {run.timestep:g} s, expected at most {ends}")
     if isinstance(run.frames, tuple) and run.frames[-1] > run.longest:
-        faults.add("run.frames", f"found a time of {run.frames[-1]:g} s, expected none beyond {ends}")
+        errors.add("run.frames", f"found a time of {run.frames[-1]:g} s, expected none beyond {ends}")
     if output is not None and not isinstance(output.probe_interval, str) and output.probe_interval > run.longest:
-        faults.add("output.probe_interval", f"found {output.probe_interval:g} s, expected at most {ends}")
+        errors.add("output.probe_interval", f"found {output.probe_interval:g} s, expected at most {ends}")
 
 
-def _size_fits(packing: PackingSection, faults: Faults) -> bool:
+def _size_fits(packing: PackingSection, errors: ErrorList) -> bool:
     axes = KINDS[packing.kind].axes
     if len(packing.size) == len(axes):
         return True
     form = "a number n" if len(axes) == 1 else "[" + ", ".join(f"n{axis}" for axis in axes) + "]"
-    faults.add("packing.size", f"found {show(packing.size)}, expected {form} for {packing.kind}")
+    errors.add("packing.size", f"found {show(packing.size)}, expected {form} for {packing.kind}")
     return False
 
 
-def _fits_into_memory(packing: PackingSection, parts: Mapping[str, Any], faults: Faults) -> bool:
+def _fits_into_memory(packing: PackingSection, parts: Mapping[str, Any], errors: ErrorList) -> bool:
     """Check that this machine can hold what is made for each site to read the case; a run needs more."""
     nx, ny, nz = Lattice(packing.kind, packing.size, packing.diameter).shape
     unlike = packing.diameter_scatter or packing.vacancies or parts.get("replace")
     needed, available = nx * ny * (nz if unlike else 1) * _MEMORY_OF_SITE, available_memory()
     if needed <= available:
         return True
-    faults.add(
+    errors.add(
         "packing.size",
         f"found {show(packing.size)}: {nx * ny * nz} spheres need more than {needed / 2**30:.1f} GiB of memory, "
         f"there is {available / 2**30:.1f} GiB; make the packing smaller or change machine",
@@ -194,46 +194,46 @@ def _fits_into_memory(packing: PackingSection, parts: Mapping[str, Any], faults:
     return False
 
 
-def _check_probes(output: Output, n_spheres: int, faults: Faults) -> None:
+def _check_probes(output: Output, n_spheres: int, errors: ErrorList) -> None:
     for probe in output.probes:
         for sphere in probe.spheres:
             if sphere > n_spheres:
-                faults.add("output.probes", f"found sphere {sphere}, expected an id from 1 to {n_spheres}")
+                errors.add("output.probes", f"found sphere {sphere}, expected an id from 1 to {n_spheres}")
         if probe.contact is not None and probe.contact[0] == probe.contact[1]:
-            faults.add("output.probes", f"found contact {show(probe.contact)}, expected two different spheres")
+            errors.add("output.probes", f"found contact {show(probe.contact)}, expected two different spheres")
 
 
-def _boundary_fits(packing: PackingSection, boundary: Boundary, faults: Faults) -> bool:
-    before = len(faults.lines)
+def _boundary_fits(packing: PackingSection, boundary: Boundary, errors: ErrorList) -> bool:
+    before = len(errors.lines)
     rule = KINDS[packing.kind]
     nx, ny, nz = Lattice(packing.kind, packing.size, packing.diameter).shape
     if boundary.bottom == "fixed" and nz == 1:
-        faults.add(
+        errors.add(
             "boundary.bottom",
             'found "fixed" with a single layer, which is struck; expected two layers or more',
         )
     if boundary.sides == "periodic":
         if packing.kind == "chain":
-            faults.add("boundary.sides", 'found "periodic" for a chain, expected "free" or "wall"')
+            errors.add("boundary.sides", 'found "periodic" for a chain, expected "free" or "wall"')
         elif min(nx, ny) < _LEAST_PERIODIC:
-            faults.add(
+            errors.add(
                 "packing.size",
                 f"found {nx} x {ny} spheres in a layer, expected at least {_LEAST_PERIODIC} each way "
                 'for boundary.sides = "periodic"',
             )
         elif ny % rule.row_period:
-            faults.add("packing.size", f"found {ny} rows, expected an even number for periodic {packing.kind} layers")
-    return len(faults.lines) == before
+            errors.add("packing.size", f"found {ny} rows, expected an even number for periodic {packing.kind} layers")
+    return len(errors.lines) == before
 
 
-def _check_load(load: Load | None, packing: PackingSection, boundary: Boundary, faults: Faults) -> None:
+def _check_load(load: Load | None, packing: PackingSection, boundary: Boundary, errors: ErrorList) -> None:
     if load is None or load.kind == "striker":
         return
     lattice = Lattice(packing.kind, packing.size, packing.diameter, boundary.sides == "periodic")
     try:
         struck_spheres(lattice, load.spheres)
     except ValueError as error:
-        faults.add("load.spheres", f"found {load.spheres}, but {error}; use 1, or another packing")
+        errors.add("load.spheres", f"found {load.spheres}, but {error}; use 1, or another packing")
 
 
 def _touch(assembly: Assembly, first: int, second: int) -> bool:

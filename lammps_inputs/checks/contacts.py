@@ -7,52 +7,52 @@ from typing import Any
 
 from granwave.lammps_inputs.case.contact_pairs import RIGID, Pair
 from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.case.schema import Faults, show
+from granwave.lammps_inputs.case.schema import ErrorList, show
 from granwave.lammps_inputs.case.sections import Boundary, Contact
-from granwave.lammps_inputs.contact.initial_dents import KEY, fault_of_dents
-from granwave.lammps_inputs.contact.law import fault_of_constants
+from granwave.lammps_inputs.contact.initial_dents import KEY, error_in_dents
+from granwave.lammps_inputs.contact.law import error_in_constants
 from granwave.lammps_inputs.packing.assembly import Assembly
 
 
-def check_contacts(parts: Mapping[str, Any], faults: Faults) -> None:
+def check_contacts(parts: Mapping[str, Any], errors: ErrorList) -> None:
     """Check the laws of contacts; a part that is missing or itself wrong is None and passed over."""
     contact: Contact | None = parts.get("contact")
     if contact is not None:
-        _check_constants(contact, "contact", faults)
+        _check_constants(contact, "contact", errors)
     pairs: tuple[Pair, ...] = parts.get("pair", ())
     for n, pair in enumerate(pairs, start=1):
-        _check_constants(pair.contact, f"pair.{n}", faults)
+        _check_constants(pair.contact, f"pair.{n}", errors)
     if parts.get("material") is not None:
-        _check_names(parts, pairs, faults)
+        _check_names(parts, pairs, errors)
     if contact is not None:
-        _check_yields(parts, contact, pairs, faults)
+        _check_yields(parts, contact, pairs, errors)
 
 
-def check_dents(assembly: Assembly, faults: Faults) -> None:
+def check_dents(assembly: Assembly, errors: ErrorList) -> None:
     """Check dents that are given by value."""
-    if fault := fault_of_dents(assembly):
-        faults.add(KEY, fault)
+    if fault := error_in_dents(assembly):
+        errors.add(KEY, fault)
 
 
-def _check_constants(contact: Contact, key: str, faults: Faults) -> None:
+def _check_constants(contact: Contact, key: str, errors: ErrorList) -> None:
     if not contact.constants:
         return
     if not contact.takes("constants") or contact.variant != "continuous":
         for name in contact.constants:
-            faults.add(
+            errors.add(
                 f"{key}.{name}",
                 f"belongs to law elastoplastic, variant continuous; found {contact.law}, {contact.variant}",
             )
         return
-    if fault := fault_of_constants(contact):
+    if fault := error_in_constants(contact):
         names = list(contact.constants)
         if len(names) == 1:
-            faults.add(f"{key}.{names[0]}", f"no passive law: {fault}")
+            errors.add(f"{key}.{names[0]}", f"no passive law: {fault}")
         else:
-            faults.add(key, f"{', '.join(names)}: no passive law: {fault}")
+            errors.add(key, f"{', '.join(names)}: no passive law: {fault}")
 
 
-def _check_names(parts: Mapping[str, Any], pairs: tuple[Pair, ...], faults: Faults) -> None:
+def _check_names(parts: Mapping[str, Any], pairs: tuple[Pair, ...], errors: ErrorList) -> None:
     """Every [[pair]] names materials that the case has."""
     boundary: Boundary | None = parts.get("boundary")
     bodies = [*parts.get("replace", ()), *parts.get("striker", ()), parts.get("bar"), parts.get("incident_bar")]
@@ -64,13 +64,13 @@ def _check_names(parts: Mapping[str, Any], pairs: tuple[Pair, ...], faults: Faul
     for n, pair in enumerate(pairs, start=1):
         for name in dict.fromkeys(pair.materials):
             if name not in known:
-                faults.add(
+                errors.add(
                     f"pair.{n}.materials",
                     f"found {show(name)}, expected materials of the case: {', '.join(map(show, known))} (a rigid wall)",
                 )
 
 
-def _check_yields(parts: Mapping[str, Any], contact: Contact, pairs: tuple[Pair, ...], faults: Faults) -> None:
+def _check_yields(parts: Mapping[str, Any], contact: Contact, pairs: tuple[Pair, ...], errors: ErrorList) -> None:
     """Every sphere needs a yield strength if its law yields; walls and bars without one are elastic."""
     materials: dict[str, Material | None] = {"material": parts.get("material")}
     for name in ("replace", "striker"):
@@ -80,7 +80,7 @@ def _check_yields(parts: Mapping[str, Any], contact: Contact, pairs: tuple[Pair,
             continue
         own = next((pair.contact for pair in pairs if pair.fits(material.name, material.name)), contact)
         if own.yields:
-            faults.add(
+            errors.add(
                 f"{key}.yield_strength",
                 f'missing; the {own.law} law needs it: give a number in Pa, or set contact.law = "hertz"',
             )

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from granwave.lammps_inputs.case.bodies import Replace
-from granwave.lammps_inputs.case.schema import Faults
+from granwave.lammps_inputs.case.schema import ErrorList
 from granwave.lammps_inputs.case.sections import Boundary, PackingSection
 from granwave.lammps_inputs.lattices import Lattice
 from granwave.lammps_inputs.packing.assembly import lattice_of
@@ -21,22 +21,22 @@ _OVERLAP = 1e-9  # diameters: how far a larger sphere may reach into another one
 _WAYS = "index, a box from low to high, or share"
 
 
-def check_disorder(parts: Mapping[str, Any], faults: Faults) -> None:
+def check_disorder(parts: Mapping[str, Any], errors: ErrorList) -> None:
     """Check what can be checked before there is a case; a part that is missing or itself wrong is None."""
     packing: PackingSection = parts["packing"]
     boundary: Boundary | None = parts.get("boundary")
     periodic = boundary is not None and boundary.sides == "periodic"
     lattice = Lattice(packing.kind, packing.size, packing.diameter, periodic)
-    _check_scatter(packing, faults)
+    _check_scatter(packing, errors)
     for place, entry in enumerate(parts.get("replace", ()), start=1):
-        _check_replaced(entry, f"replace.{place}", packing, lattice, faults)
+        _check_replaced(entry, f"replace.{place}", packing, lattice, errors)
     if packing.vacancies:
-        _check_vacancies(parts, packing, lattice, faults)
-    elif parts.get("replace") and not faults.lines:
-        _check_something_is_chosen(parts, packing, lattice, np.ones(lattice.n_spheres, dtype=bool), faults)
+        _check_vacancies(parts, packing, lattice, errors)
+    elif parts.get("replace") and not errors.lines:
+        _check_something_is_chosen(parts, packing, lattice, np.ones(lattice.n_spheres, dtype=bool), errors)
 
 
-def check_room(case: Case, faults: Faults) -> None:
+def check_room(case: Case, errors: ErrorList) -> None:
     """Check that spheres larger than the lattice allows for have room."""
     if case.packing.kind == "chain" or not any((entry.diameter or 0) > case.packing.diameter for entry in case.replace):
         return
@@ -50,29 +50,29 @@ def check_room(case: Case, faults: Faults) -> None:
         one, other = pairs[gaps.argmin()].tolist()
         large = one if sites.larger[one - 1] else other
         more = np.count_nonzero(gaps < slack) - 1
-        faults.add(
+        errors.add(
             _entry_of(case, sites, large),
             f"sphere {large} of {sites.diameter[large - 1]:g} m overlaps "
             f"{'its own image' if one == other else f'sphere {one + other - large}'} by {-gaps.min():.3g} m"
             f"{f' (and {more} more)' if more else ''}; make it smaller, or leave out the spheres around it "
             "(packing.vacancies)",
         )
-    _check_walls(case, sites, faults)
+    _check_walls(case, sites, errors)
 
 
-def _check_scatter(packing: PackingSection, faults: Faults) -> None:
+def _check_scatter(packing: PackingSection, errors: ErrorList) -> None:
     if packing.diameter_scatter >= packing.diameter / 2:
-        faults.add(
+        errors.add(
             "packing.diameter_scatter",
             f"found {packing.diameter_scatter:g}, expected less than the radius, {packing.diameter / 2:g} m",
         )
 
 
-def _check_replaced(entry: Replace, key: str, packing: PackingSection, lattice: Lattice, faults: Faults) -> None:
+def _check_replaced(entry: Replace, key: str, packing: PackingSection, lattice: Lattice, errors: ErrorList) -> None:
     if entry.diameter is None and entry.material is None:
-        faults.add(key, "changes nothing; give a material, or a diameter")
+        errors.add(key, "changes nothing; give a material, or a diameter")
     if entry.diameter is not None and packing.diameter_scatter >= entry.diameter / 2:
-        faults.add(
+        errors.add(
             f"{key}.diameter",
             f"found {entry.diameter:g}, expected more than twice packing.diameter_scatter, "
             f"{packing.diameter_scatter:g} m",
@@ -80,57 +80,57 @@ def _check_replaced(entry: Replace, key: str, packing: PackingSection, lattice: 
     ways = {"index": entry.index, "a box": entry.low or entry.high, "share": entry.share}
     found = [name for name, value in ways.items() if value is not None]
     if len(found) != 1:
-        faults.add(key, f"found {' and '.join(found) or 'no spheres'}, expected one of {_WAYS}")
+        errors.add(key, f"found {' and '.join(found) or 'no spheres'}, expected one of {_WAYS}")
         return
     beyond = [sphere for sphere in entry.index or () if sphere > lattice.n_spheres]
     if beyond:
-        faults.add(
+        errors.add(
             f"{key}.index", f"found {beyond[0]}, expected an id from 1 to {lattice.n_spheres}, the end of the packing"
         )
     if (entry.low is None) != (entry.high is None):
-        faults.add(f"{key}.{'low' if entry.low is None else 'high'}", "missing; a box has both corners")
+        errors.add(f"{key}.{'low' if entry.low is None else 'high'}", "missing; a box has both corners")
     elif entry.low and entry.high and any(low > high for low, high in zip(entry.low, entry.high, strict=True)):
-        faults.add(f"{key}.high", f"found {list(entry.high)}, expected none of it below low, {list(entry.low)}")
+        errors.add(f"{key}.high", f"found {list(entry.high)}, expected none of it below low, {list(entry.low)}")
 
 
-def _check_vacancies(parts: Mapping[str, Any], packing: PackingSection, lattice: Lattice, faults: Faults) -> None:
+def _check_vacancies(parts: Mapping[str, Any], packing: PackingSection, lattice: Lattice, errors: ErrorList) -> None:
     key, n = "packing.vacancies", lattice.n_spheres
     if packing.kind == "chain":
-        faults.add(key, "found in a chain, which has none: it would be two chains")
+        errors.add(key, "found in a chain, which has none: it would be two chains")
         return
     wrong = [sphere for sphere in packing.vacancies if sphere > n] if isinstance(packing.vacancies, tuple) else []
     if wrong:
-        faults.add(key, f"found {wrong[0]}, expected ids from 1 to {n}, the end of the packing")
-    if faults.lines:
+        errors.add(key, f"found {wrong[0]}, expected ids from 1 to {n}, the end of the packing")
+    if errors.lines:
         return  # what the case names cannot be told
     named = named_spheres(lattice, *(parts[name] for name in ("load", "replace", "striker", "sensor", "output")))
     if isinstance(packing.vacancies, tuple):
         clash = [sphere for sphere in packing.vacancies if sphere in named]
         if clash:
-            faults.add(key, f"found {clash[0]}, which {named[clash[0]]} needs; expected a sphere that nothing names")
+            errors.add(key, f"found {clash[0]}, which {named[clash[0]]} needs; expected a sphere that nothing names")
         elif len(packing.vacancies) == n:
-            faults.add(key, f"found all {n} spheres, expected fewer: it leaves no sphere")
-    if faults.lines:
+            errors.add(key, f"found all {n} spheres, expected fewer: it leaves no sphere")
+    if errors.lines:
         return
     try:
         vacant = vacant_sites(packing, n, set(named))
     except ValueError as error:
-        faults.add(key, f"found {packing.vacancies:g} of {n} spheres, which {error}; make the share smaller")
+        errors.add(key, f"found {packing.vacancies:g} of {n} spheres, which {error}; make the share smaller")
         return
     present = np.ones(n, dtype=bool)
     present[vacant] = False
-    _check_something_is_chosen(parts, packing, lattice, present, faults)
+    _check_something_is_chosen(parts, packing, lattice, present, errors)
 
 
 def _check_something_is_chosen(
-    parts: Mapping[str, Any], packing: PackingSection, lattice: Lattice, present: np.ndarray, faults: Faults
+    parts: Mapping[str, Any], packing: PackingSection, lattice: Lattice, present: np.ndarray, errors: ErrorList
 ) -> None:
     """Check that every ``[[replace]]`` entry replaces a sphere."""
     for place, entry in enumerate(parts.get("replace", ()), start=1):
         chosen = chosen_sites(packing, lattice, entry, place, present)
         if not present[chosen].any():
             low, high = lattice.bounds()
-            faults.add(
+            errors.add(
                 f"replace.{place}",
                 f"found a share of {entry.share:g} of {np.count_nonzero(present)} spheres, which is none"
                 if entry.share is not None
@@ -139,7 +139,7 @@ def _check_something_is_chosen(
             )
 
 
-def _check_walls(case: Case, sites: Sites, faults: Faults) -> None:
+def _check_walls(case: Case, sites: Sites, errors: ErrorList) -> None:
     """The planes are where they touch nominal spheres of the lattice."""
     lattice, boundary = sites.lattice, case.boundary
     low, high = lattice.bounds() + np.array([[-1.0], [1.0]]) * lattice.diameter / 2
@@ -153,7 +153,7 @@ def _check_walls(case: Case, sites: Sites, faults: Faults) -> None:
         beyond = sign * (centres[:, axis] - plane) + sites.diameter[large] / 2
         if beyond.max(initial=0.0) > _OVERLAP * lattice.diameter:
             sphere = int(large[beyond.argmax()]) + 1
-            faults.add(
+            errors.add(
                 _entry_of(case, sites, sphere),
                 f"sphere {sphere} of {sites.diameter[sphere - 1]:g} m overlaps the wall {name} by "
                 f"{beyond.max():.3g} m; make it smaller, or take the wall away (boundary)",

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from granwave.lammps_inputs.case.schema import Faults, show
+from granwave.lammps_inputs.case.schema import ErrorList, show
 from granwave.lammps_inputs.case.sections import Boundary, PackingSection, Precompression
 from granwave.lammps_inputs.contact.initial_dents import LARGEST
 from granwave.lammps_inputs.contact.law import sphere_contact
@@ -19,39 +19,41 @@ from granwave.lammps_inputs.packing.walls import materials_of_last_layer
 _TABLE = "precompression"
 
 
-def check_precompression(parts: Mapping[str, Any], packing: PackingSection, boundary: Boundary, faults: Faults) -> None:
+def check_precompression(
+    parts: Mapping[str, Any], packing: PackingSection, boundary: Boundary, errors: ErrorList
+) -> None:
     """Check what is asked for, and whether something can bear it."""
     stage: Precompression | None = parts.get(_TABLE)
     if stage is None:
         return
     bars = [name for name in ("bar", "incident_bar") if parts.get(name) is not None]
     if bars:
-        faults.add(_TABLE, f"found beside [{bars[0]}], whose far end nothing holds; take one of them out")
+        errors.add(_TABLE, f"found beside [{bars[0]}], whose far end nothing holds; take one of them out")
         return
-    _check_size(stage, packing, faults)
+    _check_size(stage, packing, errors)
     if stage.kind == "uniform":
         if packing.kind == "chain":
-            faults.add(f"{_TABLE}.kind", 'found "uniform" for a chain, expected "uniaxial" with a force')
+            errors.add(f"{_TABLE}.kind", 'found "uniform" for a chain, expected "uniaxial" with a force')
         elif boundary.sides != "free":
-            faults.add(
+            errors.add(
                 "boundary.sides",
                 f'found {show(boundary.sides)} with precompression.kind = "uniform", expected "free": '
                 "the pressure is on the sides too",
             )
     elif boundary.bottom == "free":
-        faults.add("boundary.bottom", f'found "free" under a {stage.kind} precompression, which something must bear')
+        errors.add("boundary.bottom", f'found "free" under a {stage.kind} precompression, which something must bear')
     if stage.kind == "uniaxial" and packing.kind == "square":
-        faults.add(f"{_TABLE}.kind", 'found "uniaxial" for square, a single layer; expected "uniform" or "gravity"')
+        errors.add(f"{_TABLE}.kind", 'found "uniaxial" for square, a single layer; expected "uniform" or "gravity"')
     support = boundary.bottom_support
     if support is not None and not support.bears:
-        faults.add(
+        errors.add(
             "boundary.bottom.bar.end",
             f'found {show(support.bar.end if support.bar else "")} under a precompression, expected "fixed": '
             "such a bar gives way to a load that lasts",
         )
 
 
-def check_first_yield(assembly: Assembly, faults: Faults) -> None:
+def check_first_yield(assembly: Assembly, errors: ErrorList) -> None:
     """A static load is refused that takes every contact beyond yield, any beyond its law, or makes layers spread."""
     case = assembly.case
     stage, contact = case.precompression, case.contact_between(case.material, case.material)
@@ -74,23 +76,23 @@ def check_first_yield(assembly: Assembly, faults: Faults) -> None:
     elif largest > deepest:
         fault = f"would press contacts with {force:.3g} N, the law holds up to {limit:.3g} N ({LARGEST} R*)"
     if fault:
-        faults.add(f"{_TABLE}.{name}", f"{fault}; give less than {getattr(stage, name) * limit / force:.3g} {unit}")
+        errors.add(f"{_TABLE}.{name}", f"{fault}; give less than {getattr(stage, name) * limit / force:.3g} {unit}")
     elif _spreads(assembly):
-        faults.add(
+        errors.add(
             "boundary.sides",
             f"found {show(case.boundary.sides)} under a {stage.kind} precompression of {case.packing.kind}, which "
             'spreads without friction, also between walls; expected "periodic", or precompression.kind = "uniform"',
         )
 
 
-def check_support(assembly: Assembly, faults: Faults) -> None:
+def check_support(assembly: Assembly, errors: ErrorList) -> None:
     """A plane that moves is one plane: spheres of one material rest on it."""
     case = assembly.case
     if case.boundary.bottom_support is None:
         return
     names = [material.name or "?" for material in materials_of_last_layer(assembly)]
     if len(names) != 1:
-        faults.add(
+        errors.add(
             "boundary.bottom",
             f"found a {case.boundary.bottom_support.kind} under spheres of {' and '.join(names) or 'no material'}, "
             "expected a last layer of one material",
@@ -107,18 +109,18 @@ def _spreads(assembly: Assembly) -> bool:
     return free and layers
 
 
-def _check_size(stage: Precompression, packing: PackingSection, faults: Faults) -> None:
+def _check_size(stage: Precompression, packing: PackingSection, errors: ErrorList) -> None:
     given = [name for name in ("pressure", "force") if getattr(stage, name) is not None]
     if stage.kind == "gravity":
         for name in given:
-            faults.add(f"{_TABLE}.{name}", 'does not belong to precompression.kind = "gravity"; give acceleration')
+            errors.add(f"{_TABLE}.{name}", 'does not belong to precompression.kind = "gravity"; give acceleration')
         return
     if stage.acceleration != Precompression.acceleration:
-        faults.add(f"{_TABLE}.acceleration", f'belongs to precompression.kind = "gravity"; found "{stage.kind}"')
+        errors.add(f"{_TABLE}.acceleration", f'belongs to precompression.kind = "gravity"; found "{stage.kind}"')
     if stage.kind == "uniform" and stage.force is not None:
-        faults.add(f"{_TABLE}.force", 'found with precompression.kind = "uniform", expected a pressure')
+        errors.add(f"{_TABLE}.force", 'found with precompression.kind = "uniform", expected a pressure')
     elif len(given) != 1:
         found = "neither pressure nor force" if not given else "both pressure and force"
-        faults.add(_TABLE, f"found {found}, expected one of them")
+        errors.add(_TABLE, f"found {found}, expected one of them")
     elif packing.kind == "chain" and stage.pressure is not None:
-        faults.add(f"{_TABLE}.pressure", "found for a chain, which has no face; expected a force")
+        errors.add(f"{_TABLE}.pressure", "found for a chain, which has no face; expected a force")

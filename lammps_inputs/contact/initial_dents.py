@@ -172,7 +172,7 @@ def dents_table(assembly: Assembly) -> str:
     return "".join(rows)
 
 
-def fault_of_dents(assembly: Assembly) -> str:
+def error_in_dents(assembly: Assembly) -> str:
     """Why dents given by value cannot be; empty if they can. A result.h5 is not read: it may be gone after the run."""
     case = assembly.case
     given = case.contact.initial_overlap

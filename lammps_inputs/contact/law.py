@@ -74,7 +74,7 @@ def law_between(
     )
 
 
-def fault_of_constants(contact: Contact) -> str:
+def error_in_constants(contact: Contact) -> str:
     """Why the constants given for the elasto-plastic law make no passive law; empty if they do."""
     try:
         ContactLaw(

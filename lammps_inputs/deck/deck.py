@@ -24,11 +24,11 @@ from granwave.lammps_inputs.planning.schedule import Schedule, make_schedule
 from granwave.lammps_inputs.run_directory import (
     CASE_FILE,
     DATA_FILE,
+    DEAD_LOAD_FILE,
     DENTS_FILE,
     DUMPS,
     LOAD_FILE,
     LOG_FILE,
-    PRELOAD_FILE,
     RUN,
     SCRIPT_FILE,
 )
@@ -126,7 +126,7 @@ def _write(assembly: Assembly, directory: Path, texts: dict[str, str]) -> None:
 def deck_files(assembly: Assembly, schedule: Schedule) -> list[str]:
     """Names of the files of a deck, and of those that LAMMPS writes when it runs it."""
     case = assembly.case
-    tables = [PRELOAD_FILE.format(axis) for axis in directions(assembly)] if case.precompression else []
+    tables = [DEAD_LOAD_FILE.format(axis) for axis in directions(assembly)] if case.precompression else []
     tables += [DENTS_FILE] if case.contact.initial_overlap else []
     tables += [LOAD_FILE] if case.load.table else []
     dumps = [f"{DUMPS}/{name}" for name in output_files(assembly, schedule)]

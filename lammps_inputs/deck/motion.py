@@ -19,7 +19,7 @@ def motion(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> 
     """Time integration, and what sets the packing in motion; the variable ``input`` is the energy put in so far."""
     case = assembly.case
     struck = struck_of(assembly)
-    turning = "and rotations" if case.rotates else "(the contacts are frictionless, so nothing rotates)"
+    turning = "and rotations" if case.has_rotation else "(the contacts are frictionless, so nothing has_rotation)"
     lines = [
         f"# Motion: velocity Verlet {turning}, and what drives it.",
         f"timestep        {num(schedule.timestep)}",
@@ -44,10 +44,10 @@ def _integration(assembly: Assembly) -> list[str]:
         still.append("held")
     if case.load.kind == "displacement":
         still.append("hit")
-    bars = [bar.name for bar in assembly.bars] if case.rotates else []
+    bars = [bar.name for bar in assembly.bars] if case.has_rotation else []
     if bars or still:
         lines.append(f"group           mobile subtract all {joined([*still, *bars])}")
-    group, style = "mobile" if bars or still else "all", "nve/sphere" if case.rotates else "nve"
+    group, style = "mobile" if bars or still else "all", "nve/sphere" if case.has_rotation else "nve"
     lines.append(f"fix             motion {group} {style}")
     return [*lines, *(f"fix             motion_{name} {name} nve" for name in bars)]
 

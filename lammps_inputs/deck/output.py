@@ -31,9 +31,9 @@ from granwave.lammps_inputs.run_directory import (
     FORCES_FILE,
     FRAMES_FILE,
     HISTORY_FILE,
-    PRESTAGE_FILE,
     PROBES_FILE,
     STATIC_FILE,
+    STATIC_STAGE_FILE,
     WALL_CONTACTS_FILE,
     WALLS_FILE,
 )
@@ -60,11 +60,11 @@ def ledger(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> 
     at_bars = [[f"c_on_{name}[{n}]" for name in bars] for n in (4, 5)]
     elastic, dissipated = ["c_contact", *stored], ["c_contact[1]", *lost]
     lines = []
-    if case.rotates:
+    if case.has_rotation:
         columns |= {"kinetic": "v_motion"} | sources(ROTATION)
         lines.append("compute         rotational all erotate/sphere")
         lines.append("variable        motion equal c_kinetic+c_rotational")
-    if case.rubs:
+    if case.has_friction:
         stretched, rubbed = ([f"f_{name}[{n}]" for name in planes] for n in (8, 9))
         columns |= sources(TANGENTIAL)
         lines.append(f"variable        elastic_tangential equal {_sum(['c_contact[6]', *stretched])}")
@@ -200,7 +200,7 @@ def history(case: Case, schedule: Schedule, *, resumed: bool = False) -> list[st
 def thermo(case: Case, schedule: Schedule) -> list[str]:
     """What the log shows."""
     every = schedule.block_steps or max(1, schedule.n_steps // schedule.ledger_every // 20) * schedule.ledger_every
-    kinetic = "v_motion" if case.rotates else "c_kinetic"
+    kinetic = "v_motion" if case.has_rotation else "c_kinetic"
     return [
         "# The log.",
         f"thermo_style    custom step v_time {kinetic} v_elastic v_dissipated c_contact[2] v_struck_velocity",
@@ -253,12 +253,12 @@ def output_files(assembly: Assembly, schedule: Schedule) -> list[str]:
     files += [WALLS_FILE] if wall_forces(assembly, schedule) else []
     files += [PROBES_FILE] if case.probes else []
     files += [HISTORY_FILE, FORCES_FILE] if schedule.history_every else []
-    return files + ([PRESTAGE_FILE, STATIC_FILE] if case.precompression else [])
+    return files + ([STATIC_STAGE_FILE, STATIC_FILE] if case.precompression else [])
 
 
 def _recorded(case: Case) -> tuple[str, ...]:
     """What decides which columns of its contacts a case records."""
-    return (*([FRICTION] if case.rubs else []), *([DENTS] if case.has_past else []))
+    return (*([FRICTION] if case.has_friction else []), *([DENTS] if case.has_initial_dents else []))
 
 
 def _series(name: str, every: int, file: str, title: str, columns: dict[str, str], resumed: bool) -> list[str]:

@@ -9,7 +9,7 @@ zero.
 A packing under uniform pressure may turn as a whole, and dead loads, which keep their directions, would make it turn
 further and further: while balance is looked for, the forces that accelerate it as a whole are taken off (`relief`).
 
-A run that is continued from a checkpoint does not repeat the stage. Two files stay: PRESTAGE_FILE, for people and
+A run that is continued from a checkpoint does not repeat the stage. Two files stay: STATIC_STAGE_FILE, for people and
 programs, and STATIC_FILE, lines of script with what the ledger counts from.
 """
 
@@ -30,7 +30,7 @@ from granwave.lammps_inputs.deck.output import POTENTIAL, displacements
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.disorder import has_gaps
 from granwave.lammps_inputs.packing.walls import moving_fix, support_timestep, wall_fixes, walls
-from granwave.lammps_inputs.run_directory import DUMPS, PRELOAD_FILE, PRESTAGE_FILE, STATIC_FILE
+from granwave.lammps_inputs.run_directory import DEAD_LOAD_FILE, DUMPS, STATIC_FILE, STATIC_STAGE_FILE
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
@@ -71,7 +71,7 @@ def dead_load_commands(assembly: Assembly) -> list[str]:
     return [
         "# Dead loads: constant forces on spheres, N. Displacements count from the data file, before any load.",
         *displacements(case),
-        *(f"variable        dead_{axis} atomfile {PRELOAD_FILE.format(axis)}" for axis in axes),
+        *(f"variable        dead_{axis} atomfile {DEAD_LOAD_FILE.format(axis)}" for axis in axes),
         f"variable        dead atom {'||'.join(f'(v_dead_{axis}!=0)' for axis in axes)}",
         "group           dead variable dead",
         f"fix             dead dead addforce {words} energy v_dead_{axes[-1]}",  # LAMMPS asks for an energy; unused
@@ -154,7 +154,7 @@ def second_half(assembly: Assembly) -> list[str]:
         "run             0 post no",
         f"variable        static_stored equal {'+'.join(_stored(assembly))}",
         f"variable        static_load equal {num(force_of_contact(assembly))}",
-        f'print           """{values}""" file {DUMPS}/{PRESTAGE_FILE} screen no',
+        f'print           """{values}""" file {DUMPS}/{STATIC_STAGE_FILE} screen no',
         f"variable        static_all equal v_static_stored+{POTENTIAL}",
         *(["unfix           static_strikers"] if case.striker else []),
         *(["unfix           static_relief"] if _relief(case) else []),
@@ -178,7 +178,7 @@ def load_tables(assembly: Assembly) -> dict[str, str]:
         along = forces[:, "xyz".index(axis)].tolist()
         pairs = [(sphere, force) for sphere, force in zip(ids.tolist(), along, strict=True) if force]
         rows = "".join(f"{sphere} {force:.17g}\n" for sphere, force in pairs)
-        tables[PRELOAD_FILE.format(axis)] = f"# dead loads: id, force (N); how many\n{len(pairs)}\n{rows}"
+        tables[DEAD_LOAD_FILE.format(axis)] = f"# dead loads: id, force (N); how many\n{len(pairs)}\n{rows}"
     return tables
 
 

@@ -188,19 +188,19 @@ def _check_counts(case: Case, n_steps: int, *, even: bool) -> None:
         The snapshots are evenly spaced.
     """
     frames, history = case.run.frames, case.output.history
-    count, faults = frames if isinstance(frames, int) else len(frames), []
+    count, errors = frames if isinstance(frames, int) else len(frames), []
     each_step = f"expected at most {n_steps + 1}: one at the start, one a step"
     if isinstance(frames, int) and frames > max(n_steps + 1, DEFAULT_FRAMES):
-        faults.append(f"run.frames: found {frames}, {each_step}")
+        errors.append(f"run.frames: found {frames}, {each_step}")
     elif count > _MOST_UNEVEN_FRAMES and not even:
-        faults.append(
+        errors.append(
             f"run.frames: found {count}, expected at most {_MOST_UNEVEN_FRAMES} where they do not divide the {n_steps} "
             "steps evenly; output.probes and output.history record more often"
         )
     if isinstance(history, int) and history > n_steps + 1:
-        faults.append(f"output.history: found {history}, {each_step}")
-    if faults:
-        raise InputError(f"{case.name}: {fault}" for fault in faults)
+        errors.append(f"output.history: found {history}, {each_step}")
+    if errors:
+        raise InputError(f"{case.name}: {fault}" for fault in errors)
 
 
 def _even_frames(case: Case, n_steps: int) -> int:

@@ -61,7 +61,7 @@ _TOLERANCE = 1e-6  # of the input: error of the energy balance at any instant
 _ERROR = 0.135
 _SLOPE_SPAN = 1e-6  # of the overlap, over which a slope is taken
 _LARGEST_FORCE = 2.5  # of the force that drives a chain: no contact is pressed harder by it
-_OF_ELEMENT = 0.5  # of the time that a wave takes for an element of a bar
+BAR_COURANT_NUMBER = 0.5  # of the time that a wave takes for an element of a bar
 _OF_LOAD = 0.01  # of the duration or period of a load
 _OF_LOAD_ON_BAR = 5e-4  # where a bar carries it: its energy balance has an error of some (pi dt/T)^2
 _OF_PRECOMPRESSION = 2.5  # F alpha over the work of a Hertz contact up to the force F of a static load
@@ -147,7 +147,7 @@ def auto_timestep(case: Case | Assembly) -> float:
     slowest = min(encounter.mass / encounter.stiffness for encounter in encounters)
     limits = [math.sqrt(_TOLERANCE / _ERROR * slowest)]
     limits.append(support_timestep(assembly, max(encounter.stiffness for encounter in encounters)))
-    limits += [_OF_ELEMENT * bar.pitch / bar.wave_speed for bar in assembly.bars]
+    limits += [BAR_COURANT_NUMBER * bar.pitch / bar.wave_speed for bar in assembly.bars]
     limits += [(_OF_LOAD_ON_BAR if case.incident_bar else _OF_LOAD) * time for time in _times_of_load(case.load)]
     return _round_down(min(limits))
 

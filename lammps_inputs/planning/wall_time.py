@@ -25,7 +25,9 @@ _STEP = 1.2e-6  # of LAMMPS itself: one bead on a wall
 _PARTICLE = 20e-9  # of each sphere and each node of a bar, the ledger and wall forces included
 _PAIR = 2e-9  # of each touching pair
 _LOADED = 12.5e-9  # more where it bears a force: fcc under 1 MPa
-_FRICTION = 25e-9  # more where it bears a force and rubs: 1.6 times a step of an impact, twice one under precompression
+_FRICTION = (
+    25e-9  # more where it bears a force with friction: 1.6 times a step of an impact, twice one under precompression
+)
 _YIELDED = 30e-9  # more where it bears a force and has yielded
 _SHARE_LOADED = 0.3  # of the pairs, over an impact on a packing at rest; all under precompression
 # The share of contacts that have yielded is 1/(1 + (e/20)^-0.55) for an input of e F_y alpha_y a contact: 24 impacts on
@@ -99,7 +101,7 @@ def expected_wall_time(assembly: Assembly, schedule: Schedule, *, n_ranks: int =
     each = (seconds_per_step(assembly) + _of_yielding(assembly)) / n_ranks
     records = _SNAPSHOT * max(2.0, part * schedule.n_frames)
     records += _HISTORY * steps / schedule.history_every if schedule.history_every else 0.0
-    an_iteration = _ITERATION * _seconds(assembly, loaded=1.0, rubs=False) / n_ranks
+    an_iteration = _ITERATION * _seconds(assembly, loaded=1.0, has_friction=False) / n_ranks
     usual, most = _iterations(case)
     return WallTime(
         static=usual * an_iteration,
@@ -114,11 +116,11 @@ def expected_wall_time(assembly: Assembly, schedule: Schedule, *, n_ranks: int =
 def seconds_per_step(assembly: Assembly) -> float:
     """Of a step on one core, while contacts are elastic, s."""
     case = assembly.case
-    return _seconds(assembly, loaded=_share_loaded(case), rubs=case.rubs)
+    return _seconds(assembly, loaded=_share_loaded(case), has_friction=case.has_friction)
 
 
-def _seconds(assembly: Assembly, *, loaded: float, rubs: bool) -> float:
-    a_pair = _PAIR + loaded * (_LOADED + rubs * _FRICTION)
+def _seconds(assembly: Assembly, *, loaded: float, has_friction: bool) -> float:
+    a_pair = _PAIR + loaded * (_LOADED + has_friction * _FRICTION)
     return _STEP + _PARTICLE * assembly.n_particles + a_pair * assembly.n_neighbours
 
 
@@ -140,7 +142,7 @@ def _of_yielding(assembly: Assembly) -> float:
 def _usual_steps(case: Case, schedule: Schedule) -> float:
     if not schedule.block_steps:
         return schedule.n_steps
-    blocks = _USUAL_BLOCKS if case.contact.yields or case.rubs else 1
+    blocks = _USUAL_BLOCKS if case.contact.yields or case.has_friction else 1
     return min(schedule.n_steps, blocks * schedule.block_steps + case.load.lasts / schedule.timestep)
 
 

@@ -22,7 +22,7 @@ from granwave.lammps_inputs import write_deck
 from granwave.lammps_inputs.run_directory import SCRIPT_FILE, SUMMARY_FILE
 from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows import library, load_case, run_case
-from granwave.workflows.solvers import GRANULAR, kind_of
+from granwave.workflows.solvers import GRANULAR, solver_of
 
 FOLDER = Path(__file__).parent
 DIGESTS, SUMMARIES, REPORT = "digests.json", "summaries.json", "report.md"
@@ -54,7 +54,7 @@ _OF_THE_MACHINE = {"wall_time_s": 1.0, "sphere_steps_per_s": 1.0, "versions": {}
 
 def granular_cases() -> list[str]:
     """Names of the built-in cases that LAMMPS runs."""
-    return [name for name in library.names() if kind_of(read_toml(library.find(name))) is GRANULAR]
+    return [name for name in library.names() if solver_of(read_toml(library.find(name))) is GRANULAR]
 
 
 def split(text: str) -> tuple[str, list[float]]:

@@ -62,7 +62,6 @@ class Row:
     keeps: Sequence[str] = ()
     holds: Mapping[str, Sequence[str]] = dataclasses.field(default_factory=dict)
     lacks: Mapping[str, Sequence[str]] = dataclasses.field(default_factory=dict)
-    awaits: str = ""
     slow: bool = False
 
     @property
@@ -125,8 +124,6 @@ def parameters(rows: Sequence[Row]) -> list[Any]:
     found = []
     for row in rows:
         marks: list[pytest.MarkDecorator] = [pytest.mark.validation] if row.slow else []
-        if row.awaits:
-            marks.append(pytest.mark.xfail(strict=False, reason=f"is being mended: {row.awaits}"))
         found.append(pytest.param(row, id=f"{row.kind}: {row.what}"[:LONGEST_ID], marks=marks))
     return found
 

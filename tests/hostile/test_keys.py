@@ -90,7 +90,6 @@ NOT_IN_A_PAIR = {"pair.1.initial_overlap"}
 
 NEVER: list[Any] = [{"x": 1}, math.nan, math.inf, datetime.date(2024, 2, 29), [True], ""]
 HUGE: list[Any] = [1e300, 10**30, "a" * 10_000]  # refused or not, but at once and without a traceback
-AWAITED = {"ContinuumRun run.elements", "SphereContactRun run.elements"}
 
 
 def keys() -> Iterator[Any]:
@@ -100,9 +99,7 @@ def keys() -> Iterator[Any]:
         for field in dataclasses.fields(section):
             key = f"{table}.{field.name}".removeprefix(".")
             if field.metadata and key not in NOT_IN_A_PAIR:
-                name = f"{section.__name__} {key}"
-                marks = [pytest.mark.xfail(reason="is being mended: paths")] if name in AWAITED else []
-                yield pytest.param(file, key, kinds_of(hints[field.name]), content, id=name, marks=marks)
+                yield pytest.param(file, key, kinds_of(hints[field.name]), content, id=f"{section.__name__} {key}")
 
 
 def kinds_of(hint: Any) -> set[type]:

@@ -27,7 +27,7 @@ from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows import library
 from granwave.workflows.cli.tables import continuum_plan_table, expected_cut, plan_table, summary_table
 from granwave.workflows.run import mpi, record
-from granwave.workflows.solvers import CONTINUUM, GRANULAR, SPHERE_CONTACT, kind_of
+from granwave.workflows.solvers import CONTINUUM, GRANULAR, SPHERE_CONTACT, solver_of
 
 Words = Sequence[str]
 
@@ -155,7 +155,7 @@ def continuum(options: argparse.Namespace, _: Words) -> int:
     from granwave.workflows.run.directory import held
 
     path = library.find_for(options.case, CONTINUUM.verb)
-    kind = kind_of(read_toml(path))
+    kind = solver_of(read_toml(path))
     if kind is SPHERE_CONTACT:
         from granwave.workflows.finite_elements.sphere_contact import SphereContactCase as OwnCase
         from granwave.workflows.finite_elements.sphere_contact import run_sphere_contact as run_it
@@ -204,7 +204,7 @@ def export(options: argparse.Namespace, _: Words) -> int:
 def check(options: argparse.Namespace, _: Words) -> int:
     """granwave check"""
     path = library.find_for(options.case, GRANULAR.verb, CONTINUUM.verb)
-    kind = kind_of(read_toml(path))
+    kind = solver_of(read_toml(path))
     changes = parse_overrides(options.overrides)
     case = kind.read(apply_overrides(read_toml(path), changes), path, overridden=changes)
     expected = kind.cost(case, options.np, True)

@@ -49,7 +49,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sys.stdout.flush()  # as long as an error can be told
         return status
     except InputError as error:
-        return _report(error.faults, WRONG_INPUT)
+        return _report(error.errors, WRONG_INPUT)
     except GranwaveError as error:
         return _report([str(error)], FAILED)
     except BrokenPipeError:
@@ -358,7 +358,7 @@ def _number(text: str) -> float:
 
 
 class _Parser(argparse.ArgumentParser):
-    """Says what is wrong in one line, as all faults are said."""
+    """Says what is wrong in one line, as all errors are said."""
 
     def error(self, message: str) -> NoReturn:
         choice = re.fullmatch(r"argument (\S+): invalid choice: '(.*?)' \(choose from (.*)\)", message, re.DOTALL)

@@ -18,7 +18,7 @@ from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError, RunError, raise_all
 from granwave.lammps_inputs.planning.plan import Plan
 from granwave.lammps_inputs.run_directory import SCAN_REPORT
-from granwave.workflows.cli.tables import lines, static_words
+from granwave.workflows.cli.tables import lines, static_stage_note
 from granwave.workflows.scanning import driver, needs
 from granwave.workflows.scanning.batches import expected_scan_time, expected_time
 from granwave.workflows.scanning.calibrate import slowness_of
@@ -211,7 +211,7 @@ def plan_text(
             f"about {duration(expected_scan_time(left, profile, jobs, slowness or 1.0))}"
             + (", from the speed measured here" if slowness else ""),
         ),
-        *([("static stages", static_words(unknown, jobs / (slowness or 1.0)))] if unknown else []),
+        *([("static stages", static_stage_note(unknown, jobs / (slowness or 1.0)))] if unknown else []),
         ("memory", f"about {sum(at_once) / 2**30:.2f} GiB"),
         ("disk", f"about {sum(p.plan.disk for p in left) / 1e9:.3g} GB"),
         *([("plastic zone", f"expected to reach a bound of the packing in {cut} of {len(points)} points")] * bool(cut)),

@@ -136,7 +136,7 @@ def plan_table(case: Case, plan: Plan) -> str:
             ("snapshots", f"{at_most}{schedule.n_frames}"),
             ("expected time", f"about {usual}: {_parts(times)}"),
             *([("", f"at most {most}")] if schedule.block_steps and most != usual else []),
-            *([("static stage", static_words([times]))] if times.most_static > times.static else []),
+            *([("static stage", static_stage_note([times]))] if times.most_static > times.static else []),
             ("largest overlap", f"up to {overlap}"),
             *([("outermost yield", _expected(plan.zone))] if plan.zone else []),
         ]
@@ -179,7 +179,7 @@ def _parts(times: WallTime) -> str:
     return ", ".join(f"{name} {duration(time)}" for name, time in parts.items() if time >= 0.5)
 
 
-def static_words(times: Sequence[WallTime], jobs: float = 1.0) -> str:
+def static_stage_note(times: Sequence[WallTime], jobs: float = 1.0) -> str:
     """What a plan says of static stages whose length cannot be known, with so many jobs at once."""
     counted, most = sum(time.static for time in times) / jobs, sum(time.most_static for time in times) / jobs
     return f"counted with {duration(counted)}, but cannot be known where there is disorder: up to {duration(most)}"

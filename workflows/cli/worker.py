@@ -37,7 +37,7 @@ from granwave.workflows.run import mpi, record
 from granwave.workflows.run.directory import busy
 from granwave.workflows.scanning import layout
 from granwave.workflows.scanning.ended_jobs import end_of
-from granwave.workflows.solvers import GRANULAR, kind_of
+from granwave.workflows.solvers import GRANULAR, solver_of
 
 _POLL = 0.5  # s
 _RANK_DIED = re.compile(r"(?:EXIT STRING: |^srun: error: .*: tasks? [^:]+: )(.+)")  # as MPICH and Slurm put it
@@ -270,7 +270,7 @@ def _name(point: dict[str, Any], place: Path) -> str:
     tables = tables_as_run(place) or read_tables(place / CASE_FILE)
     try:
         if tables is not None:
-            return str(kind_of(tables).read(tables, place / CASE_FILE).name)
+            return str(solver_of(tables).read(tables, place / CASE_FILE).name)
     except InputError:
         tables = None
     if tables is None and (place / CASE_FILE).exists():  # the machine went down while it was written

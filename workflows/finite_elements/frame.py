@@ -20,7 +20,7 @@ from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.lammps_inputs.case.case import KNOWN, read_parts
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.overrides import apply_overrides, parse_overrides
-from granwave.lammps_inputs.case.schema import Faults, keys_of, refuse_unknown
+from granwave.lammps_inputs.case.schema import ErrorList, keys_of, refuse_unknown
 from granwave.lammps_inputs.directories import decide
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import replace_text
@@ -69,20 +69,20 @@ class ElementCase(abc.ABC):
             With every fault there is.
         """
         known = (*cls.SECTIONS, *keys_of({**cls.SECTIONS, "material": Material}))
-        faults, data = Faults(str(source), tuple(overridden), known), with_absolute_paths(data, Path())
+        errors, data = ErrorList(str(source), tuple(overridden), known), with_absolute_paths(data, Path())
         own = [field.name for field in dataclasses.fields(cls)]
         others = [name for name in data if name in KNOWN and name not in own]
         for name in others:
-            faults.add_unknown(name, "belongs to a granular case: granwave run runs it")
-        refuse_unknown({name: table for name, table in data.items() if name not in others}, own, "", faults)
-        parts = read_parts(data, source, faults, sections=cls.SECTIONS, required=cls.REQUIRED)
-        cls._complete(parts, data, faults)
-        faults.report(parts["name"])
+            errors.add_unknown(name, "belongs to a granular case: granwave run runs it")
+        refuse_unknown({name: table for name, table in data.items() if name not in others}, own, "", errors)
+        parts = read_parts(data, source, errors, sections=cls.SECTIONS, required=cls.REQUIRED)
+        cls._complete(parts, data, errors)
+        errors.report(parts["name"])
         return cls(**parts)
 
     @staticmethod
     @abc.abstractmethod
-    def _complete(parts: dict[str, Any], data: Mapping[str, Any], faults: Faults) -> None:
+    def _complete(parts: dict[str, Any], data: Mapping[str, Any], errors: ErrorList) -> None:
         """Read what is no section, and check what concerns several keys; a part that is wrong is None."""
 
     @classmethod

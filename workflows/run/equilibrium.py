@@ -8,7 +8,7 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.static_stage import largest_move
 from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.packing.assembly import assemble
-from granwave.lammps_inputs.run_directory import DUMPS, PRESTAGE_FILE
+from granwave.lammps_inputs.run_directory import DUMPS, STATIC_STAGE_FILE
 
 LARGEST_RESIDUAL = 1e-6  # of the largest contact force: net force on a sphere
 
@@ -32,7 +32,7 @@ def check_equilibrium(case: Case, directory: Path) -> dict[str, float]:
     RunError
         The packing found no balance, or lost its shape.
     """
-    title, values = (directory / DUMPS / PRESTAGE_FILE).read_text(encoding="ascii").splitlines()[:2]
+    title, values = (directory / DUMPS / STATIC_STAGE_FILE).read_text(encoding="ascii").splitlines()[:2]
     found = dict(zip(title.lstrip("#").split(), map(float, values.split()), strict=True))
     advice = _ADVICE + (_SUPPORT if case.boundary.bottom_support is not None else "")
     moved, limit = (length / case.packing.diameter for length in (found["displacement"], largest_move(assemble(case))))

@@ -9,8 +9,8 @@ from typing import Any
 
 from granwave.analysis.studies.registry import STUDIES
 from granwave.lammps_inputs.case.schema import (
-    Faults,
-    Unfit,
+    ErrorList,
+    ValidationError,
     choice,
     count,
     custom,
@@ -42,10 +42,10 @@ def _parse_ranks(value: Any) -> RanksBySize:
     if not isinstance(value, Mapping):
         n = whole(value, expected)
         return RanksBySize(spheres_per_rank=1, most=n)
-    faults = Faults("")
-    read = read_table(RanksBySize, value, "ranks", faults)
+    errors = ErrorList("")
+    read = read_table(RanksBySize, value, "ranks", errors)
     if read is None:
-        raise Unfit(f"{expected} ({'; '.join(line.removeprefix(': ranks.') for line in faults.lines)})")
+        raise ValidationError(f"{expected} ({'; '.join(line.removeprefix(': ranks.') for line in errors.lines)})")
     return read
 
 
@@ -53,7 +53,7 @@ def parse_studies(value: Any) -> tuple[str, ...]:
     """Names of studies, from a word or a list of words."""
     names = [value] if isinstance(value, str) else value
     if not isinstance(names, list) or not names or not all(isinstance(n, str) and n in STUDIES for n in names):
-        raise Unfit(f"a study, or a list of studies, of: {', '.join(STUDIES)}")
+        raise ValidationError(f"a study, or a list of studies, of: {', '.join(STUDIES)}")
     return tuple(names)
 
 

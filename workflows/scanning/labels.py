@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from granwave.analysis.formatting.values import told_apart
+from granwave.analysis.formatting.values import unique_labels
 from granwave.analysis.scans.result import Scalar
 
 
@@ -19,5 +19,5 @@ def labels_of(values: Sequence[Any]) -> list[Scalar]:
     """
     return [
         value if isinstance(value, bool | int | float | str) else words
-        for value, words in zip(values, told_apart(values), strict=True)
+        for value, words in zip(values, unique_labels(values), strict=True)
     ]

@@ -24,14 +24,14 @@ def left(scan: Scan, directory: Path, *, fresh: bool = False) -> list[Point]:
     """
     if fresh:
         return list(scan.distinct.values())
-    found, faults = [], []
+    found, errors = [], []
     for name, point in scan.distinct.items():
         try:
             found += [] if layout.is_whole(directory, name) else [point]
         except InputError as error:
-            faults += error.faults
-    if faults:
-        raise InputError(faults)
+            errors += error.errors
+    if errors:
+        raise InputError(errors)
     return found
 
 
@@ -69,11 +69,11 @@ def _check_files(name: str, points: Sequence[Point]) -> None:
             point.kind.check(point.case, point.plan, memory=False)
         except InputError as error:
             labels = ", ".join(f"{key} = {value}" for key, value in point.labels.items())
-            for fault in error.faults:
+            for fault in error.errors:
                 found.setdefault(fault, []).append(f"point {point.number} ({labels})")
-    faults: list[str] = []
+    errors: list[str] = []
     for fault, concerned in found.items():
         shared = len(concerned) == len(points)
-        faults += [f"{name}: {fault}"] if shared else [f"{name}: {point}: {fault}" for point in concerned]
-    if faults:
-        raise InputError(faults)
+        errors += [f"{name}: {fault}"] if shared else [f"{name}: {point}: {fault}" for point in concerned]
+    if errors:
+        raise InputError(errors)

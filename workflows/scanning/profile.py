@@ -9,7 +9,16 @@ import shlex
 from pathlib import Path
 from typing import Any, Literal, Protocol
 
-from granwave.lammps_inputs.case.schema import Faults, Unfit, choice, custom, number, read_table, text, whole
+from granwave.lammps_inputs.case.schema import (
+    ErrorList,
+    ValidationError,
+    choice,
+    custom,
+    number,
+    read_table,
+    text,
+    whole,
+)
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows.scanning import layout
@@ -27,7 +36,7 @@ def _lines(value: Any) -> str:
         return value
     if isinstance(value, list) and all(isinstance(line, str) for line in value):
         return "\n".join(value)
-    raise Unfit("shell commands, a string or a list of strings")
+    raise ValidationError("shell commands, a string or a list of strings")
 
 
 #: Options of sbatch that Snakemake wants as resources of these names.
@@ -46,16 +55,16 @@ _OURS = (
 def _options(value: Any) -> str:
     """Options of sbatch, as text; those that are given in another way are refused."""
     if not isinstance(value, str):
-        raise Unfit("options of sbatch, a string")
+        raise ValidationError("options of sbatch, a string")
     try:
         words = shlex.split(value)
     except ValueError:  # a quotation mark without its other half
-        raise Unfit("options of sbatch, as in a shell") from None
+        raise ValidationError("options of sbatch, as in a shell") from None
     for name in (word.partition("=")[0] for word in words):
         if name in _KEYS:
-            raise Unfit(f"no {name}: it is the key slurm.{_KEYS[name]}")
+            raise ValidationError(f"no {name}: it is the key slurm.{_KEYS[name]}")
         if name in _OURS:
-            raise Unfit(f"no {name}: granwave gives it to each job")
+            raise ValidationError(f"no {name}: granwave gives it to each job")
     return value
 
 
@@ -163,11 +172,11 @@ def load_profile(path: str | Path) -> Profile:
         The file is wrong; every fault is named.
     """
     data = read_toml(path)
-    faults = Faults(str(path))
+    errors = ErrorList(str(path))
     if set(data) != {"slurm"}:
-        faults.add("slurm", f"found {', '.join(data) or 'nothing'}, expected one table [slurm]")
-        raise InputError(faults.lines)
-    profile = read_table(Profile, data["slurm"], "slurm", faults)
+        errors.add("slurm", f"found {', '.join(data) or 'nothing'}, expected one table [slurm]")
+        raise InputError(errors.lines)
+    profile = read_table(Profile, data["slurm"], "slurm", errors)
     if profile is None:
-        raise InputError(faults.lines)
+        raise InputError(errors.lines)
     return profile

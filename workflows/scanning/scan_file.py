@@ -20,7 +20,7 @@ from typing import Any
 from granwave.analysis.scans.result import SEED, Scalar
 from granwave.lammps_inputs.case.case import Case, case_keys
 from granwave.lammps_inputs.case.overrides import apply_overrides, parse_overrides
-from granwave.lammps_inputs.case.schema import Faults, Unfit, read_table, show
+from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, read_table, show
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.named_files import with_short_paths
 from granwave.lammps_inputs.packing.disorder import is_random
@@ -31,7 +31,7 @@ from granwave.workflows.run.versions import versions
 from granwave.workflows.scanning.header import Header
 from granwave.workflows.scanning.labels import labels_of
 from granwave.workflows.scanning.values import MOST_POINTS, SHAPES, values_of
-from granwave.workflows.solvers import CONTINUUM, GRANULAR, AnyCase, Cost, Kind, kind_of
+from granwave.workflows.solvers import CONTINUUM, GRANULAR, AnyCase, Cost, Kind, solver_of
 
 _LOG = logging.getLogger("granwave")
 
@@ -149,17 +149,17 @@ def load_scan(scan: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (
     data = read_toml(path)
     if "scans" in data:
         raise InputError(f"{path}: is a suite of scans, expected one scan: one of {', '.join(map(str, data['scans']))}")
-    faults = Faults(str(path), vocabulary=[f"set.{key}" for key in case_keys()])
+    errors = ErrorList(str(path), vocabulary=[f"set.{key}" for key in case_keys()])
     tables: dict[str, Any] = {name: data.pop(name) for name in ("set", "grid", "zip", "points") if name in data}
-    header = read_table(Header, {"name": path.stem, **data}, "", faults)
+    header = read_table(Header, {"name": path.stem, **data}, "", errors)
     fixed = {
         key: value
-        for key, value in _flat(tables.get("set", {}), "set", faults).items()
+        for key, value in _flat(tables.get("set", {}), "set", errors).items()
         if not any(key.startswith(f"{changed}.") for changed in changes)  # --set material=steel, all of it
     } | changes
-    variations = _variations(tables, header, faults)
-    if faults.lines or header is None:
-        raise InputError(faults.lines)
+    variations = _variations(tables, header, errors)
+    if errors.lines or header is None:
+        raise InputError(errors.lines)
     return _build(path, header, fixed, changes, variations, here, path.read_text(encoding="utf-8"))
 
 
@@ -179,61 +179,61 @@ def scan_of_case(case: str, beside: Path, *, here: bool = True) -> Scan:
 # ---------------------------------------------------------------------- what varies
 
 
-def _variations(tables: Mapping[str, Any], header: Header | None, faults: Faults) -> list[dict[str, Any]]:
+def _variations(tables: Mapping[str, Any], header: Header | None, errors: ErrorList) -> list[dict[str, Any]]:
     """The values of each point, by dotted key."""
     axes = [
         [{key: value} for value in values]
-        for key, values in _lists(tables.get("grid", {}), "grid", faults).items()
+        for key, values in _lists(tables.get("grid", {}), "grid", errors).items()
         if values
     ]
-    for n, table in enumerate(_tables(tables.get("zip", []), "zip", faults), start=1):
-        zipped = _lists(table, f"zip {n}", faults)
+    for n, table in enumerate(_tables(tables.get("zip", []), "zip", errors), start=1):
+        zipped = _lists(table, f"zip {n}", errors)
         lengths = {key: len(values) for key, values in zipped.items()}
         if len(set(lengths.values())) > 1:
             found = ", ".join(f"{key} has {length}" for key, length in lengths.items())
-            faults.add(f"zip {n}", f"found lists of different lengths ({found}), expected one length")
+            errors.add(f"zip {n}", f"found lists of different lengths ({found}), expected one length")
         elif zipped:
             axes.append([dict(zip(zipped, values, strict=True)) for values in zip(*zipped.values(), strict=True)])
     single = [
-        _flat(table, f"points {n}", faults)
-        for n, table in enumerate(_tables(tables.get("points", []), "points", faults), start=1)
+        _flat(table, f"points {n}", errors)
+        for n, table in enumerate(_tables(tables.get("points", []), "points", errors), start=1)
     ]
-    if not axes and not single and not faults.lines:
-        faults.add("grid", "nothing varies: expected [grid], [[zip]] or [[points]] with values")
+    if not axes and not single and not errors.lines:
+        errors.add("grid", "nothing varies: expected [grid], [[zip]] or [[points]] with values")
     keys = [key for axis in axes for key in axis[0]]
     for key in dict.fromkeys(key for key in keys if keys.count(key) > 1):
-        faults.add(key, "varies twice; let it stand in one of [grid] and [[zip]]")
+        errors.add(key, "varies twice; let it stand in one of [grid] and [[zip]]")
     count = ((math.prod(map(len, axes)) if axes else 0) + len(single)) * (header.replicates if header else 1)
     if count > MOST_POINTS:
-        faults.add("grid", f"found {count} points, expected at most {MOST_POINTS}")
-    if faults.lines:
+        errors.add("grid", f"found {count} points, expected at most {MOST_POINTS}")
+    if errors.lines:
         return []
     products = itertools.product(*axes) if axes else []
     points = [{key: value for part in parts for key, value in part.items()} for parts in products] + single
     return points
 
 
-def _tables(value: Any, name: str, faults: Faults) -> list[Mapping[str, Any]]:
+def _tables(value: Any, name: str, errors: ErrorList) -> list[Mapping[str, Any]]:
     if isinstance(value, Mapping):
         value = [value]
     if not isinstance(value, list) or not all(isinstance(table, Mapping) for table in value):
-        faults.add(name, f"found {show(value)}, expected tables [[{name}]]")
+        errors.add(name, f"found {show(value)}, expected tables [[{name}]]")
         return []
     for n, table in enumerate(value, start=1):
         if not table:
-            faults.add(f"{name} {n}", "found an empty table, expected keys and values")
+            errors.add(f"{name} {n}", "found an empty table, expected keys and values")
     return value
 
 
-def _flat(table: Any, name: str, faults: Faults) -> dict[str, Any]:
+def _flat(table: Any, name: str, errors: ErrorList) -> dict[str, Any]:
     """Keys and values with dotted keys, whether they were written with quotes or without."""
     if not isinstance(table, Mapping):
-        faults.add(name, f"found {show(table)}, expected a table of keys and values")
+        errors.add(name, f"found {show(table)}, expected a table of keys and values")
         return {}
     flat: dict[str, Any] = {}
     for key, value in table.items():
         if not all(part.isidentifier() or part.isdigit() for part in key.split(".")):
-            faults.add(name, f"found the key {show(key)}, expected one such as load.velocity")
+            errors.add(name, f"found the key {show(key)}, expected one such as load.velocity")
             continue
         whole_table = "." in key or (key == "material" and isinstance(value, Mapping) and "preset" in value)
         if isinstance(value, Mapping) and not whole_table and not set(value) & {*SHAPES}:
@@ -243,13 +243,13 @@ def _flat(table: Any, name: str, faults: Faults) -> dict[str, Any]:
     return flat
 
 
-def _lists(table: Any, name: str, faults: Faults) -> dict[str, list[Any]]:
+def _lists(table: Any, name: str, errors: ErrorList) -> dict[str, list[Any]]:
     lists = {}
-    for key, value in _flat(table, name, faults).items():
+    for key, value in _flat(table, name, errors).items():
         try:
             lists[key] = values_of(value)
-        except Unfit as unfit:
-            faults.add(f"{name}: {key}", f"found {show(value)}, expected {unfit}")
+        except ValidationError as error:
+            errors.add(f"{name}: {key}", f"found {show(value)}, expected {error}")
     return lists
 
 
@@ -278,9 +278,9 @@ def _build(
         )
     base = _find_case(header.case, path)
     template = {"name": base.stem, **read_toml(base)}
-    kind = kind_of(template)
+    kind = solver_of(template)
     points: list[Point] = []
-    faults: list[tuple[int, Mapping[str, Any], list[str]]] = []
+    errors: list[tuple[int, Mapping[str, Any], list[str]]] = []
 
     def read(values: Mapping[str, Any]) -> AnyCase:
         data = _with(template, {**fixed, **values}, path, changes)
@@ -294,11 +294,11 @@ def _build(
                     points.append(_point(len(points) + 1, replicate, case, kind, header, varied))
                     kind.check(case, points[-1].plan, files=False, memory=here)
             except InputError as error:
-                faults.append((n, values, error.faults))
+                errors.append((n, values, error.errors))
     if header.replicates > 1 and len(points) == len(variations):
         _LOG.warning("%s: replicates: nothing is random in these packings, so that each is run once", path)
-    if faults:
-        raise InputError(_fault_lines(path, faults, len(variations)))
+    if errors:
+        raise InputError(_error_lines(path, errors, len(variations)))
     return Scan(
         name=header.name,
         case_name=str(template["name"]),
@@ -328,7 +328,7 @@ def _find_case(case: str, path: Path) -> Path:
     try:
         return library.find_for(case, GRANULAR.verb, CONTINUUM.verb, directory=path.parent)
     except InputError as error:
-        raise InputError(f"{path}: case: {fault}" for fault in error.faults) from None
+        raise InputError(f"{path}: case: {fault}" for fault in error.errors) from None
     except OSError as error:
         raise InputError(f"{path}: case: found {show(case)}, which cannot be read: {error.strerror}") from None
 
@@ -342,7 +342,7 @@ def _with(
     try:
         return apply_overrides(template, ordered)
     except InputError as error:
-        places = [fault.removeprefix("--set: ") for fault in error.faults]
+        places = [fault.removeprefix("--set: ") for fault in error.errors]
         raise InputError(
             f"{'--set' if place.partition(':')[0] in changes else path}: {place}" for place in places
         ) from None
@@ -391,11 +391,11 @@ def _look_up(tables: Mapping[str, Any], key: str) -> Any:
     return value
 
 
-def _fault_lines(path: Path, faults: Sequence[tuple[int, Mapping[str, Any], list[str]]], count: int) -> list[str]:
+def _error_lines(path: Path, errors: Sequence[tuple[int, Mapping[str, Any], list[str]]], count: int) -> list[str]:
     """What is wrong with every point once; otherwise a line for each invalid point."""
-    shared = [fault for fault in faults[0][2] if len(faults) == count and all(fault in f for _, _, f in faults)]
+    shared = [fault for fault in errors[0][2] if len(errors) == count and all(fault in f for _, _, f in errors)]
     lines = [fault if fault.startswith((f"{path}: ", "--set: ")) else f"{path}: {fault}" for fault in shared]
-    for n, values, found in faults:
+    for n, values, found in errors:
         own = [fault for fault in found if fault not in shared]
         if own:
             labels = ", ".join(

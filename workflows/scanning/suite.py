@@ -14,7 +14,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from granwave.lammps_inputs.case.schema import Faults, Unfit, custom, plain_name, read_table
+from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, custom, plain_name, read_table
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import replace_text
@@ -32,7 +32,7 @@ _FILES = (SCAN_FILE, SUITE_INDEX, SCAN_REPORT)
 
 def _parse_scans(value: Any) -> tuple[str, ...]:
     if not isinstance(value, list) or not value or not all(isinstance(name, str) and name for name in value):
-        raise Unfit("a list of names of built-in studies and of files")
+        raise ValidationError("a list of names of built-in studies and of files")
     return tuple(value)
 
 
@@ -94,27 +94,27 @@ def load_suite(file: str | Path, *, here: bool = True) -> Suite:
     """
     path = find_scan(file)
     data = read_toml(path)
-    faults = Faults(str(path))
-    header = read_table(_File, {"name": path.stem, **data}, "", faults)
-    if header is None or faults.lines:
-        raise InputError(faults.lines)
+    errors = ErrorList(str(path))
+    header = read_table(_File, {"name": path.stem, **data}, "", errors)
+    if header is None or errors.lines:
+        raise InputError(errors.lines)
     scans: list[Scan] = []
     for entry in header.scans:
         try:
             scans.append(load_scan(find_scan(entry, path.parent), here=here))
         except InputError as error:
-            faults.lines += [f"{path}: {_SCANS}: {entry}: {fault.removeprefix(f'{entry}: ')}" for fault in error.faults]
+            errors.lines += [f"{path}: {_SCANS}: {entry}: {fault.removeprefix(f'{entry}: ')}" for fault in error.errors]
     for entry in header.cases:
         try:
             scans.append(scan_of_case(entry, path, here=here))
         except InputError as error:
             known = f"{path}: case: {entry}: "
-            faults.lines += [f"{path}: cases: {entry}: {fault.removeprefix(known)}" for fault in error.faults]
+            errors.lines += [f"{path}: cases: {entry}: {fault.removeprefix(known)}" for fault in error.errors]
     names = [scan.name for scan in scans]
     for twice in sorted({name for name in names if names.count(name) > 1}):
-        faults.add(_SCANS, f"found two scans of the name {twice}, expected different names: each has its directory")
-    if faults.lines:
-        raise InputError(faults.lines)
+        errors.add(_SCANS, f"found two scans of the name {twice}, expected different names: each has its directory")
+    if errors.lines:
+        raise InputError(errors.lines)
     return Suite(header.name, tuple(scans), path.read_text(encoding="utf-8"), header.study)
 
 

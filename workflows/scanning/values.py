@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from granwave.lammps_inputs.case.schema import Unfit, finite
+from granwave.lammps_inputs.case.schema import ValidationError, finite
 
 MOST_POINTS = 100_000
 SHAPES = ("log", "linear")
@@ -17,19 +17,19 @@ def values_of(value: Any) -> list[Any]:
 
     Raises
     ------
-    Unfit
+    ValidationError
         It is neither, or empty.
     """
     expected = "a list of values such as [1, 2, 5], or {log = [1, 100, 9]} or {linear = [0, 10, 11]}"
     if isinstance(value, Mapping):
         if len(value) != 1 or not set(value) <= set(SHAPES):
-            raise Unfit(expected)
+            raise ValidationError(expected)
         ((shape, limits),) = value.items()
         return _range(shape, limits)
     if not isinstance(value, list):
-        raise Unfit(f"{expected}; a value that holds for all points belongs under [set]")
+        raise ValidationError(f"{expected}; a value that holds for all points belongs under [set]")
     if not value:
-        raise Unfit("at least one value")
+        raise ValidationError("at least one value")
     return value
 
 
@@ -37,15 +37,15 @@ def _range(shape: str, limits: Any) -> list[float]:
     expected = f"{{{shape} = [first, last, how many]}}"
     numbers = limits if isinstance(limits, list) else []
     if len(numbers) != 3 or not all(isinstance(n, int | float) and not isinstance(n, bool) for n in numbers):
-        raise Unfit(expected)
+        raise ValidationError(expected)
     first, last, count = finite(numbers[0], expected), finite(numbers[1], expected), numbers[2]
     if not isinstance(count, int) or not 2 <= count <= MOST_POINTS:
-        raise Unfit(f"{expected} with 2 to {MOST_POINTS} values")
+        raise ValidationError(f"{expected} with 2 to {MOST_POINTS} values")
     if shape == "log" and (first <= 0 or last <= 0):
-        raise Unfit(f"{expected} with positive numbers")
+        raise ValidationError(f"{expected} with positive numbers")
     span = last - first if shape == "linear" else last / first
     if not math.isfinite(span) or (shape == "log" and not span):
-        raise Unfit(f"{expected} with numbers that are closer to each other")
+        raise ValidationError(f"{expected} with numbers that are closer to each other")
     shares = [k / (count - 1) for k in range(1, count - 1)]
     inner = [first + share * span if shape == "linear" else first * span**share for share in shares]
     # 14 digits: 0.3 shall be the number that a list holds as 0.3, and one point with it

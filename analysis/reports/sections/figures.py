@@ -17,7 +17,7 @@ from granwave.analysis.document.cells import readable
 from granwave.analysis.document.model import Block, Figure, Gallery, Group, Note, Section
 from granwave.analysis.document.pictures import RESOLUTION, picture_of
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing, new_figure, style
-from granwave.analysis.formatting.values import in_words
+from granwave.analysis.formatting.values import as_label
 from granwave.analysis.reports.inputs import Inputs, Run, Scan
 from granwave.analysis.scans.keys import key_of
 from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY, RESULT_FILE
@@ -179,7 +179,7 @@ def _points(scan: Scan, inputs: Inputs, number: int) -> list[Block]:
         name = f"{number}-{scan.label}-{point.result.number}"
         parts = _pictures(run.directory, inputs, name, f"run {run.label}", POINT_WIDTH, {})
         size += sum(len(figure.png) for part in parts if isinstance(part, Gallery) for figure in part.figures)
-        labels = ", ".join(f"{key} = {in_words(value)}" for key, value in point.result.labels.items())
+        labels = ", ".join(f"{key} = {as_label(value)}" for key, value in point.result.labels.items())
         blocks.append(Group(f"Point {point.result.number} of {scan.label}: {labels}", parts, folded=True))
     if left:
         blocks.append(Note("The figures of further points are in their directories:", links=tuple(left)))

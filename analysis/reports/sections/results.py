@@ -21,7 +21,7 @@ from granwave.analysis.document.cells import (
     value_column,
 )
 from granwave.analysis.document.model import Block, Cell, Column, Group, Note, Section, Table, Tone
-from granwave.analysis.formatting.values import told_apart
+from granwave.analysis.formatting.values import unique_labels
 from granwave.analysis.measures.zone_marks import Mark, bounds_in_words, mark_of
 from granwave.analysis.reports.inputs import Inputs, Point, Run, Scan
 from granwave.analysis.reports.sections.figures import overlay
@@ -112,7 +112,7 @@ def _by_row(settings: Sequence[Sequence[Any]], n_rows: int) -> list[tuple[Cell, 
     """Cells of the values of keys, a list for each key; those that are tables in words."""
     columns = []
     for values in settings:
-        words = told_apart(values)
+        words = unique_labels(values)
         plain = [is_number(value) or value is None or value == text for value, text in zip(values, words, strict=True)]
         cells = [
             value_cell(value) if flag else Cell(text, text)
@@ -164,8 +164,8 @@ def _table(
 
 def _worth_showing(summaries: Sequence[Mapping[str, Any]]) -> list[str]:
     """The main values that any of them has; the shares of yielding and friction only where there is friction."""
-    rubs = any(summary.get("friction_fraction") for summary in summaries)
-    left_out = () if rubs else _SHARES
+    has_friction = any(summary.get("friction_fraction") for summary in summaries)
+    left_out = () if has_friction else _SHARES
     there = (key for key in MAIN if any(summary.get(key) is not None for summary in summaries))
     return [key for key in there if key not in left_out]
 

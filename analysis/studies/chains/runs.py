@@ -21,7 +21,7 @@ def chain_runs(runs: Iterable[FinishedRun]) -> list[ChainRun]:
     return [
         run.seen_as(ChainRun)
         for run in runs
-        if run.case.packing.kind == "chain" and run.assembly.lattice.n_spheres > 1 and not run.case.has_past
+        if run.case.packing.kind == "chain" and run.assembly.lattice.n_spheres > 1 and not run.case.has_initial_dents
     ]
 
 

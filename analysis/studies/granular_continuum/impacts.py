@@ -130,7 +130,7 @@ def collect(runs: Iterable[tuple[str, Path, Mapping[str, Any]]]) -> Impacts:
             elif "n_spheres" in summary:
                 case = load_case(directory / CASE_FILE)
                 struck = case.load.kind == "impact" and case.packing.kind != "chain"
-                ideal = assemble(case).plain and not case.rubs
+                ideal = assemble(case).plain and not case.has_friction
                 if struck and ideal and case.contact.law == "elastoplastic" and summary.get("energy_input_J"):
                     granular.append(Granular(label, directory, case, summary))
         except (GranwaveError, OSError):

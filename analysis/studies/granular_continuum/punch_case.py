@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from granwave.lammps_inputs.case.material import Material, read_material
-from granwave.lammps_inputs.case.schema import Faults
+from granwave.lammps_inputs.case.schema import ErrorList
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.toml_files import read_toml
 
@@ -72,10 +72,10 @@ def read_punch_case(path: Path) -> PunchCase:
     InputError
         It is missing, or not that of such a run.
     """
-    tables, faults = read_toml(path), Faults(str(path))
-    material = read_material(tables.get("material", {}), faults)
-    if material is None or faults.lines:
-        raise InputError(faults.lines or [f"{path}: found no material"])
+    tables, errors = read_toml(path), ErrorList(str(path))
+    material = read_material(tables.get("material", {}), errors)
+    if material is None or errors.lines:
+        raise InputError(errors.lines or [f"{path}: found no material"])
     try:
         return PunchCase(
             material,

@@ -19,16 +19,16 @@ from granwave.analysis.studies.precompression.runs import (
     IMPACT,
     PEAK_FORCE,
     TRANSMITTED,
-    PastRun,
-    freed_words,
+    DentedRun,
     past_runs,
+    released_energy_note,
 )  # fmt: skip
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture
 from granwave.analysis.studies.tables import Quantity, columns_of, values_table
-from granwave.analysis.studies.titles import packing_words
+from granwave.analysis.studies.titles import packing_title
 
-Series = list[PastRun]
+Series = list[DentedRun]
 
 
 def select(runs: Sequence[FinishedRun]) -> list[Series]:
@@ -49,14 +49,14 @@ def select(runs: Sequence[FinishedRun]) -> list[Series]:
 
 def title(series: Series) -> str:
     """By number of hits and packing."""
-    return f"Hit {len(series)} times: {packing_words(series[0].case)}"
+    return f"Hit {len(series)} times: {packing_title(series[0].case)}"
 
 
 def text(series: Series) -> str:
     """Where each run starts."""
     return (
         "Each run starts with the spheres in their first places and with the dents that the run before left."
-        + freed_words(series)
+        + released_energy_note(series)
     )
 
 
@@ -71,7 +71,7 @@ def verdict(series: Series) -> list[str]:
     return [
         f"Hit {len(series)} times, the packing dissipates {100 * last.dissipated:.3g} % of the last impact "
         f"({100 * first.dissipated:.3g} % of the first) and hands on {last.transmitted:.4g} N "
-        f"({first.transmitted:.4g} N)." + freed_words((first, last))
+        f"({first.transmitted:.4g} N)." + released_energy_note((first, last))
     ]
 
 
@@ -93,7 +93,7 @@ def _quantities(series: Series) -> tuple[Quantity, ...]:
     return hit, IMPACT, DISSIPATED, GREW, PEAK_FORCE, TRANSMITTED, ARRIVAL
 
 
-def _left_by(run: PastRun) -> Path | None:
+def _left_by(run: DentedRun) -> Path | None:
     """Directory of the run whose dents a run starts from."""
     given = run.case.contact.initial_overlap
     if not isinstance(given, str):

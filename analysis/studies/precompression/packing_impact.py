@@ -16,14 +16,14 @@ from granwave.analysis.studies.precompression.runs import (
     GREW,
     PEAK_FORCE,
     TRANSMITTED,
-    PastRun,
-    freed_words,
+    DentedRun,
     past_runs,
+    released_energy_note,
 )  # fmt: skip
 from granwave.analysis.studies.runs import FinishedRun, grouped, rising
 from granwave.analysis.studies.study import Picture
 from granwave.analysis.studies.tables import Quantity, columns_of, values_table
-from granwave.analysis.studies.titles import contact_words, load_words, packing_words
+from granwave.analysis.studies.titles import contact_label, load_label, packing_title
 
 _FEWEST = 2  # runs, one of them precompressed
 _OF_YIELDING = (
@@ -46,7 +46,7 @@ class Series:
 
     number: int
     kind: str
-    runs: tuple[PastRun, ...]
+    runs: tuple[DentedRun, ...]
 
 
 def select(runs: Sequence[FinishedRun]) -> list[Series]:
@@ -77,9 +77,9 @@ def text(series: Series) -> str:
     first = series.runs[0].case
     sides = {"free": "free", "periodic": "periodic", "wall": "walled"}[first.boundary.sides]
     return (
-        f"{packing_words(first)}, {sides} sides, {contact_words(first)}, struck at {load_words(first)} under "
+        f"{packing_title(first)}, {sides} sides, {contact_label(first)}, struck at {load_label(first)} under "
         f"{series.kind} static pressure, which stays on. What the static load made yield is not counted."
-        + freed_words(series.runs)
+        + released_energy_note(series.runs)
     )
 
 
@@ -99,7 +99,7 @@ def verdict(series: Series) -> list[str]:
     )
     if any(run.dissipated for run in series.runs):
         sentence += f" and dissipates {100 * last.dissipated:.3g} % ({100 * first.dissipated:.3g} %)"
-    return [f"{sentence}.{freed_words((first, last))}"]
+    return [f"{sentence}.{released_energy_note((first, last))}"]
 
 
 def pictures(series: Series) -> Iterator[Picture]:
@@ -123,7 +123,7 @@ def pictures(series: Series) -> Iterator[Picture]:
     yield Picture("", "Transmitted force and dissipation against static pressure", drawing)
 
 
-def _fits(run: PastRun) -> bool:
+def _fits(run: DentedRun) -> bool:
     """A packing of like spheres without dents, of its nominal size, that is not hit by a small wave only."""
     case = run.case
     if case.packing.kind == "chain" or not run.assembly.plain or case.contact.initial_overlap:

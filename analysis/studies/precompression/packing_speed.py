@@ -14,7 +14,7 @@ from granwave.analysis.measures import loaded_line as theory
 from granwave.analysis.measures.line_waves import speed_along_layers
 from granwave.analysis.measures.signals import Array, power
 from granwave.analysis.result.reader import Result
-from granwave.analysis.studies.precompression.runs import PastRun, past_runs
+from granwave.analysis.studies.precompression.runs import DentedRun, past_runs
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture, Row
 
@@ -34,7 +34,7 @@ _MARKERS = {
 }
 
 
-class SmallWave(PastRun):
+class SmallWave(DentedRun):
     """A run of a small wave along the stacking of a precompressed packing."""
 
     @property
@@ -62,7 +62,7 @@ def select(runs: Sequence[FinishedRun]) -> list[list[SmallWave]]:
     return [found] if found else []
 
 
-def fits(run: PastRun) -> bool:
+def fits(run: DentedRun) -> bool:
     """A small impact along the stacking of like elastic spheres under pressure."""
     case, stage = run.case, run.case.precompression
     if stage is None or stage.kind == "gravity" or case.packing.kind not in ("fcc", "hcp"):

@@ -22,17 +22,17 @@ from granwave.analysis.studies.precompression.runs import (
     IMPACT,
     PEAK_FORCE,
     TRANSMITTED,
-    PastRun,
-    freed_words,
+    DentedRun,
     past_runs,
+    released_energy_note,
 )  # fmt: skip
 from granwave.analysis.studies.runs import FinishedRun, grouped, rising
 from granwave.analysis.studies.study import Picture, Row
 from granwave.analysis.studies.tables import Quantity, values_table
-from granwave.analysis.studies.titles import packing_words
+from granwave.analysis.studies.titles import packing_title
 from granwave.lammps_inputs.case.sections import Dents
 
-Runs = Sequence[PastRun]
+Runs = Sequence[DentedRun]
 
 _VARYING = ("contact.initial_overlap", "load.velocity")
 _ELASTIC = 1e-9  # share of the input: nothing is dissipated
@@ -40,14 +40,14 @@ _COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY)
 _REACHED = 1e-3  # of the largest force along the chain: the pulse has come to a contact
 
 
-def select(runs: Sequence[FinishedRun]) -> list[list[PastRun]]:
+def select(runs: Sequence[FinishedRun]) -> list[list[DentedRun]]:
     """Each chain and packing that was struck with dents of one size everywhere, and without, by level and velocity."""
     chosen = [run for run in past_runs(runs) if run.case.contact.yields and np.isfinite(level_of(run))]
     groups = [group for group in grouped(chosen, *_VARYING) if any(map(level_of, group))]
     return [sorted(group, key=lambda run: (level_of(run), run.case.load.velocity)) for group in groups]
 
 
-def level_of(run: PastRun) -> float:
+def level_of(run: DentedRun) -> float:
     """Force up to which the contacts were pressed before, N; 0: never; NaN where it is not the same for all."""
     given = run.case.contact.initial_overlap
     if isinstance(given, str):
@@ -63,7 +63,7 @@ def level_of(run: PastRun) -> float:
 
 def title(runs: Runs) -> str:
     """By packing."""
-    return f"Preconditioned: {packing_words(runs[0].case)}"
+    return f"Preconditioned: {packing_title(runs[0].case)}"
 
 
 def text(runs: Runs) -> str:
@@ -72,7 +72,7 @@ def text(runs: Runs) -> str:
     gaps = closed if runs[0].case.precompression else "are there at the impact."
     return (
         "Contacts that have dents from the start, of one force everywhere: they shall stay elastic up to that force. "
-        f"The gaps that dents leave between spheres at their nominal places {gaps}{freed_words(runs)}"
+        f"The gaps that dents leave between spheres at their nominal places {gaps}{released_energy_note(runs)}"
     )
 
 
@@ -110,7 +110,8 @@ def verdict(runs: Runs) -> Iterator[str]:
     if level_of(fresh) == 0 and best is not fresh:
         yield (
             f"Impact at {fresh.case.load.velocity:g} m/s: fresh contacts dissipate {100 * fresh.dissipated:.3g} %, "
-            f"those preconditioned to {level_of(best):g} N {100 * best.dissipated:.3g} %." + freed_words((fresh, best))
+            f"those preconditioned to {level_of(best):g} N {100 * best.dissipated:.3g} %."
+            + released_energy_note((fresh, best))
         )
 
 
@@ -123,11 +124,11 @@ def pictures(runs: Runs) -> Iterator[Picture]:
         yield Picture("_pulse", caption, _draw_pulses(fastest))
 
 
-def _by_level(runs: Runs) -> list[tuple[float, list[PastRun]]]:
+def _by_level(runs: Runs) -> list[tuple[float, list[DentedRun]]]:
     return [(level, [run for run in runs if level_of(run) == level]) for level in sorted(set(map(level_of, runs)))]
 
 
-def _one_velocity(runs: Runs) -> list[PastRun]:
+def _one_velocity(runs: Runs) -> list[DentedRun]:
     """Runs by level at the velocity that most levels have, the largest of such."""
     same = max(grouped(runs, "contact.initial_overlap"), key=lambda one: (len(one), one[0].case.load.velocity))
     return rising(same, level_of)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
-class PastRun(FinishedRun):
+class DentedRun(FinishedRun):
     """A finished run of an impact, on spheres with or without a past."""
 
     @cached_property
@@ -68,7 +68,7 @@ class PastRun(FinishedRun):
         with Result(self.directory) as result:
             return reached(result)
 
-    def of_prestage(self, name: str) -> float:
+    def of_static_stage(self, name: str) -> float:
         """What the static stage left, such as ``contacts`` that bear force; NaN without such a stage."""
         with Result(self.directory) as result:
             return float(result[f"prestage/{name}"][-1]) if f"prestage/{name}" in result else np.nan
@@ -82,16 +82,16 @@ TRANSMITTED = Quantity("transmitted_force_N", "Largest force added at the bottom
 ARRIVAL = Quantity("arrival_s", "Arrival there", "µs", lambda run: run.arrival, 1e6)
 
 
-def past_runs(runs: Iterable[FinishedRun]) -> list[PastRun]:
+def past_runs(runs: Iterable[FinishedRun]) -> list[DentedRun]:
     """Runs of impacts."""
     return [
-        run.seen_as(PastRun)
+        run.seen_as(DentedRun)
         for run in runs
         if run.case.load.kind == "impact" and run.summary.get("dissipated_fraction") is not None
     ]
 
 
-def freed_words(runs: Iterable[PastRun]) -> str:
+def released_energy_note(runs: Iterable[DentedRun]) -> str:
     """A further sentence of how more than all of the input is dissipated; empty where none of the runs does so."""
     if not any(run.dissipated > 1 for run in runs):
         return ""

@@ -18,11 +18,11 @@ from granwave.analysis.document.model import Cell, Column, Table, Tone
 from granwave.analysis.figures.series import legend_outside, one_panel
 from granwave.analysis.figures.style import BLUE, ORANGE, Drawing
 from granwave.analysis.formatting.numbers import with_interval
-from granwave.analysis.statistics import Estimate, can_be_told_apart, estimate, exactly
-from granwave.analysis.studies.precompression.runs import PastRun, freed_words, past_runs
+from granwave.analysis.statistics import Estimate, differ_significantly, estimate, exactly
+from granwave.analysis.studies.precompression.runs import DentedRun, past_runs, released_energy_note
 from granwave.analysis.studies.runs import FinishedRun, grouped
 from granwave.analysis.studies.study import Picture
-from granwave.analysis.studies.titles import load_words, packing_words
+from granwave.analysis.studies.titles import load_label, packing_title
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.packing.disorder import DEFAULT_SEED, is_random
 
@@ -36,7 +36,7 @@ class State:
     """Packings made alike but for their seeds."""
 
     words: str
-    runs: tuple[PastRun, ...]
+    runs: tuple[DentedRun, ...]
 
     @property
     def case(self) -> Case:
@@ -48,7 +48,7 @@ class State:
         """The spheres differ in size."""
         return bool(self.case.packing.diameter_scatter)
 
-    def mean(self, value: Callable[[PastRun], float]) -> Estimate | None:
+    def mean(self, value: Callable[[DentedRun], float]) -> Estimate | None:
         """Of a value over the seeds; None where it is not known."""
         values = [value(run) for run in self.runs]
         if not np.isfinite(values).all():
@@ -78,13 +78,13 @@ def text(states: Sequence[State]) -> str:
     """The packing, how it is settled, and what the columns are."""
     case = _scattered_case(states)
     return (
-        f"{packing_words(case)} whose diameters are up to {_scatter(states)} smaller "
+        f"{packing_title(case)} whose diameters are up to {_scatter(states)} smaller "
         f"({case.packing.scatter_distribution}), "
-        f"struck at {load_words(case)}: as placed with gaps, and settled without friction by a static load that stays "
+        f"struck at {load_label(case)}: as placed with gaps, and settled without friction by a static load that stays "
         "on. Means over seeds with 95 % confidence intervals. Contacts that bear force: of two spheres, at the start; "
         "standing without friction takes three for each sphere, those with walls counted. Residual: largest net force "
         "left on a sphere over the largest static force of a contact."
-        + freed_words(run for state in states for run in state.runs)
+        + released_energy_note(run for state in states for run in state.runs)
     )
 
 
@@ -115,7 +115,7 @@ def verdict(states: Sequence[State]) -> Iterator[str]:
         if placed is not None and placed.mean:
             times, as_placed = f"{force.mean / placed.mean:.3g}", with_interval(placed, unit="N")
             sentence += f", {times} times what arrives as placed ({as_placed}"
-            sentence += ", not to be told from it)" if can_be_told_apart(force, placed) is False else ")"
+            sentence += ", not to be told from it)" if differ_significantly(force, placed) is False else ")"
         yield f"{sentence}."
 
 
@@ -138,11 +138,11 @@ def pictures(states: Sequence[State]) -> Iterator[Picture]:
     yield Picture("", "Force at the bottom: settled, as placed, and of like spheres", Drawing(figure, columns))
 
 
-def contacts_a_sphere(run: PastRun) -> float:
+def contacts_a_sphere(run: DentedRun) -> float:
     """Contacts of two spheres that bear force at the start, over the number of spheres; 0 in a packing as placed."""
     if run.case.precompression is None:
         return 0.0
-    return run.of_prestage("contacts") / run.assembly.n_spheres
+    return run.of_static_stage("contacts") / run.assembly.n_spheres
 
 
 def _band(case: Case) -> tuple[float, str]:
@@ -157,15 +157,15 @@ def _scatter(states: Sequence[State]) -> str:
     return f"{1e6 * _scattered_case(states).packing.diameter_scatter:g} µm"
 
 
-def _transmitted(run: PastRun) -> float:
+def _transmitted(run: DentedRun) -> float:
     return run.transmitted
 
 
-def _states(runs: Sequence[PastRun]) -> list[State]:
+def _states(runs: Sequence[DentedRun]) -> list[State]:
     """The ideal packing first, then as placed, then settled by rising load."""
-    found: dict[str, dict[int, PastRun]] = {}
+    found: dict[str, dict[int, DentedRun]] = {}
 
-    def order(run: PastRun) -> tuple[bool, bool, float]:
+    def order(run: DentedRun) -> tuple[bool, bool, float]:
         case = run.case
         return bool(case.packing.diameter_scatter), case.precompression is not None, run.static_force
 
@@ -188,7 +188,7 @@ def _words(case: Case) -> str:
 
 
 def _cells(state: State) -> tuple[Cell, ...]:
-    residual = max(run.of_prestage("residual") for run in state.runs)
+    residual = max(run.of_static_stage("residual") for run in state.runs)
     tone: Tone = "bad" if residual > _ENOUGH else ""
     return (
         Cell(state.words, state.words),

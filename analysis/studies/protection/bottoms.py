@@ -15,7 +15,7 @@ from granwave.analysis.studies.protection import quantities
 from granwave.analysis.studies.protection.runs import TargetRun, impacts, names
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture
-from granwave.analysis.studies.titles import impact_words
+from granwave.analysis.studies.titles import impact_title
 
 _STYLES = tuple(product(("-", "--", ":"), ("black", BLUE, ORANGE, GREEN, PURPLE, SKY, GREY)))
 _MICRO = 1e6
@@ -34,7 +34,7 @@ def select(runs: Sequence[FinishedRun]) -> list[list[TargetRun]]:
 
 def title(runs: Sequence[TargetRun]) -> str:
     """By packing and impact."""
-    return f"Protected target, by bottom: {impact_words(runs[0].case)}"
+    return f"Protected target, by bottom: {impact_title(runs[0].case)}"
 
 
 def text(runs: Sequence[TargetRun]) -> str:

@@ -10,7 +10,7 @@ from granwave.analysis.measures.target import period_of
 from granwave.analysis.studies.protection.runs import TargetRun, impacts, names
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Row
-from granwave.analysis.studies.titles import impact_words
+from granwave.analysis.studies.titles import impact_title
 
 TEXT = (
     "A single elastic sphere on each bottom. Theory: Hertz's impact on a rigid wall; a plate after a short "
@@ -31,7 +31,7 @@ def select(runs: Sequence[FinishedRun]) -> list[list[TargetRun]]:
 
 def title(runs: Sequence[TargetRun]) -> str:
     """By sphere and impact."""
-    return f"Protected target, closed forms: {impact_words(runs[0].case)}"
+    return f"Protected target, closed forms: {impact_title(runs[0].case)}"
 
 
 def rows(runs: Sequence[TargetRun]) -> list[Row]:

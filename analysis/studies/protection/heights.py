@@ -17,7 +17,7 @@ from granwave.analysis.studies.protection import quantities
 from granwave.analysis.studies.protection.runs import TargetRun, impacts, names, series
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture
-from granwave.analysis.studies.titles import impact_words
+from granwave.analysis.studies.titles import impact_title
 
 AllSeries = Sequence[Sequence[TargetRun]]
 
@@ -46,7 +46,7 @@ def select(runs: Sequence[FinishedRun]) -> list[list[list[TargetRun]]]:
 
 def title(found: AllSeries) -> str:
     """By packing and impact."""
-    return f"Protected target, by height: {impact_words(found[0][0].case, height=False)}"
+    return f"Protected target, by height: {impact_title(found[0][0].case, height=False)}"
 
 
 def tables(found: AllSeries) -> list[Table]:
@@ -60,7 +60,7 @@ def verdict(found: AllSeries) -> Iterator[str]:
         first, last = runs[0], runs[-1]
         gained = [quantities.GAIN_PER_MASS.value(run) for run in runs]
         reduction, layers = np.array([(run.value("peak_reduction"), run.layers) for run in runs]).T
-        friction = f", friction {first.friction:g}" if first.case.rubs else ""
+        friction = f", friction {first.friction:g}" if first.case.has_friction else ""
         yield (
             f"{first.bottom[:1].upper()}{first.bottom[1:]}{friction}: from {first.layers} to {last.layers} layers "
             f"the peak reduction goes from {number(reduction[0])} to {number(reduction[-1])} times, about as "

@@ -12,7 +12,7 @@ from granwave.analysis.measures.hertz_impact import Array
 from granwave.analysis.measures.target import Reached, reached
 from granwave.analysis.result.reader import Result
 from granwave.analysis.studies.runs import FinishedRun, all_but, rising
-from granwave.analysis.studies.titles import bottom_words
+from granwave.analysis.studies.titles import bottom_label
 from granwave.lammps_inputs.case.supports import Plate
 from granwave.lammps_inputs.packing.assembly import velocities_of
 
@@ -41,7 +41,7 @@ class TargetRun(FinishedRun):
     @property
     def bottom(self) -> str:
         """What the packing stands on, for people."""
-        return bottom_words(self.case)
+        return bottom_label(self.case)
 
     @property
     def held(self) -> bool:

@@ -22,7 +22,7 @@ from granwave.analysis.measures.target import period_of
 from granwave.analysis.studies.protection.runs import TargetRun, impacts
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture, Row
-from granwave.analysis.studies.titles import impact_words, time_words
+from granwave.analysis.studies.titles import impact_title, time_label
 from granwave.lammps_inputs.case.supports import Plate
 
 TEXT = (
@@ -112,7 +112,7 @@ def spectra(runs: Sequence[TargetRun]) -> list[Spectrum]:
 def title(found: Sequence[Spectrum]) -> str:
     """By packing and impact."""
     one_height = len({one.held.layers for one in found}) == 1
-    return f"Protected target, shock spectrum: {impact_words(found[0].held.case, height=one_height)}"
+    return f"Protected target, shock spectrum: {impact_title(found[0].held.case, height=one_height)}"
 
 
 def rows(found: Sequence[Spectrum]) -> Iterator[Row]:
@@ -128,7 +128,7 @@ def rows(found: Sequence[Spectrum]) -> Iterator[Row]:
                 expected = after_impulse(impulse, plate.mass, plate.stiffness)
                 theory = "short impulse, J/(M omega)"
             remark = "The plate gives way, and less force reaches it." if moved < _GIVES_WAY * expected else ""
-            what = f"Largest displacement of the plate, {plate.mass:g} kg, {time_words(period)}"
+            what = f"Largest displacement of the plate, {plate.mass:g} kg, {time_label(period)}"
             yield Row(what, "µm", None, _MICRO * moved, theory, remark, _MICRO * expected)
 
 
@@ -138,7 +138,7 @@ def verdict(found: Sequence[Spectrum]) -> Iterator[str]:
         ratio = one.without / one.displacement
         if np.isfinite(ratio).all():
             ends = (int(ratio.argmax()), int(ratio.argmin()))
-            most, least = (f"{number(ratio[n])} times at a period of {time_words(one.period[n])}" for n in ends)
+            most, least = (f"{number(ratio[n])} times at a period of {time_label(one.period[n])}" for n in ends)
             yield (
                 f"{one.held.layers} layers make the largest displacement of a plate of {one.plates[0].mass:g} kg "
                 f"smaller by {most} and {least} (below 1: larger). A slow plate feels the impulse, which a packing "
@@ -152,7 +152,7 @@ def pictures(found: Sequence[Spectrum]) -> Iterator[Picture]:
     columns: dict[str, Array] = {}
     for one, colour, marker in zip(found, (BLUE, ORANGE, GREY), "os^", strict=False):
         plate, period, reached = one.plates[0], one.period, one.held.reached
-        friction = f", friction {one.held.friction:g}" if one.held.case.rubs else ""
+        friction = f", friction {one.held.friction:g}" if one.held.case.has_friction else ""
         word = f"{plate.mass:g} kg, {one.held.layers} layers{friction}"
         line = np.geomspace(period.min(), period.max(), _CURVE)
         springs = plate.mass * (2 * math.pi / line) ** 2

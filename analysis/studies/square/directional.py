@@ -8,7 +8,7 @@ from granwave.analysis.measures.directions import AXIS_ANGLE
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.square.runs import WAYS, PackingRun, packings, squares
 from granwave.analysis.studies.study import Row
-from granwave.analysis.studies.titles import law_words
+from granwave.analysis.studies.titles import law_label
 
 TITLE = "How directional the waves stay"
 TEXT = (
@@ -39,4 +39,4 @@ def rows(runs: Sequence[PackingRun]) -> list[Row]:
 
 def _words(run: PackingRun) -> str:
     kind = run.case.packing.kind
-    return f"{kind}, {law_words(run.case)}, {run.speed:g} m/s" + (f", {run.way}" if kind == "square" else "")
+    return f"{kind}, {law_label(run.case)}, {run.speed:g} m/s" + (f", {run.way}" if kind == "square" else "")

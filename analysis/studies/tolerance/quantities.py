@@ -117,7 +117,7 @@ class Measured:
     def shown(
         self, quantities: tuple[Quantity, ...] = QUANTITIES, settings: Sequence[Setting] | None = None
     ) -> list[Quantity]:
-        """The quantities that have a value anywhere; where none of the settings rubs, all is dissipated by yielding.
+        """The quantities that have a value anywhere; without friction all is dissipated by yielding.
 
         Parameters
         ----------
@@ -125,8 +125,8 @@ class Measured:
             Those that are shown; None: all of the packing.
         """
         there = [quantity for quantity in quantities if self.values.get(quantity.name)]
-        rubs = any(setting.friction for setting in (self.packing.settings if settings is None else settings))
-        return [one for one in there if rubs or one not in (PLASTIC, FRICTION)]
+        has_friction = any(setting.friction for setting in (self.packing.settings if settings is None else settings))
+        return [one for one in there if has_friction or one not in (PLASTIC, FRICTION)]
 
     @property
     def performance(self) -> list[Quantity]:

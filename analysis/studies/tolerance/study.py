@@ -10,9 +10,9 @@ from granwave.analysis.document.cells import BLANK
 from granwave.analysis.document.model import Cell, Column, Table
 from granwave.analysis.figures.style import style
 from granwave.analysis.formatting.numbers import with_interval
-from granwave.analysis.statistics import Estimate, can_be_told_apart
+from granwave.analysis.statistics import Estimate, differ_significantly
 from granwave.analysis.studies.study import Picture, Study
-from granwave.analysis.studies.titles import bottom_words, impact_words
+from granwave.analysis.studies.titles import bottom_label, impact_title
 from granwave.analysis.studies.tolerance import figures
 from granwave.analysis.studies.tolerance.axes import Axis, axes_of
 from granwave.analysis.studies.tolerance.quantities import Measured, Quantity, measure
@@ -28,7 +28,7 @@ def studies(packings: Sequence[Packing], undone: Sequence[Mapping[str, Any]] = (
     undone
         Points of scans that failed or were not run, as values of the keys that vary.
     """
-    titles = [f"{impact_words(packing.case)}, {bottom_words(packing.case)}" for packing in packings]
+    titles = [f"{impact_title(packing.case)}, {bottom_label(packing.case)}" for packing in packings]
     with style():
         return [
             _study(measure(packing), number, title, own, any(is_ideal(labels, packing) for labels in undone))
@@ -136,5 +136,5 @@ def _over_ideal(measured: Measured, setting: Setting, quantity: Quantity) -> Cel
     if ideal is None or now is None or not ideal.exact or not ideal.mean:
         return Cell(BLANK)
     share = now.over(ideal.mean / 100)
-    doubt = ", not to be told from it" if can_be_told_apart(ideal, now) is False and not now.exact else ""
+    doubt = ", not to be told from it" if differ_significantly(ideal, now) is False and not now.exact else ""
     return Cell(with_interval(share) + doubt, share.mean)

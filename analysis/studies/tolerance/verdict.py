@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
 from granwave.analysis.formatting.numbers import number, with_interval
-from granwave.analysis.statistics import Estimate, can_be_told_apart, crossing, seeds_needed
+from granwave.analysis.statistics import Estimate, crossing, differ_significantly, seeds_needed
 from granwave.analysis.studies.tolerance.axes import Axis, axes_of, told
 from granwave.analysis.studies.tolerance.quantities import DISSIPATED, FORCE, PLASTIC, Measured, Quantity, cut_short
 from granwave.analysis.studies.tolerance.runs import IDEAL, Setting
@@ -82,7 +82,7 @@ def _at_worst(measured: Measured) -> Iterator[str]:
         worst = min(found, key=lambda setting: found[setting].mean)
         ideal, value = measured.of(quantity, IDEAL), measured.of(quantity, worst)
         assert ideal is not None and value is not None
-        if found[worst].mean >= 1 or can_be_told_apart(ideal, value) is False:
+        if found[worst].mean >= 1 or differ_significantly(ideal, value) is False:
             parts.append(f"the {quantity.words} nowhere {'higher' if quantity.better == 'less' else 'lower'}")
         else:
             share = as_percent(value.over(ideal.mean))
@@ -172,7 +172,7 @@ def _alike(measured: Measured, quantity: Quantity) -> Iterator[str]:
             there = [(setting, value) for setting, value in found if value is not None]
             beside = "" if base == IDEAL else f" at {told(base)}"
             for (first, one), (second, other) in pairwise(there):
-                if can_be_told_apart(one, other) is False:
+                if differ_significantly(one, other) is False:
                     yield f"{axis.words} {axis.of(first):g} and {axis.show(axis.of(second))}{beside}"
 
 

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import Any, ClassVar, Literal
 
 from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.case.schema import Faults, count, number
+from granwave.lammps_inputs.case.schema import ErrorList, count, number
 from granwave.lammps_inputs.case.si_values import DIAMETER, INTERVAL, MASS, TIME, VELOCITY, Usual
 from granwave.workflows.finite_elements.frame import ElementCase
 
@@ -111,33 +111,33 @@ class ContinuumCase(ElementCase):
         return self.run.elements
 
     @staticmethod
-    def _complete(parts: dict[str, Any], data: Mapping[str, Any], faults: Faults) -> None:
+    def _complete(parts: dict[str, Any], data: Mapping[str, Any], errors: ErrorList) -> None:
         block: Block | None = parts["block"]
         punch: Punch | None = parts["punch"]
         run: ContinuumRun | None = parts["run"]
         material: Material | None = parts.get("material")
         if material is not None and material.yield_strength is None:
-            faults.add("material.yield_strength", "missing; a continuum case needs it: give a number in Pa")
+            errors.add("material.yield_strength", "missing; a continuum case needs it: give a number in Pa")
         if punch is not None and not 0 < punch.energy < math.inf:
-            faults.add(
+            errors.add(
                 "punch",
                 f"found {punch.mass:g} kg at {punch.velocity:g} m/s, an energy of {punch.energy:g} J as a number; "
                 "are they in SI units?",
             )
         if punch is not None and 2 * punch.taper > punch.diameter:
-            faults.add(
+            errors.add(
                 "punch.taper", f"found {punch.taper:g} m, expected at most the punch's radius, {punch.diameter / 2:g} m"
             )
         if block is not None and punch is not None and punch.diameter >= block.diameter:
-            faults.add(
+            errors.add(
                 "punch.diameter",
                 f"found {punch.diameter:g} m, expected less than block.diameter, {block.diameter:g} m; "
                 "make the punch narrower or the block wider",
             )
         edge = None if run is None or isinstance(run.edge_size, str) else run.edge_size
         if punch is not None and edge is not None and edge > punch.diameter / 2:
-            faults.add(
+            errors.add(
                 "run.edge_size", f"found {edge:g} m, expected at most the punch's radius, {punch.diameter / 2:g} m"
             )
         if run is not None and not isinstance(run.timestep, str) and run.timestep > run.longest:
-            faults.add("run.timestep", f"found {run.timestep:g} s, expected at most run.end_time, {run.longest:g} s")
+            errors.add("run.timestep", f"found {run.timestep:g} s, expected at most run.end_time, {run.longest:g} s")

@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from granwave.lammps_inputs.case.material import Material, read_material
-from granwave.lammps_inputs.case.schema import Faults, count, number, read_table
+from granwave.lammps_inputs.case.schema import ErrorList, count, number, read_table
 from granwave.lammps_inputs.case.si_values import DIAMETER
 from granwave.workflows.finite_elements.frame import ElementCase
 
@@ -59,9 +59,9 @@ class SphereContactCase(ElementCase):
     run: SphereContactRun = dataclasses.field(default_factory=SphereContactRun)
 
     @staticmethod
-    def _complete(parts: dict[str, Any], data: Mapping[str, Any], faults: Faults) -> None:
+    def _complete(parts: dict[str, Any], data: Mapping[str, Any], errors: ErrorList) -> None:
         if "partner" in data:
-            parts["partner"] = _read_partner(data["partner"], parts, faults)
+            parts["partner"] = _read_partner(data["partner"], parts, errors)
 
     @property
     def radii(self) -> tuple[float, float]:
@@ -106,16 +106,16 @@ class SphereContactCase(ElementCase):
         return self.run.elements
 
 
-def _read_partner(table: Any, parts: Mapping[str, Any], faults: Faults) -> Partner | None:
+def _read_partner(table: Any, parts: Mapping[str, Any], errors: ErrorList) -> Partner | None:
     """The partner; what it leaves out is as of the first sphere."""
     own = {key: value for key, value in table.items() if key != "material"} if isinstance(table, Mapping) else table
     sphere: Sphere | None = parts.get("sphere")
     if isinstance(own, Mapping) and "radius" not in own and sphere is not None:
         own = {**own, "radius": sphere.radius}
-    body = read_table(Sphere, own, "partner", faults)
+    body = read_table(Sphere, own, "partner", errors)
     material: Material | None = parts.get("material")
     if isinstance(table, Mapping) and "material" in table:
-        material = read_material(table["material"], faults, "partner.material")
+        material = read_material(table["material"], errors, "partner.material")
     return None if body is None or material is None else Partner(radius=body.radius, material=material)
 
 
