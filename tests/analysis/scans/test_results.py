@@ -1,0 +1,355 @@
+"""The table and the figures of a scan, and the speed of a wave, against numbers that are known."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+import os
+import sys
+import time
+
+import h5py
+import numpy as np
+import pytest
+
+from granwave.analysis import summarise, write_result
+from granwave.analysis.measures.wave_speed import wave_speed
+from granwave.analysis.result.reader import Result
+from granwave.analysis.scans.figures import draw_scan_figures
+from granwave.analysis.scans.keys import key_of
+from granwave.analysis.scans.result import ScanResult
+from granwave.analysis.scans.table import (
+    column_unit,
+    independent_keys,
+    read_scan,
+    scan_statistics,
+    scan_table,
+    write_scan_table,
+)
+from granwave.lammps_inputs import load_case, sphere_contact, write_deck
+from granwave.lammps_inputs.ownership import claim
+from granwave.workflows import library
+from tests.helpers import synthetic
+from tests.helpers.synthetic_scan import case_of, grid, point_id, summary_of, write_json, write_scan
+
+QUANTITIES = {"dissipated_fraction", "plastic_zone_depth", "plastic_spheres", "peak_force", "wave_speed"}
+
+
+@pytest.fixture(scope="module")
+def scan(tmp_path_factory):
+    """Three velocities of two materials: point 2 failed, point 5 was never begun."""
+    points = grid(load__velocity=[1, 5, 20], material=["brass", "steel"])
+    reason = 'ERROR: "lost atoms",\nrank 0: \udcff\0µ'
+    return write_scan(tmp_path_factory.mktemp("scan"), points, failed={2: reason}, missing=[5])
+
+
+def rows_of(path):
+    with open(path, encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_columns_in_order_and_values(scan):
+    table = scan_table(ScanResult(scan))
+    names = list(table)
+    assert names[:6] == ["load.velocity", "material", "status", "reason", "directory", "attempts"]
+    assert names[6:8] == ["name", "n_spheres"] and names[-2:] == ["versions.granwave", "versions.lammps"]
+    assert table["status"] == ["done", "failed", "done", "done", "missing", "done"]
+    assert table["attempts"] == [1, 2, 1, 1, 0, 1]
+    labels = {"load.velocity": 5, "material": "brass"}
+    assert table["directory"][2] == f"points/{point_id(labels)}"
+    assert table["directory"][1].startswith("unfinished/") and table["directory"][4] == ""
+    assert table["peak_force_N"][2] == summary_of(case_of(labels))["peak_force_N"]
+    assert table["peak_force_N"][1] is None and table["peak_force_N"][4] is None
+
+
+def test_csv_gives_every_number_back(scan):
+    path = write_scan_table(scan)
+    assert path == scan / "scan.csv" and not (scan / "scan_mean.csv").exists()
+    assert b"\r" not in path.read_bytes()
+    rows, table = rows_of(path), scan_table(ScanResult(scan))
+    assert list(rows[0]) == list(table) and len(rows) == 6
+    assert [row["peak_force_N"] and float(row["peak_force_N"]) for row in rows] == [
+        "" if value is None else value for value in table["peak_force_N"]
+    ]
+    assert rows[1]["reason"] == 'ERROR: "lost atoms",\nrank 0: ?µ'
+    assert [path.name for path in scan.iterdir() if path.name.startswith(".")] == [".granwave"]  # no scratch file
+
+
+def test_hdf5_has_types_and_units(scan):
+    write_scan_table(scan)
+    with h5py.File(scan / "scan.h5") as file:
+        assert (file.attrs["name"], file.attrs["case"]) == ("synthetic", "fcc-small")
+        assert set(file) == set(scan_table(ScanResult(scan)))
+        assert file["load.velocity"].dtype == np.int64 and file["load.velocity"].attrs["unit"] == "m/s"
+        assert file["n_spheres"].dtype == np.float64 and math.isnan(file["n_spheres"][1])  # missing in two rows
+        assert file["material"].asstr()[1] == "steel" and file["status"].asstr()[4] == "missing"
+        assert all("unit" in column.attrs for column in file.values())
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [
+        ("energy_input_J", "J"),
+        ("peak_force_N", "N"),
+        ("peak_force_N.std", "N"),
+        ("peak_overlap_m", "m"),
+        ("plastic_zone_volume_m3", "m^3"),
+        ("wave_speed_m_s", "m/s"),
+        ("wall_impulse_Ns", "N s"),
+        ("wall_time_s", "s"),
+        ("sphere_steps_per_s", "1/s"),
+        ("n_steps", "1"),
+        ("versions.plugin_s", "1"),
+        ("material.youngs_modulus", "Pa"),
+        ("packing.diameter", "m"),
+        ("dissipated_fraction", "1"),
+    ],
+)
+def test_units(name, unit):
+    assert column_unit(name) == unit
+
+
+def test_summary_values_do_not_displace_keys(tmp_path):
+    write_scan(tmp_path, [{"name": "one"}, {"name": "two"}])
+    table = scan_table(ScanResult(tmp_path))
+    assert table["name"] == table["summary.name"] == ["one", "two"]
+
+
+def test_a_scan_without_a_finished_point(tmp_path):
+    write_scan(tmp_path, grid(load__velocity=[1, 2]), missing=[1, 2])
+    assert [row["status"] for row in rows_of(write_scan_table(tmp_path))] == ["missing", "missing"]
+    assert draw_scan_figures(tmp_path) == []
+    assert read_scan(tmp_path).where("done").n_points == 0
+
+
+def test_replicates_have_means_and_deviations(tmp_path):
+    points = grid(load__velocity=[1, 5], packing__seed=[1, 2, 3])
+    write_scan(tmp_path, points, missing=[3, 5, 6])
+    statistics = scan_statistics(ScanResult(tmp_path))
+    forces = [summary_of(case_of(point))["peak_force_N"] for point in points]
+    assert statistics["load.velocity"] == [1, 5] and statistics["n"] == [2, 1]
+    assert "packing.seed" not in statistics and "name.mean" not in statistics
+    assert statistics["peak_force_N.mean"] == pytest.approx([sum(forces[:2]) / 2, forces[3]], rel=1e-14)
+    assert statistics["peak_force_N.std"][0] == pytest.approx(abs(forces[0] - forces[1]) / math.sqrt(2), rel=1e-12)
+    assert statistics["peak_force_N.std"][1] is None and statistics["peak_force_N.ci95"][1] is None
+    half = 12.7062 * statistics["peak_force_N.std"][0] / math.sqrt(2)  # of two values, by tables
+    assert statistics["peak_force_N.ci95"][0] == pytest.approx(half, rel=1e-5)
+    write_scan_table(tmp_path)
+    assert rows_of(tmp_path / "scan_mean.csv")[1]["peak_force_N.std"] == ""
+    with h5py.File(tmp_path / "scan.h5") as file:
+        assert file["mean/n"][()].tolist() == [2, 1] and math.isnan(file["mean/peak_force_N.std"][1])
+        assert file["mean/peak_force_N.mean"].attrs["unit"] == file["mean/peak_force_N.ci95"].attrs["unit"] == "N"
+
+
+def test_two_thousand_points_are_quick(tmp_path):
+    """The summaries are read once; then the table is written again within a second."""
+    points = [{"load.velocity": 1 + n / 1000} for n in range(2000)]
+    summary = summary_of(case_of({}))
+    for labels in points:
+        folder = tmp_path / "points" / point_id(labels)
+        folder.mkdir(parents=True)
+        write_json(folder / "summary.json", summary)
+    index = [{"number": n, "id": point_id(labels), "labels": labels} for n, labels in enumerate(points, start=1)]
+    write_json(tmp_path / "scan.json", {"name": "many", "case": "c", "varied": ["load.velocity"], "points": index})
+    result = ScanResult(tmp_path)
+    write_scan_table(result)
+    start = time.process_time()
+    write_scan_table(result)
+    assert time.process_time() - start < 1.0
+
+
+def test_reader(scan):
+    data = read_scan(scan)
+    assert data.n_points == 6 and data.varied == ("load.velocity", "material")
+    assert data["load.velocity"].tolist() == [1, 1, 5, 5, 20, 20]
+    brass = data.where("done", material="brass")
+    assert brass["load.velocity"].tolist() == [1, 5] and brass.unit("peak_force_N") == "N"
+    assert np.all(np.isfinite(brass["peak_force_N"]))
+    with pytest.raises(KeyError, match=r"no column peak; it has load\.velocity"):
+        data["peak"]
+
+
+def test_reader_for_pandas(scan):
+    pytest.importorskip("pandas")
+    frame = read_scan(scan).to_pandas()
+    assert frame.groupby("status").size().to_dict() == {"done": 4, "failed": 1, "missing": 1}
+
+
+def test_reader_for_xarray(tmp_path):
+    """Zipped keys share a dimension, and the order of the points does not matter."""
+    pytest.importorskip("xarray")
+    points = [
+        {"load.velocity": v, "material": m, "run.end_time": t}
+        for m in ("steel", "brass")
+        for v, t in ((1, 2e-3), (5, 1e-3))
+    ]
+    write_scan(tmp_path, [points[2], *points[:2], points[3]])
+    data = read_scan(tmp_path).to_xarray()
+    assert dict(data.sizes) == {"load.velocity": 2, "material": 2}
+    assert data["run.end_time"].dims == ("load.velocity",)
+    found = data["peak_force_N"].sel({"load.velocity": 5, "material": "steel"})
+    assert found == summary_of(case_of({"load.velocity": 5, "material": "steel"}))["peak_force_N"]
+    assert data["peak_force_N"].attrs["units"] == "N"
+    write_scan(tmp_path / "bad", [*points, {"load.velocity": 9, "material": "brass", "run.end_time": 1.0}])
+    with pytest.raises(ValueError, match="found 5 points at 5 places of a grid of 3 x 2"):
+        read_scan(tmp_path / "bad").to_xarray()
+
+
+@pytest.mark.parametrize("package", ["pandas", "xarray"])
+def test_reader_says_what_is_missing(scan, monkeypatch, package):
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(ImportError, match=f"pip install {package}"):
+        getattr(read_scan(scan), f"to_{package}")()
+
+
+def test_independent_keys():
+    labels = {
+        "run.end_time": [2, 1, 2, 1],
+        "load.velocity": [1, 5, 1, 5],
+        "material": ["a", "a", "b", "b"],
+        "c": [0] * 4,
+    }
+    assert independent_keys(labels) == ["load.velocity", "material"]
+
+
+def test_sizes_are_numbers():
+    key = key_of("packing.size", ["[24, 24, 6]", "[24, 24, 12]"])
+    assert key.numeric and key.values == (6, 12) and key.naming.words == "Layers"
+    assert key_of("packing.size", ["[4, 4, 6]", "[5, 5, 6]"]).values == (96, 150)
+    assert key_of("packing.size", [20, 40]).values == (20, 40)
+    assert not key_of("run.end_time", [1e-3, "auto"]).numeric
+
+
+def stems(paths):
+    return {path.stem for path in paths}
+
+
+def test_figures_of_velocity_and_material(scan):
+    written = draw_scan_figures(scan)
+    expected = {f"{name}_vs_load_velocity" for name in QUANTITIES}
+    assert stems(written) == expected | {"collapse_dissipated_fraction", "collapse_plastic_volume"}
+    for path in written:
+        assert all(path.with_suffix(suffix).stat().st_size > 0 for suffix in (".png", ".pdf", ".csv"))
+    rows = rows_of(scan / "figures" / "peak_force_vs_load_velocity.csv")
+    labels = [{"load.velocity": v, "material": m} for m, v in (("brass", 1), ("brass", 5), ("steel", 5), ("steel", 20))]
+    for row, point in zip(rows, labels, strict=True):
+        case = case_of(point)
+        assert (float(row["load.velocity_m_s"]), row["material"]) == (point["load.velocity"], point["material"])
+        force = summary_of(case)["peak_force_N"] / sphere_contact(case).yield_force
+        assert float(row["peak_force_over_yield_force"]) == pytest.approx(force, rel=1e-9)
+
+
+def test_categories_as_bars(tmp_path):
+    write_scan(tmp_path, grid(packing__kind=["fcc", "hcp", "bcc"], material=["brass", "steel"]))
+    assert stems(draw_scan_figures(tmp_path, pdf=False)) == {f"{name}_vs_packing_kind" for name in QUANTITIES}
+    rows = rows_of(tmp_path / "figures" / "plastic_spheres_vs_packing_kind.csv")
+    assert [(row["packing.kind"], row["material"]) for row in rows[2:4]] == [("bcc", "brass"), ("fcc", "steel")]
+    expected = summary_of(case_of({"packing.kind": "fcc", "material": "steel"}))["n_plastic_spheres"]
+    assert float(rows[3]["n_plastic_spheres"]) == expected
+
+
+def test_keys_varied_together_and_text_with_commas(tmp_path):
+    """A size that goes with the kind: curves over the one, bars by the other, no legend; in a CSV file it is quoted."""
+    zipped = [{"packing.kind": kind, "packing.size": f"[12, 12, {n}]"} for kind, n in (("fcc", 10), ("hcp", 12))]
+    write_scan(tmp_path / "zip", zipped)
+    names = stems(draw_scan_figures(tmp_path / "zip", pdf=False))
+    assert names == {f"{name}_vs_packing_{key}" for name in QUANTITIES for key in ("size", "kind")}
+    assert len(rows_of(tmp_path / "zip" / "figures" / "peak_force_vs_packing_size.csv")[0]) == 2
+    write_scan(tmp_path / "grid", grid(load__velocity=[1, 2], packing__size=["[12, 12, 10]", "[24, 24, 12]"]))
+    draw_scan_figures(tmp_path / "grid", pdf=False)
+    rows = rows_of(tmp_path / "grid" / "figures" / "peak_force_vs_load_velocity.csv")
+    assert [row["packing.size"] for row in rows] == ["[12, 12, 10]"] * 2 + ["[24, 24, 12]"] * 2
+
+
+def test_figures_of_a_grid_with_replicates(tmp_path):
+    points = grid(load__velocity=[1, 10], packing__diameter=[0.005, 0.01], packing__seed=[1, 2])
+    write_scan(tmp_path, points)
+    names = stems(draw_scan_figures(tmp_path, pdf=False))
+    assert {"dissipated_fraction_map", "wave_speed_vs_packing_diameter"} <= names
+    assert not any("seed" in name for name in names)
+    rows = rows_of(tmp_path / "figures" / "wave_speed_vs_packing_diameter.csv")
+    assert [float(row["packing.diameter_m"]) for row in rows] == [0.005, 0.01, 0.005, 0.01]
+    speeds = [summary_of(case_of(point))["wave_speed_m_s"] for point in points[:2]]
+    assert float(rows[0]["wave_speed_m_s"]) == pytest.approx(np.mean(speeds), rel=1e-9)
+    assert float(rows[0]["standard_deviation"]) == pytest.approx(np.std(speeds, ddof=1), rel=1e-9)
+    assert rows[0]["n"] == "2"
+
+
+def test_figures_that_make_no_sense_any_more_go(tmp_path):
+    write_scan(tmp_path, grid(load__velocity=[1, 2], contact__law=["hertz"]))
+    folder = tmp_path / "figures"
+    folder.mkdir()
+    claim(tmp_path, ["figures/plastic_spheres_vs_load_velocity.png"])
+    for name in ("plastic_spheres_vs_load_velocity.png", "mine_vs_theirs.png", "own.png"):
+        (folder / name).touch()
+    assert stems(draw_scan_figures(tmp_path, pdf=False)) == {
+        "peak_force_vs_load_velocity",
+        "wave_speed_vs_load_velocity",
+    }
+    assert (folder / "own.png").exists() and not (folder / "plastic_spheres_vs_load_velocity.png").exists()
+    header = (folder / "peak_force_vs_load_velocity.csv").read_text().splitlines()[0]
+    assert header.endswith("peak_force_N")  # no yield force to divide by
+    os.remove(tmp_path / "points" / point_id({"load.velocity": 1, "contact.law": "hertz"}) / "summary.json")
+    assert draw_scan_figures(tmp_path) == []
+    assert sorted(path.name for path in folder.iterdir()) == ["mine_vs_theirs.png", "own.png"]
+
+
+def test_wave_speed_of_known_arrivals(tmp_path):
+    """Contacts of the synthetic chain were first loaded at their distance over 1000 m/s."""
+    case = synthetic.make_case("chain", 20)
+    synthetic.write_run(tmp_path, case)
+    write_result(tmp_path)
+    assert summarise(tmp_path)["wave_speed_m_s"] == pytest.approx(1000.0, rel=1e-9)
+
+
+def test_wave_speed_takes_the_first_arrival_of_deep_layers():
+    """Two spheres a layer; the upper layers, a later sphere and layers never reached do not count."""
+    layer = np.arange(16)
+    depth = np.repeat(layer * 0.01, 2) + 1e-9 * np.tile([0, 1], 16)
+    arrival = np.repeat(layer * 0.01 / 500.0, 2)
+    arrival[1::2] += 1e-3
+    arrival[:12] = 1e-9
+    arrival[-4:] = np.nan
+    assert wave_speed(depth, arrival, 0.01) == pytest.approx(500.0, rel=1e-6)
+    assert wave_speed(depth[:16], arrival[:16], 0.01) is None  # eight layers: three below the upper five
+    assert wave_speed(depth, np.full(32, 1e-6), 0.01) is None
+    assert wave_speed(np.zeros(9), arrival[:9], 0.01) is None
+
+
+def test_wave_speed_of_a_hertz_chain(granwave, tmp_path):
+    """A solitary wave: Nesterenko's speed, with the peak force that the chain carries."""
+    settings = ["contact.law=hertz", "packing.kind=chain", "packing.size=40", "run.end_time=5.5e-4", "run.frames=2"]
+    options = [word for setting in settings for word in ("--set", setting)]
+    assert granwave("run", "fcc-small", "-o", tmp_path / "r", *options).returncode == 0
+    found = json.loads((tmp_path / "r" / "summary.json").read_text())["wave_speed_m_s"]
+    with Result(tmp_path / "r") as result:
+        force = float(np.median(result["contacts/peak_force"][20:35]))
+        material, diameter = result.case.material, result.case.packing.diameter
+    stiffness = 2 * material.youngs_modulus / (diameter * material.density**1.5 * (1 - material.poisson_ratio**2))
+    assert found == pytest.approx(0.6802 * stiffness ** (1 / 3) * force ** (1 / 6), rel=0.02)
+
+
+def test_wave_speed_in_a_packing_that_yields(lmp, tmp_path):
+    """The first force in a layer comes with the peak force about four layers above.
+
+    The lead grows by half a layer over the depth, since the wave gets weaker: the speed is 10 % above that of the peak.
+    """
+    settings = ["packing.size=[14,14,14]", "run.end_time=1.9e-4", "run.frames=2", "boundary.bottom=free"]
+    written = write_deck(load_case(library.find("fcc-small"), settings), tmp_path)
+    assert lmp(written.script).returncode == 0
+    write_result(tmp_path)
+    found = summarise(tmp_path)["wave_speed_m_s"]
+    with Result(tmp_path) as result:
+        depth = result["spheres/position"][:, 2] - result.origin[2]
+        arrivals = result["spheres/time_first"]
+        first, second = result["contacts/i"] - 1, result["contacts/j"] - 1
+        force, peak = result["contacts/peak_force"], result["contacts/time_peak"]
+    spacing = written.case.packing.diameter * math.sqrt(2 / 3)
+    layer = np.rint(depth / spacing).astype(int)
+    gap = np.where(layer[first] != layer[second], np.minimum(layer[first], layer[second]), -1)  # below this layer
+    above = range(2, 9)
+    passed = [peak[gap == k][np.argmax(force[gap == k])] for k in above]
+    arrived = [np.nanmin(arrivals[layer == k + 5]) for k in above]  # the contact above it is four below
+    assert arrived == pytest.approx(passed, rel=0.06)
+    assert found == pytest.approx(np.polyfit(passed, np.arange(7) * spacing, 1)[0], rel=0.12)

@@ -1,0 +1,211 @@
+"""The study of tolerances: how runs are put together, what it says of made-up ones, and a small real scan."""
+
+from __future__ import annotations
+
+import itertools
+import json
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from granwave.analysis.reports.inputs import read_inputs
+from granwave.analysis.reports.sections.studies import studies_of
+from granwave.analysis.statistics import estimate
+from granwave.analysis.studies.study import Study
+from granwave.analysis.studies.tolerance.axes import RUBBING, SCATTER
+from granwave.analysis.studies.tolerance.quantities import DISSIPATED, FORCE, measure
+from granwave.analysis.studies.tolerance.runs import IDEAL, Packing, Setting, collect
+from granwave.analysis.studies.tolerance.verdict import tolerance
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.packing.disorder import is_random
+from granwave.workflows import load_case, run_case
+from tests.helpers.synthetic_report import build, notes, table
+from tests.helpers.synthetic_scan import case_of, grid, write_json, write_scan
+
+FORCE_IDEAL, SHARE_IDEAL = 1332.0, 0.88
+TABLE = "Mean and 95 % confidence interval"
+
+
+def summary_of(case: Case, **others: Any) -> dict[str, Any]:
+    """Force halves with every 2 um, dissipation falls by 2 % with every um, friction takes from both."""
+    scatter, friction = 1e6 * case.packing.diameter_scatter, case.contact.friction
+    rng = np.random.default_rng([case.packing.seed or 1, round(scatter * 10)])
+    noise = 1 + 0.05 * rng.standard_normal() if is_random(case) else 1.0
+    share = SHARE_IDEAL * (1 - 0.02 * scatter)
+    plastic = share * (1 - 0.8 * friction)
+    return {
+        "name": case.name,
+        "n_spheres": assemble(case).lattice.n_spheres,
+        "end_time_s": 1e-3,
+        "energy_input_J": 0.0556,
+        "dissipated_fraction": share,
+        "plastic_fraction": plastic,
+        "friction_fraction": share - plastic,
+        "wall_peak_force_N": FORCE_IDEAL * 0.5 ** (scatter / 2) * (1 - friction) * noise,
+        "n_plastic_contacts": 3000,
+        "n_plastic_spheres": round(1500 * noise),
+        "plastic_zone_volume_m3": 1e-3 * noise,
+        "plastic_zone_depth_m": 0.1,
+        "base_arrival_s": 3e-4 * (1 + scatter / 5),
+        "velocity_normalised": 47.4,
+        "energy_input_normalised": 1e5,
+        "versions": {},
+        **others,
+    }
+
+
+def write(directory: Path, settings: Iterable[dict[str, Any]], **others: Any) -> list[Path]:
+    """Directories of runs, by what differs from a synthetic case."""
+    written = []
+    for n, labels in enumerate(settings):
+        case = case_of(labels)
+        place = directory / f"run{n}"
+        place.mkdir(parents=True)
+        (place / "case.toml").write_text(case.to_toml(), encoding="utf-8")
+        write_json(place / "summary.json", summary_of(case, **others))
+        written.append(place)
+    return written
+
+
+def settings(
+    scatters: Iterable[float], frictions: Iterable[float] = (0.0,), seeds: int = 6, **others: Any
+) -> list[dict]:
+    """Every combination, ideal ones once; scatters in um."""
+    return [
+        {"packing.diameter_scatter": 1e-6 * scatter, "contact.friction": friction, "packing.seed": seed, **others}
+        for friction in frictions
+        for scatter in scatters
+        for seed in range(1, (seeds if scatter else 1) + 1)
+    ]
+
+
+def found_in(paths: Iterable[Path], base: Path) -> list[Study]:
+    return studies_of(read_inputs(list(paths), base))
+
+
+def packings_in(paths: Iterable[Path], base: Path) -> list[Packing]:
+    return collect((run.label, run.directory, run.summary) for run in read_inputs(list(paths), base).runs)
+
+
+def test_runs_are_put_together_by_what_is_hit(tmp_path: Path) -> None:
+    paths = write(tmp_path / "a", settings([0, 1], seeds=2))
+    paths += write(tmp_path / "b", settings([0, 1], seeds=2, material="steel"))
+    paths += write(tmp_path / "c", [{"load.velocity": 10}])  # alone
+    paths += write(tmp_path / "d", settings([1], seeds=1, **{"run.end_time": 2e-3}), end_time_s=2e-3)
+    brass, steel = packings_in(paths, tmp_path)
+    assert brass.settings == steel.settings == [IDEAL, Setting(scatter=1e-6)]
+    assert [run.seed for run in brass.runs[Setting(1e-6)]] == [1, 2]
+    longer, other = brass.runs[Setting(1e-6)]
+    assert longer.directory.parent.name == "d" and other.directory.parent.name == "a"  # of equal ones the longest
+    assert steel.case.material.name == "steel"
+
+
+def test_many_packings_with_friction_and_without_are_another_study(tmp_path: Path) -> None:
+    materials = ["brass", "steel", "aluminium", "stainless-steel-316"]
+    paths = [write(tmp_path / m, settings([0], frictions=(0, 0.3), material=m)) for m in materials]
+    assert packings_in(itertools.chain(*paths), tmp_path) == []
+    assert len(packings_in(itertools.chain(*paths[:3]), tmp_path)) == 3
+    paths.append(write(tmp_path / "more", settings([0, 5], **{"load.velocity": 9.0})))
+    (kept,) = packings_in(itertools.chain(*paths), tmp_path)
+    assert kept.case.load.velocity == 9.0
+
+
+def test_neither_one_setting_nor_other_loads_are_a_study(tmp_path: Path) -> None:
+    assert packings_in(write(tmp_path / "a", settings([1], seeds=5)), tmp_path) == []
+    assert packings_in(write(tmp_path / "b", [{"load.velocity": v} for v in (1, 2)]), tmp_path) == []
+
+
+def test_means_and_what_is_left(tmp_path: Path) -> None:
+    (packing,) = packings_in(write(tmp_path, settings([0, 2, 5, 10], [0, 0.2])), tmp_path)
+    measured = measure(packing)
+    five = Setting(scatter=5e-6)
+    forces = [run.summary["wall_peak_force_N"] for run in packing.runs[five]]
+    assert measured.of(FORCE, five) == estimate(forces) and len(forces) == 6
+    assert measured.of(FORCE, IDEAL).exact and measured.of(FORCE, Setting(friction=0.2)).exact
+    assert measured.left(DISSIPATED, five).mean == pytest.approx(0.9)
+    assert measured.left(FORCE, five).mean == pytest.approx(FORCE_IDEAL / np.mean(forces))  # less force is better
+    assert tolerance(measured, DISSIPATED, SCATTER) == pytest.approx(5.0)
+    assert tolerance(measured, FORCE, SCATTER) is None and tolerance(measured, FORCE, RUBBING) is None
+    assert [axis.name for axis in (SCATTER, RUBBING) if axis.bases(packing)] == ["scatter", "friction"]
+
+
+def test_the_report_says_what_is_left(tmp_path: Path) -> None:
+    paths = write(tmp_path, settings([0, 0.01, 2, 10], [0, 0.2]))
+    report = build(paths, tmp_path)
+    assert [section.slug for section in report.sections][:2] == ["short", "verdict"]
+    said = " ".join(note.text for note in notes(report, "verdict"))
+    for words in (
+        "Against the ideal packing's: the peak force on the bottom nowhere higher; the dissipated share of the energy at "
+        "worst 80 %, at diameter scatter 10 µm; the share dissipated by yielding at worst 67.2 %, at diameter scatter "
+        "10 µm, friction coefficient 0.2.",
+        "the dissipated share of the energy is 80 % of the ideal packing's (0.704, 6 seeds; ideal: 0.88)",
+        "It is 90 % of the ideal packing's or more up to about 5 µm (between 2 and 10 µm)",
+        "of the ideal packing's (41",  # 1332/32 N and its interval
+        "By peak force on the bottom these cannot be told apart with the seeds there are: diameter scatter 0 and 0.01 µm; diameter "
+        "scatter 0 and 0.01 µm at friction coefficient 0.2",
+        "takes 5 seeds, which there are",
+    ):
+        assert words in said, said
+    rows = table(report, "studies", TABLE)
+    assert len(rows) == 8 and [row["Seeds"].text for row in rows[:4]] == ["not random", "not random", "6", "6"]
+    assert rows[0]["Peak force on the bottom"].text == "1330" and " ± " in rows[2]["Peak force on the bottom"].text
+    against = table(report, "studies", "Against the ideal packing")
+    assert "not to be told from it" in against[1]["Peak force on the bottom"].text
+    (study,) = found_in(paths, tmp_path)
+    assert [picture.name for picture in study.pictures] == [
+        "tolerances_scatter", "tolerances_friction", "tolerances_scatter_friction", "tolerances_seeds",
+    ]  # fmt: skip
+    columns = study.pictures[0].drawing.columns
+    assert set(columns["quantity"]) >= {"wall_peak_force_N", "friction_fraction", "base_arrival_s"}
+    chosen = (columns["quantity"] == "wall_peak_force_N") & (columns["diameter_scatter_m"] > 0)
+    assert np.all(columns["n"][chosen] == 6) and np.all(columns["low_95"][chosen] < columns["mean"][chosen])
+
+
+def test_doubt_is_said_where_it_is_due(tmp_path: Path) -> None:
+    (single,) = found_in(write(tmp_path / "a", settings([0, 2], seeds=1)), tmp_path)
+    assert "one seed: its confidence is not known" in single.verdict[1]
+
+
+def test_the_ideal_packing_is_missed_only_where_it_was_asked_for(tmp_path: Path) -> None:
+    alone = write(tmp_path / "alone", settings([2, 5]))
+    (study,) = found_in(alone, tmp_path)
+    assert study.verdict == () and [table.caption for table in study.tables] == [TABLE]
+    frictions = grid(contact__friction=[0.0, 0.1, 0.2])
+    for name, undone, scatter, n_said in (
+        ("ideal", {"failed": {1: "it broke"}}, 0.0, 1), ("missing", {"missing": [1]}, 0.0, 1),
+        ("other", {"failed": {2: "it broke"}}, 5e-6, 0), ("scattered", {"failed": {1: "it broke"}}, 5e-6, 0),
+    ):  # fmt: skip
+        points = [point | ({"packing.diameter_scatter": scatter} if scatter else {}) for point in frictions]
+        scan = write_scan(tmp_path / name, points, **undone)
+        index = json.loads((scan / "scan.json").read_text())
+        index["varied"] = ["contact.friction"]  # the scatter is set for all points
+        for entry in index["points"]:
+            entry["labels"].pop("packing.diameter_scatter", None)
+        write_json(scan / "scan.json", index)
+        (study,) = found_in([scan], tmp_path)
+        said = [text for text in study.verdict if "ideal packing (no scatter, no friction) has not finished" in text]
+        assert len(said) == n_said, name
+
+
+def test_real_packings(tmp_path: Path) -> None:
+    """Gaps delay the wave; the table is that of the runs."""
+    size = {"packing.size": [6, 6, 4], "run.end_time": 2e-4}
+    for name, scatter, seed in (("ideal", 0.0, 1), ("a", 2e-6, 1), ("b", 2e-6, 2), ("c", 1e-5, 1), ("d", 1e-5, 2)):
+        changes = size | {"packing.diameter_scatter": scatter, "packing.seed": seed}
+        run_case(load_case("fcc-small", changes), tmp_path / name, figures=False)
+    inputs = read_inputs([tmp_path / name for name in ("d", "b", "ideal", "a", "c")], tmp_path)
+    (study,) = studies_of(inputs)
+    assert "FCC packing of 6 x 6 x 4 brass spheres of 10 mm, elasto-plastic contacts, 5 m/s, rigid wall" in study.title
+    (found,) = [part for part in study.tables if part.caption == TABLE]
+    heads = [column.heading for column in found.columns]
+    rows = [dict(zip(heads, row, strict=True)) for row in found.rows]
+    forces = {run.label: run.summary["wall_peak_force_N"] for run in inputs.runs}
+    expected = [forces["ideal"], (forces["a"] + forces["b"]) / 2, (forces["c"] + forces["d"]) / 2]
+    assert [row["Peak force on the bottom"].value for row in rows] == pytest.approx(expected)
+    assert [row["Seeds"].value for row in rows] == [0, 2, 2]
+    arrivals = [row["Arrival at the bottom"].value for row in rows]
+    assert arrivals == sorted(arrivals) and arrivals[-1] > 1.3 * arrivals[0]

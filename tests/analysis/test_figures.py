@@ -1,0 +1,185 @@
+"""Figures: which are drawn, what lies beside them, and that the renderer hides what is hidden."""
+
+from __future__ import annotations
+
+import csv
+
+import numpy as np
+import pytest
+
+from granwave.analysis import MissingOutputError, Result, analyse, write_result
+from granwave.analysis.figures import packing3d, sphere_renderer
+from granwave.analysis.figures.run_figures import FIGURES
+from granwave.analysis.measures.bare_target import bare_target_peak
+from granwave.lammps_inputs import struck_spheres
+from granwave.lammps_inputs.packing.assembly import assemble
+from tests.helpers import synthetic
+
+MOVING = {"energies", "bottom_force", "target", "impactor_velocity"}
+PLANES = {"peak_force_principal", "peak_force_orthogonal", "wave_front", "packing_3d", "directions"}
+LOST = {"dissipation_ranked", "dissipation_cumulated", "plastic_zone_growth", "plastic_zone_size"}
+LOST_PLANES = {"dissipation_principal", "dissipation_orthogonal", "packing_3d_dissipation"}
+
+
+@pytest.fixture(autouse=True)
+def small_pictures(monkeypatch):
+    monkeypatch.setattr(packing3d, "_PIXELS", 120)
+
+
+def makes_sense(directory, case):
+    """Names of the figures that the run has, drawn but not saved."""
+    write_result(synthetic.write_run(directory, case))
+    with Result(directory) as result:
+        return {name for name, draw in FIGURES.items() if draw(result) is not None}
+
+
+def drawn(directory, case, **options):
+    analyse(synthetic.write_run(directory, case, **options))
+    folder = directory / "figures"
+    names = {path.stem for path in folder.glob("*.png")}
+    for suffix in ("pdf", "csv"):
+        assert {path.stem for path in folder.glob(f"*.{suffix}")} == names
+    assert all(path.stat().st_size > 0 for path in folder.iterdir())
+    return names
+
+
+@pytest.mark.parametrize("kind", ["fcc", "hcp", "bcc", "sc"])
+def test_figures_of_packings(tmp_path, kind):
+    assert makes_sense(tmp_path, synthetic.make_case(kind, (6, 6, 4))) == MOVING | PLANES | LOST | LOST_PLANES | {
+        "peak_force_depth"
+    }
+
+
+def test_figures_of_a_hertzian_packing(tmp_path):
+    assert makes_sense(tmp_path, synthetic.make_case(law="hertz")) == MOVING | PLANES | {"peak_force_depth"}
+
+
+@pytest.mark.parametrize("size", [2, 12])
+def test_figures_of_a_chain(tmp_path, size):
+    assert makes_sense(tmp_path, synthetic.make_case("chain", size)) == MOVING | LOST | {"peak_force_depth"}
+
+
+def test_figures_of_one_sphere(tmp_path):
+    assert drawn(tmp_path, synthetic.make_case(size=(1, 1, 1))) == MOVING
+
+
+def test_figures_of_a_square_packing(tmp_path):
+    names = makes_sense(tmp_path, synthetic.make_case("square", (5, 5)))
+    assert {"peak_force_principal", "dissipation_principal", "packing_3d"} <= names
+    assert "peak_force_orthogonal" not in names
+
+
+def test_figures_of_friction_dents_and_missing_spheres(tmp_path):
+    case = synthetic.make_case(contact={"friction": 0.2, "initial_overlap": 4e-6}, packing={"vacancies": [3, 80]})
+    names = makes_sense(tmp_path, case)
+    own = {f"{what}_{plane}" for what in ("dissipation_parts", "dents") for plane in ("principal", "orthogonal")}
+    assert names == MOVING | PLANES | LOST | LOST_PLANES | own | {"peak_force_depth"}
+    with Result(tmp_path) as result:
+        columns = FIGURES["energies"](result).columns
+        total = sum(columns[f"{part}_J"] for part in ("kinetic", "rotation", "elastic", "yielding", "friction"))
+        assert np.allclose(total, columns["input_J"], rtol=1e-6)
+        columns = FIGURES["dissipation_parts_principal"](result).columns
+        assert 3 not in columns["id"] and np.isin(columns["id"], result["spheres/id"]).all()
+        whole = result["spheres/dissipated_energy"][result.rows(columns["id"])] / result.energy_input
+        assert np.allclose(columns["yielding_over_input"] + columns["friction_over_input"], whole, rtol=1e-12)
+        force = FIGURES["target"](result).columns["without_packing_force_N"]
+        assert force.max() == pytest.approx(bare_target_peak(case, 1.0)[0], rel=1e-6)
+
+
+def test_figures_that_make_no_sense_any_more_are_removed(tmp_path):
+    synthetic.write_run(tmp_path, synthetic.make_case("chain", 3))
+    analyse(tmp_path)
+    assert (tmp_path / "figures" / "bottom_force.png").exists()
+    synthetic.write_run(tmp_path, synthetic.make_case("chain", 3, boundary={"bottom": "free"}))
+    (tmp_path / "dumps" / "walls.txt").unlink(missing_ok=True)
+    analyse(tmp_path)
+    assert not list((tmp_path / "figures").glob("bottom_force.*"))
+
+
+def test_a_lost_file_is_an_error(tmp_path):
+    synthetic.write_run(tmp_path, synthetic.make_case("chain", 3))
+    (tmp_path / "dumps" / "walls.txt").unlink()
+    with pytest.raises(MissingOutputError, match=r"walls.txt"):
+        analyse(tmp_path)
+
+
+def test_progress_names_every_part(tmp_path):
+    parts: list[str] = []
+    analyse(synthetic.write_run(tmp_path, synthetic.make_case("chain", 3)), parts.append)
+    assert parts == ["result.h5", "summary.json", *FIGURES]
+
+
+def test_unfinished_run_is_told_apart(tmp_path):
+    synthetic.write_run(tmp_path, synthetic.make_case())
+    (tmp_path / "dumps" / "contacts.dump").unlink()
+    with pytest.raises(MissingOutputError, match=r"contacts\.dump is missing: the run did not get as far"):
+        analyse(tmp_path)
+
+
+def test_data_beside_a_figure(tmp_path):
+    """The largest peak force of the plane is at the struck sphere; the law was exceeded there."""
+    case = synthetic.make_case()
+    drawn(tmp_path, case, dent=450.0)
+    with open(tmp_path / "figures" / "peak_force_principal.csv") as file:
+        rows = list(csv.DictReader(file))
+    struck = struck_spheres(assemble(case).lattice, 1)[0]
+    top = max(rows, key=lambda row: float(row["peak_force_over_yield_force"]))
+    row = next(row for row in rows if int(row["id"]) == struck)
+    assert float(row["across_m"]) == float(row["down_m"]) == 0
+    assert float(top["peak_force_over_yield_force"]) == float(row["peak_force_over_yield_force"])
+    assert row["beyond_law"] == "1"
+    with Result(tmp_path) as result:
+        expected = result["spheres/peak_force"][struck - 1] / result.law.yield_force
+    assert float(row["peak_force_over_yield_force"]) == pytest.approx(expected, rel=1e-9)
+
+
+def test_sphere_in_front_hides_the_one_behind():
+    """Seen from above, the upper of two spheres is all there is; a third beside them shows as well."""
+    camera = sphere_renderer.Camera.looking(0.0, 90.0, np.array([0.0, 0.0, 1.0]))
+    centres = np.array([[0.0, 0, 0], [0, 0, 2], [2, 0, 0]])
+    picture = sphere_renderer.render(centres, 1.0, np.eye(3), camera, 64)
+    assert picture.visible.tolist() == [1, 2]
+    middle = picture.pixels[np.any(picture.pixels[..., 3] == 1, axis=1)]
+    assert np.all(middle[..., 0][middle[..., 3] == 1] < 0.4)  # the red one is hidden (but for gloss, white)
+
+
+def test_picture_covers_the_discs():
+    camera = sphere_renderer.Camera.looking(30.0, 20.0, np.array([0.0, 0.0, -1.0]))
+    picture = sphere_renderer.render(np.zeros((1, 3)), 0.5, np.ones((1, 3)), camera, 200)
+    left, right, bottom, top = picture.extent
+    covered = picture.pixels[..., 3].mean() * (right - left) * (top - bottom)
+    assert covered == pytest.approx(np.pi * 0.25, rel=5e-3)
+
+
+def test_both_ways_of_painting_agree():
+    place = np.random.default_rng(3).uniform(10, 90, (40, 2))
+    fronts = []
+    for paint in (sphere_renderer._paint_by_sphere, sphere_renderer._paint_by_pixel):
+        fronts.append(np.full((100, 100), -1, dtype=np.int32))
+        paint(fronts[-1], place, np.full(40, 6.3))
+    assert np.mean(fronts[0] != fronts[1]) < 1e-3  # single precision at the rims
+    assert np.any(fronts[0] >= 0)
+
+
+def test_spheres_of_two_sizes_cover_their_discs():
+    camera = sphere_renderer.Camera.looking(0.0, 90.0, np.array([0.0, 0.0, 1.0]))
+    centres, radii = np.array([[0.0, 0, 0], [3, 0, 0]]), np.array([1.0, 0.5])
+    picture = sphere_renderer.render(centres, radii, np.ones((2, 3)), camera, 300)
+    left, right, bottom, top = picture.extent
+    covered = picture.pixels[..., 3].mean() * (right - left) * (top - bottom)
+    assert covered == pytest.approx(np.pi * 1.25, rel=1e-2)
+
+
+def test_a_sphere_struck_across_has_no_figure_of_its_velocity():
+    time = np.linspace(0, 1e-3, 9)
+    assert FIGURES["impactor_velocity"]({"energy/time": time, "energy/struck_velocity": np.zeros(9)}) is None
+    assert FIGURES["impactor_velocity"]({"energy/time": time, "energy/struck_velocity": time}) is not None
+
+
+def test_the_legend_of_the_energies_lies_on_no_curve(tmp_path):
+    write_result(synthetic.write_run(tmp_path, synthetic.make_case("chain", 20)))
+    with Result(tmp_path) as result:
+        figure = FIGURES["energies"](result).figure
+    figure.draw_without_rendering()
+    axes = figure.axes[0]
+    assert not axes.get_legend().get_window_extent().overlaps(axes.get_window_extent().shrunk(0.99, 0.99))

@@ -1,0 +1,330 @@
+"""Size of the plastic zone: known distributions of energy, in packings and in the continuum, its bounds and its waves."""
+
+from __future__ import annotations
+
+import math
+
+import h5py
+import numpy as np
+import pytest
+
+from granwave.analysis import Result, summarise, write_result
+from granwave.analysis.measures.zone_marks import Mark, mark_of, zone_warnings
+from granwave.analysis.measures.zone_of_packing import packing_zone, zone_summary
+from granwave.analysis.measures.zone_size import SHARES, extent_holding, volume_holding, wave_returns, zone_sizes
+from granwave.workflows.finite_elements.punch import ContinuumCase, kernels
+from granwave.workflows.finite_elements.punch.history import History, make_solver
+from granwave.workflows.finite_elements.punch.summary import zone_summary as zone_of_block
+from granwave.workflows.run.driver import run_case
+from tests.helpers import synthetic
+
+D = synthetic.DIAMETER
+SPHERE = math.pi / 6 * D**3
+SIZES = [f"zone_{name}_{share}_{unit}" for name, unit in (("depth", "m"), ("radius", "m"), ("volume", "m3"))
+         for share in SHARES]  # fmt: skip
+
+
+def summary_of(directory, dent=synthetic.DENT, **options):
+    synthetic.write_run(directory, synthetic.make_case(**options), dent)
+    write_result(directory)
+    return summarise(directory)
+
+
+# ---------------------------------------------------------------------- what holds a share
+
+
+def test_ten_equal_parts():
+    """The tenth parts of 1 do not add up to 0.9 in floating point: the ninth part reaches 90 % all the same."""
+    distance, energy = np.arange(1.0, 11.0), np.full(10, 0.1)
+    found = [extent_holding(distance, energy, share / 100) for share in SHARES]
+    assert found == [5.0, 9.0, 10.0]
+
+
+def test_layers_count_whole_and_parts_without_energy_not_at_all():
+    distance = np.array([2.0, 0.0, 1.0, 1.0, 1.0, 9.0])
+    energy = np.array([5.0, 45.0, 20.0, 20.0, 10.0, 0.0])
+    assert extent_holding(distance, energy, 0.46) == 1.0
+    assert extent_holding(distance, energy, 0.45) == 0.0
+    assert extent_holding(distance, energy, 0.96) == extent_holding(distance, energy, 1.0) == 2.0
+
+
+def test_order_does_not_matter():
+    rng = np.random.default_rng(3)
+    distance, energy, volume = rng.integers(0, 9, 200) / 7.0, rng.exponential(size=200), rng.uniform(1, 2, 200)
+    found = set()
+    for _ in range(20):
+        order = rng.permutation(200)
+        parts = energy[order], volume[order], distance[order], distance[order]
+        found.add(tuple(zone_sizes(*parts).values()))
+    assert len(found) == 1
+
+
+def test_exponential_decay():
+    """Of exp(-z/L) over z the share s lies above -L ln(1 - s)."""
+    depth = (np.arange(200_000) + 0.5) * 1e-4
+    for share in SHARES:
+        found = extent_holding(depth, np.exp(-depth), share / 100)
+        assert found == pytest.approx(-math.log(1 - share / 100), abs=1e-4)
+
+
+def test_volume_is_that_of_the_densest_parts():
+    energy, volume = np.array([6.0, 3.0, 1.0]), np.array([6.0, 1.0, 2.0])  # densities 1, 3, 0.5
+    assert volume_holding(volume, energy, 0.3) == 1.0
+    assert volume_holding(volume, energy, 0.5) == volume_holding(volume, energy, 0.9) == 7.0
+    assert volume_holding(volume, energy, 0.99) == 9.0
+
+
+def test_nothing_dissipated_takes_no_room_and_nothing_that_yields_has_no_size():
+    nothing = np.zeros(3)
+    assert set(zone_sizes(nothing, nothing + 1, nothing, nothing).values()) == {0.0}
+    assert set(zone_sizes(None)) == set(SIZES)
+    assert set(zone_sizes(None).values()) == {None}
+    assert set(zone_sizes(np.empty(0), np.empty(0), np.empty(0), np.empty(0)).values()) == {0.0}
+
+
+# ---------------------------------------------------------------------- packings
+
+
+def test_packing_by_counting(tmp_path):
+    summary = summary_of(tmp_path, size=(9, 9, 5), dent=20.0)
+    with Result(tmp_path) as result:
+        energy, offset = result["spheres/dissipated_energy"], result["spheres/position"] - result.origin
+    for name, distance in (("depth", offset[:, 2]), ("radius", np.hypot(offset[:, 0], offset[:, 1]))):
+        for percent in SHARES:
+            size = summary[f"zone_{name}_{percent}_m"]
+            inside = energy[distance <= size + 1e-9].sum() / energy.sum()
+            without = energy[distance < size - 1e-9].sum() / energy.sum()
+            assert without < percent / 100 <= inside
+            assert np.abs(distance - size).min() < 1e-12  # that of a sphere
+    for percent in SHARES:
+        n = summary[f"zone_volume_{percent}_m3"] / SPHERE
+        assert n == pytest.approx(round(n), abs=1e-9)
+        largest = np.sort(energy)[::-1]
+        assert largest[: round(n) - 1].sum() < percent / 100 * energy.sum() <= largest[: round(n)].sum() * (1 + 1e-12)
+    assert summary["zone_depth_99_m"] <= summary["plastic_zone_depth_m"]
+    assert summary["zone_volume_99_m3"] <= summary["plastic_zone_volume_m3"] * (1 + 1e-12)
+
+
+def test_friction_does_not_count(tmp_path):
+    """Energy that friction takes at a far sphere leaves the zone as it is."""
+    before = summary_of(tmp_path, contact={"friction": 0.1})
+    with h5py.File(tmp_path / "result.h5", "r+") as file:
+        for name in ("dissipated_energy", "friction_energy"):
+            file[f"spheres/{name}"][-1] += 1.0
+    with Result(tmp_path) as result:
+        after = zone_summary(result)
+    assert {name: after[name] for name in SIZES} == {name: before[name] for name in SIZES}
+
+
+def test_energy_of_yielding_adds_up(tmp_path):
+    summary_of(tmp_path, contact={"friction": 0.1})
+    with Result(tmp_path) as result:
+        assert result.yield_energy.sum() == pytest.approx(result.yield_ledger[-1], rel=1e-12)
+        assert result.yield_energy.sum() < result["spheres/dissipated_energy"].sum()
+
+
+def test_strikers_are_no_part_of_the_packing(tmp_path):
+    striker = [{"touches": [15, 16, 21], "velocity": [0.0, 0.0, 5.0]}]
+    summary = summary_of(tmp_path, size=(6, 6, 4), striker=striker, dent=5.0)
+    with Result(tmp_path) as result:
+        zone = packing_zone(result)
+        assert result.n_spheres == 145
+        assert len(zone.energy) == 144
+        assert zone.energy.sum() < result.yield_energy.sum()
+        assert result.yield_energy[-1] > 0
+    assert summary["zone_depth_50_m"] >= 0
+    assert summary["n_plastic_spheres"] > np.count_nonzero(zone.yielded)
+
+
+def test_what_a_packing_does_not_extend_along_has_no_size(tmp_path):
+    chain = summary_of(tmp_path / "chain", kind="chain", size=12)
+    assert all(chain[f"zone_radius_{percent}_m"] is None for percent in SHARES)
+    assert chain["zone_depth_99_m"] > 0
+    layer = summary_of(tmp_path / "square", kind="square", size=(7, 7))
+    assert all(layer[f"zone_depth_{percent}_m"] is None for percent in SHARES)
+    assert layer["zone_radius_99_m"] > 0
+    assert layer["zone_cut"] == ["sides"]  # that it lies on the bottom cuts nothing
+
+
+def test_hertz_has_no_zone(tmp_path):
+    summary = summary_of(tmp_path, law="hertz")
+    names = [*SIZES, "zone_cut", "zone_growing", "wave_returned", "wave_return_s", "wave_return_share"]
+    assert [summary[name] for name in names] == [None] * len(names)
+    assert mark_of(summary) is Mark.NONE
+    assert zone_warnings(summary) == []
+
+
+def test_below_yield_the_zone_is_empty(tmp_path):
+    summary = summary_of(tmp_path, dent=0.5)
+    assert [summary[name] for name in SIZES] == [0.0] * len(SIZES)
+    assert (summary["zone_cut"], summary["wave_return_share"]) == ([], 0.0)
+
+
+def test_energy_at_a_wall_stays_with_the_sphere_there(tmp_path):
+    """A layer on a rigid floor: only the struck sphere's contact with the floor yields."""
+    case = synthetic.make_case("square", (5, 5), load={"velocity": 1.0}, run={"end_time": 4e-5})
+    summary = run_case(case, tmp_path, figures=False).summary
+    assert summary["n_plastic_contacts"] == 0
+    assert summary["plastic_fraction"] > 0.1
+    assert summary["zone_volume_99_m3"] == pytest.approx(SPHERE)
+    assert summary["zone_radius_99_m"] == 0.0
+
+
+@pytest.mark.parametrize("kind", ["fcc", "hcp", "bcc", "sc"])
+@pytest.mark.parametrize(
+    ("size", "dent", "cut"),
+    [((12, 12, 9), 2.0, []), ((14, 14, 3), 3.0, ["bottom"]), ((4, 4, 12), 3.0, ["sides"]), ((4, 4, 3), 40.0, ["bottom", "sides"])],
+)  # fmt: skip
+def test_bounds_that_yield_reaches(tmp_path, kind, size, dent, cut):
+    summary = summary_of(tmp_path, kind=kind, size=size, dent=dent)
+    assert summary["zone_cut"] == cut
+
+
+def test_periodic_zone_meets_its_image(tmp_path):
+    """Energy by the distance from the nearest image of the axis, up to a reach; the half periods are 6 D and 5.2 D."""
+    summary_of(tmp_path, size=(12, 12, 4), boundary={"sides": "periodic"})
+    periods = np.array([12 * D, 12 * D * math.sqrt(3) / 2])
+    with Result(tmp_path) as result:
+        origin = result.origin
+    for reach, cut in ((2.5 * D, []), (6.0 * D, ["sides"])):
+        with h5py.File(tmp_path / "result.h5", "r+") as file:
+            position = file["spheres/position"][()]
+            offset = position[:, :2] - origin[:2]
+            offset -= periods * np.round(offset / periods)
+            radius = np.hypot(*offset.T)
+            inside = (radius < reach) & (position[:, 2] < D)
+            file["spheres/dissipated_energy"][:] = np.where(inside, 1.0, 0.0)
+            file["spheres/contacts_yielded"][:] = inside
+        with Result(tmp_path) as result:
+            found = zone_summary(result)
+        assert found["zone_cut"] == cut
+        assert found["zone_radius_99_m"] == pytest.approx(np.sort(radius[inside])[math.ceil(0.99 * inside.sum()) - 1])
+
+
+@pytest.mark.parametrize(("end", "growing"), [(1.2, False), (1.05, True)])
+def test_yield_that_still_moves_out_at_the_end(tmp_path, end, growing):
+    """The farther out a contact of a synthetic run the later it yields: in a chain the deepest one last."""
+    summary_of(tmp_path, kind="chain", size=8, dent=30.0)
+    with h5py.File(tmp_path / "result.h5", "r+") as file:
+        time = file["spheres/time_yield"][()]
+        file["energy/time"][-1] = end * time[np.isfinite(time)][-1]
+    with Result(tmp_path) as result:
+        assert zone_summary(result)["zone_growing"] == (["depth"] if growing else [])
+
+
+# ---------------------------------------------------------------------- waves that come back
+
+
+def test_wave_returns_in_a_chain(tmp_path):
+    """Contact k of a synthetic run is first loaded at (k + 1/2) D / (1000 m/s); the ledger dissipates evenly."""
+    n = 6
+    summary = summary_of(tmp_path, kind="chain", size=n, dent=3.0)
+    border = round(summary["zone_depth_99_m"] / D)
+    assert 0 < border < n - 1
+    expected = (2 * (n - 1.5) - (border - 0.5)) * D / 1000.0
+    end = synthetic.STEPS * synthetic.TIMESTEP
+    assert summary["wave_return_s"] == pytest.approx(expected, rel=1e-9)
+    assert summary["wave_returned"] == ["bottom"]
+    assert summary["wave_return_share"] == pytest.approx(1 - expected / end, rel=1e-6)
+
+
+def test_wave_that_does_not_come_back_within_the_run(tmp_path):
+    summary = summary_of(tmp_path, kind="chain", size=12, dent=3.0)
+    assert (summary["wave_returned"], summary["wave_return_share"]) == ([], 0.0)
+    assert summary["wave_return_s"] > synthetic.STEPS * synthetic.TIMESTEP
+
+
+def test_returns_of_waves():
+    time, lost = np.array([0.0, 1.0, 2.0, 3.0]), np.array([0.0, 8.0, 10.0, 10.0])
+    found = wave_returns({"bottom": 1.5, "sides": 2.5}, time, lost)
+    assert found == {
+        "wave_returned": ["bottom", "sides"],
+        "wave_return_s": 1.5,
+        "wave_return_share": pytest.approx(0.1),
+    }
+    late = wave_returns({"bottom": 3.5, "sides": 2.5}, time, lost)
+    assert late == {"wave_returned": ["sides"], "wave_return_s": 2.5, "wave_return_share": 0.0}
+    assert wave_returns({}, time, lost) == {"wave_returned": [], "wave_return_s": None, "wave_return_share": 0.0}
+    assert set(wave_returns(None, time, lost).values()) == {None}
+
+
+def test_under_precompression_the_wave_has_one_speed(tmp_path):
+    """It reaches the bottom of a chain of 12 at t, and is back at a depth d after t + t (11 D - d)/(11 D)."""
+    case = synthetic.make_case(
+        "chain", 12, precompression={"kind": "uniaxial", "force": 2.0}, load={"velocity": 2.0}, run={"end_time": 5e-4}
+    )
+    summary = run_case(case, tmp_path, figures=False).summary
+    arrival, length = summary["base_arrival_s"], 11 * D
+    back = arrival * (2 - summary["zone_depth_99_m"] / length)
+    assert summary["wave_return_s"] == pytest.approx(back, rel=1e-6)
+    assert summary["wave_returned"] == ["bottom"]
+
+
+def test_tiny_packing_is_cut_on_all_sides(tmp_path):
+    case = synthetic.make_case("fcc", (4, 4, 3), load={"velocity": 10.0}, run={"end_time": 2e-4})
+    summary = run_case(case, tmp_path, figures=False).summary
+    assert summary["zone_cut"] == ["bottom", "sides"]
+    assert summary["wave_returned"] == ["bottom", "sides"]
+    assert 0 < summary["wave_return_s"] < 1e-4
+    assert 0 < summary["wave_return_share"] < 1
+    assert mark_of(summary) is Mark.CUT
+    (first, *_) = zone_warnings(summary)
+    assert "reaches the bottom and the sides of the packing" in first
+
+
+# ---------------------------------------------------------------------- continuum
+
+
+@pytest.fixture
+def block():
+    """A solver whose plastic work is even in a cylinder below the punch, and its case and history."""
+    case = ContinuumCase.from_dict({"name": "block", "material": "brass", "run": {"elements": 20_000}})
+    solver, history = make_solver(case), History()
+    r, z = solver.mesh.centres
+    inside = (r[None, :] < 0.004) & (z[:, None] < 0.006)
+    solver.state[:, :, kernels.PLASTIC] = np.where(inside, 3e6, 0.0)
+    solver.ever[:] = inside
+    history.add(0, solver.look(), case.punch.energy)
+    return case, solver, history
+
+
+def test_elements_weigh_with_their_volume(block):
+    """An even density in a cylinder of radius a and height h: a share s lies within h s, a sqrt(s) and the volume V s."""
+    sizes = zone_of_block(*block)
+    mesh = block[1].mesh
+    r, z = mesh.centres
+    a, h = mesh.r[1:][r < 0.004].max(), mesh.z[1:][z < 0.006].max()
+    for percent in SHARES:
+        share = percent / 100
+        assert sizes[f"zone_depth_{percent}_m"] == pytest.approx(h * share, abs=np.diff(mesh.z[mesh.z < 0.007]).max())
+        assert sizes[f"zone_radius_{percent}_m"] == pytest.approx(
+            a * math.sqrt(share), abs=np.diff(mesh.r[mesh.r < 0.005]).max()
+        )
+        assert sizes[f"zone_volume_{percent}_m3"] == pytest.approx(math.pi * a**2 * h * share, rel=0.03)
+    assert sizes["zone_cut"] == []
+
+
+def test_small_dense_elements_come_before_large_ones(block):
+    case, solver, history = block
+    solver.state[0, 0, kernels.PLASTIC] = 3e9
+    volume = solver.operators.volume[0, 0]
+    energy = (solver.state[:, :, kernels.PLASTIC] * solver.operators.volume).sum()
+    assert 3e9 * volume < 0.5 * energy
+    held = zone_of_block(case, solver, history)["zone_volume_50_m3"]
+    rest = 0.5 * energy - 3e9 * volume
+    assert held == pytest.approx(volume + rest / 3e6, rel=0.02)
+
+
+def test_block_that_is_cut(block):
+    case, solver, history = block
+    solver.ever[-1, 3] = solver.ever[7, -1] = True
+    assert zone_of_block(case, solver, history)["zone_cut"] == ["bottom", "sides"]
+
+
+def test_wave_in_a_block_goes_at_the_speed_of_compression(block):
+    """From the punch's edge to the side at 50 mm, and back to the edge, which is farther out than 99 % of the work."""
+    case, solver, history = block
+    speed = math.sqrt(115e9 * 0.7 / (1.3 * 0.4 * 8500.0))
+    found = zone_of_block(case, solver, history)
+    assert found["wave_return_s"] == pytest.approx(2 * 0.045 / speed, rel=1e-6)
+    assert found["wave_returned"] == []  # the history ends before

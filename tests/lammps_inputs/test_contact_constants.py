@@ -1,0 +1,235 @@
+"""The elasto-plastic law with constants of its own: law, pair style, wall, restart, deck, and what is refused."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import re
+import tomllib
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from granwave._contact_laws import LAW_CONSTANTS, ContactLaw
+from granwave.lammps_inputs.case import sections
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.contact.law import flat_contact, sphere_contact
+from granwave.lammps_inputs.deck.deck import write_deck
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.load_case import case_from_dict, load_case
+from tests.conftest import script_of
+from tests.helpers.twin import CONSTANTS, PRINTED, LawTwin, Network
+from tests.helpers.two_spheres import PAIR, R, collide, restitution, value
+
+OTHER = {
+    "pressure_limit": 2.9, "pressure_rate": 0.07, "area_switch": 140.0, "area_slope": 2.2, "area_offset": 45.0,
+    "residual_slope": 0.93, "residual_offset": 20.0, "residual_rate": 0.02, "unloading_exponent": 1.42,
+}  # fmt: skip
+BRASS = {"youngs_modulus": (115e9, 115e9), "poisson_ratio": (0.3, 0.3), "yield_strength": (550e6, 550e6)}
+STYLE = "elastoplastic 115e9 0.3 550e6 " + " ".join(f"{name} {value!r}" for name, value in OTHER.items())
+SPHERES = {"packing": {"kind": "chain", "size": 2, "diameter": 2 * R}, "material": "brass"}
+
+
+def law(**constants) -> ContactLaw:
+    return ContactLaw(**BRASS, radius=(R, R), constants=constants)
+
+
+def case(**contact) -> Case:
+    return case_from_dict({**SPHERES, "contact": contact}, "case")
+
+
+def test_one_list_of_constants():
+    """Header, case file and twin agree on the names and on the published values."""
+    assert tuple(LAW_CONSTANTS) == sections.LAW_CONSTANTS == CONSTANTS
+    assert tuple(LAW_CONSTANTS.values()) == PRINTED
+    described = {f.name: f.metadata["description"] for f in dataclasses.fields(sections.Contact)}
+    for name, printed in LAW_CONSTANTS.items():
+        assert re.search(rf"; {re.escape(f'{printed:g}')} \(thesis 2\.\d+\)$", described[name]), name
+
+
+def test_published_constants_given_are_the_default_law():
+    a = np.linspace(0, 300, 400) * law().yield_overlap
+    peak = np.maximum(a, 120 * law().yield_overlap)
+    same = law(**LAW_CONSTANTS)
+    assert np.array_equal(same.force(a, peak), law().force(a, peak))
+    assert np.array_equal(same.dissipated_energy(a), law().dissipated_energy(a))
+    assert same.constants == LAW_CONSTANTS and law(**OTHER).constants == OTHER
+
+
+@pytest.mark.parametrize("peak", [0.5, 1.0001, 1.05, 1.2, 3.0, 30.0, 139.9, 140.1, 177.6, 350.0])
+@pytest.mark.parametrize("names", [CONSTANTS, *((name,) for name in CONSTANTS)])
+def test_against_the_second_implementation(names, peak):
+    own = {name: OTHER[name] for name in names}
+    compiled, twin = law(**own), LawTwin(**own)
+    length, force = compiled.yield_overlap, compiled.yield_force
+    a = np.linspace(0, 1.2 * peak, 40)
+    expected = [twin.force(x, max(x, peak)) for x in a]
+    assert compiled.force(a * length, np.full(40, peak * length)) / force == pytest.approx(
+        expected, rel=1e-10, abs=1e-12
+    )
+    assert compiled.loading_work(peak * length) / (force * length) == pytest.approx(twin.work(peak), rel=1e-10)
+    lost = compiled.dissipated_energy(peak * length) / (force * length)
+    assert lost == pytest.approx(twin.dissipated(peak), rel=1e-8, abs=1e-9)
+
+
+def near(name: str) -> st.SearchStrategy[float]:
+    return st.floats(0.5, 2.0).map(lambda share: share * LAW_CONSTANTS[name])
+
+
+@settings(max_examples=150, deadline=None)
+@given(st.fixed_dictionaries({name: near(name) for name in CONSTANTS}))
+def test_what_is_accepted_is_continuous_and_passive(own):
+    """Whatever constants are taken: loading rises, unloading never returns more than loading took, a larger peak loses more."""
+    try:
+        compiled = law(**own)
+    except ValueError:
+        return
+    length = compiled.yield_overlap
+    peak = np.concatenate([np.linspace(1, 8, 3000), np.geomspace(8, 4000, 1000)]) * length
+    loading = compiled.loading_force(peak)
+    assert np.all(np.diff(loading) > -1e-9 * loading[1:])
+    for joint in (1.0, own["area_switch"]):
+        below, above = (compiled.loading_force(joint * length * (1 + side)) for side in (-1e-12, 1e-12))
+        assert below == pytest.approx(above, rel=1e-9)
+    residual = compiled.residual_overlap(peak)
+    assert np.all(residual >= -1e-12 * length) and np.all(residual[1:] < peak[1:])
+    lost, work = compiled.dissipated_energy(peak), compiled.loading_work(peak)
+    assert np.all(lost >= 0) and np.all(np.diff(lost) >= -1e-6 * work[1:])
+    assert compiled.elastic_energy(peak, peak) + lost == pytest.approx(work, rel=1e-9)
+
+
+def test_exponent_is_raised_as_far_as_it_takes():
+    """An unloading that would return too much far beyond first yield, where the published exponent (1.09) has settled."""
+    own = {"residual_slope": 0.1, "residual_offset": 0.1, "unloading_exponent": 1.05}
+    compiled, twin = law(**own), LawTwin(**own)
+    peak = np.geomspace(1.001, 400, 60)
+    exponent = compiled.unloading_exponent(peak * compiled.yield_overlap)
+    assert exponent == pytest.approx([twin.exponent(p) for p in peak], rel=1e-9)
+    assert np.all(exponent[peak < 30] > 1.05) and np.all(exponent[peak > 40] == 1.05)
+    assert compiled.dissipated_energy(peak * compiled.yield_overlap).min() >= 0
+
+
+@pytest.mark.parametrize(
+    ("own", "fault"),
+    [
+        ({"area_slope": 0.3}, "must both exceed 1"),
+        ({"pressure_limit": 0.1}, "loading does not rise"),
+        ({"residual_slope": 1.1}, "not below the largest"),
+        ({"residual_slope": 0.1}, "negative or falls"),
+        ({"residual_rate": 0.2}, "negative or falls"),
+        ({"unloading_exponent": 0.9}, "at least 1"),
+        ({"pressure_rate": 20.0}, "between 1e-4 and 10"),
+        ({"area_switch": 1.0}, "must both exceed 1"),
+        ({"pressure_limit": np.inf}, "finite"),
+        ({"pressure_limt": 2.0}, "pressure_limt"),
+    ],
+)
+def test_no_passive_law(lammps, own, fault):
+    with pytest.raises(ValueError, match=fault):
+        law(**own)
+    ((name, number),) = own.items()
+    with pytest.raises(InputError, match=r"contact") as refused:
+        case(**own)
+    assert len(refused.value.errors) == 1 and name in refused.value.errors[0]
+    with pytest.raises(Exception, match=f"{name}|passive"):
+        lammps().commands_string(script_of(PAIR, style=f"elastoplastic 115e9 0.3 550e6 {name} {number}"))
+
+
+@pytest.mark.parametrize(
+    "other", [{"law": "hertz"}, {"law": "thornton"}, {"law": "bilinear"}, {"variant": "published"}]
+)
+def test_only_the_continuous_elastoplastic_law_takes_them(lammps, other):
+    with pytest.raises(InputError, match=r"contact\.area_slope: belongs to law elastoplastic, variant continuous"):
+        case(area_slope=2.3, **other)
+    with pytest.raises(ValueError, match="belong to law elastoplastic"):
+        ContactLaw(**BRASS, radius=(R, R), constants={"area_slope": 2.3}, **other)
+    name = other.get("law", "elastoplastic")
+    words = f"{name} 115e9 0.3{'' if name == 'hertz' else ' 550e6'}{' variant published' if 'variant' in other else ''}"
+    with pytest.raises(Exception, match=r"no option of law|constants of its own"):
+        lammps().commands_string(script_of(PAIR, style=f"{words} area_slope 2.3"))
+
+
+def test_collision_against_the_network_twin(lammps):
+    lmp = lammps()
+    collide(lmp, style=STYLE)
+    twin = Network(PAIR, [(0, 1)], R, law=LawTwin(**OTHER))
+    twin.v[:, 2] = 1.0, -1.0
+    twin.run(1e-8, 20000)
+    assert value(lmp, "vz[1]") == pytest.approx(twin.v[0, 2], rel=1e-8)
+    assert value(lmp, "c_ep[1]") == pytest.approx(twin.dissipated(), rel=1e-8)
+    usual = lammps()
+    collide(usual)
+    assert abs(restitution(lmp) - restitution(usual)) > 0.005
+
+
+def test_wall(lammps):
+    lmp = lammps()
+    wall = f"fix floor all wall/gran/hysteretic zplane NULL {R:.17g} {STYLE}\nthermo_style custom step f_floor[4] f_floor[5] c_ke\n"
+    lmp.commands_string(script_of([(0, 0, 0)], velocities=[(0, 0, 2.0)], box=[-0.1, 0.1] * 3, extra=wall))
+    lmp.command("run 20000")
+    rigid = flat_contact(case(**OTHER), 1)
+    peak = lmp.numpy.extract_fix("floor", 1, 2)[0, 2]
+    mass = 8500 * 4 / 3 * np.pi * R**3
+    assert rigid.loading_work(peak) == pytest.approx(0.5 * mass * 4, rel=1e-5)
+    assert value(lmp, "f_floor[5]") == pytest.approx(rigid.dissipated_energy(peak), rel=1e-12)
+    assert value(lmp, "c_ke+f_floor[4]+f_floor[5]") == pytest.approx(0.5 * mass * 4, rel=1e-7)
+
+
+AGAIN = "fix motion all nve\ncompute ep all pair gran/hysteretic\nthermo_style custom step pe c_ep[1]\nrun 19200"
+
+
+@pytest.mark.parametrize(("style", "format"), [(STYLE, 2), ("elastoplastic 115e9 0.3 550e6", 1)])
+def test_restart(lammps, tmp_path, style, format):
+    """Constants are kept; a file without any is of the format that earlier versions wrote and read."""
+    lmp = lammps()
+    collide(lmp, steps=800, style=style)
+    lmp.command(f"write_restart {tmp_path}/half.restart")
+    lmp.command("run 19200")
+    data = (tmp_path / "half.restart").read_bytes()
+    at = data.index(b"gran/hysteretic") + len("gran/hysteretic") + 1
+    assert int.from_bytes(data[at : at + 4], "little") == format
+    again = lammps()
+    again.commands_string(f"newton off\nread_restart {tmp_path}/half.restart\nneighbor 1e-3 bin\n{AGAIN}")
+    for formula in ("vz[1]", "vz[2]", "c_ep[1]"):
+        assert value(again, formula) == value(lmp, formula)
+
+
+def test_mixing_wants_equal_constants(lammps):
+    first, second = (f"pair_coeff {n} {n} elastoplastic 115e9 0.3 550e6" for n in (1, 2))
+    for words, fits in ((f"{second} area_slope 2.2", False), (second, True)):
+        lmp = lammps()
+        lmp.commands_string(script_of(PAIR, types=[1, 2], coefficients=[first, words]))
+        if fits:
+            lmp.command("run 0")
+        else:
+            with pytest.raises(Exception, match="different laws or options"):
+                lmp.command("run 0")
+
+
+def test_deck(tmp_path):
+    plain, own = case(), case(pressure_limit=2.9, residual_offset=20.0)
+    script = write_deck(plain, tmp_path / "plain").script.read_text()
+    assert "variant continuous yield_factor 1.6\n" in script and not any(name in script for name in CONSTANTS)
+    assert not set(CONSTANTS) & set(plain.to_dict()["contact"])
+    script = write_deck(own, tmp_path / "own").script.read_text()
+    assert "variant continuous yield_factor 1.6 pressure_limit 2.9 residual_offset 20\n" in script
+    again = load_case(tmp_path / "own" / "case.toml")
+    assert again.contact == own.contact and again.to_dict() == own.to_dict()
+    assert sphere_contact(again).constants == LAW_CONSTANTS | {"pressure_limit": 2.9, "residual_offset": 20.0}
+    assert tomllib.loads(own.to_toml())["contact"]["pressure_limit"] == 2.9
+
+
+def test_a_run_with_them(granwave, tmp_path):
+    """Through a wall and the analysis: the balance closes, and the loss is not that of the published law."""
+    given = [f"--set=contact.{name}={number}" for name, number in OTHER.items()]
+    words = ("run", "two-spheres", "--no-figures", "--set=boundary.bottom=wall", "--set=run.end_time=1e-4")
+    lost = []
+    for n, more in enumerate(([], given)):
+        done = granwave(*words, *more, "-o", tmp_path / str(n))
+        assert done.returncode == 0, done.stderr
+        summary = json.loads((tmp_path / str(n) / "summary.json").read_text())
+        assert summary["energy_balance_error"] < 1e-5
+        lost.append(summary["dissipated_fraction"])
+    assert abs(lost[1] - lost[0]) > 0.005

@@ -1,0 +1,445 @@
+"""Disorder: diameters within a tolerance, vacancies, replaced spheres; what is random, and that nothing overlaps."""
+
+from __future__ import annotations
+
+import dataclasses
+import logging
+import math
+import time
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from granwave.analysis.lammps_output.dumps import read_contacts
+from granwave.analysis.lammps_output.time_series import read_energy
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.deck.data_file import write_data
+from granwave.lammps_inputs.deck.deck import write_deck
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.lattices import KINDS
+from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.packing.disorder import is_random
+from granwave.lammps_inputs.packing.packing import Packing, build_packing
+from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
+from granwave.lammps_inputs.packing.walls import walls
+from granwave.lammps_inputs.planning.plan import plan
+from granwave.lammps_inputs.planning.timestep import auto_timestep
+from granwave.workflows import run_case
+from tests.workflows.test_impact import assert_same_contacts
+
+LATTICES = [kind for kind in KINDS if kind != "chain"]  # those that can be periodic
+
+D = 0.01
+SIZES = {"fcc": (7, 8, 6), "hcp": (6, 8, 5), "bcc": (6, 7, 8), "sc": (5, 6, 7), "square": (9, 8), "chain": (12,)}
+INNER = 200  # sphere (3, 4, 3) of the fcc packing
+BALL = {"index": INNER, "diameter": (2 * math.sqrt(2) - 1) * D}  # in fcc without its neighbours: touches the six next
+
+
+def case_of(kind: str = "fcc", size: tuple[int, ...] | None = None, **tables: Any) -> Case:
+    size = size or SIZES[kind]
+    packing = {
+        "kind": kind,
+        "size": list(size) if len(size) > 1 else size[0],
+        "diameter": D,
+        **tables.pop("packing", {}),
+    }
+    return case_from_dict({"name": "test", "packing": packing, "material": "brass", **tables})
+
+
+def diameters(case: Case) -> np.ndarray:
+    return assemble(case).sphere_diameters()
+
+
+def around(sphere: int, case: Case | None = None) -> list[int]:
+    return assemble(case or case_of()).lattice.neighbours(sphere)
+
+
+def all_gaps(packing: Packing) -> np.ndarray:
+    """Between the surfaces of all spheres, every pair and the nearest image: (n, n), m; infinite on the diagonal."""
+    step = packing.positions[None] - packing.positions[:, None]
+    if packing.lattice.periodic:
+        for axis, length in enumerate(packing.lattice.lengths):
+            step[..., axis] -= length * np.round(step[..., axis] / length)
+    diameter = packing.atoms.get_array("diameters")
+    gaps = np.linalg.norm(step, axis=2) - (diameter[None] + diameter[:, None]) / 2
+    np.fill_diagonal(gaps, np.inf)
+    return gaps
+
+
+class TestDiameters:
+    @pytest.mark.parametrize("distribution", ["uniform", "normal"])
+    def test_moments_and_distribution(self, distribution: str) -> None:
+        band = 4e-5
+        case = case_of(size=(40, 40, 25), packing={"diameter_scatter": band, "scatter_distribution": distribution})
+        found = diameters(case)
+        assert found.min() >= D - band and found.max() <= D
+        deviation = band / math.sqrt(12) if distribution == "uniform" else band / 6
+        law = (
+            stats.uniform(D - band, band)
+            if distribution == "uniform"
+            else stats.truncnorm(-3, 3, loc=D - band / 2, scale=deviation)
+        )
+        n = len(found)
+        assert found.mean() == pytest.approx(D - band / 2, abs=4 * deviation / math.sqrt(n))
+        assert found.std() == pytest.approx(law.std(), rel=4 / math.sqrt(n))
+        assert stats.skew(found) == pytest.approx(0, abs=4 * math.sqrt(6 / n))
+        assert stats.kstest(found, law.cdf).pvalue > 1e-3
+
+    def test_neighbours_have_nothing_to_do_with_each_other(self) -> None:
+        found = diameters(case_of(size=(40, 40, 25), packing={"diameter_scatter": 1e-5})).reshape(25, 40, 40)
+        for axis in range(3):
+            one, other = np.delete(found, 0, axis).ravel(), np.delete(found, -1, axis).ravel()
+            assert abs(np.corrcoef(one, other)[0, 1]) < 4 / math.sqrt(one.size)
+
+    @pytest.mark.parametrize(("kind", "sides"), [*product(KINDS, ["free"]), *product(LATTICES, ["periodic"])])
+    def test_gaps_follow_and_are_never_negative(self, kind: str, sides: str) -> None:
+        band = 3e-4
+        case = case_of(kind, packing={"diameter_scatter": band}, boundary={"sides": sides})
+        packing = build_packing(case)
+        np.testing.assert_array_equal(packing.positions, build_packing(case_of(kind)).positions)
+        gaps = all_gaps(packing)
+        assert gaps.min() >= 0
+        pairs = assemble(case_of(kind, boundary={"sides": sides})).contacts() - 1
+        found = diameters(case)
+        expected = D - (found[pairs[:, 0]] + found[pairs[:, 1]]) / 2
+        assert gaps[pairs[:, 0], pairs[:, 1]] == pytest.approx(expected, abs=1e-12 * D)
+        assert np.median(expected) == pytest.approx(band / 2, rel=0.2)
+        assert len(packing.contacts) == assemble(case).n_contacts == np.count_nonzero(gaps <= 1e-6 * D) / 2
+        assert assemble(case).n_neighbours == len(pairs)
+
+    def test_a_narrow_tolerance_leaves_some_contacts(self) -> None:
+        case = case_of(size=(20, 20, 10), packing={"diameter_scatter": 1e-7})
+        packing = build_packing(case)
+        assert 0 < assemble(case).n_contacts == len(packing.contacts) < assemble(case).n_neighbours
+        assert packing.coordination.sum() == 2 * assemble(case).n_contacts
+        assert np.abs(packing.gaps(packing.contacts)).max() <= 1e-6 * D
+
+    def test_the_tolerance_counts_from_each_nominal_diameter(self) -> None:
+        band = 1e-5
+        plain = case_of(packing={"diameter_scatter": band})
+        case = case_of(packing={"diameter_scatter": band}, replace=[{"index": [3, 100], "diameter": 0.008}])
+        odd = np.array([3, 100]) - 1
+        np.testing.assert_allclose(diameters(case)[odd], diameters(plain)[odd] - 0.002, rtol=0, atol=1e-17)
+        np.testing.assert_array_equal(np.delete(diameters(case), odd), np.delete(diameters(plain), odd))
+
+    def test_beads_of_a_chain_are_stacked_by_nominal_diameters(self) -> None:
+        replaced = [{"index": {"first": 2, "last": 12}, "diameter": 0.006}, {"index": 5, "diameter": 0.02}]
+        stacked = case_of("chain", replace=replaced)
+        case = case_of("chain", replace=replaced, packing={"diameter_scatter": 1e-4})
+        np.testing.assert_array_equal(assemble(case).positions(), assemble(stacked).positions())
+        assert assemble(case).bottom() == assemble(stacked).bottom() == pytest.approx(0.005 + 0.02 + 10 * 0.006)
+        assert assemble(stacked).n_contacts == 11 and assemble(case).n_contacts == 0
+        assert all_gaps(build_packing(case)).min() >= 0 and abs(all_gaps(build_packing(stacked)).min()) < 1e-16
+
+    def test_walls_stand_where_nominal_spheres_touch_them(self) -> None:
+        plain = case_of(boundary={"sides": "wall"})
+        case = case_of(boundary={"sides": "wall"}, packing={"diameter_scatter": 1e-4})
+        assert {w.name: w.coordinate for w in walls(case)} == {w.name: w.coordinate for w in walls(plain)}
+
+
+class TestSeed:
+    TABLES: dict[str, Any] = {  # noqa: RUF012
+        "packing": {"diameter_scatter": 1e-5, "vacancies": 0.05, "seed": 3},
+        "replace": [{"share": 0.2, "material": "steel"}, {"share": 0.1, "diameter": 0.009}],
+    }
+
+    def test_same_seed_same_bits(self, tmp_path: Path) -> None:
+        for n in (1, 2):
+            write_data(assemble(case_of(**self.TABLES)), tmp_path / str(n))
+        assert (tmp_path / "1").read_bytes() == (tmp_path / "2").read_bytes()
+        other = self.TABLES | {"packing": self.TABLES["packing"] | {"seed": 4}}
+        write_data(assemble(case_of(**other)), tmp_path / "3")
+        assert (tmp_path / "3").read_bytes() != (tmp_path / "1").read_bytes()
+
+    def test_one_is_the_default(self) -> None:
+        given, implied = (case_of(packing={"diameter_scatter": 1e-5, **seed}) for seed in ({"seed": 1}, {}))
+        np.testing.assert_array_equal(diameters(given), diameters(implied))
+
+    @pytest.mark.parametrize(
+        ("distribution", "expected"),
+        [
+            ("uniform", ["0x1.476b26959d1acp-7", "0x1.47a9a04c2b83cp-7", "0x1.477c794fbb3f8p-7"]),
+            ("normal", ["0x1.47788444284e0p-7", "0x1.479a91d6e04c0p-7", "0x1.4780ea7967cafp-7"]),
+        ],
+    )
+    def test_bits_are_those_of_every_version_and_machine(self, distribution: str, expected: list[str]) -> None:
+        """As drawn on x86-64 with numpy 2 when this was written."""
+        tables = {"diameter_scatter": 1e-5, "scatter_distribution": distribution, "seed": 7}
+        assert [float(one).hex() for one in diameters(case_of(packing=tables))[:3]] == expected
+
+    def test_choices_are_those_of_every_version_and_machine(self) -> None:
+        case = case_of(packing={"vacancies": 0.02, "seed": 7}, replace=[{"share": 0.02, "material": "steel"}])
+        gone = np.setdiff1d(np.arange(1, 337), assemble(case).ids)
+        assert gone.tolist() == [83, 156, 177, 245, 310, 328, 334]
+        assert sorted(assemble(case).materials) == [40, 106, 113, 129, 258, 275, 281]
+
+    def test_no_change_of_one_changes_another(self) -> None:
+        full = assemble(case_of(**self.TABLES)).sites
+        assert full is not None
+        packing, (steel, small) = self.TABLES["packing"], self.TABLES["replace"]
+        for left_out in ("diameter_scatter", "vacancies"):
+            fewer = case_of(packing={k: v for k, v in packing.items() if k != left_out}, replace=[steel, small])
+            sites = assemble(fewer).sites
+            assert sites is not None
+            if left_out == "diameter_scatter":
+                np.testing.assert_array_equal(sites.present, full.present)
+                np.testing.assert_array_equal(sites.kind, full.kind)
+                np.testing.assert_array_equal(sites.nominal, full.nominal)
+            else:
+                losses = [(one.nominal - one.diameter)[full.present] for one in (sites, full)]
+                np.testing.assert_allclose(*losses, rtol=0, atol=2e-17)
+        one = assemble(case_of(packing=packing, replace=[steel])).sites
+        assert one is not None
+        np.testing.assert_array_equal(one.kind == 1, (full.kind == 1) | (one.kind == 1) & (full.nominal < D))
+
+    def test_the_three_streams_are_not_one(self) -> None:
+        packing = {"diameter_scatter": D / 4, "vacancies": 0.3}
+        replaced = [{"share": 0.3, "material": "steel"}, {"share": 0.3, "diameter": 0.009}]
+        sites = assemble(case_of(size=(30, 30, 10), packing=packing, replace=replaced)).sites
+        assert sites is not None
+        loss = sites.nominal - sites.diameter
+        steel, small = sites.kind == 1, sites.nominal < D
+        for mask in (sites.present, steel, small):
+            assert stats.ks_2samp(loss[mask], loss[~mask]).pvalue > 1e-3
+        n = np.count_nonzero(sites.present)
+        assert np.count_nonzero(small) == round(0.3 * n)  # the last entry overrules
+        assert np.count_nonzero(steel) == pytest.approx(0.3 * 0.7 * n, abs=4 * math.sqrt(0.3 * 0.7 * n))
+
+    def test_a_wider_band_stretches_and_a_larger_share_contains_a_smaller_one(self) -> None:
+        narrow, wide = (D - diameters(case_of(packing={"diameter_scatter": s})) for s in (1e-6, 1e-4))
+        np.testing.assert_allclose(wide, 100 * narrow, rtol=0, atol=1e-15)
+        few, many = (set(assemble(case_of(packing={"vacancies": share})).ids.tolist()) for share in (0.05, 0.2))
+        assert many < few
+
+    def test_what_is_random(self) -> None:
+        assert not is_random(
+            case_of(packing={"vacancies": [1], "seed": 5}, replace=[{"index": 2, "material": "steel"}])
+        )
+        assert is_random(case_of(packing={"diameter_scatter": 1e-6}))
+        assert is_random(case_of(packing={"vacancies": 0.1}))
+        assert is_random(case_of(replace=[{"share": 0.1, "material": "steel"}]))
+
+
+class TestVacancies:
+    def test_ids_are_those_of_the_lattice(self, tmp_path: Path) -> None:
+        case = case_of(packing={"vacancies": [1, 17, 300]})
+        packing, full = build_packing(case), build_packing(case_of())
+        kept = np.setdiff1d(full.ids, [1, 17, 300])
+        np.testing.assert_array_equal(packing.ids, kept)
+        np.testing.assert_array_equal(packing.positions, full.positions[kept - 1])
+        np.testing.assert_array_equal(packing.rows(packing.ids), np.arange(len(kept)))
+        expected = full.contacts[~np.isin(full.contacts, [1, 17, 300]).any(axis=1)]
+        np.testing.assert_array_equal(packing.contacts, expected)
+        assert (assemble(case).n_spheres, assemble(case).n_contacts) == (333, len(expected))
+        assert assemble(case).last_sphere == 336 and not assemble(case).plain
+        np.testing.assert_array_equal(packing.coordination, np.bincount(expected.ravel(), minlength=337)[kept])
+        write_data(assemble(case), tmp_path / "data")
+        text = (tmp_path / "data").read_text().split("Atoms # sphere: id type diameter density x y z")
+        assert "\n333 atoms\n" in text[0]
+        rows = np.array([row.split() for row in text[1].split("\n") if row], dtype=float)
+        np.testing.assert_array_equal(rows[:, 0], kept)
+        np.testing.assert_array_equal(rows[:, 4:], packing.positions)
+
+    @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "chain"])
+    def test_a_share_never_takes_what_the_case_names(self, kind: str) -> None:
+        case = case_of(
+            kind,
+            packing={"vacancies": 0.5},
+            replace=[{"index": [2, 3], "material": "steel"}],
+            sensor=[{"name": "one", "id": 5}],
+            output={"probes": [{"sphere": 7}, {"contact": [8, 9]}]},
+            striker=[{"touches": 4}],
+            load={"kind": "impact"},
+        )
+        n = assemble(case).lattice.n_spheres
+        assert len(assemble(case).sites.ids) == n - round(n / 2)
+        named = {*struck_spheres(assemble(case).lattice, 1), 2, 3, 4, 5, 7, 8, 9}
+        assert named <= set(assemble(case).ids.tolist())
+        assert assemble(case).ids[-1] == n + 1 and len(assemble(case).positions()) == assemble(case).n_spheres
+
+    def test_a_striker_can_sit_in_one(self) -> None:
+        """In a square packing, between the two spheres beside a vacancy at the edge, as near as their diameters let it."""
+        tables = {"vacancies": [5], "diameter_scatter": 1e-6}
+        case = case_of("square", packing=tables, striker=[{"touches": [4, 6], "diameter": 0.012}])
+        packing = build_packing(case)
+        assert packing.ids[-1] == 73 and packing.n_spheres == 72
+        assert packing.positions[-1] == pytest.approx([4 * D, -math.sqrt(0.011**2 - D**2), 0], abs=1e-6)
+        assert packing.contacts.tolist() == [[4, 73], [6, 73]]
+
+    def test_they_are_anywhere(self) -> None:
+        case = case_of(size=(40, 40, 25), packing={"vacancies": 0.1})
+        gone = np.setdiff1d(np.arange(1, 40_001), assemble(case).ids)
+        assert len(gone) == 4000
+        assert stats.kstest(gone / 40_000, "uniform").pvalue > 1e-3
+        assert stats.chisquare(np.bincount((gone - 1) % 40, minlength=40)).pvalue > 1e-3
+
+
+class TestReplaced:
+    def test_later_entries_overrule_earlier_ones(self) -> None:
+        box = {"low": [0, 0, 0], "high": [1, 1, 0.001]}
+        case = case_of(replace=[box | {"material": "steel", "diameter": 0.009}, {"index": 3, "material": "ptfe"}],
+                       contact={"law": "hertz"})  # fmt: skip
+        top = assemble(case).lattice.n_spheres // 6
+        names = [assemble(case).material_of(sphere).name for sphere in (1, 2, 3, top, top + 1)]
+        assert names == ["steel", "steel", "ptfe", "steel", "brass"]
+        assert [assemble(case).diameter_of(sphere) for sphere in (1, 3, top, top + 1)] == [0.009, D, 0.009, D]
+        assert len(assemble(case).diameters) == top - 1 and len(assemble(case).materials) == top
+
+    def test_smaller_ones_leave_gaps(self) -> None:
+        case = case_of(replace=[{"index": INNER, "diameter": 0.009}])
+        packing = build_packing(case)
+        assert (
+            packing.coordination[INNER - 1] == 0
+            and assemble(case).n_contacts == assemble(case_of()).lattice.n_contacts - 12
+        )
+        assert np.sort(all_gaps(packing)[INNER - 1])[:12] == pytest.approx(0.0005, rel=1e-9)
+
+    def test_larger_ones_next_to_vacancies_can_touch_beyond_neighbours(self) -> None:
+        case = case_of(packing={"vacancies": around(INNER)}, replace=[BALL])
+        packing = build_packing(case)
+        gaps = all_gaps(packing)
+        assert gaps.min() > -1e-15
+        pairs = np.argwhere(gaps <= 1e-6 * D)
+        expected = packing.ids[pairs[pairs[:, 0] < pairs[:, 1]]]
+        np.testing.assert_array_equal(packing.contacts, expected)
+        assert np.count_nonzero(expected == INNER) == 6 and assemble(case).n_contacts == len(expected)
+
+    def test_images_of_larger_ones_count(self) -> None:
+        """Sphere 61 is at two faces of the box: its neighbours across them must go too."""
+        periodic = {"sides": "periodic"}
+        ball, near = [{"index": 61, "diameter": 0.018}], around(61, case_of("sc", boundary=periodic))
+        fits = case_of("sc", packing={"vacancies": near}, boundary=periodic, replace=ball)
+        assert len(near) == 6 and all_gaps(build_packing(fits)).min() > -1e-15
+        inside = around(61, case_of("sc"))
+        assert assemble(case_of("sc", packing={"vacancies": inside}, replace=ball, boundary={"bottom": "free"}))
+        with pytest.raises(InputError, match=r"sphere 61 of 0.018 m overlaps sphere \d+ by 0.004 m \(and 1 more"):
+            case_of("sc", packing={"vacancies": inside}, boundary=periodic, replace=ball)
+
+    @pytest.mark.parametrize("sides", ["free", "periodic"])
+    def test_next_to_small_ones_there_is_room(self, sides: str) -> None:
+        ring = {"index": around(INNER), "diameter": 0.009}
+        case = case_of(replace=[ring, {"index": INNER, "diameter": 0.011}], boundary={"sides": sides})
+        assert build_packing(case).coordination[INNER - 1] == 12
+
+    def test_a_share_of_the_spheres_that_there_are(self) -> None:
+        case = case_of(packing={"vacancies": 0.25}, replace=[{"share": 0.5, "material": "steel"}])
+        assert assemble(case).n_spheres == 252 and len(assemble(case).materials) == 126
+        assert set(assemble(case).materials) < set(assemble(case).ids.tolist())
+
+
+class TestTimestep:
+    def test_a_small_tolerance_hardly_changes_it(self) -> None:
+        plain = auto_timestep(case_of())
+        assert auto_timestep(case_of(packing={"diameter_scatter": 5e-6})) == pytest.approx(plain, rel=0.05)
+        assert auto_timestep(case_of(packing={"vacancies": 0.1})) == plain
+
+    def test_it_goes_with_the_smallest_sphere(self) -> None:
+        tenth = auto_timestep(case_of(size=(3, 3, 3), packing={"diameter_scatter": 0.0049}))
+        assert 0.4 < tenth / auto_timestep(case_of(size=(3, 3, 3))) < 0.7
+
+    def test_thousands_of_diameters_cost_nothing(self) -> None:
+        tables = {"packing": {"diameter_scatter": 4e-3}, "replace": [{"share": 0.5, "material": "steel"}]}
+        case = case_of(size=(40, 40, 30), **tables)
+        _ = assemble(case)
+        start = time.process_time()
+        found = plan(case)
+        assert time.process_time() - start < 2
+        assert found.n_spheres == 48_000 and found.n_contacts == 0
+
+    def test_kinds_told_apart_or_near_each_other_give_the_same_within_a_tenth(self) -> None:
+        def of(n: int) -> float:
+            entries = [{"index": k, "diameter": 0.008 + 0.002 * k / n} for k in range(1, n)]
+            return auto_timestep(case_of("chain", (n,), replace=entries))
+
+        assert of(60) == pytest.approx(of(40), rel=0.1)
+
+
+def test_155520_spheres_take_no_time() -> None:
+    tables = {
+        "packing": {"diameter_scatter": 5e-6, "vacancies": 0.01},
+        "replace": [{"share": 0.1, "material": "steel"}],
+    }
+    start = time.process_time()
+    case = case_of(size=(72, 72, 30), **tables)
+    assert assemble(case).n_contacts >= 0 and len(assemble(case).positions()) == 153_965
+    assert time.process_time() - start < 2
+
+
+@dataclasses.dataclass
+class Ran:
+    """A run, and what it left."""
+
+    case: Case
+    directory: Path
+    summary: dict[str, Any]
+
+
+RUN: dict[str, Any] = {
+    "packing": {"diameter_scatter": 2e-6, "vacancies": 0.03, "seed": 2},
+    "replace": [{"share": 0.1, "material": "steel"}, {"index": 100, "diameter": 0.0099}],
+    "run": {"end_time": 1.5e-4, "frames": 3},
+}
+
+
+@pytest.fixture(scope="module")
+def ran(tmp_path_factory: pytest.TempPathFactory) -> Ran:
+    case, directory = case_of(size=(8, 8, 5), **RUN), tmp_path_factory.mktemp("disorder") / "run"
+    outcome = run_case(case, directory, figures=False)
+    assert outcome.state == "finished"
+    return Ran(case, directory, outcome.summary)
+
+
+def test_the_balance_of_a_disordered_packing_closes(ran: Ran) -> None:
+    assert ran.summary["n_spheres"] == assemble(ran.case).n_spheres == 310
+    assert ran.summary["energy_balance_error"] < 1e-5
+    energy = read_energy(ran.directory)
+    assert energy["dissipated"][-1] > 0.1 * energy["input"][-1]
+
+
+@pytest.mark.parametrize(("kind", "sides"), [*product(KINDS, ["free", "wall"]), *product(LATTICES, ["periodic"])])
+def test_every_lattice_runs(kind: str, sides: str, tmp_path: Path) -> None:
+    """LAMMPS finds all neighbours (else the run ends there), and the balance closes."""
+    packing = {"diameter_scatter": 1e-6, "scatter_distribution": "normal"}
+    case = case_of(
+        kind,
+        packing=packing if kind == "chain" else packing | {"vacancies": 0.05},
+        replace=[{"share": 0.2, "diameter": 0.0099, "material": "steel"}],
+        boundary={"sides": sides},
+        run={"end_time": 3e-5, "frames": 2},
+    )
+    outcome = run_case(case, tmp_path / "run", figures=False)
+    assert outcome.state == "finished" and outcome.summary["energy_balance_error"] < 1e-5
+
+
+def test_one_and_two_ranks_give_the_same_bits(lmp, tmp_path: Path) -> None:
+    found = []
+    for ranks in (1, 2):
+        deck = write_deck(case_of(size=(8, 8, 5), **RUN), tmp_path / str(ranks))
+        done = lmp(deck.script, ranks=ranks)
+        assert done.returncode == 0, done.stdout + done.stderr
+        found.append((read_energy(deck.directory), read_contacts(deck.directory)))
+    (e1, c1), (e2, c2) = found
+    for name in ("kinetic", "elastic", "dissipated"):
+        assert e2[name] == pytest.approx(e1[name], rel=1e-10, abs=1e-10 * e1["input"][0])
+    assert_same_contacts(c1, c2)
+
+
+def test_a_tolerance_delays_and_lowers_what_arrives(lmp, tmp_path: Path) -> None:
+    """Gaps must close first: at 5 m/s, 1 um in a pair takes 0.2 us."""
+    peaks = []
+    for scatter in (0.0, 5e-6):
+        case = case_of(size=(8, 8, 5), packing={"diameter_scatter": scatter}, run={"end_time": 1.5e-4, "frames": 3})
+        outcome = run_case(case, tmp_path / f"{scatter:g}", figures=False)
+        peaks.append(outcome.summary["wall_peak_force_N"])
+    assert peaks[1] < 0.9 * peaks[0]
+
+
+def test_listed_seeds_without_chance_are_no_fault(caplog: pytest.LogCaptureFixture) -> None:
+    with caplog.at_level(logging.WARNING, logger="granwave"):
+        assert assemble(case_of(packing={"seed": 7})).plain
+    assert not caplog.records

@@ -1,0 +1,214 @@
+"""Plans: size, memory and time of a run and of a scan before they are run, and what is left of a scan in work."""
+
+from __future__ import annotations
+
+import dataclasses
+import logging
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.lammps_inputs.planning.plan import Plan, check_memory, plan
+from granwave.workflows.cli.commands import plan_table
+from granwave.workflows.run.progress import Progress
+from granwave.workflows.scanning import batches
+from granwave.workflows.scanning.batches import expected_scan_time, expected_time, make_batches
+from granwave.workflows.scanning.outlook import Outlook
+from granwave.workflows.scanning.profile import Profile
+from granwave.workflows.scanning.scan_file import Point
+from tests.helpers.scan_texts import SMALL, reader
+
+SETTLED = {"kind": "uniaxial", "pressure": 1e5}
+PERIODIC = {"sides": "periodic"}
+
+
+def make(size: Any = (12, 12, 8), packing: dict[str, Any] | None = None, **tables: Any) -> Case:
+    table = {"kind": "fcc", "size": list(size), "diameter": 0.01, **(packing or {})}
+    return case_from_dict({"name": "test", "packing": table, "material": "brass", **tables})
+
+
+def steps(**tables: Any) -> float:
+    """Expected time of a step, s."""
+    found = plan(make(**tables))
+    return found.times.steps / found.schedule.n_steps
+
+
+# ---------------------------------------------------------------------- a run
+
+
+def test_the_reference() -> None:
+    found = plan(make((72, 72, 30), run={"timestep": 1e-7}))
+    assert (found.n_spheres, found.n_contacts, found.schedule.n_steps) == (155_520, 902_165, 10_000)
+    assert found.peak_overlap_yield == pytest.approx(48.9, abs=0.1)
+    hertz = plan(make((72, 72, 30), run={"timestep": 1e-7}, contact={"law": "hertz"}))
+    assert hertz.times.steps == pytest.approx(155_520 * 10_000 * 55e-9, rel=0.1)  # 59 ns measured on two cores
+    assert 1.001 < found.times.steps / hertz.times.steps < 1.5  # some contacts yield
+    assert hertz.peak_overlap_yield is None
+    assert plan(make((72, 72, 30), run={"timestep": 1e-7}), n_ranks=2).times.steps == found.times.steps / 2
+
+
+def test_memory() -> None:
+    check_memory(plan(make()))
+    with pytest.raises(InputError, match=r"need about .* GiB of memory, there is 0.1 GiB"):
+        check_memory(plan(make()), available=1e8)
+    with pytest.raises(InputError, match="spheres need about"):
+        check_memory(plan(make((1000, 1000, 1000))))
+
+
+def test_what_makes_a_step_longer() -> None:
+    """In 1152 spheres 57 us elastic, 84 at 20 m/s, 91 with friction; 70 and 125 us under a load in 640."""
+    hertz = {"law": "hertz"}
+    elastic = steps(contact=hertz)
+    assert 1.3 < steps(contact={**hertz, "friction": 0.3}) / elastic < 2
+    assert 1.1 < steps(load={"velocity": 20}) / elastic < 1.6
+    loaded = steps(contact=hertz, precompression=SETTLED, boundary=PERIODIC)
+    assert 1.2 < loaded / elastic < 2.5
+    assert 1.7 < steps(contact={**hertz, "friction": 0.3}, precompression=SETTLED, boundary=PERIODIC) / loaded < 2.7
+
+
+def test_figures_and_what_is_recorded_count() -> None:
+    with_figures, without = plan(make()), plan(make(), figures=False)
+    assert with_figures.wall_time - without.wall_time == with_figures.times.figures > 3 and not without.times.figures
+    many = plan(make(run={"frames": 200}), figures=False)
+    assert many.times.rest > 5 * without.times.rest and many.times.steps == without.times.steps
+
+
+def test_the_static_stage_of_a_lattice_is_known_and_that_of_disorder_is_not() -> None:
+    assert plan(make()).times.static == 0
+    orderly = make(precompression=SETTLED, boundary=PERIODIC)
+    times = plan(orderly).times
+    assert 0 < times.static == times.most_static < times.steps
+    assert "static stage  " not in plan_table(orderly, plan(orderly))
+    for packing, contact in (({"diameter_scatter": 1e-6}, {}), ({}, {"initial_overlap": 1e-6})):
+        case = make(packing=packing, contact=contact, precompression=SETTLED, boundary=PERIODIC)
+        found = plan(case).times
+        assert found.most_static > found.static > times.static
+        assert "cannot be known where there is disorder: up to" in plan_table(case, plan(case))
+
+
+def test_runs_that_end_by_themselves_are_not_planned_to_their_limit() -> None:
+    def planned(**contact: Any) -> Plan:
+        return plan(make(run={"end_time": "auto"}, contact=contact))
+
+    plastic, elastic = planned(), planned(law="hertz")
+    assert elastic.times.steps < plastic.times.steps < plastic.times.most_steps / 5
+    text = plan_table(make(run={"end_time": "auto"}), plastic)
+    assert "expected time          about" in text and "at most" in text.split("expected time")[1]
+    given = plan(make())
+    assert given.times.longest == given.wall_time
+
+
+# ---------------------------------------------------------------------- a scan
+
+
+@pytest.fixture
+def points(tmp_path: Path) -> list[Point]:
+    """Six, of which the last is planned to take longer than any other."""
+    scan = reader(tmp_path)(
+        SMALL + "[grid]\nload.velocity = [1, 2, 3, 4, 5]\n[[points]]\nload.spheres = 3\nrun.frames = 400\n"
+    )
+    return list(scan.points)
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> list[float]:
+    """The time, which passes when it is set."""
+    now = [100.0]
+    monkeypatch.setattr(time, "monotonic", lambda: now[0])
+    return now
+
+
+def test_a_scan_takes_its_points_and_what_is_around_them(points: list[Point]) -> None:
+    alone = sum(map(expected_time, points))
+    assert alone + 5 < expected_scan_time(points, None, 1) < alone + 40
+    assert expected_scan_time(points, None, 2) < expected_scan_time(points, None, 1)
+    assert expected_scan_time(points, None, 100, slowness=50) > 50 * expected_time(points[-1])
+    assert expected_scan_time([], None, 2) == batches.PUBLISH
+    assert expected_scan_time(points, Profile(), 1) > expected_scan_time(points, None, 1)
+
+
+def test_ranks_share_the_cores_of_this_machine(points: list[Point]) -> None:
+    both = [dataclasses.replace(point, ranks=2) for point in points]
+    assert expected_scan_time(both, None, 2, 50) > 1.5 * expected_scan_time(points, None, 2, 50)
+    assert expected_scan_time(both, Profile(), 2, 50) < 1.5 * expected_scan_time(points, Profile(), 2, 50)
+
+
+def test_figures_of_every_point_are_planned(tmp_path: Path) -> None:
+    read = reader(tmp_path)
+    text = SMALL + "[grid]\nload.velocity = [1, 2]\n"
+    without, drawn = read(text).points[0], read("figures = true\n" + text).points[0]
+    assert expected_time(drawn) - expected_time(without) > 3
+
+
+def test_a_job_may_last_as_long_as_its_points_can(tmp_path: Path) -> None:
+    small = SMALL.replace("run.end_time = 5e-5", 'run.end_time = "auto"')
+    scan = reader(tmp_path)(small + "packing.diameter_scatter = 1e-6\n[grid]\nload.velocity = [1, 2]\n")
+    batch = make_batches(scan.points, workers=1, job_start=2, prefix="", slowness=1e4)[0]
+    assert batch.longest > 3 * batch.wall_time
+    assert Profile().resources(batch)["runtime"] * 60 >= batch.longest
+
+
+def test_until_a_point_is_done_the_plan_is_shown(points: list[Point], clock: list[float]) -> None:
+    outlook = Outlook(points, None, 2, slowness=100.0)
+    words = {}
+    for clock[0] in (101.0, 130.0):
+        words[clock[0]] = outlook.words(points, {})
+    assert words[101.0].startswith("1 s of about ") and words[130.0].startswith("30 s of about ")
+    assert words[101.0].split("about")[1] == words[130.0].split("about")[1]
+    clock[0] = 1e6
+    assert ", longer than the planned " in outlook.words(points, {}) and outlook.words([], {}).endswith("are next")
+
+
+def test_then_the_points_that_are_done_tell(points: list[Point], clock: list[float]) -> None:
+    outlook, (first, *others, longest) = Outlook(points[:-1] + points[-1:], None, 1, slowness=1.0), points
+    clock[0] += 70
+    outlook.done(first, 100 * expected_time(first))
+    left = 100 * (sum(map(expected_time, others)) + expected_time(longest)) + batches.PUBLISH
+    assert outlook.words([*others, longest], {}) == f"70 s, about {left / 60:.0f} min left"
+    ages = {longest.id: 100 * expected_time(longest), others[0].id: 1e9}  # nothing is taken off twice
+    left = 100 * sum(map(expected_time, others[1:])) + batches.PUBLISH
+    assert outlook.words([*others, longest], ages) == f"70 s, about {left:.0f} s left"
+    assert outlook.words([], {}) == "70 s; table, figures and report are next"
+
+
+def test_points_of_an_earlier_start_do_not_tell(points: list[Point], clock: list[float]) -> None:
+    outlook = Outlook(points[1:], None, 1, slowness=1.0)
+    outlook.done(points[0], 1e6)
+    assert outlook.words(points[1:], {}).startswith("0 s of about ")
+
+
+# ---------------------------------------------------------------------- lines of a log
+
+
+@pytest.mark.parametrize(
+    ("at_most", "words"), [(False, "[40 s, about 40 s left]"), (True, "[40 s, at most 40 s left]")]
+)
+def test_lines_say_about(at_most: bool, words: str, clock: list[float], caplog: pytest.LogCaptureFixture) -> None:
+    caplog.set_level(logging.INFO)
+    bar = Progress(10, "mine", enabled=True, at_most=at_most)
+    clock[0] += 20
+    bar.update(3, "early")
+    clock[0] += 20
+    bar.update(5, "half way")
+    bar.update(6, "soon after")
+    bar.update(10, "there", "60 s of about 2 min")
+    bar.close()
+    assert [record.getMessage() for record in caplog.records] == [
+        f"mine  50 % half way {words}",
+        "mine 100 % there [60 s of about 2 min]",
+    ]
+
+
+@pytest.mark.parametrize("settles", [False, True])
+def test_at_the_end_nothing_is_left(settles: bool, clock: list[float], caplog: pytest.LogCaptureFixture) -> None:
+    caplog.set_level(logging.INFO)
+    bar = Progress(10, "mine", enabled=True, at_most=settles)
+    clock[0] += 20
+    bar.update(4 if settles else 10, "there", last=True)
+    bar.close()
+    assert [record.getMessage() for record in caplog.records] == ["mine 100 % there [20 s]"]

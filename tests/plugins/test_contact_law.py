@@ -1,0 +1,200 @@
+"""The compiled contact laws against check values, closed forms, and a second implementation."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from granwave._contact_laws import ContactLaw
+from tests.helpers.twin import LawTwin, scales
+
+BRASS = {"youngs_modulus": (115e9, 115e9), "poisson_ratio": (0.3, 0.3), "yield_strength": (550e6, 550e6)}
+# a_max: f, a_R, W, dissipated; default variant, in units of F_y and alpha_y (derived from thesis 2.8 to 2.17)
+CHECK = {
+    1.05: (1.0639, 0.0288, 0.4516, 0.0),
+    2: (2.4711, 0.5779, 2.1026, 0.6072),
+    10: (24.3497, 5.3942, 99.717, 51.993),
+    50: (197.692, 33.543, 4436.13, 3051.69),
+    200: (962.643, 165.323, 89704.9, 75500.0),
+    400: (2064.69, 354.12, 392438, 352131),
+}
+
+
+def brass(law="elastoplastic", radius=4.76e-3, **options):
+    return ContactLaw(law, **BRASS, radius=(radius, radius), **options)
+
+
+def test_yield_point_of_the_reference():
+    law = brass()
+    assert law.yield_overlap == pytest.approx(1.139e-6, rel=1e-3)
+    assert law.yield_force == pytest.approx(4.996, rel=1e-3)
+    assert (law.yield_overlap, law.yield_force) == pytest.approx(scales(4.76e-3), rel=1e-13)
+
+
+@pytest.mark.parametrize("peak", CHECK)
+def test_check_values(peak):
+    law = brass()
+    length, force = law.yield_overlap, law.yield_force
+    found = (
+        law.loading_force(peak * length) / force,
+        law.residual_overlap(peak * length) / length,
+        law.loading_work(peak * length) / (force * length),
+        law.dissipated_energy(peak * length) / (force * length),
+    )
+    assert found == pytest.approx(CHECK[peak], rel=5e-5, abs=5e-5)
+
+
+@pytest.mark.parametrize("variant", ["continuous", "published"])
+@pytest.mark.parametrize("peak", [0.5, 1.0001, 1.04, 1.2, 3.0, 30.0, 177.0, 178.0, 350.0])
+def test_against_the_second_implementation(variant, peak):
+    law, twin = brass(variant=variant), LawTwin(variant)
+    length, force = law.yield_overlap, law.yield_force
+    a = np.linspace(0, 1.2 * peak, 50)
+    expected = [twin.force(x, max(x, peak)) for x in a]
+    assert law.force(a * length, np.full(50, peak * length)) / force == pytest.approx(expected, rel=1e-10, abs=1e-12)
+    assert law.loading_work(peak * length) / (force * length) == pytest.approx(twin.work(peak), rel=1e-10)
+    if peak > 1.1 or variant == "published":
+        assert law.dissipated_energy(peak * length) / (force * length) == pytest.approx(
+            twin.dissipated(peak), rel=1e-9, abs=1e-10
+        )
+
+
+@pytest.mark.parametrize("law_name", ["elastoplastic", "hertz", "bilinear", "thornton"])
+@pytest.mark.parametrize("peak", [0.7, 1.05, 5.0, 60.0, 250.0])
+def test_force_is_the_slope_of_the_energy(law_name, peak):
+    law = brass(law_name)
+    length = law.yield_overlap
+    residual = law.residual_overlap(peak * length)
+    for overlap in np.linspace(residual + 0.05 * (peak * length - residual), 0.98 * peak * length, 9):
+        h = 1e-5 * (peak * length - residual)
+        slope = (law.elastic_energy(overlap + h, peak * length) - law.elastic_energy(overlap - h, peak * length)) / (
+            2 * h
+        )
+        assert slope == pytest.approx(law.force(overlap, peak * length), rel=1e-6)
+    h = 1e-6 * peak * length
+    slope = (law.loading_work(peak * length + h) - law.loading_work(peak * length - h)) / (2 * h)
+    assert slope == pytest.approx(law.loading_force(peak * length), rel=1e-6)
+
+
+@pytest.mark.parametrize("law_name", ["elastoplastic", "hertz", "bilinear", "thornton"])
+def test_work_is_stored_or_dissipated_at_the_peak(law_name):
+    law = brass(law_name)
+    peak = np.geomspace(1e-3, 400, 300) * law.yield_overlap
+    assert law.elastic_energy(peak, peak) + law.dissipated_energy(peak) == pytest.approx(
+        law.loading_work(peak), rel=1e-12
+    )
+
+
+def test_the_default_law_is_continuous_and_passive():
+    law = brass()
+    length = law.yield_overlap
+    for joint in (1.0, 177.6):
+        below, above = law.loading_force(joint * length * (1 - 1e-12)), law.loading_force(joint * length * (1 + 1e-12))
+        assert below == pytest.approx(above, rel=1e-9)
+    peak = np.linspace(1, 1.5, 20001) * length
+    assert law.dissipated_energy(peak).min() >= 0
+    exponent = law.unloading_exponent(peak)
+    assert exponent[0] == pytest.approx(1.5, abs=1e-6)
+    assert np.all(np.diff(exponent) <= 1e-12) and exponent[-1] == 1.35
+    settled = peak[np.argmax(exponent == 1.35)] / length
+    assert 1.08 < settled < 1.09
+
+
+def test_the_printed_law_jumps_and_gives_back_more_than_it_took():
+    law = brass(variant="published")
+    length = law.yield_overlap
+    jump = law.loading_force(length * (1 + 1e-12)) / law.loading_force(length) - 1
+    assert jump == pytest.approx(0.003, abs=3e-4)
+    second = law.loading_force(177.6 * length * (1 + 1e-12)) / law.loading_force(177.6 * length * (1 - 1e-12)) - 1
+    assert second == pytest.approx(-0.016, abs=1e-3)
+    peak = np.linspace(1.0001, 1.2, 4000)
+    lost = law.dissipated_energy(peak * length) / law.loading_work(peak * length)
+    assert lost.min() == pytest.approx(-0.067, abs=2e-3)
+    assert peak[lost < 0].max() == pytest.approx(1.087, abs=3e-3)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    st.lists(st.floats(0, 300), min_size=2, max_size=60),
+    st.sampled_from(["elastoplastic", "bilinear", "thornton", "hertz"]),
+)
+def test_no_history_gives_back_more_than_it_took(turns, name):
+    """Work over any path of overlaps = stored + dissipated, and what is stored never exceeds the work."""
+    law = brass(name)
+    length, unit = law.yield_overlap, law.yield_overlap * law.yield_force
+    work, peak, here = 0.0, 0.0, 0.0
+    for turn in turns:
+        there = turn * length
+        if there > peak:  # along the elastic branch to the peak, then loading
+            work += law.elastic_energy(peak, peak) - law.elastic_energy(here, peak)
+            work += law.loading_work(there) - law.loading_work(peak)
+            peak = there
+        else:
+            path = np.linspace(here, there, 400)
+            work += np.trapezoid(law.force(path, np.full_like(path, peak)), path)
+        here = there
+        balance = work - law.elastic_energy(here, peak) - law.dissipated_energy(peak)
+        assert abs(balance) <= 2e-4 * max(abs(work), law.loading_work(peak), 1e-3 * unit) * len(turns)
+        assert law.dissipated_energy(peak) >= -1e-12 * unit
+
+
+def test_unlike_spheres():
+    law = ContactLaw(
+        youngs_modulus=(115e9, 210e9), poisson_ratio=(0.3, 0.3), yield_strength=(550e6, 700e6), radius=(0.004, 0.008)
+    )
+    assert law.effective_radius == pytest.approx(0.004 * 0.008 / 0.012)
+    assert law.effective_modulus == pytest.approx(1 / (0.91 / 115e9 + 0.91 / 210e9))
+    assert law.yield_strength == 550e6 and law.share_of_first == 1.0
+    assert brass().share_of_first == 0.5
+
+
+def test_rigid_plane():
+    law = ContactLaw(
+        youngs_modulus=(115e9, np.inf), poisson_ratio=(0.3, 0.0), yield_strength=(550e6, np.inf), radius=(0.005, np.inf)
+    )
+    assert law.effective_radius == pytest.approx(0.005)
+    assert law.effective_modulus == pytest.approx(115e9 / 0.91)
+
+
+def test_thornton_against_its_equations():
+    law = brass("thornton")
+    overlap_y, force_y, r_star = law.yield_overlap, law.yield_force, law.effective_radius
+    peak = 40 * overlap_y
+    top = force_y + np.pi * 550e6 * r_star * (peak - overlap_y)  # thesis 2.4
+    assert law.loading_force(peak) == pytest.approx(top, rel=1e-12)
+    flattened = 4 * law.effective_modulus / (3 * top) * ((2 * top + force_y) / (2 * np.pi * 550e6)) ** 1.5  # thesis 2.6
+    residual = peak - (top / (4 / 3 * law.effective_modulus * np.sqrt(flattened))) ** (2 / 3)
+    assert law.residual_overlap(peak) == pytest.approx(residual, rel=1e-10)
+    x = 0.5 * (peak + residual)
+    assert law.force(x, peak) == pytest.approx(
+        4 / 3 * law.effective_modulus * np.sqrt(flattened) * (x - residual) ** 1.5, rel=1e-10
+    )
+
+
+def test_bilinear_against_its_equations():
+    law = brass("bilinear", beta=0.8)
+    slope = 18.5 * 550e6 * law.effective_radius
+    peak = 3e-5
+    assert law.loading_force(peak) == pytest.approx(slope * peak, rel=1e-12)
+    assert law.residual_overlap(peak) == pytest.approx(0.8 * peak, rel=1e-12)
+    assert law.unloading_stiffness(peak) == pytest.approx(slope / 0.2, rel=1e-12)
+    top = slope * peak
+    assert law.dissipated_energy(peak) == pytest.approx(top**2 / 2 * (1 / slope - 0.2 / slope), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"yield_strength": (0.0, 1.0)},
+        {"poisson_ratio": (0.6, 0.3)},
+        {"radius": (-1.0, 1.0)},
+        {"law": "rubber"},
+        {"beta": 1.0},
+        {"yield_strength": (np.inf, np.inf)},
+    ],
+)
+def test_constants_without_meaning_are_refused(wrong):
+    with pytest.raises(ValueError, match=r"must|needs|positive"):
+        ContactLaw(**{**BRASS, "radius": (0.005, 0.005), **wrong})

@@ -1,0 +1,230 @@
+"""Command gran/dents: dents from before a run, given by file or left by what the contacts went through."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.conftest import refuses, script_of
+from tests.helpers.dented import MASS, REPORTS, meeting_in, reading, start, table
+from tests.helpers.rubbing import rubbing
+from tests.helpers.two_spheres import LAW, PAIR, R, restitution, value
+
+
+@pytest.mark.parametrize("ids", ["1 2", "2 1"])
+def test_a_deep_dent_makes_a_collision_elastic(lammps, tmp_path, ids):
+    """The first collision meets the dent that a harder one would have left: it rides its unloading branch."""
+    dent = 80 * LAW.yield_overlap
+    lmp = lammps()
+    start(lmp, speed=0.5, extra=reading(tmp_path, f"# id id peak\n\n{ids} {dent:.17g}   # of an earlier run\n"))
+    assert value(lmp, "c_en[1]") == 0 and value(lmp, "c_en[5]") == 0
+    lmp.commands_string(f"{meeting_in(dent)}\nrun 20000")
+    assert restitution(lmp, 0.5) == pytest.approx(1.0, abs=1e-6)
+    row = table(lmp)[0]
+    assert row[4] == row[15] == dent
+    assert value(lmp, "c_en[1]") == value(lmp, "c_en[2]") == row[7] == 0
+    assert row[10] == -1 and 0 <= row[8] < row[9]
+    # the largest force of the run is that where the kinetic energy was stored, far below that of the dent
+    overlaps = np.linspace(LAW.residual_overlap(dent), dent, 20001)
+    stored = LAW.elastic_energy(overlaps, np.full_like(overlaps, dent))
+    reached = np.interp(0.25 * MASS * 0.25, stored, overlaps)
+    assert row[5] == pytest.approx(LAW.force(reached, dent), rel=1e-3) == pytest.approx(value(lmp, "c_en[5]"), rel=1e-3)
+    assert row[5] < 0.5 * LAW.loading_force(dent)
+    assert value(lmp, "c_ke") == pytest.approx(0.25 * MASS * 0.25, rel=1e-6)
+
+
+def test_what_is_lost_beyond_a_dent(lammps, tmp_path):
+    """A collision that goes deeper: dissipated is e(peak) - e(initial), and energy balances with it."""
+    dent = 20 * LAW.yield_overlap
+    lmp = lammps()
+    start(lmp, speed=4.0, extra=f"{reading(tmp_path, f'1 2 {dent:.17g}')}\n{meeting_in(dent)}\nrun 20000")
+    row = table(lmp)[0]
+    assert row[4] > 1.2 * dent and row[15] == dent
+    assert row[7] == pytest.approx(LAW.dissipated_energy(row[4]) - LAW.dissipated_energy(dent), rel=1e-12)
+    assert value(lmp, "c_en[1]") == pytest.approx(row[7], rel=1e-12) and value(lmp, "c_en[2]") == 1
+    assert row[5] == pytest.approx(LAW.loading_force(row[4]), rel=1e-12)
+    assert 0 <= row[8] < row[10] <= row[9]
+    assert value(lmp, "c_ke+c_en+c_en[1]") == pytest.approx(0.25 * MASS * 16, rel=1e-6)
+    grains = lmp.numpy.extract_compute("grains", 1, 2)[:2]
+    assert grains[:, 3].sum() == pytest.approx(row[7], rel=1e-12) and grains[:, 4].tolist() == [1, 1]
+
+
+def test_begin_makes_the_past_of_a_collision(lammps):
+    """After a collision, begin: its dent is initial, its loss is gone from the ledger, the next collision is elastic."""
+    lmp = lammps()
+    start(lmp)
+    lmp.command("run 20000")
+    dent, speed = table(lmp)[0, 4], value(lmp, "vz[2]-vz[1]")
+    assert value(lmp, "c_en[1]") > 0
+    lmp.command("gran/dents begin")
+    row = table(lmp)[0]
+    assert row[4] == row[15] == dent and row[5] == row[7] == 0 and row[8:11].tolist() == [-1, -1, -1]
+    assert value(lmp, "c_en[1]") == value(lmp, "c_en[2]") == value(lmp, "c_en[5]") == 0
+    lmp.commands_string(f"set atom 1 vz {speed / 2}\nset atom 2 vz {-speed / 2}\nrun 30000")
+    assert value(lmp, "vz[2]-vz[1]") == pytest.approx(speed, rel=1e-6)
+    row = table(lmp)[0]
+    assert row[7] == 0 and row[4] == dent and row[5] > 0 and row[8] > 20000 * 1e-8 and row[10] == -1
+    lmp.commands_string(f"set atom 1 vz {speed}\nset atom 2 vz {-speed}\nrun 30000")
+    assert value(lmp, "c_en[1]") == pytest.approx(LAW.dissipated_energy(table(lmp)[0, 4]) - LAW.dissipated_energy(dent))
+
+
+@pytest.mark.parametrize("steps", [300, 20000])
+def test_begin_forgets_what_was_elastic(lammps, steps):
+    """A contact below its elastic limit has no past but where it is now; forgotten ones have none at all."""
+    lmp = lammps()
+    start(lmp, speed=0.02)
+    lmp.command(f"run {steps}")
+    overlap, peak = value(lmp, "c_one[1]"), value(lmp, "c_one[3]")
+    assert 0 < peak < LAW.yield_overlap and (overlap > 0) == (steps == 300)
+    lmp.commands_string("gran/dents begin\nrun 0")
+    assert value(lmp, "c_one[3]") == (overlap if overlap > 0 else 0.0)
+    if overlap > 0:
+        assert table(lmp)[0, 15] == 0 and table(lmp)[0, 5] == pytest.approx(LAW.loading_force(overlap), rel=1e-12)
+    else:
+        assert len(table(lmp)) == 0
+
+
+def test_begin_drops_forgotten_dents(lammps):
+    lmp = lammps()
+    start(lmp, gap=2e-5)
+    lmp.command("run 26000")
+    assert table(lmp)[0, 11] == 0 and value(lmp, "c_en[1]") > 0
+    lmp.command("gran/dents begin")
+    assert len(table(lmp)) == 0 and value(lmp, "c_en[1]") == 0
+
+
+def test_begin_starts_frictional_losses_anew_and_keeps_the_springs(lammps):
+    lmp = lammps()
+    extra = "compute one all gran/hysteretic/contact 1 2"
+    lmp.commands_string(rubbing(PAIR, "hertz 115e9 0.3 friction 0.3", velocities=[(1, 0, 1), (0, 0, 0)], extra=extra))
+    lmp.command("run 1500")
+    held, lost = value(lmp, "c_one[6]"), value(lmp, "c_one[7]")
+    assert held > 0 and lost > 0
+    lmp.commands_string("gran/dents begin\nrun 0")
+    assert value(lmp, "c_one[6]") == held and value(lmp, "c_one[7]") == 0
+
+
+def test_relaxed_under_pressure_then_begun(lammps):
+    """A chain pressed between walls by FIRE; its equilibrium is the start of the run, which moves nothing and has lost nothing."""
+    lmp = lammps()
+    n, squeeze = 6, 2e-6
+    places = [(0, 0, 2 * R * k) for k in range(n)]
+    walls = f"fix ends all wall/gran/hysteretic zplane {-R + squeeze:.17g} {(2 * n - 1) * R - squeeze:.17g} elastoplastic 115e9 0.3 550e6"
+    lmp.commands_string(
+        script_of(
+            places, extra=f"{walls}\ncompute dents all gran/hysteretic/local\ncompute en all gran/hysteretic/energy"
+        )
+    )
+    lmp.commands_string("thermo_style custom step pe c_en c_en[*] fnorm\nmin_style fire\nminimize 0 1e-9 20000 100000")
+    forces = table(lmp)[:, 3]
+    assert len(forces) == n - 1 and forces == pytest.approx(np.full(n - 1, forces.mean()), rel=1e-6)
+    stored = value(lmp, "c_en")
+    assert stored > 0 and value(lmp, "fnorm") < 1e-6 * forces.mean()
+    lmp.commands_string("gran/dents begin\nvelocity all set 0 0 0\nrun 0")
+    assert value(lmp, "c_en") == pytest.approx(stored, rel=1e-12) and value(lmp, "c_en[1]") == 0
+    lmp.command("run 1000")
+    assert value(lmp, "c_ke") < 1e-9 * stored
+    rows = table(lmp)
+    assert rows[:, 5] == pytest.approx(forces[np.argsort(rows[:, 0])], rel=1e-6)
+    assert value(lmp, "c_en[5]") == pytest.approx(forces.mean(), rel=1e-6)
+
+
+def test_preconditioned_contacts_survive_restart(lammps, tmp_path):
+    dent = 20 * LAW.yield_overlap
+    lmp = lammps()
+    start(lmp, speed=4.0, extra=f"{reading(tmp_path, f'1 2 {dent:.17g}')}\n{meeting_in(dent)}\nrun 500")
+    lmp.command(f"write_restart {tmp_path}/a.restart")
+    lmp.command("run 5000")
+    again = lammps()
+    again.commands_string(
+        f"newton off\nread_restart {tmp_path}/a.restart\nneighbor 1e-3 bin\nneigh_modify delay 0 every 1 check yes\n"
+        f"fix motion all nve\ntimestep 1e-8\ncompute ke all ke\n{REPORTS}run 5000"
+    )
+    assert np.array_equal(table(lmp), table(again))
+    assert value(lmp, "c_en[1]") == value(again, "c_en[1]") > 0
+
+
+def test_two_ranks_take_the_same_dents(lmp, tmp_path):
+    """A row of spheres across both processors, dents of every second contact and of a wall, and begin after a run."""
+    n = 12
+    places = [(2 * R * k, 0, 0) for k in range(n)]
+    dents = "".join(f"{k + 1} {k} {(20 + k) * LAW.yield_overlap:.17g}\n" for k in range(2, n, 2))
+    read = reading(tmp_path, dents + f"end {n} {30 * LAW.yield_overlap:.17g}\n")
+    for ranks in (1, 2):
+        wall = f"fix end all wall/gran/hysteretic xplane NULL {(2 * n - 1) * R:.17g} elastoplastic 115e9 0.3 550e6\n"
+        text = script_of(places, velocities=[(3.0, 0, 0)], extra=wall + REPORTS + f"{read}\nrun 3000\n")
+        text += "gran/dents begin\nset atom 1 vx 6.0\nrun 6000\n"
+        text += f"variable lost equal c_en[1]\nprint 'lost $(v_lost:%.12g)' file {tmp_path}/lost.{ranks}\n"
+        text += f"write_dump all custom {tmp_path}/{ranks}.dump id x vx f_end[*] modify sort id format float %.17g\n"
+        script = tmp_path / f"in.{ranks}"
+        script.write_text(text)
+        done = lmp(script, "-log", f"log.{ranks}", ranks=ranks)
+        assert done.returncode == 0, (tmp_path / f"log.{ranks}").read_text()[-2000:]
+    assert (tmp_path / "1.dump").read_text() == (tmp_path / "2.dump").read_text()
+    assert (tmp_path / "lost.1").read_text() == (tmp_path / "lost.2").read_text() != "lost 0\n"
+
+
+def test_nothing_is_preconditioned_by_an_empty_file(lammps, tmp_path):
+    plain, read = lammps(), lammps()
+    start(plain)
+    start(read, extra=reading(tmp_path, "# none"))
+    for lmp in (plain, read):
+        lmp.command("run 20000")
+    assert value(read, "vz[1]") == value(plain, "vz[1]")
+    assert np.array_equal(table(read), table(plain))
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("1 3 1e-6", "line 1 of .*: there is no sphere 3"),
+        ("1 4294967298 1e-6", "there is no sphere 4294967298"),
+        ("# first\n1 2 -1e-6", "line 2 of .*: the dent must not be negative, found '1 2 -1e-6'"),
+        ("1 2 0.006", "line 1 of .*: the dent, 0.006, exceeds the radius of the smaller sphere"),
+        ("1 1 1e-6", "a sphere has no contact with itself"),
+        ("1 2 deep", "the dent must be a number"),
+        ("1 2 nan", "the dent must be a number"),
+        ("1 2", "expected 'i j peak' with the ids of two spheres, or 'FIXID i peak' of a wall, found '1 2'"),
+        ("1 2 1e-6 4", "expected 'i j peak'"),
+        ("floor 1 1e-6", "there is no fix wall/gran/hysteretic with the ID 'floor'"),
+        ("motion 1 1e-6", "there is no fix wall/gran/hysteretic with the ID 'motion'"),
+        ("1 2 1e-6\n2 1 1e-6", "line 2 of .*: this contact was given before"),
+        ("top 7 1e-6", "there is no sphere 7"),
+        ("top 1 0.006", "exceeds the radius of the sphere"),
+    ],
+)
+def test_wrong_lines_get_one_message(lammps, tmp_path, text, message):
+    lmp = lammps()
+    start(lmp, extra="fix top all wall/gran/hysteretic zplane NULL 0.02 hertz 1e9 0.3\n")
+    refuses(lmp, reading(tmp_path, text), message)
+
+
+def test_spheres_too_far_apart_keep_no_dent(lammps, tmp_path):
+    lmp = lammps()
+    lmp.commands_string(script_of([(0, 0, 0), (0, 0, 3 * R)]))
+    message = "spheres 1 and 2 are further apart than the gap beyond which a dent is forgotten"
+    refuses(lmp, reading(tmp_path, "1 2 1e-6"), message)
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ("", "expected 'read FILE' or 'begin'"),
+        ("begin now", "expected 'read FILE' or 'begin'"),
+        ("read /nowhere/dents", "cannot read file /nowhere/dents"),
+    ],
+)
+def test_wrong_words_get_a_message(lammps, words, message):
+    lmp = lammps()
+    start(lmp)
+    with pytest.raises(Exception, match=message):
+        lmp.command(f"gran/dents {words}")
+
+
+def test_the_command_needs_the_pair_style(lammps):
+    lmp = lammps()
+    lmp.commands_string(
+        "atom_style sphere\nregion b block 0 1 0 1 0 1\ncreate_box 1 b\npair_style zero 1.0\npair_coeff * *"
+    )
+    with pytest.raises(Exception, match="requires pair style gran/hysteretic"):
+        lmp.command("gran/dents begin")

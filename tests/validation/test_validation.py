@@ -1,0 +1,129 @@
+"""Long validations (`make validate`): the reference study, convergence in the timestep, fixed normals against true geometry."""
+
+from __future__ import annotations
+
+import json
+import os
+import resource
+import time
+
+import numpy as np
+import pytest
+
+from granwave.analysis import Result
+from granwave.analysis.lammps_output.time_series import read_energy
+from granwave.analysis.measures.dissipation import rays
+from granwave.lammps_inputs import load_case, material
+from granwave.lammps_inputs.contact.law import contact_of
+from granwave.lammps_inputs.deck.deck import write_deck
+from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.packing.packing import build_packing
+from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
+from granwave.workflows import library
+from tests.helpers.twin import Network
+
+pytestmark = pytest.mark.validation
+
+
+def test_reference_study(granwave, tmp_path):
+    """155 520 brass spheres, 5 m/s, 1 ms; reference values from an independent network solution."""
+    ranks = min(2, os.cpu_count() or 1)
+    begin = time.monotonic()
+    done = granwave("run", "fcc-impact", "-o", tmp_path / "r", "--np", ranks, timeout=1200)
+    wall = time.monotonic() - begin
+    assert done.returncode == 0, done.stderr
+    values = json.loads((tmp_path / "r" / "summary.json").read_text())
+    print(f"\nreference study: {wall:.0f} s on {ranks} ranks")
+    yield_force = contact_of([material("brass")], [0.005]).yield_force
+    assert values["dissipated_fraction"] == pytest.approx(0.87, abs=0.005)
+    assert values["peak_force_N"] / yield_force == pytest.approx(126, abs=1)
+    assert values["n_plastic_contacts"] == pytest.approx(2850, abs=20)
+    assert values["energy_balance_error"] < 2e-6
+    assert values["contacts_beyond_law"] == 0
+    memory = ranks * resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 2**20
+    assert memory < 4, f"{memory:.2f} GiB"
+    with Result(tmp_path / "r") as result:
+        assert rays(result).max_difference < 1e-7
+
+
+def test_same_bits_on_any_number_of_ranks(granwave, tmp_path):
+    """A whole impact: every field of every contact, sphere and snapshot."""
+    words = ["--set", "packing.size=[16,16,10]", "--set", "run.end_time=2e-4"]
+    for ranks in (1, 2, 3, 4):
+        done = granwave("run", "fcc-impact", *words, "--np", ranks, "-o", tmp_path / str(ranks), timeout=900)
+        assert done.returncode == 0, done.stderr
+    with Result(tmp_path / "1") as one:
+        fields = [f"{group}/{name}" for group in ("contacts", "spheres", "wall_contacts") for name in one.names(group)]
+        for ranks in (2, 3, 4):
+            with Result(tmp_path / str(ranks)) as other:
+                for name in fields:
+                    floats = one[name].dtype.kind == "f"
+                    assert np.array_equal(one[name], other[name], equal_nan=floats), (ranks, name)
+                for frame in range(one.n_frames):
+                    for name in ("displacement", "velocity", "contact_force"):
+                        assert np.array_equal(one.frame(frame, name), other.frame(frame, name)), (ranks, frame, name)
+                for name in ("kinetic", "elastic", "dissipated"):
+                    assert np.allclose(
+                        other[f"energy/{name}"], one[f"energy/{name}"], rtol=1e-12, atol=1e-14 * one.energy_input
+                    )
+
+
+@pytest.mark.parametrize(("velocity", "normalised"), [(4, 37.9), (10, 94.9), (40, 379)])
+def test_normalised_velocities(granwave, tmp_path, velocity, normalised):
+    sets = [
+        "--set",
+        f"load.velocity={velocity}",
+        "--set",
+        "packing.size=[12,12,6]",
+        "--set",
+        "run.end_time=5e-5",
+        "--set",
+        "run.frames=2",
+    ]
+    assert granwave("run", "fcc-small", "-o", tmp_path / "r", *sets).returncode == 0
+    assert json.loads((tmp_path / "r" / "summary.json").read_text())["velocity_normalised"] == pytest.approx(
+        normalised, rel=2e-3
+    )
+
+
+def test_timestep_converges_long_before_2_ns(lmp, tmp_path):
+    """Dissipated fraction, peak force and yielded contacts against the timestep; the thesis took 2 ns."""
+    rows = {}
+    for dt in (2e-7, 1e-7, 5e-8, 3e-8, 2e-9):
+        case = load_case(
+            library.find("fcc-small"),
+            ["packing.size=[16,16,8]", "run.end_time=2e-4", "run.frames=2", f"run.timestep={dt}"],
+        )
+        deck = write_deck(case, tmp_path / f"{dt:g}")
+        assert lmp(deck.script, timeout=900).returncode == 0
+        e = read_energy(deck.directory)
+        error = np.abs(e["kinetic"] + e["elastic"] + e["dissipated"] - e["input"]).max() / e["input"][0]
+        rows[dt] = (e["dissipated"][-1] / e["input"][0], e["largest_force"][-1], e["contacts_yielded"][-1], error)
+        print(
+            f"\n{1e9 * dt:6.1f} ns: dissipated {rows[dt][0]:.6f}, peak {rows[dt][1]:.4f} N, yielded {rows[dt][2]:.0f}, balance {error:.1e}",
+            end="",
+        )
+    finest = rows[2e-9]
+    for dt in (1e-7, 5e-8, 3e-8):
+        assert rows[dt][0] == pytest.approx(finest[0], abs=5e-5)
+        assert rows[dt][1] == pytest.approx(finest[1], rel=1e-5)
+        assert rows[dt][2] == pytest.approx(finest[2], abs=3)
+    assert rows[2e-7][3] > 10 * rows[5e-8][3]
+
+
+@pytest.mark.parametrize(("velocity", "apart"), [(1, 1e-4), (5, 1e-4), (10, 1e-4), (40, 2e-3), (80, 5e-3)])
+def test_fixed_normals_part_from_true_geometry_at_high_velocity(velocity, apart):
+    """The thesis keeps the contact normals of the start (5.1 to 5.3); how much of the dissipated fraction that is."""
+    case = load_case(library.find("fcc-small"), ["packing.size=[12,12,8]", "boundary.bottom=free"])
+    packing, struck = build_packing(case), struck_spheres(assemble(case).lattice, 1)[0] - 1
+    fractions = []
+    for fixed in (True, False):
+        twin = Network(packing.positions, packing.contacts - 1, 0.005, fixed_normals=fixed)
+        twin.v[struck, 2] = velocity
+        dt = 1e-7 if velocity < 20 else 5e-8
+        twin.run(dt, int(2e-4 / dt))
+        fractions.append(twin.dissipated() / (0.5 * twin.mass * velocity**2))
+    print(f"\n{velocity} m/s: fixed normals {fractions[0]:.5f}, true geometry {fractions[1]:.5f}", end="")
+    assert abs(fractions[0] - fractions[1]) < apart
+    if velocity >= 40:
+        assert fractions[0] - fractions[1] > 5e-4

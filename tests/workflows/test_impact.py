@@ -1,0 +1,157 @@
+"""Whole packings: against the network twin, symmetry, ranks, restart, timestep."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from granwave.analysis.lammps_output.dumps import read_contacts
+from granwave.analysis.lammps_output.time_series import read_energy
+from granwave.lammps_inputs import load_case
+from granwave.lammps_inputs.deck.deck import write_deck
+from granwave.lammps_inputs.packing.packing import build_packing
+from granwave.workflows import library
+from tests.helpers.twin import Network
+
+SMALL = ["packing.size=[8,8,5]", "run.end_time=1.2e-4", "run.frames=3"]
+
+
+def deck(directory: Path, *overrides: str):
+    return write_deck(load_case(library.find("fcc-small"), [*SMALL, *overrides]), directory)
+
+
+def energies(directory: Path):
+    return read_energy(directory)
+
+
+def test_fcc_impact_against_the_network_twin(lmp, tmp_path):
+    """The same packing as point masses in true geometry: same losses, same peaks, contact by contact."""
+    written = deck(tmp_path, "boundary.bottom=free", "run.timestep=5e-8")
+    assert lmp(written.script).returncode == 0
+    packing = build_packing(written.case)
+    twin = Network(packing.positions, packing.contacts - 1, 0.005)
+    twin.v[written.struck[0] - 1, 2] = 5.0
+    twin.run(5e-8, written.schedule.n_steps)
+    found = read_contacts(tmp_path)
+    peak = {(int(i), int(j)): p for i, j, p in zip(found["i"], found["j"], found["peak_overlap"], strict=True)}
+    expected = {(int(i), int(j)): p for (i, j), p in zip(packing.contacts, twin.peak * twin.alpha_y, strict=True)}
+    largest = max(expected.values())
+    assert max(abs(peak.get(pair, 0.0) - expected[pair]) for pair in expected) < 1e-6 * largest
+    assert energies(tmp_path)["dissipated"][-1] == pytest.approx(twin.dissipated(), rel=1e-6)
+
+
+def test_three_preferred_directions_are_equal(lmp, tmp_path):
+    """Impact along [111] has a three-fold axis: contacts that it maps on each other have equal peaks, to 1e-7, for as long as
+    nothing has come back from the sides."""
+    written = deck(tmp_path, "packing.size=[19,19,8]", "run.end_time=1e-4")
+    assert lmp(written.script).returncode == 0
+    packing = build_packing(written.case)
+    found = read_contacts(tmp_path)
+    centre = packing.positions[written.struck[0] - 1]
+    ends = packing.positions[np.stack([found["i"], found["j"]], axis=1).astype(int) - 1] - centre
+    middle, peak = ends.mean(axis=1), found["peak_force"]
+    near = np.linalg.norm(middle, axis=1) < 0.04
+    turn = np.array([[-0.5, -np.sqrt(0.75), 0], [np.sqrt(0.75), -0.5, 0], [0, 0, 1]])
+    table = {tuple(np.rint(m / 1e-4).astype(int)): p for m, p in zip(middle[near], peak[near], strict=True)}
+    checked = 0
+    for m, p in zip(middle[near] @ turn.T, peak[near], strict=True):
+        key = tuple(np.rint(m / 1e-4).astype(int))
+        if key in table and p > 1e-3 * peak.max():
+            assert table[key] == pytest.approx(p, rel=1e-7)
+            checked += 1
+    assert checked > 100
+
+
+@pytest.mark.parametrize(
+    ("ranks", "overrides"),
+    [
+        (2, ()),
+        (2, ("boundary.sides=periodic",)),
+        (2, ("load.velocity=40", "load.spheres=7", "boundary.sides=wall")),
+        # more ranks than cores wait for each other in turns: few steps
+        (3, ("load.velocity=40", "boundary.sides=periodic", "run.timestep=1e-7", "run.end_time=3e-5")),
+        pytest.param(
+            4,
+            ("load.velocity=40", "load.spheres=7", "boundary.sides=wall", "run.timestep=1e-7", "run.end_time=3e-5"),
+            marks=pytest.mark.validation,
+        ),
+    ],
+)
+def test_any_number_of_ranks(lmp, tmp_path, ranks, overrides):
+    results = []
+    for k in (1, ranks):
+        written = deck(tmp_path / str(k), *overrides)
+        done = lmp(written.script, ranks=k)
+        assert done.returncode == 0, done.stdout + done.stderr
+        results.append((energies(written.directory), read_contacts(written.directory)))
+    (e1, c1), (e2, c2) = results
+    for name in ("kinetic", "elastic", "dissipated"):
+        assert e2[name] == pytest.approx(e1[name], rel=1e-10, abs=1e-10 * e1["input"][0])
+    assert np.array_equal(e1["contacts_yielded"], e2["contacts_yielded"])
+
+    assert_same_contacts(c1, c2)
+
+
+def assert_same_contacts(one, other, *, bits: bool = True):
+    """The same pairs with the same bits: forces are added up in an order-independent way; or, momentary forces, to 1e-8 of the largest."""
+    orders = [np.lexsort((c["j"], c["i"])) for c in (one, other)]
+    assert len(orders[0]) == len(orders[1])
+    for name in one.columns:
+        a, b = one[name][orders[0]], other[name][orders[1]]
+        if bits:
+            assert np.array_equal(a, b), name
+        elif not name.startswith("time"):
+            assert np.abs(a - b).max() <= 1e-8 * np.abs(a).max(), name
+
+
+@pytest.mark.parametrize(
+    ("ranks", "balance", "bits"),
+    [
+        (1, "", True),
+        (2, "comm_style tiled\nfix shuffle all balance 150 1.0 rcb\n", True),
+        pytest.param(3, "comm_style tiled\nfix shuffle all balance 150 1.0 rcb\n", True, marks=pytest.mark.validation),
+        # this way of balancing, LAMMPS's own, itself moves spheres by rounding
+        (2, "fix shuffle all balance 150 1.0 shift xyz 10 1.0\n", False),
+    ],
+)
+def test_balanced_and_sorted_ranks_change_nothing(lmp, tmp_path, ranks, balance, bits):
+    """Spheres that migrate between processors after their contacts yielded take their dents along."""
+    plain, moved = deck(tmp_path / "plain", "load.velocity=20"), deck(tmp_path / "moved", "load.velocity=20")
+    text = moved.script.read_text()
+    more = f"{balance}neigh_modify every 50 check no\natom_modify sort 40 0.02\n# --- run ---"
+    moved.script.write_text(text.replace("# --- run ---", more))
+    assert lmp(plain.script).returncode == 0
+    done = lmp(moved.script, ranks=ranks)
+    assert done.returncode == 0, done.stdout + done.stderr
+    a, b = energies(plain.directory), energies(moved.directory)
+    for name in ("kinetic", "elastic", "dissipated"):
+        assert b[name] == pytest.approx(a[name], rel=1e-10, abs=1e-10 * a["input"][0])
+    assert_same_contacts(read_contacts(plain.directory), read_contacts(moved.directory), bits=bits)
+    log = (moved.directory / "log.lammps").read_text()
+    assert int(re.search(r"Neighbor list builds = (\d+)", log).group(1)) > 10
+
+
+def test_a_quarter_of_the_step_cuts_the_error_tenfold(lmp, tmp_path):
+    errors = []
+    for dt in (2e-7, 5e-8):
+        written = deck(tmp_path / f"{dt:g}", f"run.timestep={dt}", "packing.size=[16,16,8]", "run.end_time=2e-4")
+        assert lmp(written.script).returncode == 0
+        e = energies(written.directory)
+        errors.append(np.abs(e["kinetic"] + e["elastic"] + e["dissipated"] - e["input"]).max() / e["input"][0])
+    assert errors[0] > 10 * errors[1]
+
+
+@pytest.mark.parametrize("kind", ["fcc", "hcp", "bcc", "sc", "square", "chain"])
+@pytest.mark.parametrize("law", ["elastoplastic", "hertz", "bilinear", "thornton"])
+def test_every_packing_with_every_law_balances(lmp, tmp_path, kind, law):
+    size = {"square": "[7,7]", "chain": "12"}.get(kind, "[5,5,4]")
+    written = deck(tmp_path, f"packing.kind={kind}", f"packing.size={size}", f"contact.law={law}", "run.end_time=6e-5")
+    done = lmp(written.script)
+    assert done.returncode == 0, done.stdout
+    e = energies(tmp_path)
+    balance = np.abs(e["kinetic"] + e["elastic"] + e["dissipated"] - e["input"]).max() / e["input"][0]
+    assert balance < 5e-6
+    assert len(e["time"]) >= 200

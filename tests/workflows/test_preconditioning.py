@@ -1,0 +1,170 @@
+"""Dents from before the run: by value, by region, by force, and left by an earlier run."""
+
+from __future__ import annotations
+
+import shutil
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+
+from granwave.lammps_inputs.contact.initial_dents import contacts_at_start, dents_table
+from granwave.lammps_inputs.contact.law import pair_contact, sphere_contact
+from granwave.lammps_inputs.deck.deck import write_deck
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.workflows.run.driver import run_case
+from tests.helpers.dented import case_of, ran
+
+
+def dents(text: str) -> dict[tuple[str, int], float]:
+    rows = [line.split() for line in text.splitlines() if not line.startswith("#")]
+    return {(first, int(second)): float(peak) for first, second, peak in rows}
+
+
+class TestTable:
+    def test_a_value_is_for_all_that_touch(self) -> None:
+        case = case_of(contact={"initial_overlap": 5e-6})
+        found = dents(dents_table(assemble(case)))
+        between = {(str(i), j) for i, j in assemble(case).contacts().tolist()}
+        on_floor = {("bottom", sphere) for sphere in range(51, 76)}
+        assert set(found) == between | on_floor
+        assert set(found.values()) == {5e-6}
+
+    def test_the_other_side_of_a_periodic_packing(self) -> None:
+        case = case_of(
+            size=(4, 4, 3), contact={"initial_overlap": 5e-6}, boundary={"sides": "periodic", "bottom": "free"}
+        )
+        assert len(dents(dents_table(assemble(case)))) == assemble(case).n_contacts
+
+    def test_of_a_force(self) -> None:
+        case = case_of(
+            "chain", 4, contact={"initial_overlap": {"force": 300.0}}, replace=[{"index": 2, "diameter": 0.02}]
+        )
+        found = dents(dents_table(assemble(case)))
+        for pair in ((1, 2), (3, 4)):
+            law = pair_contact(case, *pair)
+            peak = found[str(pair[0]), pair[1]]
+            assert float(law.loading_force(np.array([peak]))[0]) == pytest.approx(300.0, rel=1e-9)
+        assert found["1", 2] != found["3", 4]
+
+    def test_regions_are_of_contact_points_and_the_later_overrules(self) -> None:
+        regions = [
+            {"overlap": 5e-6, "high": [1, 1, 1.4e-2]},
+            {"overlap": 9e-6, "low": [-1, -1, 0], "high": [1, 1, 9e-3]},
+        ]
+        found = dents(dents_table(assemble(case_of("chain", 4, contact={"initial_overlap": regions}))))
+        assert found == {("1", 2): 9e-6}  # at z = 5, 15, 25 and, with the wall, 35 mm
+        regions = [{"overlap": 5e-6, "high": [1, 1, 1.6e-2]}, {"overlap": 0.0, "high": [1, 1, 9e-3]}]
+        case = case_of("chain", 4, contact={"initial_overlap": regions})
+        assert dents(dents_table(assemble(case))) == {("2", 3): 5e-6}
+        assert case_from_dict(tomllib.loads(case.to_toml())) == case
+
+    def test_scattered_spheres_that_do_not_touch_have_dents_too(self) -> None:
+        case = case_of(packing={"diameter_scatter": 5e-6, "vacancies": [19]}, contact={"initial_overlap": 5e-6})
+        found = dents(dents_table(assemble(case)))
+        assert len(found) == assemble(case).n_neighbours + 25
+        assert not any(first == "19" or second == 19 for first, second in found)
+
+    def test_what_never_yields_has_none(self) -> None:
+        case = case_of("chain", 3, contact={"initial_overlap": 5e-6}, replace=[{"index": 2, "material": "steel"}],
+                    pair=[{"materials": ["brass", "steel"], "law": "hertz"}])  # fmt: skip
+        assert set(dents(dents_table(assemble(case)))) == {("bottom", 3)}
+        assert not dents(
+            dents_table(assemble(case_of("chain", 3, contact={"initial_overlap": 5e-07})))
+        )  # below first yield
+
+    def test_faces_of_bars(self) -> None:
+        case = case_of("chain", 2, contact={"initial_overlap": 5e-6}, bar={"length": 0.1, "area": 1e-4, "elements": 10})
+        assert set(dents(dents_table(assemble(case)))) == {("1", 2), ("3", 2)}
+        assert [meetings.place[0, 2] for meetings in contacts_at_start(assemble(case))] == pytest.approx([0.005, 0.015])
+
+
+class TestRuns:
+    def test_elastic_up_to_the_force_that_was_chosen(self, tmp_path: Path) -> None:
+        plain = ran(case_of(), tmp_path / "plain")
+        assert plain["n_plastic_contacts"] > 0
+        hard = case_of(contact={"initial_overlap": {"force": 2000.0}}, load={"velocity": 2.0})
+        summary = ran(hard, tmp_path / "hard")
+        assert 5.6 < summary["peak_force_N"] < 2000
+        assert summary["n_plastic_contacts"] == 0
+        assert summary["energy_dissipated_J"] == pytest.approx(0.0, abs=1e-12)
+        harder = case_of(contact={"initial_overlap": {"force": 200.0}}, load={"velocity": 5.0})
+        assert 0 < ran(harder, tmp_path / "harder")["n_plastic_contacts"] < plain["n_plastic_contacts"]
+
+    def test_hit_twice(self, tmp_path: Path) -> None:
+        """The second impact finds the dents of the first, those on the wall too, and loses less."""
+        first = ran(case_of(), tmp_path / "first")
+        case = case_of(contact={"initial_overlap": str(tmp_path / "first")})
+        second = ran(case, tmp_path / "second")
+        assert second["energy_dissipated_J"] < 0.9 * first["energy_dissipated_J"]
+        with h5py.File(tmp_path / "first" / "result.h5") as one, h5py.File(tmp_path / "second" / "result.h5") as two:
+            for group, least in (("contacts", 100), ("wall_contacts", 5)):
+                left = _of(one[group], "peak_overlap", above=sphere_contact(case).yield_overlap)
+                found = _of(two[group], "initial_overlap")
+                assert len(left) > least
+                assert {key: found.get(key) for key in left} == left
+        shutil.rmtree(tmp_path / "first")  # resume and analysis have all that they need
+        assert ran(case, tmp_path / "second", resume=True) == second
+
+    def test_with_precompression(self, tmp_path: Path) -> None:
+        case = case_of(contact={"initial_overlap": {"force": 100.0}}, load={"velocity": 0.1},
+                    precompression={"kind": "uniform", "pressure": 5e5})  # fmt: skip
+        summary = ran(case, tmp_path / "r")
+        assert summary["n_plastic_contacts"] == 0
+        assert summary["energy_dissipated_J"] == pytest.approx(0.0, abs=1e-12)
+
+
+class TestRefused:
+    @pytest.mark.parametrize(
+        ("contact", "message"),
+        [
+            ({"initial_overlap": 6e-4}, r"contact.initial_overlap: found a dent of 0.0006 m, expected at most 0.2 R\* = 0.0005 m"),
+            ({"initial_overlap": {"force": 1e5}}, r"found a dent of .* expected at most 0.2 R\*"),
+            ({"initial_overlap": 1e-6, "law": "hertz"}, 'contact.law = "hertz", which cannot yield'),
+            ({"initial_overlap": -1e-6}, "found -1e-06, expected .* not negative"),
+            ({"initial_overlap": {"overlap": -1e-6}}, "not negative"),
+        ],
+    )  # fmt: skip
+    def test_values(self, contact: dict, message: str) -> None:
+        with pytest.raises(InputError, match=message) as refused:
+            case_of(contact=contact)
+        assert len(refused.value.errors) == 1
+
+    def test_results(self, tmp_path: Path) -> None:
+        with pytest.raises(InputError, match=r"initial_overlap: .*none.h5: there is no such file"):
+            write_deck(case_of(contact={"initial_overlap": str(tmp_path / "none.h5")}), tmp_path / "deck")
+        (tmp_path / "text.h5").write_text("none")
+        with pytest.raises(InputError, match=r"text.h5: is not the result.h5 of a run"):
+            write_deck(case_of(contact={"initial_overlap": str(tmp_path / "text.h5")}), tmp_path / "deck")
+        assert not (tmp_path / "deck").exists()
+
+    def test_another_packing(self, tmp_path: Path) -> None:
+        short = {"end_time": 1e-6}
+        ran(case_of("chain", 4, run=short), tmp_path / "r")
+        given = {"initial_overlap": str(tmp_path / "r")}
+        for size, packing, message in (
+            (5, {}, "found 4 spheres, expected 5"),
+            (4, {"diameter": 0.011}, r"found sphere 4 in a place 0.003 m away"),
+            (4, {"diameter_scatter": 1e-6}, r"with a diameter off by"),
+        ):
+            with pytest.raises(InputError, match=f"is of another packing: .*{message}"):
+                dents_table(assemble(case_of("chain", size, contact=given, packing=packing)))
+
+    def test_nothing_is_overwritten(self, tmp_path: Path) -> None:
+        ran(case_of("chain", 4, run={"end_time": 1e-6}), tmp_path / "r")
+        with pytest.raises(InputError, match="no such file"):
+            run_case(case_of("chain", 4, contact={"initial_overlap": "/no/such.h5"}), tmp_path / "r", force=True)
+        assert (tmp_path / "r" / "summary.json").exists()
+
+
+def _of(group: h5py.Group, name: str, above: float = 0.0) -> dict[tuple[Any, int], float]:
+    """Values by contact, those above a limit."""
+    first = group["i"][()].tolist() if "i" in group else group["wall"].asstr()[()].tolist()
+    second = group["j" if "j" in group else "id"][()].tolist()
+    values = zip(first, second, group[name][()].tolist(), strict=True)
+    return {(one, other): value for one, other, value in values if value > above}

@@ -1,0 +1,324 @@
+"""Scan files: what varies, the points that come of it, their ids and labels."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import logging
+from pathlib import Path
+
+import pytest
+
+from granwave.lammps_inputs.errors import InputError
+from granwave.workflows import library, load_case, load_scan
+from granwave.workflows.scanning.scan_file import Scan
+from granwave.workflows.scanning.suite import is_suite
+from tests.helpers.scan_texts import SMALL, VELOCITIES, Load, reader
+
+
+@pytest.fixture
+def load(tmp_path: Path) -> Load:
+    """Read a scan of this text."""
+    return reader(tmp_path)
+
+
+def values(scan: Scan, key: str) -> list:
+    return [point.labels[key] for point in scan.points]
+
+
+def ids(scan: Scan) -> list[str]:
+    return [point.id for point in scan.points]
+
+
+# ---------------------------------------------------------------------- what varies
+
+
+def test_grid_is_every_combination_the_last_key_fastest(load: Load) -> None:
+    scan = load(SMALL + '[grid]\nload.velocity = [1, 2]\nmaterial = ["brass", "steel", "aluminium"]\n')
+    assert scan.varied == ("load.velocity", "material")
+    assert [tuple(point.labels.values()) for point in scan.points] == [
+        (velocity, material) for velocity in (1, 2) for material in ("brass", "steel", "aluminium")
+    ]
+    assert [point.number for point in scan.points] == [1, 2, 3, 4, 5, 6]
+    assert [point.case.load.velocity for point in scan.points] == [1, 1, 1, 2, 2, 2]
+    assert scan.points[2].case.material.name == "aluminium" and scan.points[2].case.packing.size == (6, 6, 4)
+    assert len(set(ids(scan))) == 6
+
+
+def test_zipped_keys_vary_together_and_combine_with_the_rest(load: Load) -> None:
+    scan = load(
+        SMALL.replace("run.end_time = 5e-5\n", "")
+        + VELOCITIES
+        + "[[zip]]\npacking.diameter = [0.005, 0.010]\nrun.end_time = [1e-5, 2e-5]\n"
+        + "[[zip]]\nload.spheres = [1, 3, 7]\n"
+    )
+    found = [tuple(point.labels.values()) for point in scan.points]
+    assert found == [
+        (velocity, *pair, spheres)
+        for velocity in (1, 2)
+        for pair in ((0.005, 1e-5), (0.010, 2e-5))
+        for spheres in (1, 3, 7)
+    ]
+
+
+def test_single_points_come_last_and_take_the_rest_from_the_case(load: Load) -> None:
+    scan = load(SMALL + VELOCITIES + "[[points]]\nload.velocity = 40\n[[points]]\nload.spheres = 3\n")
+    assert scan.varied == ("load.velocity", "load.spheres")
+    assert values(scan, "load.velocity") == [1, 2, 40, 5.0] and values(scan, "load.spheres") == [1, 1, 1, 3]
+    assert scan.points[3].case.load.velocity == 5.0
+
+
+def test_a_scan_of_one_point(load: Load) -> None:
+    scan = load('case = "two-spheres"\n[[points]]\nload.velocity = 3\n')
+    assert len(scan.points) == 1 and scan.points[0].labels == {"load.velocity": 3}
+
+
+@pytest.mark.parametrize(
+    ("written", "expected"),
+    [
+        ("{linear = [0.5, 1.0, 6]}", [0.5, 0.6, 0.7, 0.8, 0.9, 1.0]),
+        ("{linear = [0.1, 1, 10]}", [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0]),
+        ("{linear = [3, 1, 3]}", [3.0, 2.0, 1.0]),
+        ("{log = [1, 100, 3]}", [1.0, 10.0, 100.0]),
+        ("{log = [0.001, 1000, 7]}", [0.001, 0.01, 0.1, 1.0, 10.0, 100.0, 1000.0]),
+        ("{log = [2, 8, 2]}", [2.0, 8.0]),
+    ],
+)
+def test_ranges_hold_their_ends_and_round_numbers(load: Load, written: str, expected: list[float]) -> None:
+    scan = load(SMALL + f"[grid]\nload.velocity = {written}\n")
+    assert values(scan, "load.velocity") == expected
+    assert ids(scan) == ids(load(SMALL + f"[grid]\nload.velocity = {expected}\n"))
+
+
+def test_a_log_range_has_one_ratio(load: Load) -> None:
+    found = values(load(SMALL + "[grid]\nload.velocity = {log = [0.5, 40, 9]}\n"), "load.velocity")
+    ratios = [later / earlier for earlier, later in itertools.pairwise(found)]
+    assert ratios == pytest.approx([80 ** (1 / 8)] * 8, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "written",
+    [
+        '[grid]\n"load.velocity" = [1, 2]\n"packing.kind" = ["fcc", "hcp"]\n',
+        '[grid]\nload.velocity = [1, 2]\npacking.kind = ["fcc", "hcp"]\n',
+        '[grid]\nload = {velocity = [1, 2]}\npacking.kind = ["fcc", "hcp"]\n',
+        '[grid.load]\nvelocity = [1, 2]\n[grid.packing]\nkind = ["fcc", "hcp"]\n',
+        '[grid]\nload.velocity = {linear = [1, 2, 2]}\n"packing.kind" = ["fcc", "hcp"]\n',
+    ],
+)
+def test_keys_with_quotes_and_without(load: Load, written: str) -> None:
+    scan = load(SMALL + written)
+    assert scan.varied == ("load.velocity", "packing.kind")
+    assert ids(scan) == ids(load(SMALL + '[grid]\n"load.velocity" = [1, 2]\n"packing.kind" = ["fcc", "hcp"]\n'))
+
+
+@pytest.mark.parametrize(
+    "written",
+    [
+        'case = "fcc-small"\n[set]\n"packing.size" = [6, 6, 4]\n"run.end_time" = 5e-5\n',
+        'case = "fcc-small"\n[set.packing]\nsize = [6, 6, 4]\n[set.run]\nend_time = 5e-5\n',
+        'case = "fcc-small"\nset = {packing = {size = [6, 6, 4]}, run.end_time = 5e-5}\n',
+    ],
+)
+def test_what_is_set_is_set_however_it_is_written(load: Load, written: str) -> None:
+    assert ids(load(written + VELOCITIES)) == ids(load(SMALL + VELOCITIES))
+
+
+def test_whole_tables_are_replaced_and_then_changed(load: Load) -> None:
+    scan = load(
+        SMALL
+        + "material.yield_strength = 4e8\n"
+        + '[grid]\nmaterial = ["brass", {preset = "steel"}, {preset = "steel", density = 7000}]\n'
+    )
+    brass, steel, light = (point.case.material for point in scan.points)
+    assert (brass.youngs_modulus, steel.youngs_modulus, light.density) == (115e9, 210e9, 7000)
+    assert {brass.yield_strength, steel.yield_strength, light.yield_strength} == {4e8}
+    assert values(scan, "material") == ["brass", "steel", "steel density=7000"]
+
+
+def test_a_table_under_set_with_a_preset_replaces_the_material(load: Load) -> None:
+    scan = load(SMALL + 'material = {preset = "steel", yield_strength = 1e9}\n' + VELOCITIES)
+    assert scan.points[0].case.material.youngs_modulus == 210e9
+    assert scan.points[0].case.material.yield_strength == 1e9
+
+
+def test_whole_packings_can_vary(load: Load) -> None:
+    kinds = ", ".join(f'{{kind = "{kind}", size = [6, 6, 4], diameter = 0.01}}' for kind in ("fcc", "hcp"))
+    scan = load(f'case = "fcc-small"\n[grid]\npacking = [{kinds}]\n')
+    assert [point.case.packing.kind for point in scan.points] == ["fcc", "hcp"]
+    fcc, hcp = (str(point.labels["packing"]) for point in scan.points)
+    assert "fcc" in fcc and "hcp" in hcp
+
+
+def test_unlike_materials_of_one_name_are_told_apart(load: Load) -> None:
+    made = '{name = "mine", youngs_modulus = 1e11, poisson_ratio = 0.3, density = 8000, yield_strength = %s}'
+    scan = load(f'case = "fcc-small"\n[grid]\nmaterial = [{made % "3e8"}, {made % "6e8"}]\n')
+    labels = [str(point.labels["material"]) for point in scan.points]
+    assert len(set(labels)) == 2 and all("mine" in label for label in labels)
+
+
+# ---------------------------------------------------------------------- ids and labels
+
+
+def test_equal_points_have_one_id_and_are_one_run(load: Load) -> None:
+    scan = load(SMALL + "[grid]\nload.velocity = [1, 2, 1.0]\n[[points]]\nload.velocity = 2\n")
+    assert len(scan.points) == 4 and len(scan.distinct) == 2
+    first, second, third, fourth = ids(scan)
+    assert first == third and second == fourth and first != second
+    assert {point.number for point in scan.distinct.values()} == {1, 2}
+
+
+def test_ids_are_the_same_from_scan_to_scan(load: Load) -> None:
+    there = ids(load('name = "other"\n' + SMALL + '[grid]\nload.velocity = [2]\nmaterial = ["steel", "brass"]\n'))
+    here = ids(load(SMALL + VELOCITIES))
+    assert here[1] == there[1] and not set(here) & {there[0]}
+
+
+@pytest.mark.parametrize(
+    ("change", "same"),
+    [
+        ('name = "called-otherwise"', True),
+        ("load.spheres = 1", True),
+        ('material = {preset = "brass"}', True),
+        ('material.preset = "brass"', True),
+        ("load.spheres = 3", False),
+        ("material.yield_strength = 551e6", False),
+        ("run.frames = 3", False),
+        ('contact.variant = "published"', False),
+    ],
+)
+def test_ids_follow_the_resolved_case_and_not_its_name(load: Load, change: str, same: bool) -> None:
+    before, after = ids(load(SMALL + VELOCITIES)), ids(load(SMALL + change + "\n" + VELOCITIES))
+    assert (after == before) is same and (bool(set(before) & set(after)) is same)
+
+
+def test_a_case_file_beside_the_scan_serves_as_a_built_in_one(load: Load, tmp_path: Path, monkeypatch) -> None:
+    (tmp_path / "mine.toml").write_text(library.text("fcc-small").replace("fcc-small", "mine"), encoding="utf-8")
+    built_in = ids(load(SMALL + VELOCITIES))
+    monkeypatch.chdir("/")
+    scan = load(SMALL.replace("fcc-small", "mine.toml") + VELOCITIES)
+    assert ids(scan) == built_in and scan.case_name == "mine"
+
+
+def test_ids_follow_the_versions_that_matter(load: Load, monkeypatch) -> None:
+    from granwave.workflows.scanning import scan_file
+
+    before, now = ids(load(SMALL + VELOCITIES)), scan_file.versions()
+    monkeypatch.setattr(scan_file, "versions", lambda: {**now, "matplotlib": "0", "python": "0"})
+    assert ids(load(SMALL + VELOCITIES)) == before
+    monkeypatch.setattr(scan_file, "versions", lambda: {**now, "lammps": "0"})
+    assert not set(ids(load(SMALL + VELOCITIES))) & set(before)
+
+
+def test_labels_are_scalars(load: Load) -> None:
+    scan = load(
+        'case = "fcc-small"\n[grid]\npacking.size = [[6, 6, 4], [8, 8, 4]]\n'
+        'material = ["brass", {name = "glass", youngs_modulus = 7e10, poisson_ratio = 0.3, density = 2500, '
+        "yield_strength = 1e9}]\n"
+        "[[zip]]\nrun.frames = [2, [0.0, 1e-5]]\nrun.end_time = [5e-5, 1e-3]\n"
+    )
+    assert all(isinstance(label, bool | int | float | str) for p in scan.points for label in p.labels.values())
+    assert scan.points[0].labels == {
+        "packing.size": "[6, 6, 4]",
+        "material": "brass",
+        "run.frames": 2,
+        "run.end_time": 5e-5,
+    }
+    assert scan.points[-1].labels["material"] == "glass" and scan.points[-1].labels["run.frames"] == "[0.0, 1e-05]"
+
+
+def test_index_holds_every_point(load: Load) -> None:
+    scan = load('name = "mine"\nranks = 2\n' + SMALL + "[grid]\nload.velocity = [1, 1]\n")
+    index = json.loads(json.dumps(scan.index()))
+    assert (index["name"], index["case"], index["varied"]) == ("mine", "fcc-small", ["load.velocity"])
+    assert index["points"] == [
+        {"number": n, "id": scan.points[0].id, "labels": {"load.velocity": 1}, "ranks": 2} for n in (1, 2)
+    ]
+
+
+def test_name_is_that_of_the_file_unless_given(load: Load) -> None:
+    assert load(SMALL + VELOCITIES).name == "my"
+    assert load('name = "Stöße 衝撃"\n' + SMALL + VELOCITIES).name == "Stöße 衝撃"
+
+
+# ---------------------------------------------------------------------- ranks, replicates, overrides
+
+
+@pytest.mark.parametrize(
+    ("ranks", "expected"),
+    [
+        ("1", [1, 1, 1]),
+        ("2", [2, 2, 2]),
+        ("{spheres_per_rank = 144, most = 8}", [1, 2, 8]),
+        ("{spheres_per_rank = 144, most = 3}", [1, 2, 3]),
+        ("{spheres_per_rank = 100}", [1, 1, 1]),
+    ],
+)
+def test_ranks_by_size(load: Load, ranks: str, expected: list[int]) -> None:
+    sizes = "[grid]\npacking.size = [[6, 6, 4], [6, 6, 8], [12, 12, 8]]\n"
+    scan = load(f'ranks = {ranks}\ncase = "fcc-small"\n{sizes}')
+    assert [point.ranks for point in scan.points] == expected
+    assert ids(scan) == ids(load(f'case = "fcc-small"\n{sizes}'))
+
+
+def test_replicates_carry_seeds_from_one(load: Load) -> None:
+    scattered = SMALL + "packing.diameter_scatter = 1e-6\n"
+    scan = load("replicates = 3\n" + scattered + VELOCITIES + "[[points]]\nload.velocity = 7\n")
+    assert scan.varied == ("load.velocity", "packing.seed")
+    assert values(scan, "packing.seed") == [1, 2, 3] * 3
+    assert values(scan, "load.velocity") == [1, 1, 1, 2, 2, 2, 7, 7, 7]
+    assert [point.number for point in scan.points] == list(range(1, 10))
+    assert [point.case.packing.seed for point in scan.points] == [1, 2, 3] * 3 and len(scan.distinct) == 9
+
+
+def test_only_what_is_random_is_replicated(load: Load, caplog) -> None:
+    scan = load("replicates = 3\n" + SMALL + "[grid]\npacking.diameter_scatter = [0.0, 1e-6]\n")
+    assert values(scan, "packing.diameter_scatter") == [0.0, 1e-6, 1e-6, 1e-6]
+    assert values(scan, "packing.seed") == [1, 1, 2, 3] and not caplog.records
+    with caplog.at_level(logging.WARNING, logger="granwave"):
+        scan = load("replicates = 3\n" + SMALL + VELOCITIES)
+    assert len(scan.points) == 2 and [record.message.count("nothing is random") for record in caplog.records] == [1]
+
+
+def test_replicates_and_seeds_of_its_own(load: Load) -> None:
+    with pytest.raises(InputError, match=r"packing\.seed: varies twice"):
+        load("replicates = 2\n" + SMALL + "[grid]\npacking.seed = [1, 2]\n")
+
+
+def test_one_replicate_is_no_replicate(load: Load) -> None:
+    assert ids(load("replicates = 1\n" + SMALL + VELOCITIES)) == ids(load(SMALL + VELOCITIES))
+
+
+def test_overrides_go_before_what_is_set(load: Load) -> None:
+    scan = load(SMALL + VELOCITIES, ["packing.size=[8,8,4]", "load.spheres=7"])
+    assert scan.points[0].case.packing.size == (8, 8, 4) and scan.points[0].case.load.spheres == 7
+    assert ids(scan) == ids(load(SMALL + VELOCITIES, {"packing.size": [8, 8, 4], "load.spheres": 7}))
+
+
+def test_an_override_of_a_table_drops_what_was_set_inside_it(load: Load) -> None:
+    scan = load(SMALL + "material.yield_strength = 1e9\n" + VELOCITIES, ["material=steel"])
+    assert (
+        scan.points[0].case.material.yield_strength
+        == load_case("fcc-small", ["material=steel"]).material.yield_strength
+    )
+
+
+def test_a_warning_is_given_once_and_not_for_every_point(load: Load, caplog) -> None:
+    with caplog.at_level(logging.WARNING, logger="granwave"):
+        load(SMALL + "material.poisson_ratio = 0.28\n[grid]\nload.velocity = [1, 2, 3, 4]\n")
+    assert [record.message.count("Poisson") for record in caplog.records] == [1]
+
+
+@pytest.mark.parametrize("name", [name for name in library.names(library.SCANS) if not is_suite(name)])
+def test_built_in_scans_can_be_read(name: str) -> None:
+    scan = load_scan(name)
+    assert scan.name == name and len(scan.distinct) == len(scan.points) > 2
+    assert library.text(name).startswith("# ")
+
+
+def test_two_thousand_points(load: Load) -> None:
+    scan = load(
+        'case = "two-spheres"\n[grid]\nload.velocity = {log = [1, 20, 1000]}\npacking.diameter = [0.01, 0.02]\n'
+    )
+    assert len(scan.points) == len(scan.distinct) == 2000
+    assert [point.number for point in scan.points] == list(range(1, 2001))

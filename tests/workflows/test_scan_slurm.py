@@ -1,0 +1,249 @@
+"""Scans on a real Slurm of two virtual nodes: ranks over nodes, failures, requeued jobs, a killed driver."""
+
+from __future__ import annotations
+
+import csv
+import json
+import re
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from granwave.workflows.scanning.ended_jobs import end_of
+from tests.conftest import PLAIN
+from tests.helpers.slurm_cluster import slurm  # noqa: F401 (a fixture)
+
+pytestmark = [pytest.mark.usefixtures("slurm"), pytest.mark.xdist_group("slurm")]
+
+PROFILE = """
+[slurm]
+partition = "main"
+nodes = 2
+time = 10
+job_start = 2
+before = "export GREETING='{hello}'"
+"""
+TINY = """
+name = "tiny"
+case = "fcc-small"
+ranks = {spheres_per_rank = 120, most = 2}
+[set]
+run.end_time = 5e-5
+run.frames = 2
+[grid]
+packing.size = [[4, 4, 4], [6, 6, 4]]
+run.timestep = ["auto", 1.0e-5]       # the second is far too large: it fails
+"""
+LONG = """
+name = "long"
+case = "fcc-small"
+[set]
+packing.size = [14, 14, 8]
+run.end_time = 4e-3
+run.frames = 2
+[grid]
+load.velocity = [5, 6]
+"""
+
+
+@pytest.fixture
+def scan(slurm, tmp_path):  # noqa: F811
+    """Start `granwave scan` on the cluster; killed at the end of the test, with its jobs."""
+    (tmp_path / "profile.toml").write_text(PROFILE)
+    started = []
+
+    def start(text: str, *words: str) -> subprocess.Popen[str]:
+        (tmp_path / "scan.toml").write_text(text)
+        command = [
+            sys.executable, "-m", "granwave.workflows", "scan", "scan.toml", "-o", "out",
+            "--executor", "slurm", "--profile", "profile.toml", *words,
+        ]  # fmt: skip
+        process = subprocess.Popen(
+            command, cwd=tmp_path, env=PLAIN, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+        )
+        started.append(process)
+        return process
+
+    yield start
+    for process in started:
+        process.kill()
+    subprocess.run(["scancel", "--me"], check=False)
+    wait_for(lambda: not queue(), 60)
+
+
+def queue() -> list[list[str]]:
+    """Id and state of every job."""
+    done = subprocess.run(["squeue", "--me", "-h", "-o", "%i %T"], capture_output=True, text=True, check=True)
+    return [line.split() for line in done.stdout.splitlines()]
+
+
+def wait_for(condition: Callable[[], object], patience: float) -> None:
+    end = time.monotonic() + patience
+    while not condition():
+        assert time.monotonic() < end, "waited in vain"
+        time.sleep(0.3)
+
+
+def states(directory: Path) -> list[str]:
+    """States of the points that are not done."""
+    found = []
+    for path in directory.glob("unfinished/*/point.json"):
+        found.append(json.loads(path.read_text())["state"])
+    return found
+
+
+def attempts(directory: Path) -> list[int]:
+    """How often each point was begun that is not done."""
+    return [json.loads(path.read_text())["attempts"] for path in directory.glob("unfinished/*/point.json")]
+
+
+def jobs_ever() -> int:
+    """The largest job id there has been."""
+    done = subprocess.run(["scontrol", "-o", "show", "jobs"], capture_output=True, text=True, check=True)
+    return max((int(line.split()[0].removeprefix("JobId=")) for line in done.stdout.splitlines()), default=0)
+
+
+def test_points_over_nodes_and_a_point_that_fails(scan, tmp_path):
+    out, err = (process := scan(TINY)).communicate(timeout=240)
+    assert process.returncode == 1, out + err
+    assert "2 failed" in err
+    with (tmp_path / "out" / "scan.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [row["status"] for row in rows] == ["done", "failed", "done", "failed"]
+    assert [row["n_ranks"] for row in rows] == ["1", "", "2", ""]
+    for row in rows[1::2]:
+        assert row["attempts"] == "2" and "energy balance was refused" in row["reason"]
+        assert (tmp_path / "out" / row["directory"] / "point.log").stat().st_size > 0
+    run = json.loads((tmp_path / "out" / rows[2]["directory"] / "run.json").read_text())
+    assert run["nodes"] == ["n1", "n2"]
+    assert "energy balance was refused" in (tmp_path / "out" / "report.html").read_text()
+
+
+def test_requeued_job_and_killed_driver_lose_and_double_nothing(scan, tmp_path):
+    out = tmp_path / "out"
+    driver = scan(LONG)
+    wait_for(lambda: states(out) == ["running"] * 2 and all(s == "RUNNING" for _, s in queue()), 120)
+    wait_for(lambda: len(list(out.glob("unfinished/*/dumps/energy.txt"))) == 2, 60)
+    time.sleep(2)
+    last = jobs_ever()
+
+    # one job goes back into the queue, with a checkpoint
+    victim = queue()[0][0]
+    subprocess.run(["scontrol", "requeue", victim], check=True)
+    wait_for(lambda: [victim, "PENDING"] in queue(), 60)
+    assert "interrupted" in states(out) or len(list(out.glob("points/*"))) > 0
+    engine = subprocess.run(["pgrep", "-P", str(driver.pid)], capture_output=True, text=True, check=True).stdout.split()
+    driver.send_signal(signal.SIGKILL)
+    subprocess.run(["kill", "-KILL", *engine], check=True)
+    driver.wait()
+
+    # the next start waits for both jobs, and submits none of its own
+    driver = scan(LONG, "--resume")
+    time.sleep(3)
+    subprocess.run(["scontrol", "update", f"JobId={victim}", "StartTime=now"], check=False)
+    text, err = driver.communicate(timeout=240)
+    assert driver.returncode == 0, text + err
+    assert jobs_ever() == last
+    assert len(list(out.glob("points/*/summary.json"))) == 2
+    logs = [path.read_text() for path in out.glob("points/*/log.lammps")]
+    assert any("read_restart" in log for log in logs)
+
+
+def test_ctrl_c_takes_jobs_back_and_resume_goes_on(scan, tmp_path):
+    out = tmp_path / "out"
+    driver = scan(LONG)
+    wait_for(lambda: "running" in states(out), 120)
+    driver.send_signal(signal.SIGINT)
+    _, err = driver.communicate(timeout=120)
+    assert driver.returncode == 130 and "--resume" in err, err
+    assert not queue()
+    assert set(states(out)) == {"interrupted"}
+    driver = scan(LONG.replace("[5, 6]", "[5]"), "--resume")
+    text, err = driver.communicate(timeout=240)
+    assert driver.returncode == 0, text + err
+
+
+def rows_of(directory: Path) -> list[dict[str, str]]:
+    with (directory / "scan.csv").open() as file:
+        return list(csv.DictReader(file))
+
+
+def test_refused_jobs_have_slurm_s_reason(scan, tmp_path):
+    """A wrong partition; then the same command with the profile mended."""
+    small = TINY.replace('run.timestep = ["auto", 1.0e-5]       # the second is far too large: it fails\n', "")
+    (tmp_path / "profile.toml").write_text(PROFILE.replace('"main"', '"nix"'))
+    out, err = (process := scan(small)).communicate(timeout=120)
+    words = "Slurm did not run the job: invalid partition specified: nix"
+    assert process.returncode == 1 and err.count(words) == 1 and "2 failed" in err, out + err
+    assert all(row["status"] == "failed" and row["reason"].startswith(words) for row in rows_of(tmp_path / "out"))
+    assert words in (tmp_path / "out" / "report.html").read_text()
+    (tmp_path / "profile.toml").write_text(PROFILE)
+    out, err = (process := scan(small, "--resume")).communicate(timeout=240)
+    assert process.returncode == 0, out + err
+
+
+def test_jobs_that_wait_for_what_never_comes_say_so(scan):
+    update = ["scontrol", "update", "PartitionName=main"]
+    subprocess.run([*update, "MaxTime=5"], check=True)
+    try:
+        driver = scan(LONG)
+        wait_for(lambda: any(state == "PENDING" for _, state in queue()), 60)
+        time.sleep(3)
+        driver.send_signal(signal.SIGINT)
+        _, err = driver.communicate(timeout=120)
+        assert driver.returncode == 130 and err.count("Slurm lets jobs wait: PartitionTimeLimit") == 1, err
+    finally:
+        subprocess.run([*update, "MaxTime=INFINITE"], check=True)
+
+
+def test_jobs_that_are_ended_have_slurm_s_reason(scan, tmp_path):
+    """The nodes fail under both points, twice."""
+    (tmp_path / "profile.toml").write_text(PROFILE + 'options = "--no-requeue"\n')
+    out = tmp_path / "out"
+    driver = scan(LONG)
+    for attempt in (1, 2):
+        wait_for(lambda number=attempt: attempts(out) == [number] * 2, 120)
+        subprocess.run(["scontrol", "update", "NodeName=n1,n2", "State=DOWN", "Reason=test"], check=True)
+        wait_for(lambda: not queue(), 60)
+        subprocess.run(["scontrol", "update", "NodeName=n1,n2", "State=RESUME"], check=True)
+    text, err = driver.communicate(timeout=240)
+    assert driver.returncode == 1 and "2 failed" in err, text + err
+    for row in rows_of(out):
+        assert row["status"] == "failed" and row["attempts"] == "2"
+        assert re.match(r"Slurm ended job \d+: NODE_FAIL \(NodeDown\)", row["reason"]), row["reason"]
+
+
+def test_how_slurm_ended_a_job(slurm, tmp_path):  # noqa: F811
+    logs = tmp_path / ".scan" / "logs" / "rule_serial" / "batch"
+    logs.mkdir(parents=True)
+
+    def submit(command: str) -> str:
+        words = ["sbatch", "--parsable", "-D", str(tmp_path), f"--output={logs}/%j.log", "--wrap", command]
+        return subprocess.run(words, check=True, capture_output=True, text=True).stdout.strip()
+
+    late, killed, failed, done = map(submit, ("sleep 300", "sleep 300", "exit 3", "true"))
+    wait_for(lambda: sum(state == "RUNNING" for _, state in queue()) == 2, 60)
+    subprocess.run(["scontrol", "update", f"JobId={late}", "TimeLimit=00:00:01"], check=True)
+    subprocess.run(["scancel", killed], check=True)
+    wait_for(lambda: not queue(), 120)
+    assert end_of(tmp_path, failed) == end_of(tmp_path, done) == end_of(tmp_path, "999999") == ""
+    assert end_of(tmp_path, killed).startswith(f"Slurm ended job {killed}: CANCELLED")
+    said = end_of(tmp_path, late)
+    assert re.match(
+        rf"Slurm ended job {late}: TIMEOUT \(TimeLimit\): .*DUE TO TIME LIMIT; give a longer slurm\.time", said
+    ), said
+
+
+def test_jobs_of_another_scan_are_not_ours(scan, tmp_path):
+    from granwave.workflows.scanning.queue import jobs_of
+
+    subprocess.run(
+        ["sbatch", "--parsable", "-D", str(tmp_path), "--comment=rule_serial_wildcards_abc", "--wrap", "sleep 60"],
+        check=True, stdout=subprocess.DEVNULL,
+    )  # fmt: skip
+    assert len(jobs_of(tmp_path)) == 1 and not jobs_of(tmp_path.parent)
