@@ -87,7 +87,7 @@ def estimate(values: Sequence[float] | NDArray[np.float64], confidence: float = 
 
 
 def half_width(deviation: float, n: int, confidence: float = CONFIDENCE) -> float:
-    """Of the confidence interval of the mean of ``n`` values with this standard deviation; NaN for fewer than two."""
+    """Half width of the confidence interval of the mean of ``n`` values of this deviation; NaN for fewer than two."""
     return _student(confidence, n - 1) * deviation / math.sqrt(n) if n > 1 else math.nan
 
 

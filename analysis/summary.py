@@ -162,7 +162,7 @@ def _energies(result: Result) -> Summary:
 
 
 def _precompression(result: Result) -> Summary:
-    """What the static stage before the run left."""
+    """Return the values of the static stage before the run."""
     found = {"energy_stored_J": "stored", "precompression_residual": "residual"}
     return {
         key: float(result[f"prestage/{name}"][-1]) if f"prestage/{name}" in result else None

@@ -217,7 +217,7 @@ class Lattice:
 
     @property
     def rule(self) -> Kind:
-        """What distinguishes the kind."""
+        """Properties of the kind."""
         return KINDS[self.kind]
 
     @property

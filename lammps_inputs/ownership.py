@@ -1,4 +1,4 @@
-"""What of a directory granwave may overwrite or delete, and what it refuses: the files of its marker and no others."""
+"""Rules of what granwave may overwrite or delete in a directory: the files of its marker and no others."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ def refuse_foreign(directory: Path, names: Iterable[str], marker: Marker | None 
 
 
 def foreign(directory: Path, names: Iterable[str], marker: Marker | None = None) -> list[str]:
-    """Those of ``names``, or what is in their way, that somebody else put into a directory; folders are shared."""
+    """Find those of ``names``, or obstacles to them, that somebody else put into a directory; folders are shared."""
     marker = marker or read_marker(directory)
     own: Collection[str] = marker.files if marker else ()
     found = []

@@ -52,7 +52,7 @@ RUN, CONTINUUM, SCAN, SUITE, FIT, OTHER = "run", "continuum", "scan", "suite", "
 
 @dataclasses.dataclass
 class Marker:
-    """What granwave wrote into a directory.
+    """Record of the files that granwave wrote into a directory.
 
     Attributes
     ----------

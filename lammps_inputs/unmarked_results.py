@@ -114,7 +114,7 @@ def _run(directory: Path) -> tuple[str, str, list[str]]:
 
 
 def _result(path: Path) -> tuple[bool, str]:
-    """Whether a file can be read as HDF5, and the text of the case in it if it is the result of a run."""
+    """Return True if a file can be read as HDF5, and the text of the case in it if it is the result of a run."""
     if not path.is_file():
         return True, ""
     import h5py  # takes longer to load than most commands need

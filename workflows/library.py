@@ -149,5 +149,5 @@ def text(name: str) -> str:
 
 
 def title(name: str) -> str:
-    """What the study is: the first comment of its file."""
+    """Return the description of a case or scan: the first comment of its file."""
     return text(name).splitlines()[0].removeprefix("#").strip()

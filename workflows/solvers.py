@@ -1,4 +1,4 @@
-"""What a case can be: a packing that LAMMPS runs, or a continuum problem. Its tables tell which."""
+"""Solvers: a case is a packing that LAMMPS runs, or a continuum problem. Its tables tell which."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ class AnyCase(Protocol):
 
     @property
     def name(self) -> str:
-        """Of the case."""
+        """Name of the case."""
 
     def to_dict(self) -> dict[str, Any]:
         """As nested tables, all defaults filled in."""
 
 
 class Cost(Protocol):
-    """What a run will need: bytes and seconds, estimates."""
+    """Cost of a run: bytes and seconds, estimates."""
 
     @property
     def memory(self) -> float:

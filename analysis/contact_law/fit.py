@@ -121,7 +121,7 @@ class Fit:
     published_misfit: tuple[Misfit, ...]
 
     def value(self, name: str) -> float:
-        """Of a constant, or of the yield strength, Pa."""
+        """Value of a constant, or of the yield strength, Pa."""
         return self.law.yield_strength if name == YIELD else self.constants[name]
 
     def undetermined(self, name: str) -> bool:

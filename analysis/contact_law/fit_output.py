@@ -1,4 +1,4 @@
-"""What a fit of the contact law leaves: fit.toml, pair.toml, fit.csv, misfit.csv, and the figure fit."""
+"""Files of a fit of the contact law: fit.toml, pair.toml, fit.csv, misfit.csv, and the figure fit."""
 
 from __future__ import annotations
 

@@ -161,7 +161,7 @@ MEANINGS = {
 
 
 def meanings(summaries: Sequence[Mapping[str, Any]]) -> tuple[Group, ...]:
-    """What the values mean that any of these summaries has, folded away; nothing if there are none."""
+    """Meanings of the values that any of these summaries has, folded away; nothing if there are none."""
     shown = [key for key in MEANINGS if any(summary.get(key) is not None for summary in summaries)]
     if not shown:
         return ()

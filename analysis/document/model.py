@@ -1,4 +1,4 @@
-"""What a report says, apart from how it is written: sections of tables, figures and notes.
+"""Content of a report, apart from its format: sections of tables, figures and notes.
 
 The content is built once (`granwave.analysis.reports.outline`); HTML, Markdown and PDF are three writers of this model.
 All texts are plain: a writer escapes what its format needs.

@@ -114,7 +114,7 @@ def show(pipeline: Any) -> Any:
 
 
 def _columns(path: Path) -> list[str]:
-    """What the columns of the contacts are to OVITO, from the header; empty when there is no contact."""
+    """Return OVITO's properties for the columns of the contacts, from the header; empty when there is no contact."""
     ids = {"i": "Particle Identifiers.1", "j": "Particle Identifiers.2"}
     with open(path, encoding="ascii") as file:
         count = 0

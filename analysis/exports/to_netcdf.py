@@ -106,7 +106,7 @@ def _add_table(file: h5netcdf.File, result: Result, group: str) -> None:
 
 
 def _variable(dimension: str, prefix: str, name: str) -> str:
-    """What a column is called; the ids of spheres and the times are their dimension's coordinates."""
+    """Return the name of a column; the ids of spheres and the times are their dimension's coordinates."""
     if (dimension, name) in (("sphere", "id"), ("time", "time"), ("probe_time", "time")):
         return dimension
     return f"{prefix}_{name}"

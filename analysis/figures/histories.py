@@ -1,4 +1,4 @@
-"""What happened in time: energies, the impactor, the force on the bottom, and the probes."""
+"""Histories: energies, the impactor, the force on the bottom, and the probes."""
 
 from __future__ import annotations
 
@@ -135,7 +135,7 @@ def impactor_velocity(result: Result) -> Drawing | None:
 
 
 def probes(result: Result) -> Drawing | None:
-    """What the probes recorded: a panel for each quantity."""
+    """Draw the records of the probes: a panel for each quantity."""
     wanted = {f"sphere_{probe.sphere}" for probe in result.case.output.probes if probe.sphere is not None}
     wanted |= {"contact_{}_{}".format(*probe.contact) for probe in result.case.output.probes if probe.contact}
     if "probes" not in result or not wanted:

@@ -61,7 +61,7 @@ class Camera:
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """What `render` made.
+    """Result of `render`.
 
     Attributes
     ----------

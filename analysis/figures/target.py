@@ -1,4 +1,4 @@
-"""What reaches the protected target, and what it would feel without the packing."""
+"""Figures of the protected target, with and without the packing."""
 
 from __future__ import annotations
 

@@ -55,7 +55,7 @@ def plain(text: str) -> str:
 
 
 def _power(value: float, digits: int) -> int:
-    """Of ten, of the first digit once there are so many."""
+    """Power of ten, of the first digit once there are so many."""
     return int(f"{value:.{digits - 1}e}".partition("e")[2]) if value else -400
 
 

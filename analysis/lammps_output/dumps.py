@@ -335,7 +335,7 @@ def _next_frame(lines: _Lines, number: int) -> Frame | None:
 
 
 def _header(lines: _Lines, number: int) -> dict[str, list[str]] | None:
-    """What stands below each title of a snapshot, and the title of its rows as ``columns``; None at the file's end."""
+    """Read the lines below each title of a snapshot, and that of its rows as ``columns``; None at the file's end."""
     header: dict[str, list[str]] = {}
     while titles := lines.take(1):
         title = titles[0]

@@ -1,4 +1,4 @@
-"""What the driver noted of a run, ``run.json``."""
+"""The driver's record of a run, ``run.json``."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _RECORDED = {"n_steps": int, "wall_time_s": int | float, "versions": dict}  # wh
 
 
 def read_record(directory: str | Path) -> dict[str, Any]:
-    """What the driver noted of the run (``run.json``); empty when there is nothing.
+    """Read the driver's record of the run (``run.json``); empty when there is nothing.
 
     Raises
     ------

@@ -50,7 +50,7 @@ def read_energy(directory: str | Path) -> Table:
 
 
 def read_static_stage(directory: str | Path) -> Table:
-    """What the static stage of a precompressed run came to, one row; empty when there was none.
+    """Read the outcome of the static stage of a precompressed run, one row; empty when there was none.
 
     ``residual`` (largest net force over the largest force of a contact), ``largest_force`` N, ``contacts``,
     ``yielded``, ``stored`` (elastic energy) J, ``displacement`` m, ``iterations``.
@@ -67,7 +67,7 @@ def read_walls(directory: str | Path) -> Table:
 
 
 def read_probes(directory: str | Path) -> Table:
-    """What the probes recorded, beside ``step`` and ``time``; empty when there are none.
+    """Read the records of the probes, beside ``step`` and ``time``; empty when there are none.
 
     Columns: ``sphere_ID_ux`` (uy, uz) displacement in m, ``_vx`` velocity in m/s, ``_fx`` force in N;
     ``contact_I_J_overlap`` in m and ``contact_I_J_force`` in N.

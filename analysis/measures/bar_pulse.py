@@ -33,7 +33,7 @@ _FINER = 20  # times the instants of the history, for integrals of the load
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Passage:
-    """What entered a bar, and what passed two sections of it before anything came back.
+    """Wave that entered a bar, and its passage of two sections before any reflection.
 
     Attributes
     ----------
@@ -106,7 +106,7 @@ class Passage:
 
 
 def passage(run: ChainRecord, bar: PlacedBar) -> Passage:
-    """What went through a bar of a recorded run."""
+    """Return the wave through a bar of a recorded run."""
     time = run.time
     place, force, velocity = (run.array(f"bars/{bar.name}/{name}") for name in ("position", "force", "velocity"))
     velocity = 0.5 * (velocity[:, 1:] + velocity[:, :-1])  # of elements

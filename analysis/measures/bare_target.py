@@ -45,7 +45,7 @@ Event = Callable[[float, Array], float]
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class BareTarget:
-    """What the target would feel; every array (n_times,).
+    """Response of the bare target; every array (n_times,).
 
     Attributes
     ----------
@@ -63,18 +63,18 @@ class BareTarget:
 
     @property
     def peak_force(self) -> float:
-        """Of the force on the surface, N."""
+        """Largest force on the surface, N."""
         return float(self.force.max())
 
     @property
     def ground_peak_force(self) -> float:
-        """Of the force on the ground, N."""
+        """Largest force on the ground, N."""
         return float(self.ground_force.max())
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Target:
-    """What the plane moves on: a row of masses joined by springs, the plane first, the last one tied to the ground.
+    """Support of the plane: a row of masses joined by springs, the plane first, the last one tied to the ground.
 
     Attributes
     ----------
@@ -160,7 +160,7 @@ class Impactors:
 
     @property
     def largest_force(self) -> float:
-        """Of all of them on a plane that does not move, N."""
+        """Largest force on a plane that does not move, N."""
         return self.count * float(self.law.loading_force(np.array([self.largest_overlap]))[0])
 
     @property
@@ -198,7 +198,7 @@ def unprotected(case: Case, end_time: float) -> BareTarget | None:
 
 
 def target_of(case: Case) -> Target | None:
-    """What the packing of a case protects: the plane below it, the bar at a chain's end, or a rigid base.
+    """Target of a case: the plane below it, the bar at a chain's end, or a rigid base.
 
     A last layer that is held in place stands for a rigid base. None if there is nothing below.
     """

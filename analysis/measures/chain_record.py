@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 class ChainRecord:
-    """What a run of a chain recorded; for classes with a directory, a case and its assembly.
+    """Record of a chain; for classes with a directory, a case and its assembly.
 
     Contacts are numbered from the struck end, from 0, those with strikers and with the faces of bars among them; so are
     beads, strikers first.
@@ -43,7 +43,7 @@ class ChainRecord:
 
     @property
     def load(self) -> Load:
-        """What drives the chain."""
+        """Load of the chain."""
         return self.case.load
 
     @cached_property
@@ -53,7 +53,7 @@ class ChainRecord:
 
     @cached_property
     def mass(self) -> float:
-        """Of a bead that is not replaced, kg."""
+        """Mass of a bead that is not replaced, kg."""
         return self.case.sphere_mass
 
     @cached_property
@@ -91,12 +91,12 @@ class ChainRecord:
 
     @property
     def velocity(self) -> Array:
-        """Of the beads along the chain: (n_times, n_beads), m/s."""
+        """Velocity of the beads along the chain: (n_times, n_beads), m/s."""
         return self.array("chain/velocity")
 
     @property
     def place(self) -> Array:
-        """Of the contacts along the chain at the start, the centre of bead 1 at 0: (n_contacts,), m."""
+        """Place of the contacts along the chain at the start, the centre of bead 1 at 0: (n_contacts,), m."""
         return self.array("chain/contact_position")
 
     def of_contacts(self, name: str) -> Array:

@@ -65,7 +65,7 @@ class HertzImpact:
 
     @property
     def duration(self) -> float:
-        """Of the contact, s: 2 alpha_m/v times the integral of (1 - s^2.5)^(-1/2) from 0 to 1."""
+        """Duration of the contact, s: 2 alpha_m/v times the integral of (1 - s^2.5)^(-1/2) from 0 to 1."""
         return 2 * self.overlap / self.velocity * 0.4 * beta(0.4, 0.5)
 
     @property
@@ -131,7 +131,7 @@ def after_impulse(impulse: float, mass: float, stiffness: float) -> float:
 
 
 def largest_displacement(plate: Plate, time: Array, force: Array, end: float) -> float:
-    """Of a plate under a force (N) in time (s), both (n_times,), and after it up to an end (s): m."""
+    """Largest displacement (m) of a plate under a force (N) in time (s), both (n_times,), and after it up to an end."""
     if end > time[-1]:
         step = time[1] - time[0]
         time = np.append(time, np.arange(time[-1] + step, end, step))

@@ -52,7 +52,7 @@ class LinePulse:
 
     @property
     def number(self) -> Array:
-        """Of the contacts that are measured, from 1."""
+        """Numbers of the contacts that are measured, from 1."""
         return np.arange(1.0, self.contacts + 1)
 
     @property
@@ -69,7 +69,7 @@ class LinePulse:
         return None
 
     def decay(self, first: int, last: int) -> float:
-        """Of the logarithm of the largest force, per contact."""
+        """Decay of the logarithm of the largest force, per contact."""
         return float(math.log(self.largest[first - 1] / self.largest[last - 1]) / (last - first))
 
     def force_power(self, first: int, last: int) -> Power:

@@ -100,7 +100,7 @@ class Wave:
 
     @property
     def linear_speed(self) -> float:
-        """Of the crest there if the chain were linear, m/s."""
+        """Speed of the crest there if the chain were linear, m/s."""
         return theory.crest_speed(self.line, np.arange(self.window.start, self.window.stop) + 1)
 
     @property

@@ -34,7 +34,7 @@ class Pair:
 
     @property
     def materials(self) -> tuple[Material, Material]:
-        """Of both spheres."""
+        """Materials of both spheres."""
         assembly = self.run.assembly
         return assembly.material_of(1), assembly.material_of(2)
 
@@ -45,13 +45,13 @@ class Pair:
 
     @property
     def diameters(self) -> tuple[float, float]:
-        """Of both spheres, m."""
+        """Diameters of both spheres, m."""
         assembly = self.run.assembly
         return assembly.diameter_of(1), assembly.diameter_of(2)
 
     @property
     def ratio(self) -> float:
-        """Of the larger radius to the smaller."""
+        """Ratio of the larger radius to the smaller."""
         return max(self.diameters) / min(self.diameters)
 
     @property

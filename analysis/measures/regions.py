@@ -53,7 +53,7 @@ class Snapshots:
 
     @classmethod
     def of(cls, result: Result) -> Snapshots:
-        """Those of a result."""
+        """Regions of a result."""
         frames, time = range(result.n_frames), result.frame_times
 
         def share(name: str) -> Array:
@@ -148,7 +148,7 @@ def regions(of: Snapshots) -> dict[str, Array]:
 
 
 def settled(of: Snapshots) -> dict[str, float]:
-    """What each region got, over the input.
+    """Energy of each region over the input.
 
     The chains at most; the struck spheres and the strikers when the struck ones hold most after they held least, which
     is when they have rebounded; losses at the end.

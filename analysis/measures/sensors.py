@@ -1,4 +1,4 @@
-"""What a sensor reads: the mean of the forces of its bead's two contacts in a chain, its acceleration elsewhere.
+"""Force that a sensor reads: the mean of the forces of its bead's two contacts in a chain, its acceleration elsewhere.
 
 A transducer glued between the halves of a bead feels the force between them, which for slow pulses is about that mean.
 At an end of the chain, where there is one contact, half of its force.

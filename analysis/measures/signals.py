@@ -153,7 +153,7 @@ def _exponential(x: Array, end: float, span: float, length: float) -> Array:
 
 
 def _vertex(time: Array, signal: Array) -> tuple[float, float]:
-    """Of the parabola through three points."""
+    """Vertex of the parabola through three points."""
     a, b, c = np.polyfit(time - time[1], signal, 2)
     if not a < 0:
         return float(time[1]), float(signal[1])

@@ -1,4 +1,4 @@
-"""What reaches the target, the bottom of the packing, in force, impulse and energy, and how much less than without it.
+"""Force, impulse and energy at the target, the bottom of the packing, and how much less they are than without it.
 
 Peak reduction: the largest force on the target without the packing (`granwave.analysis.measures.bare_target`) over
 the largest with it. The ground is what the target itself rests on: the force on it is that out of the last spring or
@@ -31,7 +31,7 @@ Array = NDArray[np.float64]
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Reached:
-    """What reached the target; every array (n_times,).
+    """Record of the target; every array (n_times,).
 
     Attributes
     ----------
@@ -52,17 +52,17 @@ class Reached:
 
     @property
     def impulse(self) -> Array:
-        """Of the force on the target so far, N s."""
+        """Impulse of the force on the target so far, N s."""
         return cumulative_trapezoid(self.force, self.time, initial=0.0)
 
     @property
     def peak_force(self) -> float:
-        """Of the force on the target, N."""
+        """Largest force on the target, N."""
         return float(np.max(self.force, initial=0.0))
 
     @property
     def ground_peak_force(self) -> float | None:
-        """Of the force on the ground, N."""
+        """Largest force on the ground, N."""
         return None if self.ground_force is None else float(np.max(self.ground_force, initial=0.0))
 
     @property
@@ -79,7 +79,7 @@ def risen(force: Array) -> Array:
 
 
 def reached(result: Result) -> Reached | None:
-    """What reached the bottom of a packing, or the bar at a chain's end; None where there is neither."""
+    """Return the record of the bottom of a packing, or of the bar at a chain's end; None where there is neither."""
     name = next((name for name in ("bottom", BAR) if f"walls/{name}" in result), None)
     if name is None:
         return None
@@ -92,7 +92,7 @@ def reached(result: Result) -> Reached | None:
 
 
 def period_of(plate: Plate) -> float:
-    """Of a plate on its spring, undamped, s."""
+    """Return the period of a plate on its spring, undamped, s."""
     return 2 * math.pi * math.sqrt(plate.mass / plate.stiffness)
 
 

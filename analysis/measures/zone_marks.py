@@ -12,7 +12,7 @@ NOTED_SHARE = 0.01  # of the energy, dissipated after the first wave came back: 
 
 
 class Mark(IntEnum):
-    """How much of a plastic zone is owed to the size of what was struck."""
+    """Influence of the finite packing or block on its plastic zone."""
 
     NONE = 0
     WAVE = 1  # a wave that came back had a part in more than `NOTED_SHARE` of the dissipation

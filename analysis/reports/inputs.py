@@ -1,4 +1,4 @@
-"""What a report is about: runs, scans and continuum runs, read from their directories."""
+"""Inputs of a report: runs, scans and continuum runs, read from their directories."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ class Run:
 
     @property
     def versions(self) -> dict[str, str]:
-        """Of the programs that made it, by name."""
+        """Versions of the programs that made it, by name."""
         found = self.summary.get("versions")
         return {str(name): str(value) for name, value in found.items()} if isinstance(found, dict) else {}
 
@@ -108,7 +108,7 @@ class Scan:
 
     @property
     def directory(self) -> Path:
-        """Of the scan."""
+        """Directory of the scan."""
         return self.source.directory
 
     def count(self, status: str) -> int:

@@ -1,4 +1,4 @@
-"""What a report says: the sections, from what was read."""
+"""Sections of a report, from the inputs."""
 
 from __future__ import annotations
 

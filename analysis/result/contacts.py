@@ -164,7 +164,7 @@ def touching_pairs(
 def sphere_values(
     ids: NDArray[np.int64], contacts: Contacts, yielded: NDArray[np.bool_], share: float | NDArray[np.float64] = 0.5
 ) -> dict[str, NDArray]:
-    """What the contacts mean to each sphere, rows by id.
+    """Sums of the contacts of each sphere, rows by id.
 
     Parameters
     ----------

@@ -19,7 +19,7 @@ _TEXTS = ("wall",)  # columns that are no numbers
 
 
 def damage_of(file: h5py.File) -> str:
-    """What is wrong with a result; empty if nothing is found.
+    """Find the damage of a result; empty if there is none.
 
     The values themselves are not read.
     """

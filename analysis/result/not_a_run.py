@@ -1,4 +1,4 @@
-"""What a path is that gives no result of a run of spheres, and what to give instead: for messages."""
+"""Messages on a path that holds no result of a run of spheres: what it is, and what to give instead."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def resumed(path: Path) -> str:
 
 
 def no_results(path: Path, found: Sequence[str], what: str, expected: str) -> str:
-    """What a directory holds instead of results.
+    """Describe what a directory holds instead of results.
 
     Parameters
     ----------

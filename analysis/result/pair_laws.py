@@ -1,4 +1,4 @@
-"""What the contact law is to each pair of spheres: its yield overlap, effective radius, and who takes the loss."""
+"""Contact law of each pair of spheres: its yield overlap, effective radius, and who takes the loss."""
 
 from __future__ import annotations
 

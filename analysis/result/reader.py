@@ -132,7 +132,7 @@ class Result:
         self.file.close()
 
     def names(self, group: str) -> list[str]:
-        """What a group holds; empty when there is no such group."""
+        """Read a group; empty when there is no such group."""
         return list(self.file[group]) if group in self.file else []
 
     def unit(self, name: str) -> str:
@@ -151,7 +151,7 @@ class Result:
 
     @cached_property
     def record(self) -> dict[str, Any]:
-        """What the driver noted of the run."""
+        """The driver's record of the run."""
         return json.loads(self.file.attrs["run"])
 
     @cached_property
@@ -166,12 +166,12 @@ class Result:
 
     @property
     def yields(self) -> bool:
-        """Whether contacts of this run can yield, so that alpha_y and F_y mean something."""
+        """True if contacts of this run can yield, so that alpha_y and F_y have a meaning."""
         return self.case.contact.yields
 
     @property
     def has_law_limit(self) -> bool:
-        """Whether the law was fitted up to an overlap that a contact may exceed."""
+        """True if the law was fitted up to an overlap that a contact may exceed."""
         return bool(self.case.contact.entry.fitted)
 
     @cached_property
@@ -249,7 +249,7 @@ class Result:
 
     @property
     def quantities(self) -> tuple[str, ...]:
-        """What a snapshot holds, see `frame`; results of older versions lack ``elastic_energy``."""
+        """Read a snapshot, see `frame`; results of older versions lack ``elastic_energy``."""
         return tuple(name for name in QUANTITIES if name in self.file[GROUP])
 
     def frame(self, number: int, quantity: str) -> NDArray[np.float64]:

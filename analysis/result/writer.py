@@ -242,7 +242,7 @@ def _rows(dents: Frame, chosen: NDArray[np.bool_]) -> Frame:
 
 
 def _losses_at_walls(case: Case, wall_contacts: Contacts) -> dict[str, NDArray[np.float64]]:
-    """What the sphere of each wall contact takes of the loss there; a rigid wall takes nothing."""
+    """Return the share of the loss that the sphere of each wall contact takes; a rigid wall takes nothing."""
     materials: dict[str, Material | None] = {bar.name: bar.material for bar in assemble(case).bars}
     materials |= {wall.name: wall.material for wall in walls(case)}
     partners = [materials[wall] for wall in wall_contacts["wall"].tolist()]

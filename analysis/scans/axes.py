@@ -117,7 +117,7 @@ def _apart(places: NDArray[np.float64], inches: NDArray[np.float64]) -> bool:
 
 
 def _width(label: str) -> float:
-    """Of a label and the gap to the next, inches."""
+    """Width of a label and the gap to the next, inches."""
     return CHARACTER * (len(label) + 1)
 
 

@@ -256,7 +256,7 @@ def _name_categories(axis: Axis, names: Sequence[str], step: int) -> None:
 
 
 def _axes_of(axes: Axes, *, lying: bool) -> tuple[Axis, Axis]:
-    """Of the categories and of the values."""
+    """Return the axes of the categories and of the values."""
     return (axes.yaxis, axes.xaxis) if lying else (axes.xaxis, axes.yaxis)
 
 
@@ -345,7 +345,7 @@ def _wrapped(labels: Sequence[str]) -> list[str]:
 
 
 def _characters(label: str) -> int:
-    """Of the longest line of an entry, its mark included."""
+    """Characters of the longest line of an entry, its mark included."""
     seen = re.sub(r"\\[A-Za-z]+", "x", re.sub(r"\\mathrm|[${}_]", "", label))
     return max(map(len, seen.split("\n"))) + 5
 

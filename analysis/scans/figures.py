@@ -154,7 +154,7 @@ def _curve_rows(rows: Sequence[int], others: Sequence[Key]) -> list[list[int]]:
 
 
 def _is_one_line(rows: Sequence[int], x: Key, keys: Iterable[Key]) -> bool:
-    """What goes along with the abscissa grows or falls with it, so that a line from point to point means something."""
+    """True if all other varying keys are monotonic in the abscissa, so that points may be joined."""
     for key in keys:
         if not key.numeric or not determines([x.labels[row] for row in rows], [key.labels[row] for row in rows]):
             continue

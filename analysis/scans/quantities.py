@@ -1,4 +1,4 @@
-"""What the figures of a scan show: quantities of its points, with titles and units."""
+"""Quantities that figures of a scan show: values of its points, with titles and units."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ Status = Literal["done", "failed", "missing"]
 
 @dataclasses.dataclass(frozen=True)
 class PointResult:
-    """What became of one point.
+    """Outcome of one point.
 
     Attributes
     ----------

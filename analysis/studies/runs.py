@@ -44,7 +44,7 @@ class FinishedRun:
     def among(
         cls, found: Iterable[tuple[str, Path, Mapping[str, Any]]], suits: Callable[[Case], bool]
     ) -> tuple[Self, ...]:
-        """Those whose case suits; none whose energy balance was refused or whose case cannot be read.
+        """Runs whose case suits; none whose energy balance was refused or whose case cannot be read.
 
         Parameters
         ----------

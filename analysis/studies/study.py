@@ -70,7 +70,7 @@ class Picture:
 
 @dataclasses.dataclass(frozen=True)
 class Study:
-    """What a study found.
+    """Result of a study.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What is hit, by what, and what it stands on, as titles and tables of studies say it."""
+"""Titles of packing, load and bottom for studies and their tables."""
 
 from __future__ import annotations
 

@@ -81,7 +81,7 @@ class Case:
 
     @property
     def probes(self) -> tuple[Probe, ...]:
-        """What is recorded at the probes' rate: ``output.probes``, and the sensors of what is no chain."""
+        """Probes: ``output.probes``, and the sensors of a packing that is no chain."""
         if self.packing.kind == "chain":
             return self.output.probes
         return tuple(dict.fromkeys([*self.output.probes, *(Probe(sphere=sensor.id) for sensor in self.sensor)]))

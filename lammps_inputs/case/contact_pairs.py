@@ -85,7 +85,7 @@ def _read(table: Any, common: Mapping[str, Any], key: str, errors: ErrorList) ->
 
 
 def _others(common: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
-    """What a pair takes from ``[contact]``: all but the constants of another law."""
+    """Return what a pair takes from ``[contact]``: all but the constants of another law."""
     if own.get("law", common.get("law")) == common.get("law"):
         return dict(common)
     return {name: common[name] for name in ("friction", "tangential") if name in common}

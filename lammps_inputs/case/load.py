@@ -126,7 +126,7 @@ class Load:
 
     @property
     def initial_velocity(self) -> tuple[float, float, float]:
-        """Of the struck spheres of an impact: (x, y, z), m/s."""
+        """Initial velocity of the struck spheres of an impact: (x, y, z), m/s."""
         angle = math.radians(self.angle)
         return self.velocity * math.sin(angle), 0.0, self.velocity * math.cos(angle)
 

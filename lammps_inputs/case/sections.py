@@ -144,7 +144,7 @@ def _parse_probe(value: Any) -> Probe:
 
 @dataclasses.dataclass(frozen=True)
 class Probe:
-    """What is recorded at its own rate: one sphere, or the contact of two."""
+    """Probe, recorded at its own rate: one sphere, or the contact of two."""
 
     sphere: int | None = None
     contact: tuple[int, int] | None = None

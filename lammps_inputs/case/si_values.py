@@ -67,7 +67,7 @@ FRICTION = Usual(0.0, 2.0)
 
 
 def impossible(value: Any, unit: str | None) -> str:
-    """What was expected where a value, or a number in it, has a magnitude beyond all measure; empty if none has."""
+    """Return the expected magnitude where a value, or a number in it, is beyond all measure; empty if none is."""
     low, high = POSSIBLE.get(unit or "", (0.0, float("inf")))
     if all(not number or low <= abs(number) <= high for number in _numbers(value)):
         return ""
@@ -75,7 +75,7 @@ def impossible(value: Any, unit: str | None) -> str:
 
 
 def unusual(value: Any, unit: str | None, usual: Usual) -> str:
-    """What was found and expected where a value, or a number in it, is not usual; empty if all are."""
+    """Return found and expected where a value, or a number in it, is not usual; empty if all are."""
     most = usual.high * usual.beyond
     odd = [number for number in _numbers(value) if number and not usual.low <= abs(number) <= most]
     if not odd:

@@ -1,4 +1,4 @@
-"""What a bottom plane rests on, where it is not held in place: ``boundary.bottom = {plate = {...}}`` and the like.
+"""Supports of a bottom plane that is not held in place: ``boundary.bottom = {plate = {...}}`` and the like.
 
 plate        a rigid plate of some mass on a spring, with a damper if wanted
 half_space   the surface of an elastic half-space under the packing's footprint: Lysmer's analogue, a spring
@@ -54,11 +54,11 @@ class HalfSpace:
     )
 
     def stiffness(self, material: Material, radius: float) -> float:
-        """Of a rigid disc of this radius (m) on the half-space, N/m."""
+        """Stiffness of a rigid disc of this radius (m) on the half-space, N/m."""
         return _SPRING * _shear_modulus(material) * radius / (1 - material.poisson_ratio)
 
     def damping(self, material: Material, radius: float) -> float:
-        """What it radiates, N s/m."""
+        """Damping by radiation, N s/m."""
         return (
             _DAMPER * radius**2 * math.sqrt(material.density * _shear_modulus(material)) / (1 - material.poisson_ratio)
         )
@@ -76,11 +76,11 @@ class SupportBar:
     )
 
     def mass(self, material: Material) -> float:
-        """Of the whole bar, kg."""
+        """Mass of the whole bar, kg."""
         return material.density * self.area * self.length
 
     def stiffness(self, material: Material) -> float:
-        """Of an element, N/m."""
+        """Stiffness of an element, N/m."""
         return material.youngs_modulus * self.area * self.elements / self.length
 
 

@@ -1,4 +1,4 @@
-"""What the tables of a case must satisfy together, and what deserves a warning."""
+"""Checks of the tables of a case together, and warnings."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What contact laws must satisfy together with the materials of a case, and dents with the laws."""
+"""Checks of contact laws with the materials of a case, and of dents with the laws."""
 
 from __future__ import annotations
 

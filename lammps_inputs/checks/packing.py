@@ -1,4 +1,4 @@
-"""What a packing's disorder must satisfy: its tolerance, its vacancies, and spheres that are replaced."""
+"""Checks of a packing's disorder: its tolerance, its vacancies, and spheres that are replaced."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a precompression, and a bottom that moves, must satisfy together with the rest of a case."""
+"""Checks of a precompression, and of a bottom that moves, with the rest of a case."""
 
 from __future__ import annotations
 

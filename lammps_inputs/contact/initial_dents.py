@@ -381,7 +381,7 @@ def _result_file(path: Path) -> Path:
 
 
 def _other_packing(assembly: Assembly, earlier: _Earlier) -> str:
-    """What is different in the packing of an earlier result; empty if nothing is."""
+    """Find the difference in the packing of an earlier result; empty if there is none."""
     limit = TOUCHING * assembly.case.packing.diameter
     if len(earlier.id) != assembly.n_spheres:
         return f"found {len(earlier.id)} spheres, expected {assembly.n_spheres}"

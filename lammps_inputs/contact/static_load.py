@@ -87,7 +87,7 @@ def force_of_contact(assembly: Assembly) -> float:
 
 
 def static_stiffness(assembly: Assembly) -> float:
-    """Of a contact under the static load, about, N/m: that of Hertz's law at `force_of_contact`."""
+    """Static stiffness of a contact under the static load, about, N/m: that of Hertz's law at `force_of_contact`."""
     case = assembly.case
     radius = case.packing.diameter / 2
     law = law_between(Contact(law="hertz"), (case.material, case.material), (radius, radius))
@@ -122,7 +122,7 @@ def _missing_neighbours(assembly: Assembly) -> NDArray[np.float64]:
 
 
 def _open_to(outside: NDArray[np.float64], vacant: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Those of the vacant places that touch the outside, or each other on to it: (n, 3)."""
+    """Select the vacant places that touch the outside, or each other on to it: (n, 3)."""
     found, border = np.zeros(len(vacant), dtype=bool), outside
     while len(border):
         distance, _ = KDTree(border).query(vacant)

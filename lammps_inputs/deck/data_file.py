@@ -43,14 +43,14 @@ def _sphere_rows(assembly: Assembly) -> Iterator[list[str]]:
 
 
 def _like_rows(assembly: Assembly, first: int, last: int) -> list[str]:
-    """Of the sites with these ids, whose spheres are all alike."""
+    """Rows of the sites with these ids, whose spheres are all alike."""
     row = _row(assembly, assembly.material, f"{assembly.lattice.diameter:.17g}")
     columns = assembly.lattice_positions(first, last).T.tolist()
     return [row % line for line in zip(range(first, last + 1), *columns, strict=True)]
 
 
 def _own_rows(assembly: Assembly, first: int, last: int) -> list[str]:
-    """Of the sites with these ids, each sphere with a material and a diameter of its own."""
+    """Rows of the sites with these ids, each sphere with a material and a diameter of its own."""
     sites = assembly.sites
     assert sites is not None
     here = np.flatnonzero(sites.present[first - 1 : last]) + first - 1

@@ -166,7 +166,7 @@ def read_deck(directory: str | Path) -> Deck:
 
 
 def resolved(deck: Deck) -> dict[str, Any]:
-    """What follows from the case: the table ``[resolved]`` of case.toml."""
+    """Return the derived values: the table ``[resolved]`` of case.toml."""
     case, assembly = deck.case, assemble(deck.case)
     return {
         "n_spheres": assembly.n_spheres,

@@ -37,7 +37,7 @@ def motion(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> 
 
 
 def _integration(assembly: Assembly) -> list[str]:
-    """What moves, and by which fix: nodes of bars have no radius and cannot turn."""
+    """Return the commands of time integration: nodes of bars have no radius and cannot turn."""
     case = assembly.case
     lines, still = [], []
     if any(wall.held_layer for wall in walls(assembly)):

@@ -1,4 +1,4 @@
-"""What the LAMMPS input script measures and writes: the ledger, walls, probes, snapshots, and the state at
+"""Output of the LAMMPS input script: the ledger, walls, probes, snapshots, and the state at
 the end."""
 
 from __future__ import annotations
@@ -198,7 +198,7 @@ def history(case: Case, schedule: Schedule, *, resumed: bool = False) -> list[st
 
 
 def thermo(case: Case, schedule: Schedule) -> list[str]:
-    """What the log shows."""
+    """Return the commands of thermodynamic output."""
     every = schedule.block_steps or max(1, schedule.n_steps // schedule.ledger_every // 20) * schedule.ledger_every
     kinetic = "v_motion" if case.has_rotation else "c_kinetic"
     return [
@@ -257,7 +257,7 @@ def output_files(assembly: Assembly, schedule: Schedule) -> list[str]:
 
 
 def _recorded(case: Case) -> tuple[str, ...]:
-    """What decides which columns of its contacts a case records."""
+    """Flags that decide which columns of its contacts a case records."""
     return (*([FRICTION] if case.has_friction else []), *([DENTS] if case.has_initial_dents else []))
 
 

@@ -183,7 +183,7 @@ def load_tables(assembly: Assembly) -> dict[str, str]:
 
 
 def _relief(case: Case, *, again: bool = False) -> list[str]:
-    """What keeps a packing from turning, and from moving as a whole, where nothing holds it."""
+    """Return commands that keep a packing from turning, and from moving as a whole, where nothing holds it."""
     stage, bottom = case.precompression, case.boundary.bottom
     if stage is None or stage.kind != "uniform" or bottom == "fixed":
         return []
@@ -214,7 +214,7 @@ def _stored(assembly: Assembly) -> list[str]:
 
 
 def _rounding(assembly: Assembly) -> float:
-    """What rounding of the coordinates makes of a net force, N."""
+    """Return the net force that rounding of the coordinates makes, N."""
     span = float(np.abs(assembly.bounds()).max())
     return float(_ROUNDING * static_stiffness(assembly) * np.finfo(float).eps * span)
 

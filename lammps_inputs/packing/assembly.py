@@ -96,7 +96,7 @@ class PlacedBar:
 
     @property
     def stiffness(self) -> float:
-        """Of an element, N/m."""
+        """Stiffness of an element, N/m."""
         return self.material.youngs_modulus * self.section.area / self.pitch
 
     @property
@@ -147,7 +147,7 @@ class Assembly:
 
     @property
     def ids(self) -> NDArray[np.int64]:
-        """Of the spheres, in rising order: (n_spheres,)."""
+        """Ids of the spheres, in rising order: (n_spheres,)."""
         if self.sites is None:
             return np.arange(1, self.n_spheres + 1)
         return np.append(self.sites.ids, np.arange(self.lattice.n_spheres + 1, self.last_sphere + 1))
@@ -260,7 +260,7 @@ class Assembly:
 
     @property
     def largest_diameter(self) -> float:
-        """Of the spheres of the lattice, at least the nominal one of the packing, m."""
+        """Largest diameter of the spheres of the lattice, at least the nominal one of the packing, m."""
         if self.sites is None:
             return self.lattice.diameter
         return max(self.lattice.diameter, float(self.sites.diameter[self.sites.present].max()))

@@ -1,4 +1,4 @@
-"""What is random in a packing: diameters in a tolerance band, vacancies, spheres replaced by chance.
+"""Disorder of a packing: diameters in a tolerance band, vacancies, spheres replaced by chance.
 
 Everything random follows from ``packing.seed``, by streams of random numbers of their own, so that a change of one does
 not change another:
@@ -47,7 +47,7 @@ def has_gaps(case: Case) -> bool:
 
 
 def diameter_losses(packing: PackingSection, n: int) -> NDArray[np.float64]:
-    """How much smaller than nominal the sphere at each site is: (n,), m, from 0 to ``diameter_scatter``."""
+    """Draw the deficit of each sphere's diameter from the nominal one: (n,), m, from 0 to ``diameter_scatter``."""
     place = _uniform(packing.seed, n, DIAMETERS)
     if packing.scatter_distribution == "normal":
         least, most = ndtr(-_DEVIATIONS), ndtr(_DEVIATIONS)

@@ -46,7 +46,7 @@ class Packing:
 
     @property
     def lattice(self) -> Lattice:
-        """Of the spheres but for strikers."""
+        """Lattice of the spheres but for strikers."""
         return self.assembly.lattice
 
     @property

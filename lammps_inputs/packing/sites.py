@@ -1,4 +1,4 @@
-"""What is at each site of a lattice, where that is not everywhere the same: diameters, materials, vacancies.
+"""Sites of a lattice that are not all the same: diameters, materials, vacancies.
 
 Spheres stay at the sites of the lattice of nominal spheres, whatever their diameter: smaller ones leave gaps, larger
 ones need room. The beads of a chain are stacked in contact by their nominal diameters, `[[replace]]` included, and what
@@ -60,12 +60,12 @@ class Sites:
 
     @property
     def ids(self) -> NDArray[np.int64]:
-        """Of the spheres that there are, in rising order: (count,)."""
+        """Ids of the spheres that there are, in rising order: (count,)."""
         return np.flatnonzero(self.present) + 1
 
     @cached_property
     def like(self) -> bool:
-        """Of one material and one nominal diameter, that of the lattice."""
+        """True if all are of one material and one nominal diameter, that of the lattice."""
         return not self.kind.any() and bool((self.nominal == self.lattice.diameter).all())
 
     @cached_property
@@ -178,7 +178,7 @@ class Sites:
 
 
 def sites_of(case: Case, lattice: Lattice) -> Sites | None:
-    """What is at the sites of a case's lattice; None where all spheres are alike and none is missing.
+    """Return the sites of a case's lattice; None where all spheres are alike and none is missing.
 
     Raises
     ------

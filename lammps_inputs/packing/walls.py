@@ -86,7 +86,7 @@ def wall_friction(case: Case, wall: Wall, material: Material) -> float:
 
 
 def materials_of_last_layer(assembly: Assembly) -> list[Material]:
-    """Of the spheres that rest on the bottom, each once."""
+    """Materials of the spheres that rest on the bottom, each once."""
     case = assembly.case
     nx, ny, _ = assembly.lattice.shape
     n, sites = assembly.lattice.n_spheres, assembly.sites

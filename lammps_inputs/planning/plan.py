@@ -1,4 +1,4 @@
-"""What a run would be, before it is run: its size, its cost and how hard its contacts are pressed."""
+"""Plan of a run before it is run: its size, its cost and how hard its contacts are pressed."""
 
 from __future__ import annotations
 
@@ -76,12 +76,12 @@ class Plan:
 
     @property
     def wall_time(self) -> float:
-        """Of a run of usual length, s."""
+        """Wall time of a run of usual length, s."""
         return self.times.total
 
 
 def plan(case: Case | Assembly, *, n_ranks: int = 1, figures: bool = True) -> Plan:
-    """What the run of a case would be.
+    """Plan the run of a case.
 
     Parameters
     ----------

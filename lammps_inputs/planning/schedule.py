@@ -70,7 +70,7 @@ class Schedule:
 
     @property
     def end_time(self) -> float:
-        """Of the last step, s."""
+        """Time of the last step, s."""
         return self.n_steps * self.timestep
 
     @property

@@ -51,7 +51,7 @@ _USUAL_BLOCKS = 8  # of ``end_time = "auto"``: 2 in single collisions and layers
 
 @dataclasses.dataclass(frozen=True)
 class WallTime:
-    """What a run takes, s.
+    """Time of a run, s.
 
     Attributes
     ----------
@@ -88,7 +88,7 @@ class WallTime:
 
 
 def expected_wall_time(assembly: Assembly, schedule: Schedule, *, n_ranks: int = 1, figures: bool = True) -> WallTime:
-    """What the run of a case takes.
+    """Estimate the time of the run of a case.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ def expected_wall_time(assembly: Assembly, schedule: Schedule, *, n_ranks: int =
 
 
 def seconds_per_step(assembly: Assembly) -> float:
-    """Of a step on one core, while contacts are elastic, s."""
+    """Time of a step on one core, while contacts are elastic, s."""
     case = assembly.case
     return _seconds(assembly, loaded=_share_loaded(case), has_friction=case.has_friction)
 
@@ -129,7 +129,7 @@ def _share_loaded(case: Case) -> float:
 
 
 def _of_yielding(assembly: Assembly) -> float:
-    """How much longer a step takes on the average of the run because contacts yield, s."""
+    """Estimate the additional time of a step, averaged over the run, because contacts yield, s."""
     case = assembly.case
     if not case.contact.yields:
         return 0.0
@@ -147,7 +147,7 @@ def _usual_steps(case: Case, schedule: Schedule) -> float:
 
 
 def _iterations(case: Case) -> tuple[float, float]:
-    """Of the static stage, usually and at most."""
+    """Iterations of the static stage, usually and at most."""
     if case.precompression is None:
         return 0.0, 0.0
     return (_ITERATIONS_OF_DISORDER, _MOST_ITERATIONS_OF_DISORDER) if has_gaps(case) else (_ITERATIONS, _ITERATIONS)

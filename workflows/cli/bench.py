@@ -213,7 +213,7 @@ def _variable(engine: Engine, formula: str) -> float:
 
 
 def _memory(log: Path) -> float:
-    """What LAMMPS says that it allocated, bytes."""
+    """Return the memory that LAMMPS reports, bytes."""
     lines = [line for line in log.read_text().splitlines() if line.startswith("Per MPI rank memory allocation")]
     return float(lines[-1].split("=")[1].split("|")[1]) * 2**20
 

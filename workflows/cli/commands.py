@@ -1,4 +1,4 @@
-"""What each word of the command line does; every function returns the exit status."""
+"""Commands of the command line; every function returns the exit status."""
 
 from __future__ import annotations
 

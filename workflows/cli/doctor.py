@@ -1,4 +1,4 @@
-"""What works on this machine, and how to mend what does not: a line for each part."""
+"""Check of the installation, and how to mend what does not work: a line for each part."""
 
 from __future__ import annotations
 

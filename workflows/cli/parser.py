@@ -75,7 +75,7 @@ def _set_up_output() -> None:
 
 
 def _report_file(error: OSError, words: Sequence[str]) -> int:
-    """What is wrong with a file: of the input if the command line itself names it, for nothing was run yet then."""
+    """Return the error of a file: of the input if the command line itself names it, for nothing was run yet then."""
     try:
         named = [os.path.abspath(word) for word in words if word]
         wrong = error.errno in _OF_NAMES or (

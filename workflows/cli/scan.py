@@ -168,7 +168,7 @@ def _executor(options: argparse.Namespace) -> Profile | None:
 
 
 def _slowness(scan: Scan, directory: Path, options: argparse.Namespace, jobs: int) -> float | None:
-    """How much longer a point takes here than planned; None where it was not worth measuring."""
+    """Measure the time of a point here over that planned; None where it is not worth measuring."""
     left = needs.left(scan, directory, fresh=options.force)
     if options.executor == SLURM or sum(map(expected_time, left)) / jobs < _WORTH_MEASURING:
         return None
@@ -185,7 +185,7 @@ def plan_text(
     *,
     fresh: bool = False,
 ) -> str:
-    """What the scan would be."""
+    """Return the table of a planned scan."""
     points = scan.distinct.values()
     left = needs.left(scan, directory, fresh=fresh)
     counts = f"{len(scan.points)}"

@@ -115,7 +115,7 @@ def _zone_rows(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
 
 
 def plan_table(case: Case, plan: Plan) -> str:
-    """What a run would be."""
+    """Return the table of a planned run."""
     schedule, times = plan.schedule, plan.times
     usual, most = duration(times.total), duration(times.longest)
     at_most = "at most " if schedule.block_steps else ""
@@ -180,13 +180,13 @@ def _parts(times: WallTime) -> str:
 
 
 def static_stage_note(times: Sequence[WallTime], jobs: float = 1.0) -> str:
-    """What a plan says of static stages whose length cannot be known, with so many jobs at once."""
+    """Return the plan's note on static stages whose length cannot be known, with so many jobs at once."""
     counted, most = sum(time.static for time in times) / jobs, sum(time.most_static for time in times) / jobs
     return f"counted with {duration(counted)}, but cannot be known where there is disorder: up to {duration(most)}"
 
 
 def continuum_plan_table(name: str, n_elements: int, cost: Cost) -> str:
-    """What a continuum run would be."""
+    """Return the table of a planned continuum run."""
     return lines(
         [
             ("case", name),

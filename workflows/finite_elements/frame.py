@@ -1,4 +1,4 @@
-"""What the two finite-element problems share: the form of their cases, the directory of a run, ``result.h5``."""
+"""Common parts of the two finite-element problems: the form of their cases, the directory of a run, ``result.h5``."""
 
 from __future__ import annotations
 
@@ -220,7 +220,7 @@ class ElementResult:
         self._read_more(file)
 
     def _read_more(self, file: h5py.File) -> None:
-        """What a kind of result reads besides."""
+        """Further values that a kind of result reads."""
 
     def __getitem__(self, name: str) -> NDArray:
         """A data set by its name."""

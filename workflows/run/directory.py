@@ -42,7 +42,7 @@ START, CONTINUE, ANALYSE, FINISHED = "start", "continue", "analyse", "finished"
 
 
 def decide(case: Case, directory: Path, *, resume: bool, force: bool, n_ranks: int, figures: bool = True) -> str:
-    """What to do in ``directory``: START, CONTINUE from its checkpoint, ANALYSE, or nothing (FINISHED).
+    """Decide what to do in ``directory``: START, CONTINUE from its checkpoint, ANALYSE, or nothing (FINISHED).
 
     Changes nothing.
 
@@ -80,7 +80,7 @@ def decide(case: Case, directory: Path, *, resume: bool, force: bool, n_ranks: i
 
 
 def _how_far(directory: Path) -> str:
-    """What is left to do in the directory of a run of the same case; warnings say what is damaged."""
+    """Decide what is left to do in the directory of a run of the same case; warnings say what is damaged."""
     _refuse_by_hand(directory)
     there, fault = record.read(directory), result_fault(directory)
     seen = there or record.recover(directory)

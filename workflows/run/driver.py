@@ -48,7 +48,7 @@ _PIECE = 1.0  # s of wall time between looks at the balance
 
 @dataclasses.dataclass(frozen=True)
 class Outcome:
-    """What became of a run.
+    """Outcome of a run.
 
     Attributes
     ----------
@@ -122,7 +122,7 @@ def run_case(
 
 
 def _prepare(case: Case, directory: Path, **options: Any) -> str:
-    """What to do in a directory, which is made ready for it."""
+    """Decide what to do in a directory, and make it ready."""
     what = decide(case, directory, **options)
     if what == START:
         return _start(case, directory)
@@ -185,7 +185,7 @@ class _Run:
         self._note(state=self.state if self.state == record.INTERRUPTED else record.INTEGRATED)
 
     def _failure(self, error: RunError | OSError) -> RunError:
-        """What ends the run; where the disk is full, with how to go on."""
+        """Error that ends the run; where the disk is full, with how to go on."""
         if isinstance(error, OSError):
             return RunError(f"{error.filename or self.directory}: {error.strerror or error}; {self._kept()}")
         if free_space(self.directory) < self.reserve:

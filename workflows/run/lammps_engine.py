@@ -60,7 +60,7 @@ def open_engine(comm: Intracomm, log: str = "log.lammps") -> Iterator[Engine]:
 
 
 def check_release() -> str | None:
-    """What is wrong with the installed LAMMPS release, or None.
+    """Find what is wrong with the installed LAMMPS release, or None.
 
     LAMMPS promises no binary interface between releases, nor between updates of one.
     """

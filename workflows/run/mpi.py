@@ -114,7 +114,7 @@ def on_first(comm: Intracomm, work: Callable[[], T]) -> T:
 
 
 def command(n_ranks: int, arguments: Sequence[str], launcher: Sequence[str] = ()) -> list[str]:
-    """What runs ``granwave ARGUMENTS`` on several ranks.
+    """Return the command that runs ``granwave ARGUMENTS`` on several ranks.
 
     Parameters
     ----------

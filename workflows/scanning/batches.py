@@ -1,4 +1,4 @@
-"""What a scan will cost, and its points in batches: each batch is one job, so that small points share its start-up."""
+"""Cost of a scan, and its points in batches: each batch is one job, so that small points share its start-up."""
 
 from __future__ import annotations
 

@@ -47,7 +47,7 @@ _GONE = 15.0  # s without a job in the queue, after which a round is over, whate
 
 @dataclasses.dataclass(frozen=True)
 class ScanOutcome:
-    """What became of a scan.
+    """Outcome of a scan.
 
     Attributes
     ----------
@@ -387,7 +387,7 @@ class _ScanRun:
         write_report([self.directory], self.directory / SCAN_REPORT)
 
     def outcome(self) -> ScanOutcome:
-        """What became of it."""
+        """Outcome of the scan."""
         # as the table says: one point may stand in it several times
         status = {point.id: point.status for point in ScanResult(self.directory).points}
         done, failed, missing = (sum(one == what for one in status.values()) for what in ("done", "failed", "missing"))

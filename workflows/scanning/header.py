@@ -1,4 +1,4 @@
-"""What stands at the top of a scan file, beside its tables."""
+"""Header of a scan file: the keys beside its tables."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def parse_studies(value: Any) -> tuple[str, ...]:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Header:
-    """What stands at the top of a scan file, beside its tables."""
+    """Header of a scan file: the keys beside its tables."""
 
     name: str = custom("name of the scan", plain_name, default="")
     case: str = text("a built-in study or a case file")

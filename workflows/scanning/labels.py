@@ -1,4 +1,4 @@
-"""What varies in a scan, as its tables and figures show it."""
+"""Labels of what varies in a scan, for its tables and figures."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the points of a scan need that are still to be run: files, and room on the disk."""
+"""Needs of the points of a scan that are still to be run: files, and room on the disk."""
 
 from __future__ import annotations
 

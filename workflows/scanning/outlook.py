@@ -37,7 +37,7 @@ class Outlook:
         self._expected += expected_time(point)
 
     def words(self, left: Sequence[Point], ages: Mapping[str, float]) -> str:
-        """What has passed, and what is to come.
+        """Elapsed and remaining time.
 
         Parameters
         ----------

@@ -142,7 +142,7 @@ class Profile:
         return min(self.nodes, batch.ranks)
 
     def launcher_of(self, batch: Job) -> list[str]:
-        """What starts the ranks of a point."""
+        """Command that starts the ranks of a point."""
         words = self.launcher.split()
         return [*words, "-N", str(self.nodes_of(batch))] if words[0] == "srun" else words
 

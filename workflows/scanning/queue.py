@@ -1,4 +1,4 @@
-"""What Slurm still has of a scan: jobs that a killed driver left behind go on, and must not be doubled."""
+"""Slurm's queue of a scan: jobs that a killed driver left behind go on, and must not be doubled."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def _points(batch: Path) -> tuple[str, ...]:
 
 
 def ask(command: list[str]) -> str:
-    """What a command of Slurm prints; RunError with its own words where it fails."""
+    """Return the output of a command of Slurm; RunError with its own words where it fails."""
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=_ANSWER, check=False)
     except OSError as error:

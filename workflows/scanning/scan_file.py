@@ -94,7 +94,7 @@ class Scan:
         return {point.id: point for point in reversed(self.points)}
 
     def index(self) -> dict[str, Any]:
-        """What scan.json holds."""
+        """Content of scan.json."""
         points = [
             {"number": point.number, "id": point.id, "labels": point.labels, "ranks": point.ranks}
             for point in self.points
@@ -392,7 +392,7 @@ def _look_up(tables: Mapping[str, Any], key: str) -> Any:
 
 
 def _error_lines(path: Path, errors: Sequence[tuple[int, Mapping[str, Any], list[str]]], count: int) -> list[str]:
-    """What is wrong with every point once; otherwise a line for each invalid point."""
+    """Return errors common to all points once; otherwise a line for each invalid point."""
     shared = [fault for fault in errors[0][2] if len(errors) == count and all(fault in f for _, _, f in errors)]
     lines = [fault if fault.startswith((f"{path}: ", "--set: ")) else f"{path}: {fault}" for fault in shared]
     for n, values, found in errors:

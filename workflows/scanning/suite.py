@@ -38,7 +38,7 @@ def _parse_scans(value: Any) -> tuple[str, ...]:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class _File:
-    """What a suite file holds."""
+    """Content of a suite file."""
 
     name: str = custom("name of the suite", plain_name, default="")
     scans: tuple[str, ...] = custom("built-in scans, or scan files as seen from this file", _parse_scans)
@@ -58,7 +58,7 @@ class Suite:
 
 @dataclasses.dataclass(frozen=True)
 class SuiteOutcome:
-    """What became of a suite; scans that were not begun have no outcome."""
+    """Outcome of a suite; scans that were not begun have no outcome."""
 
     directory: Path
     scans: tuple[ScanOutcome, ...]

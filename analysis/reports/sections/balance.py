@@ -19,7 +19,7 @@ _SHARES = ("energy_rotational_J", "energy_dissipated_friction_J", "support_energ
 
 
 def verdict(run: Run) -> tuple[str, Tone]:
-    """What to think of the energy balance of a run."""
+    """Assess the energy balance of a run."""
     error = run.number("energy_balance_error")
     largest = LIMITS[run.kind]
     if error is None:

@@ -49,7 +49,7 @@ def comparison_section(inputs: Inputs) -> Section:
 
 
 def impacts_of(inputs: Inputs) -> Impacts:
-    """What of a report's runs can be compared."""
+    """Return the impacts of a report's runs that can be compared."""
     return collect((run.label, run.directory, run.summary) for run in inputs.whole())
 
 

@@ -148,14 +148,14 @@ def shrunk(path: Path, width: int) -> tuple[bytes, tuple[int, int], float]:
 
 
 def _words_of_keys(scan: Scan) -> dict[str, str]:
-    """What the keys of a scan are called in captions, by their part of a figure's name."""
+    """Return the captions of the keys of a scan, by their part of a figure's name."""
     labels = {key: [point.result.labels.get(key, "") for point in scan.points] for key in scan.source.varied}
     keys = [key_of(key, column) for key, column in labels.items()]
     return {key.slug: key.naming.words[:1].lower() + key.naming.words[1:] for key in keys}
 
 
 def _caption(stem: str, words: Mapping[str, str]) -> str:
-    """Of a figure, by the name of its file."""
+    """Caption of a figure, by the name of its file."""
     if stem in _CAPTIONS:
         return _CAPTIONS[stem]
     what, against, key = stem.partition(_AGAINST)

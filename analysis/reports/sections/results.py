@@ -1,4 +1,4 @@
-"""What came out: runs side by side, and tables of runs and of the points of scans."""
+"""Results: runs side by side, and tables of runs and of the points of scans."""
 
 from __future__ import annotations
 
@@ -291,7 +291,7 @@ def _short(text: str, longest: int = 600) -> str:
 
 
 def settings_blocks(inputs: Inputs) -> list[Block]:
-    """What the runs have in common, for each scan and for the runs that were given by themselves."""
+    """Make tables of what the runs have in common, for each scan and for the runs that were given by themselves."""
     groups: list[tuple[str, list[Run], list[str]]] = []
     if inputs.runs:
         groups.append(("runs" if len(inputs.runs) > 1 else f"run {inputs.runs[0].label}", list(inputs.runs), []))

@@ -37,7 +37,7 @@ _COLUMNS = (
 
 @cache
 def source_values() -> dict[str, Any]:
-    """What ``source_values.toml`` holds."""
+    """Read ``source_values.toml``."""
     return tomllib.loads(_FILE.read_text(encoding="utf-8"))
 
 

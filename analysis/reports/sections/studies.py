@@ -35,7 +35,7 @@ def studies_section(inputs: Inputs, found: Sequence[Study]) -> Section:
 
 
 def verdicts(found: Sequence[Study]) -> tuple[Group, ...]:
-    """What studies come to, for the top of the report."""
+    """Return the verdicts of studies, for the top of the report."""
     return tuple(Group(study.title, tuple(map(Note, study.verdict))) for study in found if study.verdict)
 
 

@@ -43,7 +43,7 @@ def select(runs: Sequence[FinishedRun]) -> list[list[Meshes]]:
 
 
 def text(found: list[Meshes]) -> str:
-    """What was measured."""
+    """Describe the measurements."""
     return (
         "What goes through the bars, against the closed forms of a slender bar: it enters as the load or, at the end "
         "of a chain, as the contact force. Sections lie at a quarter and three quarters of the length; only what "
@@ -55,7 +55,7 @@ def text(found: list[Meshes]) -> str:
 
 
 def rows(found: list[Meshes]) -> Iterator[Row]:
-    """Of like runs the one with the finest mesh, and the order of the errors."""
+    """Compare, of like runs, the one with the finest mesh, and the order of the errors."""
     for group in found:
         yield from (row for row in _rows(group[0]) if np.isfinite(row.ours))
     for group in _with_meshes(found):

@@ -61,7 +61,7 @@ class Spring:
 
 
 def spring_of(run: ChainRun) -> Spring:
-    """Of a run under the bilinear law."""
+    """Return the springs of a run under the bilinear law."""
     overlap = np.array([_SMALL * run.law.effective_radius])
     stiffness = float(run.law.loading_force(overlap)[0] / overlap[0])
     return Spring(stiffness, run.case.contact.beta, run.mass, run.case.packing.diameter)

@@ -62,7 +62,7 @@ class HeldLoad:
         return of_thesis(self.run) and all(math.isclose(*pair, rel_tol=1e-6) for pair in zip(own, _SOURCE, strict=True))
 
     def row(self, instant: int) -> int:
-        """Of the record nearest to one of `times`."""
+        """Row of the record nearest to one of `times`."""
         return int(np.argmin(np.abs(self.run.time - self.times[instant])))
 
     def plateau(self, instant: int) -> slice:
@@ -103,7 +103,7 @@ def select(runs: Sequence[FinishedRun]) -> list[HeldLoad]:
 
 
 def text(one: HeldLoad) -> str:
-    """What was run."""
+    """Describe the runs."""
     load = one.run.load
     return (
         f"{load.largest:.4g} N on the first bead for {load.lasts * 1e3:.4g} ms, beta {one.spring.beta:g}. Plateaus "

@@ -55,7 +55,7 @@ def select(runs: Sequence[FinishedRun]) -> list[list[ShortPulse]]:
 
 
 def text(pulses: Pulses) -> str:
-    """What was run."""
+    """Describe the runs."""
     betas = ", ".join(f"{pulse.beta:g}" for pulse in pulses)
     return (
         f"An impulse of {_middle(pulses).impulse:.4g} N s on the first bead of a chain under the bilinear law, beta = "

@@ -82,7 +82,7 @@ class Group:
 
     @property
     def slug(self) -> str:
-        """Of files."""
+        """Slug for names of files."""
         return (self.light or "section").replace("-", "_")
 
     @property
@@ -117,7 +117,7 @@ def title(group: Group) -> str:
 
 
 def text(group: Group) -> str:
-    """What was run."""
+    """Describe the runs."""
     chains = group.chains
     return (
         f"{len(chains)} chains of {chains[0].run.case.packing.size[0]} beads, {chains[0].n} to {chains[-1].n} of them "

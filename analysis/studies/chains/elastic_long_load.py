@@ -41,7 +41,7 @@ def title(run: ChainRun) -> str:
 
 
 def text(run: ChainRun) -> str:
-    """What was run."""
+    """Describe the runs."""
     return (
         f"A steady force of {run.load.largest:g} N on the first of {run.velocity.shape[1]} elastic beads for "
         f"{1e3 * run.time[-1]:.4g} ms; the front is then at contact {passed(run)}. Peak force there; speed of "

@@ -37,7 +37,7 @@ def select(runs: Sequence[FinishedRun]) -> list[list[ForcePulse]]:
 
 
 def text(pulses: Sequence[ForcePulse]) -> str:
-    """What was run."""
+    """Describe the runs."""
     farthest = sorted({passed(pulse.run) for pulse in pulses})
     return (
         f"A steady force on the first bead: {len(pulses)} runs. Peak force of the leading wave, at the last contact "

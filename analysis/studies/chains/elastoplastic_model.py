@@ -67,7 +67,7 @@ def quadratic_of(law: ContactLaw, largest: float = FITTED_TO) -> Array:
 
 
 def dissipation_at(law: ContactLaw, force: Array) -> Array:
-    """What a contact of that peak force (N) has dissipated, J."""
+    """Return the energy that a contact of that peak force (N) has dissipated, J."""
     overlap = np.geomspace(law.yield_overlap, _WIDEST * law.effective_radius, 4000)
     peak, lost = law.loading_force(overlap), law.dissipated_energy(overlap)
     return np.asarray(PchipInterpolator(peak, lost)(force))

@@ -63,7 +63,7 @@ def select(runs: Sequence[FinishedRun]) -> list[Pulses]:
 
 
 def text(pulses: Pulses) -> str:
-    """What was run."""
+    """Describe the runs."""
     impulses, n = ", ".join(f"{wave.impulse:.3g}" for wave in pulses.chosen), sum(map(len, pulses.groups))
     return (
         f"{n} {'chains' if n > 1 else 'chain'} under the elasto-plastic law, impulse {impulses} in units of E*R*^2 "

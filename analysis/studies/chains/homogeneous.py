@@ -87,7 +87,7 @@ class Found:
         return discrete_speed() * self.scales.nesterenko(force)
 
     def errors(self, force: float, speed: float) -> tuple[float, float]:
-        """Of a force against the expected one, of a speed against that of the wave of this force; magnitudes."""
+        """Errors of a force against the expected one, of a speed against that of the wave of this force; magnitudes."""
         return abs(force / self.expected - 1), abs(speed / self.wave(force) - 1)
 
 
@@ -101,7 +101,7 @@ def select(runs: Sequence[FinishedRun]) -> list[Found]:
 
 
 def text(found: Found) -> str:
-    """What was run."""
+    """Describe the runs."""
     case = found.run.case
     return (
         f"{found.run.velocity.shape[1]} elastic spheres of {1e3 * case.packing.diameter:.3g} mm, the first with "

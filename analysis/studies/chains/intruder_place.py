@@ -69,7 +69,7 @@ def title(places: Places) -> str:
 
 
 def text(places: Places) -> str:
-    """What was run."""
+    """Describe the runs."""
     run = places.curves[0][0].run
     used = [*places.alike, *(chain for curve in places.curves for chain in curve)]
     return (

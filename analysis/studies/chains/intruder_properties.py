@@ -27,7 +27,7 @@ _SLIGHT = 0.1  # change of transmitted energy
 
 @dataclasses.dataclass(frozen=True)
 class Property:
-    """What of the intruder is varied.
+    """Property of the intruder that is varied.
 
     Attributes
     ----------
@@ -103,7 +103,7 @@ def title(group: Properties) -> str:
 
 
 def text(group: Properties) -> str:
-    """What was run."""
+    """Describe the runs."""
     used = [chain for curve in group.curves.values() for chain in curve]
     return (
         f"{group.base.run.assembly.lattice.n_spheres} beads of {name_of(group.base.base)}; one property of that at "

@@ -50,7 +50,7 @@ class OddBead:
 
     @property
     def base(self) -> Material:
-        """Of the other beads."""
+        """Material of the other beads."""
         return self.run.case.material
 
     @property
@@ -60,7 +60,7 @@ class OddBead:
 
     @property
     def line(self) -> Hashable:
-        """What the chains of a study share, whatever their beads are of."""
+        """Properties that the chains of a study share, whatever their beads are of."""
         case, (bar,) = self.run.case, self.run.assembly.bars
         return case.packing, case.load, case.contact, bar.section.area, impedance(bar)
 
@@ -104,7 +104,7 @@ def name_of(material: Material) -> str:
 
 
 def remarks(found: Iterable[OddBead]) -> str:
-    """What readers must know of the runs."""
+    """Notes on the runs for readers."""
     unique = list({chain.run.directory: chain for chain in found}.values())
     beyond = sum(bool(chain.run.summary.get("contacts_beyond_law")) for chain in unique)
     unfinished = sum(chain.unfinished for chain in unique)

@@ -27,7 +27,7 @@ def of_thesis(run: ChainRun) -> bool:
 
 
 def impulse_of(run: ChainRun) -> float:
-    """What the load gives to the first bead, N s."""
+    """Return the impulse that the load gives to the first bead, N s."""
     return run.mass * run.load.velocity if run.load.kind == "impact" else run.load.impulse
 
 

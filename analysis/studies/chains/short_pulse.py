@@ -67,7 +67,7 @@ class ShortPulse:
 
     @property
     def excess(self) -> float:
-        """Of the later wave over the leading one at the `transition`, per cent."""
+        """Excess of the later wave over the leading one at the `transition`, per cent."""
         n = (self.transition or 1) - 1
         return float(100 * (self.largest[n] / self.leading[n] - 1))
 
@@ -110,7 +110,7 @@ class ShortPulse:
 
     @property
     def trailing_factor(self) -> float:
-        """Of sqrt(1 - beta) in thesis 4.22, with its v_m = 0.482 I/m."""
+        """Factor of sqrt(1 - beta) in thesis 4.22, with its v_m = 0.482 I/m."""
         return (PRINTED[0] - self.residual(1) / self.velocity_unit) / self.spring.share
 
     @cached_property

@@ -90,7 +90,7 @@ def select(runs: Sequence[FinishedRun]) -> list[list[Wave]]:
 
 
 def text(waves: Sequence[Wave]) -> str:
-    """What was run."""
+    """Describe the runs."""
     first, last = waves[0].window
     return (
         f"The first of {len(waves[0].run.force.T) + 1} elastic beads is given a velocity, in {len(waves)} runs. Peak "
@@ -155,7 +155,7 @@ def pictures(waves: Sequence[Wave]) -> Iterator[Picture]:
 
 
 def _powers(waves: Sequence[Wave]) -> tuple[Power, ...]:
-    """Of the force with the velocity, and of the speed with the force; none from one velocity."""
+    """Exponents of the force with the velocity, and of the speed with the force; none from one velocity."""
     v0, force, speed = columns(waves, "v0", "force", "speed")
     return (power(v0, force), power(force, speed)) if v0[-1] > 1.5 * v0[0] else ()
 

@@ -27,7 +27,7 @@ def select(runs: Sequence[FinishedRun]) -> list[ChainRun]:
 
 
 def text(run: ChainRun) -> str:
-    """What was run."""
+    """Describe the runs."""
     return (
         f"{run.assembly.lattice.n_spheres} beads between two bars; what comes down the first one is given as a "
         "force on its free end. Incident energy is the work of that force; reflected and transmitted energy are what "

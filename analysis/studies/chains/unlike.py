@@ -66,7 +66,7 @@ def select(runs: Sequence[FinishedRun]) -> list[Pairs]:
 
 
 def text(pairs: Pairs) -> str:
-    """What was run."""
+    """Describe the runs."""
     return (
         f"{len(pairs.every)} impacts of two spheres, their contact probed: loading, and unloading to separation, "
         "beside the law's curve. The thesis prints curves, no values; its finite elements are the static contact of "

@@ -26,7 +26,7 @@ def select(runs: Sequence[FinishedRun]) -> list[Groups]:
 
 
 def text(groups: Groups) -> str:
-    """What was run."""
+    """Describe the runs."""
     return (
         f"A steady force on the first bead, for three durations and more at each of {len(groups)} amplitudes. A pulse "
         f"is a train if the second peak at contact {_middle(groups)[0].contact} is at least {100 * SECOND:g} % of the "

@@ -161,7 +161,7 @@ def plastic_volume(impacts: Impacts) -> Drawing | None:
 
 @dataclasses.dataclass(frozen=True)
 class Specific:
-    """What a run dissipates for the material that it takes."""
+    """Draw the dissipated energy of runs against the material that is deformed."""
 
     label: str
     what: str

@@ -56,7 +56,7 @@ class Linearity:
 
 
 def linearity(impacts: Impacts, *, lowest: float) -> Linearity | None:
-    """Of the reference's runs at normalised velocities from ``lowest`` on; None for fewer than three.
+    """Linearity of runs of the reference at normalised velocities from ``lowest`` on; None for fewer than three.
 
     Contacts count that lie within the cone of the preferred directions, are pressed beyond F_y at the largest velocity
     and were pressed at all at every other. Beyond the cone a contact may be loaded by the rebound alone.

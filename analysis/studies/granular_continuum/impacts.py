@@ -28,7 +28,7 @@ class Granular(FinishedRun):
 
     @cached_property
     def law(self) -> ContactLaw:
-        """Of two spheres."""
+        """Contact law of two spheres."""
         return sphere_contact(self.case)
 
     @property
@@ -48,7 +48,7 @@ class Granular(FinishedRun):
 
     @property
     def fraction(self) -> float:
-        """Of the input that was dissipated."""
+        """Fraction of the input that was dissipated."""
         return float(self.summary["dissipated_fraction"])
 
     @property
@@ -78,7 +78,7 @@ class Continuum:
 
     @property
     def fraction(self) -> float:
-        """Of the input that was dissipated plastically."""
+        """Fraction of the input that was dissipated plastically."""
         return float(self.summary["dissipated_fraction"])
 
     def volume(self, *, ever: bool = False) -> float:
@@ -169,7 +169,7 @@ def substance(run: Granular | Continuum) -> Hashable:
 
 
 def constants(run: Granular | Continuum) -> Hashable:
-    """Of the material, whatever it is called."""
+    """Constants of the material, whatever it is called."""
     material = run.case.material
     return material.youngs_modulus, material.poisson_ratio, material.density, material.yield_strength
 

@@ -103,7 +103,7 @@ def verdict(series: Series) -> list[str]:
 
 
 def pictures(series: Series) -> Iterator[Picture]:
-    """What arrives and, where contacts yield, what is dissipated."""
+    """Compare the arriving force and, where contacts yield, the dissipated energy."""
     shown = [(TRANSMITTED, BLUE, "Largest force added at the bottom (N)")]
     if any(run.dissipated for run in series.runs):
         shown.append((DISSIPATED, GREEN, "Dissipated (% of input)"))

@@ -39,7 +39,7 @@ class SmallWave(DentedRun):
 
     @property
     def kind(self) -> tuple[str, str]:
-        """Of the packing and of the load."""
+        """Kind of the packing and of the load."""
         assert self.case.precompression is not None
         return self.case.packing.kind, self.case.precompression.kind
 

@@ -67,7 +67,7 @@ def title(runs: Runs) -> str:
 
 
 def text(runs: Runs) -> str:
-    """What dents do, and whether their gaps are closed."""
+    """Describe the runs: effect of dents, and whether their gaps are closed."""
     closed = "are closed by a static load, which stays on."
     gaps = closed if runs[0].case.precompression else "are there at the impact."
     return (

@@ -32,7 +32,7 @@ class DentedRun(FinishedRun):
 
     @cached_property
     def static_force(self) -> float:
-        """What the dead loads make each contact of the lattice that carries them bear, N; 0 without any."""
+        """Force of each contact of the lattice under the dead loads, N; 0 without any."""
         return force_of_contact(self.assembly) if self.case.precompression else 0.0
 
     @property
@@ -69,7 +69,7 @@ class DentedRun(FinishedRun):
             return reached(result)
 
     def of_static_stage(self, name: str) -> float:
-        """What the static stage left, such as ``contacts`` that bear force; NaN without such a stage."""
+        """Value of the static stage, such as ``contacts`` that bear force; NaN without such a stage."""
         with Result(self.directory) as result:
             return float(result[f"prestage/{name}"][-1]) if f"prestage/{name}" in result else np.nan
 

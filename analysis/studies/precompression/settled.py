@@ -40,7 +40,7 @@ class State:
 
     @property
     def case(self) -> Case:
-        """Of the first of them."""
+        """Case of the first of them."""
         return self.runs[0].case
 
     @property
@@ -49,7 +49,7 @@ class State:
         return bool(self.case.packing.diameter_scatter)
 
     def mean(self, value: Callable[[DentedRun], float]) -> Estimate | None:
-        """Of a value over the seeds; None where it is not known."""
+        """Mean of a value over the seeds; None where it is not known."""
         values = [value(run) for run in self.runs]
         if not np.isfinite(values).all():
             return None
@@ -103,7 +103,7 @@ def tables(states: Sequence[State]) -> list[Table]:
 
 
 def verdict(states: Sequence[State]) -> Iterator[str]:
-    """What arrives, beside what arrives in the packing as placed."""
+    """Compare the arriving force with that in the packing as placed."""
     scattered = [state for state in states if state.scattered]
     placed = next((state.mean(_transmitted) for state in scattered if state.case.precompression is None), None)
     for state in scattered:

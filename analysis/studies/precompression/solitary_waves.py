@@ -41,7 +41,7 @@ def title(waves: Waves) -> str:
 
 
 def text(waves: Waves) -> str:
-    """What is measured where, and what it is compared with."""
+    """Describe the measurements and the theory."""
     one = waves[0]
     return (
         f"A chain under a static force of {one.static:g} N is struck at {one.velocity:g} to "

@@ -1,1 +1,1 @@
-"""What a packing keeps from the target below it: force, impulse and energy that arrive, by bottom and by height."""
+"""Protection of the target below a packing: force, impulse and energy that arrive, by bottom and by height."""

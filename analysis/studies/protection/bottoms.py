@@ -1,4 +1,4 @@
-"""What the bottom changes: the same impact on the same packing, on a rigid wall, plates, half-spaces and bars."""
+"""Influence of the bottom: the same impact on the same packing, on a rigid wall, plates, half-spaces and bars."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def title(runs: Sequence[TargetRun]) -> str:
 
 
 def text(runs: Sequence[TargetRun]) -> str:
-    """What is compared."""
+    """Describe the comparison."""
     return (
         f"The same impact through {_layers(runs)} on each bottom. Reduction: the peak force of the same impact "
         "directly on the target over that on the target below the packing. Impulse: of the last layer on the target, "
@@ -106,13 +106,13 @@ def _layers(runs: Sequence[TargetRun]) -> str:
 
 
 def _plain(runs: Sequence[TargetRun]) -> list[TargetRun]:
-    """Those with the lowest friction, as many as a figure can show."""
+    """Select the runs with the lowest friction, as many as a figure can show."""
     least = min(run.friction for run in runs)
     return [run for run in runs if run.friction == least][:_MOST]
 
 
 def _of_forces(runs: Sequence[TargetRun]) -> Iterator[str]:
-    """Of runs with a known reduction: that of the force, and the force of a single sphere."""
+    """Make the rows of runs with a known reduction: that of the force, and the force of a single sphere."""
     most, least = (pick(runs, key=quantities.REDUCTION.value) for pick in (max, min))
     mass, height = (number(most.value(key)) for key in ("packing_mass_kg", "packing_height_m"))
     layers = f"{most.layers} layer{'s' if most.layers > 1 else ''}"

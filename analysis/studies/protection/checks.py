@@ -35,7 +35,7 @@ def title(runs: Sequence[TargetRun]) -> str:
 
 
 def rows(runs: Sequence[TargetRun]) -> list[Row]:
-    """What each bottom has a closed form of."""
+    """Checks of each bottom against its closed form."""
     return [
         row for run, name in zip(runs, names(runs), strict=True) for row in _rows(run, name, HertzImpact.of(run.case))
     ]

@@ -24,7 +24,7 @@ class TargetRun(FinishedRun):
 
     @property
     def layers(self) -> int:
-        """Of spheres, one below the other."""
+        """Layers of spheres, one below the other."""
         return self.assembly.lattice.shape[2]
 
     @property
@@ -40,7 +40,7 @@ class TargetRun(FinishedRun):
 
     @property
     def bottom(self) -> str:
-        """What the packing stands on, for people."""
+        """Label of the bottom."""
         return bottom_label(self.case)
 
     @property
@@ -55,7 +55,7 @@ class TargetRun(FinishedRun):
 
     @property
     def momentum(self) -> float:
-        """Of what hits the packing, towards the target, kg m/s; NaN under a force or a prescribed motion."""
+        """Momentum of what hits the packing, towards the target, kg m/s; NaN under a force or a prescribed motion."""
         if self.case.load.driven:
             return math.nan
         moving = velocities_of(self.assembly).items()
@@ -63,7 +63,7 @@ class TargetRun(FinishedRun):
 
     @property
     def reached(self) -> Reached:
-        """What reached the bottom, against time."""
+        """Record of the bottom against time."""
         return self._read[0]
 
     @property
@@ -73,7 +73,7 @@ class TargetRun(FinishedRun):
 
     @property
     def displacement(self) -> Array:
-        """Of the target at the same instants, outward: (n_times,), m."""
+        """Displacement of the target at the same instants, outward: (n_times,), m."""
         moved = self.reached.displacement
         return np.zeros_like(self.reached.time) if moved is None else moved
 
@@ -120,7 +120,7 @@ def series(runs: Sequence[TargetRun]) -> list[list[TargetRun]]:
 
 
 def names(runs: Sequence[TargetRun]) -> list[str]:
-    """What tells runs of a group apart: the bottom, and where they differ layers and friction."""
+    """Label each run of a group by what differs: the bottom, and where they differ layers and friction."""
     parts = [[run.bottom for run in runs]]
     if len({run.layers for run in runs}) > 1:
         parts.append([f"{run.layers} layers" for run in runs])

@@ -58,7 +58,7 @@ class Spectrum:
 
     @property
     def period(self) -> Array:
-        """Of the plates: (n_runs,), s."""
+        """Period of the plates: (n_runs,), s."""
         return np.array([period_of(plate) for plate in self.plates])
 
     @property

@@ -64,7 +64,7 @@ def title(run: PackingRun) -> str:
 
 
 def text(run: PackingRun) -> str:
-    """What is struck, and what the energies are."""
+    """Describe the impact and the energies."""
     nx, ny = run.case.packing.size
     through = "through a sphere at rest" if any(not one.moves for one in run.case.striker) else "directly"
     return (

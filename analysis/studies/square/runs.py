@@ -25,7 +25,7 @@ class PackingRun(FinishedRun):
 
     @cached_property
     def speed(self) -> float:
-        """Of the fastest striker, m/s."""
+        """Speed of the fastest striker, m/s."""
         return float(np.linalg.norm(striker_velocity(self.case)))
 
     @property
@@ -50,7 +50,7 @@ class PackingRun(FinishedRun):
 
     @cached_property
     def snapshots(self) -> Snapshots:
-        """Of a square packing."""
+        """Snapshots of a square packing."""
         with Result(self.directory) as result:
             return Snapshots.of(result)
 

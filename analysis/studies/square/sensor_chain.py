@@ -1,4 +1,4 @@
-"""What a sphere with a sensor, of another mass, does to a wave in a chain: how much of it comes back."""
+"""Influence of a sphere with a sensor, of another mass, on a wave in a chain: the reflected share."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What spheres with a sensor, of another mass, do to the waves in a square packing."""
+"""Influence of spheres with a sensor, of another mass, on the waves in a square packing."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What yielding does to the waves in a square packing: a scan of the striker's velocity with both laws."""
+"""Influence of yielding on the waves in a square packing: a scan of the striker's velocity with both laws."""
 
 from __future__ import annotations
 

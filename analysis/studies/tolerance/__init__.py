@@ -1,1 +1,1 @@
-"""What a packing keeps of its performance when its spheres scatter in size and rub on each other."""
+"""Tolerances: performance of packings whose spheres scatter in size and have friction."""

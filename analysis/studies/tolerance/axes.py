@@ -66,7 +66,7 @@ AXES = (SCATTER, RUBBING, VACANCIES)
 
 
 def axes_of(packing: Packing) -> list[Axis]:
-    """Those in which its settings differ, or are imperfect."""
+    """Axes in which its settings differ, or are imperfect."""
     return [axis for axis in AXES if any(packing.values(axis.name))]
 
 

@@ -1,4 +1,4 @@
-"""What is compared between an ideal packing and imperfect ones: a value of every run, and its estimate by setting."""
+"""Comparison of imperfect packings with the ideal one: a value of every run, and its estimate by setting."""
 
 from __future__ import annotations
 
@@ -130,11 +130,11 @@ class Measured:
 
     @property
     def performance(self) -> list[Quantity]:
-        """What of `PERFORMANCE` is known."""
+        """Quantities of `PERFORMANCE` that are known."""
         return self.shown(PERFORMANCE)
 
     def left(self, quantity: Quantity, setting: Setting) -> Estimate | None:
-        """How much of the ideal packing's performance is left: 1 is all of it, more is better than ideal.
+        """Ratio to the ideal packing's performance: 1 is all of it, more is better than ideal.
 
         Of a force that shall be small that is the ideal's over the present one. None where either is not known, or the
         ideal one is random or zero.

@@ -43,7 +43,7 @@ class Replicate(FinishedRun):
 
     @property
     def seed(self) -> int:
-        """What the random part of its packing was made from."""
+        """Seed of the random part of its packing."""
         seed = self.case.packing.seed
         return DEFAULT_SEED if seed is None else seed
 
@@ -62,7 +62,7 @@ class Packing:
 
     @cached_property
     def case(self) -> Case:
-        """Of its least imperfect run."""
+        """Case of its least imperfect run."""
         return next(iter(self.runs.values()))[0].case
 
     @property
@@ -71,7 +71,7 @@ class Packing:
         return list(self.runs)
 
     def values(self, name: str) -> list[float]:
-        """What a field of `Setting` takes, in rising order."""
+        """Values of a field of `Setting`, in rising order."""
         return sorted({getattr(setting, name) for setting in self.runs})
 
 

@@ -37,7 +37,7 @@ def studies(packings: Sequence[Packing], undone: Sequence[Mapping[str, Any]] = (
 
 
 def _own(titles: Sequence[str]) -> list[str]:
-    """What tells each of several packings from the others, for captions; nothing of a single one."""
+    """Label each of several packings for captions; empty for a single one."""
     if len(titles) < 2:
         return [""] * len(titles)
     parts = [title.split(", ") for title in titles]

@@ -1,4 +1,4 @@
-"""How much of the ideal packing's performance is left, in plain words, with the confidence of every number."""
+"""Share of the ideal packing's performance that is left, in plain words, with the confidence of every number."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _PRECISE = 0.1  # of the mean: the half-width that a number of seeds is told for
 
 
 def verdict(measured: Measured, *, asked: bool = False) -> tuple[str, ...]:
-    """What is left at worst, then a sentence or two for each kind of imperfection and each measure of performance.
+    """Say what is left at worst, then a sentence or two for each kind of imperfection and each measure of performance.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def tolerance(measured: Measured, quantity: Quantity, axis: Axis, *, surely: boo
 
 
 def _at_worst(measured: Measured) -> Iterator[str]:
-    """What is left of each measure of performance in the worst of all settings."""
+    """Summarise each measure of performance in the worst of all settings."""
     axes, parts = axes_of(measured.packing), []
     for quantity in measured.performance:
         found = {s: left for s in measured.packing.settings if (left := measured.left(quantity, s)) and s != IDEAL}
@@ -97,7 +97,7 @@ def _known(measured: Measured, quantity: Quantity) -> bool:
 
 
 def _of_axis(measured: Measured, quantity: Quantity, axis: Axis, along: Sequence[Setting]) -> str:
-    """What becomes of one quantity along one axis."""
+    """Describe the course of one quantity along one axis."""
     known = [setting for setting in along if measured.of(quantity, setting) is not None]
     ideal, last = measured.of(quantity, IDEAL), measured.of(quantity, known[-1])
     assert ideal is not None and last is not None
@@ -140,7 +140,7 @@ def _kept(measured: Measured, quantity: Quantity, axis: Axis, along: Sequence[Se
 
 
 def _doubts(measured: Measured) -> Iterator[str]:
-    """What the seeds do not decide, and how many would."""
+    """Say which differences the seeds do not resolve, and how many seeds would."""
     for quantity in (FORCE, DISSIPATED):
         alike = list(_alike(measured, quantity))
         if alike:

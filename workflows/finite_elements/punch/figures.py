@@ -133,7 +133,7 @@ def von_mises(result: ContinuumResult) -> Drawing:
 
 
 def plastic_zone(result: ContinuumResult) -> Drawing:
-    """What is at yield, and what has been, at times spread over the growth of the zone."""
+    """Draw the elements at yield, now and before, at times spread over the growth of the zone."""
     times, stresses = result["fields/time"], result["fields/von_mises"]
     at_yield = stresses >= AT_YIELD * result.tables["material"]["yield_strength"]
     active = np.flatnonzero(at_yield.any(axis=1))

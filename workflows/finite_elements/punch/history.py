@@ -24,7 +24,7 @@ TOLERANCE = 0.02  # of the input, largest error of the energy balance that is ac
 
 @dataclasses.dataclass
 class History:
-    """What happened so far.
+    """History so far.
 
     Attributes
     ----------

@@ -53,7 +53,7 @@ class Elastoplastic:
 
     @property
     def longitudinal_speed(self) -> float:
-        """Of plane elastic waves, m/s."""
+        """Longitudinal speed of plane elastic waves, m/s."""
         return math.sqrt(self.longitudinal_modulus / self.density)
 
     @property

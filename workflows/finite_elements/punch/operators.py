@@ -30,7 +30,7 @@ Grid = NDArray[np.float64]
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Operators:
-    """What the inner loops need of mesh and material.
+    """Arrays of mesh and material for the inner loops.
 
     Attributes
     ----------
@@ -57,7 +57,7 @@ class Operators:
 
     @property
     def volume(self) -> Grid:
-        """Of each element, (n_z, n_r), m^3."""
+        """Volume of each element, (n_z, n_r), m^3."""
         return np.outer(self.height, self.area)
 
 

@@ -1,4 +1,4 @@
-"""What a continuum run would cost, before it is run: estimates."""
+"""Cost of a continuum run before it is run: estimates."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class ContinuumPlan:
 
 
 def plan(case: ContinuumCase) -> ContinuumPlan:
-    """What the run of a case would be; raises InputError where it has too many steps."""
+    """Plan the run of a case; raises InputError where it has too many steps."""
     mesh = mesh_of(case)
     material = Elastoplastic.of(case.material)
     thinnest = min(np.diff(mesh.r).min(), np.diff(mesh.z).min())

@@ -19,7 +19,7 @@ LARGE_STRAIN = 0.1
 
 
 def summarise(case: ContinuumCase, solver: Solver, history: History, wall_time: float) -> dict[str, Any]:
-    """What summary.json holds.
+    """Return the values of summary.json.
 
     Parameters
     ----------

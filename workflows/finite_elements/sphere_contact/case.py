@@ -65,12 +65,12 @@ class SphereContactCase(ElementCase):
 
     @property
     def radii(self) -> tuple[float, float]:
-        """Of the first and the second sphere, m."""
+        """Radii of the first and the second sphere, m."""
         return self.sphere.radius, self.sphere.radius if self.partner is None else self.partner.radius
 
     @property
     def materials(self) -> tuple[Material, Material]:
-        """Of the first and the second sphere."""
+        """Materials of the first and the second sphere."""
         return self.material, self.material if self.partner is None else self.partner.material
 
     @property

@@ -1,4 +1,4 @@
-"""What a study found beside the project's contact law: on loading, and for each unloading and reloading."""
+"""Deviations of a study from the project's contact law: on loading, and for each unloading and reloading."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a sphere-contact study would cost, before it is run: estimates."""
+"""Cost of a sphere-contact study before it is run: estimates."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _DISK_BASE = 4e6  # bytes, of the record and the figures
 
 
 def plan(case: SphereContactCase) -> ContinuumPlan:
-    """What the study of a case would be; raises InputError where it has too many steps."""
+    """Plan the study of a case; raises InputError where it has too many steps."""
     n, start = squares(case), START * yield_unit(case)
     loading = STEPS_PER_E_FOLD * math.log1p(case.max_overlap / start)
     cycle = 2 * STEPS_PER_UNLOADING + _TURNS * SMOOTHING

@@ -48,7 +48,7 @@ class SphereContactResult(ElementResult):
 
     @property
     def overlap_label(self) -> str:
-        """What overlaps are normalised by."""
+        """Scale of overlaps."""
         return r"Overlap $\alpha/\alpha_\mathrm{y}$" if self.plastic else r"Overlap, 400 $\alpha/\alpha_\mathrm{max}$"
 
     @property

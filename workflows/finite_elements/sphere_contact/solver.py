@@ -148,12 +148,12 @@ class Solver:
 
     @property
     def overlap(self) -> float:
-        """Of the flat faces now, m."""
+        """Overlap of the flat faces now, m."""
         return float(self.tally[kernels.OVERLAP])
 
     @property
     def force(self) -> float:
-        """Of the contact now, N."""
+        """Force of the contact now, N."""
         return float(self.tally[kernels.FORCE])
 
     @property
@@ -260,7 +260,7 @@ class Solver:
 
 @dataclasses.dataclass(frozen=True)
 class _Surface:
-    """What `kernels.press` takes of one surface."""
+    """Arguments of `kernels.press` for one surface."""
 
     line: NDArray[np.int64]
     around: NDArray[np.int64]

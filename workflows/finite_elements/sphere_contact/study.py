@@ -67,7 +67,7 @@ class Field:
 
 @dataclasses.dataclass
 class History:
-    """What happened so far.
+    """History so far.
 
     Attributes
     ----------

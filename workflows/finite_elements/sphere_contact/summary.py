@@ -18,7 +18,7 @@ _PACKAGES = ("numpy", "numba", "scipy", "h5py", "matplotlib")
 
 
 def summarise(case: SphereContactCase, solver: Solver, history: History, wall_time: float) -> dict[str, Any]:
-    """What summary.json holds.
+    """Return the values of summary.json.
 
     Parameters
     ----------
