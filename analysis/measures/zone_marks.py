@@ -6,8 +6,6 @@ from collections.abc import Mapping
 from enum import IntEnum
 from typing import Any
 
-from granwave.analysis.formatting.numbers import plain
-
 NOTED_SHARE = 0.01  # of the energy, dissipated after the first wave came back: from here on it is marked
 
 
@@ -50,7 +48,7 @@ def zone_warnings(summary: Mapping[str, Any]) -> list[str]:
     if isinstance(share, int | float) and share > NOTED_SHARE:
         names = " and ".join(f"the {name}" for name in summary.get("wave_returned") or ())
         found.append(
-            f"up to {plain(f'{100 * share:.2g}')} % of the energy was dissipated after a wave could be back from "
+            f"up to {100 * share:.0f} % of the energy was dissipated after a wave could be back from "
             f"{names} ({1e6 * summary['wave_return_s']:.3g} us); make the {what} larger to do without it"
         )
     return found
