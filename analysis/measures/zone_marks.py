@@ -48,7 +48,7 @@ def zone_warnings(summary: Mapping[str, Any]) -> list[str]:
     if isinstance(share, int | float) and share > NOTED_SHARE:
         names = " and ".join(f"the {name}" for name in summary.get("wave_returned") or ())
         found.append(
-            f"up to {100 * share:.0f} % of the energy was dissipated after a wave could be back from "
+            f"up to {100 * share:.3g} % of the energy was dissipated after a wave could be back from "
             f"{names} ({1e6 * summary['wave_return_s']:.3g} us); make the {what} larger to do without it"
         )
     return found
