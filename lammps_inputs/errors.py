@@ -22,6 +22,11 @@ class InputError(GranwaveError, ValueError):
         self.errors: list[str] = [errors] if isinstance(errors, str) else list(errors)
         super().__init__("\n".join(self.errors))
 
+    @property
+    def faults(self) -> list[str]:
+        """Former name of ``errors``, deprecated."""
+        return self.errors
+
     def __reduce__(self) -> tuple[type[InputError], tuple[list[str]]]:
         return type(self), (self.errors,)
 
