@@ -19,7 +19,7 @@ def motion(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> 
     """Time integration, and what sets the packing in motion; the variable ``input`` is the energy put in so far."""
     case = assembly.case
     struck = struck_of(assembly)
-    turning = "and rotations" if case.has_rotation else "(the contacts are frictionless, so nothing has_rotation)"
+    turning = "and rotations" if case.has_rotation else "(the contacts are frictionless, so nothing rotates)"
     lines = [
         f"# Motion: velocity Verlet {turning}, and what drives it.",
         f"timestep        {num(schedule.timestep)}",
