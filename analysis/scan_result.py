@@ -22,6 +22,8 @@ SUITE_INDEX = "suite.json"  # of a directory that holds the directories of sever
 POINTS, UNFINISHED = "points", "unfinished"
 SEED = "packing.seed"  # points that differ in it alone are replicates of one
 
+_OF_A_POINT = {"number": int, "id": str, "labels": dict}  # in the index
+
 Scalar = bool | int | float | str
 Status = Literal["done", "failed", "missing"]
 
@@ -81,9 +83,15 @@ class ScanResult:
             self.case_name: str = index["case"]
             self.varied: tuple[str, ...] = tuple(index["varied"])
             self._points: list[dict[str, Any]] = index["points"]
+            for entry in self._points:
+                for key, kind in _OF_A_POINT.items():
+                    if not isinstance(entry[key], kind):
+                        raise TypeError(f"{key} of a point is {entry[key]!r}")
         except FileNotFoundError:
             raise MissingOutputError(f"{path} is missing: expected the directory of a scan") from None
-        except (OSError, ValueError, KeyError, TypeError) as error:
+        except KeyError as error:
+            raise OutputFormatError(f"{path} lacks {error}; run the scan again with --resume") from None
+        except (OSError, ValueError, TypeError) as error:
             raise OutputFormatError(f"{path} cannot be read ({error}); run the scan again with --resume") from None
         self._summaries: dict[str, dict[str, Any]] = {}
 
