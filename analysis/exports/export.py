@@ -90,7 +90,10 @@ def _export(directory: Path, to: str, output: Path) -> list[Path]:
                 f"{directory}: is a scan, and --to {to} shows a single run; give the directory of a point, "
                 f"{directory / 'points'}/ID (scan.csv tells which), or use --to {' or '.join(_SCAN_WRITERS)}"
             )
-        scan = read_scan(directory)
+        try:
+            scan = read_scan(directory)
+        except OutputFormatError as error:
+            raise InputError(str(error)) from None
         with staged(output) as staging:
             _SCAN_WRITERS[to](scan, staging)
         return staging.placed

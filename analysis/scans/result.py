@@ -82,7 +82,9 @@ class ScanResult:
             self.studies: tuple[str, ...] = tuple(index.get("study", ()))
         except FileNotFoundError:
             raise MissingOutputError(f"{path} is missing: expected the directory of a scan") from None
-        except (OSError, ValueError, KeyError, TypeError) as error:
+        except KeyError as error:
+            raise OutputFormatError(f"{path} lacks {error}; run the scan again with --resume") from None
+        except (OSError, ValueError, TypeError) as error:
             raise OutputFormatError(f"{path} cannot be read ({error}); run the scan again with --resume") from None
         self._summaries: dict[str, dict[str, Any]] = {}
 

@@ -306,3 +306,19 @@ def test_result_of_a_scan(analysed, tmp_path):
         Result(tmp_path)
     with pytest.raises(MissingOutputError, match="is a scan"):
         analyse(tmp_path)
+
+
+@pytest.mark.parametrize(
+    "content",
+    ["{", "[]", '{"name": "a", "case": "b", "varied": [], "points": [{"number": 1, "id": "x"}]}',
+     '{"name": "a", "case": "b", "varied": [], "points": [{"number": 1, "id": "x", "labels": 3}]}'],
+)  # fmt: skip
+def test_index_of_a_scan(tmp_path, content):
+    (tmp_path / "scan").mkdir()
+    (tmp_path / "scan" / "scan.json").write_text(content)
+    for refuses in (
+        lambda: export(tmp_path / "scan", "csv"),
+        lambda: write_report([tmp_path / "scan"], tmp_path / "r.md"),
+    ):
+        with pytest.raises(InputError, match=r"scan\.json (lacks|cannot be read).*run the scan again with --resume"):
+            refuses()

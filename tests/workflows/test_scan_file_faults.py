@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 from granwave.lammps_inputs.errors import InputError
-from granwave.workflows import load_scan
+from granwave.workflows import load_profile, load_scan
+from granwave.workflows.scanning.batches import make_batches
 from tests.helpers.scan_texts import SMALL, VELOCITIES, Load, reader
 
 
@@ -175,3 +176,23 @@ def test_scans_that_do_not_exist(name: str, words: list[str]) -> None:
     with pytest.raises(InputError) as caught:
         load_scan(name)
     assert all(word in str(caught.value) for word in words)
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [("--account=a", "no --account: it is the key slurm.account"), ("--mem 3", "it is the key slurm.memory"),
+     ("-J x", "no -J: granwave gives it to each job")],
+)  # fmt: skip
+def test_options_of_a_profile_that_have_their_own_place(tmp_path: Path, options: str, said: str) -> None:
+    (tmp_path / "p.toml").write_text(f'[slurm]\noptions = "{options}"\n')
+    with pytest.raises(InputError, match=said):
+        load_profile(tmp_path / "p.toml")
+
+
+def test_options_that_snakemake_wants_as_resources(tmp_path: Path, load: Load) -> None:
+    (tmp_path / "p.toml").write_text('[slurm]\noptions = "--constraint=genoa -q long --exclusive"\n')
+    points = list(load(SMALL + VELOCITIES).distinct.values())
+    (batch, *_) = make_batches(points, workers=1, job_start=1.0, prefix="a", slowness=1.0)
+    found = load_profile(tmp_path / "p.toml").resources(batch)
+    assert (found["constraint"], found["qos"]) == ("genoa", "long")
+    assert found["slurm_extra"].split()[1:] == ["--exclusive"]
