@@ -46,6 +46,9 @@ SCAN_WORK = ".scan"  # batches, marks and logs of the engine
 POINT_FILE, POINT_CASE, POINT_LOG, POINT_STOP = "point.json", "point.toml", "point.log", ".stop"
 POINT_FILES = (POINT_FILE, POINT_CASE, POINT_LOG, POINT_STOP)
 
+# Of a fit of the contact law.
+FIT_TOML, FIT_PAIR, FIT_TABLE, FIT_MISFIT = FIT_FILES = ("fit.toml", "pair.toml", "fit.csv", "misfit.csv")
+
 # Kinds of results.
 RUN, CONTINUUM, SCAN, SUITE, FIT, OTHER = "run", "continuum", "scan", "suite", "fit", "other"
 

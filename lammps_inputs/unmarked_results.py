@@ -26,7 +26,6 @@ _SCAN_FILES = (
     names.SCAN_FILE, names.SCAN_INDEX, names.SCAN_TABLE, names.SCAN_DATA, names.SCAN_MEANS, names.SCAN_REPORT,
 )  # fmt: skip
 _SUITE_FILES = (names.SCAN_FILE, names.SUITE_INDEX, names.SCAN_REPORT)
-_FIT_FILES = ("fit.toml", "pair.toml", "fit.csv", "misfit.csv")
 _OF_SCANS = re.compile(r"\w+_vs_\w+|collapse_\w+|\w+_map")  # figures that have no PDF while points come in
 _EXPORTS = re.compile(
     r"(spheres|contacts|wall_contacts|energy|probes|prestage|snapshots|points|(walls|snapshot|chain|bar)_\w+)\.csv"
@@ -76,8 +75,8 @@ def _suite(directory: Path) -> list[str]:
 
 
 def _fit(directory: Path) -> list[str]:
-    ours = head(directory / "fit.toml", 99).startswith(b"# Elasto-plastic contact law fitted to ")
-    return [*_FIT_FILES] if ours else []
+    ours = head(directory / names.FIT_TOML, 99).startswith(b"# Elasto-plastic contact law fitted to ")
+    return [*names.FIT_FILES] if ours else []
 
 
 def _run(directory: Path) -> tuple[str, str, list[str]]:

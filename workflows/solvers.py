@@ -40,6 +40,10 @@ class Cost(Protocol):
         """Bytes."""
 
     @property
+    def disk_reserve(self) -> float:
+        """Bytes that must stay free while it runs."""
+
+    @property
     def wall_time(self) -> float:
         """On as many ranks as were asked for, s."""
 

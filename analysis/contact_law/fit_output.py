@@ -26,10 +26,10 @@ from granwave.analysis.figures.style import (
 from granwave.lammps_inputs.case.sections import LAW_CONSTANTS
 from granwave.lammps_inputs.files import replace_text, replacing
 from granwave.lammps_inputs.ownership import claim, clear, figure_files, read_marker
-from granwave.lammps_inputs.run_directory import FIT
+from granwave.lammps_inputs.run_directory import FIT, FIT_FILES, FIT_MISFIT, FIT_PAIR, FIT_TABLE, FIT_TOML
 
-TOML_FILE, PAIR_FILE, CSV_FILE, MISFIT_FILE, FIGURE = "fit.toml", "pair.toml", "fit.csv", "misfit.csv", "fit"
-FIT_FILES = (TOML_FILE, PAIR_FILE, CSV_FILE, MISFIT_FILE, *figure_files(FIGURE))
+FIGURE = "fit"
+WRITTEN = (*FIT_FILES, *figure_files(FIGURE))
 
 _MICRO = 1e6  # micrometres in a metre
 _POINTS = 300
@@ -57,16 +57,16 @@ def write_fit(fit: Fit, directory: str | Path, pair: Sequence[str] | None = None
     """
     directory = Path(directory)
     directory.mkdir(parents=True, exist_ok=True)
-    clear(directory, FIT_FILES)
-    files = [TOML_FILE, *([PAIR_FILE] if pair else []), CSV_FILE, MISFIT_FILE]
+    clear(directory, WRITTEN)
+    files = [FIT_TOML, *([FIT_PAIR] if pair else []), FIT_TABLE, FIT_MISFIT]
     marker = read_marker(directory)
     claim(directory, [*files, *figure_files(FIGURE)], kind=marker.kind if marker else FIT)
-    replace_text(directory / TOML_FILE, fit_toml(fit))
-    for name, table in ((CSV_FILE, constants_table(fit)), (MISFIT_FILE, misfit_table(fit))):
+    replace_text(directory / FIT_TOML, fit_toml(fit))
+    for name, table in ((FIT_TABLE, constants_table(fit)), (FIT_MISFIT, misfit_table(fit))):
         with replacing(directory / name) as scratch:
             write_csv(table, scratch)
     if pair:
-        replace_text(directory / PAIR_FILE, pair_toml(fit, pair))
+        replace_text(directory / FIT_PAIR, pair_toml(fit, pair))
     folder = FigureFolder(directory)
     with style():
         folder.save(fit_drawing(fit), FIGURE)

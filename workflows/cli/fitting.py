@@ -25,7 +25,7 @@ def fit(options: argparse.Namespace) -> int:
         An option or the curve is wrong; nothing was written.
     """
     from granwave.analysis.contact_law.fit import fit_law
-    from granwave.analysis.contact_law.fit_output import FIT_FILES, pair_toml, write_fit
+    from granwave.analysis.contact_law.fit_output import WRITTEN, pair_toml, write_fit
     from granwave.analysis.contact_law.measured_curve import read_curve
     from granwave.workflows.run.directory import held
 
@@ -38,9 +38,9 @@ def fit(options: argparse.Namespace) -> int:
     directory: Path = options.directory or Path("fit")
     if not results_directory(directory, force=options.force).parent.is_dir():
         raise InputError(f"-o {directory}: there is no directory {directory.absolute().parent}")
-    if not options.force and set(FIT_FILES) & set(results_in(directory)):
+    if not options.force and set(WRITTEN) & set(results_in(directory)):
         raise InputError(f"{directory}: already holds a fit; --force replaces it, or choose another with -o")
-    refuse_foreign(directory, FIT_FILES)
+    refuse_foreign(directory, WRITTEN)
     materials = [_material(text) for text in options.material]
     found = fit_law(read_curve(options.curve), materials, options.radius, options.free, fit_yield=options.fit_yield)
     with held(directory.absolute()):

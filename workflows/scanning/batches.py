@@ -46,7 +46,12 @@ class Batch:
     def write(self, path: Path, **settings: Any) -> None:
         """Write what the worker needs."""
         points = [
-            {"id": point.id, "verb": point.kind.verb, "case": point.case.to_dict(), "disk": point.plan.disk}
+            {
+                "id": point.id,
+                "verb": point.kind.verb,
+                "case": point.case.to_dict(),
+                "disk": point.plan.disk + point.plan.disk_reserve,
+            }
             for point in self.points
         ]
         replace_text(path, json.dumps({"points": points, "ranks": self.ranks, **settings}))

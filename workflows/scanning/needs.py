@@ -50,12 +50,13 @@ def check_points(scan: Scan, directory: Path, *, force: bool) -> None:
     """
     points = sorted(left(scan, directory, fresh=force), key=lambda point: point.number)
     needed = sum(point.plan.disk for point in points)
+    spare = layout.LEAST_FREE + max((point.plan.disk_reserve for point in points), default=0.0)
     cases = [point.case for point in points if force and isinstance(point.case, Case)]
     sources = {source: case.name for case in cases if (source := earlier_result(case)) is not None}
     raise_all(
         [
             lambda: _check_files(scan.name, points),
-            lambda: check_disk(directory, needed, what="the points", spare=layout.LEAST_FREE),
+            lambda: check_disk(directory, needed, what="the points", spare=spare),
             *(partial(refuse_source, directory, name, source) for source, name in sources.items()),
         ]
     )

@@ -25,8 +25,8 @@ class ContinuumPlan:
 
     Attributes
     ----------
-    memory, disk
-        Bytes.
+    memory, disk, disk_reserve
+        Bytes; nothing is written before the end, and no reserve is needed.
     wall_time
         s.
     """
@@ -36,6 +36,7 @@ class ContinuumPlan:
     memory: float
     disk: float
     wall_time: float
+    disk_reserve: float = 0.0
 
 
 def plan(case: ContinuumCase) -> ContinuumPlan:
