@@ -51,7 +51,7 @@ def summarise(directory: str | Path) -> Summary:
 def summary_of(result: Result) -> Summary:
     """The summary of a result that is open."""
     record = result.record
-    n_steps = int(result["energy/step"][-1])
+    n_steps, smallest, largest = _timesteps(result)
     end_time = float(result["energy/time"][-1])
     wall_time = record.get("wall_time_s")
     return {
@@ -60,6 +60,8 @@ def summary_of(result: Result) -> Summary:
         "n_contacts": int(np.count_nonzero(result["contacts/touching"])),
         "n_loaded_contacts": _loaded(result),
         "timestep_s": end_time / n_steps if n_steps else None,
+        "timestep_smallest_s": smallest,
+        "timestep_largest_s": largest,
         "n_steps": n_steps,
         "end_time_s": end_time,
         **_energies(result),
@@ -136,6 +138,16 @@ def zone_of(result: Result) -> PlasticZone:
     """The plastic zone at the end of the run."""
     plastic = result["spheres/contacts_yielded"] > 0
     return plastic_zone(result["spheres/position"], result["spheres/radius"], plastic, result.origin)
+
+
+def _timesteps(result: Result) -> tuple[int, float | None, float | None]:
+    """Number of timesteps, and the smallest and the largest of them, s."""
+    if "energy/timesteps" not in result:
+        n_steps = int(result["energy/step"][-1])
+        only = float(result["energy/time"][-1]) / n_steps if n_steps else None
+        return n_steps, only, only
+    smallest, largest = (float(result[f"energy/{which}_timestep"][-1]) for which in ("smallest", "largest"))
+    return int(result["energy/timesteps"][-1]), smallest, largest
 
 
 def _energies(result: Result) -> Summary:

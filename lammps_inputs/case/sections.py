@@ -38,6 +38,8 @@ BOTTOMS = ("wall", "fixed", "free")
 LAWS = _contact_laws.LAWS  # the table of the plugin, by name
 LAW_CONSTANTS = tuple(_contact_laws.LAW_CONSTANTS)  # of the elasto-plastic law
 AUTO_END_TIME = 5e-3  # s, the longest that `end_time = "auto"` goes on
+ENERGY_TOLERANCE = 3e-6  # `run.energy_tolerance` where it is not given
+LEAST_ENERGY_TOLERANCE = 1e-10  # of the input: rounding makes some 1e-12
 DEFAULT_FRAMES = 20  # `run.frames` where it is not given; a run of fewer steps has fewer
 _CONSTANT: dict[str, Any] = {"above": 0, "default": None}
 LARGEST_ID = LARGEST_COUNT
@@ -318,7 +320,29 @@ class Run:
         usual=TIME,
     )
     timestep: float | Literal["auto"] = number(
-        "auto: from the stiffest contact expected",
+        "auto: follows the error of the energy balance; a number: all steps are that long",
+        unit="s",
+        above=0,
+        word="auto",
+        default="auto",
+        usual=INTERVAL,
+    )
+    energy_tolerance: float = number(
+        "largest error of the energy balance, over the input, that an automatic timestep aims at",
+        at_least=LEAST_ENERGY_TOLERANCE,
+        at_most=1e-3,
+        default=ENERGY_TOLERANCE,
+    )
+    smallest_timestep: float | Literal["auto"] = number(
+        "lower bound of an automatic timestep; auto: a quarter of that for the stiffest contact expected",
+        unit="s",
+        above=0,
+        word="auto",
+        default="auto",
+        usual=INTERVAL,
+    )
+    largest_timestep: float | Literal["auto"] = number(
+        "upper bound of an automatic timestep; auto: eight times that for the stiffest contact expected",
         unit="s",
         above=0,
         word="auto",
@@ -328,6 +352,11 @@ class Run:
     frames: int | tuple[float, ...] = custom(
         "snapshots, the start and the end among them: how many, or the times", _parse_frames, default=DEFAULT_FRAMES
     )
+
+    @property
+    def adaptive(self) -> bool:
+        """The timestep follows the error of the energy balance."""
+        return isinstance(self.timestep, str)
 
     @property
     def longest(self) -> float:

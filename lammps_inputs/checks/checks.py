@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from granwave.lammps_inputs.case.bodies import Bar, Sensor, Striker
 from granwave.lammps_inputs.case.load import Load
 from granwave.lammps_inputs.case.schema import ErrorList, show
-from granwave.lammps_inputs.case.sections import Boundary, Output, PackingSection, Run
+from granwave.lammps_inputs.case.sections import ENERGY_TOLERANCE, Boundary, Output, PackingSection, Run
 from granwave.lammps_inputs.case.yield_factor import FITTED_POISSON_RATIO, hertz_von_mises_yield_factor
 from granwave.lammps_inputs.checks.contacts import check_contacts, check_dents
 from granwave.lammps_inputs.checks.packing import check_disorder, check_room
@@ -164,10 +164,28 @@ def _check_times(run: Run, output: Output | None, errors: ErrorList) -> None:
     ends = f"run.end_time, {run.longest:g} s"
     if not isinstance(run.timestep, str) and run.timestep > run.longest:
         errors.add("run.timestep", f"found {run.timestep:g} s, expected at most {ends}")
+    _check_timestep(run, errors)
     if isinstance(run.frames, tuple) and run.frames[-1] > run.longest:
         errors.add("run.frames", f"found a time of {run.frames[-1]:g} s, expected none beyond {ends}")
     if output is not None and not isinstance(output.probe_interval, str) and output.probe_interval > run.longest:
         errors.add("output.probe_interval", f"found {output.probe_interval:g} s, expected at most {ends}")
+
+
+def _check_timestep(run: Run, errors: ErrorList) -> None:
+    """Check the bounds of an automatic timestep, and that a fixed one has none."""
+    bounds = {"run.smallest_timestep": run.smallest_timestep, "run.largest_timestep": run.largest_timestep}
+    given = {key: value for key, value in bounds.items() if not isinstance(value, str)}
+    if len(given) == 2 and given["run.smallest_timestep"] > given["run.largest_timestep"]:
+        errors.add(
+            "run.smallest_timestep",
+            f"found {run.smallest_timestep:g} s, expected at most run.largest_timestep, {run.largest_timestep:g} s",
+        )
+    if run.adaptive:
+        return
+    if run.energy_tolerance != ENERGY_TOLERANCE:
+        given["run.energy_tolerance"] = run.energy_tolerance
+    for key, value in given.items():
+        errors.add(key, f"found {value:g} beside run.timestep, a fixed one of {run.timestep:g} s; take one of them out")
 
 
 def _size_fits(packing: PackingSection, errors: ErrorList) -> bool:

@@ -68,6 +68,15 @@ LEDGER = (
     Column("struck_velocity", "v_struck_velocity", "m s-1"),
 )
 
+#: dumps/energy.txt, of an automatic timestep: the vector of fix gran/timestep, by variables, since the fix comes later.
+TIMESTEP = (
+    Column("timestep", "v_timestep", "s"),
+    Column("expected_error", "v_expected_error"),
+    Column("timesteps", "v_timesteps"),
+    Column("smallest_timestep", "v_smallest_timestep", "s"),
+    Column("largest_timestep", "v_largest_timestep", "s"),
+)
+
 #: dumps/spheres.dump.
 SNAPSHOT = (
     Column("id", "id"),

@@ -145,6 +145,9 @@ def _tables(assembly: Assembly) -> dict[str, str]:
     return tables
 
 
+_NEW = {"history_every": 0, "first_step": 1, "longest_step": 1, "energy_tolerance": 0.0}  # since version 0.1
+
+
 def read_deck(directory: str | Path) -> Deck:
     """The deck that `write_deck` wrote into a directory.
 
@@ -157,7 +160,7 @@ def read_deck(directory: str | Path) -> Deck:
     path = directory / CASE_FILE
     case, table = load_case(path), read_toml(path).get("resolved", {})
     try:
-        table = {"history_every": 0} | table  # decks of version 0.1 have none
+        table = _NEW | table
         values = {field.name: table[field.name] for field in dataclasses.fields(Schedule)}
         schedule = Schedule(**values | {"frame_steps": tuple(values["frame_steps"])})
         return Deck(directory, case, schedule, tuple(table["struck"]))

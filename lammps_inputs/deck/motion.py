@@ -22,7 +22,7 @@ def motion(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> 
     turning = "and rotations" if case.has_rotation else "(the contacts are frictionless, so nothing rotates)"
     lines = [
         f"# Motion: velocity Verlet {turning}, and what drives it.",
-        f"timestep        {num(schedule.timestep)}",
+        *_timestep(schedule),
         f"group           struck id {struck[0] if struck else assembly.ids[0]}",
         f"group           hit id {joined(struck)}" if struck else "group           hit empty",
         *_integration(assembly),
@@ -34,6 +34,23 @@ def motion(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> 
     else:
         lines.append("variable        input equal v_given")
     return lines
+
+
+def _timestep(schedule: Schedule) -> list[str]:
+    """The timestep, or the tick that the steps of an automatic one are multiples of."""
+    note = "# A tick: the step counter counts these, and fix step, below, says how many of them a step takes."
+    return [*([note] if schedule.adaptive else []), f"timestep        {num(schedule.timestep)}"]
+
+
+def adaptive_timestep(schedule: Schedule) -> list[str]:
+    """Timestep that follows the error of the energy balance; behind all fixes that act at the end of a step."""
+    if not schedule.adaptive:
+        return []
+    tolerance, longest, first = schedule.energy_tolerance, schedule.longest_step, schedule.first_step
+    return [
+        "# The timestep: up to so many ticks as the energy balance allows.",
+        f"fix             step all gran/timestep {longest} {num(tolerance)} v_input first {first}",
+    ]
 
 
 def _integration(assembly: Assembly) -> list[str]:

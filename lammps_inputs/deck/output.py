@@ -17,11 +17,12 @@ from granwave.lammps_inputs.deck.columns import (
     SNAPSHOT,
     SUPPORT,
     TANGENTIAL,
+    TIMESTEP,
     WALL_CONTACTS,
     names,
     sources,
 )  # fmt: skip
-from granwave.lammps_inputs.deck.commands import command, joined
+from granwave.lammps_inputs.deck.commands import command, joined, num
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.walls import Wall, moving_fix, wall_fixes, walls
 from granwave.lammps_inputs.run_directory import (
@@ -76,6 +77,9 @@ def ledger(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> 
         columns |= sources(SUPPORT, of=support)
         elastic.append(columns["support"])
         dissipated.append(columns["support_lost"])
+    if schedule.adaptive:
+        columns |= sources(TIMESTEP)
+        lines += [f"variable        {name} equal f_step[{n}]" for n, name in enumerate(names(TIMESTEP), start=1)]
     elastic += [f"c_elastic_{name}" for name in bars]
     if case.precompression:
         elastic += [POTENTIAL, f"-{STATIC}"]
@@ -83,7 +87,7 @@ def ledger(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> 
         "# Energies, J. Their sum must stay equal to the input.",
         "compute         kinetic all ke",
         "compute         contact all gran/hysteretic/energy",
-        "variable        time equal step*dt",
+        f"variable        time equal step*{num(schedule.timestep) if schedule.adaptive else 'dt'}",
         *(line for bar in assembly.bars for line in _bar_energy(bar)),
         *lines,
         f"variable        elastic_wall equal {_sum(stored + at_bars[0])}",

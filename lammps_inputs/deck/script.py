@@ -13,7 +13,7 @@ from collections.abc import Iterable
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.commands import num
 from granwave.lammps_inputs.deck.contacts import contacts, dents, wall_commands
-from granwave.lammps_inputs.deck.motion import motion
+from granwave.lammps_inputs.deck.motion import adaptive_timestep, motion
 from granwave.lammps_inputs.deck.output import dumps_at_end, frames, history, ledger, probes, thermo, wall_forces
 from granwave.lammps_inputs.deck.static_stage import dead_load_commands, first_half, reference_state, second_half
 from granwave.lammps_inputs.packing.assembly import Assembly
@@ -57,6 +57,7 @@ def input_script(assembly: Assembly, schedule: Schedule, *, restart_from: str = 
         probes(case, schedule, resumed=resumed),
         frames(case, schedule, resumed=resumed),
         history(case, schedule, resumed=resumed),
+        adaptive_timestep(schedule),
         thermo(case, schedule),
         _run(case, schedule),
         [END_MARKER, "", *dumps_at_end(assembly)],
@@ -116,7 +117,7 @@ def _bars(assembly: Assembly) -> list[str]:
 def _neighbours(assembly: Assembly, schedule: Schedule) -> list[str]:
     case = assembly.case
     skin = _SKIN * case.packing.diameter
-    checks = int(_TRAVEL_BETWEEN_CHECKS * skin / (fastest(assembly) * schedule.timestep))
+    checks = int(_TRAVEL_BETWEEN_CHECKS * skin / (fastest(assembly) * schedule.largest_timestep))
     every = min(max(checks, 1), _MOST_STEPS_BETWEEN_CHECKS)
     kinds = assembly.species
     nodes = [n for n, species in enumerate(kinds, start=1) if species.role == "node"]

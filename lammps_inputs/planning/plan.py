@@ -142,12 +142,12 @@ def _note_times(case: Case, schedule: Schedule) -> None:
             given,
             best,
         )
-    if not isinstance(interval, str) and interval < schedule.timestep / 2:
+    if not isinstance(interval, str) and interval < schedule.first_timestep / 2:
         _LOG.warning(
             "%s: output.probe_interval: found %g s, there is at most a record each timestep, %.3g s",
             case.name,
             interval,
-            schedule.timestep,
+            schedule.first_timestep,
         )
 
 

@@ -1,8 +1,10 @@
-"""When things happen in a run, in whole timesteps.
+"""When things happen in a run, in counts of LAMMPS's step counter.
 
-With an automatic timestep the step is shortened until the end time (or a block, for ``end_time = "auto"``) is
-a whole number of ledger intervals: the run ends exactly when asked, and its last step is in the ledger. With
-a timestep given by the user that step is kept, and the end time is rounded up by as few steps as possible.
+With an automatic timestep (fix gran/timestep of the plugin) a count is a tick, and a step is a power of two of them. A
+tick is shortened until the end time (or a block, for ``end_time = "auto"``) is a whole number of ledger intervals: the
+run ends exactly when asked, and its last step is in the ledger. All that is recorded falls on multiples of the longest
+step, but for snapshots at given times. With a timestep given by the user a count is that step, and the end time is
+rounded up by as few steps as possible.
 """
 
 from __future__ import annotations
@@ -16,16 +18,19 @@ import numpy as np
 from granwave.lammps_inputs.case.sections import AUTO_END_TIME, DEFAULT_FRAMES
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
-from granwave.lammps_inputs.planning.timestep import auto_timestep
+from granwave.lammps_inputs.planning.timestep import auto_timestep, largest_timestep
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
 
 BLOCK_TIME = 50e-6  # s, of end_time = "auto"
 BLOCK_THRESHOLD = 1e-4  # of the input energy: a block that dissipates less is the last
+_TICKS_OF_FIRST = 4  # the timestep can fall to a quarter of what was expected
+_LONGEST_OF_FIRST = 8  # and rise to 8 times as much: 232 ns of the reference, whose walls are recorded as often
 _LEDGER_ROWS = 500  # aimed at, of a run with an end time
 _LEDGER_ROWS_IN_BLOCK = 250  # the run may end after one block, and a balance over fewer instants is no balance
 _AUTO_PROBE_STEPS = 5
+_GAIN = 4.0  # first timesteps that an automatic timestep makes of one, over a run
 _WALL_STEPS = 10  # some 0.3 us of the reference; LAMMPS adds up all energies whenever anything is recorded
 MOST_STEPS = 2e9
 _MOST_UNEVEN_FRAMES = 10_000  # LAMMPS evaluates a formula with a term for each before every snapshot: 40 s in all
@@ -34,28 +39,32 @@ _AUTO_FRAME_SPAN = 1e-3  # s, over which `frames` snapshots are spread when the 
 
 @dataclasses.dataclass(frozen=True)
 class Schedule:
-    """A run in whole timesteps.
+    """A run in counts of the step counter: timesteps, or ticks of an automatic timestep.
 
     Attributes
     ----------
     timestep
-        s.
+        Time of a count, s.
     n_steps
-        Of the run; with ``block_steps`` the most it can be.
+        Counts of the run; with ``block_steps`` the most there can be.
     block_steps
-        Of a block of ``end_time = "auto"``; 0 if the run has an end time.
+        Counts of a block of ``end_time = "auto"``; 0 if the run has an end time.
     ledger_every
-        Steps between rows of the energy ledger.
+        Counts between rows of the energy ledger.
     wall_every
-        Steps between rows of the wall forces; the last step of the run has one.
+        Counts between rows of the wall forces; the last step of the run has one.
     probe_every
-        Steps between rows of the probes.
+        Counts between rows of the probes.
     frame_every
-        Steps between snapshots if they are evenly spaced, else 0.
+        Counts between snapshots if they are evenly spaced, else 0.
     frame_steps
-        Steps of the snapshots after the first, at step 0, if they are not evenly spaced.
+        Counts at the snapshots after the first, at 0, if they are not evenly spaced.
     history_every
-        Steps between the instants at which a whole chain is recorded; 0: never.
+        Counts between the instants at which a whole chain is recorded; 0: never.
+    first_step, longest_step
+        Ticks of the first and the longest timestep; both 1 with a fixed timestep.
+    energy_tolerance
+        Largest error of the energy balance that the timestep is chosen for, over the input; 0 with a fixed timestep.
     """
 
     timestep: float
@@ -67,6 +76,29 @@ class Schedule:
     frame_every: int
     frame_steps: tuple[int, ...] = ()
     history_every: int = 0
+    first_step: int = 1
+    longest_step: int = 1
+    energy_tolerance: float = 0.0
+
+    @property
+    def adaptive(self) -> bool:
+        """The timestep follows the error of the energy balance."""
+        return self.energy_tolerance > 0
+
+    @property
+    def first_timestep(self) -> float:
+        """The timestep of the run, or the first one, s."""
+        return self.first_step * self.timestep
+
+    @property
+    def largest_timestep(self) -> float:
+        """The largest timestep that the run can take, s."""
+        return self.longest_step * self.timestep
+
+    @property
+    def expected_steps(self) -> float:
+        """Timesteps that a run of ``n_steps`` counts will probably take."""
+        return self.n_steps / (self.first_step * _GAIN if self.adaptive else 1)
 
     @property
     def end_time(self) -> float:
@@ -85,30 +117,147 @@ def make_schedule(case: Case | Assembly, timestep: float | None = None) -> Sched
     Parameters
     ----------
     timestep
-        s; takes the place of ``run.timestep``.
+        s; a fixed one, in the place of ``run.timestep``.
     """
     assembly = assemble(case)
     case = assembly.case
-    given = timestep if timestep is not None else case.run.timestep
-    if isinstance(case.run.end_time, str):
-        return _in_blocks(assembly, given)
-    dt, n_steps, ledger_every = _fit(assembly, given, case.run.end_time, _LEDGER_ROWS)
-    even = _even_frames(case, n_steps)
-    _check_counts(case, n_steps, even=even > 0)
-    steps = () if even else _frame_steps(case, dt, n_steps)
-    if steps and steps == tuple(range(steps[0], n_steps + 1, steps[0])):
-        even, steps = steps[0], ()
+    steps = _steps_of(assembly, timestep)
+    blocks = isinstance(case.run.end_time, str)
+    span = _AUTO_FRAME_SPAN if isinstance(case.run.end_time, str) else steps.end_time
+    even = not isinstance(case.run.frames, tuple) if blocks else _even_frames(case, steps)
+    _check_counts(case, max(1, round(span / steps.first)), even=even > 0)
+    frame_every, frame_steps = _frames(case, steps)
     return Schedule(
-        timestep=dt,
-        n_steps=n_steps,
-        block_steps=0,
-        ledger_every=ledger_every,
-        wall_every=_divisor(n_steps, _WALL_STEPS),
-        probe_every=_probe_every(case, dt, n_steps),
-        frame_every=even,
-        frame_steps=steps,
-        history_every=_history_every(assembly, n_steps),
+        timestep=steps.count,
+        n_steps=steps.unit * steps.n_units,
+        block_steps=steps.unit * steps.in_block if blocks else 0,
+        ledger_every=steps.unit * steps.in_ledger,
+        wall_every=steps.unit * _divisor(steps.in_block, max(1, _WALL_STEPS // steps.per_first)),
+        probe_every=_probe_every(case, steps),
+        frame_every=frame_every,
+        frame_steps=frame_steps,
+        history_every=_history_every(assembly, steps, span),
+        first_step=steps.unit // steps.per_first,
+        longest_step=steps.unit,
+        energy_tolerance=case.run.energy_tolerance if steps.adaptive else 0.0,
     )
+
+
+@dataclasses.dataclass(frozen=True)
+class _Steps:
+    """Units that a run is made of: the timestep, or the longest one, whose multiples all records are.
+
+    Attributes
+    ----------
+    count
+        Time of a count of the step counter, s.
+    unit
+        Counts of a unit.
+    per_first
+        First timesteps in a unit.
+    in_ledger, in_block, n_units
+        Units between rows of the ledger, of a block (or the run, if it has an end time), and of the run.
+    """
+
+    count: float
+    unit: int
+    per_first: int
+    in_ledger: int
+    in_block: int
+    n_units: int
+    adaptive: bool
+
+    @property
+    def length(self) -> float:
+        """Time of a unit, s."""
+        return self.unit * self.count
+
+    @property
+    def first(self) -> float:
+        """First timestep, s."""
+        return self.length / self.per_first
+
+    @property
+    def end_time(self) -> float:
+        """End of the run, s."""
+        return self.length * self.n_units
+
+    def units(self, time: float) -> int:
+        """Units of a time, one or more."""
+        return max(1, round(time / self.length))
+
+
+def _steps_of(assembly: Assembly, given: float | None) -> _Steps:
+    """Find the units of a run.
+
+    Parameters
+    ----------
+    given
+        s; a fixed timestep, in the place of ``run.timestep``.
+    """
+    case = assembly.case
+    run = case.run
+    in_blocks = isinstance(run.end_time, str)
+    duration = BLOCK_TIME if isinstance(run.end_time, str) else run.end_time
+    rows = _LEDGER_ROWS_IN_BLOCK if in_blocks else _LEDGER_ROWS
+    fixed = run.timestep if given is None else given
+    if not isinstance(fixed, str):
+        check_steps(case.name, duration, fixed)
+        n_steps = max(1, math.ceil(duration / fixed * (1 - 1e-9)))
+        candidates = range(max(1, n_steps // (2 * rows)), max(1, 2 * n_steps // rows) + 1)
+        every = min(candidates, key=lambda every: (-n_steps % every, abs(every - n_steps / rows)))
+        n_steps += -n_steps % every
+        n_blocks = max(1, round(AUTO_END_TIME / (n_steps * fixed))) if in_blocks else 1
+        return _Steps(fixed, 1, 1, every, n_steps, n_steps * n_blocks, adaptive=False)
+    first, shortest, longest = _bounds(assembly)
+    check_steps(case.name, duration, shortest)
+    per_first = round(longest / first)
+    bound = min(duration / rows, _WALL_STEPS * first, *_intervals(assembly, first))
+    while per_first > 1 and not (per_first * first <= bound and _fits(case, per_first * first, first)):
+        per_first //= 2
+    unit = per_first * round(first / shortest)
+    in_ledger = max(1, math.floor(duration / rows / (per_first * first) * (1 + 1e-9)))
+    n_rows = math.ceil(duration / (in_ledger * per_first * first) * (1 - 1e-9))
+    n_units = in_ledger * n_rows
+    n_blocks = round(AUTO_END_TIME / BLOCK_TIME) if in_blocks else 1
+    return _Steps(duration / (n_units * unit), unit, per_first, in_ledger, n_units, n_units * n_blocks, adaptive=True)
+
+
+def _bounds(assembly: Assembly) -> tuple[float, float, float]:
+    """First, shortest and longest automatic timestep, s, each a power of two times the next shorter one."""
+    run = assembly.case.run
+    first = auto_timestep(assembly, tolerance=run.energy_tolerance)
+    limit = largest_timestep(assembly)
+    if not isinstance(run.largest_timestep, str):
+        limit = min(limit, run.largest_timestep)
+        first = min(first, limit)
+    if not isinstance(run.smallest_timestep, str):
+        first = max(first, min(run.smallest_timestep, limit))
+    down, up = _TICKS_OF_FIRST, _LONGEST_OF_FIRST
+    while not isinstance(run.smallest_timestep, str) and down > 1 and first / down < run.smallest_timestep * (1 - 1e-9):
+        down //= 2
+    while up > 1 and first * up > limit * (1 + 1e-9):
+        up //= 2
+    return first, first / down, first * up
+
+
+def _intervals(assembly: Assembly, first: float) -> list[float]:
+    """Times between records of probes and of a chain, which the longest timestep must not exceed, s."""
+    case, found = assembly.case, [math.inf]
+    if case.probes:
+        interval = case.output.probe_interval
+        found.append(_AUTO_PROBE_STEPS * first if isinstance(interval, str) else interval)
+    if assembly.history:
+        found.append((_AUTO_FRAME_SPAN if isinstance(case.run.end_time, str) else case.run.end_time) / assembly.history)
+    return found
+
+
+def _fits(case: Case, length: float, first: float) -> bool:
+    """True if the interval that is given for probes is a multiple of a length, to half a first timestep."""
+    interval = case.output.probe_interval
+    if isinstance(interval, str) or not case.probes:
+        return True
+    return abs(max(1, round(interval / length)) * length - interval) <= 0.5 * first
 
 
 def check_steps(name: str, duration: float, timestep: float) -> None:
@@ -126,55 +275,20 @@ def check_steps(name: str, duration: float, timestep: float) -> None:
         )
 
 
-def _in_blocks(assembly: Assembly, given: float | str) -> Schedule:
-    case = assembly.case
-    dt, block_steps, ledger_every = _fit(assembly, given, BLOCK_TIME, _LEDGER_ROWS_IN_BLOCK)
-    n_steps = block_steps * max(1, round(AUTO_END_TIME / (block_steps * dt)))
-    frames = case.run.frames
-    listed = isinstance(frames, tuple)
-    _check_counts(case, round(_AUTO_FRAME_SPAN / dt), even=not listed)
-    every = 0 if isinstance(frames, tuple) else max(1, round(_AUTO_FRAME_SPAN / frames / dt))
-    return Schedule(
-        timestep=dt,
-        n_steps=n_steps,
-        block_steps=block_steps,
-        ledger_every=ledger_every,
-        wall_every=_divisor(block_steps, _WALL_STEPS),
-        probe_every=_probe_every(case, dt, block_steps),
-        frame_every=every,
-        frame_steps=_frame_steps(case, dt, n_steps) if listed else (),
-        history_every=_history_every(assembly, round(_AUTO_FRAME_SPAN / dt)),
-    )
-
-
-def _fit(assembly: Assembly, given: float | str, duration: float, rows: int) -> tuple[float, int, int]:
-    """Timestep, steps in ``duration``, and steps between the about ``rows`` rows of the ledger."""
-    case = assembly.case
-    step = auto_timestep(assembly) if isinstance(given, str) else given
-    check_steps(case.name, duration, step)
-    if isinstance(given, str):
-        ledger_every = max(1, math.ceil(duration / step / rows * (1 - 1e-9)))
-        return duration / (ledger_every * rows), ledger_every * rows, ledger_every
-    n_steps = max(1, math.ceil(duration / given * (1 - 1e-9)))
-    candidates = range(max(1, n_steps // (2 * rows)), max(1, 2 * n_steps // rows) + 1)
-    ledger_every = min(candidates, key=lambda every: (-n_steps % every, abs(every - n_steps / rows)))
-    return given, n_steps + -n_steps % ledger_every, ledger_every
-
-
 def _divisor(n_steps: int, most: int) -> int:
     """The largest number of steps, of at most so many, that fits into the run a whole number of times."""
     return max(every for every in range(1, most + 1) if n_steps % every == 0)
 
 
-def _history_every(assembly: Assembly, n_steps: int) -> int:
-    return max(1, round(n_steps / assembly.history)) if assembly.history else 0
+def _history_every(assembly: Assembly, steps: _Steps, span: float) -> int:
+    return steps.unit * steps.units(span / assembly.history) if assembly.history else 0
 
 
-def _probe_every(case: Case, dt: float, n_steps: int) -> int:
+def _probe_every(case: Case, steps: _Steps) -> int:
     interval = case.output.probe_interval
     if isinstance(interval, str):
-        return _divisor(n_steps, _AUTO_PROBE_STEPS)
-    return max(1, round(interval / dt))
+        return steps.unit * _divisor(steps.in_block, max(1, _AUTO_PROBE_STEPS // steps.per_first))
+    return steps.unit * steps.units(interval)
 
 
 def _check_counts(case: Case, n_steps: int, *, even: bool) -> None:
@@ -203,19 +317,27 @@ def _check_counts(case: Case, n_steps: int, *, even: bool) -> None:
         raise InputError(f"{case.name}: {fault}" for fault in errors)
 
 
-def _even_frames(case: Case, n_steps: int) -> int:
-    """Steps between snapshots where their number divides the run into equal parts; else 0."""
+def _even_frames(case: Case, steps: _Steps) -> int:
+    """Units between snapshots where their number divides the run into equal parts; else 0."""
     frames = case.run.frames
-    if not isinstance(frames, int) or frames < 2 or n_steps % (frames - 1):
+    if not isinstance(frames, int) or frames < 2 or steps.n_units % (frames - 1):
         return 0
-    return n_steps // (frames - 1)
+    return steps.n_units // (frames - 1)
 
 
-def _frame_steps(case: Case, dt: float, n_steps: int) -> tuple[int, ...]:
-    """Steps of the snapshots after step 0; the last step is always one."""
-    if isinstance(case.run.frames, tuple):
-        wanted = np.rint(np.array(case.run.frames) / dt)
+def _frames(case: Case, steps: _Steps) -> tuple[int, tuple[int, ...]]:
+    """Counts between snapshots if they are evenly spaced; else 0, and the counts of those after the first."""
+    frames, n_steps = case.run.frames, steps.unit * steps.n_units
+    if isinstance(frames, tuple):
+        wanted = np.rint(np.array(frames) / steps.count)
+    elif isinstance(case.run.end_time, str):
+        return steps.unit * steps.units(_AUTO_FRAME_SPAN / frames), ()
+    elif even := _even_frames(case, steps):
+        return steps.unit * even, ()
     else:
-        wanted = np.rint(np.linspace(0, n_steps, max(2, case.run.frames)))
-    steps = np.union1d(np.minimum(wanted, n_steps).astype(np.int64), [n_steps])
-    return tuple(int(step) for step in steps if step > 0)
+        wanted = steps.unit * np.rint(np.linspace(0, steps.n_units, max(2, frames)))
+    chosen = np.union1d(np.minimum(wanted, n_steps).astype(np.int64), [n_steps])
+    found = tuple(int(step) for step in chosen if step > 0)
+    if found == tuple(range(found[0], n_steps + 1, found[0])):
+        return found[0], ()
+    return 0, found

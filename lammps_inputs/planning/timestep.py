@@ -44,6 +44,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from granwave.lammps_inputs.case.sections import ENERGY_TOLERANCE
 from granwave.lammps_inputs.contact.initial_dents import largest_dent
 from granwave.lammps_inputs.contact.law import flat_contact, pair_contact
 from granwave.lammps_inputs.contact.static_load import force_of_contact
@@ -137,19 +138,33 @@ def expected_peak_overlap(case: Case | Assembly) -> float:
     return max(between, default=0.0)
 
 
-def auto_timestep(case: Case | Assembly) -> float:
-    """The timestep for ``run.timestep = "auto"``, s; raises ValueError where no contact takes up any energy."""
+def auto_timestep(case: Case | Assembly, *, tolerance: float = ENERGY_TOLERANCE) -> float:
+    """The timestep for the stiffest contact expected, with which a run of an automatic timestep begins, s.
+
+    Parameters
+    ----------
+    tolerance
+        ``run.energy_tolerance``.
+
+    Raises
+    ------
+    ValueError
+        No contact takes up any energy.
+    """
     assembly = assemble(case)
+    slowest = min(encounter.mass / encounter.stiffness for encounter in _some_encounters(assembly))
+    for_contacts = math.sqrt(_TOLERANCE * tolerance / ENERGY_TOLERANCE / _ERROR * slowest)
+    return _round_down(min(for_contacts, largest_timestep(assembly)))
+
+
+def largest_timestep(assembly: Assembly) -> float:
+    """Bound on the timestep by all but the contacts between spheres, s: support, bars, load; infinite without these."""
     case = assembly.case
-    encounters = _encounters(assembly)
-    if not encounters:
-        raise ValueError("no contact takes up any energy")
-    slowest = min(encounter.mass / encounter.stiffness for encounter in encounters)
-    limits = [math.sqrt(_TOLERANCE / _ERROR * slowest)]
-    limits.append(support_timestep(assembly, max(encounter.stiffness for encounter in encounters)))
+    stiffness = max(encounter.stiffness for encounter in _some_encounters(assembly))
+    limits = [support_timestep(assembly, stiffness)]
     limits += [BAR_COURANT_NUMBER * bar.pitch / bar.wave_speed for bar in assembly.bars]
     limits += [(_OF_LOAD_ON_BAR if case.incident_bar else _OF_LOAD) * time for time in _times_of_load(case.load)]
-    return _round_down(min(limits))
+    return min(limits)
 
 
 def expected_energy(assembly: Assembly) -> float:
@@ -168,6 +183,12 @@ def fastest(assembly: Assembly) -> float:
     elif case.load.kind == "displacement":
         given = max(given, case.load.fastest)
     return given
+
+
+def _some_encounters(assembly: Assembly) -> list[Encounter]:
+    if not (found := _encounters(assembly)):
+        raise ValueError("no contact takes up any energy")
+    return found
 
 
 def _encounters(assembly: Assembly) -> list[Encounter]:

@@ -106,8 +106,8 @@ def expected_wall_time(assembly: Assembly, schedule: Schedule, *, n_ranks: int =
     return WallTime(
         static=usual * an_iteration,
         most_static=most * an_iteration,
-        steps=steps * each,
-        most_steps=schedule.n_steps * each,
+        steps=part * schedule.expected_steps * each,
+        most_steps=schedule.expected_steps * each,
         rest=_START + n * records,
         figures=(_FIGURES_OF_CHAIN if case.packing.kind == "chain" else _FIGURES) if figures else 0.0,
     )

@@ -146,6 +146,19 @@ class Support {
     return 0.5 * sum;
   }
 
+  /* Add force times velocity, and force^2 over mass, of all nodes; forces without the damper. */
+  void add_power(double &power, double &force_squared_over_mass) const
+  {
+    if (massless()) return;
+    double pull = force_;
+    for (std::size_t i = 0; i < place_.size(); i++) {
+      const double on = force_behind(i), total = pull - on;
+      power += total * speed_[i];
+      force_squared_over_mass += total * total / mass_[i];
+      pull = on;
+    }
+  }
+
   /* Start work and damper's loss from zero. */
   void begin() { work_ = damped_ = 0.0; }
 
@@ -187,13 +200,18 @@ class Support {
   bool started_ = false;
   double before_ = 0.0, plane_moved_ = 0.0, end_moved_ = 0.0;    // in this step
 
+  /* Force of a node on what is behind it. */
+  double force_behind(std::size_t i) const
+  {
+    return i + 1 == place_.size() ? ground_stiffness_ * place_[i] : stiffness_ * (place_[i] - place_[i + 1]);
+  }
+
   /* Accelerate for half a step by springs and force, without the damper. */
   void kick(double dt)
   {
     double pull = force_;    // of the node before on this one
     for (std::size_t i = 0; i < place_.size(); i++) {
-      const bool last = i + 1 == place_.size();
-      const double on = last ? ground_stiffness_ * place_[i] : stiffness_ * (place_[i] - place_[i + 1]);
+      const double on = force_behind(i);
       speed_[i] += 0.5 * dt * (pull - on) / mass_[i];
       pull = on;
     }

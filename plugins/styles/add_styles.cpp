@@ -4,6 +4,7 @@
 #include "compute_gran_hysteretic.h"
 #include "fix_gran_hysteretic_history.h"
 #include "fix_gran_load.h"
+#include "fix_gran_timestep.h"
 #include "fix_wall_gran_hysteretic.h"
 #include "force.h"
 #include "gran_dents.h"
@@ -54,6 +55,7 @@ extern "C" __attribute__((visibility("default"))) void granwave_add_styles(void 
   add("fix", FixGranHystereticHistory::STYLE, &create_named<Fix, FixGranHystereticHistory>, fixes);
   add("fix", FixWallGranHysteretic::STYLE, &create_named<Fix, FixWallGranHysteretic>, fixes);
   add("fix", FixGranLoad::STYLE, &create_named<Fix, FixGranLoad>, fixes);
+  add("fix", FixGranTimestep::STYLE, &create_named<Fix, FixGranTimestep>, fixes);
   add("compute", ComputeGranHystereticAtom::STYLE, &create_named<Compute, ComputeGranHystereticAtom>, computes);
   add("compute", ComputeGranHystereticLocal::STYLE, &create_named<Compute, ComputeGranHystereticLocal>, computes);
   add("compute", ComputeGranHystereticContact::STYLE, &create_named<Compute, ComputeGranHystereticContact>, computes);

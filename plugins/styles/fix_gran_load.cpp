@@ -5,6 +5,7 @@
 #include "comm.h"
 #include "error.h"
 #include "finite_motion.h"
+#include "fix_gran_timestep.h"
 #include "group.h"
 #include "modify.h"
 #include "simulated_time.h"
@@ -111,6 +112,9 @@ void FixGranLoad::init()
   if (std::strncmp(update->integrate_style, "respa", 5) == 0)
     error->all(FLERR, "Fix {} does not work with run_style respa", STYLE);
   if (update->whichflag == 2) error->all(FLERR, "Fix {} does not work with minimize: its load is a function of time", STYLE);
+  stepper = nullptr;
+  for (auto *other : modify->get_fix_list())
+    if (auto *const found = dynamic_cast<FixGranTimestep *>(other)) stepper = found;
   atoms = static_cast<double>(group->count(igroup));
   if (atoms == 0.0) error->all(FLERR, "Fix {} {}: its group {} has no atoms", STYLE, id, group->names[igroup]);
   if (!moves) return;
@@ -216,6 +220,7 @@ double FixGranLoad::force_on_group() const
 
 void FixGranLoad::initial_integrate(int)
 {
+  if (stepper) stepper->begin_step();    // so that the clock is right
   resistance = force_on_group();    // here all other fixes have added theirs
   const double before = place;
   place = shape.value(granwave::simulated_time(*update));

@@ -44,6 +44,7 @@ class FixGranLoad : public Fix {
   void totals(double (&sum)[N_TOTALS]) const;
   double mass_of(int i) const;
 
+  class FixGranTimestep *stepper = nullptr;    // which sets the clock, if there is one
   int axis = 2;
   bool moves = false;    // prescribed displacement
   granwave::LoadShape shape;

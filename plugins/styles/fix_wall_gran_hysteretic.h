@@ -45,6 +45,11 @@ class FixWallGranHysteretic : public Fix {
   void set_dent(int i, double peak);
   /* Make all dents so far initial ones, and start totals anew. */
   void begin();
+  /* Power of the forces on a plane that moves, and force^2 over mass: parts of them that are not of spheres. */
+  void add_power(double &power, double &force_squared_over_mass) const
+  {
+    if (support) support->add_power(power, force_squared_over_mass);
+  }
 
   void grow_arrays(int) override;
   void copy_arrays(int, int, int) override;

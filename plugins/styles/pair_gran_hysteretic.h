@@ -93,6 +93,7 @@ class PairGranHysteretic : public Pair {
 
   // Spheres out of reach of others are looked at so rarely that it costs nothing; a NaN beside others is found in its step.
   static constexpr int STEPS_BETWEEN_CHECKS = 100;
+  int evaluations = 0;
 
   static constexpr int FLAGS_AT_A_TIME = 8;    // of has_spring, read together
 

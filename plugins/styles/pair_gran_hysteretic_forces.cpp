@@ -304,7 +304,7 @@ template <bool UNIFORM> void PairGranHysteretic::compute_forces(Tally what)
 void PairGranHysteretic::compute(int eflag, int vflag)
 {
   ev_init(eflag, vflag);
-  if (update->ntimestep % STEPS_BETWEEN_CHECKS == 0) granwave::require_finite_motion(lmp);
+  if (evaluations++ % STEPS_BETWEEN_CHECKS == 0) granwave::require_finite_motion(lmp);
   if (!contacts.valid) build_contacts();
   contacts.published = false;
   now = granwave::simulated_time(*update);

@@ -173,8 +173,9 @@ class _Run:
                     + ("" if chosen else '; give a shorter run.timestep, or leave it to "auto"')
                 )
                 break
-            self.record.attempts.append({"timestep_s": deck.schedule.timestep, "energy_balance_error": misses})
-            timestep, go_on = deck.schedule.timestep / 2, False
+            tried = deck.schedule.first_timestep
+            self.record.attempts.append({"timestep_s": tried, "energy_balance_error": misses})
+            timestep, go_on = tried / 2, False
             self.balance = Balance(self.balance.path)
             self._log(
                 f"the energy balance misses by {misses:.1e} of the input; "
@@ -248,7 +249,7 @@ class _Run:
                 self.record, versions=versions(), checkpoint=None, n_steps=0, end_time_s=0.0, wall_time_s=0.0
             )
         self.record.n_ranks, self.record.nodes = self.comm.size, nodes(self.comm)
-        self.record.timestep_s = deck.schedule.timestep
+        self.record.timestep_s = deck.schedule.first_timestep
         return deck
 
     # ------------------------------------------------------------------ one attempt
@@ -313,7 +314,8 @@ class _Run:
         )
         begin = last_checkpoint = time.monotonic()
         before = self.record.wall_time_s
-        piece, fresh = 20, True
+        unit, fresh = schedule.longest_step, True  # pieces end where every timestep can
+        piece = 20 * unit
         try:
             while self.state == record.RUNNING:
                 left = schedule.n_steps - engine.step
@@ -323,7 +325,8 @@ class _Run:
                 engine.commands(f"run {min(piece, left)}{'' if fresh else ' pre no'} post no")
                 fresh = False
                 now = time.monotonic()
-                piece = self._shared(max(1, int(min(4 * piece, piece * _PIECE / max(now - started, 1e-3)))))
+                longer = min(4 * piece, piece * _PIECE / max(now - started, 1e-3))
+                piece = self._shared(unit * max(1, int(longer / unit)))
                 self._look(engine, deck)
                 self.record.n_steps, self.record.end_time_s = engine.step, engine.step * schedule.timestep
                 self.record.wall_time_s = before + now - begin

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: GPL-2.0-only
+/* Choice of the timestep from the error of the energy balance. No LAMMPS types.
+
+   Velocity Verlet with the step dt keeps a shadow energy, H + dt^2 s up to higher orders, where
+
+       s = q/24 - (dp/dt)/12      p = sum f.v + sum torque.omega      q = sum f^2/m + sum torque^2/I
+
+   The balance is thus off by dt^2 (s_0 - s), with s_0 at the start; a change of the step moves s_0, and leaves
+   (dt_new^2 - dt_old^2) s of that moment in the balance for good. Steps are a power of two times a tick. The step is
+   doubled where the error would stay below half of what is allowed if s went on swinging as it did, and only at multiples
+   of the longer step; it is halved, at any time, before the error passes what is allowed.
+
+   s is in units of energy/tick^2. */
+
+#ifndef GRANWAVE_STEP_CONTROLLER_H
+#define GRANWAVE_STEP_CONTROLLER_H
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+namespace granwave {
+
+class StepController {
+ public:
+  /* What a run that is continued needs. */
+  struct State {
+    std::int64_t ticks = 1;            // of the present step
+    std::int64_t wanted = 1;           // of a step that need not end early for an output
+    std::int64_t since = 0;            // steps since it was last changed
+    double start = 0.0;                // s when the present step was taken up
+    double left = 0.0;                 // error that earlier changes of the step left
+    double swing = 0.0;                // largest |s| of late
+    double swing_before = 0.0;         // that when the wanted step was last changed
+  };
+
+  StepController(std::int64_t first, std::int64_t longest) : longest(longest) { state_.ticks = state_.wanted = first; }
+
+  /* Take note of s after a step, and choose the ticks of the next one. It begins at tick `now` and ends at `due` or before;
+     `allowed` is the largest error of the energy. */
+  std::int64_t choose(double s, double allowed, std::int64_t now, std::int64_t due)
+  {
+    const bool growing = std::fabs(s) > state_.swing;
+    state_.swing = std::max(std::fabs(s), state_.swing * KEPT);
+    state_.since++;
+    if (std::isfinite(s) && allowed > 0.0) {
+      while (state_.wanted > 1 && too_long(s, (growing ? USED_WHILE_GROWING : USED) * allowed, allowed))
+        want(state_.wanted / 2);
+      if (state_.since >= DWELL) lengthen(s, allowed, now);
+    } else {
+      want(1);
+    }
+    std::int64_t next = state_.wanted;
+    while (next > 1 && (now % next != 0 || now + next > due)) next /= 2;
+    if (next != state_.ticks) {
+      state_.left = error(s);
+      state_.start = s;
+      state_.ticks = next;
+    }
+    return next;
+  }
+
+  /* Error of the energy balance now. */
+  double error(double s) const { return state_.left + square(state_.ticks) * (state_.start - s); }
+
+  const State &state() const { return state_; }
+  void restore(const State &given) { state_ = given; }
+
+ private:
+  static constexpr double KEPT = 0.995;              // of the swing, a step: half of it is forgotten in 140
+  static constexpr std::int64_t DWELL = 48;          // steps between two doublings
+  static constexpr double USED = 0.9;                // of what is allowed, before the step is halved
+  static constexpr double USED_WHILE_GROWING = 0.3;  // the same while s grows, as it will for some steps more
+  static constexpr double USED_WHEN_LONGER = 0.5;    // after a doubling
+  static constexpr double LEAST_USED = 0.1;          // this much is used whatever error was made before
+
+  static double square(std::int64_t ticks) { return static_cast<double>(ticks) * static_cast<double>(ticks); }
+
+  void want(std::int64_t ticks)
+  {
+    state_.wanted = ticks;
+    state_.since = 0;
+    state_.swing_before = state_.swing;
+  }
+
+  /* Largest error to come with this step from now on, if s swings as it did. */
+  double reach(std::int64_t ticks, double s) const
+  {
+    const double longer = square(ticks);
+    return std::fabs(error(s) + longer * s) + longer * state_.swing;
+  }
+
+  bool too_long(double s, double most, double allowed) const
+  {
+    const double longer = square(state_.wanted);
+    if (state_.wanted == state_.ticks) {
+      const double centre = state_.left + longer * state_.start;
+      return std::fabs(centre) + longer * state_.swing > most &&
+             longer * (state_.swing + std::fabs(state_.start)) > LEAST_USED * allowed;
+    }
+    return reach(state_.wanted, s) > most && longer * (state_.swing + std::fabs(s)) > LEAST_USED * allowed;
+  }
+
+  void lengthen(double s, double allowed, std::int64_t now)
+  {
+    const std::int64_t longer = 2 * state_.wanted;
+    const bool settled = state_.swing <= state_.swing_before;
+    if (longer <= longest && now % longer == 0 && settled && reach(longer, s) <= USED_WHEN_LONGER * allowed)
+      want(longer);
+    else if (state_.since % DWELL == 0)
+      state_.swing_before = state_.swing;
+  }
+
+  std::int64_t longest;
+  State state_;
+};
+
+}    // namespace granwave
+
+#endif

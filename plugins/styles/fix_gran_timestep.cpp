@@ -1,0 +1,329 @@
+// SPDX-License-Identifier: GPL-2.0-only
+#include "fix_gran_timestep.h"
+
+#include "atom.h"
+#include "comm.h"
+#include "error.h"
+#include "fix_wall_gran_hysteretic.h"
+#include "force.h"
+#include "input.h"
+#include "modify.h"
+#include "output.h"
+#include "pair.h"
+#include "timer.h"
+#include "update.h"
+#include "variable.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+using namespace LAMMPS_NS;
+
+namespace {
+
+constexpr int RESTART_FORMAT = 1;
+constexpr std::int64_t MOST_TICKS = std::int64_t(1) << 20;
+constexpr double LEAST_TOLERANCE = 1e-12, MOST_TOLERANCE = 1e-3;
+constexpr std::int64_t STEPS_BETWEEN_ENERGIES = 16;
+constexpr const char *USAGE = "expected N TOLERANCE ENERGY, and then maybe  first M";
+
+// Fixed-point sums have the same bits in any order. A term is at most 2 energies, in units of 2^-50 of one.
+constexpr double UNITS = 1125899906842624.0;              // 2^50
+constexpr double MAGIC = 6755399441055744.0;              // 1.5 2^52: adding it leaves an integer in the mantissa
+constexpr std::int64_t MAGIC_BITS = 0x4338000000000000;    // its bits
+
+std::int64_t units_of(double term)
+{
+  const double bounded = term > 2.0 ? 2.0 : term < -2.0 ? -2.0 : term;    // a term that is no number stays none
+  const double shifted = bounded * UNITS + MAGIC;
+  std::int64_t bits;
+  std::memcpy(&bits, &shifted, sizeof(bits));
+  return bits - MAGIC_BITS;
+}
+
+bool power_of_two(std::int64_t n) { return n > 0 && (n & (n - 1)) == 0; }
+
+/* Rounded to 20 bits: an energy whose last bits depend on the number of processors must not change the choice. */
+double rounded(double value)
+{
+  int exponent;
+  const double mantissa = std::frexp(value, &exponent);
+  return std::ldexp(std::round(std::ldexp(mantissa, 20)), exponent - 20);
+}
+
+}    // namespace
+
+FixGranTimestep::FixGranTimestep(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg), controller(1, 1)
+{
+  if (narg != 6 && narg != 8) error->all(FLERR, "Illegal fix {}: {}", STYLE, USAGE);
+  longest = utils::bnumeric(FLERR, arg[3], false, lmp);
+  if (!power_of_two(longest) || longest > MOST_TICKS)
+    error->all(FLERR, "Illegal fix {}: N must be a power of two up to {}, found {}", STYLE, MOST_TICKS, arg[3]);
+  tolerance = utils::numeric(FLERR, arg[4], false, lmp);
+  if (!(tolerance >= LEAST_TOLERANCE && tolerance <= MOST_TOLERANCE))
+    error->all(FLERR, "Illegal fix {}: the tolerance must be between {:g} and {:g}, found {}", STYLE, LEAST_TOLERANCE,
+               MOST_TOLERANCE, arg[4]);
+  if (utils::strmatch(arg[5], "^v_")) {
+    energy_name = arg[5] + 2;
+  } else {
+    energy = utils::numeric(FLERR, arg[5], false, lmp);
+    if (!(energy > 0.0) || !std::isfinite(energy))
+      error->all(FLERR, "Illegal fix {}: the energy must be positive, or v_NAME, found {}", STYLE, arg[5]);
+  }
+  if (narg == 8) {
+    if (std::strcmp(arg[6], "first") != 0) error->all(FLERR, "Illegal fix {}: found '{}'; {}", STYLE, arg[6], USAGE);
+    taken = utils::bnumeric(FLERR, arg[7], false, lmp);
+    if (!power_of_two(taken) || taken > longest)
+      error->all(FLERR, "Illegal fix {}: first must be a power of two up to N, {}, found {}", STYLE, longest, arg[7]);
+  }
+  for (const auto *other : modify->get_fix_list())
+    if (std::strcmp(other->style, STYLE) == 0) error->all(FLERR, "Fix {} {}: there is one already, {}", STYLE, id, other->id);
+  controller = granwave::StepController(taken, longest);
+  tick = update->dt;
+  origin = update->atime - static_cast<double>(update->atimestep) * tick;
+  nevery = 1;
+  restart_global = 1;
+  vector_flag = 1;
+  size_vector = 5;
+  global_freq = 1;
+  extvector = 0;
+  time_depend = 1;
+}
+
+FixGranTimestep::~FixGranTimestep()
+{
+  if (update) update->dt = tick;
+}
+
+int FixGranTimestep::setmask() { return FixConst::INITIAL_INTEGRATE | FixConst::END_OF_STEP | FixConst::POST_RUN; }
+
+void FixGranTimestep::init()
+{
+  if (std::strcmp(update->integrate_style, "verlet") != 0)
+    error->all(FLERR, "Fix {} works with run_style verlet, found {}", STYLE, update->integrate_style);
+  if (update->whichflag == 2) error->all(FLERR, "Fix {} does not work with minimize", STYLE);
+  if (n_steps > 0 && update->dt != static_cast<double>(taken) * tick)
+    error->all(FLERR, "Fix {} {}: the timestep was changed to {:g}; unfix it first", STYLE, id, update->dt);
+  bool later = false;
+  rotates = false;
+  others.clear();
+  walls.clear();
+  for (const auto *other : modify->get_fix_list()) {
+    if (other == this) {
+      later = true;
+      continue;
+    }
+    if (const auto *const wall = dynamic_cast<const FixWallGranHysteretic *>(other)) walls.push_back(wall);
+    rotates = rotates || utils::strmatch(other->style, "^nve/sphere");
+    if (std::strcmp(other->style, "dt/reset") == 0)
+      error->all(FLERR, "Fix {} {}: fix dt/reset changes the timestep, too", STYLE, id);
+    if (other->nevery == 0 || !(modify->get_fix_mask(const_cast<Fix *>(other)) & FixConst::END_OF_STEP)) continue;
+    if (later)
+      error->all(FLERR, "Fix {} {} must come after all fixes that act at the end of a step, and fix {} follows it", STYLE, id,
+                 other->id);
+    if (other->nevery > 1) others.push_back(other);
+  }
+  if (!energy_name.empty()) {
+    const int found = input->variable->find(energy_name.c_str());
+    if (found < 0) error->all(FLERR, "Fix {} {}: there is no variable {}", STYLE, id, energy_name);
+    if (!input->variable->equalstyle(found))
+      error->all(FLERR, "Fix {} {}: variable {} is not of style equal", STYLE, id, energy_name);
+  }
+  reached = update->ntimestep;
+  take(taken);
+}
+
+/* Set the timestep of the steps to come. */
+
+void FixGranTimestep::take(std::int64_t ticks)
+{
+  const double dt = static_cast<double>(ticks) * tick;
+  update->atime = origin + static_cast<double>(reached) * tick;
+  update->atimestep = reached;
+  if (ticks == taken && dt == update->dt) return;
+  taken = ticks;
+  update->dt = dt;
+  update->dt_default = 0;
+  if (force->pair) force->pair->reset_dt();
+  for (auto *other : modify->get_fix_list()) other->reset_dt();
+}
+
+void FixGranTimestep::setup(int)
+{
+  reached = update->ntimestep;
+  pending = true;
+  if (energy == 0.0) read_energy();    // else as without the cut between two runs
+  last = sums();
+}
+
+/* Energy that errors are relative to. */
+
+void FixGranTimestep::read_energy()
+{
+  if (energy_name.empty()) return;
+  modify->clearstep_compute();
+  const double found = input->variable->compute_equal(input->variable->find(energy_name.c_str()));
+  modify->addstep_compute(update->ntimestep + 1);
+  energy = std::isfinite(found) ? rounded(std::fabs(found)) : 0.0;
+}
+
+/* Power of the forces times a tick, and force^2/mass times tick^2. */
+
+FixGranTimestep::Sums FixGranTimestep::sums() const
+{
+  if (energy == 0.0) return {};
+  const double *const *const v = atom->v, *const *const f = atom->f, *const rmass = atom->rmass;
+  const double of_power = tick / energy, of_force = tick * tick / energy;
+  std::int64_t mine[2] = {}, all[2];
+  for (int i = 0; i < atom->nlocal; i++) {
+    if (!(atom->mask[i] & groupbit)) continue;
+    const double mass = rmass ? rmass[i] : atom->mass[atom->type[i]];
+    double p = f[i][0] * v[i][0] + f[i][1] * v[i][1] + f[i][2] * v[i][2];
+    double q = (f[i][0] * f[i][0] + f[i][1] * f[i][1] + f[i][2] * f[i][2]) / mass;
+    if (rotates && atom->radius[i] > 0.0) {
+      const double *const torque = atom->torque[i], *const omega = atom->omega[i];
+      const double inertia = 0.4 * mass * atom->radius[i] * atom->radius[i];
+      p += torque[0] * omega[0] + torque[1] * omega[1] + torque[2] * omega[2];
+      q += (torque[0] * torque[0] + torque[1] * torque[1] + torque[2] * torque[2]) / inertia;
+    }
+    mine[0] += units_of(p * of_power);
+    mine[1] += units_of(q * of_force);
+  }
+  MPI_Allreduce(mine, all, 2, MPI_INT64_T, MPI_SUM, world);
+  double power = 0.0, force_squared_over_mass = 0.0;    // of supports, the same on all processors
+  for (const auto *wall : walls) wall->add_power(power, force_squared_over_mass);
+  return {static_cast<double>(all[0]) / UNITS * energy + power * tick,
+          static_cast<double>(all[1]) / UNITS * energy + force_squared_over_mass * tick * tick};
+}
+
+/* First step at which something is due after the present one. */
+
+bigint FixGranTimestep::next_due() const
+{
+  bigint due = reached < update->laststep ? update->laststep : MAXBIGINT;
+  if (output->next > reached) due = std::min(due, output->next);
+  for (const auto *other : others) due = std::min(due, (reached / other->nevery + 1) * other->nevery);
+  return due;
+}
+
+void FixGranTimestep::begin_step()
+{
+  if (!pending) return;
+  pending = false;
+  set_clock();
+  update->ntimestep++;
+}
+
+/* The run is about to add 1 to the counter: add the other ticks of the step. The clock is that of its end. */
+
+void FixGranTimestep::set_clock()
+{
+  update->ntimestep = reached + taken - 1;
+  update->atimestep = reached + taken;
+  update->atime = origin + static_cast<double>(reached + taken) * tick;
+}
+
+void FixGranTimestep::initial_integrate(int)
+{
+  begin_step();
+  n_steps++;
+  shortest_taken = shortest_taken == 0 ? taken : std::min(shortest_taken, taken);
+  longest_taken = std::max(longest_taken, taken);
+}
+
+void FixGranTimestep::end_of_step()
+{
+  reached = update->ntimestep;
+  if (n_steps % STEPS_BETWEEN_ENERGIES == 0 || energy == 0.0) read_energy();
+  const Sums now = sums();
+  s = (now.q + last.q) / 48.0 - (now.p - last.p) / (12.0 * static_cast<double>(taken));
+  last = now;
+  const std::int64_t next = controller.choose(s, tolerance * energy, reached, next_due());
+  // what is due now is written here, as the run would do right after this, before the counter moves on
+  if (reached == output->next) {
+    const double dt = update->dt;
+    update->dt = tick;    // dumps that go by time count steps
+    timer->stamp();
+    output->write(reached);
+    timer->stamp(Timer::OUTPUT);
+    update->dt = dt;
+  }
+  take(next);
+  pending = reached >= update->laststep;
+  if (pending) timer->force_timeout();
+  else set_clock();
+}
+
+void FixGranTimestep::post_run()
+{
+  update->ntimestep = update->atimestep = reached;
+  update->atime = origin + static_cast<double>(reached) * tick;
+  pending = true;
+  if (reached >= update->laststep) timer->reset_timeout();
+}
+
+double FixGranTimestep::compute_vector(int n)
+{
+  switch (n) {
+    case 0: return static_cast<double>(taken) * tick;
+    case 1: return energy > 0.0 ? controller.error(s) / energy : 0.0;
+    case 2: return static_cast<double>(n_steps);
+    case 3: return static_cast<double>(shortest_taken) * tick;
+    default: return static_cast<double>(longest_taken) * tick;
+  }
+}
+
+/* ---------------------------------------------------------------------- restart */
+
+void FixGranTimestep::write_restart(FILE *fp)
+{
+  if (comm->me != 0) return;
+  const auto &state = controller.state();
+  const double values[] = {double(RESTART_FORMAT),
+                           tick,
+                           origin,
+                           energy,
+                           s,
+                           double(n_steps),
+                           double(shortest_taken),
+                           double(longest_taken),
+                           double(state.ticks),
+                           double(state.wanted),
+                           double(state.since),
+                           state.start,
+                           state.left,
+                           state.swing,
+                           state.swing_before};
+  const int size = sizeof(values);
+  fwrite(&size, sizeof(int), 1, fp);
+  fwrite(values, sizeof(values), 1, fp);
+}
+
+void FixGranTimestep::restart(char *buffer)
+{
+  const auto *value = reinterpret_cast<const double *>(buffer);
+  const auto next = [&value] { return *value++; };
+  const auto whole = [&next] { return static_cast<std::int64_t>(next()); };
+  if (const double format = next(); format != RESTART_FORMAT)
+    error->all(FLERR, "Restart file holds format {} of fix {}; this version reads format {}", format, STYLE, RESTART_FORMAT);
+  if (const double given = next(); given != tick)
+    error->all(FLERR, "Restart file holds fix {} {} with ticks of {:.17g}, found a timestep of {:.17g}", STYLE, id, given, tick);
+  origin = next();
+  energy = next();
+  s = next();
+  n_steps = whole();
+  shortest_taken = whole();
+  longest_taken = whole();
+  granwave::StepController::State state;
+  state.ticks = whole();
+  state.wanted = whole();
+  state.since = whole();
+  state.start = next();
+  state.left = next();
+  state.swing = next();
+  state.swing_before = next();
+  controller.restore(state);
+  taken = state.ticks;
+  update->dt = static_cast<double>(taken) * tick;
+}

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-2.0-only
+/* Fix gran/timestep: a timestep that follows the error of the energy balance.
+
+   fix ID group gran/timestep N TOLERANCE ENERGY [first M]
+
+   The step counter counts ticks, each one `timestep` long: a step is 1, 2, 4 ... N of them, so that all output falls on
+   exact times. Velocity Verlet adds 1 to the counter before each step; the fix adds the rest beforehand, at the end of the
+   step before, once all output of that step is written. */
+
+#ifndef LMP_FIX_GRAN_TIMESTEP_H
+#define LMP_FIX_GRAN_TIMESTEP_H
+
+#include "../laws/step_controller.h"
+#include "fix.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace LAMMPS_NS {
+
+class FixGranTimestep : public Fix {
+ public:
+  static constexpr const char *STYLE = "gran/timestep";
+
+  FixGranTimestep(LAMMPS *, int, char **);
+  ~FixGranTimestep() override;
+
+  int setmask() override;
+  void init() override;
+  void setup(int) override;
+  void initial_integrate(int) override;
+  void end_of_step() override;
+  void post_run() override;
+  double compute_vector(int) override;
+  void write_restart(FILE *) override;
+  void restart(char *) override;
+
+  /* Set the step counter for the step that begins, in a run's first step; others call it before they read the clock. */
+  void begin_step();
+
+ private:
+  struct Sums {
+    double p = 0.0, q = 0.0;    // power of the forces times tick, force^2/mass times tick^2: energies
+  };
+
+  void read_energy();
+  Sums sums() const;
+  bigint next_due() const;
+  void take(std::int64_t ticks);
+  void set_clock();
+
+  double tick = 0.0;
+  double origin = 0.0;    // clock at step 0
+  double tolerance;
+  std::string energy_name;
+  double energy = 0.0;
+  std::int64_t longest, taken = 1;    // ticks: the most, of the present step
+  granwave::StepController controller;
+  std::int64_t shortest_taken = 0, longest_taken = 0, n_steps = 0;
+  double s = 0.0;
+  Sums last;
+  bigint reached = 0;      // step counter when the last step ended
+  bool pending = false;    // the counter is to be set as the next step begins
+  bool rotates = false;
+  std::vector<const Fix *> others;                            // that act at the end of some steps
+  std::vector<const class FixWallGranHysteretic *> walls;    // that may move
+};
+
+}    // namespace LAMMPS_NS
+
+#endif
