@@ -10,6 +10,7 @@ from granwave.lammps_inputs.packing.walls import walls
 from granwave.lammps_inputs.run_directory import LOAD_FILE
 
 if TYPE_CHECKING:
+    from granwave.lammps_inputs.case.case import Case
     from granwave.lammps_inputs.planning.schedule import Schedule
 
 _HALF_INERTIA = 0.2  # of a sphere, in m R^2
@@ -42,14 +43,17 @@ def _timestep(schedule: Schedule) -> list[str]:
     return [*([note] if schedule.adaptive else []), f"timestep        {num(schedule.timestep)}"]
 
 
-def adaptive_timestep(schedule: Schedule) -> list[str]:
+def adaptive_timestep(case: Case, schedule: Schedule) -> list[str]:
     """Timestep that follows the error of the energy balance; behind all fixes that act at the end of a step."""
     if not schedule.adaptive:
         return []
+    kinetic = "v_motion" if case.has_rotation else "c_kinetic"
     tolerance, longest, first = schedule.energy_tolerance, schedule.longest_step, schedule.first_step
     return [
         "# The timestep: up to so many ticks as the energy balance allows.",
-        f"fix             step all gran/timestep {longest} {num(tolerance)} v_input first {first}",
+        f"variable        balance equal {kinetic}+v_elastic+v_dissipated-v_input",
+        f"fix             step all gran/timestep {longest} {num(tolerance)} v_input first {first} "
+        f"balance v_balance {schedule.ledger_every}",
     ]
 
 

@@ -57,7 +57,7 @@ def input_script(assembly: Assembly, schedule: Schedule, *, restart_from: str = 
         probes(case, schedule, resumed=resumed),
         frames(case, schedule, resumed=resumed),
         history(case, schedule, resumed=resumed),
-        adaptive_timestep(schedule),
+        adaptive_timestep(case, schedule),
         thermo(case, schedule),
         _run(case, schedule),
         [END_MARKER, "", *dumps_at_end(assembly)],

@@ -7,8 +7,8 @@
 
    The balance is thus off by dt^2 (s_0 - s), with s_0 at the start; a change of the step moves s_0, and leaves
    (dt_new^2 - dt_old^2) s of that moment in the balance for good. Steps are a power of two times a tick. The step is
-   doubled where the error would stay below half of what is allowed if s went on swinging as it did, and only at multiples
-   of the longer step; it is halved, at any time, before the error passes what is allowed.
+   doubled where half of what is left of the allowed error would do for it if s went on swinging as it did, and only at
+   multiples of the longer step; it is halved, at any time, before the error passes what is allowed.
 
    s is in units of energy/tick^2. */
 
@@ -27,6 +27,7 @@ class StepController {
   struct State {
     std::int64_t ticks = 1;            // of the present step
     std::int64_t wanted = 1;           // of a step that need not end early for an output
+    std::int64_t steps = 0;            // taken
     std::int64_t since = 0;            // steps since it was last changed
     double start = 0.0;                // s when the present step was taken up
     double left = 0.0;                 // error that earlier changes of the step left
@@ -41,11 +42,12 @@ class StepController {
   std::int64_t choose(double s, double allowed, std::int64_t now, std::int64_t due)
   {
     const bool growing = std::fabs(s) > state_.swing;
-    state_.swing = std::max(std::fabs(s), state_.swing * KEPT);
+    state_.steps++;
     state_.since++;
+    const double memory = MEMORY + MEMORY_SHARE * static_cast<double>(state_.steps);
+    state_.swing = std::max(std::fabs(s), state_.swing * (1.0 - LN_2 / memory));
     if (std::isfinite(s) && allowed > 0.0) {
-      while (state_.wanted > 1 && too_long(s, (growing ? USED_WHILE_GROWING : USED) * allowed, allowed))
-        want(state_.wanted / 2);
+      while (state_.wanted > 1 && too_long(s, allowed, growing)) want(state_.wanted / 2);
       if (state_.since >= DWELL) lengthen(s, allowed, now);
     } else {
       want(1);
@@ -60,6 +62,9 @@ class StepController {
     return next;
   }
 
+  /* Correct the error of the energy balance by a measured one. */
+  void correct(double s, double measured) { state_.left += measured - error(s); }
+
   /* Error of the energy balance now. */
   double error(double s) const { return state_.left + square(state_.ticks) * (state_.start - s); }
 
@@ -67,12 +72,15 @@ class StepController {
   void restore(const State &given) { state_ = given; }
 
  private:
-  static constexpr double KEPT = 0.995;              // of the swing, a step: half of it is forgotten in 140
-  static constexpr std::int64_t DWELL = 48;          // steps between two doublings
-  static constexpr double USED = 0.9;                // of what is allowed, before the step is halved
+  static constexpr double LN_2 = 0.6931471805599453;
+  static constexpr double MEMORY = 50.0;             // steps in which half of the swing is forgotten, at the start,
+  static constexpr double MEMORY_SHARE = 0.03;       // and share of all steps so far: what comes back does so later and later
+  static constexpr std::int64_t DWELL = 32;          // steps between two doublings
+  static constexpr double USED = 0.9;                // of what is left of the allowed error: more makes the step shorter
   static constexpr double USED_WHILE_GROWING = 0.3;  // the same while s grows, as it will for some steps more
-  static constexpr double USED_WHEN_LONGER = 0.5;    // after a doubling
-  static constexpr double LEAST_USED = 0.1;          // this much is used whatever error was made before
+  static constexpr double USED_WHEN_LONGER = 0.6;    // after a doubling
+  static constexpr double LEAST_USED = 0.01;         // of what is allowed: this much does not make the step shorter
+  static constexpr double LEFT = 0.25;               // of what is allowed: left by changes of the step without more ado
 
   static double square(std::int64_t ticks) { return static_cast<double>(ticks) * static_cast<double>(ticks); }
 
@@ -83,32 +91,28 @@ class StepController {
     state_.swing_before = state_.swing;
   }
 
-  /* Largest error to come with this step from now on, if s swings as it did. */
-  double reach(std::int64_t ticks, double s) const
+  /* Error about which that to come would swing with this step. */
+  double centre(std::int64_t ticks, double s) const
   {
-    const double longer = square(ticks);
-    return std::fabs(error(s) + longer * s) + longer * state_.swing;
+    return ticks == state_.ticks ? state_.left + square(ticks) * state_.start : error(s) + square(ticks) * s;
   }
 
-  bool too_long(double s, double most, double allowed) const
+  bool too_long(double s, double allowed, bool growing) const
   {
-    const double longer = square(state_.wanted);
-    if (state_.wanted == state_.ticks) {
-      const double centre = state_.left + longer * state_.start;
-      return std::fabs(centre) + longer * state_.swing > most &&
-             longer * (state_.swing + std::fabs(state_.start)) > LEAST_USED * allowed;
-    }
-    return reach(state_.wanted, s) > most && longer * (state_.swing + std::fabs(s)) > LEAST_USED * allowed;
+    const double rest = (growing ? USED_WHILE_GROWING : USED) * (allowed - std::fabs(centre(state_.wanted, s)));
+    return square(state_.wanted) * state_.swing > std::max(rest, LEAST_USED * allowed);
   }
 
   void lengthen(double s, double allowed, std::int64_t now)
   {
     const std::int64_t longer = 2 * state_.wanted;
-    const bool settled = state_.swing <= state_.swing_before;
-    if (longer <= longest && now % longer == 0 && settled && reach(longer, s) <= USED_WHEN_LONGER * allowed)
-      want(longer);
-    else if (state_.since % DWELL == 0)
-      state_.swing_before = state_.swing;
+    if (longer <= longest && now % longer == 0 && state_.swing <= state_.swing_before) {
+      // changes that add up are kept small: one waits for a moment at which it takes back what the others left
+      const double made = std::fabs(centre(state_.ticks, s)), then = std::fabs(centre(longer, s));
+      if (then <= std::max(made, LEFT * allowed) && square(longer) * state_.swing <= USED_WHEN_LONGER * (allowed - then))
+        return want(longer);
+    }
+    if (state_.since % DWELL == 0) state_.swing_before = state_.swing;
   }
 
   std::int64_t longest;

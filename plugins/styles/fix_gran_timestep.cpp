@@ -26,7 +26,7 @@ constexpr int RESTART_FORMAT = 1;
 constexpr std::int64_t MOST_TICKS = std::int64_t(1) << 20;
 constexpr double LEAST_TOLERANCE = 1e-12, MOST_TOLERANCE = 1e-3;
 constexpr std::int64_t STEPS_BETWEEN_ENERGIES = 16;
-constexpr const char *USAGE = "expected N TOLERANCE ENERGY, and then maybe  first M";
+constexpr const char *USAGE = "expected N TOLERANCE ENERGY, and then maybe first M, balance v_NAME K";
 
 // Fixed-point sums have the same bits in any order. A term is at most 2 energies, in units of 2^-50 of one.
 constexpr double UNITS = 1125899906842624.0;              // 2^50
@@ -56,7 +56,7 @@ double rounded(double value)
 
 FixGranTimestep::FixGranTimestep(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg), controller(1, 1)
 {
-  if (narg != 6 && narg != 8) error->all(FLERR, "Illegal fix {}: {}", STYLE, USAGE);
+  if (narg < 6) error->all(FLERR, "Illegal fix {}: {}", STYLE, USAGE);
   longest = utils::bnumeric(FLERR, arg[3], false, lmp);
   if (!power_of_two(longest) || longest > MOST_TICKS)
     error->all(FLERR, "Illegal fix {}: N must be a power of two up to {}, found {}", STYLE, MOST_TICKS, arg[3]);
@@ -71,11 +71,21 @@ FixGranTimestep::FixGranTimestep(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, n
     if (!(energy > 0.0) || !std::isfinite(energy))
       error->all(FLERR, "Illegal fix {}: the energy must be positive, or v_NAME, found {}", STYLE, arg[5]);
   }
-  if (narg == 8) {
-    if (std::strcmp(arg[6], "first") != 0) error->all(FLERR, "Illegal fix {}: found '{}'; {}", STYLE, arg[6], USAGE);
-    taken = utils::bnumeric(FLERR, arg[7], false, lmp);
-    if (!power_of_two(taken) || taken > longest)
-      error->all(FLERR, "Illegal fix {}: first must be a power of two up to N, {}, found {}", STYLE, longest, arg[7]);
+  for (int n = 6; n < narg;) {
+    const std::string word = arg[n];
+    if (word == "first" && n + 1 < narg) {
+      taken = utils::bnumeric(FLERR, arg[n + 1], false, lmp);
+      if (!power_of_two(taken) || taken > longest)
+        error->all(FLERR, "Illegal fix {}: first must be a power of two up to N, {}, found {}", STYLE, longest, arg[n + 1]);
+      n += 2;
+    } else if (word == "balance" && n + 2 < narg && utils::strmatch(arg[n + 1], "^v_")) {
+      balance_name = arg[n + 1] + 2;
+      balance_every = utils::bnumeric(FLERR, arg[n + 2], false, lmp);
+      if (balance_every < 1) error->all(FLERR, "Illegal fix {}: balance every {}, expected 1 or more", STYLE, arg[n + 2]);
+      n += 3;
+    } else {
+      error->all(FLERR, "Illegal fix {}: found '{}'; {}", STYLE, word, USAGE);
+    }
   }
   for (const auto *other : modify->get_fix_list())
     if (std::strcmp(other->style, STYLE) == 0) error->all(FLERR, "Fix {} {}: there is one already, {}", STYLE, id, other->id);
@@ -124,11 +134,11 @@ void FixGranTimestep::init()
                  other->id);
     if (other->nevery > 1) others.push_back(other);
   }
-  if (!energy_name.empty()) {
-    const int found = input->variable->find(energy_name.c_str());
-    if (found < 0) error->all(FLERR, "Fix {} {}: there is no variable {}", STYLE, id, energy_name);
-    if (!input->variable->equalstyle(found))
-      error->all(FLERR, "Fix {} {}: variable {} is not of style equal", STYLE, id, energy_name);
+  for (const auto &name : {energy_name, balance_name}) {
+    if (name.empty()) continue;
+    const int found = input->variable->find(name.c_str());
+    if (found < 0) error->all(FLERR, "Fix {} {}: there is no variable {}", STYLE, id, name);
+    if (!input->variable->equalstyle(found)) error->all(FLERR, "Fix {} {}: variable {} is not of style equal", STYLE, id, name);
   }
   reached = update->ntimestep;
   take(taken);
@@ -157,14 +167,22 @@ void FixGranTimestep::setup(int)
   last = sums();
 }
 
+/* Value of a variable now, which will be asked for at the step `next` again. */
+
+double FixGranTimestep::value_of(const std::string &variable, bigint next) const
+{
+  modify->clearstep_compute();
+  const double found = input->variable->compute_equal(input->variable->find(variable.c_str()));
+  modify->addstep_compute(next);
+  return found;
+}
+
 /* Energy that errors are relative to. */
 
 void FixGranTimestep::read_energy()
 {
   if (energy_name.empty()) return;
-  modify->clearstep_compute();
-  const double found = input->variable->compute_equal(input->variable->find(energy_name.c_str()));
-  modify->addstep_compute(update->ntimestep + 1);
+  const double found = value_of(energy_name, update->ntimestep + 1);
   energy = std::isfinite(found) ? rounded(std::fabs(found)) : 0.0;
 }
 
@@ -203,6 +221,7 @@ bigint FixGranTimestep::next_due() const
 {
   bigint due = reached < update->laststep ? update->laststep : MAXBIGINT;
   if (output->next > reached) due = std::min(due, output->next);
+  if (balance_every > 0) due = std::min(due, (reached / balance_every + 1) * balance_every);
   for (const auto *other : others) due = std::min(due, (reached / other->nevery + 1) * other->nevery);
   return due;
 }
@@ -239,6 +258,10 @@ void FixGranTimestep::end_of_step()
   const Sums now = sums();
   s = (now.q + last.q) / 48.0 - (now.p - last.p) / (12.0 * static_cast<double>(taken));
   last = now;
+  if (balance_every > 0 && reached % balance_every == 0 && energy > 0.0) {
+    const double measured = value_of(balance_name, reached + balance_every);
+    if (std::isfinite(measured)) controller.correct(s, std::copysign(rounded(std::fabs(measured)), measured));
+  }
   const std::int64_t next = controller.choose(s, tolerance * energy, reached, next_due());
   // what is due now is written here, as the run would do right after this, before the counter moves on
   if (reached == output->next) {
@@ -290,6 +313,7 @@ void FixGranTimestep::write_restart(FILE *fp)
                            double(longest_taken),
                            double(state.ticks),
                            double(state.wanted),
+                           double(state.steps),
                            double(state.since),
                            state.start,
                            state.left,
@@ -318,6 +342,7 @@ void FixGranTimestep::restart(char *buffer)
   granwave::StepController::State state;
   state.ticks = whole();
   state.wanted = whole();
+  state.steps = whole();
   state.since = whole();
   state.start = next();
   state.left = next();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-only
 /* Fix gran/timestep: a timestep that follows the error of the energy balance.
 
-   fix ID group gran/timestep N TOLERANCE ENERGY [first M]
+   fix ID group gran/timestep N TOLERANCE ENERGY [first M] [balance v_NAME K]
 
    The step counter counts ticks, each one `timestep` long: a step is 1, 2, 4 ... N of them, so that all output falls on
    exact times. Velocity Verlet adds 1 to the counter before each step; the fix adds the rest beforehand, at the end of the
@@ -44,6 +44,7 @@ class FixGranTimestep : public Fix {
     double p = 0.0, q = 0.0;    // power of the forces times tick, force^2/mass times tick^2: energies
   };
 
+  double value_of(const std::string &variable, bigint next) const;
   void read_energy();
   Sums sums() const;
   bigint next_due() const;
@@ -55,6 +56,8 @@ class FixGranTimestep : public Fix {
   double tolerance;
   std::string energy_name;
   double energy = 0.0;
+  std::string balance_name;
+  bigint balance_every = 0;
   std::int64_t longest, taken = 1;    // ticks: the most, of the present step
   granwave::StepController controller;
   std::int64_t shortest_taken = 0, longest_taken = 0, n_steps = 0;
