@@ -38,14 +38,16 @@ class StepController {
   StepController(std::int64_t first, std::int64_t longest) : longest(longest) { state_.ticks = state_.wanted = first; }
 
   /* Take note of s after a step, and choose the ticks of the next one. It begins at tick `now` and ends at `due` or before;
-     `allowed` is the largest error of the energy. */
-  std::int64_t choose(double s, double allowed, std::int64_t now, std::int64_t due)
+     `allowed` is the largest error of the energy, `bound` the most ticks for other reasons. */
+  std::int64_t choose(double s, double allowed, double bound, std::int64_t now, std::int64_t due)
   {
+    bound_ = bound;
     const bool growing = std::fabs(s) > state_.swing;
     state_.steps++;
     state_.since++;
     const double memory = MEMORY + MEMORY_SHARE * static_cast<double>(state_.steps);
     state_.swing = std::max(std::fabs(s), state_.swing * (1.0 - LN_2 / memory));
+    while (state_.wanted > 1 && static_cast<double>(state_.wanted) > bound_) want(state_.wanted / 2);
     if (std::isfinite(s) && allowed > 0.0) {
       while (state_.wanted > 1 && too_long(s, allowed, growing)) want(state_.wanted / 2);
       if (state_.since >= DWELL) lengthen(s, allowed, now);
@@ -106,7 +108,7 @@ class StepController {
   void lengthen(double s, double allowed, std::int64_t now)
   {
     const std::int64_t longer = 2 * state_.wanted;
-    if (longer <= longest && now % longer == 0 && state_.swing <= state_.swing_before) {
+    if (longer <= longest && static_cast<double>(longer) <= bound_ && now % longer == 0 && state_.swing <= state_.swing_before) {
       // changes that add up are kept small: one waits for a moment at which it takes back what the others left
       const double made = std::fabs(centre(state_.ticks, s)), then = std::fabs(centre(longer, s));
       if (then <= std::max(made, LEFT * allowed) && square(longer) * state_.swing <= USED_WHEN_LONGER * (allowed - then))
@@ -116,6 +118,7 @@ class StepController {
   }
 
   std::int64_t longest;
+  double bound_ = 0.0;
   State state_;
 };
 

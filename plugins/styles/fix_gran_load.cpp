@@ -140,8 +140,9 @@ void FixGranLoad::setup(int)
   const double now = granwave::simulated_time(*update);
   if (!moves) {
     force = (shape.integral(now + 0.5 * update->dt) - shape.integral(now - 0.5 * update->dt)) / update->dt;
-    apply_force();
-    if (!started) total[WORK] -= half_kick_work();
+    apply_force(force);
+    stepped = update->dt;
+    if (!started) total[WORK] -= half_kick_work(update->dt);
   } else {
     if (!started)    // the load did not give the atoms their own motion
       for (int i = 0; i < atom->nlocal; i++) {
@@ -161,9 +162,9 @@ double FixGranLoad::mass_of(int i) const { return atom->rmass ? atom->rmass[i] :
 
 /* ---------------------------------------------------------------------- a force */
 
-void FixGranLoad::apply_force()
+void FixGranLoad::apply_force(double whole)
 {
-  const double share = force / atoms;
+  const double share = whole / atoms;
   if (share == 0.0) return;
   for (int i = 0; i < atom->nlocal; i++)
     if (atom->mask[i] & groupbit) atom->f[i][axis] += share;
@@ -173,13 +174,27 @@ void FixGranLoad::apply_force()
    f dt/2m with the whole force f. Taken with the velocity in the middle of the step instead, as below, the sum over steps
    misses the difference of this between the last one and the first. */
 
-double FixGranLoad::half_kick_work() const
+double FixGranLoad::half_kick_work(double dt) const
 {
-  const double share = force / atoms, dt = update->dt;
+  const double share = force / atoms;
   double sum = 0.0;
   for (int i = 0; i < atom->nlocal; i++)
     if (atom->mask[i] & groupbit) sum += share * atom->f[i][axis] * dt * dt / (8.0 * mass_of(i));
   return sum;
+}
+
+/* The step is about to change, at the end of one: the half kick to come makes up for what the one before, with the mean of
+   a force around the old step, gave too much or too little. */
+
+void FixGranLoad::reset_dt()
+{
+  if (moves || !started || stepped == 0.0 || stepped == update->dt) return;
+  const double now = granwave::simulated_time(*update), dt = update->dt, before = force;
+  total[WORK] += half_kick_work(stepped);
+  force = 2.0 * (shape.integral(now + 0.5 * dt) - shape.integral(now - 0.5 * stepped) - 0.5 * stepped * before) / dt;
+  apply_force(force - before);
+  total[WORK] -= half_kick_work(dt);
+  stepped = dt;
 }
 
 /* Here velocities are those in the middle of the step, which moved the atoms by v dt. */
@@ -196,7 +211,8 @@ void FixGranLoad::post_force(int)
   total[WORK] += mean * moved;
   total[DISPLACEMENT] += moved;
   if (comm->me == 0) total[IMPULSE] += mean * dt;
-  apply_force();
+  apply_force(force);
+  stepped = dt;
 }
 
 /* ---------------------------------------------------------------------- a displacement */
@@ -247,7 +263,7 @@ void FixGranLoad::totals(double (&sum)[N_TOTALS]) const
 {
   double mine[N_TOTALS] = {total[WORK], total[IMPULSE], total[DISPLACEMENT], 0.0};
   if (moves) mine[FORCE] = -force_on_group();
-  else if (started) mine[WORK] += half_kick_work();
+  else if (started) mine[WORK] += half_kick_work(update->dt);
   if (comm->me == 0) {
     if (!moves) mine[FORCE] = force;
     if (moves && started) {

@@ -25,6 +25,7 @@ class FixGranLoad : public Fix {
   int setmask() override;
   void init() override;
   void setup(int) override;
+  void reset_dt() override;
   void initial_integrate(int) override;
   void post_force(int) override;
   void final_integrate() override;
@@ -37,10 +38,10 @@ class FixGranLoad : public Fix {
   enum { WORK, IMPULSE, DISPLACEMENT, FORCE, N_TOTALS };
 
   void read_table(const char *file);
-  void apply_force();
+  void apply_force(double whole);
   void set_velocity(double along);
   double force_on_group() const;
-  double half_kick_work() const;
+  double half_kick_work(double dt) const;
   void totals(double (&sum)[N_TOTALS]) const;
   double mass_of(int i) const;
 
@@ -50,6 +51,7 @@ class FixGranLoad : public Fix {
   granwave::LoadShape shape;
   double atoms = 0.0, mass = 0.0;    // of the group
   bool started = false;
+  double stepped = 0.0;    // timestep that the force is a mean over
   // this processor's part of the totals so far; a restart gives the whole to the first one
   double total[N_TOTALS - 1] = {};
   double force = 0.0;                                 // on the group, of the shape

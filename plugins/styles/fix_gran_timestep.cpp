@@ -26,6 +26,7 @@ constexpr int RESTART_FORMAT = 1;
 constexpr std::int64_t MOST_TICKS = std::int64_t(1) << 20;
 constexpr double LEAST_TOLERANCE = 1e-12, MOST_TOLERANCE = 1e-3;
 constexpr std::int64_t STEPS_BETWEEN_ENERGIES = 16;
+constexpr double COLLISION = 3.0;
 constexpr const char *USAGE = "expected N TOLERANCE ENERGY, and then maybe first M, balance v_NAME K";
 
 // Fixed-point sums have the same bits in any order. A term is at most 2 energies, in units of 2^-50 of one.
@@ -74,8 +75,8 @@ FixGranTimestep::FixGranTimestep(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, n
   for (int n = 6; n < narg;) {
     const std::string word = arg[n];
     if (word == "first" && n + 1 < narg) {
-      taken = utils::bnumeric(FLERR, arg[n + 1], false, lmp);
-      if (!power_of_two(taken) || taken > longest)
+      first = taken = utils::bnumeric(FLERR, arg[n + 1], false, lmp);
+      if (!power_of_two(first) || first > longest)
         error->all(FLERR, "Illegal fix {}: first must be a power of two up to N, {}, found {}", STYLE, longest, arg[n + 1]);
       n += 2;
     } else if (word == "balance" && n + 2 < narg && utils::strmatch(arg[n + 1], "^v_")) {
@@ -163,7 +164,10 @@ void FixGranTimestep::setup(int)
 {
   reached = update->ntimestep;
   pending = true;
-  if (energy == 0.0) read_energy();    // else as without the cut between two runs
+  if (n_steps == 0 || energy == 0.0) {    // else as without the cut between two runs
+    read_energy();
+    bound_step();
+  }
   last = sums();
 }
 
@@ -215,6 +219,23 @@ FixGranTimestep::Sums FixGranTimestep::sums() const
           static_cast<double>(all[1]) / UNITS * energy + force_squared_over_mass * tick * tick};
 }
 
+/* Bound the step by the collision that may come at any time: a sphere that holds the share e of the energy makes an error
+   of e (step/first)^2/3 of the tolerance in a collision like that for which the first step was chosen. */
+
+void FixGranTimestep::bound_step()
+{
+  double mine = 0.0, most = 0.0;
+  for (int i = 0; i < atom->nlocal; i++) {
+    if (!(atom->mask[i] & groupbit)) continue;
+    const double *const v = atom->v[i];
+    const double mass = atom->rmass ? atom->rmass[i] : atom->mass[atom->type[i]];
+    mine = std::max(mine, 0.5 * mass * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]));
+  }
+  MPI_Allreduce(&mine, &most, 1, MPI_DOUBLE, MPI_MAX, world);
+  const double of_first = most > 0.0 ? std::sqrt(COLLISION * energy / most) : static_cast<double>(longest);
+  bound = static_cast<double>(first) * std::max(1.0, of_first);
+}
+
 /* First step at which something is due after the present one. */
 
 bigint FixGranTimestep::next_due() const
@@ -254,7 +275,10 @@ void FixGranTimestep::initial_integrate(int)
 void FixGranTimestep::end_of_step()
 {
   reached = update->ntimestep;
-  if (n_steps % STEPS_BETWEEN_ENERGIES == 0 || energy == 0.0) read_energy();
+  if (n_steps % STEPS_BETWEEN_ENERGIES == 0 || energy == 0.0) {
+    read_energy();
+    bound_step();
+  }
   const Sums now = sums();
   s = (now.q + last.q) / 48.0 - (now.p - last.p) / (12.0 * static_cast<double>(taken));
   last = now;
@@ -262,7 +286,7 @@ void FixGranTimestep::end_of_step()
     const double measured = value_of(balance_name, reached + balance_every);
     if (std::isfinite(measured)) controller.correct(s, std::copysign(rounded(std::fabs(measured)), measured));
   }
-  const std::int64_t next = controller.choose(s, tolerance * energy, reached, next_due());
+  const std::int64_t next = controller.choose(s, tolerance * energy, bound, reached, next_due());
   // what is due now is written here, as the run would do right after this, before the counter moves on
   if (reached == output->next) {
     const double dt = update->dt;
@@ -307,6 +331,7 @@ void FixGranTimestep::write_restart(FILE *fp)
                            tick,
                            origin,
                            energy,
+                           bound,
                            s,
                            double(n_steps),
                            double(shortest_taken),
@@ -335,6 +360,7 @@ void FixGranTimestep::restart(char *buffer)
     error->all(FLERR, "Restart file holds fix {} {} with ticks of {:.17g}, found a timestep of {:.17g}", STYLE, id, given, tick);
   origin = next();
   energy = next();
+  bound = next();
   s = next();
   n_steps = whole();
   shortest_taken = whole();

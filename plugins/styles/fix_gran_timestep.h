@@ -47,6 +47,7 @@ class FixGranTimestep : public Fix {
   double value_of(const std::string &variable, bigint next) const;
   void read_energy();
   Sums sums() const;
+  void bound_step();
   bigint next_due() const;
   void take(std::int64_t ticks);
   void set_clock();
@@ -58,7 +59,8 @@ class FixGranTimestep : public Fix {
   double energy = 0.0;
   std::string balance_name;
   bigint balance_every = 0;
-  std::int64_t longest, taken = 1;    // ticks: the most, of the present step
+  std::int64_t longest, first = 1, taken = 1;    // ticks: the most, of the first step, of the present one
+  double bound = 1.0;                            // ticks, for the collisions that may come
   granwave::StepController controller;
   std::int64_t shortest_taken = 0, longest_taken = 0, n_steps = 0;
   double s = 0.0;
