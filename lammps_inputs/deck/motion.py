@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from granwave.lammps_inputs.deck.commands import joined, num
@@ -48,12 +49,13 @@ def adaptive_timestep(case: Case, schedule: Schedule) -> list[str]:
     if not schedule.adaptive:
         return []
     kinetic = "v_motion" if case.has_rotation else "c_kinetic"
+    until = f"until {num(case.load.lasts)} " if 0 < case.load.lasts < math.inf else ""
     tolerance, longest, first = schedule.energy_tolerance, schedule.longest_step, schedule.first_step
     return [
         "# The timestep: up to so many ticks as the energy balance allows.",
         f"variable        balance equal {kinetic}+v_elastic+v_dissipated-v_input",
         f"fix             step all gran/timestep {longest} {num(tolerance)} v_input first {first} "
-        f"balance v_balance {schedule.ledger_every}",
+        f"{until}balance v_balance {schedule.ledger_every}",
     ]
 
 

@@ -233,7 +233,7 @@ def _bounds(assembly: Assembly) -> tuple[float, float, float]:
         first = min(first, limit)
     if not isinstance(run.smallest_timestep, str):
         first = max(first, min(run.smallest_timestep, limit))
-    down, up = _TICKS_OF_FIRST, _LONGEST_OF_FIRST
+    down, up = _TICKS_OF_FIRST, _LONGEST_OF_FIRST if math.isfinite(assembly.case.load.lasts) else 1
     while not isinstance(run.smallest_timestep, str) and down > 1 and first / down < run.smallest_timestep * (1 - 1e-9):
         down //= 2
     while up > 1 and first * up > limit * (1 + 1e-9):

@@ -154,17 +154,16 @@ def auto_timestep(case: Case | Assembly, *, tolerance: float = ENERGY_TOLERANCE)
     assembly = assemble(case)
     slowest = min(encounter.mass / encounter.stiffness for encounter in _some_encounters(assembly))
     for_contacts = math.sqrt(_TOLERANCE * tolerance / ENERGY_TOLERANCE / _ERROR * slowest)
-    return _round_down(min(for_contacts, largest_timestep(assembly)))
+    share = _OF_LOAD_ON_BAR if assembly.case.incident_bar else _OF_LOAD
+    of_load = [share * time for time in _times_of_load(assembly.case.load)]
+    return _round_down(min(for_contacts, largest_timestep(assembly), *of_load))
 
 
 def largest_timestep(assembly: Assembly) -> float:
-    """Bound on the timestep by all but the contacts between spheres, s: support, bars, load; infinite without these."""
-    case = assembly.case
+    """Bound on the timestep by support and bars at any time, s; infinite without these."""
     stiffness = max(encounter.stiffness for encounter in _some_encounters(assembly))
-    limits = [support_timestep(assembly, stiffness)]
-    limits += [BAR_COURANT_NUMBER * bar.pitch / bar.wave_speed for bar in assembly.bars]
-    limits += [(_OF_LOAD_ON_BAR if case.incident_bar else _OF_LOAD) * time for time in _times_of_load(case.load)]
-    return min(limits)
+    of_bars = [BAR_COURANT_NUMBER * bar.pitch / bar.wave_speed for bar in assembly.bars]
+    return min(support_timestep(assembly, stiffness), *of_bars, math.inf)
 
 
 def expected_energy(assembly: Assembly) -> float:

@@ -27,7 +27,7 @@ constexpr std::int64_t MOST_TICKS = std::int64_t(1) << 20;
 constexpr double LEAST_TOLERANCE = 1e-12, MOST_TOLERANCE = 1e-3;
 constexpr std::int64_t STEPS_BETWEEN_ENERGIES = 16;
 constexpr double COLLISION = 3.0;
-constexpr const char *USAGE = "expected N TOLERANCE ENERGY, and then maybe first M, balance v_NAME K";
+constexpr const char *USAGE = "expected N TOLERANCE ENERGY, and then maybe first M, until T, balance v_NAME K";
 
 // Fixed-point sums have the same bits in any order. A term is at most 2 energies, in units of 2^-50 of one.
 constexpr double UNITS = 1125899906842624.0;              // 2^50
@@ -78,6 +78,9 @@ FixGranTimestep::FixGranTimestep(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, n
       first = taken = utils::bnumeric(FLERR, arg[n + 1], false, lmp);
       if (!power_of_two(first) || first > longest)
         error->all(FLERR, "Illegal fix {}: first must be a power of two up to N, {}, found {}", STYLE, longest, arg[n + 1]);
+      n += 2;
+    } else if (word == "until" && n + 1 < narg) {
+      until = utils::numeric(FLERR, arg[n + 1], false, lmp);
       n += 2;
     } else if (word == "balance" && n + 2 < narg && utils::strmatch(arg[n + 1], "^v_")) {
       balance_name = arg[n + 1] + 2;
@@ -286,7 +289,9 @@ void FixGranTimestep::end_of_step()
     const double measured = value_of(balance_name, reached + balance_every);
     if (std::isfinite(measured)) controller.correct(s, std::copysign(rounded(std::fabs(measured)), measured));
   }
-  const std::int64_t next = controller.choose(s, tolerance * energy, bound, reached, next_due());
+  const bool held = origin + static_cast<double>(reached) * tick < until;
+  const double most = held ? std::min(bound, static_cast<double>(first)) : bound;
+  const std::int64_t next = controller.choose(s, tolerance * energy, most, reached, next_due());
   // what is due now is written here, as the run would do right after this, before the counter moves on
   if (reached == output->next) {
     const double dt = update->dt;

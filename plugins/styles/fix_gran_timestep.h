@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-only
 /* Fix gran/timestep: a timestep that follows the error of the energy balance.
 
-   fix ID group gran/timestep N TOLERANCE ENERGY [first M] [balance v_NAME K]
+   fix ID group gran/timestep N TOLERANCE ENERGY [first M] [until T] [balance v_NAME K]
 
    The step counter counts ticks, each one `timestep` long: a step is 1, 2, 4 ... N of them, so that all output falls on
    exact times. Velocity Verlet adds 1 to the counter before each step; the fix adds the rest beforehand, at the end of the
@@ -61,6 +61,7 @@ class FixGranTimestep : public Fix {
   bigint balance_every = 0;
   std::int64_t longest, first = 1, taken = 1;    // ticks: the most, of the first step, of the present one
   double bound = 1.0;                            // ticks, for the collisions that may come
+  double until = -1.0;                           // time up to which no step is longer than the first
   granwave::StepController controller;
   std::int64_t shortest_taken = 0, longest_taken = 0, n_steps = 0;
   double s = 0.0;
