@@ -1,6 +1,6 @@
 """The quantities of ``summary.json``, each once: its name there, in reports and at the terminal, and where it is shown.
 
-A new one is an entry of ``_ENTRIES``, and its name in those of the lists below that are to show it. It is computed in
+A new one is an entry of ``ENTRIES``, and its name in those of the lists below that are to show it. It is computed in
 `granwave.analysis.summary`, or where the finite-element programs sum their runs up.
 """
 
@@ -113,7 +113,7 @@ def _zone_sizes() -> tuple[Quantity, ...]:
     )
 
 
-_ENTRIES = (
+ENTRIES = (
     # the run
     Quantity("name"),
     Quantity("kind"),
@@ -264,8 +264,8 @@ _ENTRIES = (
     Quantity("penetration_share_max"),
 )  # fmt: skip
 
-QUANTITIES = {entry.name: entry for entry in _ENTRIES}
-FAMILIES = tuple(entry for entry in _ENTRIES if "*" in entry.name)
+QUANTITIES = {entry.name: entry for entry in ENTRIES}
+_FAMILIES = tuple(entry for entry in ENTRIES if "*" in entry.name)
 
 
 @cache
@@ -273,7 +273,7 @@ def quantity(name: str) -> Quantity:
     """Entry of a value of a summary; of a value without one, as other programs may leave, what its name tells."""
     if name in QUANTITIES:
         return QUANTITIES[name]
-    family = next((entry for entry in FAMILIES if fnmatchcase(name, entry.name)), Quantity(name))
+    family = next((entry for entry in _FAMILIES if fnmatchcase(name, entry.name)), Quantity(name))
     return dataclasses.replace(family, name=name, label="", short="")
 
 

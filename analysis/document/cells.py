@@ -1,4 +1,4 @@
-"""Names, units and number formats of what stands in a summary or a case."""
+"""Cells and columns of values of a summary or a case: names, units, numbers as text."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from granwave.analysis.document.model import Cell, Column, Group, Table
 from granwave.analysis.formatting.numbers import interval, plain
 from granwave.analysis.formatting.units import printed_unit, shown_unit
 from granwave.analysis.formatting.values import as_label
-from granwave.analysis.quantities import QUANTITIES, quantity
+from granwave.analysis.quantities import ENTRIES, quantity
 
 BLANK = "\u2013"  # a value that does not apply
 _DIGITS = 5
@@ -18,7 +18,7 @@ _DIGITS = 5
 
 def meanings(summaries: Sequence[Mapping[str, Any]]) -> tuple[Group, ...]:
     """Meanings of the values that any of these summaries has, folded away; nothing if there are none."""
-    explained = [entry for entry in QUANTITIES.values() if entry.meaning]
+    explained = [entry for entry in ENTRIES if entry.meaning]
     shown = [entry for entry in explained if any(summary.get(entry.name) is not None for summary in summaries)]
     if not shown:
         return ()
@@ -40,12 +40,7 @@ def value_column(key: str) -> Column:
 
 def case_column(key: str, *, numeric: bool) -> Column:
     """Column of a key of the case."""
-    return Column(key, unit_of_key(key), numeric=numeric, key=True)
-
-
-def unit_of_key(key: str) -> str:
-    """Unit of a key of the case, empty where it has none."""
-    return shown_unit(key)
+    return Column(key, shown_unit(key), numeric=numeric, key=True)
 
 
 def show(value: Any) -> str:

@@ -9,6 +9,7 @@ import pytest
 
 from granwave.analysis.quantities import (
     CONTINUUM_ROWS,
+    ENTRIES,
     QUANTITIES,
     REPORT_COLUMNS,
     RUN_ROWS,
@@ -52,13 +53,14 @@ def test_values_are_shown_with_their_digits(summaries):
         assert entry.digits or not any(isinstance(summary.get(entry.name), float) for summary in summaries), entry.name
 
 
-def test_what_is_shown_has_an_entry():
+def test_what_is_shown_has_one_entry():
+    assert len(ENTRIES) == len(QUANTITIES)
     assert set(REPORT_COLUMNS) <= set(QUANTITIES)
     assert all(QUANTITIES[name].axis for name in SCAN_FIGURES.values())
 
 
 def test_names_end_in_units():
-    capitals = [entry for entry in QUANTITIES.values() if not entry.name.rpartition("_")[2].islower()]
+    capitals = [entry for entry in ENTRIES if not entry.name.rpartition("_")[2].islower()]
     assert len(capitals) > 20 and [entry.name for entry in capitals if not entry.unit] == []
     names = ("wave_speed_m_s", "sensor_A_peak_acceleration_m_s2", "peak_reduction_per_kg", "packing_mass_kg", "n_steps")
     assert [quantity(name).unit for name in names] == ["m/s", "m/s^2", "1/kg", "kg", ""]

@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Any
 
 from granwave.analysis.formatting.units import printed_unit
-from granwave.analysis.quantities import QUANTITIES
+from granwave.analysis.quantities import ENTRIES
 from granwave.analysis.reports.report import write_report
 from granwave.lammps_inputs import write_deck
 from granwave.lammps_inputs.run_directory import SCRIPT_FILE, SUMMARY_FILE
@@ -103,7 +103,7 @@ def quantity_table() -> str:
     """Table of the values of ``summary.json``, for the README."""
     rows = [
         f"| `{entry.name}` | {printed_unit(entry.unit)} | {f'{entry.label}. {entry.meaning}'.rstrip('. ')} |"
-        for entry in QUANTITIES.values()
+        for entry in ENTRIES
     ]
     return "\n".join(["| value | unit | what |", "|---|---|---|", *rows])
 

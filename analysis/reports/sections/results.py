@@ -13,12 +13,12 @@ from granwave.analysis.document.cells import (
     percent,
     show,
     spread_cell,
-    unit_of_key,
     unit_of_value,
     value_cell,
     value_column,
 )
 from granwave.analysis.document.model import Block, Cell, Column, Group, Note, Section, Table, Tone
+from granwave.analysis.formatting.units import shown_unit
 from granwave.analysis.formatting.values import unique_labels
 from granwave.analysis.measures.zone_marks import Mark, bounds_in_words, mark_of
 from granwave.analysis.quantities import FRICTION_SHARES, REPORT_COLUMNS, quantity
@@ -307,7 +307,7 @@ def settings_blocks(inputs: Inputs) -> list[Block]:
             continue
         different = {*differing(known), *varied}
         shared = {key: value for key, value in known[0].case.items() if key not in different}
-        rows = tuple((Cell(key), Cell(show(value)), Cell(unit_of_key(key))) for key, value in _spelt_out(shared))
+        rows = tuple((Cell(key), Cell(show(value)), Cell(shown_unit(key))) for key, value in _spelt_out(shared))
         columns = (Column("Key", key=True), Column("Value"), Column("Unit"))
         who = f"all points of {title}" if varied else f"all {title}"
         name = f"Settings that {who} share" if len(known) > 1 else f"Settings of {title}"
