@@ -11,7 +11,7 @@ from functools import cache
 
 import numpy as np
 
-from granwave.analysis.measures.chain_record import ChainRecord
+from granwave.analysis.measures.chains.record import ChainRecord
 from granwave.analysis.measures.signals import Array
 
 IMPULSE_COEFFICIENT = 0.719  # (4.5)

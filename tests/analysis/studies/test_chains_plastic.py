@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from granwave.analysis.studies.chains.bilinear import (
+from granwave.analysis.measures.chains.bilinear import (
     LeadingWave,
     LongLoad,
     Spring,
@@ -19,16 +19,16 @@ from granwave.analysis.studies.chains.bilinear import (
     first_coefficients,
     leading_wave,
 )
-from granwave.analysis.studies.chains.elastoplastic import Pulses, collect_pulses
-from granwave.analysis.studies.chains.elastoplastic_model import (
+from granwave.analysis.measures.chains.elastoplastic_model import (
     QUADRATIC,
     dissipation_at,
     elastic_peak,
     integrated_dissipation,
-    model_dissipation,
-    model_force,
+    peak_force,
     quadratic_of,
+    summed_dissipation,
 )
+from granwave.analysis.studies.chains.elastoplastic.pulses import Pulses, collect_pulses
 from granwave.analysis.studies.chains.runs import ChainRun
 from granwave.analysis.studies.registry import STUDIES
 from granwave.analysis.studies.study import Row, Study, draw_studies, make_studies
@@ -229,9 +229,9 @@ def test_the_models_of_dissipation():
     n = np.arange(1.0, 88)
     peak = 0.4598 * 357915.4
     d0, d1, d2 = QUADRATIC
-    forces = peak * model_force(n)
-    assert model_dissipation(87, peak)[-1] == pytest.approx(np.sum(d0 + d1 * forces + d2 * forces**2))
-    parts = [quad(lambda x: d0 + d1 * peak * float(model_force(np.array(x))) + d2 * (peak * float(model_force(np.array(x)))) ** 2,
+    forces = peak * peak_force(n)
+    assert summed_dissipation(87, peak)[-1] == pytest.approx(np.sum(d0 + d1 * forces + d2 * forces**2))
+    parts = [quad(lambda x: d0 + d1 * peak * float(peak_force(np.array(x))) + d2 * (peak * float(peak_force(np.array(x)))) ** 2,
                   a, b, limit=200)[0] for a, b in ((1, 7), (7 + 1e-9, 87))]  # fmt: skip
     assert integrated_dissipation(87, peak)[-1] == pytest.approx(sum(parts), rel=1e-6)
     assert integrated_dissipation(87, peak)[0] == pytest.approx(0, abs=1e-12)

@@ -1,0 +1,197 @@
+"""Two spheres of unlike radii, materials or yield strengths: force against overlap (thesis 2.1.3, 3.1).
+
+Each run is an impact of two spheres with a probe of their contact; the law's curve stands beside what the run recorded.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from granwave.analysis.figures.series import MARKS, label, panels
+from granwave.analysis.figures.style import Drawing
+from granwave.analysis.measures.chains.probed_pair import Pair, probed_name
+from granwave.analysis.studies.chains.runs import chain_runs
+from granwave.analysis.studies.runs import FinishedRun, rising
+from granwave.analysis.studies.study import Picture, Row
+from granwave.lammps_inputs.case.material import material
+
+TITLE = "Unlike spheres"
+_MILLI, _MEGA, _KILO = 1e-3, 1e6, 1e3
+_DEPTH = 0.95 * 0.2  # of R*: nearly the end of Fig. 2.10, and of the law's fit
+_NEARLY = 0.95  # of the largest overlap
+_BAND = (500e6, 600e6)  # Pa: sigma_y of the quasi-static experiment, 550 +- 50 MPa (thesis 2.1.2)
+_SHALLOW = 0.4e-3  # m: an overlap of Figs. 2.9 and 3.3
+_SHOWN = 25  # points of a run in a figure
+_ALLOYS = {
+    "aluminium-2017": "The thesis does not print the alloy's values: E 72.4 GPa, 276 MPa are the handbook's.",
+    "aluminium": "Pure aluminium of 150 MPa, the thesis' intruder; its Fig. 3.3 is of the stronger alloy 2017.",
+}
+
+
+@dataclasses.dataclass(frozen=True)
+class Pairs:
+    """All runs of two spheres.
+
+    Attributes
+    ----------
+    radii
+        Spheres of one material that differ in the ratio of their radii, in its rising order.
+    unlike
+        Of unlike materials.
+    band
+        Like spheres that differ in nothing but the yield strength, in its rising order.
+    """
+
+    every: list[Pair]
+    radii: list[Pair]
+    unlike: list[Pair]
+    band: list[Pair]
+
+
+def select(runs: Sequence[FinishedRun]) -> list[Pairs]:
+    """Runs of two spheres with a probed contact, of unlike radii, materials or yield strengths."""
+    found = [run for run in chain_runs(runs) if run.assembly.n_particles == 2]
+    found = [run for run in found if run.case.contact.law == "elastoplastic" and probed_name(run.case)]
+    every = sorted((Pair(run) for run in found), key=_label)
+    unequal = [pair for pair in every if pair.like and pair.ratio > 1]
+    radii = rising((p for p in every if unequal and p.materials == unequal[0].materials), lambda p: p.ratio)
+    equal = [pair for pair in every if pair.like and pair.ratio == 1]
+    band = rising((p for p in equal if _but_strength(p) == _but_strength(equal[0])), lambda p: p.strength)
+    unlike = [pair for pair in every if not pair.like]
+    return [Pairs(every, radii, unlike, band)] if len(radii) > 1 or unlike or len(band) > 1 else []
+
+
+def text(pairs: Pairs) -> str:
+    """Describe the runs."""
+    return (
+        f"{len(pairs.every)} impacts of two spheres, their contact probed: loading, and unloading to separation, "
+        "beside the law's curve. The thesis prints curves, no values; its finite elements are the static contact of "
+        "two spheres."
+    )
+
+
+def rows(pairs: Pairs) -> Iterator[Row]:
+    """Distance from the law, and forces at some overlaps."""
+    yield Row(f"Largest distance of {len(pairs.every)} recorded curves from the law's, over the largest force", "%",
+              None, 100 * max(pair.deviation for pair in pairs.every), "thesis 2.14-2.17",
+              "Loading and unloading, from the coupled motion of two spheres.", 0.0)  # fmt: skip
+    deep = [pair for pair in pairs.radii if pair.deepest >= _DEPTH * pair.law.effective_radius]
+    if len(deep) > 1:
+        forces = [pair.at(_DEPTH * pair.law.effective_radius) / pair.law.yield_force for pair in deep]
+        law = deep[0].law
+        yield Row(f"Force/F_y at {_DEPTH:.2f} R*, radii in the ratio {deep[-1].ratio:g}", "", None, forces[-1],
+                  "thesis Fig. 2.10",
+                  "The finite-element curves of Fig. 2.10 fall below the law here: the smaller sphere yields as a "
+                  "whole, which the law does not know.",
+                  deep[0].expected(_DEPTH * law.effective_radius) / law.yield_force)  # fmt: skip
+        yield Row(f"Spread of that force over the ratios {', '.join(f'{pair.ratio:g}' for pair in deep)}", "%", None,
+                  100 * (max(forces) / min(forces) - 1), "thesis 2.1.3", "One normalised curve.", 0.0)  # fmt: skip
+    for pair in pairs.unlike:
+        overlap = _SHALLOW if pair.deepest >= _SHALLOW else _NEARLY * pair.deepest
+        alloys = [_ALLOYS[name] for name in _ALLOYS if name in {one.name for one in pair.materials}]
+        yield _at(pair, overlap, f"{overlap / _MILLI:.3g} mm, {_names(pair)}", "thesis Fig. 3.3", *alloys[:1])
+    band = [pair for pair in pairs.band if pair.deepest >= _SHALLOW]
+    for pair in band if len(band) > 1 else ():
+        edge = pair.strength in _BAND and pair.materials[0].youngs_modulus == material("brass").youngs_modulus
+        remark = "An edge of the range that the thesis gives for the experiment." if edge else ""
+        what = f"{_SHALLOW / _MILLI:g} mm, sigma_y {pair.strength / _MEGA:.0f} MPa"
+        yield _at(pair, _SHALLOW, what, "thesis Fig. 2.9", remark)
+
+
+def pictures(pairs: Pairs) -> Iterator[Picture]:
+    """All pairs normalised, unlike radii, unlike materials, and the band of yield strengths."""
+    if len(pairs.every) > 1:
+        caption = "Force against overlap, normalised by first yield; all pairs"
+        yield Picture("unlike_normalised", caption, _normalised(pairs.every))
+    if len(pairs.radii) > 1:
+        yield Picture("unlike_radii", "Force against overlap for unlike radii (thesis Fig. 2.10)", _radii(pairs.radii))
+    if pairs.unlike:
+        drawing = _physical(pairs.unlike, [_names(pair) for pair in pairs.unlike])
+        yield Picture("unlike_materials", "Force against overlap of unlike materials (thesis Fig. 3.3)", drawing)
+    if len(pairs.band) > 1:
+        drawing = _physical(pairs.band, [f"{pair.strength / _MEGA:.0f} MPa" for pair in pairs.band])
+        yield Picture("unlike_yield_strengths", "Range of the yield strength (thesis Fig. 2.9)", drawing)
+
+
+def _at(pair: Pair, overlap: float, what: str, where: str, remark: str = "") -> Row:
+    forces = pair.at(overlap) / _KILO, pair.expected(overlap) / _KILO
+    return Row(f"Force at {what}", "kN", None, forces[0], where, remark, forces[1])
+
+
+def _but_strength(pair: Pair) -> tuple[float, ...]:
+    one = pair.materials[0]
+    return one.youngs_modulus, one.poisson_ratio, one.density, pair.diameters[0]
+
+
+def _names(pair: Pair) -> str:
+    return " on ".join(one.name or "?" for one in pair.materials)
+
+
+def _label(pair: Pair) -> str:
+    own = pair.materials[0].name or "material" if pair.like else _names(pair)
+    ratio = f", ratio {pair.ratio:g}" if pair.ratio != 1 else ""
+    return own + ratio + (f", {pair.strength / _MEGA:.0f} MPa" if pair.like else "")
+
+
+def _normalised(pairs: Sequence[Pair]) -> Drawing:
+    """Loading of all pairs in units of first yield."""
+    figure, axes = panels(3.0, width=5.2)
+    data: dict[str, ArrayLike] = {}
+    for n, pair in enumerate(pairs):
+        overlap, force = pair.normalised(pair.law.yield_overlap)
+        shown = _nearest(overlap, np.geomspace(0.3, overlap[-1], _SHOWN))
+        axes.plot(overlap[shown], force[shown], "osD^v<>ph*Xd"[n % 12], markersize=3.5, fillstyle="none",
+                  label=_label(pair))  # fmt: skip
+        data |= {f"overlap_normalised_{n + 1}": overlap, f"force_normalised_{n + 1}": force}
+    deepest = max(1.0, *(pair.normalised(pair.law.yield_overlap)[0][-1] for pair in pairs))
+    law, grid = pairs[0].law, np.geomspace(0.3, deepest, 400)
+    curve = law.loading_force(grid * law.yield_overlap) / law.yield_force
+    axes.plot(grid, curve, color="black", linewidth=0.8, label="law (thesis 2.14)")
+    label(axes, r"Overlap $\alpha/\alpha_\mathrm{y}$", r"Force $F/F_\mathrm{y}$", log="xy")
+    figure.legend(loc="outside right center", fontsize=6.5)
+    return Drawing(figure, data | {"law_overlap_normalised": grid, "law_force_normalised": curve})
+
+
+def _radii(pairs: Sequence[Pair]) -> Drawing:
+    """Loading of pairs of unlike radii over R*."""
+    figure, axes = panels(2.7)
+    data: dict[str, ArrayLike] = {}
+    for n, pair in enumerate(pairs):
+        overlap, force = pair.normalised(pair.law.effective_radius)
+        shown = _nearest(overlap, np.linspace(0, overlap[-1], 9) + 0.004 * n)
+        axes.plot(overlap[shown], force[shown], MARKS[n % 5], markersize=4, label=rf"$R_2/R_1$ = {pair.ratio:g}")
+        data |= {f"overlap_over_radius_{pair.ratio:g}": overlap, f"force_normalised_{pair.ratio:g}": force}
+    deepest = max(pair.normalised(pair.law.effective_radius)[0][-1] for pair in pairs)
+    law, grid = pairs[0].law, np.linspace(0, deepest, 300)
+    curve = law.loading_force(grid * law.effective_radius) / law.yield_force
+    axes.plot(grid, curve, color="black", linewidth=0.8, zorder=0, label="law")
+    label(axes, r"Overlap $\alpha/R^*$", r"Force $F/F_\mathrm{y}$", xlim=(0, 1.03 * deepest), ylim=(0, None))
+    axes.legend()
+    return Drawing(figure, data | {"law_overlap_over_radius": grid, "law_force_normalised": curve})
+
+
+def _physical(pairs: Sequence[Pair], names: Sequence[str]) -> Drawing:
+    """Loading and unloading in kN and mm: the law's curve as a line, the run's records as marks."""
+    figure, axes = panels(2.7)
+    data: dict[str, ArrayLike] = {}
+    for pair, name in zip(pairs, names, strict=True):
+        together = pair.force > 0
+        overlap, force, (alpha, law) = pair.overlap[together], pair.force[together], pair.law_curve
+        (line,) = axes.plot(alpha / _MILLI, law / _KILO, label=name)
+        shown = np.unique(np.linspace(0, len(overlap) - 1, _SHOWN).astype(int))
+        axes.plot(overlap[shown] / _MILLI, force[shown] / _KILO, "o", color=line.get_color(), markersize=2.5,
+                  fillstyle="none")  # fmt: skip
+        slug = name.replace(" ", "_")
+        data |= {f"{slug}_overlap_m": overlap, f"{slug}_force_N": force}
+    label(axes, "Overlap (mm)", "Force (kN)", xlim=(0, None), ylim=(0, None))
+    axes.legend(fontsize=7, title="lines: law; marks: run", title_fontsize=7)
+    return Drawing(figure, data)
+
+
+def _nearest(x: NDArray, wanted: NDArray) -> NDArray[np.int64]:
+    """Places of rising values next to those wanted, each once."""
+    return np.unique(np.clip(np.searchsorted(x, wanted), 0, len(x) - 1))
