@@ -8,7 +8,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogFormatter
 from numpy.typing import ArrayLike, NDArray
 
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, WIDTH, new_figure
@@ -63,8 +62,6 @@ def label(axes: Axes, x: str = "", y: str = "", *, log: str = "", **settings: An
         Of ``Axes.set``, such as ``xlim`` and ``title``.
     """
     axes.set(**{f"{name}scale": "log" for name in log})
-    for name in log:
-        getattr(axes, f"{name}axis").set_minor_formatter(LogFormatter(labelOnlyBase=False))  # 30, not 3 x 10^1
     axes.set(xlabel=x or axes.get_xlabel(), ylabel=y or axes.get_ylabel(), **settings)
 
 

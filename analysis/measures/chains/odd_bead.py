@@ -7,6 +7,7 @@ contact force on the bar, which is that of a section of a bar in which nothing c
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Hashable
 
 import numpy as np
@@ -50,6 +51,18 @@ class OddBead:
     def base(self) -> Material:
         """Material of the other beads."""
         return self.run.case.material
+
+    @property
+    def properties(self) -> dict[str, float]:
+        """Properties of the odd bead, SI."""
+        own = self.material
+        return {
+            "yield strength": own.yield_strength or math.inf,
+            "density": own.density,
+            "radius": self.diameter / 2,
+            "modulus": own.youngs_modulus,
+            "Poisson's ratio": own.poisson_ratio,
+        }
 
     @property
     def substance(self) -> Hashable:

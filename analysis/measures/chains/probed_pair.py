@@ -93,10 +93,6 @@ class Pair:
         """The law's force of loading at an overlap, N."""
         return float(self.law.loading_force(np.array([overlap]))[0])
 
-    def normalised(self, unit: float) -> tuple[Array, Array]:
-        """Overlap of loading over a unit (m), and its force over that of first yield."""
-        return self.overlap[self.loading] / unit, self.force[self.loading] / self.law.yield_force
-
     @property
     def law_curve(self) -> tuple[Array, Array]:
         """Overlap (m) and the law's force (N): loading to the largest overlap, and unloading from there."""

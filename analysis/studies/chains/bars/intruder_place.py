@@ -13,7 +13,7 @@ from granwave.analysis.figures.style import GREY, Drawing
 from granwave.analysis.measures.chains.odd_bead import OddBead, constants
 from granwave.analysis.studies.chains.bars.odd_beads import FEWEST, lines, name_of, remarks
 from granwave.analysis.studies.chains.runs import columns
-from granwave.analysis.studies.runs import FinishedRun
+from granwave.analysis.studies.runs import FinishedRun, rising
 from granwave.analysis.studies.study import Picture, Row
 from granwave.lammps_inputs.case.material import Material
 
@@ -113,15 +113,15 @@ def pictures(places: Places) -> Iterator[Picture]:
         data |= {f"all_{own}_energy_J": [chain.energy], f"all_{own}_peak_force_over_load": [chain.peak]}
     label(lower, "Place of the intruder, from the struck end", "Peak transmitted force / load")
     label(upper, y="Energy in the bar (J)", ylim=(None, upper.get_ylim()[1] + 0.38 * np.ptp(upper.get_ylim())))
-    upper.legend(ncols=2, fontsize=7)
+    upper.legend(ncols=2)
     caption = "Transmitted energy and peak force against the place of the intruder (thesis Fig. 3.7)"
     yield Picture(f"intruder_place{places.suffix}", caption, Drawing(figure, data))
 
 
 def _curves(chains: Sequence[OddBead]) -> list[list[OddBead]]:
     """Chains with one kind of intruder, by place."""
-    curves: dict[Hashable, dict[int, OddBead]] = {}
+    curves: dict[Hashable, list[OddBead]] = {}
     for chain in chains:
         if chain.place is not None:
-            curves.setdefault(chain.substance, {}).setdefault(chain.place, chain)
-    return [[curve[place] for place in sorted(curve)] for curve in curves.values()]
+            curves.setdefault(chain.substance, []).append(chain)
+    return [rising(curve, lambda chain: chain.place or 0) for curve in curves.values()]

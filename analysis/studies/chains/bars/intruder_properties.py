@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -18,38 +18,14 @@ from granwave.analysis.figures.style import Drawing
 from granwave.analysis.measures.chains.odd_bead import OddBead
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.studies.chains.bars.odd_beads import FEWEST, lines, name_of, remarks
-from granwave.analysis.studies.runs import FinishedRun
+from granwave.analysis.studies.runs import FinishedRun, rising
 from granwave.analysis.studies.study import Picture, Row
 
 _WHERE = "thesis Fig. 3.8"
 _RATIO = 3.0  # of the normalised times at which the collapse is judged
 _SLIGHT = 0.1  # change of transmitted energy
-
-
-@dataclasses.dataclass(frozen=True)
-class Property:
-    """Property of the intruder that is varied.
-
-    Attributes
-    ----------
-    value
-        Of a chain.
-    to_time, to_mass
-        Powers of the ratio in tau* = D sqrt(rho/sigma_y), and in sqrt(m/sigma_y).
-    """
-
-    name: str
-    value: Callable[[OddBead], float]
-    to_time: float
-    to_mass: float
-
-
-_PROPERTIES = (
-    Property("yield strength", lambda chain: chain.material.yield_strength or math.inf, -0.5, -0.5),
-    Property("density", lambda chain: chain.material.density, 0.5, 0.5),
-    Property("radius", lambda chain: chain.diameter, 1.0, 1.5),
-    Property("modulus", lambda chain: chain.material.youngs_modulus, 0.0, 0.0),
-)
+#: Powers of the ratio of each property in tau* = D sqrt(rho/sigma_y), and in sqrt(m/sigma_y).
+_POWERS = {"yield strength": (-0.5, -0.5), "density": (0.5, 0.5), "radius": (1.0, 1.5), "modulus": (0.0, 0.0)}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -69,11 +45,11 @@ class Properties:
     suffix: str
     base: OddBead
     place: int
-    curves: dict[Property, list[OddBead]]
+    curves: dict[str, list[OddBead]]
 
-    def ratios(self, one: Property) -> tuple[Array, Array]:
-        """The property and the transmitted energy, over those of the chain of like beads."""
-        x = np.array([one.value(chain) / one.value(self.base) for chain in self.curves[one]])
+    def ratios(self, one: str) -> tuple[Array, Array]:
+        """A property and the transmitted energy, over those of the chain of like beads."""
+        x = np.array([chain.properties[one] / self.base.properties[one] for chain in self.curves[one]])
         return x, np.array([chain.energy / self.base.energy for chain in self.curves[one]])
 
 
@@ -81,15 +57,13 @@ def select(runs: Sequence[FinishedRun]) -> list[Properties]:
     """Places at which a property of the intruder was given three values and more."""
     groups = []
     for suffix, chains in lines(runs):
-        base = next((chain for chain in chains if chain.place is None), None)
-        if base is None:
-            continue
-        for place in sorted({chain.place for chain in chains if chain.place is not None}):
-            there = [chain for chain in chains if chain.place == place]
-            curves = {one: _varied(one, base, there) for one in _PROPERTIES}
-            curves = {one: curve for one, curve in curves.items() if len(curve) >= FEWEST}
-            if curves:
-                groups.append(Properties(suffix, base, place, curves))
+        for base in [chain for chain in chains if chain.place is None][:1]:
+            for place in sorted({chain.place for chain in chains if chain.place is not None}):
+                there = [chain for chain in chains if chain.place == place]
+                curves = {one: _varied(one, base, there) for one in _POWERS}
+                curves = {one: curve for one, curve in curves.items() if len(curve) >= FEWEST}
+                if curves:
+                    groups.append(Properties(suffix, base, place, curves))
     return groups
 
 
@@ -118,18 +92,18 @@ def rows(group: Properties) -> Iterator[Row]:
         x, y = group.ratios(one)
         for ratio, energy in ((x[0], y[0]), (x[-1], y[-1])):
             remark = ""
-            if one.name == "yield strength" and ratio > 1:
+            if one == "yield strength" and ratio > 1:
                 remark = "The weaker bead of a contact yields: a stronger intruder changes nothing."
-            if one.name == "modulus" and abs(energy - 1) < _SLIGHT:
+            if one == "modulus" and abs(energy - 1) < _SLIGHT:
                 remark = "Hardly any effect, as the source says."
-            yield Row(f"e_T/e_0T at {ratio:.3g} times the {one.name}", "", None, float(energy), _WHERE, remark)
+            yield Row(f"e_T/e_0T at {ratio:.3g} times the {one}", "", None, float(energy), _WHERE, remark)
     kept = "The contacts of a large bead keep the R* of its neighbours: no full collapse."
-    for power, what, remark in (("to_time", "D sqrt(rho/sigma_y)", kept),
-                                ("to_mass", "sqrt(m/sigma_y)", "For radii R^1.5 in place of R: closer.")):  # fmt: skip
+    closer = "For radii R^1.5 in place of R: closer."
+    for k, (what, remark) in enumerate((("D sqrt(rho/sigma_y)", kept), ("sqrt(m/sigma_y)", closer))):
         there = []
-        for one in (one for one in group.curves if getattr(one, power)):
+        for one in (one for one in group.curves if _POWERS[one][k]):
             x, y = group.ratios(one)
-            scaled, energy = _sorted(np.log(x) * getattr(one, power), y)
+            scaled, energy = _sorted(np.log(x) * _POWERS[one][k], y)
             if scaled[0] <= math.log(_RATIO) <= scaled[-1]:
                 there.append(float(np.interp(math.log(_RATIO), scaled, energy)))
         if len(there) > 1:
@@ -143,13 +117,13 @@ def pictures(group: Properties) -> Iterator[Picture]:
     data: dict[str, Any] = {}
     for one, mark in zip(group.curves, MARKS, strict=False):
         x, y = group.ratios(one)
-        slug = one.name.replace(" ", "_")
+        slug, (to_time, to_mass) = one.replace(" ", "_"), _POWERS[one]
         data |= {f"{slug}_ratio": x, f"energy_ratio_by_{slug}": y}
-        (line,) = left.plot(*_sorted(x ** (one.to_time or 1.0), y), marker=mark, markersize=4, label=one.name)
-        if not one.to_time:
+        (line,) = left.plot(*_sorted(x ** (to_time or 1.0), y), marker=mark, markersize=4, label=one)
+        if not to_time:
             line.set_linestyle(":")
-        if one.to_mass:
-            right.plot(*_sorted(x**one.to_mass, y), color=line.get_color(), marker=mark, markersize=4)
+        if to_mass:
+            right.plot(*_sorted(x**to_mass, y), color=line.get_color(), marker=mark, markersize=4)
     for axes in (left, right):
         axes.axvline(1, color="black", linewidth=0.5)
     label(left, r"$\tau^*_i/\tau^*_0$,  $\tau^* = D\sqrt{\rho/\sigma_y}$;  modulus: $E_i/E_0$",
@@ -166,12 +140,8 @@ def _sorted(x: Array, y: Array) -> tuple[Array, Array]:
     return x[order], y[order]
 
 
-def _varied(one: Property, base: OddBead, chains: Sequence[OddBead]) -> list[OddBead]:
+def _varied(one: str, base: OddBead, chains: Sequence[OddBead]) -> list[OddBead]:
     """Chains whose intruder differs from the rest in one property alone, and that of like beads, by that property."""
-
-    def fits(chain: OddBead) -> bool:
-        same = all(math.isclose(other.value(chain), other.value(base)) for other in _PROPERTIES if other is not one)
-        return same and chain.material.poisson_ratio == base.material.poisson_ratio
-
-    values = {one.value(chain): chain for chain in [*(chain for chain in chains if fits(chain)), base]}
-    return [values[value] for value in sorted(values)]
+    fixed = {key: value for key, value in base.properties.items() if key != one}
+    alike = [chain for chain in chains if all(math.isclose(chain.properties[key], fixed[key]) for key in fixed)]
+    return rising([base, *alike], lambda chain: chain.properties[one])

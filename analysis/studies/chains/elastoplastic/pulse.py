@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 from matplotlib.colors import LogNorm
+from matplotlib.ticker import NullLocator
 from numpy.typing import ArrayLike
 
 from granwave.analysis.figures.series import COLOURS, label, map_of, panels
@@ -267,7 +268,9 @@ def _speeds(pulses: Pulses) -> Drawing:
                       label=_label(wave) if strong else None)  # fmt: skip
     guide = model.SPACING * np.array([8.0, 0.95 * pulses.contacts])
     axes.plot(guide, 0.29 * (guide / guide[0]) ** -0.2, "k--", label="power -1/5")
-    label(axes, PLACE, r"Leading speed $(v\,\tau/R^*)\,/\,\bar I^{1/6}$", log="xy")
+    label(axes, PLACE, r"Leading speed $(v\,\tau/R^*)\,/\,\bar I^{1/6}$", log="xy", xticks=(20, 50, 100, 200))
+    axes.xaxis.set_major_formatter("{x:g}")
+    axes.xaxis.set_minor_locator(NullLocator())
     axes.legend(fontsize=7)
     return Drawing(figure, data)
 

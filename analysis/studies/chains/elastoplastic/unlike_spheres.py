@@ -6,14 +6,16 @@ Each run is an impact of two spheres with a probe of their contact; the law's cu
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from matplotlib.axes import Axes
+from numpy.typing import ArrayLike
 
 from granwave.analysis.figures.series import MARKS, label, panels
 from granwave.analysis.figures.style import Drawing
 from granwave.analysis.measures.chains.probed_pair import Pair, probed_name
+from granwave.analysis.measures.signals import Array
 from granwave.analysis.studies.chains.runs import chain_runs
 from granwave.analysis.studies.runs import FinishedRun, rising
 from granwave.analysis.studies.study import Picture, Row
@@ -25,7 +27,6 @@ _DEPTH = 0.95 * 0.2  # of R*: nearly the end of Fig. 2.10, and of the law's fit
 _NEARLY = 0.95  # of the largest overlap
 _BAND = (500e6, 600e6)  # Pa: sigma_y of the quasi-static experiment, 550 +- 50 MPa (thesis 2.1.2)
 _SHALLOW = 0.4e-3  # m: an overlap of Figs. 2.9 and 3.3
-_SHOWN = 25  # points of a run in a figure
 _ALLOYS = {
     "aluminium-2017": "The thesis does not print the alloy's values: E 72.4 GPa, 276 MPa are the handbook's.",
     "aluminium": "Pure aluminium of 150 MPa, the thesis' intruder; its Fig. 3.3 is of the stronger alloy 2017.",
@@ -140,38 +141,52 @@ def _label(pair: Pair) -> str:
 def _normalised(pairs: Sequence[Pair]) -> Drawing:
     """Loading of all pairs in units of first yield."""
     figure, axes = panels(3.0, width=5.2)
-    data: dict[str, ArrayLike] = {}
-    for n, pair in enumerate(pairs):
-        overlap, force = pair.normalised(pair.law.yield_overlap)
-        shown = _nearest(overlap, np.geomspace(0.3, overlap[-1], _SHOWN))
-        axes.plot(overlap[shown], force[shown], "osD^v<>ph*Xd"[n % 12], markersize=3.5, fillstyle="none",
-                  label=_label(pair))  # fmt: skip
-        data |= {f"overlap_normalised_{n + 1}": overlap, f"force_normalised_{n + 1}": force}
-    deepest = max(1.0, *(pair.normalised(pair.law.yield_overlap)[0][-1] for pair in pairs))
-    law, grid = pairs[0].law, np.geomspace(0.3, deepest, 400)
-    curve = law.loading_force(grid * law.yield_overlap) / law.yield_force
-    axes.plot(grid, curve, color="black", linewidth=0.8, label="law (thesis 2.14)")
-    label(axes, r"Overlap $\alpha/\alpha_\mathrm{y}$", r"Force $F/F_\mathrm{y}$", log="xy")
+    names = {f"{n}": _label(pair) for n, pair in enumerate(pairs, start=1)}
+    data = _loading(axes, pairs, names, "yield_overlap", "overlap_normalised",
+                    lambda deepest: np.geomspace(0.3, max(1.0, deepest), 400))  # fmt: skip
+    label(axes, r"Overlap $\alpha/\alpha_\mathrm{y}$", r"Force $F/F_\mathrm{y}$", log="xy", xlim=(0.2, None))
     figure.legend(loc="outside right center", fontsize=6.5)
-    return Drawing(figure, data | {"law_overlap_normalised": grid, "law_force_normalised": curve})
+    return Drawing(figure, data)
 
 
 def _radii(pairs: Sequence[Pair]) -> Drawing:
     """Loading of pairs of unlike radii over R*."""
     figure, axes = panels(2.7)
-    data: dict[str, ArrayLike] = {}
-    for n, pair in enumerate(pairs):
-        overlap, force = pair.normalised(pair.law.effective_radius)
-        shown = _nearest(overlap, np.linspace(0, overlap[-1], 9) + 0.004 * n)
-        axes.plot(overlap[shown], force[shown], MARKS[n % 5], markersize=4, label=rf"$R_2/R_1$ = {pair.ratio:g}")
-        data |= {f"overlap_over_radius_{pair.ratio:g}": overlap, f"force_normalised_{pair.ratio:g}": force}
-    deepest = max(pair.normalised(pair.law.effective_radius)[0][-1] for pair in pairs)
-    law, grid = pairs[0].law, np.linspace(0, deepest, 300)
-    curve = law.loading_force(grid * law.effective_radius) / law.yield_force
-    axes.plot(grid, curve, color="black", linewidth=0.8, zorder=0, label="law")
-    label(axes, r"Overlap $\alpha/R^*$", r"Force $F/F_\mathrm{y}$", xlim=(0, 1.03 * deepest), ylim=(0, None))
+    names = {f"{pair.ratio:g}": f"$R_2/R_1$ = {pair.ratio:g}" for pair in pairs}
+    data = _loading(axes, pairs, names, "effective_radius", "overlap_over_radius",
+                    lambda deepest: np.linspace(0, deepest, 300))  # fmt: skip
+    label(axes, r"Overlap $\alpha/R^*$", r"Force $F/F_\mathrm{y}$", xlim=(0, None), ylim=(0, None))
     axes.legend()
-    return Drawing(figure, data | {"law_overlap_over_radius": grid, "law_force_normalised": curve})
+    return Drawing(figure, data)
+
+
+def _loading(axes: Axes, pairs: Sequence[Pair], names: dict[str, str], unit: str, column: str,
+             grid: Callable[[float], Array]) -> dict[str, ArrayLike]:  # fmt: skip
+    """Draw the loading of pairs and the curve of the law, forces over that of first yield; return the data.
+
+    Parameters
+    ----------
+    names
+        In the legend, by the end of the name of a column.
+    unit
+        Attribute of the law, of which overlaps are multiples.
+    column
+        Name of a column of overlaps.
+    grid
+        Overlaps of the curve, from the deepest.
+    """
+    data: dict[str, ArrayLike] = {}
+    for n, (pair, (key, name)) in enumerate(zip(pairs, names.items(), strict=True)):
+        overlap = pair.overlap[pair.loading] / getattr(pair.law, unit)
+        force = pair.force[pair.loading] / pair.law.yield_force
+        axes.plot(overlap, force, linestyle="", marker=MARKS[n % 5], markersize=4, fillstyle="none",
+                  markevery=(0.01 * n, 0.06), label=name)  # fmt: skip
+        data |= {f"{column}_{key}": overlap, f"force_normalised_{key}": force}
+    law = pairs[0].law
+    x = grid(max(pair.overlap[pair.loading][-1] / getattr(pair.law, unit) for pair in pairs))
+    curve = law.loading_force(x * getattr(law, unit)) / law.yield_force
+    axes.plot(x, curve, color="black", linewidth=0.8, zorder=0, label="law (thesis 2.14)")
+    return data | {f"law_{column}": x, "law_force_normalised": curve}
 
 
 def _physical(pairs: Sequence[Pair], names: Sequence[str]) -> Drawing:
@@ -179,19 +194,13 @@ def _physical(pairs: Sequence[Pair], names: Sequence[str]) -> Drawing:
     figure, axes = panels(2.7)
     data: dict[str, ArrayLike] = {}
     for pair, name in zip(pairs, names, strict=True):
-        together = pair.force > 0
-        overlap, force, (alpha, law) = pair.overlap[together], pair.force[together], pair.law_curve
-        (line,) = axes.plot(alpha / _MILLI, law / _KILO, label=name)
-        shown = np.unique(np.linspace(0, len(overlap) - 1, _SHOWN).astype(int))
-        axes.plot(overlap[shown] / _MILLI, force[shown] / _KILO, "o", color=line.get_color(), markersize=2.5,
-                  fillstyle="none")  # fmt: skip
+        overlap, force = pair.overlap[pair.force > 0], pair.force[pair.force > 0]
+        alpha, law = pair.law_curve
+        (line,) = axes.plot(alpha / _MILLI, law / _KILO, linewidth=0.9, label=name)
+        axes.plot(overlap / _MILLI, force / _KILO, "o", color=line.get_color(), markersize=2.5, fillstyle="none",
+                  markevery=0.05)  # fmt: skip
         slug = name.replace(" ", "_")
         data |= {f"{slug}_overlap_m": overlap, f"{slug}_force_N": force}
     label(axes, "Overlap (mm)", "Force (kN)", xlim=(0, None), ylim=(0, None))
     axes.legend(fontsize=7, title="lines: law; marks: run", title_fontsize=7)
     return Drawing(figure, data)
-
-
-def _nearest(x: NDArray, wanted: NDArray) -> NDArray[np.int64]:
-    """Places of rising values next to those wanted, each once."""
-    return np.unique(np.clip(np.searchsorted(x, wanted), 0, len(x) - 1))
