@@ -3,13 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
-from typing import Any
-
-import numpy as np
+from collections.abc import Iterable
 
 from granwave.analysis.measures.chains.record import ChainRecord
-from granwave.analysis.measures.signals import Array
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.lammps_inputs.case.material import Material
 
@@ -48,18 +44,3 @@ def from_thesis(run: ChainRecord, *, yielding: bool = False) -> bool:
 def elastic_constants(own: Material) -> tuple[float, float, float]:
     """Young's modulus (Pa), Poisson's ratio and density (kg/m^3)."""
     return own.youngs_modulus, own.poisson_ratio, own.density
-
-
-def columns(records: Sequence[Any], *names: str) -> list[Array]:
-    """Attributes of records as arrays, one for each name: (n_records,)."""
-    return [np.array([getattr(record, name) for record in records]) for name in names]
-
-
-def clustered(records: Iterable[Any], key: str, share: float) -> list[list[Any]]:
-    """Records together whose values of an attribute differ by less than a share, in its rising order."""
-    groups: list[list[Any]] = []
-    for record in sorted(records, key=lambda record: float(getattr(record, key))):
-        if not groups or getattr(record, key) > (1 + share) * getattr(groups[-1][0], key):
-            groups.append([])
-        groups[-1].append(record)
-    return groups

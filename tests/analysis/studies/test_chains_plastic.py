@@ -28,8 +28,9 @@ from granwave.analysis.measures.chains.elastoplastic_model import (
     quadratic_of,
     summed_dissipation,
 )
-from granwave.analysis.studies.chains.elastoplastic.pulses import Pulses, collect_pulses
-from granwave.analysis.studies.chains.runs import ChainRun
+from granwave.analysis.measures.chains.elastoplastic_pulse import Pulses
+from granwave.analysis.studies.chains.elastoplastic import pulse as elastoplastic_pulse
+from granwave.analysis.studies.chains.runs import ChainRun, from_thesis
 from granwave.analysis.studies.registry import STUDIES
 from granwave.analysis.studies.study import Row, Study, draw_studies, make_studies
 from granwave.lammps_inputs.contact.law import sphere_contact
@@ -156,8 +157,7 @@ def plastic(tmp_path_factory) -> list[ChainRun]:
 
 
 def pulses_of(runs: list[ChainRun]) -> Pulses:
-    found = collect_pulses(runs)
-    assert found is not None
+    (found,) = elastoplastic_pulse.select(runs)
     return found
 
 
@@ -166,7 +166,8 @@ def test_chains_are_grouped_by_impulse(plastic):
     assert [len(group) for group in pulses.groups] == [2, 1]
     assert [wave.impulse for wave in pulses.chosen] == pytest.approx([0.4598, 0.04598], rel=1e-3)
     assert pulses.elastic is not None and pulses.elastic[0].run.case.contact.law == "hertz"
-    assert pulses.elastic[1] is pulses.chosen[0] and pulses.from_source
+    assert pulses.elastic[1] is pulses.chosen[0]
+    assert from_thesis(pulses.weakest.run, yielding=True)
 
 
 def test_decay_and_collapse_of_elastoplastic_chains(plastic):
@@ -221,7 +222,7 @@ def test_other_beads_stand_alone(tmp_path):
 def test_the_studies_are_found_among_all_runs(plastic, short):
     names = [study.name for study in make_studies({name: [*plastic, *short] for name in STUDIES})]
     assert {"elastoplastic-pulse", "bilinear-pulse"} <= set(names)
-    assert collect_pulses(short) is None
+    assert elastoplastic_pulse.select(short) == []
 
 
 def test_the_models_of_dissipation():

@@ -1,8 +1,7 @@
 """The homogeneous chain of the composite-chain source: its finite elements and ours against theory (Tables 2 and 3).
 
-15 stainless-steel spheres of 4.76 mm, the first with 0.626 m/s, the last against a steel cylinder. Two theories serve:
-Nesterenko's formula, of a continuum with the long-wave limit of the chain's dispersion, which the source takes, and the
-travelling wave of the discrete chain itself (`discrete_speed`).
+15 stainless-steel spheres of 4.76 mm, the first with 0.626 m/s, the last against a steel cylinder. The source takes
+Nesterenko's formula for theory; the travelling wave of the discrete chain stands beside it.
 """
 
 from __future__ import annotations
@@ -11,14 +10,16 @@ import dataclasses
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing
-from granwave.analysis.measures.hertz_chain import IMPULSE_COEFFICIENT, ChainScales, discrete_speed
-from granwave.analysis.studies.chains.runs import ChainRun, elastic_constants, uniform
+from granwave.analysis.measures.chains.record import ChainRecord
+from granwave.analysis.measures.chains.struck_chain import StruckChain
+from granwave.analysis.measures.hertz_chain import discrete_speed
+from granwave.analysis.studies.chains.runs import elastic_constants, uniform
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture, Row
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import material
 
 TITLE = "Homogeneous chain of the composite-chain source"
@@ -54,54 +55,16 @@ _FINEST, _CHOSEN = MODELS[4], MODELS[10]
 _FIRST_PENALTY = 5  # from where on the mesh is the same
 
 
-class Found:
-    """The wave between contacts 5 and 10.
-
-    Attributes
-    ----------
-    force, speed
-        N, m/s.
-    expected
-        Force of the impact by thesis 4.5, N.
-    """
-
-    def __init__(self, run: ChainRun) -> None:
-        self.run, self.scales = run, ChainScales(run)
-        (early, _), (late, self.force) = (run.first_peak(contact) for contact in _CONTACTS)
-        self.speed = (_CONTACTS[1] - _CONTACTS[0]) * run.case.packing.diameter / (late - early)
-        self.expected = IMPULSE_COEFFICIENT * self.scales.impulse_force(run.impulse)
-
-    @property
-    def is_source(self) -> bool:
-        """It is the chain of the source."""
-        case = self.run.case
-        ours = (*elastic_constants(case.material), case.packing.diameter, case.load.velocity)
-        return np.allclose(ours, (*elastic_constants(material("stainless-steel")), *_SOURCE), rtol=1e-6, atol=0)
-
-    def wave(self, force: float) -> float:
-        """Speed of the discrete chain's wave of this force, m/s."""
-        return discrete_speed() * self.scales.nesterenko(force)
-
-    def errors(self, force: float, speed: float) -> tuple[float, float]:
-        """Errors of a force against the expected one, of a speed against that of the wave of this force; magnitudes."""
-        return abs(force / self.expected - 1), abs(speed / self.wave(force) - 1)
-
-    @property
-    def errors_of_models(self) -> list[tuple[float, float]]:
-        """The same of all models of the source."""
-        return [self.errors(model.force, model.speed) for model in MODELS]
-
-
-def select(runs: Sequence[FinishedRun]) -> list[Found]:
+def select(runs: Sequence[FinishedRun]) -> list[StruckChain]:
     """The first elastic chain of like beads, its first struck, its last against a wall of a material."""
     found = [
         run for run in uniform(runs, "hertz")
         if run.load.kind == "impact" and run.case.boundary.bottom_material and run.force.shape[1] > max(_CONTACTS)
     ]  # fmt: skip
-    return [Found(run) for run in found[:1]]
+    return [StruckChain(run, _CONTACTS) for run in found[:1]]
 
 
-def text(found: Found) -> str:
+def text(found: StruckChain) -> str:
     """Describe the runs."""
     case = found.run.case
     return (
@@ -111,9 +74,9 @@ def text(found: Found) -> str:
     )
 
 
-def rows(found: Found) -> Iterator[Row]:
+def rows(found: StruckChain) -> Iterator[Row]:
     """Force and speed; for the source's chain also the errors of its models."""
-    if not found.is_source:
+    if not _is_source(found.run.case):
         yield Row("Peak force at contact 10", "N", None, found.force, "thesis 4.5", "", found.expected)
         yield Row("Speed over 5 diameters", "m/s", None, found.speed, "discrete chain", "", found.wave(found.force))
         return
@@ -130,7 +93,7 @@ def rows(found: Found) -> Iterator[Row]:
               100 * abs(found.speed / nesterenko(found.force) - 1), _WHERE,
               f"Theirs as printed; from its force and speed it is {printed:.2f}. Ours is the formula's own: it takes "
               "the chain for a continuum, and the discrete wave is faster.", 100 * (discrete_speed() - 1))  # fmt: skip
-    of_force, of_speed = 100 * np.transpose(found.errors_of_models)
+    of_force, of_speed = 100 * np.transpose(_errors_of_models(found))
     our_force, our_speed = found.errors(found.force, found.speed)
     for what, ours, theirs in (
         ("speed against the discrete chain's wave at the force found", our_speed, of_speed),
@@ -142,28 +105,37 @@ def rows(found: Found) -> Iterator[Row]:
               "Theirs is fitted to finite elements; ours is the law's.", 1.5)  # fmt: skip
 
 
-def pictures(found: Found) -> Iterator[Picture]:
+def pictures(found: StruckChain) -> Iterator[Picture]:
     """Force histories; for the source's chain also errors."""
     yield Picture("homogeneous_forces", "Force at contacts 5 and 10 (source Fig. 3)", _histories(found.run))
-    if found.is_source:
+    if _is_source(found.run.case):
         caption = "Errors of the source's finite elements and ours"
         yield Picture("homogeneous_errors", caption, _errors(found))
 
 
-def _histories(run: ChainRun) -> Drawing:
+def _is_source(case: Case) -> bool:
+    """It is the chain of the source."""
+    ours = (*elastic_constants(case.material), case.packing.diameter, case.load.velocity)
+    return np.allclose(ours, (*elastic_constants(material("stainless-steel")), *_SOURCE), rtol=1e-6, atol=0)
+
+
+def _errors_of_models(found: StruckChain) -> list[tuple[float, float]]:
+    """Errors of force and speed of all models of the source."""
+    return [found.errors(model.force, model.speed) for model in MODELS]
+
+
+def _histories(run: ChainRecord) -> Drawing:
+    """Force at both contacts in time."""
     figure, axes = panels(2.3)
-    data: dict[str, ArrayLike] = {"time_s": run.time}
-    for k in _CONTACTS:
-        axes.plot(1e6 * run.time, run.force[:, k], label=f"beads {k + 1} and {k + 2}")
-        data[f"contact_{k + 1}_N"] = run.force[:, k]
+    axes.plot(1e6 * run.time, run.force[:, _CONTACTS], label=[f"beads {k + 1} and {k + 2}" for k in _CONTACTS])
     label(axes, "Time (µs)", "Contact force (N)", xlim=(0, 1e6 * run.time[-1]), ylim=(0, 1.3 * axes.get_ylim()[1]))
     axes.legend(loc="upper right")
-    return Drawing(figure, data)
+    return Drawing(figure, {"time_s": run.time} | {f"contact_{k + 1}_N": run.force[:, k] for k in _CONTACTS})
 
 
-def _errors(found: Found) -> Drawing:
+def _errors(found: StruckChain) -> Drawing:
     """Error of the force against that of the speed, each against its theory."""
-    errors = 100 * np.array([*found.errors_of_models, found.errors(found.force, found.speed)])
+    errors = 100 * np.array([*_errors_of_models(found), found.errors(found.force, found.speed)])
     figure, axes = panels(2.7)
     axes.plot(*errors[:_FIRST_PENALTY].T, "s-", color=ORANGE, markersize=4, label="source, mesh made finer")
     axes.plot(*errors[_FIRST_PENALTY:-1].T, "^", color=GREY, markersize=4, label="source, penalty and solver")

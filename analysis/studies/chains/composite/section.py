@@ -13,8 +13,9 @@ from numpy.typing import ArrayLike
 from granwave.analysis.figures.series import MARKS, label, map_of, panels
 from granwave.analysis.figures.style import BLUE, GREY, WIDTH, Drawing
 from granwave.analysis.measures.chains.composite_section import Composite, composite_of
+from granwave.analysis.measures.chains.records import columns
 from granwave.analysis.measures.signals import decay
-from granwave.analysis.studies.chains.runs import chain_runs, columns, elastic_constants
+from granwave.analysis.studies.chains.runs import chain_runs, elastic_constants
 from granwave.analysis.studies.runs import FinishedRun, rising
 from granwave.analysis.studies.study import Picture, Row
 from granwave.lammps_inputs.case.material import material

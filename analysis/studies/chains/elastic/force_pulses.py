@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from granwave.analysis.measures.chains.force_pulse import ForcePulse
-from granwave.analysis.studies.chains.runs import clustered, uniform
+from granwave.analysis.measures.chains.records import clustered
+from granwave.analysis.studies.chains.runs import uniform
 from granwave.analysis.studies.runs import FinishedRun
 
 ALIKE = 1e-3

@@ -8,6 +8,7 @@ import numpy as np
 
 from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import BLUE, GREY, Drawing
+from granwave.analysis.measures.chains.records import columns
 from granwave.analysis.measures.chains.solitary_wave import (
     DISCRETE_WIDTH,
     FOOT_OF_COS4,
@@ -22,7 +23,7 @@ from granwave.analysis.measures.hertz_chain import (
     discrete_speed,
 )
 from granwave.analysis.measures.signals import Array, Power, power, width
-from granwave.analysis.studies.chains.runs import columns, uniform
+from granwave.analysis.studies.chains.runs import uniform
 from granwave.analysis.studies.runs import FinishedRun, rising
 from granwave.analysis.studies.study import Picture, Row
 

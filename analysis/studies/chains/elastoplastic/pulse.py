@@ -13,13 +13,15 @@ from numpy.typing import ArrayLike
 from granwave.analysis.figures.series import COLOURS, label, map_of, panels
 from granwave.analysis.figures.style import BLUE, FORCE_MAP, ORANGE, Drawing
 from granwave.analysis.measures.chains import elastoplastic_model as model
-from granwave.analysis.measures.chains.elastoplastic_pulse import PlasticWave
-from granwave.analysis.studies.chains.elastoplastic.pulses import Pulses, collect_pulses
+from granwave.analysis.measures.chains.elastoplastic_pulse import PlasticWave, Pulses
 from granwave.analysis.studies.chains.labels import FORCE, PEAK_FORCE, PLACE, TIME
+from granwave.analysis.studies.chains.runs import from_thesis, uniform
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture, Row
 
 TITLE = "Elasto-plastic chain after a pulse"
+_FEWEST = 30  # contacts that make a study worth while
+_LONGEST = 150.0  # tau: what lasts longer is no pulse; the source's longest is 129
 _FAR = (15, 100)  # contacts of the fits in the inverse regime
 _LEAST_FAR = 45  # the last contact of such a fit at the least
 _COLLAPSE = 15  # contacts up to which runs of one impulse are compared: collisions farther on are chaotic
@@ -44,9 +46,15 @@ _CAPTIONS = {
 
 
 def select(runs: Sequence[FinishedRun]) -> list[Pulses]:
-    """All impulses together."""
-    pulses = collect_pulses(runs)
-    return [pulses] if pulses else []
+    """All impulses together; of several materials or radii those of the most runs."""
+    alike: dict[tuple[float, float], list[PlasticWave]] = {}
+    for run in uniform(runs, "elastoplastic"):
+        if run.is_pulse and run.force.shape[1] > _FEWEST:
+            wave = PlasticWave(run)
+            if wave.duration <= _LONGEST and wave.contacts >= _FEWEST and wave.largest[0] > run.law.yield_force:
+                alike.setdefault((wave.scales.force, wave.scales.time), []).append(wave)
+    most = max(alike.values(), key=len, default=[])
+    return [Pulses(most, _elastic(runs, most))] if most else []
 
 
 def text(pulses: Pulses) -> str:
@@ -64,7 +72,7 @@ def rows(pulses: Pulses) -> Iterator[Row]:
     """Decay, speed, collapse and dissipation; of other beads without the source's values, which are of its brass."""
     for part in (_rows_of_decay, _rows_of_speed, _rows_of_collapse, _rows_of_dissipation, _rows_of_elastic):
         for row in part(pulses):
-            yield row if pulses.from_source else dataclasses.replace(row, source=None, where="", remark="")
+            yield row if _from_source(pulses) else dataclasses.replace(row, source=None, where="", remark="")
 
 
 def pictures(pulses: Pulses) -> Iterator[Picture]:
@@ -74,6 +82,22 @@ def pictures(pulses: Pulses) -> Iterator[Picture]:
         drawings = {"histories": _histories, "map": _force_map} | drawings
     for which, draw in drawings.items():
         yield Picture(f"elastoplastic_{which}", _CAPTIONS[which], draw(pulses))
+
+
+def _elastic(runs: Sequence[FinishedRun], waves: Sequence[PlasticWave]) -> tuple[PlasticWave, PlasticWave] | None:
+    """An elastic chain and the elasto-plastic one under the same load."""
+    for run in uniform(runs, "hertz"):
+        own = (run.load, run.mass, run.law.effective_modulus)
+        for wave in waves:
+            same = own == (wave.run.load, wave.run.mass, wave.run.law.effective_modulus)
+            if same and run.force.shape[1] > _FEWEST:
+                return PlasticWave(run), wave
+    return None
+
+
+def _from_source(pulses: Pulses) -> bool:
+    """The beads are those of the thesis."""
+    return from_thesis(pulses.weakest.run, yielding=True)
 
 
 def _tag(wave: PlasticWave) -> str:
@@ -146,7 +170,7 @@ def _rows_of_collapse(pulses: Pulses) -> Iterator[Row]:
 
 
 def _rows_of_dissipation(pulses: Pulses) -> Iterator[Row]:
-    if not pulses.from_source:
+    if not _from_source(pulses):
         return
     for wave in pulses.chosen:
         last = min(_LAST, wave.contacts)
@@ -237,7 +261,7 @@ def _peaks(pulses: Pulses) -> Drawing:
     data: dict[str, ArrayLike] = {"contact": contact}
     for wave in pulses.chosen:
         left.plot(wave.place, wave.normalised, ".", markersize=4, label=_label(wave))
-    if pulses.from_source:
+    if _from_source(pulses):
         data["model"] = model.peak_force(contact)
         early, late = contact[contact <= 12], model.SPACING * contact[contact >= 4]
         exponential = model.START * np.exp(-model.DECAY * (early - 1))
@@ -284,7 +308,7 @@ def _dissipation(pulses: Pulses) -> Drawing:
         data[f"place_{wave.name}"] = wave.place
         data[f"dissipated_over_yield_{wave.name}"] = lost = wave.dissipated / wave.energy_unit
         axes.plot(wave.place, lost, color=colour, label=_label(wave))
-        for name, line, curve in models if pulses.from_source else ():
+        for name, line, curve in models if _from_source(pulses) else ():
             data[f"model_{name}_{wave.name}"] = values = curve(wave.contacts, wave.peak_unit) / wave.energy_unit
             entry = f"model, {name}" if wave is pulses.chosen[0] else None
             axes.plot(wave.place, values, line, color=colour, label=entry)

@@ -6,16 +6,14 @@ Each run is an impact of two spheres with a probe of their contact; the law's cu
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
-from matplotlib.axes import Axes
-from numpy.typing import ArrayLike
 
-from granwave.analysis.figures.series import MARKS, label, panels
+from granwave.analysis.figures.probed_pairs import contact_curves, loading_curves
+from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import Drawing
 from granwave.analysis.measures.chains.probed_pair import Pair, probed_name
-from granwave.analysis.measures.signals import Array
 from granwave.analysis.studies.chains.runs import chain_runs
 from granwave.analysis.studies.runs import FinishedRun, rising
 from granwave.analysis.studies.study import Picture, Row
@@ -111,10 +109,10 @@ def pictures(pairs: Pairs) -> Iterator[Picture]:
     if len(pairs.radii) > 1:
         yield Picture("unlike_radii", "Force against overlap for unlike radii (thesis Fig. 2.10)", _radii(pairs.radii))
     if pairs.unlike:
-        drawing = _physical(pairs.unlike, [_names(pair) for pair in pairs.unlike])
+        drawing = contact_curves(pairs.unlike, [_names(pair) for pair in pairs.unlike])
         yield Picture("unlike_materials", "Force against overlap of unlike materials (thesis Fig. 3.3)", drawing)
     if len(pairs.band) > 1:
-        drawing = _physical(pairs.band, [f"{pair.strength / _MEGA:.0f} MPa" for pair in pairs.band])
+        drawing = contact_curves(pairs.band, [f"{pair.strength / _MEGA:.0f} MPa" for pair in pairs.band])
         yield Picture("unlike_yield_strengths", "Range of the yield strength (thesis Fig. 2.9)", drawing)
 
 
@@ -142,7 +140,7 @@ def _normalised(pairs: Sequence[Pair]) -> Drawing:
     """Loading of all pairs in units of first yield."""
     figure, axes = panels(3.0, width=5.2)
     names = {f"{n}": _label(pair) for n, pair in enumerate(pairs, start=1)}
-    data = _loading(axes, pairs, names, "yield_overlap", "overlap_normalised",
+    data = loading_curves(axes, pairs, names, "yield_overlap", "overlap_normalised",
                     lambda deepest: np.geomspace(0.3, max(1.0, deepest), 400))  # fmt: skip
     label(axes, r"Overlap $\alpha/\alpha_\mathrm{y}$", r"Force $F/F_\mathrm{y}$", log="xy", xlim=(0.2, None))
     figure.legend(loc="outside right center", fontsize=6.5)
@@ -153,54 +151,8 @@ def _radii(pairs: Sequence[Pair]) -> Drawing:
     """Loading of pairs of unlike radii over R*."""
     figure, axes = panels(2.7)
     names = {f"{pair.ratio:g}": f"$R_2/R_1$ = {pair.ratio:g}" for pair in pairs}
-    data = _loading(axes, pairs, names, "effective_radius", "overlap_over_radius",
+    data = loading_curves(axes, pairs, names, "effective_radius", "overlap_over_radius",
                     lambda deepest: np.linspace(0, deepest, 300))  # fmt: skip
     label(axes, r"Overlap $\alpha/R^*$", r"Force $F/F_\mathrm{y}$", xlim=(0, None), ylim=(0, None))
     axes.legend()
-    return Drawing(figure, data)
-
-
-def _loading(axes: Axes, pairs: Sequence[Pair], names: dict[str, str], unit: str, column: str,
-             grid: Callable[[float], Array]) -> dict[str, ArrayLike]:  # fmt: skip
-    """Draw the loading of pairs and the curve of the law, forces over that of first yield; return the data.
-
-    Parameters
-    ----------
-    names
-        In the legend, by the end of the name of a column.
-    unit
-        Attribute of the law, of which overlaps are multiples.
-    column
-        Name of a column of overlaps.
-    grid
-        Overlaps of the curve, from the deepest.
-    """
-    data: dict[str, ArrayLike] = {}
-    for n, (pair, (key, name)) in enumerate(zip(pairs, names.items(), strict=True)):
-        overlap = pair.overlap[pair.loading] / getattr(pair.law, unit)
-        force = pair.force[pair.loading] / pair.law.yield_force
-        axes.plot(overlap, force, linestyle="", marker=MARKS[n % 5], markersize=4, fillstyle="none",
-                  markevery=(0.01 * n, 0.06), label=name)  # fmt: skip
-        data |= {f"{column}_{key}": overlap, f"force_normalised_{key}": force}
-    law = pairs[0].law
-    x = grid(max(pair.overlap[pair.loading][-1] / getattr(pair.law, unit) for pair in pairs))
-    curve = law.loading_force(x * getattr(law, unit)) / law.yield_force
-    axes.plot(x, curve, color="black", linewidth=0.8, zorder=0, label="law (thesis 2.14)")
-    return data | {f"law_{column}": x, "law_force_normalised": curve}
-
-
-def _physical(pairs: Sequence[Pair], names: Sequence[str]) -> Drawing:
-    """Loading and unloading in kN and mm: the law's curve as a line, the run's records as marks."""
-    figure, axes = panels(2.7)
-    data: dict[str, ArrayLike] = {}
-    for pair, name in zip(pairs, names, strict=True):
-        overlap, force = pair.overlap[pair.force > 0], pair.force[pair.force > 0]
-        alpha, law = pair.law_curve
-        (line,) = axes.plot(alpha / _MILLI, law / _KILO, linewidth=0.9, label=name)
-        axes.plot(overlap / _MILLI, force / _KILO, "o", color=line.get_color(), markersize=2.5, fillstyle="none",
-                  markevery=0.05)  # fmt: skip
-        slug = name.replace(" ", "_")
-        data |= {f"{slug}_overlap_m": overlap, f"{slug}_force_N": force}
-    label(axes, "Overlap (mm)", "Force (kN)", xlim=(0, None), ylim=(0, None))
-    axes.legend(fontsize=7, title="lines: law; marks: run", title_fontsize=7)
     return Drawing(figure, data)
