@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
-from matplotlib.colors import SymLogNorm
 from numpy.typing import ArrayLike
 
-from granwave.analysis.figures.series import MARKS, label, map_of, panels
+from granwave.analysis.figures.series import MARKS, label, map_of_forces, panels
 from granwave.analysis.figures.style import BLUE, GREY, WIDTH, Drawing
 from granwave.analysis.measures.chains.composite_section import Composite, composite_of
 from granwave.analysis.measures.chains.records import columns
@@ -25,15 +24,9 @@ _WATCHED = 6  # beads in the section whose reflections are shown, as in source F
 _SHOWN = 4  # lengths of the section whose pulses are shown
 _CHANGES = 0.05  # relative: below it a ratio is as good as constant, and its fit tells nothing
 _LEAST = 3e-3  # of the largest force at a contact: where its axis begins
-_MAP = "RdBu"
 _FAINT = 0.01  # of the largest force: where the colours of the map begin to be linear
 _PLACE = "composite chain, "
 
-#: What the source measured: V (m/s) by the number of beads.
-_SPEEDS = {"brass-composite": {3: 469.0, 24: 424.0}, "ptfe": {}}
-#: When the pulse from the chain's end comes back (s), and the stress in the section's first and last contact (Pa).
-_FROM_END = {"brass-composite": 1.25e-3, "ptfe": 1.85e-3}
-_STRESSES = {"brass-composite": (1200e6, 1110e6), "ptfe": (35e6, 20e6)}
 _REMARKS_OF_SPEED = {
     True: "Nothing dissipates here. A striker of 0.41 m/s would give the measured V: 0.626 m/s is a free fall of 20 "
     "mm, not the source's slope of 3 degrees. Its finite elements, 2 to 3 % slow, are up to 4.2 % above the measured.",
@@ -60,6 +53,31 @@ Kinds = dict[str, list[Composite]]
 
 
 @dataclasses.dataclass(frozen=True)
+class Source:
+    """Values of the source for a section of one material.
+
+    Attributes
+    ----------
+    speeds
+        Measured V by the number of beads, m/s.
+    from_end
+        When the pulse from the chain's end comes back, ms.
+    stresses
+        In the section's first and last contact, MPa.
+    """
+
+    speeds: Mapping[int, float] = dataclasses.field(default_factory=dict)
+    from_end: float | None = None
+    stresses: tuple[float | None, float | None] = (None, None)
+
+
+_SOURCES = {
+    "brass-composite": Source({3: 469.0, 24: 424.0}, 1.25, (1200.0, 1110.0)),
+    "ptfe": Source({}, 1.85, (35.0, 20.0)),
+}
+
+
+@dataclasses.dataclass(frozen=True)
 class Group:
     """Chains with a section of one material.
 
@@ -67,13 +85,13 @@ class Group:
     ----------
     kinds
         Elastic ones first, then by falling yield strength; one chain of each length.
-    known
-        Name of the section's material in the source, if the chains are the source's.
+    source
+        Values for these chains, if they are the source's.
     """
 
     chains: list[Composite]
     kinds: Kinds
-    known: str
+    source: Source
 
     @property
     def light(self) -> str | None:
@@ -101,8 +119,8 @@ def select(runs: Sequence[FinishedRun]) -> list[Group]:
         for strength in sorted({chain.strength for chain in alike}, reverse=True):
             kind = "elastic" if math.isinf(strength) else f"yielding at {strength / _MEGA:g} MPa"
             kinds[kind] = rising((chain for chain in alike if chain.strength == strength), lambda chain: chain.n)
-        known = next((name for name in _SPEEDS if all(_is_source(chain, name) for chain in alike)), "")
-        groups.append(Group(alike, kinds, known))
+        known = (source for name, source in _SOURCES.items() if all(_is_source(chain, name) for chain in alike))
+        groups.append(Group(alike, kinds, next(known, Source())))
     return groups
 
 
@@ -130,11 +148,11 @@ def text(group: Group) -> str:
 def rows(group: Group) -> Iterator[Row]:
     """Speed and height of the output pulse, reflections, and stress."""
     for kind, chains in group.kinds.items():
-        yield from _rows_of_speed(kind, chains, group.known)
+        yield from _rows_of_speed(kind, chains, group.source.speeds)
         yield from _rows_of_ratio(kind, chains)
-    yield from _rows_of_reflections(group.watched, group.known)
+    yield from _rows_of_reflections(group.watched, group.source.from_end)
     if math.isinf(group.watched.strength):
-        yield from _rows_of_stress(group.watched, group.known)
+        yield from _rows_of_stress(group.watched, group.source.stresses)
 
 
 def pictures(group: Group) -> Iterator[Picture]:
@@ -146,7 +164,7 @@ def pictures(group: Group) -> Iterator[Picture]:
     yield Picture(f"composite_{slug}_reflections", caption, _reflections(watched))
     if group.chains[0].n != group.chains[-1].n:
         caption = f"{light}: speed and height of the output pulse against the section's length (source Fig. 11)"
-        drawing = _against_length(group.kinds, _SPEEDS.get(group.known, {}))
+        drawing = _against_length(group.kinds, group.source.speeds)
         yield Picture(f"composite_{slug}_length", caption, drawing)
 
 
@@ -162,21 +180,20 @@ def _is_source(chain: Composite, light: str) -> bool:
     )
 
 
-# ---------------------------------------------------------------------- rows
-
-
-def _rows_of_speed(kind: str, chains: Sequence[Composite], known: str) -> Iterator[Row]:
+def _rows_of_speed(kind: str, chains: Sequence[Composite], measured: Mapping[int, float]) -> Iterator[Row]:
     n, speed = columns(chains, "n", "speed")
     elastic, ends = math.isinf(chains[0].strength), sorted({0, len(n) - 1})
-    sources = [_SPEEDS.get(known, {}).get(int(n[k])) for k in ends]
-    for k, source in zip(ends, sources, strict=True):
-        yield Row(f"V, N2 = {n[k]:.0f}, {kind}", "m/s", source, float(speed[k]), _MEASURED if source else _FITTED,
-                  _REMARKS_OF_SPEED[elastic] if source else "")  # fmt: skip
+    for k in ends:
+        source = measured.get(int(n[k]))
+        remark = _REMARKS_OF_SPEED[elastic] if source else ""
+        where = _MEASURED if source else _FITTED
+        yield Row(f"V, N2 = {n[k]}, {kind}", "m/s", source, float(speed[k]), where, remark)
     if len(ends) > 1:
-        both = 100 * (sources[1] / sources[0] - 1) if sources[0] and sources[1] else None
-        yield Row(f"Change of V from N2 = {n[0]:.0f} to {n[-1]:.0f}, {kind}", "%", both,
-                  float(100 * (speed[-1] / speed[0] - 1)), _MEASURED if both else _FITTED,
-                  _REMARKS_OF_CHANGE[elastic] if both else "")  # fmt: skip
+        known = n[0] in measured and n[-1] in measured
+        source = 100 * (measured[n[-1]] / measured[n[0]] - 1) if known else None
+        remark = _REMARKS_OF_CHANGE[elastic] if known else ""
+        yield Row(f"Change of V from N2 = {n[0]} to {n[-1]}, {kind}", "%", source,
+                  float(100 * (speed[-1] / speed[0] - 1)), _MEASURED if known else _FITTED, remark)  # fmt: skip
     if fit := decay(n, speed):
         formula = f"V = {fit.end:.1f} + {fit.span:.1f} exp(-N2/{fit.length:.2f}) m/s, to {fit.residual:.2g} rms."
         yield Row(f"N2 within which V nears its end by 1/e, {kind}", "", None, fit.length, _FITTED, formula)
@@ -185,7 +202,7 @@ def _rows_of_speed(kind: str, chains: Sequence[Composite], known: str) -> Iterat
 def _rows_of_ratio(kind: str, chains: Sequence[Composite]) -> Iterator[Row]:
     n, ratio = columns(chains, "n", "ratio")
     for k in sorted({0, len(n) - 1}):
-        yield Row(f"lambda, N2 = {n[k]:.0f}, {kind}", "", None, float(ratio[k]), _FITTED)
+        yield Row(f"lambda, N2 = {n[k]}, {kind}", "", None, float(ratio[k]), _FITTED)
     difference = float(np.ptp(ratio) / ratio.max())
     if len(n) > 1 and difference < _CHANGES:
         remark = "Without loss it does not depend on the length: the source's decay is loss."
@@ -195,34 +212,25 @@ def _rows_of_ratio(kind: str, chains: Sequence[Composite]) -> Iterator[Row]:
         yield Row(f"N2 within which lambda nears its end by 1/e, {kind}", "", None, fit.length, _FITTED, formula)
 
 
-def _rows_of_reflections(chain: Composite, known: str) -> Iterator[Row]:
+def _rows_of_reflections(chain: Composite, from_end: float | None) -> Iterator[Row]:
     at, found = f"between beads {chain.middle} and {chain.middle + 1}, N2 = {chain.n}", chain.reflections
-    for key, what in _REFLECTIONS.items():
-        if key not in found:
-            continue
+    for key in (key for key in _REFLECTIONS if key in found):
         remark = f"{found[key].force:.3g} N."
         if key == "BRW" and "FRW" not in found:
             remark += " No forth reflection above 0.5 % of the largest force follows it."
         if key == "FRW" and not found[key].forth:
             remark += " It meets a second wave back here, and their forces add up."
-        yield Row(f"{what} {at}", "ms", None, _MILLI * found[key].time, _PLACE + "Fig. 6", remark)
-    if "end" in found:
-        source = _FROM_END.get(known)
-        yield Row(f"Pulse back from the chain's end {at}", "ms", None if source is None else _MILLI * source,
-                  _MILLI * found["end"].time, _PLACE + "3.3",
-                  f"{found['end'].force:.3g} N; time from the impact on.")  # fmt: skip
+        yield Row(f"{_REFLECTIONS[key]} {at}", "ms", None, _MILLI * found[key].time, _PLACE + "Fig. 6", remark)
+    if last := found.get("end"):
+        remark = f"{last.force:.3g} N; time from the impact on."
+        yield Row(f"Pulse back from the chain's end {at}", "ms", from_end, _MILLI * last.time, _PLACE + "3.3", remark)
 
 
-def _rows_of_stress(chain: Composite, known: str) -> Iterator[Row]:
-    sources = _STRESSES.get(known, (None, None))
+def _rows_of_stress(chain: Composite, sources: Sequence[float | None]) -> Iterator[Row]:
     ends = zip(sources, (chain.first, chain.last - 1), ("first", "last"), _REMARKS_OF_STRESS, strict=True)
     for source, bead, place, remark in ends:
-        yield Row(f"Largest von Mises stress, {place} contact of the section, N2 = {chain.n}, elastic", "MPa",
-                  None if source is None else source / _MEGA, chain.stress(bead) / _MEGA, _PLACE + "3.3",
-                  remark if source else "")  # fmt: skip
-
-
-# ---------------------------------------------------------------------- figures
+        what = f"Largest von Mises stress, {place} contact of the section, N2 = {chain.n}, elastic"
+        yield Row(what, "MPa", source, chain.stress(bead) / _MEGA, _PLACE + "3.3", remark if source else "")
 
 
 def _pulses(kinds: Kinds) -> Drawing:
@@ -256,10 +264,9 @@ def _reflections(chain: Composite) -> Drawing:
     """Waves forth and back in place and time; beside it, on the same scale of time, the force at one contact."""
     run, flow, k = chain.run, chain.flow(), chain.run.contact_between(chain.middle)
     time, force, place = _MICRO * run.time, run.force[:, k], _MILLI * run.place[: flow.shape[1]]
-    largest, highest = float(np.abs(flow).max()), float(force.max())
+    highest = float(force.max())
     figure, left, right = panels(4.2, 2, sharey=True, width_ratios=(1.5, 1))
-    norm = SymLogNorm(_FAINT * largest, vmin=-largest, vmax=largest)
-    mesh = map_of(left, place, time, flow, norm=norm, cmap=_MAP)
+    mesh = map_of_forces(left, place, time, flow, _FAINT)
     for bead in (chain.first - 1, chain.last):
         left.axvline(place[run.contact_between(bead)], color="black", linewidth=0.6, linestyle="--")
     left.axvline(place[k], color=GREY, linewidth=0.6, linestyle=":")
@@ -275,7 +282,7 @@ def _reflections(chain: Composite) -> Drawing:
     return Drawing(figure, {"time_s": run.time, watched: force, "flow_N": flow[:, k]})
 
 
-def _against_length(kinds: Kinds, measured: dict[int, float]) -> Drawing:
+def _against_length(kinds: Kinds, measured: Mapping[int, float]) -> Drawing:
     """Speed and height of the output pulse with their exponential laws."""
     figure, left, right = panels(2.6, 2)
     data: dict[str, ArrayLike] = {}

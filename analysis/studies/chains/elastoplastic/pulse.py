@@ -6,12 +6,11 @@ import dataclasses
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from matplotlib.colors import LogNorm
 from matplotlib.ticker import NullLocator
 from numpy.typing import ArrayLike
 
-from granwave.analysis.figures.series import COLOURS, label, map_of, panels
-from granwave.analysis.figures.style import BLUE, FORCE_MAP, ORANGE, Drawing
+from granwave.analysis.figures.series import COLOURS, label, map_of_forces, panels
+from granwave.analysis.figures.style import BLUE, ORANGE, Drawing
 from granwave.analysis.measures.chains import elastoplastic_model as model
 from granwave.analysis.measures.chains.elastoplastic_pulse import PlasticWave, Pulses
 from granwave.analysis.studies.chains.labels import FORCE, PEAK_FORCE, PLACE, TIME
@@ -33,16 +32,6 @@ _SHOWN = 500  # tau of Fig. 2.11
 _SHIFT = 20  # contacts by which the elastic chain is moved in the map
 _MAP = 90  # contacts of the map
 _FAINTEST = 3e-3  # of the largest force: the lower end of the map's colours
-_CAPTIONS = {
-    "histories": "Force at contacts 5, 10, 15 and 20: elasto-plastic chain, and the elastic one under the same pulse "
-    "(dotted, right-hand axis; thesis Fig. 2.11)",
-    "map": "Force by place and time; the elastic chain's crest starts at contact 20 (thesis Fig. 2.12)",
-    "peaks": "Peak force over impulse along the chain, with the source's two regimes, and all pulses of every impulse "
-    "(thesis Figs. 2.13 and 2.14)",
-    "speed": "Speed of the leading disturbance over the sixth root of the impulse (thesis Figs. 2.14 and 2.15)",
-    "dissipation": "Energy dissipated up to each contact, and the source's model with its own constants (thesis Fig. "
-    "2.16)",
-}
 
 
 def select(runs: Sequence[FinishedRun]) -> list[Pulses]:
@@ -77,11 +66,23 @@ def rows(pulses: Pulses) -> Iterator[Row]:
 
 def pictures(pulses: Pulses) -> Iterator[Picture]:
     """Histories and a map beside the elastic chain, peaks, speeds and dissipation."""
-    drawings = {"peaks": _peaks, "speed": _speeds, "dissipation": _dissipation}
     if pulses.elastic is not None:
-        drawings = {"histories": _histories, "map": _force_map} | drawings
-    for which, draw in drawings.items():
-        yield Picture(f"elastoplastic_{which}", _CAPTIONS[which], draw(pulses))
+        caption = (
+            "Force at contacts 5, 10, 15 and 20: elasto-plastic chain, and the elastic one under the same pulse "
+            "(dotted, right-hand axis; thesis Fig. 2.11)"
+        )
+        yield Picture("elastoplastic_histories", caption, _histories(*pulses.elastic))
+        caption = "Force by place and time; the elastic chain's crest starts at contact 20 (thesis Fig. 2.12)"
+        yield Picture("elastoplastic_map", caption, _force_map(*pulses.elastic))
+    caption = (
+        "Peak force over impulse along the chain, with the source's two regimes, and all pulses of every impulse "
+        "(thesis Figs. 2.13 and 2.14)"
+    )
+    yield Picture("elastoplastic_peaks", caption, _peaks(pulses))
+    caption = "Speed of the leading disturbance over the sixth root of the impulse (thesis Figs. 2.14 and 2.15)"
+    yield Picture("elastoplastic_speed", caption, _speeds(pulses))
+    caption = "Energy dissipated up to each contact, and the source's model with its own constants (thesis Fig. 2.16)"
+    yield Picture("elastoplastic_dissipation", caption, _dissipation(pulses))
 
 
 def _elastic(runs: Sequence[FinishedRun], waves: Sequence[PlasticWave]) -> tuple[PlasticWave, PlasticWave] | None:
@@ -210,11 +211,10 @@ def _rows_of_elastic(pulses: Pulses) -> Iterator[Row]:
                   model.elastic_peak(wave.impulse))  # fmt: skip
 
 
-def _histories(pulses: Pulses) -> Drawing:
+def _histories(elastic: PlasticWave, plastic: PlasticWave) -> Drawing:
     """Force histories at four contacts of both chains."""
-    assert pulses.elastic is not None
     figure, *stack = panels(4.2, rows=len(_STACK), sharex=True)
-    waves = dict(zip(("elastoplastic", "elastic"), reversed(pulses.elastic), strict=True))
+    waves = {"elastoplastic": plastic, "elastic": elastic}
     shown = {name: wave.time <= _SHOWN * wave.scales.time for name, wave in waves.items()}
     data: dict[str, ArrayLike] = {}
     data |= {f"{name}_time_normalised": wave.time[shown[name]] / wave.scales.time for name, wave in waves.items()}
@@ -232,18 +232,15 @@ def _histories(pulses: Pulses) -> Drawing:
     return Drawing(figure, data)
 
 
-def _force_map(pulses: Pulses) -> Drawing:
+def _force_map(elastic: PlasticWave, plastic: PlasticWave) -> Drawing:
     """Force of the elasto-plastic chain by place and time, and the crest of the elastic one, moved."""
-    assert pulses.elastic is not None
-    elastic, plastic = pulses.elastic
     n = min(_MAP, plastic.force.shape[1])
     last = int(np.searchsorted(plastic.time, plastic.arrivals[min(n, plastic.contacts) - 1]))
     shown = slice(0, last, max(1, last // 600))
     force, time = plastic.force[shown, :n].T / plastic.scales.force, plastic.time[shown] / plastic.scales.time
-    place, top = model.SPACING * np.arange(1, n + 1), float(force.max())
+    place = model.SPACING * np.arange(1, n + 1)
     figure, axes = panels(2.8, width=4.6)
-    norm = LogNorm(_FAINTEST * top, top, clip=True)
-    image = map_of(axes, time, place, np.maximum(force, 1e-30), cmap=FORCE_MAP, norm=norm)
+    image = map_of_forces(axes, time, place, np.maximum(force, 1e-30), _FAINTEST)
     beyond = min(n - _SHIFT, elastic.contacts)
     crest = elastic.run.of_contacts("time_peak")[:beyond] / elastic.scales.time
     moved = elastic.place[:beyond] + model.SPACING * _SHIFT
