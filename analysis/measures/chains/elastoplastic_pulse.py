@@ -11,7 +11,6 @@ import numpy as np
 from granwave.analysis.measures.chains.elastoplastic_model import SPACING
 from granwave.analysis.measures.chains.record import ChainRecord
 from granwave.analysis.measures.chains.records import clustered
-from granwave.analysis.measures.hertz_chain import ChainScales
 from granwave.analysis.measures.signals import Array, Power, arrival, power
 
 _THRESHOLD = 0.01  # of a contact's largest force: the leading disturbance has arrived
@@ -43,7 +42,7 @@ class PlasticWave:
     """
 
     def __init__(self, run: ChainRecord) -> None:
-        self.run, self.scales, load = run, ChainScales(run), run.load
+        self.run, self.scales, load = run, run.scales, run.load
         self.time, self.force, self.peak_force = run.time, run.force, run.of_contacts("peak_force")
         self.impulse, self.duration = run.impulse / self.scales.impulse, load.lasts / self.scales.time
         self.peak_unit, self.energy_unit = self.scales.force * self.impulse, run.law.yield_force * run.law.yield_overlap

@@ -10,7 +10,6 @@ so that a second wave of that height still passes it before the first one comes 
 from __future__ import annotations
 
 from granwave.analysis.measures.chains.record import ChainRecord
-from granwave.analysis.measures.hertz_chain import ChainScales
 from granwave.analysis.measures.signals import Array, maxima
 
 SECOND = 0.01  # of the first peak: from then on a train
@@ -39,7 +38,7 @@ class ForcePulse:
     """
 
     def __init__(self, run: ChainRecord) -> None:
-        self.run, scales = run, ChainScales(run)
+        self.run, scales = run, run.scales
         self.amplitude, self.duration = run.load.largest / scales.force, run.load.lasts / scales.time
         self.impulse = self.amplitude * self.duration
         self.peak = float(run.of_contacts("peak_force")[run.passed - 1]) / scales.force

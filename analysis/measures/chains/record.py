@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave.analysis.measures.hertz_chain import ChainScales
 from granwave.analysis.measures.sensors import sensor_forces
 from granwave.analysis.measures.signals import Array, first_peak
 from granwave.analysis.result.chain import along
@@ -60,6 +61,11 @@ class ChainRecord:
     def mass(self) -> float:
         """Mass of a bead that is not replaced, kg."""
         return self.case.sphere_mass
+
+    @cached_property
+    def scales(self) -> ChainScales:
+        """Units of a chain of like beads."""
+        return ChainScales(self)
 
     @cached_property
     def _arrays(self) -> dict[str, NDArray]:

@@ -16,7 +16,6 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from granwave.analysis.measures.chains.record import ChainRecord
-from granwave.analysis.measures.hertz_chain import ChainScales
 from granwave.analysis.measures.signals import Array
 
 DISCRETE_WIDTH = 1.579  # full width at half maximum of the discrete chain's bead velocity, diameters
@@ -43,7 +42,7 @@ class SolitaryWave:
     """
 
     def __init__(self, run: ChainRecord) -> None:
-        self.run, scales, last = run, ChainScales(run), run.passed
+        self.run, scales, last = run, run.scales, run.passed
         self.window = last // 2, last
         peak = float(run.of_contacts("peak_force")[last - 1])
         crest = [run.first_peak(contact - 1)[0] for contact in range(self.window[0], last + 1)]
@@ -63,7 +62,7 @@ class SolitaryWave:
         half = slice(len(self.run.time) // 2, None)
         velocity, force = self.run.velocity[half], self.run.force[half]
         kinetic = 0.5 * self.run.mass * (np.maximum(velocity, 0) ** 2).sum(axis=1)
-        elastic = 0.4 * (force * ChainScales(self.run).overlap(force)).sum(axis=1)
+        elastic = 0.4 * (force * self.run.scales.overlap(force)).sum(axis=1)
         return float(np.mean(4 * kinetic) / np.mean(5 * elastic))
 
 

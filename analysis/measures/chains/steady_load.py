@@ -11,7 +11,6 @@ import math
 import numpy as np
 
 from granwave.analysis.measures.chains.record import ChainRecord
-from granwave.analysis.measures.hertz_chain import ChainScales
 from granwave.analysis.measures.signals import arrival
 
 
@@ -34,7 +33,7 @@ class SteadyLoad:
     """
 
     def __init__(self, run: ChainRecord) -> None:
-        self.run, self.scales, self.amplitude, self.last = run, ChainScales(run), run.load.largest, run.passed
+        self.run, self.scales, self.amplitude, self.last = run, run.scales, run.load.largest, run.passed
         self.peak = float(run.of_contacts("peak_force")[self.last - 1])
         overlap = float(self.scales.overlap(np.array(self.amplitude)))
         self.lower = self.scales.diameter * math.sqrt(self.amplitude / (run.mass * overlap))

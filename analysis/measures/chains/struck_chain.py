@@ -7,7 +7,7 @@ dispersion, and the travelling wave of the discrete chain itself (`discrete_spee
 from __future__ import annotations
 
 from granwave.analysis.measures.chains.record import ChainRecord
-from granwave.analysis.measures.hertz_chain import IMPULSE_COEFFICIENT, ChainScales, discrete_speed
+from granwave.analysis.measures.hertz_chain import IMPULSE_COEFFICIENT, discrete_speed
 
 
 class StruckChain:
@@ -29,7 +29,7 @@ class StruckChain:
         contacts
             Numbers, from 0.
         """
-        self.run, self.scales = run, ChainScales(run)
+        self.run, self.scales = run, run.scales
         (early, _), (late, self.force) = (run.first_peak(contact) for contact in contacts)
         self.speed = (contacts[1] - contacts[0]) * self.scales.diameter / (late - early)
         self.expected = IMPULSE_COEFFICIENT * self.scales.impulse_force(run.impulse)

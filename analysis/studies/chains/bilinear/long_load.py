@@ -11,7 +11,6 @@ from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import Drawing
 from granwave.analysis.measures.chains.bilinear import spring_of
 from granwave.analysis.measures.chains.bilinear_long_load import HeldLoad
-from granwave.analysis.measures.hertz_chain import ChainScales
 from granwave.analysis.studies.chains.labels import FORCE, VELOCITY
 from granwave.analysis.studies.chains.runs import from_thesis, uniform
 from granwave.analysis.studies.runs import FinishedRun
@@ -84,7 +83,7 @@ def rows(one: HeldLoad) -> Iterator[Row]:
 
 
 def _drawing(one: HeldLoad) -> Drawing:
-    run, scales, theory = one.run, ChainScales(one.run), one.theory
+    run, scales, theory = one.run, one.run.scales, one.theory
     figure, left, right = panels(2.8, 2)
     shown = int(1.15 * one.spring.rate * one.times[-1])
     contact, bead = np.arange(1, run.force.shape[1] + 1), np.arange(1, run.velocity.shape[1] + 1)

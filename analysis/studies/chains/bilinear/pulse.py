@@ -12,7 +12,6 @@ from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import BLUE, GREEN, ORANGE, Drawing
 from granwave.analysis.measures.chains.bilinear import PRINTED, first_coefficients, spring_of
 from granwave.analysis.measures.chains.bilinear_pulse import INVERSE, ShortPulse
-from granwave.analysis.measures.hertz_chain import ChainScales
 from granwave.analysis.studies.chains.labels import FORCE, PEAK_FORCE, TIME, VELOCITY
 from granwave.analysis.studies.chains.runs import ChainRun, from_thesis, uniform
 from granwave.analysis.studies.runs import FinishedRun
@@ -102,7 +101,7 @@ def rows(pulses: Pulses) -> Iterator[Row]:
     where = f"{_WHERE}, Fig. 4.8" if from_thesis(last.far, yielding=True) else ""
     for row in last.instants:
         mean, spread, theory = last.uniform(row)
-        scale, at = ChainScales(last.far).velocity, f"{last.far.time[row] * 1e3:.2f} ms, beta {last.beta:g}"
+        scale, at = last.far.scales.velocity, f"{last.far.time[row] * 1e3:.2f} ms, beta {last.beta:g}"
         what = f"Mean velocity behind the front at {at}, in R*/tau"
         remark = f"Standard deviation {spread:.1%}. Theory: the impulse shared by all beads up to the front."
         yield Row(what, "", None, mean / scale, where, remark, theory / scale)
@@ -143,7 +142,7 @@ def _rows_of_decay(pulse: ShortPulse) -> Iterator[Row]:
 
 def _histories(pulse: ShortPulse) -> Drawing:
     """Forces of contacts 1 to 3 and velocities of beads 1 to 4."""
-    run, scales = pulse.near, ChainScales(pulse.near)
+    run, scales = pulse.near, pulse.near.scales
     shown = pulse.spring.rate * run.time <= _SHOWN
     time = run.time[shown] / scales.time
     figure, left, right = panels(2.6, 2)
@@ -163,7 +162,7 @@ def _histories(pulse: ShortPulse) -> Drawing:
 def _peaks(pulses: Pulses, middle: ShortPulse) -> Drawing:
     """Peak forces of the first contacts: of one beta with the profile of the wave, and of all with both models."""
     figure, left, right = panels(2.9, 2, sharey=True)
-    scale, number = ChainScales(middle.near).force, np.arange(1.0, middle.contacts + 1)
+    scale, number = middle.near.scales.force, np.arange(1.0, middle.contacts + 1)
     profile, leading = middle.profile(2)[: middle.contacts] / scale, middle.leading / scale
     fine = np.linspace(1.0, middle.contacts, 200)
     left.bar(number, profile, width=0.5, color="#d9d9d9", label="wave when contact 2 peaks")
@@ -172,7 +171,7 @@ def _peaks(pulses: Pulses, middle: ShortPulse) -> Drawing:
     left.plot(number, leading, "o", color=BLUE, markersize=4, label="leading peak")
     data: dict[str, ArrayLike] = {"contact": number, "profile_when_contact_2_peaks": profile}
     for pulse in pulses:
-        scale, model, beta = ChainScales(pulse.near).force, pulse.model, f"beta_{pulse.beta:g}"
+        scale, model, beta = pulse.near.scales.force, pulse.model, f"beta_{pulse.beta:g}"
         number, fine = np.arange(1.0, pulse.contacts + 1), np.linspace(1.0, pulse.contacts, 200)
         largest, leading = pulse.largest[: pulse.contacts] / scale, pulse.leading / scale
         (marks,) = right.plot(number[: len(largest)], largest, "o", markersize=4, label=rf"$\beta$ = {pulse.beta:g}")
@@ -201,7 +200,7 @@ def _far(pulses: Pulses) -> Drawing:
     figure, left, right = panels(2.7, 2)
     data: dict[str, ArrayLike] = {}
     for pulse in pulses:
-        force = pulse.largest / ChainScales(pulse.far).force
+        force = pulse.largest / pulse.far.scales.force
         number, power = np.arange(1.0, len(force) + 1), pulse.inverse.exponent if pulse.inverse else math.nan
         reached = number < 0.95 * pulse.spring.rate * pulse.far.time[-1]
         left.plot(number[reached], force[reached], label=rf"$\beta$ = {pulse.beta:g}, power {power:.2f}")
@@ -211,7 +210,7 @@ def _far(pulses: Pulses) -> Drawing:
     label(left, "Contact", PEAK_FORCE, log="xy")
     left.legend()
     last = pulses[-1]
-    run, scale = last.far, ChainScales(last.far).velocity
+    run, scale = last.far, last.far.scales.velocity
     data["bead"] = bead = np.arange(1, run.velocity.shape[1] + 1)
     for row in last.instants:
         data[f"velocity_at_{run.time[row]:.4g}_s"] = velocity = run.velocity[row] / scale

@@ -19,7 +19,6 @@ from granwave.analysis.measures.chains.solitary_wave import (
 from granwave.analysis.measures.hertz_chain import (
     DISCRETE_COEFFICIENT,
     IMPULSE_COEFFICIENT,
-    ChainScales,
     discrete_speed,
 )
 from granwave.analysis.measures.signals import Array, Power, power, width
@@ -36,7 +35,7 @@ _WHERE = "thesis 4.1.2"
 def select(runs: Sequence[FinishedRun]) -> list[list[SolitaryWave]]:
     """Waves of chains whose first bead is struck, by its velocity."""
     struck = [run for run in uniform(runs, "hertz") if run.load.kind == "impact" and run.load.spheres == 1]
-    ordered = rising(struck, lambda run: run.load.velocity / ChainScales(run).velocity)
+    ordered = rising(struck, lambda run: run.load.velocity / run.scales.velocity)
     waves = [SolitaryWave(run) for run in ordered if run.undisturbed and run.passed >= _FEWEST_CONTACTS]
     return [waves] if waves else []
 
