@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from functools import cached_property
 
 import numpy as np
@@ -12,6 +13,9 @@ from granwave.analysis.measures.chains.record import ChainRecord
 from granwave.analysis.measures.signals import Array, Power, at_time, power
 
 INVERSE = (30, 300)  # contacts of the fit in the inverse regime
+_SHORT = 0.25  # of 1/sqrt(k/m): the longest pulse that is an impulse alone
+_FINE = 0.25  # of 1/sqrt(k/m): the coarsest record that shows the leading wave
+_SHORTEST = 8.0  # 1/sqrt(k/m): the shortest record, in which contacts 1 to 3 have peaked
 _CONTACTS = 12  # of the leading wave that are followed
 _OVERTAKEN = 1.0005  # of the leading peak: a later one that is higher
 _FEWEST = 100  # contacts that make such a fit worth while
@@ -129,3 +133,20 @@ class ShortPulse:
         front = int(np.flatnonzero(v > 0.5 * v[: len(v) // 10 + 2].mean())[-1]) + 1
         behind = v[: max(2, int(_BEHIND * front))]
         return float(behind.mean()), float(behind.std() / behind.mean()), self.velocity_unit / front
+
+
+def short_pulses(runs: Iterable[ChainRecord]) -> list[ShortPulse]:
+    """Bilinear chains after short pulses, by beta; those of one beta are of one material and impulse."""
+    found: dict[float, list[ChainRecord]] = {}
+    for run in runs:
+        if run.is_pulse and run.force.shape[1] > 2 and run.load.lasts * spring_of(run).rate < _SHORT:
+            found.setdefault(run.case.contact.beta, []).append(run)
+    pulses = []
+    for _, group in sorted(found.items()):
+        near = min(group, key=lambda run: float(run.time[1] - run.time[0]))
+        alike = [run for run in group if np.allclose((run.impulse, run.mass), (near.impulse, near.mass), 1e-6, 0)]
+        far = max(alike, key=lambda run: min(run.force.shape[1], spring_of(run).rate * run.time[-1]))
+        rate = spring_of(near).rate
+        if (near.time[1] - near.time[0]) * rate < _FINE and near.time[-1] * rate > _SHORTEST:
+            pulses.append(ShortPulse(near, far))
+    return pulses

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import cached_property
 
 import numpy as np
@@ -18,6 +18,8 @@ _OVERTAKEN = 1.005  # of the leading peak: a later one that is higher
 _WINDOW = 10  # contacts over which a speed is taken
 _FARTHEST = 100  # contacts that are measured at most
 _AFTER = 0.85  # of the run: what arrives later may not have seen its largest force yet
+_FEWEST = 30  # contacts that make a chain worth while
+_LONGEST = 150.0  # tau: what lasts longer is no pulse; the source's longest is 129
 _USUAL = 12.93  # tau: 10 us for brass of R = 4.76 mm, the duration that the source's impulses share
 _SAME = 5e-3
 
@@ -160,3 +162,32 @@ class Pulses:
             return None
         speed = [float(np.exp(np.mean(np.log(np.interp(contact, *wave.speed))))) for wave in self.chosen]
         return power(np.array([wave.impulse for wave in self.chosen]), np.array(speed))
+
+
+def collect_pulses(runs: Iterable[ChainRecord], elastic: Sequence[ChainRecord]) -> Pulses | None:
+    """The elasto-plastic chains after pulses among runs; of several materials or radii those of the most runs.
+
+    Parameters
+    ----------
+    elastic
+        Elastic chains, among which that under the load of one of the others is looked for.
+    """
+    alike: dict[tuple[float, float], list[PlasticWave]] = {}
+    for run in runs:
+        if run.is_pulse and run.force.shape[1] > _FEWEST:
+            wave = PlasticWave(run)
+            if wave.duration <= _LONGEST and wave.contacts >= _FEWEST and wave.largest[0] > run.law.yield_force:
+                alike.setdefault((wave.scales.force, wave.scales.time), []).append(wave)
+    most = max(alike.values(), key=len, default=[])
+    return Pulses(most, _elastic(elastic, most)) if most else None
+
+
+def _elastic(runs: Iterable[ChainRecord], waves: Sequence[PlasticWave]) -> tuple[PlasticWave, PlasticWave] | None:
+    """An elastic chain and the elasto-plastic one under the same load."""
+    for run in runs:
+        own = (run.load, run.mass, run.law.effective_modulus)
+        for wave in waves:
+            same = own == (wave.run.load, wave.run.mass, wave.run.law.effective_modulus)
+            if same and run.force.shape[1] > _FEWEST:
+                return PlasticWave(run), wave
+    return None

@@ -9,11 +9,16 @@ so that a second wave of that height still passes it before the first one comes 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from granwave.analysis.measures.chains.record import ChainRecord
+from granwave.analysis.measures.chains.records import clustered
 from granwave.analysis.measures.signals import Array, maxima
 
+ALIKE = 1e-3
 SECOND = 0.01  # of the first peak: from then on a train
 _SHARE = 0.35
+_FEWEST_DURATIONS = 3
 
 
 class ForcePulse:
@@ -49,3 +54,15 @@ class ForcePulse:
         self.first_peak = float(run.time[places[0]])
         self.waves: Array = self.signal[places] / self.signal[places[0]]
         self.second = float(self.waves[1:].max(initial=0.0))
+
+
+def grouped(pulses: Sequence[ForcePulse], key: str) -> list[list[ForcePulse]]:
+    """Pulses of one amplitude or impulse, in rising order of it, each group by duration; groups of enough alone.
+
+    Parameters
+    ----------
+    key
+        ``amplitude`` or ``impulse``.
+    """
+    ordered = [sorted(group, key=lambda pulse: pulse.duration) for group in clustered(pulses, key, ALIKE)]
+    return [group for group in ordered if len(group) >= _FEWEST_DURATIONS]

@@ -41,15 +41,6 @@ def text(one: HeldLoad) -> str:
     )
 
 
-def pictures(one: HeldLoad) -> Iterator[Picture]:
-    """Thesis Fig. 4.9."""
-    caption = (
-        "Contact forces and bead velocities at three instants, with the largest force so far; dotted: closed forms "
-        "(thesis Fig. 4.9)"
-    )
-    yield Picture("bilinear_long_load", caption, _drawing(one))
-
-
 def rows(one: HeldLoad) -> Iterator[Row]:
     """Table 4.1, and forces; the source's values for its case alone."""
     load, theory = one.run.load, one.theory
@@ -82,7 +73,8 @@ def rows(one: HeldLoad) -> Iterator[Row]:
     yield Row("Largest force of all over the load", "", None, over, "thesis 4.2.2", remark if sourced else "")
 
 
-def _drawing(one: HeldLoad) -> Drawing:
+def pictures(one: HeldLoad) -> Iterator[Picture]:
+    """Thesis Fig. 4.9."""
     run, scales, theory = one.run, one.run.scales, one.theory
     figure, left, right = panels(2.8, 2)
     shown = int(1.15 * one.spring.rate * one.times[-1])
@@ -105,4 +97,8 @@ def _drawing(one: HeldLoad) -> Drawing:
     label(right, "Bead", VELOCITY, xlim=(0, shown), ylim=(0, 1.7 * theory.velocity / scales.velocity))
     for axes in (left, right):
         axes.legend(ncols=2, loc="upper right")
-    return Drawing(figure, data)
+    caption = (
+        "Contact forces and bead velocities at three instants, with the largest force so far; dotted: closed forms "
+        "(thesis Fig. 4.9)"
+    )
+    yield Picture("bilinear_long_load", caption, Drawing(figure, data))

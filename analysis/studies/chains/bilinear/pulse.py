@@ -10,17 +10,14 @@ from numpy.typing import ArrayLike
 
 from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import BLUE, GREEN, ORANGE, Drawing
-from granwave.analysis.measures.chains.bilinear import PRINTED, first_coefficients, spring_of
-from granwave.analysis.measures.chains.bilinear_pulse import INVERSE, ShortPulse
+from granwave.analysis.measures.chains.bilinear import PRINTED, first_coefficients
+from granwave.analysis.measures.chains.bilinear_pulse import INVERSE, ShortPulse, short_pulses
 from granwave.analysis.studies.chains.labels import FORCE, PEAK_FORCE, TIME, VELOCITY
-from granwave.analysis.studies.chains.runs import ChainRun, from_thesis, uniform
+from granwave.analysis.studies.chains.runs import from_thesis, uniform
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture, Row
 
 TITLE = "Bilinear chain after a short pulse"
-_SHORT = 0.25  # of 1/sqrt(k/m): the longest pulse that is an impulse alone
-_FINE = 0.25  # of 1/sqrt(k/m): the coarsest record that shows the leading wave
-_SHORTEST = 8.0  # 1/sqrt(k/m): the shortest record, in which contacts 1 to 3 have peaked
 _TRANSITIONS = {0.7: 9, 0.8: 5, 0.9: 3}  # thesis 4.2.1, "the third, fifth and ninth", of falling beta
 _ERROR_OF_MODEL = 0.10  # thesis 4.2.1, of 4.28
 _SHOWN = 9.3  # sqrt(k/m) t to which histories are shown: 150 tau for brass of R = 4.76 mm
@@ -52,19 +49,8 @@ Pulses = Sequence[ShortPulse]
 
 
 def select(runs: Sequence[FinishedRun]) -> list[list[ShortPulse]]:
-    """Chains after short pulses, by beta; those of one beta are of one material and impulse."""
-    found: dict[float, list[ChainRun]] = {}
-    for run in uniform(runs, "bilinear"):
-        if run.is_pulse and run.force.shape[1] > 2 and run.load.lasts * spring_of(run).rate < _SHORT:
-            found.setdefault(run.case.contact.beta, []).append(run)
-    pulses = []
-    for _, group in sorted(found.items()):
-        near = min(group, key=lambda run: float(run.time[1] - run.time[0]))
-        alike = [run for run in group if np.allclose((run.impulse, run.mass), (near.impulse, near.mass), 1e-6, 0)]
-        far = max(alike, key=lambda run: min(run.force.shape[1], spring_of(run).rate * run.time[-1]))
-        rate = spring_of(near).rate
-        if (near.time[1] - near.time[0]) * rate < _FINE and near.time[-1] * rate > _SHORTEST:
-            pulses.append(ShortPulse(near, far))
+    """All values of beta together."""
+    pulses = short_pulses(uniform(runs, "bilinear"))
     return [pulses] if pulses else []
 
 

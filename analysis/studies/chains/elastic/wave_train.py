@@ -9,10 +9,10 @@ import numpy as np
 
 from granwave.analysis.figures.series import COLOURS, label, panels
 from granwave.analysis.figures.style import BLUE, ORANGE, Drawing
-from granwave.analysis.measures.chains.force_pulse import SECOND, ForcePulse
+from granwave.analysis.measures.chains.force_pulse import SECOND, ForcePulse, grouped
 from granwave.analysis.measures.chains.records import columns
 from granwave.analysis.measures.signals import Array, Power, arrival, power
-from granwave.analysis.studies.chains.elastic.force_pulses import force_pulses, grouped
+from granwave.analysis.studies.chains.elastic.force_pulses import force_pulses
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture, Row
 

@@ -12,15 +12,13 @@ from numpy.typing import ArrayLike
 from granwave.analysis.figures.series import COLOURS, label, map_of_forces, panels
 from granwave.analysis.figures.style import BLUE, ORANGE, Drawing
 from granwave.analysis.measures.chains import elastoplastic_model as model
-from granwave.analysis.measures.chains.elastoplastic_pulse import PlasticWave, Pulses
+from granwave.analysis.measures.chains.elastoplastic_pulse import PlasticWave, Pulses, collect_pulses
 from granwave.analysis.studies.chains.labels import FORCE, PEAK_FORCE, PLACE, TIME
 from granwave.analysis.studies.chains.runs import from_thesis, uniform
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture, Row
 
 TITLE = "Elasto-plastic chain after a pulse"
-_FEWEST = 30  # contacts that make a study worth while
-_LONGEST = 150.0  # tau: what lasts longer is no pulse; the source's longest is 129
 _FAR = (15, 100)  # contacts of the fits in the inverse regime
 _LEAST_FAR = 45  # the last contact of such a fit at the least
 _COLLAPSE = 15  # contacts up to which runs of one impulse are compared: collisions farther on are chaotic
@@ -35,15 +33,9 @@ _FAINTEST = 3e-3  # of the largest force: the lower end of the map's colours
 
 
 def select(runs: Sequence[FinishedRun]) -> list[Pulses]:
-    """All impulses together; of several materials or radii those of the most runs."""
-    alike: dict[tuple[float, float], list[PlasticWave]] = {}
-    for run in uniform(runs, "elastoplastic"):
-        if run.is_pulse and run.force.shape[1] > _FEWEST:
-            wave = PlasticWave(run)
-            if wave.duration <= _LONGEST and wave.contacts >= _FEWEST and wave.largest[0] > run.law.yield_force:
-                alike.setdefault((wave.scales.force, wave.scales.time), []).append(wave)
-    most = max(alike.values(), key=len, default=[])
-    return [Pulses(most, _elastic(runs, most))] if most else []
+    """All impulses together."""
+    pulses = collect_pulses(uniform(runs, "elastoplastic"), uniform(runs, "hertz"))
+    return [pulses] if pulses else []
 
 
 def text(pulses: Pulses) -> str:
@@ -83,17 +75,6 @@ def pictures(pulses: Pulses) -> Iterator[Picture]:
     yield Picture("elastoplastic_speed", caption, _speeds(pulses))
     caption = "Energy dissipated up to each contact, and the source's model with its own constants (thesis Fig. 2.16)"
     yield Picture("elastoplastic_dissipation", caption, _dissipation(pulses))
-
-
-def _elastic(runs: Sequence[FinishedRun], waves: Sequence[PlasticWave]) -> tuple[PlasticWave, PlasticWave] | None:
-    """An elastic chain and the elasto-plastic one under the same load."""
-    for run in uniform(runs, "hertz"):
-        own = (run.load, run.mass, run.law.effective_modulus)
-        for wave in waves:
-            same = own == (wave.run.load, wave.run.mass, wave.run.law.effective_modulus)
-            if same and run.force.shape[1] > _FEWEST:
-                return PlasticWave(run), wave
-    return None
 
 
 def _from_source(pulses: Pulses) -> bool:
