@@ -8,13 +8,9 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterator, Sequence
 
-import numpy as np
-
 from granwave.analysis.figures.probed_pairs import contact_curves, loading_curves
-from granwave.analysis.figures.series import label, panels
-from granwave.analysis.figures.style import Drawing
 from granwave.analysis.measures.chains.probed_pair import Pair, probed_name
-from granwave.analysis.studies.chains.runs import chain_runs
+from granwave.analysis.studies.chains.runs import chain_runs, elastic_constants
 from granwave.analysis.studies.runs import FinishedRun, rising
 from granwave.analysis.studies.study import Picture, Row
 from granwave.lammps_inputs.case.material import material
@@ -104,10 +100,15 @@ def rows(pairs: Pairs) -> Iterator[Row]:
 def pictures(pairs: Pairs) -> Iterator[Picture]:
     """All pairs normalised, unlike radii, unlike materials, and the band of yield strengths."""
     if len(pairs.every) > 1:
-        caption = "Force against overlap, normalised by first yield; all pairs"
-        yield Picture("unlike_normalised", caption, _normalised(pairs.every))
+        names = {f"{n}": _label(pair) for n, pair in enumerate(pairs.every, start=1)}
+        drawing = loading_curves(
+            pairs.every, names, "yield_overlap", "overlap_normalised", r"\alpha_\mathrm{y}", log=True
+        )
+        yield Picture("unlike_normalised", "Force against overlap, normalised by first yield; all pairs", drawing)
     if len(pairs.radii) > 1:
-        yield Picture("unlike_radii", "Force against overlap for unlike radii (thesis Fig. 2.10)", _radii(pairs.radii))
+        names = {f"{pair.ratio:g}": f"$R_2/R_1$ = {pair.ratio:g}" for pair in pairs.radii}
+        drawing = loading_curves(pairs.radii, names, "effective_radius", "overlap_over_radius", "R^*")
+        yield Picture("unlike_radii", "Force against overlap for unlike radii (thesis Fig. 2.10)", drawing)
     if pairs.unlike:
         drawing = contact_curves(pairs.unlike, [_names(pair) for pair in pairs.unlike])
         yield Picture("unlike_materials", "Force against overlap of unlike materials (thesis Fig. 3.3)", drawing)
@@ -122,8 +123,7 @@ def _at(pair: Pair, overlap: float, what: str, where: str, remark: str = "") -> 
 
 
 def _but_strength(pair: Pair) -> tuple[float, ...]:
-    one = pair.materials[0]
-    return one.youngs_modulus, one.poisson_ratio, one.density, pair.diameters[0]
+    return *elastic_constants(pair.materials[0]), pair.diameters[0]
 
 
 def _names(pair: Pair) -> str:
@@ -134,25 +134,3 @@ def _label(pair: Pair) -> str:
     own = pair.materials[0].name or "material" if pair.like else _names(pair)
     ratio = f", ratio {pair.ratio:g}" if pair.ratio != 1 else ""
     return own + ratio + (f", {pair.strength / _MEGA:.0f} MPa" if pair.like else "")
-
-
-def _normalised(pairs: Sequence[Pair]) -> Drawing:
-    """Loading of all pairs in units of first yield."""
-    figure, axes = panels(3.0, width=5.2)
-    names = {f"{n}": _label(pair) for n, pair in enumerate(pairs, start=1)}
-    data = loading_curves(axes, pairs, names, "yield_overlap", "overlap_normalised",
-                    lambda deepest: np.geomspace(0.3, max(1.0, deepest), 400))  # fmt: skip
-    label(axes, r"Overlap $\alpha/\alpha_\mathrm{y}$", r"Force $F/F_\mathrm{y}$", log="xy", xlim=(0.2, None))
-    figure.legend(loc="outside right center", fontsize=6.5)
-    return Drawing(figure, data)
-
-
-def _radii(pairs: Sequence[Pair]) -> Drawing:
-    """Loading of pairs of unlike radii over R*."""
-    figure, axes = panels(2.7)
-    names = {f"{pair.ratio:g}": f"$R_2/R_1$ = {pair.ratio:g}" for pair in pairs}
-    data = loading_curves(axes, pairs, names, "effective_radius", "overlap_over_radius",
-                    lambda deepest: np.linspace(0, deepest, 300))  # fmt: skip
-    label(axes, r"Overlap $\alpha/R^*$", r"Force $F/F_\mathrm{y}$", xlim=(0, None), ylim=(0, None))
-    axes.legend()
-    return Drawing(figure, data)
