@@ -18,6 +18,8 @@ from granwave.lammps_inputs.contact.law import sphere_contact
 
 IMPULSE_COEFFICIENT = 0.719  # (4.5)
 DISCRETE_COEFFICIENT = 0.7176  # of the same, of the discrete chain, by an independent solver (tests/chain_twin.py)
+#: The same two as F_peak/I^(6/5) in the chain's own units.
+IMPULSE_LIMIT, DISCRETE_LIMIT = (one * (3 / 128) ** 0.6 for one in (IMPULSE_COEFFICIENT, DISCRETE_COEFFICIENT))
 _NESTERENKO = 0.6802  # V = 0.6802 (2 E/(D rho^1.5 (1 - nu^2)))^(1/3) F^(1/6); composite source 4, D the diameter
 
 

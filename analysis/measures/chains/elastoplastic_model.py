@@ -10,8 +10,6 @@ The source prints b as if per R*; only per contact does it agree with its figure
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
@@ -76,8 +74,3 @@ def dissipation_at(law: ContactLaw, force: Array) -> Array:
     overlap = np.geomspace(law.yield_overlap, _WIDEST * law.effective_radius, 4000)
     peak, lost = law.loading_force(overlap), law.dissipated_energy(overlap)
     return np.asarray(PchipInterpolator(peak, lost)(force))
-
-
-def elastic_peak(impulse: float) -> float:
-    """Force of the solitary wave over E* R*^2 of an impulse in units of E* R*^2 tau: thesis 4.5 with 0.719."""
-    return 0.719 * (3 / 128) ** 0.6 * math.pow(impulse, 1.2)

@@ -16,11 +16,11 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from granwave.analysis.measures.chains.record import ChainRecord
+from granwave.analysis.measures.pulses import LENGTH, theory
 from granwave.analysis.measures.signals import Array
 
 DISCRETE_WIDTH = 1.579  # full width at half maximum of the discrete chain's bead velocity, diameters
-HALF_OF_COS4 = 2 * math.acos(0.5**0.25) * math.sqrt(10) / 2  # full width at half maximum, diameters
-FOOT_OF_COS4 = math.pi * math.sqrt(10) / 2  # full width where it ends, diameters
+HALF_OF_COS4 = theory()["half maximum of velocity"]  # full width at half maximum, diameters
 _SPLITTING = 10  # points put between two samples
 
 
@@ -68,4 +68,4 @@ class SolitaryWave:
 
 def cos4(x: Array) -> Array:
     """Bead velocity of Nesterenko's wave over its largest, at places in diameters."""
-    return np.where(np.abs(x) < 0.5 * FOOT_OF_COS4, np.cos(2 * x / math.sqrt(10)) ** 4, 0.0)
+    return np.where(np.abs(x) < 0.5 * LENGTH, np.cos(2 * x / math.sqrt(10)) ** 4, 0.0)

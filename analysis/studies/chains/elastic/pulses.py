@@ -10,17 +10,15 @@ from granwave.analysis.figures.series import COLOURS, label, panels
 from granwave.analysis.figures.style import BLUE, GREY, Drawing
 from granwave.analysis.measures.chains.force_pulse import ALIKE, SECOND, ForcePulse, grouped
 from granwave.analysis.measures.chains.records import columns
-from granwave.analysis.measures.hertz_chain import DISCRETE_COEFFICIENT, IMPULSE_COEFFICIENT
+from granwave.analysis.measures.hertz_chain import DISCRETE_LIMIT, IMPULSE_LIMIT
 from granwave.analysis.studies.chains.elastic.force_pulses import force_pulses
 from granwave.analysis.studies.chains.runs import from_thesis
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture, Row
 
 TITLE = "Peak force of elastic pulses"
-#: (4.5) in normalised units, F_peak/I^(6/5) = 0.0757, and the same of the discrete chain.
-SINGLE_LIMIT, DISCRETE_LIMIT = (one * (3 / 128) ** 0.6 for one in (IMPULSE_COEFFICIENT, DISCRETE_COEFFICIENT))
 TRAIN_LIMIT = 92.7 / 40  # F_peak/A of thesis 4.1.3
-_CROSSING = SINGLE_LIMIT / TRAIN_LIMIT
+_CROSSING = IMPULSE_LIMIT / TRAIN_LIMIT
 _CLEAR = 8.0  # times away from the crossing a pulse is counted to a limit
 _FEWEST_PULSES = 4
 _EXAMPLES = ((1e-6, 1.0, "one wave"), (1e-4, None, "a train"))  # thesis 4.1.1: duration, s; number of waves
@@ -52,7 +50,7 @@ def rows(pulses: Sequence[ForcePulse]) -> Iterator[Row]:
     short, long = reduced > _CLEAR * _CROSSING, reduced < _CROSSING / _CLEAR
     if short.any():
         remark = f"Mean of A/I^(6/5) > {_CLEAR * _CROSSING:.2g}. Source: from (4.5); theory: the discrete chain."
-        yield Row("Short pulses: F_peak/I^(6/5), normalised", "", SINGLE_LIMIT, float(peak[short].mean()), _WHERE,
+        yield Row("Short pulses: F_peak/I^(6/5), normalised", "", IMPULSE_LIMIT, float(peak[short].mean()), _WHERE,
                   remark, DISCRETE_LIMIT)  # fmt: skip
     if long.any():
         remark = f"Mean of A/I^(6/5) < {_CROSSING / _CLEAR:.2g}. Source: 92.7 N for 40 N."
@@ -88,10 +86,10 @@ def pictures(pulses: Sequence[ForcePulse]) -> Iterator[Picture]:
     if left.lines:
         left.legend(title=r"Impulse $I/(E^* R^{*2} \tau)$", loc="lower right", fontsize=7)
     fine = np.geomspace(0.5 * reduced[0], 2 * reduced[-1], 200)
-    right.plot(fine, np.full_like(fine, SINGLE_LIMIT), "--", color=GREY, label=f"{SINGLE_LIMIT:.4f} (thesis 4.5)")
+    right.plot(fine, np.full_like(fine, IMPULSE_LIMIT), "--", color=GREY, label=f"{IMPULSE_LIMIT:.4f} (thesis 4.5)")
     right.plot(fine, TRAIN_LIMIT * fine, ":", color=GREY, label=rf"{TRAIN_LIMIT:.2f} $A/I^{{6/5}}$")
     label(right, r"$A/I^{6/5}$, normalised", r"Peak force $F/I^{6/5}$, normalised",
-          log="xy", ylim=(0.5 * peak.min(), 3 * SINGLE_LIMIT))  # fmt: skip
+          log="xy", ylim=(0.5 * peak.min(), 3 * IMPULSE_LIMIT))  # fmt: skip
     right.legend(loc="lower right")
     caption = "Peak force against amplitude, and all impulses on one curve (thesis Fig. 4.3)"
     yield Picture("elastic_master_curve", caption, Drawing(figure, data))

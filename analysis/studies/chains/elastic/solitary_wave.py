@@ -11,7 +11,6 @@ from granwave.analysis.figures.style import BLUE, GREY, Drawing
 from granwave.analysis.measures.chains.records import columns
 from granwave.analysis.measures.chains.solitary_wave import (
     DISCRETE_WIDTH,
-    FOOT_OF_COS4,
     HALF_OF_COS4,
     SolitaryWave,
     cos4,
@@ -21,6 +20,7 @@ from granwave.analysis.measures.hertz_chain import (
     IMPULSE_COEFFICIENT,
     discrete_speed,
 )
+from granwave.analysis.measures.pulses import LENGTH
 from granwave.analysis.measures.signals import Array, Power, power, width
 from granwave.analysis.studies.chains.runs import uniform
 from granwave.analysis.studies.runs import FinishedRun, rising
@@ -68,8 +68,8 @@ def rows(waves: Sequence[SolitaryWave]) -> Iterator[Row]:
               "The discrete wave is narrower than that of the continuum.", DISCRETE_WIDTH)  # fmt: skip
     yield Row(f"Width of the wave at {_FOOT:g} of its largest velocity, diameters", "", 5.0,
               width(wave.x, wave.velocity, _FOOT), "thesis 4.1",
-              f"cos^4 ends after {FOOT_OF_COS4:.2f} diameters; the discrete wave ends nowhere, and its width "
-              "depends on the level.", FOOT_OF_COS4)  # fmt: skip
+              f"cos^4 ends after {LENGTH:.2f} diameters; the discrete wave ends nowhere, and its width "
+              "depends on the level.", LENGTH)  # fmt: skip
     yield Row("Virial 4 K / 5 P of the wave", "", 1.0, wave.virial, "thesis (4.14)",
               "Average of the second half of the run, without the beads that bounced back.")  # fmt: skip
 
