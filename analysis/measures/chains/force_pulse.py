@@ -9,7 +9,7 @@ so that a second wave of that height still passes it before the first one comes 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from granwave.analysis.measures.chains.record import ChainRecord
 from granwave.analysis.measures.chains.records import clustered
@@ -19,6 +19,7 @@ ALIKE = 1e-3
 SECOND = 0.01  # of the first peak: from then on a train
 _SHARE = 0.35
 _FEWEST_DURATIONS = 3
+_FEWEST_CONTACTS = 80
 
 
 class ForcePulse:
@@ -54,6 +55,15 @@ class ForcePulse:
         self.first_peak = float(run.time[places[0]])
         self.waves: Array = self.signal[places] / self.signal[places[0]]
         self.second = float(self.waves[1:].max(initial=0.0))
+
+
+def force_pulses(runs: Iterable[ChainRecord]) -> list[ForcePulse]:
+    """Pulses of elastic chains that go on after the force has ended and stop before the end of the chain."""
+    return [
+        ForcePulse(run) for run in runs
+        if run.load.kind == "force" and run.load.shape == "rectangle" and run.load.spheres == 1
+        and run.load.lasts < run.time[-1] and run.passed >= _FEWEST_CONTACTS and run.undisturbed
+    ]  # fmt: skip
 
 
 def grouped(pulses: Sequence[ForcePulse], key: str) -> list[list[ForcePulse]]:

@@ -8,11 +8,10 @@ import numpy as np
 
 from granwave.analysis.figures.series import COLOURS, label, panels
 from granwave.analysis.figures.style import BLUE, GREY, Drawing
-from granwave.analysis.measures.chains.force_pulse import ALIKE, SECOND, ForcePulse, grouped
+from granwave.analysis.measures.chains.force_pulse import ALIKE, SECOND, ForcePulse, force_pulses, grouped
 from granwave.analysis.measures.chains.records import columns
 from granwave.analysis.measures.hertz_chain import DISCRETE_LIMIT, IMPULSE_LIMIT
-from granwave.analysis.studies.chains.elastic.force_pulses import force_pulses
-from granwave.analysis.studies.chains.runs import from_thesis
+from granwave.analysis.studies.chains.runs import from_thesis, uniform
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture, Row
 
@@ -28,7 +27,7 @@ _WHERE = "thesis Fig. 4.3"
 
 def select(runs: Sequence[FinishedRun]) -> list[list[ForcePulse]]:
     """Pulses in the order of A/I^(6/5), if they cover a part of the curve."""
-    pulses = sorted(force_pulses(runs), key=lambda pulse: pulse.reduced)
+    pulses = sorted(force_pulses(uniform(runs, "hertz")), key=lambda pulse: pulse.reduced)
     enough = len(pulses) >= _FEWEST_PULSES and pulses[-1].reduced >= 10 * pulses[0].reduced
     return [pulses] if enough else []
 

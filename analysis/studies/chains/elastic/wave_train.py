@@ -9,10 +9,10 @@ import numpy as np
 
 from granwave.analysis.figures.series import COLOURS, label, panels
 from granwave.analysis.figures.style import BLUE, ORANGE, Drawing
-from granwave.analysis.measures.chains.force_pulse import SECOND, ForcePulse, grouped
+from granwave.analysis.measures.chains.force_pulse import SECOND, ForcePulse, force_pulses, grouped
 from granwave.analysis.measures.chains.records import columns
 from granwave.analysis.measures.signals import Array, Power, arrival, power
-from granwave.analysis.studies.chains.elastic.force_pulses import force_pulses
+from granwave.analysis.studies.chains.runs import uniform
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture, Row
 
@@ -22,7 +22,8 @@ Groups = list[list[ForcePulse]]
 
 def select(runs: Sequence[FinishedRun]) -> list[Groups]:
     """Pulses of three durations and more at each of some amplitudes, on both sides of the critical one."""
-    groups = [group for group in grouped(force_pulses(runs), "amplitude") if math.isfinite(_critical(group))]
+    found = grouped(force_pulses(uniform(runs, "hertz")), "amplitude")
+    groups = [group for group in found if math.isfinite(_critical(group))]
     return [groups] if groups else []
 
 
