@@ -9,8 +9,8 @@ from functools import cached_property
 import numpy as np
 
 from granwave.analysis.measures.chains.elastoplastic_model import SPACING
+from granwave.analysis.measures.chains.groups import clustered
 from granwave.analysis.measures.chains.record import ChainRecord
-from granwave.analysis.measures.chains.records import clustered
 from granwave.analysis.measures.signals import Array, Power, arrival, power
 
 _THRESHOLD = 0.01  # of a contact's largest force: the leading disturbance has arrived

@@ -11,8 +11,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+from granwave.analysis.measures.chains.groups import clustered
 from granwave.analysis.measures.chains.record import ChainRecord
-from granwave.analysis.measures.chains.records import clustered
 from granwave.analysis.measures.signals import Array, maxima
 
 ALIKE = 1e-3

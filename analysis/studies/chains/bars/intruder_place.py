@@ -10,8 +10,8 @@ import numpy as np
 
 from granwave.analysis.figures.series import MARKS, label, panels
 from granwave.analysis.figures.style import GREY, Drawing
+from granwave.analysis.measures.chains.groups import columns
 from granwave.analysis.measures.chains.odd_bead import OddBead, constants
-from granwave.analysis.measures.chains.records import columns
 from granwave.analysis.studies.chains.bars.odd_beads import FEWEST, lines, name_of, remarks
 from granwave.analysis.studies.runs import FinishedRun, rising
 from granwave.analysis.studies.study import Picture, Row

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from granwave.analysis.figures.series import MARKS, label, map_of_forces, panels
 from granwave.analysis.figures.style import BLUE, GREY, WIDTH, Drawing
 from granwave.analysis.measures.chains.composite_section import Composite, composite_of
-from granwave.analysis.measures.chains.records import columns
+from granwave.analysis.measures.chains.groups import columns
 from granwave.analysis.measures.signals import decay
 from granwave.analysis.studies.chains.runs import chain_runs, elastic_constants
 from granwave.analysis.studies.runs import FinishedRun, rising

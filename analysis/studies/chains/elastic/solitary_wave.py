@@ -8,7 +8,7 @@ import numpy as np
 
 from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import BLUE, GREY, Drawing
-from granwave.analysis.measures.chains.records import columns
+from granwave.analysis.measures.chains.groups import columns
 from granwave.analysis.measures.chains.solitary_wave import (
     DISCRETE_WIDTH,
     HALF_OF_COS4,

@@ -10,7 +10,7 @@ import numpy as np
 from granwave.analysis.figures.series import COLOURS, label, panels
 from granwave.analysis.figures.style import BLUE, ORANGE, Drawing
 from granwave.analysis.measures.chains.force_pulse import SECOND, ForcePulse, force_pulses, grouped
-from granwave.analysis.measures.chains.records import columns
+from granwave.analysis.measures.chains.groups import columns
 from granwave.analysis.measures.signals import Array, Power, arrival, power
 from granwave.analysis.studies.chains.runs import uniform
 from granwave.analysis.studies.runs import FinishedRun
