@@ -108,8 +108,8 @@ def _bar_energy(bar: PlacedBar) -> list[str]:
     name = bar.name
     return [
         f"compute         on_{name} all gran/hysteretic/contact {bar.touches} {bar.face}",
-        f"compute         bonds_{name} {name} pe/atom bond",
-        f"compute         elastic_{name} {name} reduce sum c_bonds_{name}",
+        f"compute         bonds_{name} {name} bond/local engpot",
+        f"compute         elastic_{name} {name} reduce sum c_bonds_{name} inputs local",
         f"compute         kinetic_{name} {name} ke",
         f"variable        energy_{name} equal c_kinetic_{name}+c_elastic_{name}",
     ]

@@ -30,7 +30,6 @@ _LONGEST_OF_FIRST = 8  # and rise to 8 times as much: 232 ns of the reference, w
 _LEDGER_ROWS = 500  # aimed at, of a run with an end time
 _LEDGER_ROWS_IN_BLOCK = 250  # the run may end after one block, and a balance over fewer instants is no balance
 _AUTO_PROBE_STEPS = 5
-_GAIN = 4.0  # first timesteps that an automatic timestep makes of one, over a run
 _WALL_STEPS = 10  # some 0.3 us of the reference; LAMMPS adds up all energies whenever anything is recorded
 MOST_STEPS = 2e9
 _MOST_UNEVEN_FRAMES = 10_000  # LAMMPS evaluates a formula with a term for each before every snapshot: 40 s in all
@@ -94,11 +93,6 @@ class Schedule:
     def largest_timestep(self) -> float:
         """The largest timestep that the run can take, s."""
         return self.longest_step * self.timestep
-
-    @property
-    def expected_steps(self) -> float:
-        """Timesteps that a run of ``n_steps`` counts will probably take."""
-        return self.n_steps / (self.first_step * _GAIN if self.adaptive else 1)
 
     @property
     def end_time(self) -> float:
@@ -209,7 +203,8 @@ def _steps_of(assembly: Assembly, given: float | None) -> _Steps:
         n_steps += -n_steps % every
         n_blocks = max(1, round(AUTO_END_TIME / (n_steps * fixed))) if in_blocks else 1
         return _Steps(fixed, 1, 1, every, n_steps, n_steps * n_blocks, adaptive=False)
-    first, shortest, longest = _bounds(assembly)
+    bounds = _bounds(assembly)
+    first, shortest, longest = (step * min(1.0, duration / rows / bounds[0]) for step in bounds)
     check_steps(case.name, duration, shortest)
     per_first = round(longest / first)
     bound = min(duration / rows, _WALL_STEPS * first, *_intervals(assembly, first))
@@ -242,13 +237,17 @@ def _bounds(assembly: Assembly) -> tuple[float, float, float]:
 
 
 def _intervals(assembly: Assembly, first: float) -> list[float]:
-    """Times between records of probes and of a chain, which the longest timestep must not exceed, s."""
+    """Times between snapshots and records of probes and a chain, which the longest timestep must not exceed, s."""
     case, found = assembly.case, [math.inf]
+    frames, span = case.run.frames, case.run.end_time
+    span = _AUTO_FRAME_SPAN if isinstance(span, str) else span
+    if isinstance(frames, int):
+        found.append(span / max(1, frames - 1))
     if case.probes:
         interval = case.output.probe_interval
         found.append(_AUTO_PROBE_STEPS * first if isinstance(interval, str) else interval)
     if assembly.history:
-        found.append((_AUTO_FRAME_SPAN if isinstance(case.run.end_time, str) else case.run.end_time) / assembly.history)
+        found.append(span / assembly.history)
     return found
 
 

@@ -19,7 +19,8 @@ from granwave.lammps_inputs.load_case import case_from_dict, load_case
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.packing import build_packing
 from granwave.lammps_inputs.planning.schedule import make_schedule
-from granwave.lammps_inputs.planning.timestep import auto_timestep, expected_peak_overlap
+from granwave.lammps_inputs.planning.timestep import auto_timestep, expected_peak_overlap, largest_timestep
+from granwave.workflows.library import load_case as built_in_case
 
 
 def make(size: Any = (6, 6, 4), kind: str = "fcc", diameter: float = 0.01, **sections: Any) -> Case:
@@ -73,9 +74,51 @@ class TestSchedule:
         for end_time in (1e-5, 3.3e-4, 1e-3, 7.77e-3):
             schedule = make_schedule(make(run={"end_time": end_time}))
             assert schedule.end_time == pytest.approx(end_time, rel=1e-12)
-            assert schedule.timestep <= auto_timestep(make()) * (1 + 1e-12)
+            assert schedule.first_timestep <= auto_timestep(make()) * (1 + 1e-12)
             assert schedule.n_steps % schedule.ledger_every == 0
-            assert schedule.n_steps // schedule.ledger_every == 500
+            assert 500 <= schedule.n_steps // schedule.ledger_every <= 1000
+
+    @pytest.mark.parametrize(
+        "changes",
+        [
+            {},
+            {"run": {"end_time": "auto"}},
+            {"run": {"end_time": 3e-6}},
+            {"run": {"frames": 1000}},
+            {"output": {"probes": [{"sphere": 1}]}},
+            {"output": {"probes": [{"sphere": 1}], "probe_interval": 3e-7}},
+        ],
+    )
+    def test_records_fall_on_multiples_of_the_longest_step(self, changes: dict[str, Any]) -> None:
+        schedule = make_schedule(make(**changes))
+        longest = schedule.longest_step
+        assert longest in (4, 8, 16, 32) and schedule.first_step == 4 and schedule.energy_tolerance == 3e-6
+        intervals = (schedule.ledger_every, schedule.wall_every, schedule.probe_every, schedule.block_steps)
+        for counts in (schedule.n_steps, *intervals, schedule.frame_every, *schedule.frame_steps):
+            assert counts % longest == 0
+        if interval := changes.get("output", {}).get("probe_interval"):
+            assert schedule.probe_every * schedule.timestep == pytest.approx(
+                interval, abs=0.5 * schedule.first_timestep
+            )
+
+    def test_bounds_of_an_automatic_timestep(self) -> None:
+        plain = make_schedule(make())
+        assert plain.largest_timestep == pytest.approx(8 * plain.first_timestep)
+        assert plain.timestep == pytest.approx(plain.first_timestep / 4)
+        least = make_schedule(make(run={"smallest_timestep": 2e-8}))
+        assert 0.99 * 2e-8 <= least.timestep == least.first_timestep
+        most = make_schedule(make(run={"largest_timestep": 1e-7}))
+        assert 0.5e-7 < most.largest_timestep <= 1e-7
+        short = make_schedule(make(run={"largest_timestep": 1e-8}))
+        assert short.largest_timestep == short.first_timestep <= 1e-8
+        fine = make_schedule(make(run={"energy_tolerance": 3e-8}))
+        assert fine.first_timestep == pytest.approx(plain.first_timestep / 10, rel=0.05)
+
+    def test_a_bar_and_a_support_bound_the_step(self) -> None:
+        for name in ("split-hopkinson", "intruder"):
+            assembly = assemble(built_in_case(name))
+            schedule = make_schedule(assembly)
+            assert schedule.largest_timestep <= largest_timestep(assembly) * (1 + 1e-9) < 1e-3
 
     @pytest.mark.parametrize("timestep", [1e-7, 2e-7, 3.3e-8, 9.999e-8])
     def test_a_given_timestep_is_kept(self, timestep: float) -> None:
@@ -103,13 +146,14 @@ class TestSchedule:
         schedule = make_schedule(make(run={"end_time": "auto"}))
         assert schedule.block_steps * schedule.timestep == pytest.approx(50e-6, rel=1e-12)
         assert schedule.n_steps == 100 * schedule.block_steps
-        assert schedule.block_steps == 250 * schedule.ledger_every
+        assert 250 <= schedule.block_steps // schedule.ledger_every <= 500
         assert schedule.block_steps % schedule.probe_every == 0
         assert schedule.frame_every * schedule.timestep == pytest.approx(50e-6)
 
     def test_probe_interval(self) -> None:
         assert make_schedule(make(run={"timestep": 1e-7}, output={"probe_interval": 1e-6})).probe_every == 10
-        assert make_schedule(make(output={"probe_interval": 1e-12})).probe_every == 1
+        finest = make_schedule(make(output={"probes": [{"sphere": 1}], "probe_interval": 1e-12}))
+        assert finest.probe_every == finest.longest_step == finest.first_step
 
 
 class TestDataFile:

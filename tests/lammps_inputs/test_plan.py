@@ -35,7 +35,7 @@ def make(size: Any = (12, 12, 8), packing: dict[str, Any] | None = None, **table
 def steps(**tables: Any) -> float:
     """Expected time of a step, s."""
     found = plan(make(**tables))
-    return found.times.steps / found.schedule.n_steps
+    return found.times.most_steps / (found.schedule.n_steps / found.schedule.first_step)
 
 
 # ---------------------------------------------------------------------- a run
@@ -99,8 +99,9 @@ def test_runs_that_end_by_themselves_are_not_planned_to_their_limit() -> None:
     assert elastic.times.steps < plastic.times.steps < plastic.times.most_steps / 5
     text = plan_table(make(run={"end_time": "auto"}), plastic)
     assert "expected time          about" in text and "at most" in text.split("expected time")[1]
-    given = plan(make())
+    given = plan(make(run={"timestep": 2.9e-8}))
     assert given.times.longest == given.wall_time
+    assert plan(make()).wall_time < plan(make()).times.longest <= given.wall_time * 1.01  # as many steps, at most
 
 
 # ---------------------------------------------------------------------- a scan
@@ -149,7 +150,7 @@ def test_a_job_may_last_as_long_as_its_points_can(tmp_path: Path) -> None:
     small = SMALL.replace("run.end_time = 5e-5", 'run.end_time = "auto"')
     scan = reader(tmp_path)(small + "packing.diameter_scatter = 1e-6\n[grid]\nload.velocity = [1, 2]\n")
     batch = make_batches(scan.points, workers=1, job_start=2, prefix="", slowness=1e4)[0]
-    assert batch.longest > 3 * batch.wall_time
+    assert batch.longest > 3 * batch.wall_time  # 100 blocks, and first timesteps all along
     assert Profile().resources(batch)["runtime"] * 60 >= batch.longest
 
 

@@ -107,10 +107,11 @@ def write(options: argparse.Namespace, _: Words) -> int:
         refuse_foreign(directory, run_files(case, expected.schedule))
         start(case, directory)
         deck = write_deck(case, options.directory)
-    print(
-        f"{deck.directory}: {assemble(deck.case).n_spheres} spheres, "
-        f"{deck.schedule.n_steps} steps of {deck.schedule.timestep:.3g} s"
-    )
+    schedule = deck.schedule
+    steps = f"{schedule.n_steps} steps of {schedule.timestep:.3g} s"
+    if schedule.adaptive:
+        steps = f"steps of {schedule.first_timestep:.3g} s and more, to {schedule.end_time:.4g} s"
+    print(f"{deck.directory}: {assemble(deck.case).n_spheres} spheres, {steps}")
     print(f"run it by hand:  cd {deck.directory} && lmp -in {deck.script.name}")
     return 0
 

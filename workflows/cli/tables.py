@@ -10,6 +10,7 @@ from granwave.analysis.measures.zone_marks import bounds_in_words
 from granwave.analysis.quantities import CONTINUUM_ROWS, FRICTION_SHARES, RUN_ROWS, SHARES, Quantity
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.planning.plan import Plan
+from granwave.lammps_inputs.planning.schedule import Schedule
 from granwave.lammps_inputs.planning.wall_time import WallTime
 from granwave.lammps_inputs.planning.zone_estimate import ExpectedZone
 from granwave.workflows.solvers import Cost
@@ -81,8 +82,8 @@ def plan_table(case: Case, plan: Plan) -> str:
             ("contacts at the start", f"{plan.n_contacts}"),
             ("memory", f"about {plan.memory / 2**30:.2f} GiB"),
             ("disk", f"about {plan.disk / 1e9:.3g} GB"),
-            ("timestep", f"{schedule.timestep:.4g} s"),
-            ("steps", f"{at_most}{schedule.n_steps}, to {schedule.end_time:.4g} s"),
+            ("timestep", _timestep(schedule)),
+            ("steps", f"{at_most}{_steps(schedule)}, to {schedule.end_time:.4g} s"),
             ("snapshots", f"{at_most}{schedule.n_frames}"),
             ("expected time", f"about {usual}: {_parts(times)}"),
             *([("", f"at most {most}")] if schedule.block_steps and most != usual else []),
@@ -91,6 +92,20 @@ def plan_table(case: Case, plan: Plan) -> str:
             *([("outermost yield", _expected(plan.zone))] if plan.zone else []),
         ]
     )
+
+
+def _timestep(schedule: Schedule) -> str:
+    if not schedule.adaptive:
+        return f"{schedule.timestep:.4g} s"
+    tolerance = f"energy balance to {schedule.energy_tolerance:g} of the input"
+    return f"{schedule.first_timestep:.4g} s at first, {schedule.largest_timestep:.4g} s at most: {tolerance}"
+
+
+def _steps(schedule: Schedule) -> str:
+    """Number of steps; of an automatic timestep if all were as long as the first."""
+    if not schedule.adaptive:
+        return f"{schedule.n_steps}"
+    return f"{schedule.n_steps // schedule.first_step} if all were as long as the first"
 
 
 def _expected(zone: ExpectedZone) -> str:
