@@ -6,7 +6,7 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-from granwave.analysis.figures import chain, directions, dissipation, histories, packing3d, sections, target, zone
+from granwave.analysis.figures import chain, directions, dissipation, histories, packing3d, sections, target, timestep, zone
 from granwave.analysis.figures.style import Drawing, FigureFolder, style
 from granwave.analysis.result.reader import Result
 
@@ -26,6 +26,7 @@ FIGURES: dict[str, Callable[[Result], Drawing | None]] = {
     "plastic_zone_growth": dissipation.plastic_zone_growth,
     "plastic_zone_size": zone.plastic_zone_size,
     "energies": histories.energies,
+    "timestep": timestep.timestep,
     "bottom_force": histories.bottom_force,
     "target": target.target,
     "impactor_velocity": histories.impactor_velocity,

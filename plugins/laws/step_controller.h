@@ -56,12 +56,17 @@ class StepController {
     }
     std::int64_t next = state_.wanted;
     while (next > 1 && (now % next != 0 || now + next > due)) next /= 2;
-    if (next != state_.ticks) {
-      state_.left = error(s);
-      state_.start = s;
-      state_.ticks = next;
-    }
+    take(next, s);
     return next;
+  }
+
+  /* Make a step of so many ticks the next one. */
+  void take(std::int64_t ticks, double s)
+  {
+    if (ticks == state_.ticks) return;
+    state_.left = error(s);
+    state_.start = s;
+    state_.ticks = ticks;
   }
 
   /* Correct the error of the energy balance by a measured one. */

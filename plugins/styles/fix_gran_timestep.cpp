@@ -3,6 +3,7 @@
 
 #include "atom.h"
 #include "comm.h"
+#include "compute.h"
 #include "error.h"
 #include "fix_wall_gran_hysteretic.h"
 #include "force.h"
@@ -250,10 +251,25 @@ bigint FixGranTimestep::next_due() const
   return due;
 }
 
+/* True if a compute needs energies or a virial at a step, which pair and bond styles add up only when they are told to. */
+
+bool FixGranTimestep::tallied(bigint step) const
+{
+  for (auto *compute : modify->get_compute_list())
+    if ((compute->peflag || compute->peatomflag || compute->pressflag || compute->pressatomflag) && compute->matchstep(step))
+      return true;
+  return false;
+}
+
 void FixGranTimestep::begin_step()
 {
   if (!pending) return;
   pending = false;
+  // the run has asked its computes already whether they need energies or a virial, for the step after this tick
+  std::int64_t next = taken;
+  while (next > 1 && tallied(reached + next)) next /= 2;
+  controller.take(next, s);
+  take(next);
   set_clock();
   update->ntimestep++;
 }

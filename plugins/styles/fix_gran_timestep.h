@@ -49,6 +49,7 @@ class FixGranTimestep : public Fix {
   Sums sums() const;
   void bound_step();
   bigint next_due() const;
+  bool tallied(bigint step) const;
   void take(std::int64_t ticks);
   void set_clock();
 

@@ -15,6 +15,7 @@ STYLES = (
     "pair_gran_hysteretic",
     "fix_wall_gran_hysteretic",
     "fix_gran_load",
+    "fix_gran_timestep",
     "compute_gran_hysteretic_atom",
     "compute_gran_hysteretic_local",
     "compute_gran_hysteretic_contact",

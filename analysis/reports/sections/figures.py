@@ -45,6 +45,7 @@ _CAPTIONS = {
     "plastic_zone_growth": "Growth of the plastic zone",
     "plastic_zone_size": "Size of the plastic zone: energy of yielding that lies farther out",
     "energies": "Energies and the error of their balance",
+    "timestep": "Timestep, and the error of the energy balance that it follows",
     "bottom_force": "Force and impulse on the bottom",
     "target": "What reaches the target, and the force there without the packing",
     "impactor_velocity": "Velocity of the struck sphere",

