@@ -27,7 +27,7 @@ constexpr int RESTART_FORMAT = 1;
 constexpr std::int64_t MOST_TICKS = std::int64_t(1) << 20;
 constexpr double LEAST_TOLERANCE = 1e-12, MOST_TOLERANCE = 1e-3;
 constexpr std::int64_t STEPS_BETWEEN_ENERGIES = 16;
-constexpr double COLLISION = 3.0;
+
 constexpr const char *USAGE = "expected N TOLERANCE ENERGY, and then maybe first M, until T, balance v_NAME K";
 
 // Fixed-point sums have the same bits in any order. A term is at most 2 energies, in units of 2^-50 of one.
@@ -147,6 +147,7 @@ void FixGranTimestep::init()
   }
   reached = update->ntimestep;
   take(taken);
+  if (n_steps == 0) report();
 }
 
 /* Set the timestep of the steps to come. */
@@ -223,8 +224,8 @@ FixGranTimestep::Sums FixGranTimestep::sums() const
           static_cast<double>(all[1]) / UNITS * energy + force_squared_over_mass * tick * tick};
 }
 
-/* Bound the step by the collision that may come at any time: a sphere that holds the share e of the energy makes an error
-   of e (step/first)^2/3 of the tolerance in a collision like that for which the first step was chosen. */
+/* Bound the step by the collision that may come at any time: of a sphere that holds the share e of the energy it makes an
+   error of e (step/first)^2 of that in the collision for which the first step was chosen. */
 
 void FixGranTimestep::bound_step()
 {
@@ -236,7 +237,7 @@ void FixGranTimestep::bound_step()
     mine = std::max(mine, 0.5 * mass * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]));
   }
   MPI_Allreduce(&mine, &most, 1, MPI_DOUBLE, MPI_MAX, world);
-  const double of_first = most > 0.0 ? std::sqrt(COLLISION * energy / most) : static_cast<double>(longest);
+  const double of_first = most > 0.0 ? std::sqrt(energy / most) : static_cast<double>(longest);
   bound = static_cast<double>(first) * std::max(1.0, of_first);
 }
 
@@ -289,6 +290,16 @@ void FixGranTimestep::initial_integrate(int)
   n_steps++;
   shortest_taken = shortest_taken == 0 ? taken : std::min(shortest_taken, taken);
   longest_taken = std::max(longest_taken, taken);
+  report();
+}
+
+void FixGranTimestep::report()
+{
+  reported[0] = static_cast<double>(taken) * tick;
+  reported[1] = energy > 0.0 ? controller.error(s) / energy : 0.0;
+  reported[2] = static_cast<double>(n_steps);
+  reported[3] = static_cast<double>(shortest_taken) * tick;
+  reported[4] = static_cast<double>(longest_taken) * tick;
 }
 
 void FixGranTimestep::end_of_step()
@@ -331,16 +342,7 @@ void FixGranTimestep::post_run()
   if (reached >= update->laststep) timer->reset_timeout();
 }
 
-double FixGranTimestep::compute_vector(int n)
-{
-  switch (n) {
-    case 0: return static_cast<double>(taken) * tick;
-    case 1: return energy > 0.0 ? controller.error(s) / energy : 0.0;
-    case 2: return static_cast<double>(n_steps);
-    case 3: return static_cast<double>(shortest_taken) * tick;
-    default: return static_cast<double>(longest_taken) * tick;
-  }
-}
+double FixGranTimestep::compute_vector(int n) { return reported[n]; }
 
 /* ---------------------------------------------------------------------- restart */
 
@@ -358,13 +360,15 @@ void FixGranTimestep::write_restart(FILE *fp)
                            double(shortest_taken),
                            double(longest_taken),
                            double(state.ticks),
+                           std::round(reported[0] / tick),
                            double(state.wanted),
                            double(state.steps),
                            double(state.since),
                            state.start,
                            state.left,
                            state.swing,
-                           state.swing_before};
+                           state.swing_before,
+                           reported[1]};
   const int size = sizeof(values);
   fwrite(&size, sizeof(int), 1, fp);
   fwrite(values, sizeof(values), 1, fp);
@@ -388,6 +392,7 @@ void FixGranTimestep::restart(char *buffer)
   longest_taken = whole();
   granwave::StepController::State state;
   state.ticks = whole();
+  const std::int64_t reported_ticks = whole();
   state.wanted = whole();
   state.steps = whole();
   state.since = whole();
@@ -395,7 +400,11 @@ void FixGranTimestep::restart(char *buffer)
   state.left = next();
   state.swing = next();
   state.swing_before = next();
+  const double error = next();
   controller.restore(state);
+  taken = reported_ticks;
+  report();
+  reported[1] = error;
   taken = state.ticks;
   update->dt = static_cast<double>(taken) * tick;
 }

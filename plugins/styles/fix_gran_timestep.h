@@ -52,6 +52,7 @@ class FixGranTimestep : public Fix {
   bool tallied(bigint step) const;
   void take(std::int64_t ticks);
   void set_clock();
+  void report();
 
   double tick = 0.0;
   double origin = 0.0;    // clock at step 0
@@ -67,6 +68,7 @@ class FixGranTimestep : public Fix {
   std::int64_t shortest_taken = 0, longest_taken = 0, n_steps = 0;
   double s = 0.0;
   Sums last;
+  double reported[5] = {};    // output: the same throughout a step, and when a run goes on from a restart file
   bigint reached = 0;      // step counter when the last step ended
   bool pending = false;    // the counter is to be set as the next step begins
   bool rotates = false;

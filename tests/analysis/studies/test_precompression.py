@@ -250,7 +250,7 @@ def test_timestep_counts_the_slope_of_dents(tmp_path: Path) -> None:
     assert auto_timestep(one.case) < 0.6 * auto_timestep(fresh)
     assert auto_timestep(small) == auto_timestep(fresh)
     assert auto_timestep(from_file) == pytest.approx(auto_timestep(one.case), rel=0.11)  # two digits
-    assert one.summary["energy_balance_error"] < 1.5e-6
+    assert one.summary["energy_balance_error"] < one.case.run.energy_tolerance
 
 
 @pytest.mark.parametrize(
