@@ -7,6 +7,9 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from granwave.analysis.document.cells import BLANK, value_cell
 from granwave.analysis.document.model import Cell, Column, Table
 
@@ -32,6 +35,15 @@ class Quantity:
     unit: str
     value: Callable[[Any], float]
     per_unit: float = 1.0
+
+    @property
+    def axis(self) -> str:
+        """Label of an axis."""
+        return f"{self.heading} ({self.unit})" if self.unit else self.heading
+
+    def shown(self, runs: Iterable[Any]) -> NDArray[np.float64]:
+        """Values of runs in the unit: (n_runs,)."""
+        return self.per_unit * np.array([self.value(run) for run in runs])
 
 
 def of_summary(key: str) -> Callable[[Any], float]:

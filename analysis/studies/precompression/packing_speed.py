@@ -10,7 +10,6 @@ import numpy as np
 
 from granwave.analysis.figures.series import one_panel
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, Drawing
-from granwave.analysis.measures import loaded_line as theory
 from granwave.analysis.measures.line_waves import speed_along_layers
 from granwave.analysis.measures.signals import Array, power
 from granwave.analysis.result.reader import Result
@@ -25,7 +24,7 @@ TEXT = (
     "c0 = h sqrt((2 k - f/D)/m), layers h = D sqrt(2/3) apart, k = 3/2 f/alpha, and f = p D^2/(2 sqrt 2) the force "
     "of a contact, by balance on a layer (uniaxial) as by the virial (uniform)."
 )
-SMALL = 0.1  # impact velocity over omega alpha0 up to which everything is linear enough
+_SMALL = 0.1  # impact velocity over omega alpha0 up to which everything is linear enough
 _MARKERS = {
     ("fcc", "uniaxial"): ("o", BLUE, 7),
     ("hcp", "uniaxial"): ("s", ORANGE, 4),
@@ -42,11 +41,6 @@ class SmallWave(DentedRun):
         """Kind of the packing and of the load."""
         assert self.case.precompression is not None
         return self.case.packing.kind, self.case.precompression.kind
-
-    @cached_property
-    def line(self) -> theory.Line:
-        """The line that its layers are."""
-        return theory.line_of(self.case, self.law)
 
     @cached_property
     def speed(self) -> float:
@@ -69,7 +63,7 @@ def fits(run: DentedRun) -> bool:
         return False
     if not run.assembly.plain or case.contact.law != "hertz" or case.load.angle:
         return False
-    return case.load.velocity < SMALL * theory.line_of(case, run.law).velocity
+    return case.load.velocity < _SMALL * run.line.velocity
 
 
 def rows(runs: Sequence[SmallWave]) -> Iterator[Row]:

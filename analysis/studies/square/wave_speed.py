@@ -7,9 +7,9 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from granwave.analysis.figures.series import one_panel
+from granwave.analysis.figures.series import column_name, one_panel
 from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing
-from granwave.analysis.measures.pulses import peaks, speed_of
+from granwave.analysis.measures.pulses import peaks, speed_between, speed_of
 from granwave.analysis.measures.regions import groups
 from granwave.analysis.measures.signals import Array, Power, power
 from granwave.analysis.studies.runs import FinishedRun
@@ -50,7 +50,7 @@ def select(runs: Sequence[FinishedRun]) -> list[list[Series]]:
     for way in WAYS:
         series = squares(runs, way, "hertz")
         for group in groups(series[0].snapshots) if len(series) >= _LEAST else ():
-            points = np.array([point for run in series if (point := _point(run, group)) is not None])
+            points = np.array([point for run in series if np.isfinite(point := _point(run, group)).all()])
             if len(points) >= _LEAST:
                 found.append(Series(f"{group}, {way}", series[0].case.material, *points.T))
     return [found] if found else []
@@ -76,7 +76,7 @@ def pictures(found: Sequence[Series]) -> Iterator[Picture]:
         label = f"{one.name}: {one.fit.exponent:.4f}"
         axes.loglog(one.velocity, one.speed, marker, color=colour, markersize=4, markerfacecolor="none", label=label)
         axes.loglog(one.velocity, one.fit(one.velocity), color=colour, linewidth=0.8)
-        word = one.name.replace(", ", "_").replace(" ", "_").replace("-", "_")
+        word = column_name(one.name)
         columns |= {f"{word}_peak_velocity_m_s": one.velocity, f"{word}_speed_m_s": one.speed}
     every = np.concatenate([one.velocity for one in found])
     line = np.geomspace(float(every.min()), float(every.max()), 20)
@@ -87,14 +87,8 @@ def pictures(found: Sequence[Series]) -> Iterator[Picture]:
     yield Picture("", "Wave speed against particle velocity (source Figs 8 to 10)", Drawing(figure, columns))
 
 
-def _point(run: PackingRun, group: str) -> tuple[float, float] | None:
+def _point(run: PackingRun, group: str) -> tuple[float, float]:
     """Mean peak velocity and speed between the places of the sensors, m/s."""
-    first, second = (place - 1 for place in _SENSORS.get((run.way, group), _OUT_OF_PLANE))
-    chain, diameter = groups(run.snapshots)[group][0], run.case.packing.diameter
-    if len(chain.rows) <= second:
-        return None
-    found = peaks(run.snapshots.time, chain.speeds(run.snapshots), diameter)
-    speed = (second - first) * diameter / (found.time[second] - found.time[first])
-    if not np.isfinite(speed) or speed <= 0:
-        return None
-    return float((found.velocity[first] + found.velocity[second]) / 2), float(speed)
+    seen, diameter = run.snapshots, run.case.packing.diameter
+    passed = peaks(seen.time, groups(seen)[group][0].speeds(seen), diameter)
+    return speed_between(passed, *_SENSORS.get((run.way, group), _OUT_OF_PLANE), diameter)

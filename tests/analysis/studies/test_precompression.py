@@ -18,7 +18,6 @@ from granwave.analysis.reports.sections.studies import studies_of
 from granwave.analysis.studies.chains.runs import ChainRun
 from granwave.analysis.studies.precompression import hits
 from granwave.analysis.studies.precompression.packing_speed import SmallWave
-from granwave.analysis.studies.precompression.preconditioned import level_of
 from granwave.analysis.studies.precompression.runs import DentedRun
 from granwave.analysis.studies.precompression.settled import contacts_a_sphere
 from granwave.analysis.studies.precompression.waves import ChainWave
@@ -228,7 +227,7 @@ def test_preconditioned_chain_is_elastic_up_to_its_level(tmp_path: Path) -> None
         for level, velocity in ((0, 2.0), (2e3, 1.0), (2e3, 2.0), (2e3, 10.0))
     ]  # fmt: skip
     fresh, slow, elastic, losing = runs
-    assert [level_of(one) for one in runs] == pytest.approx([0, 2e3, 2e3, 2e3], rel=1e-9)
+    assert [one.level for one in runs] == pytest.approx([0, 2e3, 2e3, 2e3], rel=1e-9)
     assert fresh.dissipated > 0.5
     assert max(slow.dissipated, elastic.dissipated) < 1e-9
     assert elastic.summary["peak_force_N"] < 2e3 < losing.summary["peak_force_N"]
