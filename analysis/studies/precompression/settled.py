@@ -23,7 +23,7 @@ from granwave.analysis.studies.precompression.runs import DentedRun, past_runs, 
 from granwave.analysis.studies.runs import FinishedRun, grouped
 from granwave.analysis.studies.study import Picture
 from granwave.analysis.studies.tables import values_table
-from granwave.analysis.studies.titles import load_label, packing_title
+from granwave.analysis.studies.titles import load_label, packing_title, state_label
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.packing.disorder import DEFAULT_SEED, is_random
 
@@ -163,20 +163,8 @@ def _states(runs: Sequence[DentedRun]) -> list[State]:
 
     for run in sorted(runs, key=order):
         seed = run.case.packing.seed if run.case.packing.seed is not None else DEFAULT_SEED
-        found.setdefault(_words(run.case), {}).setdefault(seed, run)
+        found.setdefault(state_label(run.case), {}).setdefault(seed, run)
     return [State(words, tuple(by_seed[seed] for seed in sorted(by_seed))) for words, by_seed in found.items()]
-
-
-def _words(case: Case) -> str:
-    stage = case.precompression
-    first = "like spheres" if not case.packing.diameter_scatter else "scattered"
-    if stage is None:
-        return f"{first}, as placed"
-    if stage.kind == "gravity":
-        many = stage.acceleration / 9.81
-        return f"{first}, settled under gravity" + (f" times {many:.3g}" if abs(many - 1) > 0.01 else "")
-    size = f"{1e-3 * stage.pressure:.4g} kPa" if stage.pressure is not None else f"{stage.force:.3g} N a sphere"
-    return f"{first}, settled under {size} on {'top' if stage.kind == 'uniaxial' else 'all sides'}"
 
 
 def _residual(state: State) -> Cell:

@@ -12,11 +12,9 @@ from granwave.analysis.figures.style import BLUE, GREY, Drawing
 from granwave.analysis.measures import loaded_line as theory
 from granwave.analysis.measures.line_waves import FIRST_BEAD
 from granwave.analysis.measures.signals import Array, power
-from granwave.analysis.studies.precompression.waves import SMALL, WHERE, ChainWave, waves_of
+from granwave.analysis.studies.precompression.waves import SMALL, WHERE, ChainWave, Waves, waves_of
 from granwave.analysis.studies.runs import FinishedRun, rising
 from granwave.analysis.studies.study import Picture, Row
-
-Waves = Sequence[ChainWave]
 
 TITLE = "Precompressed chain: small pulses"
 

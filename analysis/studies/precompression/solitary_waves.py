@@ -11,23 +11,16 @@ from numpy.typing import NDArray
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, Drawing, new_figure
 from granwave.analysis.measures import loaded_line as theory
 from granwave.analysis.measures.signals import Array
-from granwave.analysis.studies.precompression.waves import LARGE, SMALL, WHERE, ChainWave, waves_of
-from granwave.analysis.studies.runs import FinishedRun, rising
+from granwave.analysis.studies.precompression.waves import LARGE, SMALL, WHERE, ChainWave, Waves, series, waves_of
+from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture, Row
-
-Waves = Sequence[ChainWave]
 
 _IMPULSE = 0.7176 * (9 / 16 * 1.5**3) ** 0.2  # (4.5) of the thesis, of the lattice, in units of the static state
 
 
 def select(runs: Sequence[FinishedRun]) -> list[list[ChainWave]]:
     """Waves by rising impact velocity for each static force, of three velocities and more."""
-    waves = waves_of(runs)
-    series = [
-        rising((wave for wave in waves if wave.static == force), lambda wave: wave.velocity)
-        for force in sorted({wave.static for wave in waves})
-    ]
-    return [one for one in series if len(one) > 2]
+    return series(waves_of(runs), lambda wave: wave.static, lambda wave: wave.velocity)
 
 
 def name(waves: Waves) -> str:

@@ -6,9 +6,10 @@ import math
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from matplotlib.ticker import FixedLocator, NullLocator, ScalarFormatter
+from matplotlib.ticker import ScalarFormatter
 
 from granwave.analysis.document.model import Table
+from granwave.analysis.figures.curves import few_ticks
 from granwave.analysis.figures.series import column_name, legend_outside
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing, new_figure
 from granwave.analysis.formatting.numbers import number
@@ -91,8 +92,7 @@ def pictures(found: AllSeries) -> Iterator[Picture]:
     ticks = sorted({run.layers for runs in found for run in runs})
     for axes, label in zip(panels, ("Peak reduction", "(Peak reduction - 1) per mass (1/kg)"), strict=True):
         axes.set(xlabel="Layers", ylabel=label, xscale="log")
-        axes.xaxis.set(major_locator=FixedLocator(ticks), minor_locator=NullLocator())
-        axes.xaxis.set_major_formatter(ScalarFormatter())
+        few_ticks(axes.xaxis, ticks)
     panels[0].set_yscale("log")
     panels[0].yaxis.set(major_formatter=ScalarFormatter(), minor_formatter=ScalarFormatter())
     legend_outside(figure, 3, fontsize=7)
