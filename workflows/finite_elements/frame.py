@@ -1,37 +1,22 @@
-"""Common parts of the two finite-element problems: the form of their cases, the directory of a run, ``result.h5``."""
+"""Form of the cases of the two finite-element problems."""
 
 from __future__ import annotations
 
 import abc
 import dataclasses
-import json
-import logging
-import os
-import tomllib
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
-import h5py
 import tomli_w
-from numpy.typing import NDArray
 
-from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.lammps_inputs.case.case import KNOWN, read_parts
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.overrides import apply_overrides, parse_overrides
 from granwave.lammps_inputs.case.schema import ErrorList, keys_of, refuse_unknown
-from granwave.lammps_inputs.directories import decide
-from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.files import replace_text
 from granwave.lammps_inputs.memory import refuse_too_large
 from granwave.lammps_inputs.named_files import with_absolute_paths
-from granwave.lammps_inputs.ownership import claim, clear, figure_files, refuse_foreign
-from granwave.lammps_inputs.run_directory import CASE_FILE, CONTINUUM, FIGURES_DIRECTORY, RESULT_FILE
-from granwave.lammps_inputs.run_state import read_summary, restore_case, result_fault
 from granwave.lammps_inputs.toml_files import read_toml
-
-logger = logging.getLogger("granwave")
 
 _MEMORY_BASE = 350e6  # bytes; the interpreter with numba and the drawing library
 _MEMORY_PER_ELEMENT = 2500.0  # measured, setting up included, rounded up
@@ -127,107 +112,6 @@ def check_memory(case: ElementCase, available: float | None = None) -> None:
     """
     what = f"{case.name}: run.elements: {case.elements} elements"
     refuse_too_large(what, case.memory, "take fewer elements", available)
-
-
-def begin(
-    case: ElementCase,
-    directory: Path,
-    results: Sequence[str],
-    finished: Sequence[str],
-    *,
-    resume: bool,
-    force: bool,
-    figures: Callable[[], Iterable[str]] | None,
-) -> dict[str, Any] | None:
-    """Make a directory ready for a run, or find what a finished run of the same case left.
-
-    Parameters
-    ----------
-    results
-        Names of the files that a run leaves.
-    finished
-        Values of ``end_reason`` of a run that is finished.
-    figures
-        Gives their names; called where others of these names may be there. None: none are drawn.
-
-    Returns
-    -------
-    dict or None
-        What summary.json of the finished run holds; None if there is a run to do, and case.toml has been written.
-
-    Raises
-    ------
-    InputError
-        The directory holds results, or another case, or files that granwave did not write and would overwrite, or the
-        mesh does not fit into memory; nothing was changed.
-    """
-
-    def there(tables: Mapping[str, Any]) -> Mapping[str, Any]:
-        try:
-            return type(case).from_dict(tables, directory / CASE_FILE).to_dict()
-        except InputError:
-            return {}  # of another kind: another case in any event
-
-    names = list(results)
-    if figures and os.path.lexists(directory / FIGURES_DIRECTORY):
-        names += [file for name in figures() for file in figure_files(name)]
-    if decide(directory, CONTINUUM, names, resume=resume, force=force, case=case.to_dict(), read=there):
-        summary, fault = read_summary(directory), result_fault(directory)
-        if summary.get("end_reason") in finished and not fault:
-            restore_case(directory)
-            return summary
-        if summary.get("end_reason") in finished:
-            logger.warning("%s; the case is run again", fault)
-        refuse_foreign(directory, names)
-    check_memory(case)
-    clear(directory)
-    directory.mkdir(parents=True, exist_ok=True)
-    text = case.to_toml()
-    claim(directory, results, kind=CONTINUUM, case=text)
-    replace_text(directory / CASE_FILE, text)
-    return None
-
-
-class ElementResult:
-    """The ``result.h5`` of a finite-element run: all its data sets, its case and its summary.
-
-    Raises
-    ------
-    MissingOutputError
-        There is no result.h5.
-    OutputFormatError
-        It is damaged.
-    """
-
-    def __init__(self, directory: str | Path) -> None:
-        path = Path(directory) / RESULT_FILE
-        if not path.exists():
-            raise MissingOutputError(f"{path} is missing: make it with  granwave continuum CASE -o {directory}")
-        try:
-            with h5py.File(path, "r") as file:
-                self._read(file)
-        except (OSError, KeyError, ValueError) as error:
-            raise OutputFormatError(
-                f"{path}: is damaged ({' '.join(str(error).split())}); run the case again"
-            ) from None
-
-    def _read(self, file: h5py.File) -> None:
-        names: list[str] = []
-        file.visititems(lambda name, item: names.append(name) if isinstance(item, h5py.Dataset) else None)
-        self._values: dict[str, NDArray] = {name: file[name][()] for name in names}
-        self.tables: dict[str, Any] = tomllib.loads(str(file.attrs["case"]))
-        self.summary: dict[str, Any] = json.loads(str(file.attrs["summary"]))
-        self._read_more(file)
-
-    def _read_more(self, file: h5py.File) -> None:
-        """Further values that a kind of result reads."""
-
-    def __getitem__(self, name: str) -> NDArray:
-        """A data set by its name."""
-        return self._values[name]
-
-    def __contains__(self, name: str) -> bool:
-        return name in self._values
 
 
 def _without_none(tables: dict[str, Any]) -> dict[str, Any]:

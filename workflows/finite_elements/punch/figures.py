@@ -28,8 +28,8 @@ from granwave.analysis.figures.style import (
 )
 from granwave.analysis.figures.zone import draw_zone_size
 from granwave.analysis.measures.zone_size import BOTTOM, SIDES
-from granwave.workflows.finite_elements.frame import ElementResult
 from granwave.workflows.finite_elements.punch.solver import AT_YIELD
+from granwave.workflows.finite_elements.result_file import ElementResult
 
 _MICRO, _MILLI, _MEGA = 1e6, 1e3, 1e-6
 _SHOWN = 1.5  # punch diameters in depth, and to either side, that a section shows at least
