@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid
 
 from granwave.analysis.measures.bare_target import bare_target_peak
-from granwave.lammps_inputs.packing.assembly import BAR
+from granwave.lammps_inputs.packing.bars import BAR
 
 if TYPE_CHECKING:
     from granwave.analysis.result.reader import Result

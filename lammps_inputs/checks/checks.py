@@ -17,7 +17,8 @@ from granwave.lammps_inputs.checks.packing import check_disorder, check_room
 from granwave.lammps_inputs.checks.precompression import check_first_yield, check_precompression, check_support
 from granwave.lammps_inputs.lattices import KINDS, Lattice
 from granwave.lammps_inputs.memory import available_memory
-from granwave.lammps_inputs.packing.assembly import BAR, INCIDENT_BAR, Assembly, assemble
+from granwave.lammps_inputs.packing.assembly import Assembly, assemble
+from granwave.lammps_inputs.packing.bars import BAR, INCIDENT_BAR
 from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
 
 if TYPE_CHECKING:

@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.packing.assembly import Assembly, PlacedBar, Species
+from granwave.lammps_inputs.packing.assembly import Assembly, Species
+from granwave.lammps_inputs.packing.bars import PlacedBar
 
 _BATCH = 100_000  # spheres formatted at once
 _PERIODIC_LOW = -0.1  # in diameters; no plane of centres coincides with the faces of the periodic box

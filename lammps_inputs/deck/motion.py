@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from granwave.lammps_inputs.deck.commands import joined, num
-from granwave.lammps_inputs.packing.assembly import INCIDENT_BAR, Assembly, struck_of, velocities_of
+from granwave.lammps_inputs.packing.assembly import Assembly, struck_of, velocities_of
+from granwave.lammps_inputs.packing.bars import INCIDENT_BAR
 from granwave.lammps_inputs.packing.walls import walls
 from granwave.lammps_inputs.run_directory import LOAD_FILE
 

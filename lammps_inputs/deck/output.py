@@ -40,7 +40,7 @@ from granwave.lammps_inputs.run_directory import (
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
-    from granwave.lammps_inputs.packing.assembly import PlacedBar
+    from granwave.lammps_inputs.packing.bars import PlacedBar
     from granwave.lammps_inputs.planning.schedule import Schedule
 
 POTENTIAL = "c_potential"  # energy of the dead loads of a precompression, from the data file's positions on

@@ -3,9 +3,6 @@
 Ids count from 1: the sites of the lattice, then the strikers, then the nodes of the incident bar, then those of the
 bar, each along +z. A vacant site keeps its id, which nothing has: the spheres are rows in the order of `Assembly.ids`.
 A packing of like spheres costs nothing, however large; see `granwave.lammps_inputs.lattices`.
-
-A bar is a row of point masses, half a mass at either end, joined by springs E A / (element length). The node at the
-chain's end is its face: a particle without radius, which the contact law takes as a flat (R* = R).
 """
 
 from __future__ import annotations
@@ -19,15 +16,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.lammps_inputs.case.bodies import Bar, Striker
+from granwave.lammps_inputs.case.bodies import Striker
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material, sphere_mass
 from granwave.lammps_inputs.lattices import TOUCHING, Lattice
+from granwave.lammps_inputs.packing.bars import BAR, INCIDENT_BAR, PlacedBar, place_bar
 from granwave.lammps_inputs.packing.sites import Sites, sites_of
 from granwave.lammps_inputs.packing.strikers import place_strikers
 from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
 
-INCIDENT_BAR, BAR = "incident_bar", "bar"  # names, as in the case
 _KEPT = 4  # assemblies
 _HISTORY, _LEAST_HISTORY = 1000, 5  # instants; beads of a chain from which on they are recorded by themselves
 _HISTORY_VALUES, _LEAST_ROWS = 1e6, 250  # instants times particles, nodes of bars among them; fewest instants
@@ -48,61 +45,6 @@ class Species:
     material: Material
     role: str = "sphere"
     bar: str = ""
-
-
-@dataclasses.dataclass(frozen=True)
-class PlacedBar:
-    """A bar in its place.
-
-    Attributes
-    ----------
-    name
-        ``incident_bar`` or ``bar``.
-    first, last
-        Ids of its nodes; z rises with the id.
-    face
-        Id of the node that touches the chain.
-    touches
-        Id of the sphere that the face touches.
-    position
-        Of the nodes along z: (n_nodes,), m.
-    mass
-        Of the nodes: (n_nodes,), kg.
-    """
-
-    name: str
-    section: Bar
-    material: Material
-    first: int
-    face: int
-    touches: int
-    position: NDArray[np.float64]
-    mass: NDArray[np.float64]
-
-    @property
-    def last(self) -> int:
-        """Id of the last node."""
-        return self.first + len(self.position) - 1
-
-    @property
-    def far(self) -> int:
-        """Id of the node at the end away from the chain."""
-        return self.first if self.face == self.last else self.last
-
-    @property
-    def pitch(self) -> float:
-        """Length of an element, m."""
-        return self.section.length / self.section.elements
-
-    @property
-    def stiffness(self) -> float:
-        """Stiffness of an element, N/m."""
-        return self.material.youngs_modulus * self.section.area / self.pitch
-
-    @property
-    def wave_speed(self) -> float:
-        """sqrt(E/rho), m/s."""
-        return math.sqrt(self.material.youngs_modulus / self.material.density)
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -358,7 +300,10 @@ def _assemble(case: Case) -> Assembly:
     first = assembly.last_sphere + 1
     for name, section in ((INCIDENT_BAR, case.incident_bar), (BAR, case.bar)):
         if section is not None:
-            bars.append(_place_bar(assembly, name, section, section.material or case.material, first))
+            face, touches = (
+                (-assembly.top_radius, 1) if name == INCIDENT_BAR else (assembly.bottom(), assembly.lattice.n_spheres)
+            )
+            bars.append(place_bar(name, section, section.material or case.material, first, face, touches))
             first = bars[-1].last + 1
     ends = [Species(bar.material, role, bar.name) for bar in bars for role in ("node", "face")]
     return dataclasses.replace(assembly, bars=tuple(bars), species=(*assembly.species, *ends))
@@ -399,19 +344,6 @@ def velocities_of(assembly: Assembly) -> dict[int, tuple[float, float, float]]:
         if striker.moves:
             found[number] = striker.velocity
     return found
-
-
-def _place_bar(assembly: Assembly, name: str, section: Bar, material: Material, first: int) -> PlacedBar:
-    n = section.elements
-    ahead = name == INCIDENT_BAR
-    face = -assembly.top_radius if ahead else assembly.bottom()
-    position = face + np.linspace(-section.length if ahead else 0.0, 0.0 if ahead else section.length, n + 1)
-    mass = np.full(n + 1, material.density * section.area * section.length / n)
-    mass[[0, -1]] /= 2
-    return PlacedBar(
-        name, section, material, first, first + n if ahead else first, 1 if ahead else assembly.lattice.n_spheres,
-        position, mass,
-    )  # fmt: skip
 
 
 def gap_tolerance(case: Case) -> float:

@@ -47,7 +47,8 @@ from scipy.optimize import brentq
 from granwave.lammps_inputs.contact.initial_dents import largest_dent
 from granwave.lammps_inputs.contact.law import flat_contact, pair_contact
 from granwave.lammps_inputs.contact.static_load import force_of_contact
-from granwave.lammps_inputs.packing.assembly import INCIDENT_BAR, Assembly, assemble, struck_of, velocities_of
+from granwave.lammps_inputs.packing.assembly import Assembly, assemble, struck_of, velocities_of
+from granwave.lammps_inputs.packing.bars import INCIDENT_BAR
 from granwave.lammps_inputs.packing.walls import support_timestep
 
 if TYPE_CHECKING:
