@@ -19,10 +19,11 @@ from granwave.lammps_inputs.errors import InputError, RunError, raise_all
 from granwave.lammps_inputs.planning.plan import Plan
 from granwave.lammps_inputs.run_directory import SCAN_REPORT
 from granwave.workflows.cli.tables import lines, static_stage_note
-from granwave.workflows.scanning import driver, needs
+from granwave.workflows.scanning import needs
 from granwave.workflows.scanning.batches import expected_scan_time, expected_time
 from granwave.workflows.scanning.calibrate import slowness_of
-from granwave.workflows.scanning.driver import ScanOutcome, default_jobs, run_scan
+from granwave.workflows.scanning.directory import decide
+from granwave.workflows.scanning.driver import STOPPED, ScanOutcome, default_jobs, run_scan
 from granwave.workflows.scanning.engine import EXECUTORS, LOCAL, SLURM, check_installed
 from granwave.workflows.scanning.needs import check_points
 from granwave.workflows.scanning.profile import Profile, load_profile
@@ -65,7 +66,7 @@ def _scan(options: argparse.Namespace, profile: Profile | None, jobs: int) -> in
     directory = results_directory(options.directory or found.name)
     if not options.plan:
         check_installed(options.executor)
-        _check(driver.decide, found, directory, options)
+        _check(decide, found, directory, options)
     slowness = _slowness(found, directory, options, jobs)
     print(plan_text(found, directory, profile, jobs, slowness, fresh=options.force))
     if options.plan:
@@ -123,16 +124,16 @@ def _how(options: argparse.Namespace, profile: Profile | None) -> dict[str, Any]
     }
 
 
-def _check(decide: Callable[..., None], found: Scan | Suite, directory: Path, options: argparse.Namespace) -> None:
+def _check(may_run: Callable[..., None], found: Scan | Suite, directory: Path, options: argparse.Namespace) -> None:
     try:
-        decide(found, directory, resume=options.resume, force=options.force)
+        may_run(found, directory, resume=options.resume, force=options.force)
     except OSError as error:  # it cannot be looked into
         raise InputError(f"{directory}: {error.strerror or error}; choose another directory with -o") from None
 
 
 def _status(stopped: str | None, outcomes: Sequence[ScanOutcome]) -> int:
     """Say what is left to do; returns the exit status."""
-    if stopped == driver.STOPPED:
+    if stopped == STOPPED:
         print("granwave: stopped before its end; the same command with --resume goes on", file=sys.stderr)
         return 130
     if stopped:

@@ -29,6 +29,7 @@ from granwave.lammps_inputs.run_directory import CASE_FILE, DATA_FILE, DUMPS, EN
 from granwave.lammps_inputs.run_state import note_sizes, read_summary, restore_case
 from granwave.workflows.run import checkpoint, record
 from granwave.workflows.run.balance import TOLERANCE, Balance
+from granwave.workflows.run.coordination import check_coordination
 from granwave.workflows.run.directory import ANALYSE, CONTINUE, FINISHED, START, decide, held, start
 from granwave.workflows.run.equilibrium import check_equilibrium
 from granwave.workflows.run.lammps_engine import Engine, LonelyError, open_engine
@@ -271,7 +272,7 @@ class _Run:
             if not go_on and self.case.precompression:
                 self._check_equilibrium()
             elif not go_on:
-                self._check_coordination(engine)
+                check_coordination(self.case, engine)
             self._advance(engine, deck, stop)
             engine.commands(part(script, "end"))
 
@@ -279,28 +280,6 @@ class _Run:
         found = on_first(self.comm, lambda: check_equilibrium(self.case, self.directory))
         if found["yielded"] and self.case.contact.entry.elastic_limit > 0:
             self._log(f"{found['yielded']:.0f} contacts yielded, or their dents grew, under the precompression")
-
-    def _check_coordination(self, engine: Engine) -> None:
-        """LAMMPS sees every contact of the lattice, none lost to rounding of positions."""
-        packing, assembly, sites = self.case.packing, assemble(self.case), assemble(self.case).sites
-        if assembly.strikers or assembly.bars or (sites is not None and sites.stacked is not None):
-            return  # one cutoff does not tell contacts of unlike bodies
-        # The sites are one diameter apart, whatever the diameters of the spheres there.
-        expected = assembly.n_neighbours
-        forget_gap = self.case.boundary.forget_gap
-        reach = packing.diameter * (1 + min(1e-6, 0.5 * forget_gap))
-        if sites is not None and sites.least_reach + forget_gap * packing.diameter < reach:
-            return  # LAMMPS lists no pairs of spheres that are so small at neighbouring sites
-        engine.commands(
-            f"compute start_coordination all coord/atom cutoff {reach!r}\n"
-            "compute start_contacts all reduce sum c_start_coordination\nrun 0 post no"
-        )
-        found = engine.lammps.extract_compute("start_contacts", 0, 0) / 2
-        engine.commands("uncompute start_contacts\nuncompute start_coordination")
-        if round(found) != expected:
-            raise RunError(
-                f"{packing.kind}: LAMMPS finds {found:.0f} neighbours at the start, the lattice has {expected}"
-            )
 
     def _advance(self, engine: Engine, deck: Deck, stop: StopRequest) -> None:
         schedule = deck.schedule

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
-import json
 import logging
 import os
 import time
@@ -12,22 +11,20 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.scans.result import ScanResult
 from granwave.analysis.scans.table import ScanData, read_scan, write_scan_table
-from granwave.lammps_inputs.directories import check_directory, results_directory
-from granwave.lammps_inputs.errors import InputError, RunError
-from granwave.lammps_inputs.files import replace_text
-from granwave.lammps_inputs.ownership import claim, clear, refuse_foreign, refuse_other_kind, refuse_results, results_in
-from granwave.lammps_inputs.run_directory import SCAN, SCAN_FILE, SCAN_INDEX, SCAN_REPORT, SCAN_WORK, is_scan
-from granwave.workflows.run.directory import busy, held
+from granwave.lammps_inputs.directories import results_directory
+from granwave.lammps_inputs.errors import RunError
+from granwave.lammps_inputs.ownership import clear
+from granwave.lammps_inputs.run_directory import SCAN_REPORT
+from granwave.workflows.run.directory import held
 from granwave.workflows.run.interrupts import Interrupts
 from granwave.workflows.run.progress import Progress
 from granwave.workflows.scanning import layout, queue
 from granwave.workflows.scanning.batches import make_batches, start_of_job
+from granwave.workflows.scanning.directory import decide, prepare
 from granwave.workflows.scanning.ended_jobs import note_ended, note_refused
 from granwave.workflows.scanning.engine import SLURM, Engine, check_installed
-from granwave.workflows.scanning.needs import check_points
 from granwave.workflows.scanning.outlook import Outlook
 from granwave.workflows.scanning.profile import Profile
 from granwave.workflows.scanning.scan_file import Point, Scan
@@ -125,7 +122,7 @@ def run_scan(
         decide(scan, directory, resume=resume, force=force)
         if force:
             clear(directory)
-        _prepare(scan, directory, on_cluster=profile is not None)
+        prepare(scan, directory, on_cluster=profile is not None)
         run = _ScanRun(scan, directory, profile, jobs or default_jobs(profile), stop, progress, slowness)
         run.work()
         return run.outcome()
@@ -134,66 +131,6 @@ def run_scan(
 def default_jobs(profile: Profile | None) -> int:
     """Jobs at once: the cores of this machine, or what the profile says."""
     return profile.jobs if profile else len(os.sched_getaffinity(0))
-
-
-# ---------------------------------------------------------------------- the directory
-
-
-def decide(scan: Scan, directory: Path, *, resume: bool, force: bool) -> None:
-    """May the scan be run in ``directory``? Changes nothing.
-
-    Raises
-    ------
-    InputError
-        It holds results and neither resume nor force was given, or holds something else, or files that granwave did not
-        write and would overwrite; or the case.toml of a point was changed.
-    """
-    check_directory(directory, resume=resume, force=force)
-    refuse_other_kind(directory, SCAN)
-    if not resume and not force:
-        refuse_results(directory, "--resume does what is missing, --force replaces them")
-    refuse_foreign(directory, [*layout.files(scan.distinct), f"{SCAN_WORK}/"])
-    if resume and is_scan(directory):
-        there = _index(directory)
-        if there and there.name != scan.name and not {point.id for point in there.points} & set(scan.distinct):
-            raise InputError(
-                f"{directory}: holds another scan ({there.name}), without a point of {scan.name}; "
-                "--force replaces it, or choose another directory with -o"
-            )
-    check_points(scan, directory, force=force)
-
-
-def _index(directory: Path) -> ScanResult | None:
-    """The scan that is there; None where its index is damaged, which is written anew."""
-    try:
-        return ScanResult(directory)
-    except OutputFormatError:
-        return None
-
-
-def _prepare(scan: Scan, directory: Path, *, on_cluster: bool) -> None:
-    claim(directory, layout.files(scan.distinct), kind=SCAN)
-    for name in (layout.BATCHES, layout.DONE, layout.LOGS):
-        (directory / name).mkdir(parents=True, exist_ok=True)
-    (directory / layout.STOP).unlink(missing_ok=True)
-    replace_text(directory / SCAN_FILE, scan.text)
-    replace_text(directory / SCAN_INDEX, json.dumps(scan.index(), indent=1) + "\n")
-    adopted = {name for job in queue.jobs_of(directory) for name in job.points} if on_cluster else set()
-    for point in scan.distinct:
-        in_work = point in adopted or busy(layout.unfinished(directory, point))
-        if not in_work and (fault := layout.fault(directory, point)):
-            if results_in(layout.finished(directory, point)):
-                logger.warning("%s; the point is analysed again, or run again", fault)
-            layout.reopen(directory, point)
-        state = layout.state(directory, point)
-        begun = state.get("attempts") or state.get("state") == layout.FAILED
-        if begun and point not in adopted:  # it failed, or was killed with its job: another chance
-            layout.write_state(
-                layout.unfinished(directory, point), **{**state, "state": layout.INTERRUPTED, "attempts": 0}
-            )
-
-
-# ---------------------------------------------------------------------- the rounds
 
 
 class _ScanRun:

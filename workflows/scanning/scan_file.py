@@ -9,10 +9,8 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 import hashlib
-import itertools
 import json
 import logging
-import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -20,7 +18,7 @@ from typing import Any
 from granwave.analysis.scans.result import SEED, Scalar
 from granwave.lammps_inputs.case.case import Case, case_keys
 from granwave.lammps_inputs.case.overrides import apply_overrides, parse_overrides
-from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, read_table, show
+from granwave.lammps_inputs.case.schema import ErrorList, read_table, show
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.named_files import with_short_paths
 from granwave.lammps_inputs.packing.disorder import is_random
@@ -30,7 +28,7 @@ from granwave.workflows.run.messages import each_warning_once
 from granwave.workflows.run.versions import versions
 from granwave.workflows.scanning.header import Header
 from granwave.workflows.scanning.labels import labels_of
-from granwave.workflows.scanning.values import MOST_POINTS, SHAPES, values_of
+from granwave.workflows.scanning.variations import flat, variations_of
 from granwave.workflows.solvers import CONTINUUM, GRANULAR, AnyCase, Cost, Kind, solver_of
 
 _LOG = logging.getLogger("granwave")
@@ -154,10 +152,10 @@ def load_scan(scan: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (
     header = read_table(Header, {"name": path.stem, **data}, "", errors)
     fixed = {
         key: value
-        for key, value in _flat(tables.get("set", {}), "set", errors).items()
+        for key, value in flat(tables.get("set", {}), "set", errors).items()
         if not any(key.startswith(f"{changed}.") for changed in changes)  # --set material=steel, all of it
     } | changes
-    variations = _variations(tables, header, errors)
+    variations = variations_of(tables, header, errors)
     if errors.lines or header is None:
         raise InputError(errors.lines)
     return _build(path, header, fixed, changes, variations, here, path.read_text(encoding="utf-8"))
@@ -174,86 +172,6 @@ def scan_of_case(case: str, beside: Path, *, here: bool = True) -> Scan:
     text = f'case = "{case}"\nfigures = true\n'
     header = Header(name=Path(case).stem, case=case, figures=True)
     return _build(beside, header, {}, {}, [{}], here, text)
-
-
-# ---------------------------------------------------------------------- what varies
-
-
-def _variations(tables: Mapping[str, Any], header: Header | None, errors: ErrorList) -> list[dict[str, Any]]:
-    """The values of each point, by dotted key."""
-    axes = [
-        [{key: value} for value in values]
-        for key, values in _lists(tables.get("grid", {}), "grid", errors).items()
-        if values
-    ]
-    for n, table in enumerate(_tables(tables.get("zip", []), "zip", errors), start=1):
-        zipped = _lists(table, f"zip {n}", errors)
-        lengths = {key: len(values) for key, values in zipped.items()}
-        if len(set(lengths.values())) > 1:
-            found = ", ".join(f"{key} has {length}" for key, length in lengths.items())
-            errors.add(f"zip {n}", f"found lists of different lengths ({found}), expected one length")
-        elif zipped:
-            axes.append([dict(zip(zipped, values, strict=True)) for values in zip(*zipped.values(), strict=True)])
-    single = [
-        _flat(table, f"points {n}", errors)
-        for n, table in enumerate(_tables(tables.get("points", []), "points", errors), start=1)
-    ]
-    if not axes and not single and not errors.lines:
-        errors.add("grid", "nothing varies: expected [grid], [[zip]] or [[points]] with values")
-    keys = [key for axis in axes for key in axis[0]]
-    for key in dict.fromkeys(key for key in keys if keys.count(key) > 1):
-        errors.add(key, "varies twice; let it stand in one of [grid] and [[zip]]")
-    count = ((math.prod(map(len, axes)) if axes else 0) + len(single)) * (header.replicates if header else 1)
-    if count > MOST_POINTS:
-        errors.add("grid", f"found {count} points, expected at most {MOST_POINTS}")
-    if errors.lines:
-        return []
-    products = itertools.product(*axes) if axes else []
-    points = [{key: value for part in parts for key, value in part.items()} for parts in products] + single
-    return points
-
-
-def _tables(value: Any, name: str, errors: ErrorList) -> list[Mapping[str, Any]]:
-    if isinstance(value, Mapping):
-        value = [value]
-    if not isinstance(value, list) or not all(isinstance(table, Mapping) for table in value):
-        errors.add(name, f"found {show(value)}, expected tables [[{name}]]")
-        return []
-    for n, table in enumerate(value, start=1):
-        if not table:
-            errors.add(f"{name} {n}", "found an empty table, expected keys and values")
-    return value
-
-
-def _flat(table: Any, name: str, errors: ErrorList) -> dict[str, Any]:
-    """Keys and values with dotted keys, whether they were written with quotes or without."""
-    if not isinstance(table, Mapping):
-        errors.add(name, f"found {show(table)}, expected a table of keys and values")
-        return {}
-    flat: dict[str, Any] = {}
-    for key, value in table.items():
-        if not all(part.isidentifier() or part.isdigit() for part in key.split(".")):
-            errors.add(name, f"found the key {show(key)}, expected one such as load.velocity")
-            continue
-        whole_table = "." in key or (key == "material" and isinstance(value, Mapping) and "preset" in value)
-        if isinstance(value, Mapping) and not whole_table and not set(value) & {*SHAPES}:
-            flat |= {f"{key}.{inner}": held for inner, held in value.items()}
-        else:
-            flat[key] = value
-    return flat
-
-
-def _lists(table: Any, name: str, errors: ErrorList) -> dict[str, list[Any]]:
-    lists = {}
-    for key, value in _flat(table, name, errors).items():
-        try:
-            lists[key] = values_of(value)
-        except ValidationError as error:
-            errors.add(f"{name}: {key}", f"found {show(value)}, expected {error}")
-    return lists
-
-
-# ---------------------------------------------------------------------- points
 
 
 def _build(

@@ -22,7 +22,8 @@ from granwave.lammps_inputs.ownership import claim, clear, refuse_foreign, refus
 from granwave.lammps_inputs.run_directory import SCAN_FILE, SCAN_REPORT, SUITE, SUITE_INDEX
 from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows.run.directory import held
-from granwave.workflows.scanning.driver import ScanOutcome, decide, run_scan
+from granwave.workflows.scanning.directory import decide
+from granwave.workflows.scanning.driver import ScanOutcome, run_scan
 from granwave.workflows.scanning.header import parse_studies
 from granwave.workflows.scanning.scan_file import Scan, find_scan, load_scan, scan_of_case
 
