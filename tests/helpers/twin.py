@@ -12,6 +12,11 @@ CONSTANTS = (
     "residual_slope", "residual_offset", "residual_rate", "unloading_exponent",
 )  # fmt: skip
 PRINTED = (2.48, 0.098, 177.6, 2.37, 59.96, 0.95, 25.94, 0.015, 1.35)
+#: Constants far from the printed ones, by name.
+OTHER = {
+    "pressure_limit": 2.9, "pressure_rate": 0.07, "area_switch": 140.0, "area_slope": 2.2, "area_offset": 45.0,
+    "residual_slope": 0.93, "residual_offset": 20.0, "residual_rate": 0.02, "unloading_exponent": 1.42,
+}  # fmt: skip
 
 
 class LawTwin:

@@ -7,6 +7,8 @@ from tests.conftest import script_of
 
 R = 0.005
 PAIR = [(0, 0, 0), (0, 0, 2 * R)]
+BOX = [-0.1, 0.1] * 3
+WALL = "fix floor all wall/gran/hysteretic zplane NULL {z:.17g} elastoplastic 115e9 0.3 550e6"
 LAW = ContactLaw(youngs_modulus=(115e9, 115e9), poisson_ratio=(0.3, 0.3), yield_strength=(550e6, 550e6), radius=(R, R))
 
 

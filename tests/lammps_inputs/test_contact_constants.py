@@ -20,13 +20,9 @@ from granwave.lammps_inputs.deck.deck import write_deck
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict, load_case
 from tests.conftest import script_of
-from tests.helpers.twin import CONSTANTS, PRINTED, LawTwin, Network
+from tests.helpers.twin import CONSTANTS, OTHER, PRINTED, LawTwin, Network
 from tests.helpers.two_spheres import PAIR, R, collide, restitution, value
 
-OTHER = {
-    "pressure_limit": 2.9, "pressure_rate": 0.07, "area_switch": 140.0, "area_slope": 2.2, "area_offset": 45.0,
-    "residual_slope": 0.93, "residual_offset": 20.0, "residual_rate": 0.02, "unloading_exponent": 1.42,
-}  # fmt: skip
 BRASS = {"youngs_modulus": (115e9, 115e9), "poisson_ratio": (0.3, 0.3), "yield_strength": (550e6, 550e6)}
 STYLE = "elastoplastic 115e9 0.3 550e6 " + " ".join(f"{name} {value!r}" for name, value in OTHER.items())
 SPHERES = {"packing": {"kind": "chain", "size": 2, "diameter": 2 * R}, "material": "brass"}

@@ -30,7 +30,7 @@ from granwave.lammps_inputs.packing.walls import walls
 from granwave.lammps_inputs.planning.plan import plan
 from granwave.lammps_inputs.planning.timestep import auto_timestep
 from granwave.workflows import run_case
-from tests.workflows.test_impact import assert_same_contacts
+from tests.helpers.contacts import assert_same_contacts
 
 LATTICES = [kind for kind in KINDS if kind != "chain"]  # those that can be periodic
 

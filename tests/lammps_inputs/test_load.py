@@ -9,11 +9,10 @@ import pytest
 
 from granwave._contact_laws import ContactLaw
 from tests.conftest import script_of
-from tests.helpers.two_spheres import R, value
-from tests.plugins.test_manual import PAGES, Log
+from tests.helpers.manual import PAGES, Log
+from tests.helpers.two_spheres import BOX, R, value
 
 MASS = 8500 * 4 / 3 * np.pi * R**3
-BOX = [-0.1, 0.1] * 3
 REPORT = "\nthermo_style custom step c_ke pe c_ep[1] f_push f_push[1] f_push[2] f_push[3]\n"
 T, A = 1.0007e-5, 100.0  # 1000.7 timesteps
 

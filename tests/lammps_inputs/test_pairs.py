@@ -22,7 +22,7 @@ from granwave.lammps_inputs.load_case import case_from_dict, load_case
 from granwave.workflows.cli.fitting import fit
 from granwave.workflows.run.balance import TOLERANCE
 from granwave.workflows.run.driver import run_case
-from tests.lammps_inputs.test_contact_constants import OTHER
+from tests.helpers.twin import OTHER
 
 R = 0.005
 

@@ -8,9 +8,7 @@ import numpy as np
 import pytest
 
 from tests.conftest import refuses, script_of
-from tests.helpers.two_spheres import PAIR, R
-from tests.lammps_inputs.test_load import BOX
-from tests.plugins.test_walls import WALL
+from tests.helpers.two_spheres import BOX, PAIR, WALL, R
 
 CLOSING = [(0, 0, 1.0), (0, 0, -1.0)]
 ALONE = [*PAIR, (0.1, 0, 0)]  # the third has nobody in reach

@@ -10,14 +10,13 @@ import pytest
 
 from granwave._contact_laws import ContactLaw
 from tests.conftest import script_of
-from tests.helpers.two_spheres import value
+from tests.helpers.two_spheres import WALL, value
 
 R = 0.005
 RIGID = ContactLaw(
     youngs_modulus=(115e9, np.inf), poisson_ratio=(0.3, 0.0), yield_strength=(550e6, np.inf), radius=(R, np.inf)
 )
 MASS = 8500 * 4 / 3 * np.pi * R**3
-WALL = "fix floor all wall/gran/hysteretic zplane NULL {z:.17g} elastoplastic 115e9 0.3 550e6"
 
 # A restart file of the version before friction (format 1), in an impact at 2 m/s and 3 m/s along the wall: zlib, base 85.
 OLD = (

@@ -17,18 +17,10 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows import run_case
 from tests.helpers import chain_twin as twin
+from tests.helpers.chain_cases import BRASS, DIAMETER, PULSE, case_of
 
-BRASS = {"youngs_modulus": 115e9, "poisson_ratio": 0.30, "density": 8500.0, "yield_strength": 550e6}
 SOFT = {"youngs_modulus": 67e9, "poisson_ratio": 0.33, "density": 2700.0, "yield_strength": 150e6}
 HARD = {"youngs_modulus": 210e9, "poisson_ratio": 0.28, "density": 7850.0}
-DIAMETER = 9.52e-3
-PULSE = {"kind": "force", "shape": "half-sine", "amplitude": 4e3, "duration": 2e-5}
-
-
-def case_of(size: int = 12, **tables: Any) -> Case:
-    tables = {"boundary": {"bottom": "free"}, "contact": {"law": "elastoplastic"}, "run": {"end_time": 1.5e-4}} | tables
-    packing = {"kind": "chain", "size": size, "diameter": DIAMETER}
-    return case_from_dict({"name": "chain", "material": BRASS, "packing": packing} | tables)
 
 
 def bead(material: dict[str, float], diameter: float = DIAMETER) -> twin.Bead:

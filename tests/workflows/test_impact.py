@@ -14,6 +14,7 @@ from granwave.lammps_inputs import load_case
 from granwave.lammps_inputs.deck.deck import write_deck
 from granwave.lammps_inputs.packing.packing import build_packing
 from granwave.workflows import library
+from tests.helpers.contacts import assert_same_contacts
 from tests.helpers.twin import Network
 
 SMALL = ["packing.size=[8,8,5]", "run.end_time=1.2e-4", "run.frames=3"]
@@ -93,18 +94,6 @@ def test_any_number_of_ranks(lmp, tmp_path, ranks, overrides):
     assert np.array_equal(e1["contacts_yielded"], e2["contacts_yielded"])
 
     assert_same_contacts(c1, c2)
-
-
-def assert_same_contacts(one, other, *, bits: bool = True):
-    """The same pairs with the same bits: forces are added up in an order-independent way; or, momentary forces, to 1e-8 of the largest."""
-    orders = [np.lexsort((c["j"], c["i"])) for c in (one, other)]
-    assert len(orders[0]) == len(orders[1])
-    for name in one.columns:
-        a, b = one[name][orders[0]], other[name][orders[1]]
-        if bits:
-            assert np.array_equal(a, b), name
-        elif not name.startswith("time"):
-            assert np.abs(a - b).max() <= 1e-8 * np.abs(a).max(), name
 
 
 @pytest.mark.parametrize(
