@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import cache
 
 import numpy as np
@@ -105,13 +105,13 @@ def _durations(time: Array, velocity: CubicSpline, centre: float) -> tuple[float
     )
 
 
-def last_length(found: dict[str, Array]) -> int:
+def last_length(found: Mapping[str, Array]) -> int:
     """The last sphere of a chain with a length of the pulse that no wall touches, from 0; 0: none."""
     good = np.flatnonzero(np.isfinite(found[MEASURES[3]][:-_AT_WALL]))
     return int(good[-1]) if len(good) else 0
 
 
-def settled_from(found: dict[str, Array]) -> int:
+def settled_from(found: Mapping[str, Array]) -> int:
     """Sphere, the struck one as 1, from which on the length of the pulse is as at `last_length` but for 2 %."""
     last, half = last_length(found), found[MEASURES[3]]
     off = np.flatnonzero(np.abs(half[1 : last + 1] / half[last] - 1) > _SETTLED)

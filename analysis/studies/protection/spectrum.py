@@ -8,8 +8,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from granwave.analysis.figures.series import column_name, legend_outside, one_panel
-from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing
+from granwave.analysis.figures.targets import Plates, shock_spectra
 from granwave.analysis.formatting.numbers import number
 from granwave.analysis.measures.shock_spectrum import expected_displacement, spectrum_curves
 from granwave.analysis.measures.signals import Array
@@ -118,34 +117,13 @@ def verdict(found: Sequence[Spectrum]) -> Iterator[str]:
 
 def pictures(found: Sequence[Spectrum]) -> Iterator[Picture]:
     """Displacement against period, with the theory."""
-    figure, axes = one_panel(4.4, "Period of the plate (µs)", "Largest displacement (µm)", 4.6)
-    axes.set(xscale="log", yscale="log")
-    columns: dict[str, Array] = {}
-    for one, colour, marker in zip(found, (BLUE, ORANGE, GREY), "os^", strict=False):
-        period, plate = one.period, one.plates[0]
-        friction = f", friction {one.held.friction:g}" if one.held.case.has_friction else ""
-        words = f"{plate.mass:g} kg, {one.held.layers} layers{friction}"
-        theory = spectrum_curves(one.held.reached, plate, np.geomspace(period.min(), period.max(), _CURVE))
-        name = column_name(words)
-        columns |= {f"{name}_period_s": period}
-        points = {
-            "displacement": (f"below the packing: {words}", colour, one.displacement),
-            "without": ("without it", "none", one.without),
-        }
-        for column, (label, face, values) in points.items():
-            (line,) = axes.plot(_MICRO * period, _MICRO * values, marker, color=colour, markersize=4, label=label)
-            line.set_markerfacecolor(face)
-            columns[f"{name}_{column}_m"] = values
-        columns[f"{name}_line_period_s"] = theory.period
-        lines = {
-            "oscillator": ("oscillator", "-", theory.oscillator),
-            "slow_force": ("slow force, F/k", ":", theory.slow_force),
-            "short_impulse": ("short impulse, J/(Mω)", "--", theory.short_impulse),
-        }
-        for column, (label, dashes, values) in lines.items():
-            axes.plot(_MICRO * theory.period, _MICRO * values, dashes, color=colour, linewidth=0.9, label=label)
-            columns[f"{name}_{column}_m"] = values
-    axes.set_ylim(0.3 * _MICRO * min(one.displacement.min() for one in found))
-    legend_outside(figure, 2, fontsize=7)
     caption = "Largest displacement of the plate against its period, with what an oscillator does under the same force"
-    yield Picture("", caption, Drawing(figure, columns))
+    yield Picture("", caption, shock_spectra(list(map(_plates, found))))
+
+
+def _plates(one: Spectrum) -> Plates:
+    friction = f", friction {one.held.friction:g}" if one.held.case.has_friction else ""
+    plate, period = one.plates[0], one.period
+    theory = spectrum_curves(one.held.reached, plate, np.geomspace(period.min(), period.max(), _CURVE))
+    words = f"{plate.mass:g} kg, {one.held.layers} layers{friction}"
+    return Plates(words, period, one.displacement, one.without, theory)

@@ -4,14 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-import numpy as np
-from numpy.typing import NDArray
-
 from granwave.analysis.figures.maps import speed_maps
-from granwave.analysis.figures.series import legend_outside, one_panel
-from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, WIDTH, Drawing, new_figure
+from granwave.analysis.figures.regions import energies_by_region, pulse_lengths
 from granwave.analysis.measures.pulses import MEASURES, last_length, lengths, settled_from, theory
-from granwave.analysis.measures.regions import Array, groups, regions
+from granwave.analysis.measures.regions import Array, groups
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.square.runs import WAYS, PackingRun, squares
 from granwave.analysis.studies.study import Picture, Row
@@ -22,10 +18,6 @@ _SHOWN = (0.15e-3, 0.30e-3)  # s, of the maps of speed
 _LEAST_PASSED = 6  # spheres for a length of the pulse
 _WHERE = "square packing, Wave Propagation Path"
 _PULSE = "square packing, Pulse Length"
-_COLOURS = {
-    "central chains": BLUE, "edge chains": SKY, "struck spheres": ORANGE, "strikers": PURPLE,
-    "other spheres": "black", "walls": GREY, "dissipated": GREEN,
-}  # fmt: skip
 #: Per cent of the input that the source found.
 _ENERGIES = {
     "in-plane": {"central chains": 71.5, "edge chains": 24.5, "strikers and struck spheres": 4.0},
@@ -77,11 +69,11 @@ def rows(run: PackingRun) -> Iterator[Row]:
 def pictures(run: PackingRun) -> Iterator[Picture]:
     """Energies, maps of speed, and lengths where a pulse passed."""
     impact = f"{run.way} impact"
-    yield Picture("_energies", f"Energy by region, {impact}", _draw_energies(run))
+    yield Picture("_energies", f"Energy by region, {impact}", energies_by_region(run.snapshots))
     speeds = speed_maps(run.snapshots, run.case.packing.diameter, _SHOWN)
     yield Picture("_speeds", f"Speed of the spheres, {impact} (source Figs 3 and 6)", speeds)
     if measured := _measured(run):
-        yield Picture("_pulses", f"Length of the pulse, {impact} (source Fig. 11)", _draw_lengths(measured))
+        yield Picture("_pulses", f"Length of the pulse, {impact} (source Fig. 11)", pulse_lengths(measured))
 
 
 def _measured(run: PackingRun) -> dict[str, Lengths]:
@@ -108,43 +100,3 @@ def _length_rows(run: PackingRun, group: str, found: Lengths) -> Iterator[Row]:
     remark = "printed: roughly five or six; ours is within 2 % of its last length from there on"
     passed = float(settled_from(found))
     yield Row(f"Sphere from which on the pulse is settled, {where}", "", printed[1], passed, _PULSE, remark)
-
-
-def _draw_energies(run: PackingRun) -> Drawing:
-    seen = run.snapshots
-    time = 1e6 * seen.time
-    figure, axes = one_panel(2.6, "Time (µs)", "Energy (% of input)", xlim=(0, time[-1]), ylim=(0, 105))
-    columns = {"time_s": seen.time}
-    for region, share in regions(seen).items():
-        columns[f"{region.replace(' ', '_')}_over_input"] = share
-        if share.max() > 1e-3:
-            axes.plot(time, 100 * share, color=_COLOURS[region], label=region)
-    axes.legend(loc="upper right")
-    for group, members in groups(seen).items():
-        for chain in members:
-            word = chain.name.replace(" ", "_").replace("+", "plus_").replace("-", "minus_")
-            columns[f"{group.split()[0]}_{word}_over_input"] = seen.energy[:, chain.rows[1:]].sum(axis=1)
-    return Drawing(figure, columns)
-
-
-def _draw_lengths(measured: dict[str, Lengths]) -> Drawing:
-    figure = new_figure(3.4, 1.25 * WIDTH)
-    panels = figure.subplots(2, 2, sharex=True)
-    columns: dict[str, NDArray] = {}
-    for group, found in measured.items():
-        shown = np.arange(1, last_length(found) + 1)
-        columns[f"{group.split()[0]}_sphere"] = shown + 1
-        for axes, measure in zip(panels.ravel(), MEASURES, strict=True):
-            values = found[measure][shown]
-            axes.plot(shown + 1, values, "o-", color=_COLOURS[group], markersize=3, label=group)
-            columns[f"{group.split()[0]}_{measure.replace(' ', '_')}_diameters"] = values
-    for axes, measure in zip(panels.ravel(), MEASURES, strict=True):
-        low, expected = min(line.get_ydata().min() for line in axes.lines), theory()[measure]
-        axes.axhline(expected, color="black", linestyle=":", label="Nesterenko")
-        axes.set(title=measure[0].upper() + measure[1:], ylim=(0.95 * low, 1.04 * expected))
-    for axes in panels[1]:
-        axes.set_xlabel("Sphere of the chain")
-    for axes in panels[:, 0]:
-        axes.set_ylabel("Length (diameters)")
-    legend_outside(figure)
-    return Drawing(figure, columns)

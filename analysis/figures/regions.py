@@ -1,0 +1,66 @@
+"""Figures of a struck square packing: energy by region, and length of the pulse along its chains."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granwave.analysis.figures.series import legend_outside, one_panel
+from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, WIDTH, Drawing, new_figure
+from granwave.analysis.measures.pulses import MEASURES, last_length, theory
+from granwave.analysis.measures.regions import Array, Snapshots, groups, regions
+
+_LEAST = 1e-3  # of the input: what a region must once have held to be shown
+_COLOURS = {
+    "central chains": BLUE, "edge chains": SKY, "struck spheres": ORANGE, "strikers": PURPLE,
+    "other spheres": "black", "walls": GREY, "dissipated": GREEN,
+}  # fmt: skip
+
+
+def energies_by_region(seen: Snapshots) -> Drawing:
+    """Share of the input in each region against time."""
+    time = 1e6 * seen.time
+    figure, axes = one_panel(2.6, "Time (µs)", "Energy (% of input)", xlim=(0, time[-1]), ylim=(0, 105))
+    columns = {"time_s": seen.time}
+    for region, share in regions(seen).items():
+        columns[f"{region.replace(' ', '_')}_over_input"] = share
+        if share.max() > _LEAST:
+            axes.plot(time, 100 * share, color=_COLOURS[region], label=region)
+    axes.legend(loc="upper right")
+    for group, members in groups(seen).items():
+        for chain in members:
+            word = chain.name.replace(" ", "_").replace("+", "plus_").replace("-", "minus_")
+            columns[f"{group.split()[0]}_{word}_over_input"] = seen.energy[:, chain.rows[1:]].sum(axis=1)
+    return Drawing(figure, columns)
+
+
+def pulse_lengths(measured: Mapping[str, Mapping[str, Array]]) -> Drawing:
+    """Length of the pulse along chains by four measures, with Nesterenko's.
+
+    Parameters
+    ----------
+    measured
+        By group of chains and by measure: (n_spheres,), diameters; see `granwave.analysis.measures.pulses.lengths`.
+    """
+    figure = new_figure(3.4, 1.25 * WIDTH)
+    panels = figure.subplots(2, 2, sharex=True)
+    columns: dict[str, NDArray] = {}
+    for group, found in measured.items():
+        shown = np.arange(1, last_length(found) + 1)
+        columns[f"{group.split()[0]}_sphere"] = shown + 1
+        for axes, measure in zip(panels.ravel(), MEASURES, strict=True):
+            values = found[measure][shown]
+            axes.plot(shown + 1, values, "o-", color=_COLOURS[group], markersize=3, label=group)
+            columns[f"{group.split()[0]}_{measure.replace(' ', '_')}_diameters"] = values
+    for axes, measure in zip(panels.ravel(), MEASURES, strict=True):
+        low, expected = min(line.get_ydata().min() for line in axes.lines), theory()[measure]
+        axes.axhline(expected, color="black", linestyle=":", label="Nesterenko")
+        axes.set(title=measure[0].upper() + measure[1:], ylim=(0.95 * low, 1.04 * expected))
+    for axes in panels[1]:
+        axes.set_xlabel("Sphere of the chain")
+    for axes in panels[:, 0]:
+        axes.set_ylabel("Length (diameters)")
+    legend_outside(figure)
+    return Drawing(figure, columns)
