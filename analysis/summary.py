@@ -1,4 +1,7 @@
-"""The numbers that sum a run up: ``summary.json``, SI units, null where a value does not apply."""
+"""The numbers that sum a run up: ``summary.json``, SI units, null where a value does not apply.
+
+What they are called, and where they are shown: `granwave.analysis.quantities`.
+"""
 
 from __future__ import annotations
 

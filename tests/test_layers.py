@@ -30,7 +30,7 @@ analysis/measures
 analysis/result
 analysis/lammps_output
 analysis/formatting
-analysis/statistics analysis/errors analysis/versions
+analysis/quantities analysis/statistics analysis/errors analysis/versions
 lammps_inputs/deck
 lammps_inputs/load_case
 lammps_inputs/planning lammps_inputs/checks

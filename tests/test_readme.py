@@ -12,6 +12,7 @@ import pytest
 from granwave.lammps_inputs import load_case
 from granwave.workflows import library, load_profile, load_scan
 from tests.conftest import PLAIN
+from tests.golden import outputs
 
 README = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
 
@@ -46,3 +47,7 @@ def test_built_in_studies_that_commands_name_exist():
     for command, name in named:
         assert name in library.names(library.SCANS if command == "scan" else library.CASES), (command, name)
     assert {command for command, _ in named} == {"run", "check", "show", "scan", "continuum"}
+
+
+def test_values_of_a_summary():
+    assert f"{outputs.TABLE_BEGINS}{outputs.quantity_table()}{outputs.TABLE_ENDS}" in README, outputs.RENEW

@@ -31,8 +31,13 @@ def unit_of(key: str) -> str:
 
 
 def shown_unit(key: str) -> str:
-    """The unit as people write it: kg/m³."""
-    return unit_of(key).replace("^2", "²").replace("^3", "³")
+    """Unit of a dotted key as people write it: kg/m³."""
+    return printed_unit(unit_of(key))
+
+
+def printed_unit(unit: str) -> str:
+    """A unit as people write it: kg/m³ for kg/m^3."""
+    return unit.replace("^2", "²").replace("^3", "³")
 
 
 def _unit_in(tables: Mapping[str, type], key: str) -> str:

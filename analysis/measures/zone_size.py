@@ -20,7 +20,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-SHARES = (50, 90, 99)  # per cent of the energy
+from granwave.analysis.quantities import SHARES
+
 BOTTOM, SIDES = "bottom", "sides"  # bounds that a zone, or a wave, may reach
 WAVE_KEYS = ("wave_returned", "wave_return_s", "wave_return_share")  # of `wave_returns`
 _ROUNDING = 1e-12  # of the energy: sums that reach a share but for rounding reach it

@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import Any, Literal
 from urllib.parse import quote
 
-from granwave.analysis.document.cells import MAIN, unit_of_value
 from granwave.analysis.document.model import Link
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
+from granwave.analysis.quantities import REPORT_COLUMNS, quantity
 from granwave.analysis.result.not_a_run import OF_A_RUN, UNFINISHED, around, no_results, resumed, similar
 from granwave.analysis.result.reader import Result
 from granwave.analysis.scans.result import PointResult, ScanResult
@@ -263,9 +263,9 @@ def _no_numbers(summary: Mapping[str, Any]) -> list[str]:
     """Quantities that are no numbers; null stands for one that does not apply."""
     found = []
     for key, value in summary.items():
-        if value is None or not (unit_of_value(key) or key in MAIN):
+        if value is None or not (quantity(key).unit or key in REPORT_COLUMNS):
             continue
-        if isinstance(value, list) and not unit_of_value(key) and all(isinstance(item, str) for item in value):
+        if isinstance(value, list) and not quantity(key).unit and all(isinstance(item, str) for item in value):
             continue  # words, such as the bounds that a zone reaches
         number = isinstance(value, int | float) and not isinstance(value, bool)
         if not number or abs(value) > sys.float_info.max:

@@ -16,9 +16,10 @@ import numpy as np
 
 from granwave.analysis.figures.style import Drawing, FigureFolder, style
 from granwave.analysis.measures.zone_marks import Mark, mark_of
+from granwave.analysis.quantities import QUANTITIES
 from granwave.analysis.scans.drawing import Series, draw_bars, draw_curves, draw_map
 from granwave.analysis.scans.keys import Key, key_of
-from granwave.analysis.scans.quantities import Quantity, Value, plastic_spheres, quantities, value_of
+from granwave.analysis.scans.ordinates import Ordinate, Value, ordinates, plastic_spheres, value_of
 from granwave.analysis.scans.result import SEED, PointResult, ScanResult
 from granwave.analysis.scans.table import determines, independent_keys
 from granwave.analysis.statistics import estimate
@@ -80,7 +81,7 @@ def drawings(result: ScanResult) -> dict[str, Drawing]:
     keys = {name: key_of(name, labels[name]) for name in labels}
     done = [points[row] for row in rows]
     marks = {row: mark_of(points[row].summary) for row in rows}
-    shown = [one for one in quantities(result.varied, done) if any(abs(one.value(point)) > _NOTHING for point in done)]
+    shown = [one for one in ordinates(result.varied, done) if any(abs(one.value(point)) > _NOTHING for point in done)]
     found: dict[str, Drawing | None] = {}
     for name in _abscissae(keys, free):
         x = keys[name]
@@ -207,7 +208,7 @@ def _enough(series: Sequence[Series]) -> bool:
     return sum(len(curve.x) for curve in series) >= _FEWEST
 
 
-def _curves(series: list[Series], x: Key, others: Sequence[Key], quantity: Quantity, *, joined: bool) -> Drawing | None:
+def _curves(series: list[Series], x: Key, others: Sequence[Key], quantity: Ordinate, *, joined: bool) -> Drawing | None:
     """None where there are no curves: too few points, or many settings each at one abscissa."""
     if not _enough(series) or len({place for curve in series for place in curve.x.tolist()}) < _FEWEST:
         return None
@@ -218,7 +219,7 @@ def _curves(series: list[Series], x: Key, others: Sequence[Key], quantity: Quant
 
 
 def _bars(
-    rows: Sequence[int], x: Key, others: Sequence[Key], values: dict[int, float], quantity: Quantity, marks: Marks
+    rows: Sequence[int], x: Key, others: Sequence[Key], values: dict[int, float], quantity: Ordinate, marks: Marks
 ) -> Drawing | None:
     categories = list(dict.fromkeys(x.values))
     places = {row: float(categories.index(x.values[row])) for row in rows}
@@ -243,17 +244,14 @@ def _collapses(
             "collapse_dissipated_fraction",
             velocity,
             dissipated,
-            (r"Normalised impact velocity $\hat{v}_0$", r"Dissipated fraction $E_\mathrm{d}/E_0$"),
+            (QUANTITIES["velocity_normalised"].title, QUANTITIES["dissipated_fraction"].title),
             ("velocity_normalised", "dissipated_fraction"),
         ),
         (
             "collapse_plastic_volume",
             energy,
             plastic,
-            (
-                r"Input energy $E_0/(F_\mathrm{y}\alpha_\mathrm{y})$",
-                r"Plastic zone volume $V_\mathrm{p}/(\pi D^3/6)$",
-            ),
+            (QUANTITIES["energy_input_normalised"].title, r"Plastic zone volume $V_\mathrm{p}/(\pi D^3/6)$"),
             ("energy_input_normalised", "plastic_volume_in_spheres"),
         ),
     ):
@@ -263,7 +261,7 @@ def _collapses(
     return drawings
 
 
-def _map(points: Sequence[PointResult], rows: Sequence[int], x: Key, y: Key, quantity: Quantity) -> Drawing | None:
+def _map(points: Sequence[PointResult], rows: Sequence[int], x: Key, y: Key, quantity: Ordinate) -> Drawing | None:
     values = _values(points, rows, quantity.value)
     columns, lines = sorted(set(x.values)), sorted(set(y.values))
     if len(set(zip(x.values, y.values, strict=True))) != len(columns) * len(lines):

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from granwave.analysis.formatting.units import unit_of
 from granwave.analysis.measures.zone_marks import bounds_in_words
+from granwave.analysis.quantities import quantity
 from granwave.analysis.result.hdf5_file import new_hdf5
 from granwave.analysis.scans.result import SEED, PointResult, ScanResult
 from granwave.analysis.statistics import estimate
@@ -37,21 +38,6 @@ MEAN_GROUP = "mean"
 MEAN, DEVIATION, CONFIDENCE, COUNT = ".mean", ".std", ".ci95", "n"
 
 _INT64 = range(-(2**63), 2**63)
-#: Unit by the end of a summary value's name; of several that fit the longest counts.
-_UNITS = {
-    "_per_s": "1/s",
-    "_per_kg": "1/kg",
-    "_per_m": "1/m",
-    "_m_s2": "m/s^2",
-    "_kg": "kg",
-    "_m_s": "m/s",
-    "_Ns": "N s",
-    "_m3": "m^3",
-    "_J": "J",
-    "_N": "N",
-    "_m": "m",
-    "_s": "s",
-}
 
 Columns = dict[str, list[Any]]
 
@@ -153,9 +139,7 @@ def column_unit(name: str) -> str:
     if unit := unit_of(name):
         return unit
     name = name.removeprefix("summary.").removesuffix(MEAN).removesuffix(DEVIATION).removesuffix(CONFIDENCE)
-    if "." in name:
-        return "1"
-    return next((unit for ending, unit in _UNITS.items() if name.endswith(ending)), "1")
+    return "1" if "." in name else quantity(name).unit or "1"
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

@@ -11,7 +11,8 @@ import pytest
 from granwave.analysis import Result, summarise, write_result
 from granwave.analysis.measures.zone_marks import Mark, mark_of, zone_warnings
 from granwave.analysis.measures.zone_of_packing import packing_zone, zone_summary
-from granwave.analysis.measures.zone_size import SHARES, extent_holding, volume_holding, wave_returns, zone_sizes
+from granwave.analysis.measures.zone_size import extent_holding, volume_holding, wave_returns, zone_sizes
+from granwave.analysis.quantities import SHARES
 from granwave.workflows.finite_elements.punch import ContinuumCase, kernels
 from granwave.workflows.finite_elements.punch.history import History, make_solver
 from granwave.workflows.finite_elements.punch.summary import zone_summary as zone_of_block

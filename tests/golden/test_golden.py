@@ -11,8 +11,6 @@ import pytest
 from granwave.lammps_inputs.run_directory import SCRIPT_FILE
 from tests.golden import outputs
 
-RENEW = "if that is meant: python -m tests.golden.outputs"
-
 
 def close(found: Any, kept: Any) -> bool:
     """Equal, numbers to 1e-6."""
@@ -41,10 +39,12 @@ def test_decks_of_built_in_cases(tmp_path: Path) -> None:
     digests = outputs.write_decks(tmp_path)
     kept = json.loads((outputs.FOLDER / outputs.DIGESTS).read_text())
     changed = [name for name in digests if not close(digests[name], kept.get(name))]
-    assert changed == [] and digests.keys() == kept.keys(), f"data of decks changed; {RENEW}"
+    assert changed == [] and digests.keys() == kept.keys(), f"data of decks changed; {outputs.RENEW}"
     for name in digests:
         script = (tmp_path / name / SCRIPT_FILE).read_text(encoding="utf-8")
-        assert close_script(script, (outputs.FOLDER / f"{name}.in").read_text(encoding="utf-8")), f"{name}: {RENEW}"
+        assert close_script(script, (outputs.FOLDER / f"{name}.in").read_text(encoding="utf-8")), (
+            f"{name}: {outputs.RENEW}"
+        )
 
 
 def close_script(found: str, kept: str) -> bool:
@@ -58,6 +58,6 @@ def test_summaries_and_report_of_small_runs(tmp_path: Path) -> None:
     kept = json.loads((outputs.FOLDER / outputs.SUMMARIES).read_text())
     for name in kept:
         changed = [key for key in kept[name] if not close(summaries[name].get(key), kept[name][key])]
-        assert changed == [] and summaries[name].keys() == kept[name].keys(), f"{name}; {RENEW}"
+        assert changed == [] and summaries[name].keys() == kept[name].keys(), f"{name}; {outputs.RENEW}"
     report = (tmp_path / outputs.REPORT).read_text(encoding="utf-8")
-    assert changed_lines(report, (outputs.FOLDER / outputs.REPORT).read_text(encoding="utf-8")) == [], RENEW
+    assert changed_lines(report, (outputs.FOLDER / outputs.REPORT).read_text(encoding="utf-8")) == [], outputs.RENEW

@@ -13,6 +13,7 @@ from typing import Any
 
 from granwave.analysis.formatting.numbers import duration
 from granwave.analysis.measures.zone_marks import LABELS, bounds_in_words, mark_of
+from granwave.analysis.quantities import SCAN_COLUMNS, Quantity
 from granwave.analysis.scans.result import ScanResult
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError, RunError, raise_all
@@ -32,17 +33,6 @@ from granwave.workflows.scanning.suite import Suite, check_suite, is_suite, load
 
 _WORTH_MEASURING = 20.0  # s of expected time, beyond which the speed of this machine is measured first
 _MOST_ROWS = 40
-_COLUMNS = {  # of the table at the end
-    "dissipated_fraction": ("dissipated", "{:.5f}"),
-    "n_plastic_spheres": ("plastic spheres", "{}"),
-    "plastic_zone_volume_m3": ("plastic zone (m3)", "{:.4g}"),
-    "zone_depth_90_m": ("90 % depth (m)", "{:.4g}"),
-    "zone_volume_90_m3": ("90 % volume (m3)", "{:.4g}"),
-    "zone_cut": ("zone reaches", "{}"),
-    "peak_force_N": ("peak force (N)", "{:.5g}"),
-    "max_force_N": ("largest force (N)", "{:.5g}"),
-    "force_deviation_rms_percent": ("less the law (%, rms)", "{:.2f}"),
-}
 
 
 def scan(options: argparse.Namespace) -> int:
@@ -225,12 +215,12 @@ def outcome_text(outcome: ScanOutcome) -> str:
     """The main values of each point, and where everything is."""
     result = ScanResult(outcome.directory)
     points = [point for point in result.points if point.status != "missing"]
-    shown = [key for key in _COLUMNS if any(point.summary.get(key) is not None for point in points)]
-    head = ["", *result.varied, *(_COLUMNS[key][0] for key in shown), ""]
+    shown = [one for one in SCAN_COLUMNS if any(point.summary.get(one.name) is not None for point in points)]
+    head = ["", *result.varied, *(one.heading for one in shown), ""]
     table = [head]
     for point in points[:_MOST_ROWS]:
         summary = point.summary
-        values = [_value(key, summary.get(key)) for key in shown]
+        values = [_value(one, summary.get(one.name)) for one in shown]
         labels = [f"{value:.5g}" if isinstance(value, float) else str(value) for value in point.labels.values()]
         ending = "" if point.status == "done" else f"{point.status}: {point.reason}".rstrip(": ")
         table.append([str(point.number), *labels, *values, ending])
@@ -255,8 +245,8 @@ def outcome_text(outcome: ScanOutcome) -> str:
     return f"{text}{counts}; {there} in {outcome.directory}"
 
 
-def _value(key: str, value: Any) -> str:
+def _value(shown: Quantity, value: Any) -> str:
     """A value of a summary for the table at the end; empty where there is none."""
     if value is None:
         return ""
-    return bounds_in_words(value) if isinstance(value, list) else _COLUMNS[key][1].format(value)
+    return bounds_in_words(value) if isinstance(value, list) else format(value, shown.digits)

@@ -7,7 +7,7 @@ from typing import Any
 
 from granwave.analysis.formatting.numbers import duration
 from granwave.analysis.measures.zone_marks import bounds_in_words
-from granwave.analysis.measures.zone_size import SHARES
+from granwave.analysis.quantities import CONTINUUM_ROWS, FRICTION_SHARES, RUN_ROWS, SHARES, Quantity
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.planning.plan import Plan
 from granwave.lammps_inputs.planning.wall_time import WallTime
@@ -16,33 +16,6 @@ from granwave.workflows.solvers import Cost
 
 _ZONE_AFTER = "plastic_zone_radius_m"  # the row that the size of the plastic zone follows
 _GROWING = {"plastic_zone_depth_m": "depth", "plastic_zone_radius_m": "radius"}  # as `zone_growing` calls them
-_SUMMARY = {
-    "n_spheres": ("spheres", "{:d}"),
-    "n_contacts": ("contacts at the start", "{:d}"),
-    "n_loaded_contacts": ("contacts that bore a force", "{:d}"),
-    "end_time_s": ("simulated", "{:.6g} s"),
-    "end_reason": ("ended", "{}"),
-    "timestep_s": ("timestep", "{:.4g} s"),
-    "n_steps": ("steps", "{:d}"),
-    "energy_input_J": ("energy in", "{:.6g} J"),
-    "dissipated_fraction": ("dissipated", "{:.5f} of it"),
-    "plastic_fraction": ("  by yielding", "{:.5f} of it"),
-    "friction_fraction": ("  by friction", "{:.5f} of it"),
-    "energy_balance_error": ("balance error", "{:.1e} of it"),
-    "peak_force_N": ("peak contact force", "{:.6g} N"),
-    "n_plastic_contacts": ("yielded contacts", "{:d}"),
-    "n_plastic_spheres": ("plastic spheres", "{:d}"),
-    "plastic_zone_depth_m": ("outermost yield, depth", "{:.4g} m"),
-    _ZONE_AFTER: ("outermost yield, radius", "{:.4g} m"),
-    "wave_speed_m_s": ("wave speed", "{:.4g} m/s"),
-    "contacts_beyond_law": ("contacts beyond 0.2 R*", "{:d}"),
-    "wall_peak_force_N": ("peak force at the bottom", "{:.6g} N"),
-    "wall_impulse_Ns": ("impulse at the bottom", "{:.6g} N s"),
-    "peak_reduction": ("peak without packing", "{:.3g} times as high"),
-    "impactor_velocity_m_s": ("struck sphere at the end", "{:.5g} m/s"),
-    "wall_time_s": ("wall time", "{:.1f} s"),
-    "sphere_steps_per_s": ("speed", "{:.3g} sphere-steps/s"),
-}
 
 
 def lines(rows: list[tuple[str, str]]) -> str:
@@ -53,48 +26,25 @@ def lines(rows: list[tuple[str, str]]) -> str:
 
 def summary_table(summary: Mapping[str, Any]) -> str:
     """The main values of a summary."""
-    left_out = () if summary.get("friction_fraction") else ("plastic_fraction", "friction_fraction")
-    return _table({key: words for key, words in _SUMMARY.items() if key not in left_out}, summary)
-
-
-_CONTINUUM = {
-    "n_elements": ("elements", "{:d}"),
-    "end_time_s": ("simulated", "{:.4g} s"),
-    "end_reason": ("ended", "{}"),
-    "n_steps": ("steps", "{:d}"),
-    "energy_input_J": ("energy in", "{:.6g} J"),
-    "energy_input_normalised": ("normalised", "{:.4g} sigma_y^2 D^3/E"),
-    "dissipated_fraction": ("dissipated", "{:.5f} of it, plastically"),
-    "energy_balance_error": ("balance error", "{:.1e} of it"),
-    "plastic_zone_volume_m3": ("plastic zone", "{:.4g} m3 at one instant"),
-    "plastic_zone_volume_ever_m3": ("", "{:.4g} m3 that ever yielded"),
-    "plastic_zone_depth_m": ("outermost yield, depth", "{:.4g} m"),
-    _ZONE_AFTER: ("outermost yield, radius", "{:.4g} m"),
-    "max_overlap_m": ("largest overlap", "{:.4g} m"),
-    "max_force_N": ("force there", "{:.5g} N"),
-    "contact_radius_m": ("contact radius", "{:.4g} m"),
-    "force_deviation_max_percent": ("force less the law", "{:+.1f} % at most"),
-    "force_deviation_rms_percent": ("", "{:.1f} % rms"),
-    "unloading_exponent_min": ("unloading exponents", "from {:.2f}"),
-    "unloading_exponent_max": ("", "to {:.2f}"),
-    "kinetic_share_max": ("kinetic energy", "{:.1e} of the internal, at most"),
-    "wall_time_s": ("wall time", "{:.1f} s"),
-    "element_steps_per_s": ("speed", "{:.3g} element-steps/s"),
-}
+    left_out = () if summary.get("friction_fraction") else FRICTION_SHARES
+    return _table([entry for entry in RUN_ROWS if entry.name not in left_out], summary)
 
 
 def continuum_table(summary: Mapping[str, Any]) -> str:
     """The main values of the summary of a continuum run."""
-    return _table(_CONTINUUM, summary)
+    return _table(CONTINUUM_ROWS, summary)
 
 
-def _table(names: Mapping[str, tuple[str, str]], summary: Mapping[str, Any]) -> str:
-    rows = [("case", str(summary["name"]))]
-    for key, (label, form) in names.items():
-        if summary.get(key) is not None:
-            growing = _GROWING.get(key) in (summary.get("zone_growing") or ())
-            rows.append((label, form.format(summary[key]) + (", still moving out at the end" if growing else "")))
-        if key == _ZONE_AFTER:
+def _table(shown: Sequence[Quantity], summary: Mapping[str, Any]) -> str:
+    rows, before = [("case", str(summary["name"]))], ""
+    for entry in shown:
+        value = summary.get(entry.name)
+        if value is not None:
+            growing = _GROWING.get(entry.name) in (summary.get("zone_growing") or ())
+            text = entry.text(value) + (", still moving out at the end" if growing else "")
+            rows.append(("" if entry.short == before else entry.short, text))
+            before = entry.short
+        if entry.name == _ZONE_AFTER:
             rows += _zone_rows(summary)
     return lines(rows)
 

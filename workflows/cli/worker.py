@@ -29,8 +29,8 @@ import tomli_w
 from granwave.lammps_inputs.directories import free_space, room_words
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import DISK_IS_FULL, replace_text
-from granwave.lammps_inputs.ownership import claim, clear
-from granwave.lammps_inputs.run_directory import CASE_FILE, POINT_CASE, POINT_FILES, POINT_LOG, POINT_STOP, SUMMARY_FILE
+from granwave.lammps_inputs.ownership import clear
+from granwave.lammps_inputs.run_directory import CASE_FILE, POINT_CASE, POINT_LOG, POINT_STOP, SUMMARY_FILE
 from granwave.lammps_inputs.run_state import tables_as_run
 from granwave.lammps_inputs.toml_files import read_tables
 from granwave.workflows.run import mpi, record
@@ -124,8 +124,6 @@ class _Worker:
             return
         note = {"attempts": before + 1, "host": os.uname().nodename, "pid": os.getpid(), "started": time.time()}
         note["job"] = os.environ.get("SLURM_JOB_ID", "")
-        place.mkdir(parents=True, exist_ok=True)
-        claim(place, POINT_FILES)
         layout.write_state(place, state=layout.RUNNING, **note)
         log_begins = (place / POINT_LOG).stat().st_size if (place / POINT_LOG).exists() else 0
         begin = time.monotonic()

@@ -12,7 +12,7 @@ from typing import Any
 from granwave.analysis.scans.result import read_point
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import replace_text
-from granwave.lammps_inputs.ownership import clear
+from granwave.lammps_inputs.ownership import claim, clear
 from granwave.lammps_inputs.run_directory import (
     CASE_FILE,
     POINT_FILE,
@@ -126,8 +126,9 @@ def seconds(directory: Path, point: str) -> float | None:
 
 
 def write_state(place: Path, **record: Any) -> None:
-    """Replace the record of a point, all or nothing."""
+    """Replace the record of a point, all or nothing; raises InputError where somebody else's file is in its place."""
     place.mkdir(parents=True, exist_ok=True)
+    claim(place, POINT_FILES)
     replace_text(place / POINT_FILE, json.dumps(record, indent=1) + "\n")
 
 

@@ -9,7 +9,7 @@ from granwave.analysis.document.model import Block, Cell, Column, Figure, Galler
 from granwave.analysis.document.pictures import picture_of
 from granwave.analysis.figures.style import style
 from granwave.analysis.measures.zone_marks import Mark, bounds_in_words
-from granwave.analysis.measures.zone_size import SHARES
+from granwave.analysis.quantities import SHARES
 from granwave.analysis.reports.inputs import Inputs
 from granwave.analysis.studies.granular_continuum import both, continuum, forces, granular, zone
 from granwave.analysis.studies.granular_continuum.drawings import drawings, lowest_velocity

@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from granwave.analysis.document.cells import readable
 from granwave.analysis.document.model import Block, Figure, Gallery, Group, Note, Section
 from granwave.analysis.document.pictures import RESOLUTION, picture_of
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing, new_figure, style
 from granwave.analysis.formatting.values import as_label
+from granwave.analysis.quantities import readable
 from granwave.analysis.reports.inputs import Inputs, Run, Scan
 from granwave.analysis.scans.keys import key_of
 from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY, RESULT_FILE

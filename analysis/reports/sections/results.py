@@ -7,22 +7,21 @@ from typing import Any
 
 from granwave.analysis.document.cells import (
     BLANK,
-    MAIN,
     case_column,
     is_number,
-    label_of,
     meanings,
     percent,
     show,
     spread_cell,
-    unit_of_key,
     unit_of_value,
     value_cell,
     value_column,
 )
 from granwave.analysis.document.model import Block, Cell, Column, Group, Note, Section, Table, Tone
+from granwave.analysis.formatting.units import shown_unit
 from granwave.analysis.formatting.values import unique_labels
 from granwave.analysis.measures.zone_marks import Mark, bounds_in_words, mark_of
+from granwave.analysis.quantities import FRICTION_SHARES, REPORT_COLUMNS, quantity
 from granwave.analysis.reports.inputs import Inputs, Point, Run, Scan
 from granwave.analysis.reports.sections.figures import overlay
 from granwave.analysis.scans.table import CONFIDENCE, COUNT, MEAN, SCAN_MEANS, SCAN_TABLE, SEED, scan_statistics
@@ -32,7 +31,6 @@ MOST_SIDE_BY_SIDE = 6
 _TONES: Mapping[str, Tone] = {"done": "good", "failed": "bad", "refused": "bad", "missing": "note"}
 _NOT_COMPARED = ("name", "versions")
 _REMARKS = ("material.source",)  # keys of the case that change nothing
-_SHARES = ("plastic_fraction", "friction_fraction")
 _OF_ZONE = ("plastic_zone", "zone_", "wave_return")  # keys whose values are marked where the zone reaches a bound
 
 
@@ -165,8 +163,8 @@ def _table(
 def _worth_showing(summaries: Sequence[Mapping[str, Any]]) -> list[str]:
     """The main values that any of them has; the shares of yielding and friction only where there is friction."""
     has_friction = any(summary.get("friction_fraction") for summary in summaries)
-    left_out = () if has_friction else _SHARES
-    there = (key for key in MAIN if any(summary.get(key) is not None for summary in summaries))
+    left_out = () if has_friction else FRICTION_SHARES
+    there = (key for key in REPORT_COLUMNS if any(summary.get(key) is not None for summary in summaries))
     return [key for key in there if key not in left_out]
 
 
@@ -195,7 +193,8 @@ def _side_by_side(runs: Sequence[Run]) -> Table:
     rows = []
     for key in keys:
         cells = [_summary_cell(run.summary.get(key)) for run in runs]
-        row = [Cell(label_of(key), label_of(key)), Cell(unit_of_value(key)), *cells]
+        label = quantity(key).label
+        row = [Cell(label, label), Cell(unit_of_value(key)), *cells]
         if pair:
             row.append(_difference(runs[0].summary.get(key), runs[1].summary.get(key)))
         rows.append(tuple(row))
@@ -217,7 +216,9 @@ def _replicates(scan: Scan) -> list[Block]:
     if not any(count > 1 for count in counts):
         return []
     keys = [key for key in scan.source.varied if key != SEED]
-    means = [{key: found[key + MEAN][row] for key in MAIN if key + MEAN in found} for row in range(len(counts))]
+    means = [
+        {key: found[key + MEAN][row] for key in REPORT_COLUMNS if key + MEAN in found} for row in range(len(counts))
+    ]
     shown = _worth_showing(means)
     settings = [[None if value == "" else value for value in found[key]] for key in keys]
     columns = (
@@ -306,7 +307,7 @@ def settings_blocks(inputs: Inputs) -> list[Block]:
             continue
         different = {*differing(known), *varied}
         shared = {key: value for key, value in known[0].case.items() if key not in different}
-        rows = tuple((Cell(key), Cell(show(value)), Cell(unit_of_key(key))) for key, value in _spelt_out(shared))
+        rows = tuple((Cell(key), Cell(show(value)), Cell(shown_unit(key))) for key, value in _spelt_out(shared))
         columns = (Column("Key", key=True), Column("Value"), Column("Unit"))
         who = f"all points of {title}" if varied else f"all {title}"
         name = f"Settings that {who} share" if len(known) > 1 else f"Settings of {title}"

@@ -9,8 +9,9 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from granwave.analysis.document.cells import label_of, named, percent, unit_of_value, value_cell
+from granwave.analysis.document.cells import named, percent, unit_of_value, value_cell
 from granwave.analysis.document.model import Cell, Column, Group, Note, Section, Table
+from granwave.analysis.quantities import quantity
 from granwave.analysis.reports.inputs import Inputs, Run
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import GranwaveError
@@ -90,12 +91,12 @@ def _rows(entry: Mapping[str, Any], runs: Iterable[Run], values: Mapping[str, An
             ours = _ours(entry, run)
             if ours is not None:
                 found.setdefault(ours, []).append(run.label)
-    scale = entry.get("scale", "")
+    scale, label = entry.get("scale", ""), quantity(entry["quantity"]).label
     unit = scale if scale in _OF_CONTACT else "" if scale else unit_of_value(entry["quantity"])
     if scale and scale not in _OF_CONTACT:
-        name = f"{label_of(entry['quantity'])} over {label_of(scale).lower()}"
+        name = f"{label} over {quantity(scale).label.lower()}"
     else:
-        name = label_of(entry["quantity"]) + (f" ({unit})" if unit else "")
+        name = label + (f" ({unit})" if unit else "")
     theirs = entry["value"]
     for ours, labels in found.items():
         difference = 100 * (ours - theirs) / theirs

@@ -16,7 +16,7 @@ from matplotlib.lines import Line2D
 
 from granwave.analysis.figures.style import BLUE, ORANGE, Drawing, new_figure
 from granwave.analysis.measures.zone_marks import Mark, mark_of
-from granwave.analysis.measures.zone_size import SHARES
+from granwave.analysis.quantities import SHARES
 from granwave.analysis.scans.axes import log_ticks
 from granwave.analysis.scans.marks import draw_marks, marked_marker, marks_of
 from granwave.analysis.studies.granular_continuum.impacts import (

@@ -6,8 +6,9 @@ import json
 
 import pytest
 
-from granwave.analysis.document.cells import MAIN, label_of, named, percent, show
+from granwave.analysis.document.cells import named, percent, show
 from granwave.analysis.document.model import Figure, Gallery, Note, Table, cleaned
+from granwave.analysis.quantities import REPORT_COLUMNS, quantity
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.report import write_report
 from granwave.analysis.reports.sections import balance, figures
@@ -48,7 +49,7 @@ def test_scan_table_has_the_varied_keys_first_and_every_status(runs, tmp_path):
         "load.velocity",
         "material",
         "Status",
-        label_of(MAIN[0]),
+        quantity(REPORT_COLUMNS[0]).label,
     ]
     assert [column.unit for column in part.columns][1] == "m/s"
     rows = table(report, "results", "Scan scan")

@@ -1,0 +1,337 @@
+"""The quantities of ``summary.json``, each once: its name there, in reports and at the terminal, and where it is shown.
+
+A new one is an entry of ``ENTRIES``, and its name in those of the lists below that are to show it. It is computed in
+`granwave.analysis.summary`, or where the finite-element programs sum their runs up.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from fnmatch import fnmatchcase
+from functools import cache
+from typing import Any
+
+SHARES = (50, 90, 99)  # per cent of the energy dissipated by yielding: those that sizes of the plastic zone hold
+
+#: Unit by the end of a name; the first that fits counts.
+UNITS = {
+    "_m_s2": "m/s^2", "_m_s": "m/s", "_per_kg": "1/kg", "_per_m": "1/m", "_per_s": "1/s", "_kg": "kg", "_m3": "m^3",
+    "_Ns": "N s", "_Pa": "Pa", "_J": "J", "_N": "N", "_s": "s", "_m": "m",
+}  # fmt: skip
+
+
+@dataclasses.dataclass(frozen=True)
+class Quantity:
+    """A value of ``summary.json``.
+
+    Attributes
+    ----------
+    name
+        Its key; of a family of keys with ``*`` for what differs.
+    label
+        Its name in reports; left out, the words of the key.
+    meaning
+        A sentence, where the label does not tell.
+    short
+        Its name at the terminal, which rows that follow each other may share; left out, the label.
+    digits
+        Format of the number at the terminal; left out, as for counts and words, the value as it is.
+    phrase
+        Words around the number at the terminal; left out, the unit follows.
+    axis, symbol
+        Title, without the unit, of an axis of figures of scans, and its symbol (LaTeX).
+    """
+
+    name: str
+    label: str = ""
+    meaning: str = ""
+    short: str = ""
+    digits: str = ""
+    phrase: str = ""
+    axis: str = ""
+    symbol: str = ""
+
+    def __post_init__(self) -> None:
+        """Fill in what was left out."""
+        ending = next((ending for ending in UNITS if self.name.endswith(ending)), "")
+        label = self.label or readable(self.name.removesuffix(ending))
+        short = self.short or label[:1].lower() + label[1:]
+        phrase = self.phrase or f"{{}} {self.unit.replace('^', '')}".rstrip()
+        for name, value in (("label", label), ("short", short), ("phrase", phrase)):
+            object.__setattr__(self, name, value)
+
+    @property
+    def unit(self) -> str:
+        """Unit that the name ends in, such as ``m/s^2``; empty where there is none."""
+        return next((unit for ending, unit in UNITS.items() if self.name.endswith(ending)), "")
+
+    @property
+    def title(self) -> str:
+        """Title of an axis, without the unit."""
+        return f"{self.axis} ${self.symbol}$" if self.symbol else self.axis
+
+    @property
+    def heading(self) -> str:
+        """Head of a column at the terminal."""
+        return f"{self.short} ({self.unit.replace('^', '')})" if self.unit else self.short
+
+    def text(self, value: Any) -> str:
+        """A value at the terminal."""
+        return self.phrase.format(format(value, self.digits))
+
+
+def readable(name: str) -> str:
+    """A file's or key's name as words."""
+    words = name.replace("_", " ").strip()
+    return words[:1].upper() + words[1:]
+
+
+_OUTERMOST = "Of the outermost sphere (element) that yielded at all, however little it dissipated."
+_HOLDS_90 = {
+    "depth": "Smallest depth below the struck sphere's centre (the block's face) that holds 90 % of the energy "
+    "dissipated by yielding, weighed by the centres of spheres (elements), not interpolated; 50 and 99 % likewise.",
+    "radius": "The same of the distance from the impact axis.",
+    "volume": "Volume of the fewest spheres (elements) that hold 90 % of it, those with most for their volume; without "
+    "the voids between spheres.",
+}
+
+
+def _zone_sizes() -> tuple[Quantity, ...]:
+    """Sizes of the plastic zone."""
+    return tuple(
+        Quantity(
+            f"zone_{size}_{share}_{unit}",
+            f"Zone of {share} %, {size}",
+            short=f"{share} % {size}",
+            digits=".4g",
+            meaning=_HOLDS_90[size] if share == 90 else "",
+            axis=f"{size.capitalize()} that holds {share} %",
+            symbol=f"{symbol}_{{{share}}}",
+        )
+        for size, unit, symbol in (("depth", "m", "z"), ("radius", "m", "r"), ("volume", "m3", "V"))
+        for share in SHARES
+    )
+
+
+ENTRIES = (
+    # the run
+    Quantity("name"),
+    Quantity("kind"),
+    Quantity("n_spheres", "Spheres"),
+    Quantity("n_elements", "Elements"),
+    Quantity("n_bodies", "Bodies"),
+    Quantity("n_contacts", "Contacts at the start",
+             "Pairs of spheres that touch before the run; smaller spheres on the sites of a lattice leave gaps."),
+    Quantity("n_loaded_contacts", "Contacts that bore a force",
+             "Pairs of spheres that bore a force at any time of the run."),
+    Quantity("n_wall_contacts", "Wall contacts"),
+    Quantity("end_time_s", short="simulated", digits=".6g"),
+    Quantity("end_reason", short="ended"),
+    Quantity("timestep_s", digits=".4g"),
+    Quantity("n_steps", "Steps"),
+    Quantity("wall_time_s", digits=".1f"),
+    Quantity("sphere_steps_per_s", short="speed", digits=".3g", phrase="{} sphere-steps/s"),
+    Quantity("element_steps_per_s", short="speed", digits=".3g", phrase="{} element-steps/s"),
+    Quantity("n_ranks", "MPI ranks"),
+    Quantity("versions"),
+    # energies
+    Quantity("energy_input_J", "Energy input", short="energy in", digits=".6g"),
+    Quantity("energy_input_normalised", "Energy input, normalised", short="normalised", digits=".4g",
+             phrase="{} sigma_y^2 D^3/E", axis="Input energy", symbol=r"E_0/(F_\mathrm{y}\alpha_\mathrm{y})"),
+    Quantity("velocity_normalised", "Velocity, normalised", axis="Normalised impact velocity", symbol=r"\hat{v}_0"),
+    Quantity("dissipated_fraction", short="dissipated", digits=".5f", phrase="{} of it", axis="Dissipated fraction",
+             symbol=r"E_\mathrm{d}/E_0"),
+    Quantity("plastic_fraction", "Share dissipated by yielding",
+             "Energy dissipated by yielding of contacts in this run, over the input.",
+             short="  by yielding", digits=".5f", phrase="{} of it"),
+    Quantity("friction_fraction", "Share dissipated by friction",
+             "Energy dissipated by sliding between spheres and at walls, over the input.",
+             short="  by friction", digits=".5f", phrase="{} of it"),
+    Quantity("energy_balance_error", "Balance error", digits=".1e", phrase="{} of it"),
+    Quantity("energy_kinetic_J", "Kinetic energy"),
+    Quantity("energy_rotational_J", "Kinetic energy of rotation", "Part of the kinetic energy."),
+    Quantity("energy_elastic_J", "Elastic energy"),
+    Quantity("energy_dissipated_J", "Dissipated energy"),
+    Quantity("energy_dissipated_wall_J", "Dissipated at walls"),
+    Quantity("energy_dissipated_plastic_J", "Dissipated by yielding"),
+    Quantity("energy_dissipated_friction_J", "Dissipated by friction"),
+    Quantity("energy_bar_J", "Energy of the bar"),
+    Quantity("energy_incident_bar_J", "Energy of the incident bar"),
+    Quantity("energy_punch_J", "Energy of the punch"),
+    Quantity("energy_viscous_J", "Viscous energy"),
+    Quantity("energy_hourglass_J", "Hourglass energy"),
+    Quantity("energy_contact_J", "Energy of the contact"),
+    Quantity("energy_damping_J", "Energy taken by damping"),
+    Quantity("hourglass_share"),
+    Quantity("kinetic_share_max", short="kinetic energy", digits=".1e", phrase="{} of the internal, at most"),
+    # contacts
+    Quantity("peak_force_N", "Peak contact force", digits=".6g", axis="Peak force", symbol=r"F_\mathrm{max}"),
+    Quantity("peak_overlap_m"),
+    Quantity("contacts_beyond_law", "Contacts beyond the law", short="contacts beyond 0.2 R*"),
+    Quantity("contacts_beyond_half_law", "Contacts beyond half the law"),
+    # plastic zone
+    Quantity("n_plastic_contacts", "Yielded contacts",
+             "Contacts that yielded in this run; a dent from before it counts only if it grew."),
+    Quantity("n_plastic_spheres", "Yielded spheres", short="plastic spheres", axis="Plastic spheres",
+             symbol=r"N_\mathrm{p}"),
+    Quantity("plastic_zone_volume_m3", "Plastic zone volume",
+             "Of all spheres that yielded; in the continuum the largest volume at yield at one instant. Not to be "
+             "compared with each other.",
+             short="plastic zone", digits=".4g", phrase="{} m3 at one instant", axis="Plastic zone",
+             symbol=r"V_\mathrm{p}"),
+    Quantity("plastic_zone_time_s", "Time of the largest plastic zone"),
+    Quantity("plastic_zone_volume_ever_m3", "Volume that ever yielded", short="plastic zone", digits=".4g",
+             phrase="{} m3 that ever yielded"),
+    Quantity("plastic_zone_depth_m", "Outermost yield, depth", _OUTERMOST, digits=".4g",
+             axis="Depth of the outermost yield", symbol=r"z_\mathrm{p}"),
+    Quantity("plastic_zone_radius_m", "Outermost yield, radius", _OUTERMOST, digits=".4g"),
+    Quantity("plastic_zone_strain", "Strain of the plastic zone"),
+    Quantity("largest_strain"),
+    *_zone_sizes(),
+    Quantity("zone_cut", "Bounds that the zone reaches",
+             "A sphere (element) that yielded touches them: the outermost yield is cut there.", short="zone reaches"),
+    Quantity("zone_growing", "Outermost yield that still moved out at the end",
+             "The outermost sphere in depth, or radius, yielded in the last tenth of the run."),
+    Quantity("wave_returned", "Bounds whose waves came back",
+             "A wave that they reflect can have come back, within the run, to what holds 99 %."),
+    Quantity("wave_return_s", "Earliest return of a wave",
+             "From the first arrivals at the bound and at the zone (continuum: from the speed of compression waves)."),
+    Quantity("wave_return_share", "Share dissipated after that",
+             "Of the energy dissipated by yielding: at most so much is owed to waves that came back."),
+    # static stage
+    Quantity("energy_stored_J", "Energy stored by precompression",
+             "Elastic energy in the contacts after the static stage, from which the run's energies count."),
+    Quantity("precompression_residual", "Residual of the static stage",
+             "Largest net force on a sphere after the static stage, over the largest contact force."),
+    # bottom and target
+    Quantity("wall_peak_force_N", "Peak force on the bottom", short="peak force at the bottom", digits=".6g"),
+    Quantity("wall_impulse_Ns", "Impulse on the bottom", short="impulse at the bottom", digits=".6g"),
+    Quantity("base_arrival_s", "Arrival at the bottom",
+             "When the force on the bottom has first risen by 1 % of its largest rise."),
+    Quantity("target_peak_displacement_m", "Largest displacement of the target"),
+    Quantity("energy_target_J", "Work on the target",
+             "Work that the packing did on the bottom up to the end; none on a bottom that does not move."),
+    Quantity("support_energy_J", "Energy in the support",
+             "Kinetic and elastic energy of what the bottom rests on; part of the elastic energy."),
+    Quantity("support_lost_J", "Energy that the support's damper took",
+             "What its damper, or the end of a bar without an echo, took; part of the dissipated energy."),
+    Quantity("ground_peak_force_N", "Peak force on the ground",
+             "Out of the bottom's last spring or damper; the force on the bottom where that is at rest."),
+    Quantity("unprotected_peak_force_N", "Peak force without the packing",
+             "The same impact directly on the bottom, without the packing."),
+    Quantity("unprotected_ground_peak_force_N", "Peak force on the ground without the packing"),
+    Quantity("peak_reduction", "Peak reduction",
+             "Peak force on the bottom without the packing, over that with it (without a precompression's).",
+             short="peak without packing", digits=".3g", phrase="{} times as high"),
+    Quantity("ground_peak_reduction", "Peak reduction on the ground", "The same of the force on the ground."),
+    Quantity("peak_reduction_per_kg", "Peak reduction per mass of packing"),
+    Quantity("peak_reduction_per_m", "Peak reduction per height of packing"),
+    Quantity("packing_mass_kg", "Mass of the packing"),
+    Quantity("packing_height_m", "Height of the packing"),
+    # motion
+    Quantity("wave_speed_m_s", digits=".4g", axis="Wave speed", symbol="c"),
+    Quantity("impactor_velocity_m_s", "Struck sphere at the end", digits=".5g"),
+    Quantity("punch_peak_displacement_m", "Largest displacement of the punch"),
+    Quantity("restitution", axis="Coefficient of restitution", symbol="e"),
+    Quantity("sensor_*_peak_force_N"),
+    Quantity("sensor_*_peak_acceleration_m_s2"),
+    Quantity("sensor_*_peak_velocity_m_s"),
+    # static contact of two spheres
+    Quantity("effective_radius_m"),
+    Quantity("effective_modulus_Pa"),
+    Quantity("yield_overlap_m", "Overlap at first yield"),
+    Quantity("yield_force_N", "Force at first yield"),
+    Quantity("max_overlap_m", "Largest overlap", digits=".4g"),
+    Quantity("max_force_N", "Largest force", short="force there", digits=".5g", axis="Force at the largest overlap"),
+    Quantity("contact_radius_m", digits=".4g"),
+    Quantity("mean_pressure_Pa"),
+    Quantity("force_deviation_max_percent", short="force less the law", digits="+.1f", phrase="{} % at most"),
+    Quantity("force_deviation_rms_percent", short="force less the law", digits=".1f", phrase="{} % rms",
+             axis="Force less the law (%, rms)"),
+    Quantity("*_deviation_*max_percent"),
+    Quantity("*_deviation_*rms_percent"),
+    Quantity("n_unloadings", "Unloadings"),
+    Quantity("unloading_exponent_min", short="unloading exponents", digits=".2f", phrase="from {}"),
+    Quantity("unloading_exponent_max", short="unloading exponents", digits=".2f", phrase="to {}"),
+    Quantity("unloading_misfit_percent"),
+    Quantity("unloading_law_difference_percent"),
+    Quantity("unloading_plastic_share"),
+    Quantity("residual_overlap_deviation_percent_of_peak"),
+    Quantity("reloading_difference_percent"),
+    Quantity("face_force_difference_max_percent"),
+    Quantity("face_force_difference_rms_percent"),
+    Quantity("face_force_difference_mean_percent"),
+    Quantity("penetration_share_max"),
+)  # fmt: skip
+
+QUANTITIES = {entry.name: entry for entry in ENTRIES}
+_FAMILIES = tuple(entry for entry in ENTRIES if "*" in entry.name)
+
+
+@cache
+def quantity(name: str) -> Quantity:
+    """Entry of a value of a summary; of a value without one, as other programs may leave, what its name tells."""
+    if name in QUANTITIES:
+        return QUANTITIES[name]
+    family = next((entry for entry in _FAMILIES if fnmatchcase(name, entry.name)), Quantity(name))
+    return dataclasses.replace(family, name=name, label="", short="")
+
+
+def _changed(name: str, **changes: str) -> Quantity:
+    """An entry that one place shows in another way."""
+    return dataclasses.replace(QUANTITIES[name], **changes)
+
+
+def _quantities(*names: str | Quantity) -> tuple[Quantity, ...]:
+    return tuple(QUANTITIES[name] if isinstance(name, str) else name for name in names)
+
+
+#: Columns of the tables of results in reports, as far as there are values.
+REPORT_COLUMNS = (
+    "dissipated_fraction", "plastic_fraction", "friction_fraction", "peak_force_N", "n_plastic_contacts",
+    "n_plastic_spheres", "plastic_zone_volume_m3", "plastic_zone_volume_ever_m3", "plastic_zone_depth_m",
+    "plastic_zone_radius_m", "zone_depth_90_m", "zone_radius_90_m", "zone_volume_90_m3", "zone_cut",
+    "wave_return_share", "wall_peak_force_N", "wall_impulse_Ns", "base_arrival_s", "unprotected_peak_force_N",
+    "peak_reduction", "ground_peak_force_N", "target_peak_displacement_m", "energy_target_J", "impactor_velocity_m_s",
+    "wave_speed_m_s", "energy_input_J", "energy_input_normalised", "velocity_normalised", "contacts_beyond_law",
+    "energy_balance_error", "n_spheres", "n_elements", "end_time_s", "wall_time_s",
+)  # fmt: skip
+
+#: Shown only where there is friction.
+FRICTION_SHARES = ("plastic_fraction", "friction_fraction")
+
+#: Rows at the terminal at the end of a run.
+RUN_ROWS = _quantities(
+    "n_spheres", "n_contacts", "n_loaded_contacts", "end_time_s", "end_reason", "timestep_s", "n_steps",
+    "energy_input_J", "dissipated_fraction", *FRICTION_SHARES, "energy_balance_error", "peak_force_N",
+    "n_plastic_contacts", "n_plastic_spheres", "plastic_zone_depth_m", "plastic_zone_radius_m", "wave_speed_m_s",
+    "contacts_beyond_law", "wall_peak_force_N", "wall_impulse_Ns", "peak_reduction", "impactor_velocity_m_s",
+    "wall_time_s", "sphere_steps_per_s",
+)  # fmt: skip
+
+#: The same of continuum runs and of contacts of two spheres.
+CONTINUUM_ROWS = _quantities(
+    "n_elements", _changed("end_time_s", digits=".4g"), "end_reason", "n_steps", "energy_input_J",
+    "energy_input_normalised", _changed("dissipated_fraction", phrase="{} of it, plastically"), "energy_balance_error",
+    "plastic_zone_volume_m3", "plastic_zone_volume_ever_m3", "plastic_zone_depth_m", "plastic_zone_radius_m",
+    "max_overlap_m", "max_force_N", "contact_radius_m", "force_deviation_max_percent", "force_deviation_rms_percent",
+    "unloading_exponent_min", "unloading_exponent_max", "kinetic_share_max", "wall_time_s", "element_steps_per_s",
+)  # fmt: skip
+
+#: Columns at the terminal at the end of a scan: numbers, with the unit in the head.
+SCAN_COLUMNS = _quantities(
+    "dissipated_fraction", "n_plastic_spheres", "plastic_zone_volume_m3", "zone_depth_90_m", "zone_volume_90_m3",
+    "zone_cut", _changed("peak_force_N", short="peak force", digits=".5g"),
+    _changed("max_force_N", short="largest force"),
+    _changed("force_deviation_rms_percent", short="less the law (%, rms)", digits=".2f"),
+)  # fmt: skip
+
+#: Quantities that figures of scans show, by what names of figures begin with.
+SCAN_FIGURES = {
+    "restitution": "restitution", "dissipated_fraction": "dissipated_fraction",
+    "plastic_zone_depth": "plastic_zone_depth_m", "zone_depth_90": "zone_depth_90_m",
+    "zone_radius_90": "zone_radius_90_m", "zone_volume_90": "zone_volume_90_m3",
+    "plastic_zone_volume": "plastic_zone_volume_m3", "plastic_spheres": "n_plastic_spheres",
+    "peak_force": "peak_force_N", "max_force": "max_force_N", "force_deviation": "force_deviation_rms_percent",
+    "wave_speed": "wave_speed_m_s",
+}  # fmt: skip
