@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from granwave.analysis.figures.sections import force_scale, spheres_beyond_law
 from granwave.analysis.figures.style import BLUE, GREEN, ORANGE, Drawing, new_figure
 from granwave.analysis.measures.dissipation import cumulated, peak_force_by_depth, ranked, rays, zone_growth
-from granwave.analysis.measures.zone_marks import bounds_in_words
-from granwave.analysis.measures.zone_of_packing import packing_zone
+from granwave.analysis.measures.zone.marks import bounds_in_words
+from granwave.analysis.measures.zone.packing import packing_zone
 from granwave.analysis.result.reader import Result
 
 _MILLI = 1e3  # mm in a metre

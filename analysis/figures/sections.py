@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from granwave.analysis.figures.style import BLANK, DENT_MAP, DISSIPATION_MAP, FORCE_MAP, WIDTH, Drawing, new_figure
 from granwave.analysis.measures.planes import Section, planes, section
-from granwave.analysis.measures.plastic_zone import LAW_LIMIT
+from granwave.analysis.measures.zone.plastic_zone import LAW_LIMIT
 from granwave.analysis.result.reader import Result
 
 _MILLI = 1e3  # mm in a metre

@@ -9,9 +9,9 @@ from typing import Any
 
 from granwave.analysis.figures.series import column_name, legend_outside, one_panel
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing, new_figure
-from granwave.analysis.measures.shock_spectrum import Curves
 from granwave.analysis.measures.signals import Array
-from granwave.analysis.measures.target import Reached
+from granwave.analysis.measures.target.record import Reached
+from granwave.analysis.measures.target.shock_spectrum import Curves
 
 _STYLES = tuple(product(("-", "--", ":"), ("black", BLUE, ORANGE, GREEN, PURPLE, SKY, GREY)))
 _MICRO = 1e6

@@ -19,7 +19,7 @@ from matplotlib.ticker import NullLocator
 from numpy.typing import ArrayLike, NDArray
 
 from granwave.analysis.figures.style import BLANK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, WIDTH, Drawing, new_figure
-from granwave.analysis.measures.zone_marks import Mark
+from granwave.analysis.measures.zone.marks import Mark
 from granwave.analysis.scans.axes import (
     AXIS,
     CHARACTER,

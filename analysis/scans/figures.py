@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from granwave.analysis.figures.style import Drawing, FigureFolder, style
-from granwave.analysis.measures.zone_marks import Mark, mark_of
+from granwave.analysis.measures.zone.marks import Mark, mark_of
 from granwave.analysis.quantities import QUANTITIES
 from granwave.analysis.scans.drawing import Series, draw_bars, draw_curves, draw_map
 from granwave.analysis.scans.keys import Key, key_of

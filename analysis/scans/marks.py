@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba
 from numpy.typing import NDArray
 
-from granwave.analysis.measures.zone_marks import LABELS, Mark
+from granwave.analysis.measures.zone.marks import LABELS, Mark
 
 Marks = NDArray[np.int64] | None  # `Mark` of each point: (n,); None where points have none
 

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from granwave.analysis import Result, summarise, write_result
-from granwave.analysis.measures.zone_marks import Mark, mark_of, zone_warnings
-from granwave.analysis.measures.zone_of_packing import packing_zone, zone_summary
-from granwave.analysis.measures.zone_size import extent_holding, volume_holding, wave_returns, zone_sizes
+from granwave.analysis.measures.zone.marks import Mark, mark_of, zone_warnings
+from granwave.analysis.measures.zone.packing import packing_zone, zone_summary
+from granwave.analysis.measures.zone.size import extent_holding, volume_holding, wave_returns, zone_sizes
 from granwave.analysis.quantities import SHARES
 from granwave.workflows.finite_elements.punch import ContinuumCase, kernels
 from granwave.workflows.finite_elements.punch.history import History, make_solver

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from granwave.analysis.measures.zone_marks import zone_warnings
+from granwave.analysis.measures.zone.marks import zone_warnings
 from granwave.lammps_inputs.case.material import Material, material, sphere_mass
 from granwave.lammps_inputs.case.overrides import apply_overrides, parse_overrides
 from granwave.lammps_inputs.case.sections import LAWS

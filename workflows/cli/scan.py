@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from granwave.analysis.formatting.numbers import duration
-from granwave.analysis.measures.zone_marks import LABELS, bounds_in_words, mark_of
+from granwave.analysis.measures.zone.marks import LABELS, bounds_in_words, mark_of
 from granwave.analysis.quantities import SCAN_COLUMNS, Quantity
 from granwave.analysis.scans.result import ScanResult
 from granwave.lammps_inputs.directories import results_directory

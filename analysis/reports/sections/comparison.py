@@ -8,7 +8,7 @@ from granwave.analysis.document.cells import BLANK, percent, show, spread_cell, 
 from granwave.analysis.document.model import Block, Cell, Column, Figure, Gallery, Note, Section, Table, Tone
 from granwave.analysis.document.pictures import picture_of
 from granwave.analysis.figures.style import style
-from granwave.analysis.measures.zone_marks import Mark, bounds_in_words
+from granwave.analysis.measures.zone.marks import Mark, bounds_in_words
 from granwave.analysis.quantities import SHARES
 from granwave.analysis.reports.inputs import Inputs
 from granwave.analysis.studies.granular_continuum import both, continuum, forces, granular, zone

@@ -20,7 +20,7 @@ from granwave.analysis.document.cells import (
 from granwave.analysis.document.model import Block, Cell, Column, Group, Note, Section, Table, Tone
 from granwave.analysis.formatting.units import shown_unit
 from granwave.analysis.formatting.values import unique_labels
-from granwave.analysis.measures.zone_marks import Mark, bounds_in_words, mark_of
+from granwave.analysis.measures.zone.marks import Mark, bounds_in_words, mark_of
 from granwave.analysis.quantities import FRICTION_SHARES, REPORT_COLUMNS, quantity
 from granwave.analysis.reports.inputs import Inputs, Point, Run, Scan
 from granwave.analysis.reports.sections.figures import overlay

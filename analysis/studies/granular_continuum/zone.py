@@ -15,7 +15,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from granwave.analysis.figures.style import BLUE, ORANGE, Drawing, new_figure
-from granwave.analysis.measures.zone_marks import Mark, mark_of
+from granwave.analysis.measures.zone.marks import Mark, mark_of
 from granwave.analysis.quantities import SHARES
 from granwave.analysis.scans.axes import log_ticks
 from granwave.analysis.scans.marks import draw_marks, marked_marker, marks_of

@@ -10,7 +10,7 @@ import numpy as np
 
 from granwave.analysis.figures.series import one_panel
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, Drawing
-from granwave.analysis.measures.line_waves import speed_along_layers
+from granwave.analysis.measures.precompressed.line_waves import speed_along_layers
 from granwave.analysis.measures.signals import Array, power
 from granwave.analysis.result.reader import Result
 from granwave.analysis.studies.precompression.runs import DentedRun, past_runs
@@ -44,7 +44,7 @@ class SmallWave(DentedRun):
 
     @cached_property
     def speed(self) -> float:
-        """c0, m/s; see `granwave.analysis.measures.line_waves.speed_along_layers`."""
+        """c0, m/s; see `granwave.analysis.measures.precompressed.line_waves.speed_along_layers`."""
         with Result(self.directory) as result:
             return speed_along_layers(result, self.line)
 

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.measures.loaded_line import Line, line_of
-from granwave.analysis.measures.target import Reached, reached, risen
+from granwave.analysis.measures.precompressed.loaded_line import Line, line_of
+from granwave.analysis.measures.target.record import Reached, reached, risen
 from granwave.analysis.result.reader import Result
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.lammps_inputs.contact.initial_dents import largest_dent
@@ -68,7 +68,7 @@ class DentedRun(FinishedRun):
 
     @property
     def arrival(self) -> float:
-        """When that force arrives, s; NaN: never. See `granwave.analysis.measures.target.Reached.arrival`."""
+        """When that force arrives, s; NaN: never. See `granwave.analysis.measures.target.record.Reached.arrival`."""
         found = self._reached.arrival if self._reached else None
         return np.nan if found is None else found
 

@@ -9,8 +9,8 @@ from matplotlib.ticker import ScalarFormatter
 
 from granwave.analysis.figures.series import one_panel
 from granwave.analysis.figures.style import BLUE, GREY, Drawing
-from granwave.analysis.measures import loaded_line as theory
-from granwave.analysis.measures.line_waves import FIRST_BEAD
+from granwave.analysis.measures.precompressed import loaded_line as theory
+from granwave.analysis.measures.precompressed.line_waves import FIRST_BEAD
 from granwave.analysis.measures.signals import Array, power
 from granwave.analysis.studies.precompression.waves import SMALL, WHERE, ChainWave, Waves, waves_of
 from granwave.analysis.studies.runs import FinishedRun, rising

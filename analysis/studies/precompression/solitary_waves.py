@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, Drawing, new_figure
-from granwave.analysis.measures import loaded_line as theory
+from granwave.analysis.measures.precompressed import loaded_line as theory
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.studies.precompression.waves import LARGE, SMALL, WHERE, ChainWave, Waves, series, waves_of
 from granwave.analysis.studies.runs import FinishedRun

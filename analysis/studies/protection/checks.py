@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from granwave.analysis.measures.hertz_impact import HertzImpact
-from granwave.analysis.measures.sphere_on_target import energy_into_impedance, plate_displacement
+from granwave.analysis.measures.target.hertz_impact import HertzImpact
+from granwave.analysis.measures.target.sphere_on_target import energy_into_impedance, plate_displacement
 from granwave.analysis.studies.protection.runs import TargetRun, impacts, names
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Row

@@ -9,9 +9,9 @@ import numpy as np
 
 from granwave.analysis.figures.series import column_name, one_panel
 from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing
-from granwave.analysis.measures.pulses import peaks, speed_between, speed_of
-from granwave.analysis.measures.regions import groups
 from granwave.analysis.measures.signals import Array, Power, power
+from granwave.analysis.measures.square.pulses import peaks, speed_between, speed_of
+from granwave.analysis.measures.square.regions import groups
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.square.runs import WAYS, PackingRun, squares
 from granwave.analysis.studies.study import Picture, Row

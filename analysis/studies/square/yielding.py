@@ -8,7 +8,7 @@ import numpy as np
 
 from granwave.analysis.figures.series import one_panel
 from granwave.analysis.figures.style import BLUE, GREEN, ORANGE, PURPLE, Drawing
-from granwave.analysis.measures.regions import groups
+from granwave.analysis.measures.square.regions import groups
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.square.runs import WAYS, PackingRun, squares
 from granwave.analysis.studies.study import Picture, Row

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from typing import Literal
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
-from granwave.analysis.measures.target import reached
+from granwave.analysis.measures.target.record import reached
 from granwave.analysis.result.reader import Result
 from granwave.analysis.statistics import Estimate, estimate, exactly
 from granwave.analysis.studies.tolerance.runs import IDEAL, Packing, Replicate, Setting

@@ -27,7 +27,7 @@ from granwave.analysis.figures.style import (
     style,
 )
 from granwave.analysis.figures.zone import draw_zone_size
-from granwave.analysis.measures.zone_size import BOTTOM, SIDES
+from granwave.analysis.measures.zone.size import BOTTOM, SIDES
 from granwave.workflows.finite_elements.punch.solver import AT_YIELD
 from granwave.workflows.finite_elements.result_file import ElementResult
 

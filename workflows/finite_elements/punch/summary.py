@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from granwave.analysis.measures.zone_size import BOTTOM, SIDES, wave_returns, zone_sizes
+from granwave.analysis.measures.zone.size import BOTTOM, SIDES, wave_returns, zone_sizes
 from granwave.analysis.versions import versions_of
 from granwave.workflows.finite_elements.punch import kernels
 from granwave.workflows.finite_elements.punch.case import ContinuumCase

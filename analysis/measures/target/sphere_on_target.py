@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from granwave.analysis.measures.hertz_impact import HertzImpact, after_impulse
-from granwave.analysis.measures.target import period_of
+from granwave.analysis.measures.target.hertz_impact import HertzImpact, after_impulse
+from granwave.analysis.measures.target.record import period_of
 from granwave.lammps_inputs.case.sections import Boundary
 from granwave.lammps_inputs.case.supports import Plate
 

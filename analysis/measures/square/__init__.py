@@ -1,0 +1,1 @@
+"""Square packings that strikers hit."""
