@@ -1,15 +1,15 @@
-"""Figures of a struck square packing: energy by region, and length of the pulse along its chains."""
+"""Figures of struck square packings: energy by region, length and speed of the pulse along their chains."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.figures.series import legend_outside, one_panel
+from granwave.analysis.figures.series import column_name, legend_outside, one_panel
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, WIDTH, Drawing, new_figure
-from granwave.analysis.measures.square.pulses import MEASURES, last_length, theory
+from granwave.analysis.measures.square.pulses import MEASURES, ChainSpeeds, last_length, speed_of, theory
 from granwave.analysis.measures.square.regions import Array, Snapshots, groups, regions
 
 _LEAST = 1e-3  # of the input: what a region must once have held to be shown
@@ -64,4 +64,23 @@ def pulse_lengths(measured: Mapping[str, Mapping[str, Array]]) -> Drawing:
     for axes in panels[:, 0]:
         axes.set_ylabel("Length (diameters)")
     legend_outside(figure)
+    return Drawing(figure, columns)
+
+
+def wave_speeds(found: Sequence[ChainSpeeds]) -> Drawing:
+    """Speed of the wave against the largest velocity of the particles in chains of several kinds, with the theory."""
+    figure, axes = one_panel(2.8, "Largest particle velocity (m/s)", "Wave speed (m/s)")
+    columns: dict[str, Array] = {}
+    for one, marker, colour in zip(found, "osd", (BLUE, ORANGE, GREY), strict=False):
+        label = f"{one.name}: {one.fit.exponent:.4f}"
+        axes.loglog(one.velocity, one.speed, marker, color=colour, markersize=4, markerfacecolor="none", label=label)
+        axes.loglog(one.velocity, one.fit(one.velocity), color=colour, linewidth=0.8)
+        word = column_name(one.name)
+        columns |= {f"{word}_peak_velocity_m_s": one.velocity, f"{word}_speed_m_s": one.speed}
+    every = np.concatenate([one.velocity for one in found])
+    line = np.geomspace(float(every.min()), float(every.max()), 20)
+    axes.loglog(line, speed_of(found[-1].material, line), ":", color="black", label="Nesterenko: 1/5")
+    low, high = axes.get_ylim()
+    axes.set_ylim(low, high * (high / low) ** 0.5)
+    axes.legend(loc="upper left")
     return Drawing(figure, columns)

@@ -1,4 +1,4 @@
-"""Figures of targets side by side: what reaches them, and how far plates on springs move."""
+"""Figures of targets side by side: what reaches them, by height of the packing, and how far plates on springs move."""
 
 from __future__ import annotations
 
@@ -7,6 +7,9 @@ from collections.abc import Mapping, Sequence
 from itertools import product
 from typing import Any
 
+from matplotlib.ticker import ScalarFormatter
+
+from granwave.analysis.figures.curves import few_ticks
 from granwave.analysis.figures.series import column_name, legend_outside, one_panel
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing, new_figure
 from granwave.analysis.measures.signals import Array
@@ -14,6 +17,8 @@ from granwave.analysis.measures.target.record import Reached
 from granwave.analysis.measures.target.shock_spectrum import Curves
 
 _STYLES = tuple(product(("-", "--", ":"), ("black", BLUE, ORANGE, GREEN, PURPLE, SKY, GREY)))
+_COLOURS = ("black", ORANGE, BLUE, GREEN, PURPLE, SKY, GREY)  # of bottoms
+_LINES, _MARKERS = ("-", "--", ":", "-."), "os^Dv"  # of friction
 _MICRO = 1e6
 
 
@@ -42,6 +47,52 @@ def reached_targets(targets: Mapping[str, tuple[Reached, Array, Array]]) -> Draw
             columns[f"{word}_{column}"] = values
     panels[-1].set(xlabel="Time (µs)", xlim=(0, _MICRO * max(reached.time[-1] for reached, _, _ in targets.values())))
     legend_outside(figure, 2, fontsize=7)
+    return Drawing(figure, columns)
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Heights:
+    """Packings of several heights on one bottom.
+
+    Attributes
+    ----------
+    name
+        Of the bottom, and of what else tells these packings from others.
+    layers, reduction, gain_per_mass, mass
+        Of each: layers, peak reduction, what a kilogram adds to it, 1/kg, and mass, kg: (n_packings,).
+    """
+
+    name: str
+    bottom: str
+    friction: float
+    layers: Array
+    reduction: Array
+    gain_per_mass: Array
+    mass: Array
+
+
+def reductions(found: Sequence[Heights]) -> Drawing:
+    """Peak reduction, and what a kilogram adds to it, against layers: a colour for each bottom, a mark for friction."""
+    figure = new_figure(2.9, 7.0)
+    panels = figure.subplots(1, 2, sharex=True)
+    columns: dict[str, Array] = {}
+    bottoms, frictions = list(dict.fromkeys(one.bottom for one in found)), sorted({one.friction for one in found})
+    for one in found:
+        place, colour = frictions.index(one.friction), _COLOURS[bottoms.index(one.bottom) % len(_COLOURS)]
+        look = f"{_MARKERS[place % len(_MARKERS)]}{_LINES[place % len(_LINES)]}"
+        for axes, values in zip(panels, (one.reduction, one.gain_per_mass), strict=True):
+            (line,) = axes.plot(one.layers, values, look, color=colour, label=one.name)
+            line.set(markersize=3.5, markerfacecolor="none" if place else colour)
+        word = column_name(one.name)
+        columns |= {f"{word}_layers": one.layers, f"{word}_reduction": one.reduction}
+        columns |= {f"{word}_per_kg": one.gain_per_mass, f"{word}_mass_kg": one.mass}
+    ticks = sorted({float(layers) for one in found for layers in one.layers})
+    for axes, label in zip(panels, ("Peak reduction", "(Peak reduction - 1) per mass (1/kg)"), strict=True):
+        axes.set(xlabel="Layers", ylabel=label, xscale="log")
+        few_ticks(axes.xaxis, ticks)
+    panels[0].set_yscale("log")
+    panels[0].yaxis.set(major_formatter=ScalarFormatter(), minor_formatter=ScalarFormatter())
+    legend_outside(figure, 3, fontsize=7)
     return Drawing(figure, columns)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq, least_squares
 
-from granwave.analysis.measures.signals import Array, first_peak, width
+from granwave.analysis.measures.signals import Array, Power, first_peak, power, width
 from granwave.lammps_inputs.case.material import Material
 
 LENGTH = math.pi * math.sqrt(10) / 2  # diameters, of the solitary wave in the long-wave approximation: 4.97
@@ -41,6 +41,21 @@ class Peaks:
     velocity: Array
     time: Array
     speed: Array
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class ChainSpeeds:
+    """Peak velocity of the particles and speed of the wave in chains of one kind, m/s: (n_runs,) each."""
+
+    name: str
+    material: Material
+    velocity: Array
+    speed: Array
+
+    @property
+    def fit(self) -> Power:
+        """Speed against velocity."""
+        return power(self.velocity, self.speed)
 
 
 def peaks(time: Array, velocity: Array, diameter: float) -> Peaks:

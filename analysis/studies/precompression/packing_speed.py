@@ -8,8 +8,7 @@ from itertools import groupby
 
 import numpy as np
 
-from granwave.analysis.figures.series import one_panel
-from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, Drawing
+from granwave.analysis.figures.precompressed import small_wave_speeds
 from granwave.analysis.measures.precompressed.line_waves import speed_along_layers
 from granwave.analysis.measures.signals import Array, power
 from granwave.analysis.result.reader import Result
@@ -25,12 +24,6 @@ TEXT = (
     "of a contact, by balance on a layer (uniaxial) as by the virial (uniform)."
 )
 _SMALL = 0.1  # impact velocity over omega alpha0 up to which everything is linear enough
-_MARKERS = {
-    ("fcc", "uniaxial"): ("o", BLUE, 7),
-    ("hcp", "uniaxial"): ("s", ORANGE, 4),
-    ("fcc", "uniform"): ("x", GREEN, 7),
-    ("hcp", "uniform"): ("+", PURPLE, 7),
-}
 
 
 class SmallWave(DentedRun):
@@ -83,18 +76,7 @@ def rows(runs: Sequence[SmallWave]) -> Iterator[Row]:
 
 def pictures(runs: Sequence[SmallWave]) -> Iterator[Picture]:
     """Speed against pressure."""
-    figure, axes = one_panel(2.6, "Pressure (Pa)", "Speed of small waves (m/s)")
-    columns: dict[str, Array] = {}
-    for where, pressure, speed, theirs in _series(runs):
-        axes.loglog(pressure, theirs, "-", color=GREY)
-        marker, colour, size = _MARKERS[where]
-        look = {"color": colour, "markersize": size, "markerfacecolor": "none", "label": ", ".join(where)}
-        axes.loglog(pressure, speed, marker, **look)
-        word = "_".join(where)
-        columns |= {f"{word}_pressure_Pa": pressure, f"{word}_speed_m_s": speed, f"{word}_theory_m_s": theirs}
-    axes.plot([], [], "-", color=GREY, label="theory")
-    axes.legend(loc="upper left")
-    yield Picture("", "Speed of small waves against pressure", Drawing(figure, columns))
+    yield Picture("", "Speed of small waves against pressure", small_wave_speeds(_series(runs)))
 
 
 def _series(runs: Sequence[SmallWave]) -> Iterator[tuple[tuple[str, str], Array, Array, Array]]:

@@ -11,11 +11,9 @@ from collections.abc import Iterator, Sequence
 from itertools import groupby
 
 import numpy as np
-from matplotlib.ticker import LogLocator, NullFormatter
 
 from granwave.analysis.document.model import Table
-from granwave.analysis.figures.series import legend_outside, one_panel
-from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing
+from granwave.analysis.figures.preconditioned import dissipation_by_level, forces_by_level
 from granwave.analysis.studies.chains.runs import ChainRun
 from granwave.analysis.studies.precompression import quantities
 from granwave.analysis.studies.precompression.runs import DentedRun, past_runs, released_energy_note
@@ -28,8 +26,6 @@ Runs = Sequence[DentedRun]
 
 _VARYING = ("contact.initial_overlap", "load.velocity")
 _ELASTIC = 1e-9  # share of the input: nothing is dissipated
-_COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY)
-_REACHED = 1e-3  # of the largest force along the chain: the pulse has come to a contact
 
 
 def select(runs: Sequence[FinishedRun]) -> list[list[DentedRun]]:
@@ -90,11 +86,17 @@ def verdict(runs: Runs) -> Iterator[str]:
 
 def pictures(runs: Runs) -> Iterator[Picture]:
     """Dissipation, and in chains the largest force along them."""
-    yield Picture("_dissipation", "Dissipation against the largest force, by preconditioning", _draw_dissipation(runs))
+    levels = [
+        (level, quantities.PEAK_FORCE.shown(series), quantities.DISSIPATED.shown(series))
+        for level, series in _by_level(runs)
+    ]
+    caption = "Dissipation against the largest force, by preconditioning"
+    yield Picture("_dissipation", caption, dissipation_by_level(levels))
     fastest = _one_velocity(runs) if runs[0].case.packing.kind == "chain" else []
     if len(fastest) > 1:
         caption = f"Largest force along the chain, impact at {fastest[0].case.load.velocity:g} m/s"
-        yield Picture("_pulse", caption, _draw_pulses(fastest))
+        pulses = [(run.level, run.seen_as(ChainRun).of_contacts("peak_force")) for run in fastest]
+        yield Picture("_pulse", caption, forces_by_level(pulses))
 
 
 def _by_level(runs: Runs) -> list[tuple[float, list[DentedRun]]]:
@@ -105,41 +107,3 @@ def _one_velocity(runs: Runs) -> list[DentedRun]:
     """Runs by level at the velocity that most levels have, the largest of such."""
     same = max(grouped(runs, "contact.initial_overlap"), key=lambda one: (len(one), one[0].case.load.velocity))
     return rising(same, lambda run: run.level)
-
-
-def _draw_dissipation(runs: Runs) -> Drawing:
-    share = quantities.DISSIPATED
-    figure, axes = one_panel(2.7, quantities.PEAK_FORCE.axis, share.axis)
-    columns: dict[str, np.ndarray] = {}
-    for place, (level, series) in enumerate(_by_level(runs)):
-        force, percent = quantities.PEAK_FORCE.shown(series), share.shown(series)
-        colour, label = _look(place, level)
-        axes.semilogx(force, percent, "o-", color=colour, markersize=3, label=label)
-        if level:
-            axes.axvline(level, color=colour, linestyle=":", linewidth=0.8)
-        columns |= {f"level_{level:g}_N_peak_force_N": force, f"level_{level:g}_N_dissipated_percent": percent}
-    axes.set_ylim(-2, max(105.0, 1.05 * share.shown(runs).max()))
-    axes.xaxis.set_major_locator(LogLocator(subs=(1, 3)))
-    axes.xaxis.set_major_formatter("{x:g}")
-    axes.xaxis.set_minor_formatter(NullFormatter())
-    legend_outside(figure, title="Preconditioned to")
-    return Drawing(figure, columns)
-
-
-def _draw_pulses(runs: Runs) -> Drawing:
-    figure, axes = one_panel(2.5, "Contact", "Largest force (N)")
-    columns: dict[str, np.ndarray] = {}
-    for place, run in enumerate(runs):
-        peaks = run.seen_as(ChainRun).of_contacts("peak_force")
-        contact = np.arange(1, len(peaks) + 1)
-        colour, label = _look(place, run.level)
-        axes.semilogy(contact, np.where(peaks > _REACHED * peaks.max(), peaks, np.nan), color=colour, label=label)
-        columns |= {"contact": contact, f"level_{run.level:g}_N_peak_force_N": peaks}
-    axes.set_xlim(left=0)
-    legend_outside(figure, title="Preconditioned to")
-    return Drawing(figure, columns)
-
-
-def _look(place: int, level: float) -> tuple[str, str]:
-    """Colour and label of a level."""
-    return (_COLOURS[place % len(_COLOURS)], f"{level:g} N") if level else (GREY, "fresh")

@@ -4,10 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-import numpy as np
-
-from granwave.analysis.figures.series import one_panel
-from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing
+from granwave.analysis.figures.precompressed import transition_speeds
 from granwave.analysis.measures.hertz_chain import ChainScales
 from granwave.analysis.studies.precompression.waves import LARGE, WHERE, ChainWave, Waves, series, waves_of
 from granwave.analysis.studies.runs import FinishedRun
@@ -61,16 +58,5 @@ def rows(waves: Waves) -> Iterator[Row]:
 
 def pictures(waves: Waves) -> Iterator[Picture]:
     """Speed against the static force."""
-    first, last = waves[0], waves[-1]
-    force, speed = np.array([(wave.static, wave.speed) for wave in waves]).T
-    figure, axes = one_panel(2.6, "Static force F0 (N)", "Speed of the wave (m/s)")
-    line = np.geomspace(force.min(), force.max(), 50)
-    axes.loglog(line, last.c0 * (line / last.static) ** (1 / 6), "-", color=GREY, label="c0")
-    axes.axhline(first.uncompressed_speed, color=ORANGE, linestyle="--", label="uncompressed (composite 4)")
-    axes.loglog(force, speed, "o", color=BLUE, markersize=4, label="simulation")
-    axes.set_ylim(top=1.5 * speed.max())
-    axes.legend(loc="upper left")
-    columns = {"static_force_N": force, "speed_m_s": speed}
-    columns |= {"force_ratio": [wave.ratio for wave in waves], "c0_m_s": [wave.c0 for wave in waves]}
-    caption = f"One impact at {first.velocity:g} m/s on chains under static forces"
-    yield Picture("", caption, Drawing(figure, columns))
+    caption = f"One impact at {waves[0].velocity:g} m/s on chains under static forces"
+    yield Picture("", caption, transition_speeds(waves, waves[0].uncompressed_speed))
