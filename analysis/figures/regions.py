@@ -36,6 +36,18 @@ def energies_by_region(seen: Snapshots) -> Drawing:
     return Drawing(figure, columns)
 
 
+def energies_by_velocity(speed: Array, shares: Mapping[str, Array]) -> Drawing:
+    """Share of the input that each region got, (n_runs,), against the velocity of the striker, m/s."""
+    figure, axes = one_panel(2.4, "Velocity of the striker (m/s)", "Energy (% of input)", xscale="log", ylim=(0, 105))
+    columns = {"striker_velocity_m_s": speed}
+    colours = _COLOURS | {"edge chains": "black"}
+    for region, share in shares.items():
+        axes.plot(speed, 100 * share, "o-", markersize=3, color=colours[region], label=region)
+        columns[f"{region.replace(' ', '_')}_over_input"] = share
+    axes.legend(loc="center right")
+    return Drawing(figure, columns)
+
+
 def pulse_lengths(measured: Mapping[str, Mapping[str, Array]]) -> Drawing:
     """Length of the pulse along chains by four measures, with Nesterenko's.
 
