@@ -1,13 +1,20 @@
-"""Parts that figures of studies share: a figure of one panel, legends above, names of columns."""
+"""Parts that figures of studies share: panels and their labels, legends above, maps, names of columns."""
 
 from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import QuadMesh
+from matplotlib.colors import LogNorm, SymLogNorm
 from matplotlib.figure import Figure
+from numpy.typing import ArrayLike, NDArray
 
-from granwave.analysis.figures.style import WIDTH, new_figure
+from granwave.analysis.figures.style import BLUE, FORCE_MAP, GREEN, GREY, ORANGE, PURPLE, SKY, WIDTH, new_figure
+
+COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY, GREY)
+MARKS = "os^Dv"
 
 
 def one_panel(height: float, xlabel: str, ylabel: str, width: float = WIDTH, **settings: Any) -> tuple[Figure, Axes]:
@@ -26,6 +33,52 @@ def one_panel(height: float, xlabel: str, ylabel: str, width: float = WIDTH, **s
     axes = figure.subplots()
     axes.set(xlabel=xlabel, ylabel=ylabel, **settings)
     return figure, axes
+
+
+def panels(height: float, columns: int = 1, rows: int = 1, *, width: float = 0.0, **options: Any) -> tuple[Any, ...]:
+    """A new figure and its axes, row by row; curves take the `COLOURS` in turn.
+
+    Parameters
+    ----------
+    height, width
+        Inches; the width is that of two columns of a journal for panels side by side, else of one.
+    options
+        Of ``Figure.subplots``.
+    """
+    figure = new_figure(height, width or WIDTH * min(columns, 2))
+    grid = figure.subplots(rows, columns, squeeze=False, **options).ravel()
+    for axes in grid:
+        axes.set_prop_cycle(color=COLOURS)
+    return figure, *grid
+
+
+def label(axes: Axes, x: str = "", y: str = "", *, log: str = "", **settings: Any) -> None:
+    """Label axes, and set what else they have.
+
+    Parameters
+    ----------
+    log
+        Names of logarithmic axes: ``x``, ``y`` or ``xy``.
+    settings
+        Of ``Axes.set``, such as ``xlim`` and ``title``.
+    """
+    axes.set(**{f"{name}scale": "log" for name in log})
+    axes.set(xlabel=x or axes.get_xlabel(), ylabel=y or axes.get_ylabel(), **settings)
+
+
+def map_of_forces(axes: Axes, x: ArrayLike, y: ArrayLike, force: NDArray[np.float64], faintest: float) -> QuadMesh:
+    """Forces (n_y, n_x) by colour on a logarithmic scale, one cell around each point; of both signs in two colours.
+
+    Parameters
+    ----------
+    faintest
+        Of the largest force: where the colours begin.
+    """
+    largest = float(np.abs(force).max())
+    options: dict[str, Any] = {"cmap": FORCE_MAP, "norm": LogNorm(faintest * largest, largest, clip=True)}
+    if force.min() < 0:
+        options = {"cmap": "RdBu", "norm": SymLogNorm(faintest * largest, vmin=-largest, vmax=largest)}
+    return axes.pcolormesh(x, y, force, rasterized=True, shading="nearest", **options)
 
 
 def legend_outside(figure: Figure, ncols: int = 0, *, left: bool = False, **options: Any) -> None:

@@ -7,9 +7,8 @@ from collections.abc import Mapping, Sequence
 from itertools import product
 from typing import Any
 
-from matplotlib.ticker import ScalarFormatter
+from matplotlib.ticker import FixedLocator, NullLocator, ScalarFormatter
 
-from granwave.analysis.figures.curves import few_ticks
 from granwave.analysis.figures.series import column_name, legend_outside, one_panel
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing, new_figure
 from granwave.analysis.measures.signals import Array
@@ -89,7 +88,8 @@ def reductions(found: Sequence[Heights]) -> Drawing:
     ticks = sorted({float(layers) for one in found for layers in one.layers})
     for axes, label in zip(panels, ("Peak reduction", "(Peak reduction - 1) per mass (1/kg)"), strict=True):
         axes.set(xlabel="Layers", ylabel=label, xscale="log")
-        few_ticks(axes.xaxis, ticks)
+        axes.xaxis.set(major_locator=FixedLocator(ticks), minor_locator=NullLocator())
+        axes.xaxis.set_major_formatter("{x:g}")
     panels[0].set_yscale("log")
     panels[0].yaxis.set(major_formatter=ScalarFormatter(), minor_formatter=ScalarFormatter())
     legend_outside(figure, 3, fontsize=7)

@@ -8,15 +8,27 @@ from __future__ import annotations
 
 import math
 from functools import cache
+from typing import Protocol
 
 import numpy as np
 
-from granwave.analysis.measures.chain_record import ChainRecord
 from granwave.analysis.measures.signals import Array
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.contact.law import sphere_contact
 
 IMPULSE_COEFFICIENT = 0.719  # (4.5)
 DISCRETE_COEFFICIENT = 0.7176  # of the same, of the discrete chain, by an independent solver (tests/chain_twin.py)
+#: The same two as F_peak/I^(6/5) in the chain's own units.
+IMPULSE_LIMIT, DISCRETE_LIMIT = (one * (3 / 128) ** 0.6 for one in (IMPULSE_COEFFICIENT, DISCRETE_COEFFICIENT))
 _NESTERENKO = 0.6802  # V = 0.6802 (2 E/(D rho^1.5 (1 - nu^2)))^(1/3) F^(1/6); composite source 4, D the diameter
+
+
+class HasCase(Protocol):
+    """A run with its case."""
+
+    @property
+    def case(self) -> Case:
+        """The case."""
 
 
 class ChainScales:
@@ -30,13 +42,10 @@ class ChainScales:
         E* R*^2, N; tau (thesis 2.24), s; R*/tau, m/s; E* R*^2 tau, N s.
     """
 
-    def __init__(self, run: ChainRecord) -> None:
-        law, self.diameter, self._mass = run.law, run.case.packing.diameter, run.mass
-        self._modulus, self._radius, self._density = (
-            law.effective_modulus,
-            law.effective_radius,
-            run.case.material.density,
-        )
+    def __init__(self, run: HasCase) -> None:
+        case, law = run.case, sphere_contact(run.case)
+        self.diameter, self._mass, self._density = case.packing.diameter, case.sphere_mass, case.material.density
+        self._modulus, self._radius = law.effective_modulus, law.effective_radius
         self.force = self._modulus * self._radius**2
         self.time = math.sqrt(math.pi * self._density * self._radius**2 / (4 * self._modulus))
         self.velocity, self.impulse = self._radius / self.time, self.force * self.time

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from typing import Any
+import math
+from collections.abc import Iterable
 
-import numpy as np
-
-from granwave.analysis.measures.chain_record import ChainRecord
-from granwave.analysis.measures.signals import Array
+from granwave.analysis.measures.chains.record import ChainRecord
 from granwave.analysis.studies.runs import FinishedRun
+from granwave.lammps_inputs.case.material import Material
+
+#: E (Pa), nu, rho (kg/m^3), D (m) and sigma_y (Pa) of the beads of thesis chapters 2 to 4.
+_BRASS = (115e9, 0.30, 8500.0, 9.52e-3, 550e6)
 
 
 class ChainRun(FinishedRun, ChainRecord):
@@ -25,21 +26,21 @@ def chain_runs(runs: Iterable[FinishedRun]) -> list[ChainRun]:
     ]
 
 
-def uniform(runs: Sequence[ChainRun], law: str) -> list[ChainRun]:
-    """Recorded runs of like beads under one law, without bars and strikers."""
-    return [run for run in runs if run.case.contact.law == law and run.assembly.plain and run.recorded]
+def uniform(runs: Iterable[FinishedRun], law: str) -> list[ChainRun]:
+    """Recorded chains of like beads under one law, without bars and strikers."""
+    return [
+        run for run in chain_runs(runs) if run.case.contact.law == law and run.assembly.plain and run.recorded
+    ]  # fmt: skip
 
 
-def columns(records: Sequence[Any], *names: str) -> list[Array]:
-    """Attributes of records as arrays, one for each name: (n_records,)."""
-    return [np.array([getattr(record, name) for record in records]) for name in names]
+def from_thesis(run: ChainRecord, *, yielding: bool = False) -> bool:
+    """The beads are those of thesis chapters 2 to 4; where they yield, with their yield strength too."""
+    ours = [*elastic_constants(run.case.material), run.case.packing.diameter]
+    if yielding:
+        ours.append(run.case.material.yield_strength or math.inf)
+    return all(math.isclose(a, b, rel_tol=1e-3) for a, b in zip(ours, _BRASS, strict=False))
 
 
-def clustered(records: Iterable[Any], key: str, share: float) -> list[list[Any]]:
-    """Records together whose values of an attribute differ by less than a share, in its rising order."""
-    groups: list[list[Any]] = []
-    for record in sorted(records, key=lambda record: float(getattr(record, key))):
-        if not groups or getattr(record, key) > (1 + share) * getattr(groups[-1][0], key):
-            groups.append([])
-        groups[-1].append(record)
-    return groups
+def elastic_constants(own: Material) -> tuple[float, float, float]:
+    """Young's modulus (Pa), Poisson's ratio and density (kg/m^3)."""
+    return own.youngs_modulus, own.poisson_ratio, own.density

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 
 from granwave.analysis.figures.maps import speed_maps
 from granwave.analysis.figures.regions import energies_by_region, pulse_lengths
-from granwave.analysis.measures.square.pulses import MEASURES, last_length, lengths, settled_from, theory
-from granwave.analysis.measures.square.regions import Array, groups
+from granwave.analysis.measures.pulses import MEASURES, last_length, lengths, settled_from, theory
+from granwave.analysis.measures.regions import Array, groups
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.square.runs import WAYS, PackingRun, squares
 from granwave.analysis.studies.study import Picture, Row

@@ -8,7 +8,7 @@ import numpy as np
 
 from granwave.analysis.figures.series import one_panel
 from granwave.analysis.figures.style import BLUE, GREY, Drawing
-from granwave.analysis.measures.square.pulses import reflection
+from granwave.analysis.measures.pulses import reflection
 from granwave.analysis.studies.chains.runs import ChainRun
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture, Row

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from granwave.analysis.measures.bar_pulse import applied, passage
+from granwave.analysis.measures.chains.bar_pulse import applied, passage
 from granwave.analysis.studies.chains.runs import ChainRun
 from granwave.analysis.studies.study import make_studies
 from granwave.lammps_inputs.case.load import Load

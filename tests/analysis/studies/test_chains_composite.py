@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from granwave.analysis.measures.composite_section import Composite, composite_of
+from granwave.analysis.measures.chains.composite_section import Composite, composite_of
+from granwave.analysis.measures.chains.probed_pair import Pair
 from granwave.analysis.measures.hertz_chain import discrete_speed
-from granwave.analysis.measures.probed_pair import Pair
 from granwave.analysis.measures.signals import decay
 from granwave.analysis.studies.chains.runs import ChainRun
 from granwave.analysis.studies.study import Row, Study, make_studies

@@ -9,12 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from granwave.analysis.measures.chains.solitary_wave import DISCRETE_WIDTH
 from granwave.analysis.measures.hertz_chain import DISCRETE_COEFFICIENT, ChainScales, discrete_speed
 from granwave.analysis.measures.signals import width
-from granwave.analysis.studies.chains.elastic_pulses import TRAIN_LIMIT
-from granwave.analysis.studies.chains.runs import ChainRun
-from granwave.analysis.studies.chains.scales import from_thesis, passed, undisturbed
-from granwave.analysis.studies.chains.solitary_wave import DISCRETE_WIDTH
+from granwave.analysis.studies.chains.elastic.pulses import TRAIN_LIMIT
+from granwave.analysis.studies.chains.runs import ChainRun, from_thesis
 from granwave.analysis.studies.registry import STUDIES
 from granwave.analysis.studies.study import Row, Study, make_studies
 from granwave.workflows import load_case, load_scan, run_case
@@ -140,10 +139,10 @@ def test_only_runs_that_show_an_endless_chain(loaded: ChainRun, struck: list[Cha
     """What has come to the end, or is of another law, or ends too soon, yields nothing."""
     assert from_thesis(loaded)
     assert not from_thesis(struck[0])
-    assert undisturbed(loaded)
+    assert loaded.undisturbed
     over = pulse(tmp_path / "over", 40.0, 2e-5, 2.6e-3)
     plastic = pulse(tmp_path / "plastic", 40.0, 3e-3, 1.5e-3, **{"contact.law": "elastoplastic"})
-    assert not undisturbed(over)
+    assert not over.undisturbed
     for name in ("solitary-wave", "elastic-long-load", "wave-train", "elastic-pulses"):
         assert not make_studies({name: [over, plastic]})
         assert not make_studies({name: []})
@@ -178,7 +177,7 @@ def test_critical_duration(pulses: list[ChainRun]) -> None:
 
 def test_all_pulses_on_one_curve(pulses: list[ChainRun]) -> None:
     study = one("elastic-pulses", pulses)
-    assert all(passed(run) > 75 for run in pulses)
+    assert all(run.passed > 75 for run in pulses)
     assert row(study, "Short pulses").ours == pytest.approx(0.0755, rel=2e-3)
     assert row(study, "Largest spread").ours < 0.1  # %
     (picture,) = study.pictures

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from granwave.analysis.studies.chains.bilinear import (
+from granwave.analysis.measures.chains.bilinear import (
     LeadingWave,
     LongLoad,
     Spring,
@@ -19,17 +19,18 @@ from granwave.analysis.studies.chains.bilinear import (
     first_coefficients,
     leading_wave,
 )
-from granwave.analysis.studies.chains.elastoplastic import Pulses, collect_pulses
-from granwave.analysis.studies.chains.elastoplastic_model import (
+from granwave.analysis.measures.chains.elastoplastic_model import (
     QUADRATIC,
     dissipation_at,
-    elastic_peak,
     integrated_dissipation,
-    model_dissipation,
-    model_force,
+    peak_force,
     quadratic_of,
+    summed_dissipation,
 )
-from granwave.analysis.studies.chains.runs import ChainRun
+from granwave.analysis.measures.chains.elastoplastic_pulse import Pulses
+from granwave.analysis.measures.hertz_chain import IMPULSE_LIMIT
+from granwave.analysis.studies.chains.elastoplastic import pulse as elastoplastic_pulse
+from granwave.analysis.studies.chains.runs import ChainRun, from_thesis
 from granwave.analysis.studies.registry import STUDIES
 from granwave.analysis.studies.study import Row, Study, draw_studies, make_studies
 from granwave.lammps_inputs.contact.law import sphere_contact
@@ -156,8 +157,7 @@ def plastic(tmp_path_factory) -> list[ChainRun]:
 
 
 def pulses_of(runs: list[ChainRun]) -> Pulses:
-    found = collect_pulses(runs)
-    assert found is not None
+    (found,) = elastoplastic_pulse.select(runs)
     return found
 
 
@@ -166,7 +166,8 @@ def test_chains_are_grouped_by_impulse(plastic):
     assert [len(group) for group in pulses.groups] == [2, 1]
     assert [wave.impulse for wave in pulses.chosen] == pytest.approx([0.4598, 0.04598], rel=1e-3)
     assert pulses.elastic is not None and pulses.elastic[0].run.case.contact.law == "hertz"
-    assert pulses.elastic[1] is pulses.chosen[0] and pulses.from_source
+    assert pulses.elastic[1] is pulses.chosen[0]
+    assert from_thesis(pulses.weakest.run, yielding=True)
 
 
 def test_decay_and_collapse_of_elastoplastic_chains(plastic):
@@ -221,7 +222,7 @@ def test_other_beads_stand_alone(tmp_path):
 def test_the_studies_are_found_among_all_runs(plastic, short):
     names = [study.name for study in make_studies({name: [*plastic, *short] for name in STUDIES})]
     assert {"elastoplastic-pulse", "bilinear-pulse"} <= set(names)
-    assert collect_pulses(short) is None
+    assert elastoplastic_pulse.select(short) == []
 
 
 def test_the_models_of_dissipation():
@@ -229,9 +230,9 @@ def test_the_models_of_dissipation():
     n = np.arange(1.0, 88)
     peak = 0.4598 * 357915.4
     d0, d1, d2 = QUADRATIC
-    forces = peak * model_force(n)
-    assert model_dissipation(87, peak)[-1] == pytest.approx(np.sum(d0 + d1 * forces + d2 * forces**2))
-    parts = [quad(lambda x: d0 + d1 * peak * float(model_force(np.array(x))) + d2 * (peak * float(model_force(np.array(x)))) ** 2,
+    forces = peak * peak_force(n)
+    assert summed_dissipation(87, peak)[-1] == pytest.approx(np.sum(d0 + d1 * forces + d2 * forces**2))
+    parts = [quad(lambda x: d0 + d1 * peak * float(peak_force(np.array(x))) + d2 * (peak * float(peak_force(np.array(x)))) ** 2,
                   a, b, limit=200)[0] for a, b in ((1, 7), (7 + 1e-9, 87))]  # fmt: skip
     assert integrated_dissipation(87, peak)[-1] == pytest.approx(sum(parts), rel=1e-6)
     assert integrated_dissipation(87, peak)[0] == pytest.approx(0, abs=1e-12)
@@ -246,5 +247,4 @@ def test_the_quadratic_of_the_law():
 
 def test_the_elastic_peak_of_an_impulse():
     """Thesis 4.5 in its own units: 0.0298 for the impulse of Fig. 2.11."""
-    assert elastic_peak(0.4598) == pytest.approx(0.0298, abs=1e-4)
-    assert elastic_peak(2.0) / elastic_peak(1.0) == pytest.approx(2**1.2)
+    assert pytest.approx(0.0298, abs=1e-4) == IMPULSE_LIMIT * 0.4598**1.2

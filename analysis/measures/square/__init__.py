@@ -1,1 +1,0 @@
-"""Square packings that strikers hit."""

@@ -1,0 +1,1 @@
+"""Elastic bars, and chains that end on them."""

@@ -1,0 +1,1 @@
+"""Chains under the bilinear law."""

@@ -1,0 +1,146 @@
+"""The homogeneous chain of the composite-chain source: its finite elements and ours against theory (Tables 2 and 3).
+
+15 stainless-steel spheres of 4.76 mm, the first with 0.626 m/s, the last against a steel cylinder. The source takes
+Nesterenko's formula for theory; the travelling wave of the discrete chain stands beside it.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from granwave.analysis.figures.series import label, panels
+from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing
+from granwave.analysis.measures.chains.record import ChainRecord
+from granwave.analysis.measures.chains.struck_chain import StruckChain
+from granwave.analysis.measures.hertz_chain import discrete_speed
+from granwave.analysis.studies.chains.runs import elastic_constants, uniform
+from granwave.analysis.studies.runs import FinishedRun
+from granwave.analysis.studies.study import Picture, Row
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.material import material
+
+TITLE = "Homogeneous chain of the composite-chain source"
+_CONTACTS = (4, 9)  # from 0: of beads 5 and 6, 10 and 11, as the source takes them
+_SOURCE = (4.76e-3, 0.626)  # m, m/s: diameter and velocity
+_WHERE = "composite chain, Tables 2 and 3"
+
+
+@dataclasses.dataclass(frozen=True)
+class Model:
+    """A finite-element model of the source: force in N, speed in m/s, its printed error of the speed in per cent."""
+
+    name: str
+    force: float
+    speed: float
+    error: float
+
+
+MODELS = (
+    Model("mesh 0.2 to 0.4 mm", 7.92, 590, 20.00),
+    Model("mesh 0.1 to 0.2 mm", 21.71, 569, 2.14),
+    Model("mesh 0.05 to 0.1 mm", 24.55, 566, 4.63),
+    Model("mesh 0.025 to 0.05 mm", 26.62, 586, 2.58),
+    Model("mesh 0.01 to 0.02 mm", 27.17, 599, 0.76),
+    Model("penalty 1.1", 26.71, 587, 2.47),
+    Model("penalty 1.2", 26.77, 590, 2.01),
+    Model("penalty 1.3", 26.81, 592, 1.70),
+    Model("penalty 1.4", 26.86, 592, 1.57),
+    Model("penalty 1.5, constant solver", 27.36, 590, 2.36),
+    Model("penalty 1.5, automatic solver", 27.22, 595, 0.40),
+)
+_FINEST, _CHOSEN = MODELS[4], MODELS[10]
+_FIRST_PENALTY = 5  # from where on the mesh is the same
+
+
+def select(runs: Sequence[FinishedRun]) -> list[StruckChain]:
+    """The first elastic chain of like beads, its first struck, its last against a wall of a material."""
+    found = [
+        run for run in uniform(runs, "hertz")
+        if run.load.kind == "impact" and run.case.boundary.bottom_material and run.force.shape[1] > max(_CONTACTS)
+    ]  # fmt: skip
+    return [StruckChain(run, _CONTACTS) for run in found[:1]]
+
+
+def text(found: StruckChain) -> str:
+    """Describe the runs."""
+    case = found.run.case
+    return (
+        f"{found.run.velocity.shape[1]} elastic spheres of {1e3 * case.packing.diameter:.3g} mm, the first with "
+        f"{case.load.velocity:g} m/s. Speed: 5 diameters over the time between the peaks at contacts 5 and 10; force: "
+        "the peak at contact 10."
+    )
+
+
+def rows(found: StruckChain) -> Iterator[Row]:
+    """Force and speed; for the source's chain also the errors of its models."""
+    if not _is_source(found.run.case):
+        yield Row("Peak force at contact 10", "N", None, found.force, "thesis 4.5", "", found.expected)
+        yield Row("Speed over 5 diameters", "m/s", None, found.speed, "discrete chain", "", found.wave(found.force))
+        return
+    coarsest = "The coarsest mesh is too coarse for the contact."
+    for model, remark in ((MODELS[0], coarsest), (_FINEST, ""), (_CHOSEN, "")):
+        yield Row(f"Peak force; source: {model.name}", "N", model.force, found.force, _WHERE, remark, found.expected)
+    slow = "Theirs is below the wave of the discrete chain at their own force."
+    for model in (_FINEST, _CHOSEN):
+        yield Row(f"Wave speed; source: {model.name}", "m/s", model.speed, found.speed, _WHERE, slow,
+                  found.wave(found.force))  # fmt: skip
+    nesterenko = found.scales.nesterenko
+    printed = 100 * abs(_CHOSEN.speed / nesterenko(_CHOSEN.force) - 1)
+    yield Row("Error of the speed against Nesterenko's formula at the force found, best model", "%", _CHOSEN.error,
+              100 * abs(found.speed / nesterenko(found.force) - 1), _WHERE,
+              f"Theirs as printed; from its force and speed it is {printed:.2f}. Ours is the formula's own: it takes "
+              "the chain for a continuum, and the discrete wave is faster.", 100 * (discrete_speed() - 1))  # fmt: skip
+    of_force, of_speed = 100 * np.transpose(_errors_of_models(found))
+    our_force, our_speed = found.errors(found.force, found.speed)
+    for what, ours, theirs in (
+        ("speed against the discrete chain's wave at the force found", our_speed, of_speed),
+        ("force against thesis 4.5", our_force, of_force),
+    ):
+        remark = f"The source's 11 models: {theirs.min():.1f} to {theirs.max():.0f} %."
+        yield Row(f"Error of the {what}", "%", None, 100 * ours, _WHERE, remark, 0.0)
+    yield Row("Exponent of force against approach", "", 1.554, 1.5, "composite chain, Fig. 5",
+              "Theirs is fitted to finite elements; ours is the law's.", 1.5)  # fmt: skip
+
+
+def pictures(found: StruckChain) -> Iterator[Picture]:
+    """Force histories; for the source's chain also errors."""
+    yield Picture("homogeneous_forces", "Force at contacts 5 and 10 (source Fig. 3)", _histories(found.run))
+    if _is_source(found.run.case):
+        caption = "Errors of the source's finite elements and ours"
+        yield Picture("homogeneous_errors", caption, _errors(found))
+
+
+def _is_source(case: Case) -> bool:
+    """It is the chain of the source."""
+    ours = (*elastic_constants(case.material), case.packing.diameter, case.load.velocity)
+    return np.allclose(ours, (*elastic_constants(material("stainless-steel")), *_SOURCE), rtol=1e-6, atol=0)
+
+
+def _errors_of_models(found: StruckChain) -> list[tuple[float, float]]:
+    """Errors of force and speed of all models of the source."""
+    return [found.errors(model.force, model.speed) for model in MODELS]
+
+
+def _histories(run: ChainRecord) -> Drawing:
+    """Force at both contacts in time."""
+    figure, axes = panels(2.3)
+    axes.plot(1e6 * run.time, run.force[:, _CONTACTS], label=[f"beads {k + 1} and {k + 2}" for k in _CONTACTS])
+    label(axes, "Time (µs)", "Contact force (N)", xlim=(0, 1e6 * run.time[-1]), ylim=(0, 1.3 * axes.get_ylim()[1]))
+    axes.legend(loc="upper right")
+    return Drawing(figure, {"time_s": run.time} | {f"contact_{k + 1}_N": run.force[:, k] for k in _CONTACTS})
+
+
+def _errors(found: StruckChain) -> Drawing:
+    """Error of the force against that of the speed, each against its theory."""
+    errors = 100 * np.array([*_errors_of_models(found), found.errors(found.force, found.speed)])
+    figure, axes = panels(2.7)
+    axes.plot(*errors[:_FIRST_PENALTY].T, "s-", color=ORANGE, markersize=4, label="source, mesh made finer")
+    axes.plot(*errors[_FIRST_PENALTY:-1].T, "^", color=GREY, markersize=4, label="source, penalty and solver")
+    axes.plot(*errors[-1:].T, "o", color=BLUE, label="ours")
+    label(axes, "Error of the peak force (%)", "Error of the wave speed (%)", log="xy")
+    axes.legend(loc="upper left", fontsize=7)
+    names = [*(model.name for model in MODELS), "ours"]
+    return Drawing(figure, {"model": names, "force_error_percent": errors[:, 0], "speed_error_percent": errors[:, 1]})

@@ -1,0 +1,303 @@
+"""The study of composite chains: speed and height of the output pulse against the section's length, and reflections."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from granwave.analysis.figures.series import MARKS, label, map_of_forces, panels
+from granwave.analysis.figures.style import BLUE, GREY, WIDTH, Drawing
+from granwave.analysis.measures.chains.composite_section import Composite, composite_of
+from granwave.analysis.measures.chains.groups import columns
+from granwave.analysis.measures.signals import decay
+from granwave.analysis.studies.chains.runs import chain_runs, elastic_constants
+from granwave.analysis.studies.runs import FinishedRun, rising
+from granwave.analysis.studies.study import Picture, Row
+from granwave.lammps_inputs.case.material import material
+
+_MICRO, _MILLI, _MEGA = 1e6, 1e3, 1e6
+_WATCHED = 6  # beads in the section whose reflections are shown, as in source Fig. 6
+_SHOWN = 4  # lengths of the section whose pulses are shown
+_CHANGES = 0.05  # relative: below it a ratio is as good as constant, and its fit tells nothing
+_LEAST = 3e-3  # of the largest force at a contact: where its axis begins
+_FAINT = 0.01  # of the largest force: where the colours of the map begin to be linear
+_PLACE = "composite chain, "
+
+_REMARKS_OF_SPEED = {
+    True: "Nothing dissipates here. A striker of 0.41 m/s would give the measured V: 0.626 m/s is a free fall of 20 "
+    "mm, not the source's slope of 3 degrees. Its finite elements, 2 to 3 % slow, are up to 4.2 % above the measured.",
+    False: "Depends on the yield strength, which the source does not give; not fitted.",
+}
+_REMARKS_OF_CHANGE = {
+    True: "The distance of the sensors holds ever less of the fast section: this alone lowers V, without loss.",
+    False: "With loss the pulse slows down all along the section; the source's measured V shows little of it.",
+}
+_REMARKS_OF_STRESS = (
+    "The source says compressive stress, for an N2 that it does not give. No material bears more than its yield "
+    "strength: the one of the source's model is above this value, or the model is elastic.",
+    "Without loss the stress stays as it was; the source's has fallen along the section.",
+)
+_REFLECTIONS = {
+    "incident": "Incident pulse",
+    "BRW": "Back reflection (BRW)",
+    "FRW": "Forth reflection (FRW)",
+    "DFRW": "Delayed forth reflection (DFRW)",
+}
+_MEASURED, _FITTED = _PLACE + "section 4, measured", _PLACE + "Fig. 11"
+
+Kinds = dict[str, list[Composite]]
+
+
+@dataclasses.dataclass(frozen=True)
+class Source:
+    """Values of the source for a section of one material.
+
+    Attributes
+    ----------
+    speeds
+        Measured V by the number of beads, m/s.
+    from_end
+        When the pulse from the chain's end comes back, ms.
+    stresses
+        In the section's first and last contact, MPa.
+    """
+
+    speeds: Mapping[int, float] = dataclasses.field(default_factory=dict)
+    from_end: float | None = None
+    stresses: tuple[float | None, float | None] = (None, None)
+
+
+_SOURCES = {
+    "brass-composite": Source({3: 469.0, 24: 424.0}, 1.25, (1200.0, 1110.0)),
+    "ptfe": Source({}, 1.85, (35.0, 20.0)),
+}
+
+
+@dataclasses.dataclass(frozen=True)
+class Group:
+    """Chains with a section of one material.
+
+    Attributes
+    ----------
+    kinds
+        Elastic ones first, then by falling yield strength; one chain of each length.
+    source
+        Values for these chains, if they are the source's.
+    """
+
+    chains: list[Composite]
+    kinds: Kinds
+    source: Source
+
+    @property
+    def light(self) -> str | None:
+        """Material of the section."""
+        return self.chains[0].light.name
+
+    @property
+    def slug(self) -> str:
+        """Slug for names of files."""
+        return (self.light or "section").replace("-", "_")
+
+    @property
+    def watched(self) -> Composite:
+        """Chain whose reflections are shown."""
+        return min(next(iter(self.kinds.values())), key=lambda chain: abs(chain.n - _WATCHED))
+
+
+def select(runs: Sequence[FinishedRun]) -> list[Group]:
+    """Chains with a section of another material between two sensors, a group for each material."""
+    found = [chain for run in chain_runs(runs) if (chain := composite_of(run)) is not None]
+    groups = []
+    for light in dict.fromkeys(chain.light.name for chain in found):
+        alike = sorted((c for c in found if c.light.name == light), key=lambda c: (c.n, -c.strength))
+        kinds: Kinds = {}
+        for strength in sorted({chain.strength for chain in alike}, reverse=True):
+            kind = "elastic" if math.isinf(strength) else f"yielding at {strength / _MEGA:g} MPa"
+            kinds[kind] = rising((chain for chain in alike if chain.strength == strength), lambda chain: chain.n)
+        known = (source for name, source in _SOURCES.items() if all(_is_source(chain, name) for chain in alike))
+        groups.append(Group(alike, kinds, next(known, Source())))
+    return groups
+
+
+def name(group: Group) -> str:
+    """For links."""
+    return f"composite-{group.slug.replace('_', '-')}"
+
+
+def title(group: Group) -> str:
+    """With the section's material."""
+    return f"Composite chain with {group.light}"
+
+
+def text(group: Group) -> str:
+    """Describe the runs."""
+    chains = group.chains
+    return (
+        f"{len(chains)} chains of {chains[0].run.case.packing.size[0]} beads, {chains[0].n} to {chains[-1].n} of them "
+        f"{group.light} ({', '.join(group.kinds)}). A sensor reads the mean of its bead's two contact forces. V: "
+        "distance of the sensors over the time between the first peaks there; lambda: the ratio of these peaks, output "
+        "over incident."
+    )
+
+
+def rows(group: Group) -> Iterator[Row]:
+    """Speed and height of the output pulse, reflections, and stress."""
+    for kind, chains in group.kinds.items():
+        yield from _rows_of_speed(kind, chains, group.source.speeds)
+        yield from _rows_of_ratio(kind, chains)
+    yield from _rows_of_reflections(group.watched, group.source.from_end)
+    if math.isinf(group.watched.strength):
+        yield from _rows_of_stress(group.watched, group.source.stresses)
+
+
+def pictures(group: Group) -> Iterator[Picture]:
+    """Pulses, reflections, and both quantities against the section's length."""
+    light, slug, watched = group.light, group.slug, group.watched
+    caption = f"{light}: pulse at the second sensor (source Figs. 7, 10)"
+    yield Picture(f"composite_{slug}_pulses", caption, _pulses(group.kinds))
+    caption = f"{light}, {watched.n} beads: waves in the chain, and at one contact of the section (source Fig. 6)"
+    yield Picture(f"composite_{slug}_reflections", caption, _reflections(watched))
+    if group.chains[0].n != group.chains[-1].n:
+        caption = f"{light}: speed and height of the output pulse against the section's length (source Fig. 11)"
+        drawing = _against_length(group.kinds, group.source.speeds)
+        yield Picture(f"composite_{slug}_length", caption, drawing)
+
+
+def _is_source(chain: Composite, light: str) -> bool:
+    """The chain of the composite-chain source with this material of the section."""
+    case, assembly = chain.run.case, chain.run.assembly
+    return (
+        elastic_constants(case.material) == elastic_constants(material("stainless-steel"))
+        and elastic_constants(chain.light) == elastic_constants(material(light))
+        and (case.packing.size[0], chain.first, case.packing.diameter) == (40, 8, 0.01)
+        and [striker.velocity[2] for striker in case.striker] == [0.626]
+        and assembly.strikers[0][0].material in (None, case.material)
+    )
+
+
+def _rows_of_speed(kind: str, chains: Sequence[Composite], measured: Mapping[int, float]) -> Iterator[Row]:
+    n, speed = columns(chains, "n", "speed")
+    elastic, ends = math.isinf(chains[0].strength), sorted({0, len(n) - 1})
+    for k in ends:
+        source = measured.get(int(n[k]))
+        remark = _REMARKS_OF_SPEED[elastic] if source else ""
+        where = _MEASURED if source else _FITTED
+        yield Row(f"V, N2 = {n[k]}, {kind}", "m/s", source, float(speed[k]), where, remark)
+    if len(ends) > 1:
+        known = n[0] in measured and n[-1] in measured
+        source = 100 * (measured[n[-1]] / measured[n[0]] - 1) if known else None
+        remark = _REMARKS_OF_CHANGE[elastic] if known else ""
+        yield Row(f"Change of V from N2 = {n[0]} to {n[-1]}, {kind}", "%", source,
+                  float(100 * (speed[-1] / speed[0] - 1)), _MEASURED if known else _FITTED, remark)  # fmt: skip
+    if fit := decay(n, speed):
+        formula = f"V = {fit.end:.1f} + {fit.span:.1f} exp(-N2/{fit.length:.2f}) m/s, to {fit.residual:.2g} rms."
+        yield Row(f"N2 within which V nears its end by 1/e, {kind}", "", None, fit.length, _FITTED, formula)
+
+
+def _rows_of_ratio(kind: str, chains: Sequence[Composite]) -> Iterator[Row]:
+    n, ratio = columns(chains, "n", "ratio")
+    for k in sorted({0, len(n) - 1}):
+        yield Row(f"lambda, N2 = {n[k]}, {kind}", "", None, float(ratio[k]), _FITTED)
+    difference = float(np.ptp(ratio) / ratio.max())
+    if len(n) > 1 and difference < _CHANGES:
+        remark = "Without loss it does not depend on the length: the source's decay is loss."
+        yield Row(f"Largest difference of lambda over all N2, {kind}", "%", None, 100 * difference, _FITTED, remark)
+    elif fit := decay(n, ratio):
+        formula = f"lambda = {fit.end:.3f} + {fit.span:.3f} exp(-N2/{fit.length:.2f}), to {fit.residual:.2g} rms."
+        yield Row(f"N2 within which lambda nears its end by 1/e, {kind}", "", None, fit.length, _FITTED, formula)
+
+
+def _rows_of_reflections(chain: Composite, from_end: float | None) -> Iterator[Row]:
+    at, found = f"between beads {chain.middle} and {chain.middle + 1}, N2 = {chain.n}", chain.reflections
+    for key in (key for key in _REFLECTIONS if key in found):
+        remark = f"{found[key].force:.3g} N."
+        if key == "BRW" and "FRW" not in found:
+            remark += " No forth reflection above 0.5 % of the largest force follows it."
+        if key == "FRW" and not found[key].forth:
+            remark += " It meets a second wave back here, and their forces add up."
+        yield Row(f"{_REFLECTIONS[key]} {at}", "ms", None, _MILLI * found[key].time, _PLACE + "Fig. 6", remark)
+    if last := found.get("end"):
+        remark = f"{last.force:.3g} N; time from the impact on."
+        yield Row(f"Pulse back from the chain's end {at}", "ms", from_end, _MILLI * last.time, _PLACE + "3.3", remark)
+
+
+def _rows_of_stress(chain: Composite, sources: Sequence[float | None]) -> Iterator[Row]:
+    ends = zip(sources, (chain.first, chain.last - 1), ("first", "last"), _REMARKS_OF_STRESS, strict=True)
+    for source, bead, place, remark in ends:
+        what = f"Largest von Mises stress, {place} contact of the section, N2 = {chain.n}, elastic"
+        yield Row(what, "MPa", source, chain.stress(bead) / _MEGA, _PLACE + "3.3", remark if source else "")
+
+
+def _pulses(kinds: Kinds) -> Drawing:
+    """Force at both sensors for some lengths of the section."""
+    figure, *row = panels(2.6, len(kinds), width=WIDTH * len(kinds), sharey=True)
+    data: dict[str, ArrayLike] = {}
+    for axes, (name, chains) in zip(row, kinds.items(), strict=True):
+        slug, some, shortest = name.replace(" ", "_"), _some(chains), chains[0]
+        for chain in some:
+            time, force = chain.run.time, chain.run.sensors[chain.behind]
+            axes.plot(_MICRO * time, force, label=rf"$N_2$ = {chain.n}")
+            data |= {f"{slug}_{chain.n}_time_s": time, f"{slug}_{chain.n}_output_N": force}
+        time, incident = shortest.run.time, shortest.run.sensors[shortest.before]
+        until = time < shortest.output[0]
+        axes.plot(_MICRO * time[until], incident[until], color="black", label="incident")
+        data |= {f"{slug}_incident_time_s": time, f"{slug}_incident_N": incident}
+        latest = max(chain.output[0] for chain in some)
+        label(axes, "Time (µs)", title=name, xlim=(0, 1.25 * _MICRO * latest), ylim=(0, None))
+    label(row[0], y="Sensor force (N)")
+    row[-1].legend(fontsize=7)
+    return Drawing(figure, data)
+
+
+def _some(chains: Sequence[Composite]) -> list[Composite]:
+    """A few, at about equal ratios of length."""
+    wanted = np.geomspace(chains[0].n, chains[-1].n, _SHOWN)
+    return rising((min(chains, key=lambda chain: abs(chain.n - n)) for n in wanted), lambda chain: chain.n)
+
+
+def _reflections(chain: Composite) -> Drawing:
+    """Waves forth and back in place and time; beside it, on the same scale of time, the force at one contact."""
+    run, flow, k = chain.run, chain.flow(), chain.run.contact_between(chain.middle)
+    time, force, place = _MICRO * run.time, run.force[:, k], _MILLI * run.place[: flow.shape[1]]
+    highest = float(force.max())
+    figure, left, right = panels(4.2, 2, sharey=True, width_ratios=(1.5, 1))
+    mesh = map_of_forces(left, place, time, flow, _FAINT)
+    for bead in (chain.first - 1, chain.last):
+        left.axvline(place[run.contact_between(bead)], color="black", linewidth=0.6, linestyle="--")
+    left.axvline(place[k], color=GREY, linewidth=0.6, linestyle=":")
+    label(left, "Place (mm)", "Time (µs)")
+    figure.colorbar(mesh, ax=left, location="top", label="Contact force (N), negative while the beads move back")
+    right.plot(np.maximum(force, 1e-9 * highest), time, color=BLUE)
+    for name, wave in chain.reflections.items():
+        right.annotate("from the end" if name == "end" else name, (wave.force, _MICRO * wave.time), (6, 0),
+                       textcoords="offset points", va="center", fontsize=7)  # fmt: skip
+    label(right, f"Force (N) between beads {chain.middle} and {chain.middle + 1}", log="x",
+          xlim=(_LEAST * highest, 20 * highest), ylim=(0, time[-1]))  # fmt: skip
+    watched = f"contact_{chain.middle}_{chain.middle + 1}_N"
+    return Drawing(figure, {"time_s": run.time, watched: force, "flow_N": flow[:, k]})
+
+
+def _against_length(kinds: Kinds, measured: Mapping[int, float]) -> Drawing:
+    """Speed and height of the output pulse with their exponential laws."""
+    figure, left, right = panels(2.6, 2)
+    data: dict[str, ArrayLike] = {}
+    for (name, chains), marker in zip(kinds.items(), MARKS, strict=False):
+        n, speed, ratio = columns(chains, "n", "speed", "ratio")
+        slug = name.replace(" ", "_")
+        data |= {f"{slug}_n": n.astype(float), f"{slug}_speed_m_s": speed, f"{slug}_ratio": ratio}
+        for axes, values in ((left, speed), (right, ratio)):
+            (marks,) = axes.plot(n, values, marker, markersize=4, label=name)
+            if fit := decay(n, values):
+                fine = np.linspace(n[0], n[-1], 200)
+                axes.plot(fine, fit(fine), color=marks.get_color())
+    if measured:
+        left.plot(list(measured), list(measured.values()), "k*", label="source, measured")
+    label(left, r"Beads in the section $N_2$", r"Speed $V$ (m/s)")
+    label(right, r"Beads in the section $N_2$", r"$\lambda$, output over incident peak", ylim=(0, None))
+    left.legend()
+    return Drawing(figure, data)

@@ -1,0 +1,1 @@
+"""Elastic chains of like beads: waves, trains and steady loads."""

@@ -1,0 +1,1 @@
+"""Chains and pairs under the elasto-plastic law."""

@@ -1,0 +1,300 @@
+"""Elasto-plastic chains after a pulse: decay, speed and dissipation, beside thesis 2.2 (Figs. 2.11 to 2.16)."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from matplotlib.ticker import NullLocator
+from numpy.typing import ArrayLike
+
+from granwave.analysis.figures.series import COLOURS, label, map_of_forces, panels
+from granwave.analysis.figures.style import BLUE, ORANGE, Drawing
+from granwave.analysis.measures.chains import elastoplastic_model as model
+from granwave.analysis.measures.chains.elastoplastic_pulse import PlasticWave, Pulses, collect_pulses
+from granwave.analysis.measures.hertz_chain import IMPULSE_LIMIT
+from granwave.analysis.studies.chains.labels import FORCE, PEAK_FORCE, PLACE, TIME
+from granwave.analysis.studies.chains.runs import from_thesis, uniform
+from granwave.analysis.studies.runs import FinishedRun
+from granwave.analysis.studies.study import Picture, Row
+
+TITLE = "Elasto-plastic chain after a pulse"
+_FAR = (15, 100)  # contacts of the fits in the inverse regime
+_LEAST_FAR = 45  # the last contact of such a fit at the least
+_COLLAPSE = 15  # contacts up to which runs of one impulse are compared: collisions farther on are chaotic
+_MIDDLE = 40  # contact: x/R* = 160, the last of the fits of the speed near the struck end
+_LAST = 87  # contact: x/R* = 348, where Fig. 2.16 ends
+_ELASTIC = 20  # contact where the elastic wave is taken
+_STACK = (20, 15, 10, 5)  # contacts of Fig. 2.11, from the top
+_SHOWN = 500  # tau of Fig. 2.11
+_SHIFT = 20  # contacts by which the elastic chain is moved in the map
+_MAP = 90  # contacts of the map
+_FAINTEST = 3e-3  # of the largest force: the lower end of the map's colours
+
+
+def select(runs: Sequence[FinishedRun]) -> list[Pulses]:
+    """All impulses together."""
+    pulses = collect_pulses(uniform(runs, "elastoplastic"), uniform(runs, "hertz"))
+    return [pulses] if pulses else []
+
+
+def text(pulses: Pulses) -> str:
+    """Describe the runs."""
+    impulses, n = ", ".join(f"{wave.impulse:.3g}" for wave in pulses.chosen), sum(map(len, pulses.groups))
+    return (
+        f"{n} {'chains' if n > 1 else 'chain'} under the elasto-plastic law, impulse {impulses} in units of E*R*^2 "
+        "tau. Peak forces are the largest ever at a contact; the leading disturbance arrives with 1 % of that, and its "
+        "speed is taken over ten contacts. Free beads collide chaotically behind the front: far contacts of like runs "
+        "differ by some per cent, fits over many contacts do not."
+    )
+
+
+def rows(pulses: Pulses) -> Iterator[Row]:
+    """Decay, speed, collapse and dissipation; of other beads without the source's values, which are of its brass."""
+    for part in (_rows_of_decay, _rows_of_speed, _rows_of_collapse, _rows_of_dissipation, _rows_of_elastic):
+        for row in part(pulses):
+            yield row if _from_source(pulses) else dataclasses.replace(row, source=None, where="", remark="")
+
+
+def pictures(pulses: Pulses) -> Iterator[Picture]:
+    """Histories and a map beside the elastic chain, peaks, speeds and dissipation."""
+    if pulses.elastic is not None:
+        caption = (
+            "Force at contacts 5, 10, 15 and 20: elasto-plastic chain, and the elastic one under the same pulse "
+            "(dotted, right-hand axis; thesis Fig. 2.11)"
+        )
+        yield Picture("elastoplastic_histories", caption, _histories(*pulses.elastic))
+        caption = "Force by place and time; the elastic chain's crest starts at contact 20 (thesis Fig. 2.12)"
+        yield Picture("elastoplastic_map", caption, _force_map(*pulses.elastic))
+    caption = (
+        "Peak force over impulse along the chain, with the source's two regimes, and all pulses of every impulse "
+        "(thesis Figs. 2.13 and 2.14)"
+    )
+    yield Picture("elastoplastic_peaks", caption, _peaks(pulses))
+    caption = "Speed of the leading disturbance over the sixth root of the impulse (thesis Figs. 2.14 and 2.15)"
+    yield Picture("elastoplastic_speed", caption, _speeds(pulses))
+    caption = "Energy dissipated up to each contact, and the source's model with its own constants (thesis Fig. 2.16)"
+    yield Picture("elastoplastic_dissipation", caption, _dissipation(pulses))
+
+
+def _from_source(pulses: Pulses) -> bool:
+    """The beads are those of the thesis."""
+    return from_thesis(pulses.weakest.run, yielding=True)
+
+
+def _tag(wave: PlasticWave) -> str:
+    return f"I {wave.impulse:.3g} ({wave.name})"
+
+
+def _rows_of_decay(pulses: Pulses) -> Iterator[Row]:
+    weakest, where = pulses.weakest, "thesis 2.25"
+    what = f"a: peak force at contact 1 over E*R*^2 I, {_tag(weakest)}"
+    yield Row(what, "", model.START, weakest.normalised[0], where)
+    for wave in reversed(pulses.chosen):
+        slopes = [f"{wave.decay(1, last):.3f} to contact {last}" for last in (5, 7)]
+        remark = f"No pure exponential: {', '.join(slopes)}."
+        if wave is not weakest:
+            remark += " The decay is the faster the larger the impulse; the source fitted the weakest load alone."
+        yield Row(f"b: decay of the peak force per contact, contacts 1 to 3, {_tag(wave)}", "", model.DECAY,
+                  wave.decay(1, 3), where, remark)  # fmt: skip
+    for wave in pulses.chosen:
+        if wave.transition is not None:
+            yield Row(f"Start of the second regime, contact, {_tag(wave)}", "", model.SWITCH, wave.transition,
+                      "thesis 2.2.4", "The source saw 6 to 10 and took 7 for all. Ours: the first contact that a later "
+                      "wave presses more.")  # fmt: skip
+    for wave in pulses.chosen:
+        first, last = _FAR[0], min(_FAR[1], wave.contacts)
+        if last < _LEAST_FAR:
+            continue
+        steps = wave.place[9:last] * wave.normalised[9:last]
+        yield Row(f"C: mean of (x/R*) F/(E*R*^2 I), contacts 10 to {last}, {_tag(wave)}", "", model.INVERSE,
+                  wave.inverse_constant(10, last), "thesis 2.26",
+                  f"Between {steps.min():.2f} and {steps.max():.2f} from contact to contact.")  # fmt: skip
+        yield Row(f"Power of the peak force with distance, contacts {first} to {last}, {_tag(wave)}", "", -1.0,
+                  wave.force_power(first, last).exponent, "thesis 2.26",
+                  "Waves that merge make steps in the curve; near yield the chain turns elastic.")  # fmt: skip
+
+
+def _rows_of_speed(pulses: Pulses) -> Iterator[Row]:
+    where = "thesis 2.2.3, Fig. 2.15"
+    for wave in pulses.chosen:
+        farthest = min(_FAR[1], wave.contacts)
+        for last in (_MIDDLE, farthest) if farthest >= _LEAST_FAR else ():
+            low = float(wave.largest[last - 1]) / wave.run.law.yield_force
+            remark = f"Peak force at contact {last}: {low:.2g} F_y. " + (
+                "Nearer to yield the elastic power 1/6 of the force comes back, which makes -1/6 of the distance."
+                if last > _MIDDLE
+                else "It depends by some 0.02 on what counts as arrival, which the source does not say."
+            )
+            of_distance, of_force = wave.speed_powers(10, last)
+            for what, source, fit in (("distance", -0.2, of_distance), ("the peak force", 0.2, of_force)):
+                name = f"Power of the leading speed with {what}, contacts 10 to {last}, {_tag(wave)}"
+                yield Row(name, "", source, fit.exponent, where, remark)
+    contact = np.arange(20.0, min(_FAR[1], pulses.contacts) - 5)
+    if len(contact) > 10 and (law := pulses.impulse_power(contact)) is not None:
+        yield Row("Power of the leading speed with the impulse, at equal places from contact 20 on", "", 1 / 6,
+                  law.exponent, where, "Depends on the range by some 0.01.")  # fmt: skip
+
+
+def _rows_of_collapse(pulses: Pulses) -> Iterator[Row]:
+    for group, chosen in zip(pulses.groups, pulses.chosen, strict=True):
+        for wave in group:
+            if wave is chosen:
+                continue
+            ratio = wave.largest[:_COLLAPSE] / chosen.largest[:_COLLAPSE] - 1
+            far = wave.inverse_constant(10, pulses.contacts) / chosen.inverse_constant(10, pulses.contacts) - 1
+            near = np.abs(ratio[4:]).max()
+            remark = f"Contacts 5 to {_COLLAPSE}: {near:.1%}; mean of n F from contact 10 on: {far:+.1%}."
+            if wave.duration > 50:
+                remark += f" A pulse of {wave.duration:.0f} tau is not short."
+            name = f"Largest difference in peak force, contacts 1 to {_COLLAPSE}, {_tag(wave)} against {chosen.name}"
+            yield Row(name, "", None, float(np.abs(ratio).max()), "thesis Fig. 2.14", remark)
+
+
+def _rows_of_dissipation(pulses: Pulses) -> Iterator[Row]:
+    if not _from_source(pulses):
+        return
+    for wave in pulses.chosen:
+        last = min(_LAST, wave.contacts)
+        summed = model.summed_dissipation(last, wave.peak_unit)[-1]
+        integral = model.integrated_dissipation(last, wave.peak_unit)[-1]
+        ours = float(wave.dissipated[last - 1])
+        constant = last * model.QUADRATIC[0] / summed
+        remark = (
+            f"The source claims 6 % at most. Its integral in place of the sum gives {integral / wave.energy_unit:.4g} "
+            f"({ours / integral - 1:+.0%}): it drops half of contact 1, which holds {wave.dissipated[0] / ours:.0%}."
+        )
+        if constant > 0.1:
+            remark += f" The constant d0 alone, at every contact, makes {constant:.0%} of the sum."
+        yield Row(f"Dissipated up to contact {last} over F_y alpha_y, {_tag(wave)}; source: sum of 2.28", "",
+                  summed / wave.energy_unit, ours / wave.energy_unit, "thesis Fig. 2.16", remark)  # fmt: skip
+    law, where = pulses.weakest.run.law, "thesis 2.28"
+    units = (
+        ("d0", "J", "Depends on the range of the fit."),
+        ("d1", "J/N", "Depends on the range of the fit, and even changes sign."),
+        ("d2", "J/N^2", ""),
+    )
+    for (what, unit, remark), printed, fitted in zip(units, model.QUADRATIC, model.quadratic_of(law), strict=True):
+        name = f"{what} of 2.28, fitted to the law up to {model.FITTED_TO:g} N"
+        yield Row(name, unit, printed, float(fitted), where, remark)
+    for force, remark in ((1e3, "The print overestimates small forces: 2.28 is a fit."), (5e3, "")):
+        ours = float(model.dissipation_at(law, np.array([force]))[0])
+        name = f"Dissipated by a contact of {force:g} N; source: 2.28 with its constants"
+        yield Row(name, "J", float(model.dissipation_of(force)), ours, where, remark)
+
+
+def _rows_of_elastic(pulses: Pulses) -> Iterator[Row]:
+    if pulses.elastic is not None and pulses.elastic[0].contacts >= _ELASTIC:
+        wave = pulses.elastic[0]
+        yield Row(f"Elastic chain, {wave.name}: peak force at contact {_ELASTIC} over E*R*^2", "", None,
+                  float(wave.largest[_ELASTIC - 1]) / wave.scales.force, "thesis Fig. 2.11",
+                  "Theory: thesis 4.5 for an impulse; while this pulse lasts bead 2 moves already.",
+                  IMPULSE_LIMIT * wave.impulse**1.2)  # fmt: skip
+
+
+def _histories(elastic: PlasticWave, plastic: PlasticWave) -> Drawing:
+    """Force histories at four contacts of both chains."""
+    figure, *stack = panels(4.2, rows=len(_STACK), sharex=True)
+    waves = {"elastoplastic": plastic, "elastic": elastic}
+    shown = {name: wave.time <= _SHOWN * wave.scales.time for name, wave in waves.items()}
+    data: dict[str, ArrayLike] = {}
+    data |= {f"{name}_time_normalised": wave.time[shown[name]] / wave.scales.time for name, wave in waves.items()}
+    for axes, contact in zip(stack, _STACK, strict=True):
+        sides = ((axes, BLUE, "-"), (axes.twinx(), ORANGE, ":"))
+        for (side, colour, line), (name, wave) in zip(sides, waves.items(), strict=True):
+            force = wave.force[shown[name], contact - 1] / wave.scales.force
+            side.plot(data[f"{name}_time_normalised"], force, line, color=colour)
+            side.set_ylim(0, 1.25 * float(wave.largest[_STACK[-1] - 1]) / wave.scales.force)
+            side.tick_params(colors=colour, axis="y", right=side is not axes)
+            data[f"{name}_contact_{contact}_force_normalised"] = force
+        axes.text(0.98, 0.8, f"contact {contact}", transform=axes.transAxes, ha="right")
+    label(stack[-1], TIME, xlim=(0, _SHOWN))
+    figure.supylabel(r"Elasto-plastic $F/E^*R^{*2}$  (elastic, dotted: right)", fontsize=8)
+    return Drawing(figure, data)
+
+
+def _force_map(elastic: PlasticWave, plastic: PlasticWave) -> Drawing:
+    """Force of the elasto-plastic chain by place and time, and the crest of the elastic one, moved."""
+    n = min(_MAP, plastic.force.shape[1])
+    last = int(np.searchsorted(plastic.time, plastic.arrivals[min(n, plastic.contacts) - 1]))
+    shown = slice(0, last, max(1, last // 600))
+    force, time = plastic.force[shown, :n].T / plastic.scales.force, plastic.time[shown] / plastic.scales.time
+    place = model.SPACING * np.arange(1, n + 1)
+    figure, axes = panels(2.8, width=4.6)
+    image = map_of_forces(axes, time, place, np.maximum(force, 1e-30), _FAINTEST)
+    beyond = min(n - _SHIFT, elastic.contacts)
+    crest = elastic.run.of_contacts("time_peak")[:beyond] / elastic.scales.time
+    moved = elastic.place[:beyond] + model.SPACING * _SHIFT
+    axes.plot(crest, moved, color=ORANGE, label=f"crest of the elastic wave, moved by {_SHIFT} contacts")
+    label(axes, TIME, PLACE, xlim=(0, time[-1]), ylim=(place[0], place[-1]))
+    axes.legend(loc="lower right", labelcolor="white", fontsize=7)
+    figure.colorbar(image, ax=axes, label=FORCE, extend="min")
+    return Drawing(figure, {"elastic_crest_time_normalised": crest, "elastic_crest_place_normalised": moved})
+
+
+def _peaks(pulses: Pulses) -> Drawing:
+    """Peak force over impulse: one pulse of every impulse with the source's two laws, and all pulses."""
+    figure, left, right = panels(2.9, 2)
+    contact = np.arange(1.0, pulses.contacts + 1)
+    data: dict[str, ArrayLike] = {"contact": contact}
+    for wave in pulses.chosen:
+        left.plot(wave.place, wave.normalised, ".", markersize=4, label=_label(wave))
+    if _from_source(pulses):
+        data["model"] = model.peak_force(contact)
+        early, late = contact[contact <= 12], model.SPACING * contact[contact >= 4]
+        exponential = model.START * np.exp(-model.DECAY * (early - 1))
+        left.plot(model.SPACING * early, exponential, "k--", label="2.25 by contact")
+        left.plot(late, model.INVERSE / late, "k-", label="2.26")
+    for n, (group, colour) in enumerate(zip(pulses.groups, COLOURS, strict=False)):
+        for wave, line in zip(group, ("-", "--", ":", "-."), strict=False):
+            data[f"peak_force_normalised_{wave.name}"] = force = wave.largest / wave.scales.force
+            right.plot(wave.place, force * 4.0**-n, line, color=colour, linewidth=0.9, label=wave.name)
+    factor = r" (each impulse $\times 1/4$ of the last)" if len(pulses.groups) > 1 else ""
+    label(left, PLACE, r"Peak force $F/(E^*R^{*2}\,\bar I)$", log="y", xlim=(0, 160), ylim=(5e-4, 1e-1))
+    label(right, PLACE, f"{PEAK_FORCE}, moved", log="y", title=f"All pulses{factor}")
+    left.legend(fontsize=7)
+    right.legend(fontsize=6, ncols=2)
+    return Drawing(figure, data)
+
+
+def _speeds(pulses: Pulses) -> Drawing:
+    """Leading speed over the sixth root of the impulse against distance, on logarithmic axes."""
+    figure, axes = panels(2.8)
+    data: dict[str, ArrayLike] = {}
+    for group, colour in zip(pulses.groups, COLOURS, strict=False):
+        for wave in group:
+            place, speed = wave.speed_normalised
+            data[f"place_{wave.name}"], data[f"scaled_speed_{wave.name}"] = place, speed / wave.impulse ** (1 / 6)
+            strong = wave in pulses.chosen
+            axes.plot(place, speed / wave.impulse ** (1 / 6), color=colour, linewidth=1.2 if strong else 0.6,
+                      label=_label(wave) if strong else None)  # fmt: skip
+    guide = model.SPACING * np.array([8.0, 0.95 * pulses.contacts])
+    axes.plot(guide, 0.29 * (guide / guide[0]) ** -0.2, "k--", label="power -1/5")
+    label(axes, PLACE, r"Leading speed $(v\,\tau/R^*)\,/\,\bar I^{1/6}$", log="xy", xticks=(20, 50, 100, 200))
+    axes.xaxis.set_major_formatter("{x:g}")
+    axes.xaxis.set_minor_locator(NullLocator())
+    axes.legend(fontsize=7)
+    return Drawing(figure, data)
+
+
+def _dissipation(pulses: Pulses) -> Drawing:
+    """Dissipation up to each contact, with the model where its constants belong to the beads."""
+    figure, axes = panels(2.8)
+    data: dict[str, ArrayLike] = {}
+    models = (("sum", "--", model.summed_dissipation), ("integral", ":", model.integrated_dissipation))
+    for wave, colour in zip(pulses.chosen, COLOURS, strict=False):
+        data[f"place_{wave.name}"] = wave.place
+        data[f"dissipated_over_yield_{wave.name}"] = lost = wave.dissipated / wave.energy_unit
+        axes.plot(wave.place, lost, color=colour, label=_label(wave))
+        for name, line, curve in models if _from_source(pulses) else ():
+            data[f"model_{name}_{wave.name}"] = values = curve(wave.contacts, wave.peak_unit) / wave.energy_unit
+            entry = f"model, {name}" if wave is pulses.chosen[0] else None
+            axes.plot(wave.place, values, line, color=colour, label=entry)
+    label(axes, PLACE, r"Dissipated $E/F_\mathrm{y}\alpha_\mathrm{y}$", xlim=(0, None), ylim=(0, None))
+    axes.legend(fontsize=7)
+    return Drawing(figure, data)
+
+
+def _label(wave: PlasticWave) -> str:
+    return rf"$\bar I$ = {wave.impulse:.3g}"
