@@ -192,7 +192,7 @@ def check_disk(
         Name of the files, for the message.
     spare
         Space that must stay free, bytes.
-        remedy
+    remedy
         Alternative to another directory, for the message.
 
     Raises
@@ -202,9 +202,8 @@ def check_disk(
     """
     free = free_space(directory)
     if needed and needed + spare > free:
-        raise InputError(
-            f"{directory}: {room_words(what, needed, spare, free)}; choose another directory with -o, or {remedy}"
-        )
+        message = disk_space_message(what, needed, spare, free)
+        raise InputError(f"{directory}: {message}; choose another directory with -o, or {remedy}")
 
 
 def free_space(directory: Path) -> float:
@@ -212,7 +211,7 @@ def free_space(directory: Path) -> float:
     return shutil.disk_usage(next(path for path in (directory, *directory.parents) if path.exists())).free
 
 
-def room_words(what: str, needed: float, spare: float, free: float) -> str:
+def disk_space_message(what: str, needed: float, spare: float, free: float) -> str:
     """Describe the disk space that is needed, must stay free and is free; all in bytes."""
     left = f" and {_gigabytes(spare)} must stay free" if spare else ""
     return f"{what} need about {_gigabytes(needed)}{left}, {_gigabytes(free)} are free there"

@@ -41,11 +41,11 @@ def law_coefficients(contact: Contact, first: Material, second: Material | None 
     Parameters
     ----------
     first
-    Material of a sphere.
+        Material of a sphere.
     second
-    Material of its partner; None if it is the same. A partner without a yield strength is elastic.
+        Material of its partner; None if it is the same. A partner without a yield strength is elastic.
     friction
-    Coefficient of friction.
+        Coefficient of friction.
     """
     words: list[str] = [contact.law]
     for material in (first,) if second is None else (first, second):

@@ -157,11 +157,11 @@ def test_until_a_point_is_done_the_plan_is_shown(points: list[Point], clock: lis
     outlook = Outlook(points, None, 2, slowness=100.0)
     words = {}
     for clock[0] in (101.0, 130.0):
-        words[clock[0]] = outlook.words(points, {})
+        words[clock[0]] = outlook.text(points, {})
     assert words[101.0].startswith("1 s of about ") and words[130.0].startswith("30 s of about ")
     assert words[101.0].split("about")[1] == words[130.0].split("about")[1]
     clock[0] = 1e6
-    assert ", longer than the planned " in outlook.words(points, {}) and outlook.words([], {}).endswith("are next")
+    assert ", longer than the planned " in outlook.text(points, {}) and outlook.text([], {}).endswith("are next")
 
 
 def test_then_the_points_that_are_done_tell(points: list[Point], clock: list[float]) -> None:
@@ -169,17 +169,17 @@ def test_then_the_points_that_are_done_tell(points: list[Point], clock: list[flo
     clock[0] += 70
     outlook.done(first, 100 * expected_time(first))
     left = 100 * (sum(map(expected_time, others)) + expected_time(longest)) + batches.PUBLISH
-    assert outlook.words([*others, longest], {}) == f"70 s, about {left / 60:.0f} min left"
+    assert outlook.text([*others, longest], {}) == f"70 s, about {left / 60:.0f} min left"
     ages = {longest.id: 100 * expected_time(longest), others[0].id: 1e9}  # nothing is taken off twice
     left = 100 * sum(map(expected_time, others[1:])) + batches.PUBLISH
-    assert outlook.words([*others, longest], ages) == f"70 s, about {left:.0f} s left"
-    assert outlook.words([], {}) == "70 s; table, figures and report are next"
+    assert outlook.text([*others, longest], ages) == f"70 s, about {left:.0f} s left"
+    assert outlook.text([], {}) == "70 s; table, figures and report are next"
 
 
 def test_points_of_an_earlier_start_do_not_tell(points: list[Point], clock: list[float]) -> None:
     outlook = Outlook(points[1:], None, 1, slowness=1.0)
     outlook.done(points[0], 1e6)
-    assert outlook.words(points[1:], {}).startswith("0 s of about ")
+    assert outlook.text(points[1:], {}).startswith("0 s of about ")
 
 
 # ---------------------------------------------------------------------- lines of a log

@@ -1,4 +1,4 @@
-"""`granwave scan` at the terminal: the plan, the bar, what came of it."""
+"""Command ``granwave scan``: plan, run and outcome of scans and suites in the terminal."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ from granwave.workflows.scanning.profile import Profile, load_profile
 from granwave.workflows.scanning.scan_file import Scan, load_scan
 from granwave.workflows.scanning.suite import Suite, check_suite, is_suite, load_suite, run_suite
 
-_WORTH_MEASURING = 20.0  # s of expected time, beyond which the speed of this machine is measured first
+_WORTH_MEASURING = 20.0  # s; for a longer expected time the speed of this machine is measured first
 _MOST_ROWS = 40
-_COLUMNS = {  # of the table at the end
+_COLUMNS = {  # of the final table
     "dissipated_fraction": ("dissipated", "{:.5f}"),
     "n_plastic_spheres": ("plastic spheres", "{}"),
     "plastic_zone_volume_m3": ("plastic zone (m3)", "{:.4g}"),
@@ -45,7 +45,7 @@ _COLUMNS = {  # of the table at the end
 
 
 def scan(options: argparse.Namespace) -> int:
-    """Run it; returns the exit status."""
+    """Run a scan or suite; return the exit status."""
     profile = _executor(options)
     jobs = options.jobs or default_jobs(profile)
     try:
@@ -53,8 +53,8 @@ def scan(options: argparse.Namespace) -> int:
             return _suite(options, profile, jobs)
         return _scan(options, profile, jobs)
     except BrokenPipeError:
-        raise  # nobody reads the plan any more
-    except OSError as error:  # a full disk, above all
+        raise  # the reader of the plan has closed it
+    except OSError as error:  # usually a full disk
         place = error.filename or options.directory or options.scan
         reason = error.strerror or error
         raise RunError(f"{place}: {reason}; mend that, then the same command with --resume goes on") from error
@@ -126,12 +126,12 @@ def _how(options: argparse.Namespace, profile: Profile | None) -> dict[str, Any]
 def _check(decide: Callable[..., None], found: Scan | Suite, directory: Path, options: argparse.Namespace) -> None:
     try:
         decide(found, directory, resume=options.resume, force=options.force)
-    except OSError as error:  # it cannot be looked into
+    except OSError as error:  # it cannot be read
         raise InputError(f"{directory}: {error.strerror or error}; choose another directory with -o") from None
 
 
 def _status(stopped: str | None, outcomes: Sequence[ScanOutcome]) -> int:
-    """Say what is left to do; returns the exit status."""
+    """Print which points are unfinished; return the exit status."""
     if stopped == driver.STOPPED:
         print("granwave: stopped before its end; the same command with --resume goes on", file=sys.stderr)
         return 130
@@ -150,7 +150,7 @@ def _status(stopped: str | None, outcomes: Sequence[ScanOutcome]) -> int:
 
 
 def _reasons(outcome: ScanOutcome) -> str:
-    """Why points failed, where all have one reason."""
+    """Return the reason why points failed, if all have the same; empty otherwise."""
     found = {point.reason.strip() for point in ScanResult(outcome.directory).points if point.status == "failed"}
     return f" ({' '.join(found.pop().split())})" if len(found) == 1 else ""
 
@@ -168,7 +168,7 @@ def _executor(options: argparse.Namespace) -> Profile | None:
 
 
 def _slowness(scan: Scan, directory: Path, options: argparse.Namespace, jobs: int) -> float | None:
-    """Measure the time of a point here over that planned; None where it is not worth measuring."""
+    """Measure the time of a point on this machine over the planned one; None if not worth measuring."""
     left = needs.left(scan, directory, fresh=options.force)
     if options.executor == SLURM or sum(map(expected_time, left)) / jobs < _WORTH_MEASURING:
         return None
@@ -221,7 +221,7 @@ def plan_text(
 
 
 def outcome_text(outcome: ScanOutcome) -> str:
-    """The main values of each point, and where everything is."""
+    """Return the table of the main values of all points, and the place of the results."""
     result = ScanResult(outcome.directory)
     points = [point for point in result.points if point.status != "missing"]
     shown = [key for key in _COLUMNS if any(point.summary.get(key) is not None for point in points)]
@@ -255,7 +255,7 @@ def outcome_text(outcome: ScanOutcome) -> str:
 
 
 def _value(key: str, value: Any) -> str:
-    """A value of a summary for the table at the end; empty where there is none."""
+    """Format a value of a summary for the final table; empty if None."""
     if value is None:
         return ""
     return bounds_in_words(value) if isinstance(value, list) else _COLUMNS[key][1].format(value)

@@ -1,4 +1,4 @@
-"""Common parts of the two finite-element problems: the form of their cases, the directory of a run, ``result.h5``."""
+"""Common parts of the finite-element programs: base of their cases, directory of a run, ``result.h5``."""
 
 from __future__ import annotations
 
@@ -34,19 +34,19 @@ from granwave.lammps_inputs.toml_files import read_toml
 logger = logging.getLogger("granwave")
 
 _MEMORY_BASE = 350e6  # bytes; the interpreter with numba and the drawing library
-_MEMORY_PER_ELEMENT = 2500.0  # measured, setting up included, rounded up
+_MEMORY_PER_ELEMENT = 2500.0  # measured with set-up, rounded up
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class ElementCase(abc.ABC):
-    """A case with a mesh: ``run.elements`` tells how fine.
+    """Base class of the finite-element cases.
 
     Attributes
     ----------
     SECTIONS
-        The dataclass of each table.
+        Dataclass of each table, by name.
     REQUIRED
-        Tables that the case cannot do without.
+        Names of the tables that must be there.
     """
 
     SECTIONS: ClassVar[Mapping[str, type]]
@@ -61,12 +61,12 @@ class ElementCase(abc.ABC):
         source: str | Path = "case",
         overridden: Iterable[str] = (),
     ) -> Self:
-        """Check the nested mapping of a case file and make a case of it; parameters as of `case_from_dict`.
+        """Make a case from the nested mapping of a case file, and check it; parameters as in `case_from_dict`.
 
         Raises
         ------
         InputError
-            With every fault there is.
+            The case is wrong; the message lists all faults.
         """
         known = (*cls.SECTIONS, *keys_of({**cls.SECTIONS, "material": Material}))
         errors, data = ErrorList(str(source), tuple(overridden), known), with_absolute_paths(data, Path())
@@ -83,16 +83,16 @@ class ElementCase(abc.ABC):
     @staticmethod
     @abc.abstractmethod
     def _complete(parts: dict[str, Any], data: Mapping[str, Any], errors: ErrorList) -> None:
-        """Read what is no section, and check what concerns several keys; a part that is wrong is None."""
+        """Read further parts, and check keys against each other; parts that are wrong are None."""
 
     @classmethod
     def load(cls, path: str | Path, overrides: Iterable[str] | Mapping[str, Any] = ()) -> Self:
-        """Read a case file; ``overrides`` as of `granwave.lammps_inputs.load_case`.
+        """Read a case file; ``overrides`` as in `granwave.lammps_inputs.load_case`.
 
         Raises
         ------
         InputError
-            The file or an override is wrong; every fault is named.
+            The file or an override is wrong; the message lists all faults.
         """
         changes = parse_overrides(overrides)
         data = apply_overrides(read_toml(path), changes)
@@ -101,29 +101,29 @@ class ElementCase(abc.ABC):
     @property
     @abc.abstractmethod
     def elements(self) -> int:
-        """About how many elements the mesh has."""
+        """Approximate number of elements of the mesh."""
 
     @property
     def memory(self) -> float:
-        """Bytes that a run needs, an estimate."""
+        """Estimated memory of a run, bytes."""
         return _MEMORY_BASE + _MEMORY_PER_ELEMENT * self.elements
 
     def to_dict(self) -> dict[str, Any]:
-        """The case as nested tables, all defaults filled in, as TOML writes them."""
+        """Return the case as nested tables of TOML values, all defaults filled in."""
         return _without_none(dataclasses.asdict(self))
 
     def to_toml(self) -> str:
-        """The case as a TOML file."""
+        """Return the case as the text of a TOML file."""
         return tomli_w.dumps(self.to_dict())
 
 
 def check_memory(case: ElementCase, available: float | None = None) -> None:
-    """Refuse a mesh that does not fit into memory (``available`` bytes; by default what is free now).
+    """Raise InputError if a mesh does not fit into memory (``available`` bytes; by default that of the machine).
 
     Raises
     ------
     InputError
-        The run needs more than there is.
+        The run needs more memory than available.
     """
     what = f"{case.name}: run.elements: {case.elements} elements"
     refuse_too_large(what, case.memory, "take fewer elements", available)
@@ -139,21 +139,21 @@ def begin(
     force: bool,
     figures: Callable[[], Iterable[str]] | None,
 ) -> dict[str, Any] | None:
-    """Make a directory ready for a run, or find what a finished run of the same case left.
+    """Prepare a directory for a run, or read the summary of a finished run of the same case.
 
     Parameters
     ----------
     results
-        Names of the files that a run leaves.
+        Names of the files that a run writes.
     finished
-        Values of ``end_reason`` of a run that is finished.
+        Values of ``end_reason`` of finished runs.
     figures
-        Gives their names; called where others of these names may be there. None: none are drawn.
+        Function that returns the names of the figures, called if figures may exist; None: none are drawn.
 
     Returns
     -------
     dict or None
-        What summary.json of the finished run holds; None if there is a run to do, and case.toml has been written.
+        Values of summary.json of the finished run; None if the case must be run, for which case.toml has been written.
 
     Raises
     ------
@@ -166,7 +166,7 @@ def begin(
         try:
             return type(case).from_dict(tables, directory / CASE_FILE).to_dict()
         except InputError:
-            return {}  # of another kind: another case in any event
+            return {}  # a case of another kind, which differs in any case
 
     names = list(results)
     if figures and os.path.lexists(directory / FIGURES_DIRECTORY):
@@ -189,14 +189,14 @@ def begin(
 
 
 class ElementResult:
-    """The ``result.h5`` of a finite-element run: all its data sets, its case and its summary.
+    """Data sets, case and summary in the ``result.h5`` of a finite-element run.
 
     Raises
     ------
     MissingOutputError
         There is no result.h5.
     OutputFormatError
-        It is damaged.
+        The file is damaged.
     """
 
     def __init__(self, directory: str | Path) -> None:
@@ -220,10 +220,10 @@ class ElementResult:
         self._read_more(file)
 
     def _read_more(self, file: h5py.File) -> None:
-        """Further values that a kind of result reads."""
+        """Read further values; for derived classes."""
 
     def __getitem__(self, name: str) -> NDArray:
-        """A data set by its name."""
+        """Return a data set by its name."""
         return self._values[name]
 
     def __contains__(self, name: str) -> bool:

@@ -1,4 +1,4 @@
-"""``result.h5`` and ``summary.json`` of a continuum run, each replaced whole or not at all.
+"""Files ``result.h5`` and ``summary.json`` of a continuum run, each replaced atomically.
 
     /nodes, /elements              (r, z) of the nodes; the four nodes of each element
     /element_volume                of each element
@@ -7,8 +7,8 @@
     /plastic_zone/{time, volume, volume_ever}
     /fields/{time, von_mises, plastic_strain, plastic_energy, ever_yielded, displacement}
 
-``von_mises`` is (n_frames, n_elements) at ``time``; the other fields are those at the end. The root carries ``kind``,
-``name``, ``case`` (TOML), ``summary`` and ``versions`` (JSON) as attributes; every data set a ``unit``.
+``von_mises`` is (n_frames, n_elements) at ``time``; the other fields are final values. The root has the attributes
+``kind``, ``name``, ``case`` (TOML), ``summary`` and ``versions`` (JSON); every data set has a ``unit``.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from granwave.workflows.finite_elements.punch.history import History
 from granwave.workflows.finite_elements.punch.solver import Solver
 
 _ENERGIES = ("kinetic", "elastic", "plastic", "viscous", "hourglass", "contact", "punch")
-_COMPRESSED_FROM = 4096  # values; smaller data sets are kept plain
+_COMPRESSED_FROM = 4096  # values; smaller data sets are not compressed
 
 
 def write_result(
