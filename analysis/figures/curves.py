@@ -1,4 +1,4 @@
-"""Parts that figures of curves share: colours and marks by number, panels, ticks, maps in place and time."""
+"""Common elements of figures with curves: colours, markers, panels, ticks, maps in space and time."""
 
 from __future__ import annotations
 
@@ -16,32 +16,32 @@ from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, S
 
 COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY, GREY)
 MARKS = "os^Dv"
-DOUBLE = 7.0  # inches: two columns of a journal
+DOUBLE = 7.0  # inches, two columns of a journal
 
 
 def panels(height: float, columns: int = 1, rows: int = 1, *, width: float = 0.0, **options: Any) -> tuple[Any, ...]:
-    """A new figure and its axes, row by row.
+    """Make a figure; return it and its axes, row by row.
 
     Parameters
     ----------
     height, width
-        Inches; the width is that of one column of a journal for one panel beside another, else of two.
+        Size of the figure, inches; the default width is one journal column for a single column of panels, else two.
     options
-        Of ``Figure.subplots``.
+        Options of ``Figure.subplots``.
     """
     figure = new_figure(height, width or (DOUBLE if columns > 1 else WIDTH))
     return figure, *figure.subplots(rows, columns, squeeze=False, **options).flat
 
 
 def label(axes: Axes, x: str = "", y: str = "", *, log: str = "", **settings: Any) -> None:
-    """Label axes, and set what else they have.
+    """Set labels, scales and further properties of axes.
 
     Parameters
     ----------
     log
         Names of logarithmic axes: ``x``, ``y`` or ``xy``.
     settings
-        Of ``Axes.set``, such as ``xlim`` and ``title``.
+        Options of ``Axes.set``, such as ``xlim`` and ``title``.
     """
     scales = {f"{name}scale": "log" for name in log}
     axes.set(**({"xlabel": x} if x else {}), **({"ylabel": y} if y else {}), **scales, **settings)
@@ -50,14 +50,14 @@ def label(axes: Axes, x: str = "", y: str = "", *, log: str = "", **settings: An
 def few_ticks(
     axis: Axis, ticks: Iterable[float] | None = None, *, subs: Sequence[float] = (), form: str = "{x:.3g}"
 ) -> None:
-    """Plain numbers at a logarithmic axis that spans little.
+    """Set plain tick labels on a logarithmic axis with a small range.
 
     Parameters
     ----------
     ticks
-        Where they stand; None: at ``subs`` times the powers of ten.
+        Positions of the ticks; None: at ``subs`` times the powers of ten.
     form
-        Of their numbers ``x``.
+        Format of the tick labels ``x``.
     """
     axis.set_major_locator(LogLocator(subs=subs) if ticks is None else FixedLocator(list(ticks)))
     axis.set_major_formatter(form)
@@ -65,11 +65,11 @@ def few_ticks(
 
 
 def map_of(axes: Axes, x: ArrayLike, y: ArrayLike, values: NDArray[np.float64], **options: Any) -> QuadMesh:
-    """Values (n_y, n_x) by colour, one cell around each point."""
+    """Draw values (n_y, n_x) as colours, one cell around each point."""
     return axes.pcolormesh(x, y, values, rasterized=True, shading="nearest", **options)
 
 
 def key_of_lines(axes: Axes, lines: Iterable[tuple[str, dict[str, Any]]]) -> None:
-    """Entries of the legend for lines that no single curve stands for."""
+    """Add legend entries for line styles that several curves share."""
     for name, style in lines:
         axes.plot([], [], label=name, **style)

@@ -215,7 +215,7 @@ def test_independent_keys():
 
 def test_sizes_are_numbers():
     key = key_of("packing.size", ["[24, 24, 6]", "[24, 24, 12]"])
-    assert key.numeric and key.values == (6, 12) and key.naming.words == "Layers"
+    assert key.numeric and key.values == (6, 12) and key.naming.label == "Layers"
     assert key_of("packing.size", ["[4, 4, 6]", "[5, 5, 6]"]).values == (96, 150)
     assert key_of("packing.size", [20, 40]).values == (20, 40)
     assert not key_of("run.end_time", [1e-3, "auto"]).numeric
