@@ -1,4 +1,4 @@
-"""A second, independent implementation of the contact law and of a network of spheres, in numpy: for tests only."""
+"""Second, independent implementation of the contact law and of a network of spheres, in numpy: for tests only."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ PRINTED = (2.48, 0.098, 177.6, 2.37, 59.96, 0.95, 25.94, 0.015, 1.35)
 
 
 class LawTwin:
-    """The elasto-plastic law in normalised units, written from the equations (thesis 2.8 to 2.17), not from the header."""
+    """Elastoplastic law in normalized units, implemented from the equations (thesis 2.8 to 2.17), not from the header."""
 
     def __init__(self, variant: str = "continuous", factor: float = 1.6, **constants: float) -> None:
         self.K = 1.5 / factor
@@ -67,7 +67,7 @@ def scales(radius: float, modulus: float = 115e9, ratio: float = 0.3, strength: 
 
 
 class Network:
-    """Point masses in true geometry, contacts found once; velocity Verlet in numpy.
+    """Point masses with true geometry and a fixed set of contacts; velocity Verlet in numpy.
 
     Parameters
     ----------
@@ -135,5 +135,5 @@ class Network:
         return self
 
     def dissipated(self) -> float:
-        """Energy lost, J."""
+        """Dissipated energy, J."""
         return self.force_y * self.alpha_y * sum(self.law.dissipated(p) for p in self.peak)
