@@ -32,7 +32,7 @@ _REASONS = {"truncated file": "it was cut", "signature not found": "it is no HDF
 
 def _why_no_run(path: Path) -> str:
     from granwave.analysis.result.not_a_run import (
-        why_no_run,  # which knows scans, that know summaries, that know results
+        why_no_run,  # imports scans, which import summaries, which import results
     )
 
     return why_no_run(path)

@@ -138,7 +138,7 @@ def expected_peak_overlap(case: Case | Assembly) -> float:
 
 
 def auto_timestep(case: Case | Assembly) -> float:
-    """Return the timestep for ``run.timestep = "auto"``, s; raise ValueError if no contact takes up energy."""
+    """Return the timestep for ``run.timestep = "auto"``, s; raise ValueError if no contact absorbs energy."""
     assembly = assemble(case)
     case = assembly.case
     encounters = _encounters(assembly)
@@ -224,7 +224,7 @@ def _of_any(assembly: Assembly) -> list[Encounter]:
 
 
 def _limited(assembly: Assembly, law: ContactLaw, energy: float) -> float:
-    """Limit the energy that a contact takes up by the magnitude of the load, J."""
+    """Limit the energy absorbed by a contact by the magnitude of the load, J."""
     case = assembly.case
     load = case.load
     if load.kind == "displacement":

@@ -54,7 +54,7 @@ def _note(directory: Path, point: Point) -> None:
 
 
 def end_of(directory: Path, job: str) -> str:
-    """Return why Slurm ended a job of a scan, with a remedy; empty if it did not, or no longer knows the job.
+    """Return why Slurm ended a job of a scan, with a remedy; empty if it did not, or has no record of the job.
 
     An example is ``TIMEOUT (TimeLimit): JOB 17 ON n1 CANCELLED AT ... DUE TO TIME LIMIT; give a longer slurm.time``.
     """
@@ -73,7 +73,7 @@ def _state(job: str) -> str:
         found = queue.ask(["scontrol", "--oneliner", "show", "job", job])
         state, reason, status = (re.search(rf"\b{key}=(\S+)", found) for key in ("JobState", "Reason", "ExitCode"))
         words = [match[1] if match else "" for match in (state, reason, status)]
-    except RunError:  # scontrol forgets old jobs
+    except RunError:  # scontrol has no record of old jobs
         if shutil.which("sacct") is None:
             return ""
         try:
