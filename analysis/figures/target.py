@@ -1,4 +1,4 @@
-"""Figures of the protected target, with and without the packing."""
+"""Figure of the protected target, with and without the packing."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _MICRO, _MILLI = 1e6, 1e3
 
 
 def target(result: Result) -> Drawing | None:
-    """Force, impulse and energy that reach the bottom against time, and the force there without the packing."""
+    """Draw force, impulse and work on the bottom against time, and the force without the packing."""
     found = reached(result)
     if found is None or not np.any(found.force):
         return None

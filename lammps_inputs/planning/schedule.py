@@ -1,8 +1,8 @@
-"""When things happen in a run, in whole timesteps.
+"""Schedule of a run in whole timesteps.
 
-With an automatic timestep the step is shortened until the end time (or a block, for ``end_time = "auto"``) is
-a whole number of ledger intervals: the run ends exactly when asked, and its last step is in the ledger. With
-a timestep given by the user that step is kept, and the end time is rounded up by as few steps as possible.
+An automatic timestep is shortened until the end time (or a block, for ``end_time = "auto"``) is a whole number of
+ledger intervals: the run ends exactly at the end time, and its last step is in the ledger. A timestep given by the user
+is kept, and the end time is rounded up by as few steps as possible.
 """
 
 from __future__ import annotations
@@ -21,29 +21,29 @@ from granwave.lammps_inputs.planning.timestep import auto_timestep
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
 
-BLOCK_TIME = 50e-6  # s, of end_time = "auto"
-BLOCK_THRESHOLD = 1e-4  # of the input energy: a block that dissipates less is the last
-_LEDGER_ROWS = 500  # aimed at, of a run with an end time
-_LEDGER_ROWS_IN_BLOCK = 250  # the run may end after one block, and a balance over fewer instants is no balance
+BLOCK_TIME = 50e-6  # s, length of a block of end_time = "auto"
+BLOCK_THRESHOLD = 1e-4  # dissipation over energy input; a block that dissipates less is the last
+_LEDGER_ROWS = 500  # target for a run with an end time
+_LEDGER_ROWS_IN_BLOCK = 250  # target for a block: the run may end after the first, and the balance needs enough rows
 _AUTO_PROBE_STEPS = 5
-_WALL_STEPS = 10  # some 0.3 us of the reference; LAMMPS adds up all energies whenever anything is recorded
+_WALL_STEPS = 10  # some 0.3 us in the reference case; LAMMPS evaluates all energies whenever it records anything
 MOST_STEPS = 2e9
-_MOST_UNEVEN_FRAMES = 10_000  # LAMMPS evaluates a formula with a term for each before every snapshot: 40 s in all
-_AUTO_FRAME_SPAN = 1e-3  # s, over which `frames` snapshots are spread when the end is not known
+_MOST_UNEVEN_FRAMES = 10_000  # each snapshot evaluates a formula with a term for each of them: 40 s in total
+_AUTO_FRAME_SPAN = 1e-3  # s, time over which `frames` snapshots are spread if the end is not known
 
 
 @dataclasses.dataclass(frozen=True)
 class Schedule:
-    """A run in whole timesteps.
+    """Timestep, number of steps, and output intervals in steps.
 
     Attributes
     ----------
     timestep
-        s.
+        Timestep, s.
     n_steps
-        Of the run; with ``block_steps`` the most it can be.
+        Steps of the run; with ``block_steps`` the largest possible number.
     block_steps
-        Of a block of ``end_time = "auto"``; 0 if the run has an end time.
+        Steps of a block of ``end_time = "auto"``; 0 if the run has an end time.
     ledger_every
         Steps between rows of the energy ledger.
     wall_every
@@ -55,7 +55,7 @@ class Schedule:
     frame_steps
         Steps of the snapshots after the first, at step 0, if they are not evenly spaced.
     history_every
-        Steps between the instants at which a whole chain is recorded; 0: never.
+        Steps between records of the history of a chain; 0: none.
     """
 
     timestep: float
@@ -75,17 +75,17 @@ class Schedule:
 
     @property
     def n_frames(self) -> int:
-        """Snapshots of a run that goes on to its last step, the start among them."""
+        """Number of snapshots of a run that reaches its last step, including the start."""
         return 1 + (len(self.frame_steps) or math.ceil(self.n_steps / self.frame_every))
 
 
 def make_schedule(case: Case | Assembly, timestep: float | None = None) -> Schedule:
-    """The schedule of a case.
+    """Make the schedule of a case.
 
     Parameters
     ----------
     timestep
-        s; takes the place of ``run.timestep``.
+        Timestep in place of ``run.timestep``, s.
     """
     assembly = assemble(case)
     case = assembly.case
@@ -112,7 +112,7 @@ def make_schedule(case: Case | Assembly, timestep: float | None = None) -> Sched
 
 
 def check_steps(name: str, duration: float, timestep: float) -> None:
-    """Refuse a run of more steps than can be counted.
+    """Raise InputError if a run has more steps than `MOST_STEPS`.
 
     Raises
     ------
@@ -148,7 +148,7 @@ def _in_blocks(assembly: Assembly, given: float | str) -> Schedule:
 
 
 def _fit(assembly: Assembly, given: float | str, duration: float, rows: int) -> tuple[float, int, int]:
-    """Timestep, steps in ``duration``, and steps between the about ``rows`` rows of the ledger."""
+    """Return the timestep, the steps in ``duration``, and the steps between about ``rows`` rows of the ledger."""
     case = assembly.case
     step = auto_timestep(assembly) if isinstance(given, str) else given
     check_steps(case.name, duration, step)
@@ -162,7 +162,7 @@ def _fit(assembly: Assembly, given: float | str, duration: float, rows: int) -> 
 
 
 def _divisor(n_steps: int, most: int) -> int:
-    """The largest number of steps, of at most so many, that fits into the run a whole number of times."""
+    """Return the largest divisor of ``n_steps`` up to ``most``."""
     return max(every for every in range(1, most + 1) if n_steps % every == 0)
 
 
@@ -178,14 +178,14 @@ def _probe_every(case: Case, dt: float, n_steps: int) -> int:
 
 
 def _check_counts(case: Case, n_steps: int, *, even: bool) -> None:
-    """Refuse more snapshots, or instants of a chain's history, than there can be; makes none of them.
+    """Raise InputError for more snapshots, or records of a chain, than possible, before they are computed.
 
     Parameters
     ----------
     n_steps
         Steps over which they are spread.
     even
-        The snapshots are evenly spaced.
+        True if the snapshots are evenly spaced.
     """
     frames, history = case.run.frames, case.output.history
     count, errors = frames if isinstance(frames, int) else len(frames), []
@@ -204,7 +204,7 @@ def _check_counts(case: Case, n_steps: int, *, even: bool) -> None:
 
 
 def _even_frames(case: Case, n_steps: int) -> int:
-    """Steps between snapshots where their number divides the run into equal parts; else 0."""
+    """Return the steps between snapshots if they divide the run into equal parts, else 0."""
     frames = case.run.frames
     if not isinstance(frames, int) or frames < 2 or n_steps % (frames - 1):
         return 0
@@ -212,7 +212,7 @@ def _even_frames(case: Case, n_steps: int) -> int:
 
 
 def _frame_steps(case: Case, dt: float, n_steps: int) -> tuple[int, ...]:
-    """Steps of the snapshots after step 0; the last step is always one."""
+    """Return the steps of the snapshots after step 0; the last step is always included."""
     if isinstance(case.run.frames, tuple):
         wanted = np.rint(np.array(case.run.frames) / dt)
     else:

@@ -1,4 +1,4 @@
-"""Directories of scans that no engine made: every number in them follows from the labels."""
+"""Synthetic scan directories: all numbers in them follow from the labels."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ Change = Mapping[int, str]
 
 
 def grid(**values: Sequence[Any]) -> list[Labels]:
-    """Every combination; `load__velocity` stands for load.velocity."""
+    """All combinations of values; `load__velocity` denotes load.velocity."""
     names = [name.replace("__", ".") for name in values]
     return [dict(zip(names, point, strict=True)) for point in itertools.product(*values.values())]
 
@@ -42,9 +42,9 @@ def write_scan(
     Parameters
     ----------
     failed
-        Why points failed, by number from 1.
+        Reasons why points failed, by number from 1.
     missing
-        Numbers of points that were never begun.
+        Numbers of points that were never started.
     """
     varied = list(dict.fromkeys(key for point in points for key in point))
     index = []
@@ -65,12 +65,12 @@ def write_scan(
 
 
 def point_id(labels: Labels) -> str:
-    """Equal points share one."""
+    """ID of a point; equal points have the same."""
     return hashlib.sha256(json.dumps(labels, sort_keys=True).encode()).hexdigest()[:10]
 
 
 def finish_point(folder: Path, labels: Labels) -> None:
-    """What a finished run leaves, as far as a scan reads it."""
+    """Output files of a finished run that are read by a scan."""
     case = case_of(labels)
     (folder / "case.toml").write_text(case.to_toml(), encoding="utf-8")
     write_json(folder / "point.json", {"state": "finished", "attempts": 1, "reason": None})
@@ -78,13 +78,13 @@ def finish_point(folder: Path, labels: Labels) -> None:
 
 
 def case_of(labels: Labels) -> Case:
-    """The case of one point."""
+    """Case of one point."""
     words = [f"{key}={json.dumps(value) if isinstance(value, bool) else value}" for key, value in labels.items()]
     return case_from_dict(apply_overrides(BASE, parse_overrides(words)), "case")
 
 
 def summary_of(case: Case) -> dict[str, Any]:
-    """A summary whose values depend on the case smoothly, and on the seed by up to 2 %."""
+    """Summary whose values depend smoothly on the case, and by up to 2 % on the seed."""
     law, velocity, diameter = sphere_contact(case), case.load.velocity, case.packing.diameter
     seed = getattr(case.packing, "seed", None) or 0
     noise = 1 + 0.02 * ((seed * 7) % 11 - 5) / 5
@@ -118,5 +118,5 @@ def summary_of(case: Case) -> dict[str, Any]:
 
 
 def write_json(path: Path, content: Any) -> None:
-    """As the engine writes it."""
+    """Ledger in the format of the engine."""
     path.write_text(json.dumps(content), encoding="utf-8")

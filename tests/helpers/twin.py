@@ -1,4 +1,4 @@
-"""A second, independent implementation of the contact law and of a network of spheres, in numpy: for tests only."""
+"""Second, independent implementation of the contact law and of a network of spheres, in numpy: for tests only."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ OTHER = {
 
 
 class LawTwin:
-    """The elasto-plastic law in normalised units, written from the equations (thesis 2.8 to 2.17), not from the header."""
+    """Elastoplastic law in normalized units, implemented from the equations (thesis 2.8 to 2.17), not from the header."""
 
     def __init__(self, variant: str = "continuous", factor: float = 1.6, **constants: float) -> None:
         self.K = 1.5 / factor
@@ -72,7 +72,7 @@ def scales(radius: float, modulus: float = 115e9, ratio: float = 0.3, strength: 
 
 
 class Network:
-    """Point masses in true geometry, contacts found once; velocity Verlet in numpy.
+    """Point masses with true geometry and a fixed set of contacts; velocity Verlet in numpy.
 
     Parameters
     ----------
@@ -140,5 +140,5 @@ class Network:
         return self
 
     def dissipated(self) -> float:
-        """Energy lost, J."""
+        """Dissipated energy, J."""
         return self.force_y * self.alpha_y * sum(self.law.dissipated(p) for p in self.peak)

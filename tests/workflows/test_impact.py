@@ -29,7 +29,7 @@ def energies(directory: Path):
 
 
 def test_fcc_impact_against_the_network_twin(lmp, tmp_path):
-    """The same packing as point masses in true geometry: same losses, same peaks, contact by contact."""
+    """Same packing as point masses in true geometry: equal losses and peaks, contact by contact."""
     written = deck(tmp_path, "boundary.bottom=free", "run.timestep=5e-8")
     assert lmp(written.script).returncode == 0
     packing = build_packing(written.case)
@@ -45,8 +45,8 @@ def test_fcc_impact_against_the_network_twin(lmp, tmp_path):
 
 
 def test_three_preferred_directions_are_equal(lmp, tmp_path):
-    """Impact along [111] has a three-fold axis: contacts that it maps on each other have equal peaks, to 1e-7, for as long as
-    nothing has come back from the sides."""
+    """Impact along [111] has a three-fold axis: contacts mapped onto each other have equal peaks, to 1e-7, until
+    reflections from the sides arrive."""
     written = deck(tmp_path, "packing.size=[19,19,8]", "run.end_time=1e-4")
     assert lmp(written.script).returncode == 0
     packing = build_packing(written.case)
@@ -72,7 +72,7 @@ def test_three_preferred_directions_are_equal(lmp, tmp_path):
         (2, ()),
         (2, ("boundary.sides=periodic",)),
         (2, ("load.velocity=40", "load.spheres=7", "boundary.sides=wall")),
-        # more ranks than cores wait for each other in turns: few steps
+        # slow with more ranks than cores: few steps
         (3, ("load.velocity=40", "boundary.sides=periodic", "run.timestep=1e-7", "run.end_time=3e-5")),
         pytest.param(
             4,
@@ -102,12 +102,12 @@ def test_any_number_of_ranks(lmp, tmp_path, ranks, overrides):
         (1, "", True),
         (2, "comm_style tiled\nfix shuffle all balance 150 1.0 rcb\n", True),
         pytest.param(3, "comm_style tiled\nfix shuffle all balance 150 1.0 rcb\n", True, marks=pytest.mark.validation),
-        # this way of balancing, LAMMPS's own, itself moves spheres by rounding
+        # this method of balancing in LAMMPS itself changes positions by rounding
         (2, "fix shuffle all balance 150 1.0 shift xyz 10 1.0\n", False),
     ],
 )
 def test_balanced_and_sorted_ranks_change_nothing(lmp, tmp_path, ranks, balance, bits):
-    """Spheres that migrate between processors after their contacts yielded take their dents along."""
+    """Spheres that migrate between processors after their contacts have yielded keep their dents."""
     plain, moved = deck(tmp_path / "plain", "load.velocity=20"), deck(tmp_path / "moved", "load.velocity=20")
     text = moved.script.read_text()
     more = f"{balance}neigh_modify every 50 check no\natom_modify sort 40 0.02\n# --- run ---"

@@ -1,4 +1,4 @@
-"""`granwave scan` at the terminal: the plan, the bar, what came of it."""
+"""Command ``granwave scan``: plan, run and outcome of scans and suites in the terminal."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ from granwave.workflows.scanning.profile import Profile, load_profile
 from granwave.workflows.scanning.scan_file import Scan, load_scan
 from granwave.workflows.scanning.suite import Suite, check_suite, is_suite, load_suite, run_suite
 
-_WORTH_MEASURING = 20.0  # s of expected time, beyond which the speed of this machine is measured first
+_WORTH_MEASURING = 20.0  # s; for a longer expected time the speed of this machine is measured first
 _MOST_ROWS = 40
 
 
 def scan(options: argparse.Namespace) -> int:
-    """Run it; returns the exit status."""
+    """Run a scan or suite; return the exit status."""
     profile = _executor(options)
     jobs = options.jobs or default_jobs(profile)
     try:
@@ -44,8 +44,8 @@ def scan(options: argparse.Namespace) -> int:
             return _suite(options, profile, jobs)
         return _scan(options, profile, jobs)
     except BrokenPipeError:
-        raise  # nobody reads the plan any more
-    except OSError as error:  # a full disk, above all
+        raise  # the reader of the plan has closed it
+    except OSError as error:  # usually a full disk
         place = error.filename or options.directory or options.scan
         reason = error.strerror or error
         raise RunError(f"{place}: {reason}; mend that, then the same command with --resume goes on") from error
@@ -141,7 +141,7 @@ def _status(stopped: str | None, outcomes: Sequence[ScanOutcome]) -> int:
 
 
 def _reasons(outcome: ScanOutcome) -> str:
-    """Why points failed, where all have one reason."""
+    """Return the reason why points failed, if all have the same; empty otherwise."""
     found = {point.reason.strip() for point in ScanResult(outcome.directory).points if point.status == "failed"}
     return f" ({' '.join(found.pop().split())})" if len(found) == 1 else ""
 
@@ -159,7 +159,7 @@ def _executor(options: argparse.Namespace) -> Profile | None:
 
 
 def _slowness(scan: Scan, directory: Path, options: argparse.Namespace, jobs: int) -> float | None:
-    """Measure the time of a point here over that planned; None where it is not worth measuring."""
+    """Measure the time of a point on this machine over the planned one; None if not worth measuring."""
     left = needs.left(scan, directory, fresh=options.force)
     if options.executor == SLURM or sum(map(expected_time, left)) / jobs < _WORTH_MEASURING:
         return None
@@ -212,7 +212,7 @@ def plan_text(
 
 
 def outcome_text(outcome: ScanOutcome) -> str:
-    """The main values of each point, and where everything is."""
+    """Return the table of the main values of all points, and the place of the results."""
     result = ScanResult(outcome.directory)
     points = [point for point in result.points if point.status != "missing"]
     shown = [one for one in SCAN_COLUMNS if any(point.summary.get(one.name) is not None for point in points)]

@@ -19,19 +19,19 @@ from granwave.lammps_inputs.named_files import with_absolute_paths
 from granwave.lammps_inputs.toml_files import read_toml
 
 _MEMORY_BASE = 350e6  # bytes; the interpreter with numba and the drawing library
-_MEMORY_PER_ELEMENT = 2500.0  # measured, setting up included, rounded up
+_MEMORY_PER_ELEMENT = 2500.0  # measured with set-up, rounded up
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class ElementCase(abc.ABC):
-    """A case with a mesh: ``run.elements`` tells how fine.
+    """Base class of the finite-element cases.
 
     Attributes
     ----------
     SECTIONS
-        The dataclass of each table.
+        Dataclass of each table, by name.
     REQUIRED
-        Tables that the case cannot do without.
+        Names of the tables that must be there.
     """
 
     SECTIONS: ClassVar[Mapping[str, type]]
@@ -46,12 +46,12 @@ class ElementCase(abc.ABC):
         source: str | Path = "case",
         overridden: Iterable[str] = (),
     ) -> Self:
-        """Check the nested mapping of a case file and make a case of it; parameters as of `case_from_dict`.
+        """Make a case from the nested mapping of a case file, and check it; parameters as in `case_from_dict`.
 
         Raises
         ------
         InputError
-            With every fault there is.
+            The case is wrong; the message lists all faults.
         """
         known = (*cls.SECTIONS, *keys_of({**cls.SECTIONS, "material": Material}))
         errors, data = ErrorList(str(source), tuple(overridden), known), with_absolute_paths(data, Path())
@@ -68,16 +68,16 @@ class ElementCase(abc.ABC):
     @staticmethod
     @abc.abstractmethod
     def _complete(parts: dict[str, Any], data: Mapping[str, Any], errors: ErrorList) -> None:
-        """Read what is no section, and check what concerns several keys; a part that is wrong is None."""
+        """Read further parts, and check keys against each other; parts that are wrong are None."""
 
     @classmethod
     def load(cls, path: str | Path, overrides: Iterable[str] | Mapping[str, Any] = ()) -> Self:
-        """Read a case file; ``overrides`` as of `granwave.lammps_inputs.load_case`.
+        """Read a case file; ``overrides`` as in `granwave.lammps_inputs.load_case`.
 
         Raises
         ------
         InputError
-            The file or an override is wrong; every fault is named.
+            The file or an override is wrong; the message lists all faults.
         """
         changes = parse_overrides(overrides)
         data = apply_overrides(read_toml(path), changes)
@@ -86,29 +86,29 @@ class ElementCase(abc.ABC):
     @property
     @abc.abstractmethod
     def elements(self) -> int:
-        """About how many elements the mesh has."""
+        """Approximate number of elements of the mesh."""
 
     @property
     def memory(self) -> float:
-        """Bytes that a run needs, an estimate."""
+        """Estimated memory of a run, bytes."""
         return _MEMORY_BASE + _MEMORY_PER_ELEMENT * self.elements
 
     def to_dict(self) -> dict[str, Any]:
-        """The case as nested tables, all defaults filled in, as TOML writes them."""
+        """Return the case as nested tables of TOML values, all defaults filled in."""
         return _without_none(dataclasses.asdict(self))
 
     def to_toml(self) -> str:
-        """The case as a TOML file."""
+        """Return the case as the text of a TOML file."""
         return tomli_w.dumps(self.to_dict())
 
 
 def check_memory(case: ElementCase, available: float | None = None) -> None:
-    """Refuse a mesh that does not fit into memory (``available`` bytes; by default what is free now).
+    """Raise InputError if a mesh does not fit into memory (``available`` bytes; by default that of the machine).
 
     Raises
     ------
     InputError
-        The run needs more than there is.
+        The run needs more memory than available.
     """
     what = f"{case.name}: run.elements: {case.elements} elements"
     refuse_too_large(what, case.memory, "take fewer elements", available)

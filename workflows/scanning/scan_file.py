@@ -1,7 +1,7 @@
-"""A scan file: one case, what varies, and the points that come of it.
+"""A scan file: one case, varied keys, and the resulting points.
 
-Every point is a whole case, checked before anything runs. Its id is made of the resolved case and of the versions that
-its result depends on, so that equal points are one, in one scan and in the next.
+Every point is a complete case, checked before anything runs. Its id is a hash of the resolved case and of the versions
+that its result depends on, so that equal points are run once, within a scan and in repeated scans.
 """
 
 from __future__ import annotations
@@ -43,11 +43,19 @@ class Point:
     Attributes
     ----------
     number
-        From 1, in the order of the scan.
+        Number of the point from 1, in the order of the scan.
     id
-        Stands for the resolved case and the versions that matter.
+        Hash of the resolved case and the relevant versions.
     labels
-        The values of what varies, by dotted key; lists and tables as text.
+        Varied values by dotted key; lists and tables as text.
+    case
+        Resolved case.
+    kind
+        Kind of the case.
+    plan
+        Expected cost.
+    ranks
+        Number of MPI ranks.
     """
 
     number: int
@@ -60,22 +68,22 @@ class Point:
 
     @property
     def size(self) -> int:
-        """Spheres or elements."""
+        """Number of spheres or elements."""
         return self.kind.size(self.case)
 
 
 @dataclasses.dataclass(frozen=True)
 class Scan:
-    """A scan that can be run.
+    """A checked scan.
 
     Attributes
     ----------
     varied
-        Dotted keys, in the order of the file.
+        Varied dotted keys, in the order of the file.
     text
-        The file; what was set from outside stands above it as comments.
+        Text of the file, after comments with the overrides.
     study
-        Names of the studies that its report makes of it.
+        Names of the studies in its report.
     """
 
     name: str
@@ -88,11 +96,11 @@ class Scan:
 
     @property
     def distinct(self) -> dict[str, Point]:
-        """The points by id: equal ones once."""
+        """Distinct points by id."""
         return {point.id: point for point in reversed(self.points)}
 
     def index(self) -> dict[str, Any]:
-        """Content of scan.json."""
+        """Return the content of scan.json."""
         points = [
             {"number": point.number, "id": point.id, "labels": point.labels, "ranks": point.ranks}
             for point in self.points
@@ -107,7 +115,7 @@ class Scan:
 
 
 def find_scan(scan: str | Path, directory: Path = Path()) -> Path:
-    """The file of a scan or a suite, or of the built-in one of that name.
+    """Find the file of a scan or a suite, given as a path or as the name of a built-in one.
 
     Parameters
     ----------
@@ -117,7 +125,7 @@ def find_scan(scan: str | Path, directory: Path = Path()) -> Path:
     Raises
     ------
     InputError
-        There is none, or it cannot be read.
+        There is no such scan, or it cannot be read.
     """
     try:
         return library.find_for(str(scan), library.SCAN, directory=directory)
@@ -131,16 +139,16 @@ def load_scan(scan: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (
     Parameters
     ----------
     scan
-        The file, or the name of a built-in scan.
+        Path of the file, or name of a built-in scan.
     overrides
-        Keys of the case that hold for all points, beside and before those of ``[set]``.
+        Keys of the case for all points, in addition to those of ``[set]`` and with precedence over them.
     here
-        The points are for this machine, and must fit into its memory; those for a cluster need not.
+        True if the points run on this machine and must fit into its memory.
 
     Raises
     ------
     InputError
-        The file, an override, or any point is wrong: a line for each invalid point.
+        The file, an override or any point is wrong; the message has a line for each invalid point.
     """
     changes = parse_overrides(overrides)
     path = find_scan(scan)
@@ -162,12 +170,12 @@ def load_scan(scan: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (
 
 
 def scan_of_case(case: str, beside: Path, *, here: bool = True) -> Scan:
-    """One case as a scan of a single point, with its figures; raises as `load_scan`.
+    """Make a scan of a single point, with figures, from one case; raise as `load_scan`.
 
     Parameters
     ----------
     case
-        A built-in study, or a case file as seen from the file ``beside``.
+        Name of a built-in study, or path of a case file relative to the file ``beside``.
     """
     text = f'case = "{case}"\nfigures = true\n'
     header = Header(name=Path(case).stem, case=case, figures=True)
@@ -231,7 +239,7 @@ def _build(
 def _replicates(
     values: Mapping[str, Any], header: Header, read: Callable[[Mapping[str, Any]], AnyCase]
 ) -> list[Mapping[str, Any]]:
-    """The seeds of a point; one where nothing is random in it."""
+    """Return a point with each of its seeds; one if nothing in it is random."""
     if header.replicates == 1:
         return [values]
     case = read(values)
@@ -242,7 +250,7 @@ def _replicates(
 
 
 def _find_case(case: str, path: Path) -> Path:
-    """A case file as seen from the scan file, or a built-in study."""
+    """Find a built-in study, or a case file relative to the scan file."""
     try:
         return library.find_for(case, GRANULAR.verb, CONTINUUM.verb, directory=path.parent)
     except InputError as error:
@@ -254,8 +262,8 @@ def _find_case(case: str, path: Path) -> Path:
 def _with(
     template: Mapping[str, Any], settings: Mapping[str, Any], path: Path, changes: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """The case with some keys set."""
-    # whole tables first, then what is set inside them
+    """Apply settings to the tables of a case."""
+    # whole tables first, then keys inside them
     ordered = {key: settings[key] for key in sorted(settings, key=lambda key: key.count("."))}
     try:
         return apply_overrides(template, ordered)
@@ -268,7 +276,7 @@ def _with(
 
 @contextlib.contextmanager
 def _each_warning_once() -> Iterator[None]:
-    """Not once for each of a thousand points."""
+    """Suppress repeated warnings, which many points would give."""
     fresh = each_warning_once()
     _LOG.addFilter(fresh)
     try:
@@ -295,7 +303,7 @@ def _point(
 
 
 def _labelled(points: Sequence[Point], varied: Sequence[str], folder: Path) -> list[Point]:
-    """The points with labels in place of the values of what varies; paths as seen from the scan file's folder."""
+    """Replace the varied values of points by labels, with paths relative to the folder of the scan file."""
     columns = {key: labels_of([with_short_paths(point.labels[key], folder, key) for point in points]) for key in varied}
     return [
         dataclasses.replace(point, labels={key: columns[key][n] for key in varied}) for n, point in enumerate(points)
@@ -319,6 +327,6 @@ def _error_lines(path: Path, errors: Sequence[tuple[int, Mapping[str, Any], list
             labels = ", ".join(
                 f"{key} = {show(with_short_paths(value, path.parent, key))}" for key, value in values.items()
             )
-            told = "; ".join(fault.removeprefix(f"{path}: ") for fault in own)
-            lines.append(f"{path}: point {n} ({labels}): {told}")
+            message = "; ".join(fault.removeprefix(f"{path}: ") for fault in own)
+            lines.append(f"{path}: point {n} ({labels}): {message}")
     return lines

@@ -1,4 +1,4 @@
-"""Runs against each other, and granular against continuum: figures and tables as of thesis chapter 5."""
+"""Section comparing runs with each other, and granular with continuum, as in thesis chapter 5."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from granwave.analysis.studies.granular_continuum.impacts import Continuum, Gran
 from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY
 
 SLUG = "comparison"
-_LAYERS = (1, 4, 8, 16)  # below the struck one, whose uniformity is told
+_LAYERS = (1, 4, 8, 16)  # layers below the struck one for which the uniformity is given
 _FIT_REMARK = (
     "The constants that the source prints cannot be those of its figure: at a normalised velocity of 94.9 they give "
     "more dissipation than there is input. With powers of ten that fit its units they are 9.45, -3.04 and 0.500; the "
@@ -38,7 +38,7 @@ _TONES: Mapping[Mark, Tone] = {Mark.NONE: "", Mark.WAVE: "note", Mark.CUT: "note
 
 
 def comparison_section(inputs: Inputs) -> Section:
-    """The section of the report; without blocks where there is nothing to compare."""
+    """Make the section of the report; without blocks if there is nothing to compare."""
     impacts = impacts_of(inputs)
     figures = tuple(_pictures(impacts, inputs))
     tables = [table for table in _tables(impacts) if table is not None]
@@ -49,7 +49,7 @@ def comparison_section(inputs: Inputs) -> Section:
 
 
 def impacts_of(inputs: Inputs) -> Impacts:
-    """Return the impacts of a report's runs that can be compared."""
+    """Return the impacts among the runs of a report that can be compared."""
     return collect((run.label, run.directory, run.summary) for run in inputs.whole())
 
 
@@ -200,7 +200,7 @@ def _zones(impacts: Impacts) -> Iterable[Block]:
 
 
 def _size(value: float | None, open_ended: bool, tone: Tone) -> Cell:
-    """Cell of a size with four digits; ``open_ended``: it is larger still."""
+    """Return the cell of a size with four digits; ``open_ended``: the size is a lower bound."""
     if value is None:
         return value_cell(None)
     text = show(float(f"{value:.4g}"))

@@ -1,4 +1,4 @@
-"""The studies that a report's runs belong to: of the sources beside ours, of tolerances, of protected targets."""
+"""Section of studies that the runs of a report belong to, and their verdicts."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _COLUMNS = (
 
 
 def studies_section(inputs: Inputs, found: Sequence[Study]) -> Section:
-    """The section of the report; without blocks where there is no study."""
+    """Make the section of the report; without blocks if there is no study."""
     texts = [study.text for study in found]
     first = [texts.index(text) == n for n, text in enumerate(texts)]
     return Section("Studies", SLUG, tuple(_group(study, inputs, new) for study, new in zip(found, first, strict=True)))
@@ -40,18 +40,18 @@ def verdicts(found: Sequence[Study]) -> tuple[Group, ...]:
 
 
 def studies_of(inputs: Inputs, named: Sequence[str] = ()) -> list[Study]:
-    """Studies that the scans of a report name, of all runs of the scans that name them.
+    """Make the studies that the scans of a report name, from all runs of these scans.
 
     Parameters
     ----------
     named
-        Further studies, of all runs of the report.
+        Names of further studies, of all runs of the report.
     """
     offered: dict[str, dict[Path, FinishedRun]] = {}
     read: dict[Path, tuple[FinishedRun, ...]] = {}
-    asked = [(run, tuple(named)) for run in inputs.runs]
-    asked += [(point.run, (*scan.studies, *named)) for scan in inputs.scans for point in scan.points if point.run]
-    for run, names in asked:
+    requested = [(run, tuple(named)) for run in inputs.runs]
+    requested += [(point.run, (*scan.studies, *named)) for scan in inputs.scans for point in scan.points if point.run]
+    for run, names in requested:
         if not names or run.kind != "run":
             continue
         if run.directory not in read:
@@ -62,14 +62,14 @@ def studies_of(inputs: Inputs, named: Sequence[str] = ()) -> list[Study]:
 
 
 def _guessed(inputs: Inputs) -> list[Study]:
-    """Studies that still find their runs by themselves."""
+    """Make the studies that select their runs by themselves."""
     found = [(run.label, run.directory, run.summary) for run in inputs.whole() if run.kind == "run"]
     undone = [point.result.labels for scan in inputs.scans for point in scan.points if point.run is None]
     return tolerance_studies(collect_tolerances(found), undone)
 
 
 def _group(study: Study, inputs: Inputs, new: bool) -> Group:
-    """A study; its text only where it is new."""
+    """Make the group of a study, with its text only if it is new."""
     blocks: list[Table | Gallery | Note] = [Note(study.text)] if new else []
     if study.rows:
         what = "source" if any(row.source is not None for row in study.rows) else "theory"

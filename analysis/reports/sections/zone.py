@@ -1,4 +1,4 @@
-"""Notes on plastic zones that the size of a packing or block decides."""
+"""Notes on plastic zones that the size of a packing or block limits."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from granwave.analysis.reports.inputs import Run
 
 
 def zone_notes(runs: Sequence[Run], section: str = "") -> list[Note]:
-    """Return a note on the runs whose zone reaches a bound, and one on those that a wave came back to.
+    """Return notes on runs whose zone reaches a boundary, and on runs in which a wave returned from one.
 
     Parameters
     ----------
     section
-        Where to read on.
+        Name of the section with details.
     """
     notes = []
     cut = [f"{run.label} ({bounds_in_words(run.summary['zone_cut'])})" for run in _marked(runs, Mark.CUT)]

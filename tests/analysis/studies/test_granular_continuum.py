@@ -1,4 +1,4 @@
-"""Granular against continuum: a small suite is run once; what the comparison says of it, and how a suite behaves."""
+"""Granular and continuum models: comparison for a small suite that is run once, and behavior of suites."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from granwave.workflows import library, load_scan
 from granwave.workflows.cli.parser import main
 from granwave.workflows.scanning.suite import load_suite, run_suite
 
-#: The reference, and the same normalised velocities with E doubled (v/4); and three spheres with the energy of one.
+#: Reference, equal normalized velocities with E doubled (v/4), and three spheres with the energy of one.
 GRANULAR = """
 case = "fcc-impact"
 [set]
@@ -46,13 +46,13 @@ punch.mass = [0.1, 0.1, 0.1, 0.01, 0.1]
 punch.velocity = [8, 12, 16, 37.94733, 11.31371]
 material.youngs_modulus = [115e9, 115e9, 115e9, 115e9, 230e9]
 """
-pytestmark = pytest.mark.xdist_group("comparison")  # one process makes the suite, not each
+pytestmark = pytest.mark.xdist_group("comparison")  # the suite is made by one process only
 SUITE = 'name = "small"\nscans = ["granular.toml", "continuum.toml"]\n'
 
 
 @pytest.fixture(scope="module")
 def suite(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The directory of a suite that ran to its end."""
+    """Directory of a finished suite."""
     files = tmp_path_factory.mktemp("suite")
     for name, text in (("granular", GRANULAR), ("continuum", CONTINUUM), ("suite", SUITE)):
         (files / f"{name}.toml").write_text(text, encoding="utf-8")
@@ -74,14 +74,14 @@ def test_both_kinds_are_collected(impacts: Impacts) -> None:
 def test_granular_fractions_collapse_on_normalised_axes(impacts: Impacts) -> None:
     (row,) = granular.collapse(impacts)
     assert (row.name, row.n) == ("modulus 230 GPa", 2)
-    assert row.largest < 5e-4  # the equations are the same; steps differ, and overlaps beside the diameter
+    assert row.largest < 5e-4  # the equations are the same; timesteps and the ratios of overlap to diameter differ
 
 
 def test_continuum_fractions_collapse_on_normalised_axes(impacts: Impacts) -> None:
     (row,) = continuum.collapse(impacts)
     assert (row.name, row.energy) == ("modulus 230 GPa", pytest.approx(4.866, abs=1e-3))
     assert abs(row.fraction) < 0.01
-    assert abs(row.volume) < 0.03  # sampled every 0.2 us, whatever the material
+    assert abs(row.volume) < 0.03  # sampled every 0.2 us, for all materials
 
 
 def test_masses_are_compared_at_equal_energy(impacts: Impacts) -> None:

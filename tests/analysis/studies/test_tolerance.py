@@ -1,4 +1,4 @@
-"""The study of tolerances: how runs are put together, what it says of made-up ones, and a small real scan."""
+"""Study of tolerances: grouping of runs, results for synthetic runs, and a small real scan."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ TABLE = "Mean and 95 % confidence interval"
 
 
 def summary_of(case: Case, **others: Any) -> dict[str, Any]:
-    """Force halves with every 2 um, dissipation falls by 2 % with every um, friction takes from both."""
+    """Summary in which force halves with every 2 um, dissipation decreases by 2 % per um, and friction reduces both."""
     scatter, friction = 1e6 * case.packing.diameter_scatter, case.contact.friction
     rng = np.random.default_rng([case.packing.seed or 1, round(scatter * 10)])
     noise = 1 + 0.05 * rng.standard_normal() if is_random(case) else 1.0
@@ -100,7 +100,7 @@ def test_runs_are_put_together_by_what_is_hit(tmp_path: Path) -> None:
     assert brass.settings == steel.settings == [IDEAL, Setting(scatter=1e-6)]
     assert [run.seed for run in brass.runs[Setting(1e-6)]] == [1, 2]
     longer, other = brass.runs[Setting(1e-6)]
-    assert longer.directory.parent.name == "d" and other.directory.parent.name == "a"  # of equal ones the longest
+    assert longer.directory.parent.name == "d" and other.directory.parent.name == "a"  # the longest of equal ones
     assert steel.case.material.name == "steel"
 
 

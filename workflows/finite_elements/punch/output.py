@@ -7,8 +7,8 @@
     /plastic_zone/{time, volume, volume_ever}
     /fields/{time, von_mises, plastic_strain, plastic_energy, ever_yielded, displacement}
 
-``von_mises`` is (n_frames, n_elements) at ``time``; the other fields are those at the end. The root carries ``kind``,
-``name``, ``case`` (TOML), ``summary`` and ``versions`` (JSON) as attributes; every data set a ``unit``.
+``von_mises`` is (n_frames, n_elements) at ``time``; the other fields are final values. The root has the attributes
+``kind``, ``name``, ``case`` (TOML), ``summary`` and ``versions`` (JSON); every data set has a ``unit``.
 """
 
 from __future__ import annotations
