@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from granwave.analysis.figures.style import Drawing
     from granwave.analysis.studies.runs import FinishedRun
 
+Labels = Sequence[Mapping[str, Any]]  # of points of scans: values of the keys that vary
+
 
 @dataclasses.dataclass(frozen=True)
 class Row:
@@ -99,29 +101,33 @@ class Study:
     verdict: tuple[str, ...] = ()
 
 
-def make_studies(runs: Mapping[str, Sequence[FinishedRun]]) -> list[Study]:
+def make_studies(runs: Mapping[str, Sequence[FinishedRun]], undone: Mapping[str, Labels] | None = None) -> list[Study]:
     """Make studies of finished runs, in the order of the registry.
 
     Parameters
     ----------
     runs
         Runs offered to each study, by its name; see `granwave.analysis.studies.registry`.
+    undone
+        Points that failed or were not run of the scans that name a study, as values of the keys that vary.
     """
     from granwave.analysis.figures.style import style  # the drawing library takes a second to load
 
     if not runs:
         return []
     with style():
-        return [study for name in STUDIES if name in runs for study in _make(name, runs[name])]
+        return [
+            study for name in STUDIES if name in runs for study in _make(name, runs[name], (undone or {}).get(name, ()))
+        ]
 
 
-def _make(name: str, runs: Sequence[FinishedRun]) -> Iterator[Study]:
+def _make(name: str, runs: Sequence[FinishedRun], undone: Labels) -> Iterator[Study]:
     module: Any = importlib.import_module(f"{__package__}.{STUDIES[name]}")
     groups = list(module.select(runs))
     numbered = len(groups) > 1 and not hasattr(module, "name")  # else the module tells groups apart
 
-    def parts(which: str, group: Any) -> tuple[Any, ...]:
-        return tuple(getattr(module, which)(group)) if hasattr(module, which) else ()
+    def parts(which: str, *arguments: Any) -> tuple[Any, ...]:
+        return tuple(getattr(module, which)(*arguments)) if hasattr(module, which) else ()
 
     def named(picture: Picture, study: str, number: int) -> Picture:
         if not picture.name or picture.name.startswith("_"):
@@ -137,7 +143,7 @@ def _make(name: str, runs: Sequence[FinishedRun]) -> Iterator[Study]:
             parts("rows", group),
             tuple(named(picture, word, number) for picture in parts("pictures", group)),
             parts("tables", group),
-            parts("verdict", group),
+            parts("verdict", group) + parts("missing", group, undone),
         )
 
 

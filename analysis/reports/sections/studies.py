@@ -1,9 +1,10 @@
-"""The studies that a report's runs belong to: of the sources beside ours, of tolerances, of protected targets."""
+"""The studies that the scans of a report name: the sources beside ours, tolerances, protected targets."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from granwave.analysis.document.cells import BLANK, percent, value_cell
 from granwave.analysis.document.model import Cell, Column, Gallery, Group, Note, Section, Table
@@ -11,8 +12,6 @@ from granwave.analysis.document.pictures import picture_of
 from granwave.analysis.reports.inputs import Inputs
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Row, Study, make_studies
-from granwave.analysis.studies.tolerance.runs import collect as collect_tolerances
-from granwave.analysis.studies.tolerance.study import studies as tolerance_studies
 from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY
 
 SLUG = "studies"
@@ -48,6 +47,7 @@ def studies_of(inputs: Inputs, named: Sequence[str] = ()) -> list[Study]:
         Further studies, of all runs of the report.
     """
     offered: dict[str, dict[Path, FinishedRun]] = {}
+    undone: dict[str, list[Mapping[str, Any]]] = {}
     read: dict[Path, tuple[FinishedRun, ...]] = {}
     asked = [(run, tuple(named)) for run in inputs.runs]
     asked += [(point.run, (*scan.studies, *named)) for scan in inputs.scans for point in scan.points if point.run]
@@ -58,14 +58,10 @@ def studies_of(inputs: Inputs, named: Sequence[str] = ()) -> list[Study]:
             read[run.directory] = FinishedRun.among([(run.label, run.directory, run.summary)], lambda _: True)
         for name in names:
             offered.setdefault(name, {}).update((one.directory, one) for one in read[run.directory])
-    return make_studies({name: list(runs.values()) for name, runs in offered.items()}) + _guessed(inputs)
-
-
-def _guessed(inputs: Inputs) -> list[Study]:
-    """Studies that still find their runs by themselves."""
-    found = [(run.label, run.directory, run.summary) for run in inputs.whole() if run.kind == "run"]
-    undone = [point.result.labels for scan in inputs.scans for point in scan.points if point.run is None]
-    return tolerance_studies(collect_tolerances(found), undone)
+    for scan in inputs.scans:
+        for name in (*scan.studies, *named):
+            undone.setdefault(name, []).extend(point.result.labels for point in scan.points if point.run is None)
+    return make_studies({name: list(runs.values()) for name, runs in offered.items()}, undone)
 
 
 def _group(study: Study, inputs: Inputs, new: bool) -> Group:
