@@ -6,16 +6,17 @@ import dataclasses
 import importlib
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
-from granwave.analysis.studies.registry import STUDIES
+from granwave.analysis.studies.registry import COMPARISON, STUDIES
 
 if TYPE_CHECKING:
-    from granwave.analysis.document.model import Table
+    from granwave.analysis.document.model import Note, Table
     from granwave.analysis.figures.style import Drawing
-    from granwave.analysis.studies.runs import FinishedRun
+    from granwave.analysis.studies.runs import ContinuumRun, FinishedRun
 
 Labels = Sequence[Mapping[str, Any]]  # of points of scans: values of the keys that vary
+Runs: TypeAlias = "Sequence[FinishedRun | ContinuumRun]"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -87,7 +88,7 @@ class Study:
     pictures
         In the order of the report.
     tables
-        Of its own.
+        Of its own, with notes on them.
     verdict
         What it comes to, in sentences for the top of the report.
     """
@@ -97,11 +98,11 @@ class Study:
     text: str
     rows: tuple[Row, ...] = ()
     pictures: tuple[Picture, ...] = ()
-    tables: tuple[Table, ...] = ()
+    tables: tuple[Table | Note, ...] = ()
     verdict: tuple[str, ...] = ()
 
 
-def make_studies(runs: Mapping[str, Sequence[FinishedRun]], undone: Mapping[str, Labels] | None = None) -> list[Study]:
+def make_studies(runs: Mapping[str, Runs], undone: Mapping[str, Labels] | None = None) -> list[Study]:
     """Make studies of finished runs, in the order of the registry.
 
     Parameters
@@ -116,13 +117,16 @@ def make_studies(runs: Mapping[str, Sequence[FinishedRun]], undone: Mapping[str,
     if not runs:
         return []
     with style():
+        modules = {name: module for name, module in (STUDIES | COMPARISON).items() if name in runs}
         return [
-            study for name in STUDIES if name in runs for study in _make(name, runs[name], (undone or {}).get(name, ()))
+            study
+            for name, module in modules.items()
+            for study in _make(name, module, runs[name], (undone or {}).get(name, ()))
         ]
 
 
-def _make(name: str, runs: Sequence[FinishedRun], undone: Labels) -> Iterator[Study]:
-    module: Any = importlib.import_module(f"{__package__}.{STUDIES[name]}")
+def _make(name: str, path: str, runs: Runs, undone: Labels) -> Iterator[Study]:
+    module: Any = importlib.import_module(f"{__package__}.{path}")
     groups = list(module.select(runs))
     numbered = len(groups) > 1 and not hasattr(module, "name")  # else the module tells groups apart
 

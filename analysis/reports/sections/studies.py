@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from granwave.analysis.document.cells import BLANK, percent, value_cell
-from granwave.analysis.document.model import Cell, Column, Gallery, Group, Note, Section, Table
+from granwave.analysis.document.model import Cell, Column, Figure, Gallery, Group, Note, Section, Table
 from granwave.analysis.document.pictures import picture_of
 from granwave.analysis.reports.inputs import Inputs
 from granwave.analysis.studies.runs import FinishedRun
@@ -72,17 +72,28 @@ def _group(study: Study, inputs: Inputs, new: bool) -> Group:
         rows = tuple(map(_cells, study.rows))
         blocks.append(Table(f"{study.title}: {what} against ours", _COLUMNS, rows, sortable=True, by_row=True))
     blocks += study.tables
+    if study.pictures:
+        blocks.append(Gallery(pictures_of(study, inputs, SLUG)))
+    return Group(f"{study.title}: tables and figures" if study.verdict else study.title, tuple(blocks))
+
+
+def pictures_of(study: Study, inputs: Inputs, section: str) -> tuple[Figure, ...]:
+    """Pictures of a study, with links to their data where it was saved.
+
+    Parameters
+    ----------
+    section
+        Slug of the section, before the names of their files.
+    """
     figures = []
     folders = [inputs.base] + [item.directory for item in inputs.items if len(inputs.items) == 1]
     for picture in study.pictures:
         name = f"{FIGURES_DIRECTORY}/{picture.name}.csv"
         data = next((folder / name for folder in folders if (folder / name).is_file()), None)
         link = inputs.link(data, name) if data else None
-        slug = f"studies-{picture.name.replace('_', '-')}"
+        slug = f"{section}-{picture.name.replace('_', '-')}"
         figures.append(picture_of(picture.drawing, slug, picture.caption, link))
-    if figures:
-        blocks.append(Gallery(tuple(figures)))
-    return Group(f"{study.title}: tables and figures" if study.verdict else study.title, tuple(blocks))
+    return tuple(figures)
 
 
 def _cells(row: Row) -> tuple[Cell, ...]:
