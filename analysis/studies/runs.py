@@ -19,8 +19,7 @@ from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.run_directory import CASE_FILE
 
 AnyCase = TypeVar("AnyCase")
-View = TypeVar("View", bound="_Finished[Any]")
-Kind = TypeVar("Kind", bound="FinishedRun")
+Kind = TypeVar("Kind", bound="_Finished[Any]")
 Item = TypeVar("Item")
 
 _NOT_OF_THE_CASE = ("name", "run", "output", "sensor")  # tables: how long and how finely it was followed
@@ -43,7 +42,7 @@ class _Finished(Generic[AnyCase]):
     case: AnyCase
     summary: Mapping[str, Any]
 
-    def seen_as(self, kind: type[View]) -> View:
+    def seen_as(self, kind: type[Kind]) -> Kind:
         """The run as a record with methods of its own; the same object at each call, so that it reads files once."""
         if isinstance(self, kind):
             return self

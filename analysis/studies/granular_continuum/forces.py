@@ -5,7 +5,6 @@ Thesis 5.2 and 5.3.1. The impulse is the momentum of the struck spheres.
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
@@ -17,8 +16,8 @@ from granwave.analysis.document.cells import show, value_cell
 from granwave.analysis.document.model import Column, Table
 from granwave.analysis.figures.curves import label, panels
 from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing
-from granwave.analysis.measures.dissipation import rays
-from granwave.analysis.measures.front import Front, front_of, in_cone
+from granwave.analysis.measures.front import Front, front_of
+from granwave.analysis.measures.impulse import Linearity, linearity, peak_forces
 from granwave.analysis.measures.planes import preferred_directions
 from granwave.analysis.result.reader import Result
 from granwave.analysis.studies.granular_continuum.curves import colour_and_marker
@@ -27,7 +26,6 @@ from granwave.analysis.studies.study import Picture
 from granwave.lammps_inputs.errors import GranwaveError
 
 _FEWEST_RUNS = 3
-_WEAK = 1.0  # of F_y: contacts that stay below at the largest velocity are left out
 _ON_RAY = (1, 2, 4, 8, 12)  # contacts of a preferred direction, from the struck sphere, that are drawn
 _LAYERS = (1, 4, 8, 16)  # below the struck one, whose uniformity is told
 _MOST_FRONTS = 4
@@ -35,52 +33,19 @@ _BANDS = 5  # of depth
 _MILLI = 1e3
 _UNREADABLE = (GranwaveError, OSError, KeyError)
 
-Pair = tuple[int, int]
 
-
-@dataclasses.dataclass(frozen=True, eq=False)
-class Linearity:
-    """Peak force against velocity, contact by contact.
-
-    Attributes
-    ----------
-    velocity
-        Normalised: (n_runs,).
-    ray
-        Largest peak force over F_y of the contacts on the preferred directions: (n_contacts, n_runs).
-    depth
-        Of the contacts, m: (m,).
-    exponent
-        Of force against velocity, a least-squares slope on logarithmic axes: (m,).
-    """
-
-    velocity: NDArray[np.float64]
-    ray: NDArray[np.float64]
-    depth: NDArray[np.float64]
-    exponent: NDArray[np.float64]
-
-
-def linearity(runs: Sequence[Granular]) -> Linearity | None:
-    """Linearity of runs that differ in velocity, by rising velocity; None for fewer than three.
-
-    Contacts count that lie within the cone of the preferred directions, are pressed beyond F_y at the largest velocity
-    and were pressed at all at every other. Beyond the cone a contact may be loaded by the rebound alone.
-    """
+def linear(runs: Sequence[Granular]) -> Linearity | None:
+    """Linearity of runs that differ in velocity, by rising velocity; None for fewer than three. Forces are in F_y."""
     if len(runs) < _FEWEST_RUNS:
         return None
+    forces = []
     try:
-        forces, along = zip(*map(_peak_forces, runs), strict=True)
-        depth = _depths(runs[-1])
+        for run in runs:
+            with Result(run.directory) as result:
+                forces.append(peak_forces(result, run.law.yield_force))
     except _UNREADABLE:
         return None
-    kept = [pair for pair in depth if forces[-1][pair] > _WEAK and all(one.get(pair, 0) > 0 for one in forces)]
-    if not kept:
-        return None
-    velocity = np.array([run.velocity_normalised for run in runs])
-    x, y = np.log(velocity), np.log([[one[pair] for one in forces] for pair in kept])
-    x = x - x.mean()
-    ray = np.stack([column[: min(map(len, along))] for column in along], axis=1)
-    return Linearity(velocity, ray, np.array([depth[pair] for pair in kept]), (y @ x) / (x @ x))
+    return linearity([run.velocity_normalised for run in runs], forces)
 
 
 def fronts(runs: Sequence[Granular]) -> list[tuple[float, Front]]:
@@ -99,7 +64,7 @@ def fronts(runs: Sequence[Granular]) -> list[tuple[float, Front]]:
 
 def pictures(impacts: Impacts) -> Iterator[Picture]:
     """Peak force against impulse, and the front, of the reference."""
-    found = linearity(impacts.fast)
+    found = linear(impacts.fast)
     if found is not None:
         drawing = _peak_force_against_impulse(found)
         yield Picture("peak_force_impulse", "Granular: peak force against impulse", drawing)
@@ -110,7 +75,7 @@ def pictures(impacts: Impacts) -> Iterator[Picture]:
 
 def tables(impacts: Impacts) -> Iterator[Table]:
     """Exponents of force against impulse over fifths of the depth, and the front."""
-    found = linearity(impacts.fast)
+    found = linear(impacts.fast)
     if found is not None:
         columns = (
             Column("Depth from", "mm", numeric=True, key=True),
@@ -136,24 +101,6 @@ def tables(impacts: Impacts) -> Iterator[Table]:
             rows.append(tuple(map(value_cell, (velocity, elastic, *uniformity))))
         caption = "The front: mean over largest peak force of a layer, within the cone of the preferred directions"
         yield Table(caption, columns, tuple(rows))
-
-
-def _peak_forces(run: Granular) -> tuple[dict[Pair, float], NDArray[np.float64]]:
-    """Peak forces over F_y: of every contact by the ids of its spheres, and the largest along preferred directions."""
-    with Result(run.directory) as result:
-        pairs = zip(result["contacts/i"].tolist(), result["contacts/j"].tolist(), strict=True)
-        force = result["contacts/peak_force"] / run.law.yield_force
-        along = np.nanmax(rays(result).peak_force, axis=1) / run.law.yield_force
-    return dict(zip(pairs, force.tolist(), strict=True)), along
-
-
-def _depths(run: Granular) -> dict[Pair, float]:
-    """Depths of the contacts within the cone of the preferred directions, m, by the ids of their spheres."""
-    with Result(run.directory) as result:
-        inside = in_cone(result)[result.ends].all(axis=1)
-        middle = result["spheres/position"][result.ends, 2].mean(axis=1) - result.origin[2]
-        pairs = zip(result["contacts/i"][inside].tolist(), result["contacts/j"][inside].tolist(), strict=True)
-    return dict(zip(pairs, middle[inside].tolist(), strict=True))
 
 
 def _by_depth(found: Linearity) -> Iterator[tuple[float, ...]]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
@@ -13,6 +12,7 @@ from granwave.analysis.document.cells import percent, show, spread_cell, value_c
 from granwave.analysis.document.model import Column, Note, Table
 from granwave.analysis.figures.curves import label, panels
 from granwave.analysis.figures.style import BLUE, ORANGE, Drawing
+from granwave.analysis.measures.quadratic_law import QuadraticLaw, quadratic_law
 from granwave.analysis.studies.granular_continuum.curves import (
     FRACTION,
     GRANULAR_ENERGY,
@@ -68,41 +68,9 @@ def collapse(impacts: Impacts) -> list[Difference]:
     return found
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
-class QuadraticFit:
-    """``e_dis = D0 + D1 v0 + D2 v0^2`` (thesis 5.17) in units in which the input is ``v0^2/2``; v0 is normalised.
-
-    Attributes
-    ----------
-    constants, deviations
-        D0, D1, D2 and their standard deviations: (3,).
-    misfit
-        Largest |fit / e_dis - 1| of the fitted runs.
-    lowest
-        Normalised velocity from which on runs were fitted.
-    """
-
-    constants: NDArray[np.float64]
-    deviations: NDArray[np.float64]
-    misfit: float
-    lowest: float
-
-    def __call__(self, velocity: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Dissipation at normalised velocities."""
-        return np.asarray(np.polynomial.polynomial.polyval(velocity, self.constants), dtype=np.float64)
-
-
-def quadratic_fit(impacts: Impacts) -> QuadraticFit | None:
-    """Fit to the fast runs of the reference, every run with the same relative weight."""
-    if len(impacts.fast) < _FEWEST_FITTED:
-        return None
-    v, lost = _dissipation(impacts.fast)
-    matrix = np.stack([np.ones_like(v), v, v**2], axis=1) / lost[:, None]
-    constants = np.asarray(np.linalg.lstsq(matrix, np.ones_like(v))[0], dtype=np.float64)
-    residual = matrix @ constants - 1
-    scatter = residual @ residual / (len(v) - len(constants))
-    deviations = np.sqrt(scatter * np.diag(np.linalg.inv(matrix.T @ matrix)))
-    return QuadraticFit(constants, deviations, float(np.abs(residual).max()), float(v.min()))
+def quadratic_fit(impacts: Impacts) -> QuadraticLaw | None:
+    """Quadratic law of the fast runs of the reference, in units in which the input is ``v0^2/2``; v0 is normalised."""
+    return quadratic_law(*_dissipation(impacts.fast)) if len(impacts.fast) >= _FEWEST_FITTED else None
 
 
 def by_area(impacts: Impacts) -> dict[int, tuple[Granular, ...]]:
@@ -161,7 +129,7 @@ def tables(impacts: Impacts) -> Iterator[Table | Note]:
         yield _areas(areas)
 
 
-def _quadratic_law(fit: QuadraticFit) -> Iterator[Table | Note]:
+def _quadratic_law(fit: QuadraticLaw) -> Iterator[Table | Note]:
     columns = (
         Column("Constant", key=True),
         Column("Source, as printed", numeric=True),
@@ -196,7 +164,7 @@ def _areas(found: Sequence[tuple[float, dict[int, float]]]) -> Table:
     return Table("Loading area: dissipated fraction at equal input energy", columns, rows)
 
 
-def _against_velocity(runs: Sequence[Granular], fit: QuadraticFit) -> Drawing:
+def _against_velocity(runs: Sequence[Granular], fit: QuadraticLaw) -> Drawing:
     """Dissipation and its fraction of the input, with the quadratic law (thesis Fig. 5.6)."""
     v, lost = _dissipation(runs)
     fine = np.geomspace(fit.lowest, v[-1], 200)

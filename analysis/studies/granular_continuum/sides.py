@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from collections.abc import Iterator, Sequence
 from typing import Any
-
-import h5py
-import numpy as np
-from numpy.typing import NDArray
 
 from granwave.analysis.document.cells import value_cell
 from granwave.analysis.document.model import Cell, Column, Table
 from granwave.analysis.figures.curves import label, panels
 from granwave.analysis.figures.style import BLUE, ORANGE, SKY, Drawing
-from granwave.analysis.measures.dissipation import cumulated
+from granwave.analysis.measures.involved import Involved, elements_involved, spheres_involved
 from granwave.analysis.result.reader import Result
 from granwave.analysis.studies.granular_continuum.blocks import masses
 from granwave.analysis.studies.granular_continuum.curves import FRACTION, MARKERS, add
@@ -33,43 +28,17 @@ _GRANULAR_SHOWN = 3  # curves of the figure of volumes
 _GRANULAR_LISTED = 6  # rows of the table
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
-class Involved:
-    """Material in descending order of its dissipation, cumulated; arrays (n,).
-
-    Attributes
-    ----------
-    fraction
-        Of the input, dissipated in the material so far.
-    volume
-        Of the solid, m^3.
-    mass, bulk
-        Of the solid that did `SHARE` of the dissipation, kg; and the volume it takes up, voids included, m^3.
-    energy
-        That this part dissipated, J.
-    """
-
-    fraction: NDArray[np.float64]
-    volume: NDArray[np.float64]
-    mass: float
-    bulk: float
-    energy: float
-
-
 def involved(run: Granular | Continuum) -> Involved | None:
     """The material of a run that dissipated; None where its result cannot be read, or nothing was dissipated."""
     try:
-        fraction, volume = _of_spheres(run) if isinstance(run, Granular) else _of_elements(run)
+        if isinstance(run, Continuum):
+            found = elements_involved(run.directory / RESULT_FILE, run.energy)
+        else:
+            with Result(run.directory) as result:
+                found = spheres_involved(result, run.energy)
     except (GranwaveError, OSError, KeyError):
         return None
-    if not len(fraction) or fraction[-1] <= 0:
-        return None
-    enough = int(np.searchsorted(fraction, SHARE * fraction[-1]))
-    part = float(volume[enough])
-    solid = KINDS[run.case.packing.kind].solid_fraction if isinstance(run, Granular) else 1.0
-    return Involved(
-        fraction, volume, part * run.case.material.density, part / solid, float(fraction[enough]) * run.energy
-    )
+    return found if len(found.fraction) and found.fraction[-1] > 0 else None
 
 
 def pictures(impacts: Impacts) -> Iterator[Picture]:
@@ -92,8 +61,10 @@ def tables(impacts: Impacts) -> Iterator[Table]:
     rows = []
     for run in runs:
         if found := involved(run):
-            per_mass, per_volume = found.energy / found.mass, found.energy / found.bulk
-            values = run.energy, run.fraction, found.mass, 1e6 * found.bulk, per_mass, 1e-6 * per_volume
+            fraction, volume = found.part(SHARE)
+            solid = KINDS[run.case.packing.kind].solid_fraction if isinstance(run, Granular) else 1.0
+            energy, mass, bulk = fraction * run.energy, volume * run.case.material.density, volume / solid
+            values = run.energy, run.fraction, mass, 1e6 * bulk, energy / mass, 1e-6 * (energy / bulk)
             rows.append((value_cell(run.label), Cell(run.what), *map(value_cell, values)))
     columns = (
         Column("Run", key=True),
@@ -108,20 +79,6 @@ def tables(impacts: Impacts) -> Iterator[Table]:
     if rows:
         caption = f"Dissipation per mass and volume of the material that does {100 * SHARE:.0f} % of it"
         yield Table(caption, columns, tuple(rows), sortable=True)
-
-
-def _of_spheres(run: Granular) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    with Result(run.directory) as result:
-        fraction, count = cumulated(result["spheres/dissipated_energy"], run.energy)
-    return fraction, math.pi * run.diameter**3 / 6 * count
-
-
-def _of_elements(run: Continuum) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    with h5py.File(run.directory / RESULT_FILE, "r") as file:
-        density, volume = file["fields/plastic_energy"][()], file["element_volume"][()]
-    order = np.argsort(-density, kind="stable")
-    order = order[: np.count_nonzero(density > 0)]
-    return np.cumsum(density[order] * volume[order]) / run.energy, np.cumsum(volume[order])
 
 
 def _dissipating(reference: Sequence[Granular], most: int) -> list[Granular]:
@@ -169,7 +126,7 @@ def _plastic_volume(packings: Sequence[Granular], blocks: Sequence[Continuum]) -
     columns: dict[str, list] = {"curve": [], "dissipated_fraction": [], "volume_over_sphere_volume": []}
     for run, colour in zip(packings, _COLOURS, strict=False):
         if found := involved(run):
-            enough = int(np.searchsorted(found.fraction, _SHOWN_SHARE * found.fraction[-1])) + 1
+            enough = found.enough(_SHOWN_SHARE) + 1
             name = f"granular, {run.energy:.3g} J"
             axes.plot(found.fraction[:enough], found.volume[:enough] / unit, color=colour, label=name)
             add(columns, [name] * len(found.fraction), found.fraction, found.volume / unit)

@@ -9,10 +9,10 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator, NullFormatter
 from numpy.typing import NDArray
 
+from granwave.analysis.figures.convergence import convergence
 from granwave.analysis.figures.curves import DOUBLE, few_ticks
 from granwave.analysis.figures.series import legend_outside
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing, new_figure
-from granwave.analysis.statistics import growing, half_width
 from granwave.analysis.studies.tolerance.packings import Packing
 from granwave.analysis.studies.tolerance.quantities import (
     ARRIVAL,
@@ -31,10 +31,7 @@ _MARKERS = "os^DvP*"
 _ACROSS = 2
 _WIDE = 10.0  # largest over smallest value from which on an axis is logarithmic
 _FEWEST_SEEDS = 4  # whose convergence is worth a figure
-_FEWEST_SHOWN = 3  # in it: the interval of two is thirteen standard deviations wide
 _CONVERGED = (FORCE, DISSIPATED, SPHERES)
-
-Columns = dict[str, NDArray]
 
 
 def against(packing: Packing, axis: Axis) -> Drawing | None:
@@ -95,39 +92,14 @@ def left_of_ideal(packing: Packing, across: Axis, up: Axis) -> Drawing | None:
     return Drawing(figure, table)
 
 
-def convergence(packing: Packing) -> Drawing | None:
+def seeds(packing: Packing) -> Drawing | None:
     """Half-width of the confidence interval against the number of seeds, at the setting with most of them."""
     random = [setting for setting in packing.settings if packing.random(setting)]
     setting = max(random, key=lambda one: (packing.seeds(one), one), default=IDEAL)
     if not random or packing.seeds(setting) < _FEWEST_SEEDS:
         return None
-    figure = new_figure(3.0)
-    axes = figure.subplots()
-    table: Columns = {}
-    for quantity, colour, marker in zip(_CONVERGED, _COLOURS, _MARKERS, strict=False):
-        values = packing.values(quantity, setting)
-        if len(values) < _FEWEST_SEEDS or not np.std(values):
-            continue
-        found = growing(values)[_FEWEST_SHOWN - 2 :]
-        mean, seeds = found[-1].mean, np.array([one.n for one in found])
-        half = np.array([one.half_width for one in found])
-        expected = np.array([half_width(found[-1].deviation, int(one)) for one in seeds])
-        axes.plot(seeds, 100 * half / mean, marker, color=colour, markersize=4, label=quantity.words)
-        axes.plot(seeds, 100 * expected / mean, color=colour, linewidth=0.8)
-        root = np.sqrt(seeds[-1] / seeds) * expected[-1]
-        axes.plot(seeds, 100 * root / mean, color=colour, linewidth=0.8, linestyle=":")
-        table |= {"n": seeds, f"{quantity.name}_half_width": half, f"{quantity.name}_expected": expected}
-    if not table:
-        return None
-    axes.plot([], [], color=GREY, linewidth=0.8, label=r"$t_{n-1} s/\sqrt{n}$, $s$ of all seeds")
-    axes.plot([], [], color=GREY, linewidth=0.8, linestyle=":", label=r"$1/\sqrt{n}$")
-    axes.set(xscale="log", yscale="log", xlabel="Seeds", ylabel="95 % half-width (% of the mean)")
-    ticks = [n for n in (3, 4, 5, 6, 8, 10, 12, 16, 20, 30, 50, 100) if n <= packing.seeds(setting)]
-    few_ticks(axes.xaxis, ticks, form="{x:g}")
-    axes.yaxis.set_major_formatter("{x:g}")
-    axes.set_title(told(setting), fontsize=7)
-    legend_outside(figure, 2, fontsize=6.5)
-    return Drawing(figure, table)
+    found = {one.name: (one.words, packing.values(one, setting)) for one in _CONVERGED}
+    return convergence(told(setting), {name: part for name, part in found.items() if len(part[1]) >= _FEWEST_SEEDS})
 
 
 def _curve(

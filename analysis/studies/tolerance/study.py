@@ -61,7 +61,7 @@ def pictures(packing: Packing) -> Iterator[Picture]:
         if drawing is not None:
             caption = f"{across.words.capitalize()} and {up.words} together, in per cent of the ideal packing's"
             yield Picture(f"_{across.name}_{up.name}", caption + _told(packing), drawing)
-    drawing = figures.convergence(packing)
+    drawing = figures.seeds(packing)
     if drawing is not None:
         caption = "Confidence of the mean of the first n seeds, and what the scatter of all of them makes of n"
         yield Picture("_seeds", caption + _told(packing), drawing)
