@@ -19,14 +19,14 @@ from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.run_directory import CASE_FILE
 
 AnyCase = TypeVar("AnyCase")
-Kind = TypeVar("Kind", bound="_Finished[Any]")
+Kind = TypeVar("Kind", bound="AnyRun[Any]")
 Item = TypeVar("Item")
 
 _NOT_OF_THE_CASE = ("name", "run", "output", "sensor")  # tables: how long and how finely it was followed
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
-class _Finished(Generic[AnyCase]):
+class AnyRun(Generic[AnyCase]):
     """A finished run.
 
     Attributes
@@ -60,11 +60,11 @@ class _Finished(Generic[AnyCase]):
         return float(found) if isinstance(found, int | float) and not isinstance(found, bool) else math.nan
 
 
-class ContinuumRun(_Finished[PunchCase]):
+class ContinuumRun(AnyRun[PunchCase]):
     """A finished run of a punch on a block."""
 
 
-class FinishedRun(_Finished[Case]):
+class FinishedRun(AnyRun[Case]):
     """A finished run of spheres."""
 
     @classmethod

@@ -6,7 +6,7 @@ import dataclasses
 from collections.abc import Hashable, Iterator
 from typing import NamedTuple
 
-from granwave.analysis.document.cells import percent, value_cell
+from granwave.analysis.document.cells import percent
 from granwave.analysis.document.model import Cell, Column, Table
 from granwave.analysis.figures.curves import label, panels
 from granwave.analysis.figures.style import Drawing
@@ -28,6 +28,7 @@ from granwave.analysis.studies.granular_continuum.impacts import (
     substances,
 )
 from granwave.analysis.studies.study import Picture
+from granwave.analysis.studies.tables import numeric, table_of
 
 
 def materials(impacts: Impacts) -> list[Curve[Continuum]]:
@@ -102,26 +103,18 @@ def tables(impacts: Impacts) -> Iterator[Table]:
     if impacts.continuum_reference and (found := collapse(impacts)):
         columns = (
             Column("Differs from the reference in", key=True),
-            Column("Input over sigma_y^2 D^3/E", numeric=True, key=True),
-            Column("Difference in fraction", numeric=True),
-            Column("Difference in volume", numeric=True),
+            *numeric("Input over sigma_y^2 D^3/E", key=True),
+            *numeric("Difference in fraction", "Difference in volume"),
         )
-        rows = [(value_cell(name), value_cell(energy), *map(_percent, gaps)) for name, energy, *gaps in found]
-        yield Table("Continuum scaling: at equal normalised energy", columns, tuple(rows), sortable=True)
+        rows = [(name, energy, *map(_percent, gaps)) for name, energy, *gaps in found]
+        yield table_of("Continuum scaling: at equal normalised energy", columns, rows, sortable=True)
     runs = tapers(impacts)
     if len(runs) > 1:
-        columns = (
-            Column("Taper", "mm", numeric=True, key=True),
-            Column("Dissipated fraction", numeric=True),
-            Column("Plastic volume", "mm³", numeric=True),
-            Column("Volume that ever yielded", "mm³", numeric=True),
-        )
+        numbers = numeric("Dissipated fraction", ("Plastic volume", "mm³"), ("Volume that ever yielded", "mm³"))
+        columns = (*numeric(("Taper", "mm"), key=True), *numbers)
         names = "plastic_zone_volume_m3", "plastic_zone_volume_ever_m3"
-        values = [
-            (1e3 * run.case.punch.taper, run.fraction, *(1e9 * run.value(name) for name in names)) for run in runs
-        ]
-        rows = [tuple(map(value_cell, row)) for row in values]
-        yield Table("Continuum: taper of the punch's edge, two elements or more across it", columns, tuple(rows))
+        rows = [(1e3 * run.case.punch.taper, run.fraction, *(1e9 * run.value(name) for name in names)) for run in runs]
+        yield table_of("Continuum: taper of the punch's edge, two elements or more across it", columns, rows)
 
 
 def _by_mass(curves: list[Curve[Continuum]]) -> Drawing:

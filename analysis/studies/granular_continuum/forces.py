@@ -12,8 +12,8 @@ import numpy as np
 from matplotlib.ticker import NullFormatter
 from numpy.typing import NDArray
 
-from granwave.analysis.document.cells import show, value_cell
-from granwave.analysis.document.model import Column, Table
+from granwave.analysis.document.cells import show
+from granwave.analysis.document.model import Table
 from granwave.analysis.figures.curves import label, panels
 from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing
 from granwave.analysis.measures.front import Front, front_of
@@ -23,6 +23,7 @@ from granwave.analysis.result.reader import Result
 from granwave.analysis.studies.granular_continuum.curves import colour_and_marker
 from granwave.analysis.studies.granular_continuum.impacts import Granular, Impacts
 from granwave.analysis.studies.study import Picture
+from granwave.analysis.studies.tables import numeric, table_of
 from granwave.lammps_inputs.errors import GranwaveError
 
 _FEWEST_RUNS = 3
@@ -77,30 +78,23 @@ def tables(impacts: Impacts) -> Iterator[Table]:
     """Exponents of force against impulse over fifths of the depth, and the front."""
     found = linear(impacts.fast)
     if found is not None:
-        columns = (
-            Column("Depth from", "mm", numeric=True, key=True),
-            *(Column(name, unit, numeric=True) for name, unit in (("to", "mm"), ("Contacts", ""))),
-            *(Column(name, numeric=True) for name in ("5 %", "Median", "95 %")),
-        )
+        numbers = numeric(("to", "mm"), "Contacts", "5 %", "Median", "95 %")
+        columns = (*numeric(("Depth from", "mm"), key=True), *numbers)
         caption = (
             f"Peak force against impulse: exponent over normalised velocities from {show(float(found.velocity[0]))} to "
             f"{show(float(found.velocity[-1]))} (1: proportional, as the thesis has it)"
         )
-        yield Table(caption, columns, tuple(tuple(map(value_cell, row)) for row in _by_depth(found)))
+        yield table_of(caption, columns, _by_depth(found))
     there = fronts(impacts.reference)
     if there:
-        columns = (
-            Column("Normalised velocity", numeric=True, key=True),
-            Column("Elastic from a depth of", "mm", numeric=True),
-            *(Column(f"Uniformity, layer {n}", numeric=True) for n in _LAYERS),
-        )
+        numbers = numeric(("Elastic from a depth of", "mm"), *(f"Uniformity, layer {n}" for n in _LAYERS))
         rows = []
         for velocity, front in there:
             elastic = None if front.weak_from is None else _MILLI * front.weak_from
             uniformity = [float(front.uniformity[n]) if n < len(front.uniformity) else None for n in _LAYERS]
-            rows.append(tuple(map(value_cell, (velocity, elastic, *uniformity))))
+            rows.append((velocity, elastic, *uniformity))
         caption = "The front: mean over largest peak force of a layer, within the cone of the preferred directions"
-        yield Table(caption, columns, tuple(rows))
+        yield table_of(caption, (*numeric("Normalised velocity", key=True), *numbers), rows)
 
 
 def _by_depth(found: Linearity) -> Iterator[tuple[float, ...]]:

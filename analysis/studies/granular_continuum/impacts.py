@@ -9,7 +9,9 @@ from functools import cached_property
 from typing import TypeVar
 
 from granwave._contact_laws import ContactLaw
-from granwave.analysis.studies.runs import ContinuumRun, FinishedRun
+from granwave.analysis.studies.punch_case import PunchCase
+from granwave.analysis.studies.runs import AnyCase, AnyRun, ContinuumRun, FinishedRun
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.contact.law import sphere_contact
 
@@ -18,7 +20,21 @@ SAME = 1e-4  # relative difference of normalised velocities and energies that ar
 _FAST = 0.1  # of the largest velocity
 
 
-class Granular(FinishedRun):
+class Measured(AnyRun[AnyCase]):
+    """Energies of an impact, whatever was hit."""
+
+    @property
+    def energy(self) -> float:
+        """Input, J."""
+        return self.value("energy_input_J")
+
+    @property
+    def fraction(self) -> float:
+        """Fraction of the input that was dissipated."""
+        return self.value("dissipated_fraction")
+
+
+class Granular(Measured[Case], FinishedRun):
     """An impact on a packing of elasto-plastic spheres."""
 
     what = "granular"
@@ -34,11 +50,6 @@ class Granular(FinishedRun):
         return self.case.packing.diameter
 
     @property
-    def energy(self) -> float:
-        """Input, J."""
-        return self.value("energy_input_J")
-
-    @property
     def energy_normalised(self) -> float:
         """Input over F_y alpha_y."""
         return self.energy / (self.law.yield_force * self.law.yield_overlap)
@@ -47,11 +58,6 @@ class Granular(FinishedRun):
     def velocity_normalised(self) -> float:
         """Thesis 5.11."""
         return self.value("velocity_normalised")
-
-    @property
-    def fraction(self) -> float:
-        """Fraction of the input that was dissipated."""
-        return self.value("dissipated_fraction")
 
     @property
     def shape(self) -> Hashable:
@@ -65,7 +71,7 @@ class Granular(FinishedRun):
         return constants(self.case.material), self.diameter, self.case.contact
 
 
-class Continuum(ContinuumRun):
+class Continuum(Measured[PunchCase], ContinuumRun):
     """An impact of a rigid punch on a block."""
 
     what = "continuum"
@@ -76,19 +82,9 @@ class Continuum(ContinuumRun):
         return self.case.punch.diameter
 
     @property
-    def energy(self) -> float:
-        """Input, J."""
-        return self.value("energy_input_J")
-
-    @property
     def energy_normalised(self) -> float:
         """Input over sigma_y^2 D^3/E."""
         return self.value("energy_input_normalised")
-
-    @property
-    def fraction(self) -> float:
-        """Fraction of the input that was dissipated plastically."""
-        return self.value("dissipated_fraction")
 
     @property
     def volume(self) -> float:

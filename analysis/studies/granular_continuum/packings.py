@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.document.cells import percent, show, spread_cell, value_cell
+from granwave.analysis.document.cells import percent, show, spread_cell
 from granwave.analysis.document.model import Column, Note, Table
 from granwave.analysis.figures.curves import label, panels
 from granwave.analysis.figures.style import BLUE, ORANGE, Drawing
@@ -29,6 +29,7 @@ from granwave.analysis.studies.granular_continuum.impacts import (
     substances,
 )
 from granwave.analysis.studies.study import Picture
+from granwave.analysis.studies.tables import numeric, table_of
 
 SOURCE_FIT = (9.45e3, -3.04e3, 5.00e3)  # D0, D1, D2 as thesis 5.17 prints them
 SOURCE_FIT_RIGHT = (9.45, -3.04, 0.500)  # in units in which the input is v0^2/2, as the thesis has it
@@ -118,31 +119,19 @@ def tables(impacts: Impacts) -> Iterator[Table | Note]:
     if fit := quadratic_fit(impacts):
         yield from _quadratic_law(fit)
     if found := collapse(impacts):
-        columns = (
-            Column("Differs from the reference in", key=True),
-            Column("Points", numeric=True),
-            Column("Largest difference in dissipated fraction", numeric=True),
-        )
-        rows = tuple(tuple(map(value_cell, row)) for row in found)
-        yield Table("Granular scaling: at equal normalised velocity", columns, rows)
+        numbers = numeric("Points", "Largest difference in dissipated fraction")
+        columns = (Column("Differs from the reference in", key=True), *numbers)
+        yield table_of("Granular scaling: at equal normalised velocity", columns, found)
     if areas := area_table(by_area(impacts)):
         yield _areas(areas)
 
 
 def _quadratic_law(fit: QuadraticLaw) -> Iterator[Table | Note]:
-    columns = (
-        Column("Constant", key=True),
-        Column("Source, as printed", numeric=True),
-        Column("Source, powers of ten put right", numeric=True),
-        Column("Ours, with its standard deviation", numeric=True),
-    )
-    values = zip(SOURCE_FIT, SOURCE_FIT_RIGHT, fit.constants, fit.deviations, strict=True)
-    rows = tuple(
-        (value_cell(f"D{n}"), value_cell(printed), value_cell(right), spread_cell(float(ours), float(deviation)))
-        for n, (printed, right, ours, deviation) in enumerate(values)
-    )
+    names = "Source, as printed", "Source, powers of ten put right", "Ours, with its standard deviation"
+    ours = map(spread_cell, fit.constants.tolist(), fit.deviations.tolist())
+    rows = zip(("D0", "D1", "D2"), SOURCE_FIT, SOURCE_FIT_RIGHT, ours, strict=True)
     caption = "Quadratic law of dissipation: D0 + D1 v0 + D2 v0² where the input is v0²/2 (thesis 5.17)"
-    yield Table(caption, columns, rows, by_row=True)
+    yield table_of(caption, (Column("Constant", key=True), *numeric(*names)), rows, by_row=True)
     yield Note(
         f"Fitted from a normalised velocity of {show(fit.lowest)} on, with equal relative weights; the largest misfit "
         f"there is {percent(100 * fit.misfit).lstrip('+')}. {_FIT_REMARK}"
@@ -151,17 +140,13 @@ def _quadratic_law(fit: QuadraticLaw) -> Iterator[Table | Note]:
 
 def _areas(found: Sequence[tuple[float, dict[int, float]]]) -> Table:
     spheres = sorted({count for _, fractions in found for count in fractions})
-    columns = (
-        Column("Input over F_y alpha_y", numeric=True, key=True),
-        *(Column(f"Fraction, W = {count}", numeric=True) for count in spheres),
-        Column("Largest difference", numeric=True),
-    )
-    values = [
+    numbers = numeric(*(f"Fraction, W = {count}" for count in spheres), "Largest difference")
+    rows = [
         (energy, *map(fractions.get, spheres), max(fractions.values()) - min(fractions.values()))
         for energy, fractions in found
     ]
-    rows = tuple(tuple(map(value_cell, row)) for row in values)
-    return Table("Loading area: dissipated fraction at equal input energy", columns, rows)
+    columns = (*numeric("Input over F_y alpha_y", key=True), *numbers)
+    return table_of("Loading area: dissipated fraction at equal input energy", columns, rows)
 
 
 def _against_velocity(runs: Sequence[Granular], fit: QuadraticLaw) -> Drawing:

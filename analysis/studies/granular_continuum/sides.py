@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from granwave.analysis.document.cells import value_cell
 from granwave.analysis.document.model import Cell, Column, Table
 from granwave.analysis.figures.curves import label, panels
 from granwave.analysis.figures.style import BLUE, ORANGE, SKY, Drawing
@@ -17,6 +16,7 @@ from granwave.analysis.studies.granular_continuum.curves import FRACTION, MARKER
 from granwave.analysis.studies.granular_continuum.impacts import Continuum, Granular, Impacts, constants, energy_unit
 from granwave.analysis.studies.granular_continuum.packings import variants
 from granwave.analysis.studies.study import Picture
+from granwave.analysis.studies.tables import numeric, table_of
 from granwave.lammps_inputs.errors import GranwaveError
 from granwave.lammps_inputs.lattices import KINDS
 from granwave.lammps_inputs.run_directory import RESULT_FILE
@@ -54,31 +54,23 @@ def pictures(impacts: Impacts) -> Iterator[Picture]:
 
 def tables(impacts: Impacts) -> Iterator[Table]:
     """Dissipation per mass and per volume of the material involved, over the reference runs of both."""
-    runs: list[Granular | Continuum] = [
-        *_dissipating(impacts.reference, _GRANULAR_LISTED),
-        *impacts.continuum_reference,
-    ]
+    listed: list[Granular | Continuum] = [*_dissipating(impacts.reference, _GRANULAR_LISTED)]
+    listed += impacts.continuum_reference
     rows = []
-    for run in runs:
+    for run in listed:
         if found := involved(run):
             fraction, volume = found.part(SHARE)
             solid = KINDS[run.case.packing.kind].solid_fraction if isinstance(run, Granular) else 1.0
             energy, mass, bulk = fraction * run.energy, volume * run.case.material.density, volume / solid
             values = run.energy, run.fraction, mass, 1e6 * bulk, energy / mass, 1e-6 * (energy / bulk)
-            rows.append((value_cell(run.label), Cell(run.what), *map(value_cell, values)))
-    columns = (
-        Column("Run", key=True),
-        Column("What"),
-        Column("Input", "J", numeric=True),
-        Column("Dissipated fraction", numeric=True),
-        Column("Mass involved", "kg", numeric=True),
-        Column("Volume involved, voids included", "cm³", numeric=True),
-        Column("Dissipated per mass", "J/kg", numeric=True),
-        Column("Dissipated per volume", "MJ/m³", numeric=True),
-    )
+            rows.append((run.label, Cell(run.what), *values))
+    numbers = numeric(
+        ("Input", "J"), "Dissipated fraction", ("Mass involved", "kg"), ("Volume involved, voids included", "cm³"),
+        ("Dissipated per mass", "J/kg"), ("Dissipated per volume", "MJ/m³"),
+    )  # fmt: skip
     if rows:
         caption = f"Dissipation per mass and volume of the material that does {100 * SHARE:.0f} % of it"
-        yield Table(caption, columns, tuple(rows), sortable=True)
+        yield table_of(caption, (Column("Run", key=True), Column("What"), *numbers), rows, sortable=True)
 
 
 def _dissipating(reference: Sequence[Granular], most: int) -> list[Granular]:

@@ -25,6 +25,7 @@ from granwave.analysis.scans.marks import draw_marks, marked_marker, marks_of
 from granwave.analysis.studies.granular_continuum.curves import GRANULAR_ENERGY
 from granwave.analysis.studies.granular_continuum.impacts import SAME, Continuum, Granular, Impacts, energy_unit
 from granwave.analysis.studies.study import Picture
+from granwave.analysis.studies.tables import numeric, table_of
 
 _MARKERS = "os^"  # of the shares
 _SIZES = {"depth": "Depth $/D$", "radius": "Radius $/D$", "volume": r"Volume $/(\pi D^3/6)$"}
@@ -130,17 +131,15 @@ def tables(impacts: Impacts) -> Iterator[Table | Note]:
     columns = (
         Column("Run", key=True),
         Column("What", key=True),
-        Column("Input over sigma_y^2 D^3/E", numeric=True, key=True),
-        *(Column(f"Depth {percent} %", "D", numeric=True) for percent in SHARES),
-        Column("Outermost depth", "D", numeric=True),
-        *(Column(f"Radius {percent} %", "D", numeric=True) for percent in SHARES),
-        Column("Outermost radius", "D", numeric=True),
-        *(Column(f"Volume {percent} %", "pi D^3/6", numeric=True) for percent in SHARES),
+        *numeric("Input over sigma_y^2 D^3/E", key=True),
+        *numeric(*((f"Depth {percent} %", "D") for percent in SHARES), ("Outermost depth", "D")),
+        *numeric(*((f"Radius {percent} %", "D") for percent in SHARES), ("Outermost radius", "D")),
+        *numeric(*((f"Volume {percent} %", "pi D^3/6") for percent in SHARES)),
         Column("Zone reaches"),
-        Column("Dissipated after waves came back", numeric=True),
+        *numeric("Dissipated after waves came back"),
     )
     caption = "Plastic zone: what holds 50, 90 and 99 % of the energy of yielding, and the outermost yield"
-    yield Table(caption, columns, tuple(tuple(_row(zone)) for zone in found), sortable=True)
+    yield table_of(caption, columns, map(_row, found), sortable=True)
     if any(any(one.open_ended) for one in found):
         yield Note(_CUT_REMARK, "note")
     if any(one.mark is Mark.WAVE and isinstance(one.run, Continuum) for one in found):

@@ -7,11 +7,12 @@ import itertools
 from collections.abc import Iterator, Sequence
 
 from granwave.analysis.document.cells import BLANK
-from granwave.analysis.document.model import Cell, Column, Table
+from granwave.analysis.document.model import Cell, Table
 from granwave.analysis.formatting.numbers import with_interval
 from granwave.analysis.statistics import differ_significantly, exactly
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture
+from granwave.analysis.studies.tables import numeric, table_of
 from granwave.analysis.studies.titles import bottom_label, impact_title
 from granwave.analysis.studies.tolerance import figures
 from granwave.analysis.studies.tolerance.packings import Packing, packings
@@ -69,22 +70,17 @@ def pictures(packing: Packing) -> Iterator[Picture]:
 
 def tables(packing: Packing) -> Iterator[Table]:
     """Means of all settings, and those of performance against the ideal packing."""
-    heads = [Column(axis.words.capitalize(), axis.unit, numeric=True, key=True) for axis in packing.axes]
-    heads.append(Column("Seeds", numeric=True))
-    shown = packing.shown()
-    columns = [Column(one.words.capitalize(), one.unit, numeric=True) for one in shown]
-    rows = [(*_heads(packing, s), *(_value(packing, s, one) for one in shown)) for s in packing.settings]
-    caption = f"Mean and 95 % confidence interval{_told(packing)}"
-    yield Table(caption, (*heads, *columns), tuple(rows), sortable=True)
-    kept = [one for one in packing.performance if any(packing.left(one, setting) for setting in packing.settings)]
+    axes = numeric(*((axis.words.capitalize(), axis.unit) for axis in packing.axes), key=True)
+    heads = (*axes, *numeric("Seeds"))
+    shown, settings = packing.shown(), packing.settings
+    columns = numeric(*((one.words.capitalize(), one.unit) for one in shown))
+    rows = [(*_heads(packing, s), *(_value(packing, s, one) for one in shown)) for s in settings]
+    yield table_of(f"Mean and 95 % confidence interval{_told(packing)}", (*heads, *columns), rows, sortable=True)
+    kept = [one for one in packing.performance if any(packing.left(one, setting) for setting in settings)]
     if kept:
-        columns = [Column(one.words.capitalize(), "% of the ideal's", numeric=True) for one in kept]
-        rows = [
-            (*_heads(packing, s), *(_over_ideal(packing, s, one) for one in kept))
-            for s in packing.settings
-            if s != IDEAL
-        ]
-        yield Table(f"Against the ideal packing{_told(packing)}", (*heads, *columns), tuple(rows), sortable=True)
+        columns = numeric(*((one.words.capitalize(), "% of the ideal's") for one in kept))
+        rows = [(*_heads(packing, s), *(_over_ideal(packing, s, one) for one in kept)) for s in settings if s != IDEAL]
+        yield table_of(f"Against the ideal packing{_told(packing)}", (*heads, *columns), rows, sortable=True)
 
 
 def _labels(titles: Sequence[str]) -> list[str]:
