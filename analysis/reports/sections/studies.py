@@ -39,7 +39,7 @@ def verdicts(found: Sequence[Study]) -> tuple[Group, ...]:
 
 
 def studies_of(inputs: Inputs, named: Sequence[str] = ()) -> list[Study]:
-    """Studies that the scans of a report name, of all runs of the scans that name them.
+    """Studies that the scans of a report name, of all runs of the scans that name them but those that are damaged.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def studies_of(inputs: Inputs, named: Sequence[str] = ()) -> list[Study]:
     asked = [(run, tuple(named)) for run in inputs.runs]
     asked += [(point.run, (*scan.studies, *named)) for scan in inputs.scans for point in scan.points if point.run]
     for run, names in asked:
-        if not names or run.kind != "run":
+        if not names or run.kind != "run" or run.damaged:
             continue
         if run.directory not in read:
             read[run.directory] = FinishedRun.among([(run.label, run.directory, run.summary)], lambda _: True)

@@ -176,6 +176,14 @@ def test_the_report_says_what_is_left(tmp_path: Path) -> None:
     assert np.all(columns["n"][chosen] == 6) and np.all(columns["low_95"][chosen] < columns["mean"][chosen])
 
 
+def test_a_damaged_result_is_left_out(tmp_path: Path) -> None:
+    paths = write(tmp_path, settings([0, 2], seeds=3))
+    (paths[-1] / "result.h5").write_bytes(b"no")
+    (study,) = found_in(paths, tmp_path)
+    assert [row[1].text for row in study.tables[0].rows] == ["not random", "2"]
+    assert "so studies and comparisons leave it out" in str(build(paths, tmp_path, "tolerance"))
+
+
 def test_doubt_is_said_where_it_is_due(tmp_path: Path) -> None:
     (single,) = found_in(write(tmp_path / "a", settings([0, 2], seeds=1)), tmp_path)
     assert "one seed: its confidence is not known" in single.verdict[1]
