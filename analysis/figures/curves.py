@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.collections import QuadMesh
-from matplotlib.ticker import FixedLocator, LogLocator, NullLocator
+from matplotlib.ticker import FixedLocator, LogLocator, NullFormatter, NullLocator
 from numpy.typing import ArrayLike, NDArray
 
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, WIDTH, new_figure
@@ -17,6 +17,7 @@ from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, S
 COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY, GREY)
 MARKS = "os^Dv"
 DOUBLE = 7.0  # inches: two columns of a journal
+_WIDE = 10.0  # largest over smallest value from which on an axis is logarithmic
 
 
 def panels(height: float, columns: int = 1, rows: int = 1, *, width: float = 0.0, **options: Any) -> tuple[Any, ...]:
@@ -67,6 +68,42 @@ def few_ticks(
 def map_of(axes: Axes, x: ArrayLike, y: ArrayLike, values: NDArray[np.float64], **options: Any) -> QuadMesh:
     """Values (n_y, n_x) by colour, one cell around each point."""
     return axes.pcolormesh(x, y, values, rasterized=True, shading="nearest", **options)
+
+
+def numbered_map(axes: Axes, values: NDArray[np.float64], top: float, title: str) -> None:
+    """Values (n_y, n_x), none negative, by colour and as numbers, one cell each; with their scale beside the map.
+
+    Parameters
+    ----------
+    top
+        Of the colours, at least.
+    """
+    top = max(top, float(np.nanmax(values)))
+    mesh = axes.pcolormesh(values, cmap="viridis", vmin=0, vmax=top, rasterized=True)
+    for (line, place), value in np.ndenumerate(values):
+        if np.isfinite(value):
+            colour = "black" if value > 0.6 * top else "white"
+            axes.text(place + 0.5, line + 0.5, f"{value:.0f}", ha="center", va="center", fontsize=7, color=colour)
+    assert axes.figure is not None
+    axes.figure.colorbar(mesh, ax=axes, pad=0.02).set_label(title)
+
+
+def spread_scales(axes: Axes, places: Iterable[float]) -> None:
+    """Ticks at all places, from 0 on; scales are logarithmic where values are spread over decades, and 0 is kept."""
+    places = sorted(set(places))
+    positive = [place for place in places if place > 0]
+    if len(positive) > 1 and positive[-1] >= _WIDE * positive[0]:
+        axes.set_xscale("symlog", linthresh=positive[0], linscale=0.5)
+    few_ticks(axes.xaxis, places, form="{x:g}")
+    low, high = axes.get_ylim()
+    values = np.concatenate([np.asarray(line.get_ydata(), dtype=np.float64) for line in axes.lines])
+    if values.min() > 0 and values.max() > _WIDE / 2 * values.min():
+        axes.set_yscale("log")
+        axes.yaxis.set_major_locator(LogLocator(10, subs=(1.0, 2.0, 5.0)))
+        axes.yaxis.set_major_formatter("{x:g}")
+        axes.yaxis.set_minor_formatter(NullFormatter())
+    elif low < 0.5 * high:
+        axes.set_ylim(0)
 
 
 def key_of_lines(axes: Axes, lines: Iterable[tuple[str, dict[str, Any]]]) -> None:

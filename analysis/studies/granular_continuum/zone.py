@@ -5,10 +5,9 @@ Lengths are in diameters, of the spheres and of the punch, volumes in pi D^3/6, 
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -18,7 +17,8 @@ from granwave.analysis.document.cells import show, value_cell
 from granwave.analysis.document.model import Cell, Column, Note, Table, Tone
 from granwave.analysis.figures.curves import label, panels
 from granwave.analysis.figures.style import BLUE, ORANGE, Drawing
-from granwave.analysis.measures.zone_marks import Mark, bounds_in_words, mark_of
+from granwave.analysis.measures.zone_in_diameters import Zone, zone_in_diameters
+from granwave.analysis.measures.zone_marks import Mark, bounds_in_words
 from granwave.analysis.measures.zone_size import SHARES
 from granwave.analysis.scans.axes import log_ticks
 from granwave.analysis.scans.marks import draw_marks, marked_marker, marks_of
@@ -43,53 +43,21 @@ _WAVE_REMARK = (
 )
 
 
-@dataclasses.dataclass(frozen=True)
-class Zone:
-    """Plastic zone of one run, in diameters and in pi D^3/6.
-
-    Attributes
-    ----------
-    energy
-        Input over sigma_y^2 D^3/E.
-    depth, radius, volume
-        That hold each of `SHARES`; NaN where a size does not apply.
-    outermost
-        Depth and radius of the outermost yield; NaN as above.
-    open_ended
-        The same of both: the run ended, or a bound cut it, before the outermost yield was reached.
-    """
+class RunZone(NamedTuple):
+    """Plastic zone of a run; the energy is its input over sigma_y^2 D^3/E."""
 
     run: Granular | Continuum
     energy: float
-    depth: tuple[float, ...]
-    radius: tuple[float, ...]
-    volume: tuple[float, ...]
-    outermost: tuple[float, ...]
-    open_ended: tuple[bool, bool]
-
-    @property
-    def mark(self) -> Mark:
-        """Mark of the run."""
-        return mark_of(self.run.summary)
+    zone: Zone
 
 
-def zone_of(run: Granular | Continuum) -> Zone | None:
+def zone_of(run: Granular | Continuum) -> RunZone | None:
     """Return the plastic zone of a run; None where its summary, of an older version, does not tell."""
-    if run.summary.get(f"zone_volume_{SHARES[0]}_m3") is None:
-        return None
-    cut, growing = run.summary.get("zone_cut") or (), run.summary.get("zone_growing") or ()
-    return Zone(
-        run=run,
-        energy=run.energy / energy_unit(run.case.material, run.diameter),
-        depth=tuple(run.value(f"zone_depth_{percent}_m") / run.diameter for percent in SHARES),
-        radius=tuple(run.value(f"zone_radius_{percent}_m") / run.diameter for percent in SHARES),
-        volume=tuple(run.value(f"zone_volume_{percent}_m3") / (math.pi * run.diameter**3 / 6) for percent in SHARES),
-        outermost=tuple(run.value(f"plastic_zone_{name}_m") / run.diameter for name in ("depth", "radius")),
-        open_ended=("bottom" in cut or "depth" in growing, "sides" in cut or "radius" in growing),
-    )
+    zone = zone_in_diameters(run.summary, run.diameter)
+    return RunZone(run, run.energy / energy_unit(run.case.material, run.diameter), zone) if zone else None
 
 
-def packing_zones(impacts: Impacts) -> list[Zone]:
+def packing_zones(impacts: Impacts) -> list[RunZone]:
     """Return the zones of the reference's spheres, one of them struck, by energy: each in the largest packing."""
     if not impacts.reference:
         return []
@@ -103,16 +71,16 @@ def packing_zones(impacts: Impacts) -> list[Zone]:
         and run.case.boundary == first.case.boundary
     ]
     largest_first = sorted(same, key=lambda run: (run.energy, -run.assembly.lattice.n_spheres))
-    chosen: list[Zone] = []
-    for zone in filter(None, map(zone_of, largest_first)):
-        if not chosen or zone.energy > chosen[-1].energy * (1 + SAME):
-            chosen.append(zone)
+    chosen: list[RunZone] = []
+    for one in filter(None, map(zone_of, largest_first)):
+        if not chosen or one.energy > chosen[-1].energy * (1 + SAME):
+            chosen.append(one)
     return chosen
 
 
-def continuum_zones(impacts: Impacts) -> list[Zone]:
+def continuum_zones(impacts: Impacts) -> list[RunZone]:
     """Return the zones of the continuum reference, by energy."""
-    return [zone for zone in map(zone_of, impacts.continuum_reference) if zone is not None]
+    return list(filter(None, map(zone_of, impacts.continuum_reference)))
 
 
 def pictures(impacts: Impacts) -> Iterator[Picture]:
@@ -140,16 +108,16 @@ def tables(impacts: Impacts) -> Iterator[Table | Note]:
     )
     caption = "Plastic zone: what holds 50, 90 and 99 % of the energy of yielding, and the outermost yield"
     yield table_of(caption, columns, map(_row, found), sortable=True)
-    if any(any(one.open_ended) for one in found):
+    if any(any(one.zone.open_ended) for one in found):
         yield Note(_CUT_REMARK, "note")
-    if any(one.mark is Mark.WAVE and isinstance(one.run, Continuum) for one in found):
+    if any(one.zone.mark is Mark.WAVE and isinstance(one.run, Continuum) for one in found):
         yield Note(_WAVE_REMARK, "note")
 
 
-def _row(zone: Zone) -> Iterator[Cell]:
-    summary = zone.run.summary
+def _row(one: RunZone) -> Iterator[Cell]:
+    summary, zone = one.run.summary, one.zone
     tone: Tone = "note" if zone.mark else ""
-    yield from (value_cell(zone.run.label), Cell(zone.run.what), value_cell(zone.energy))
+    yield from (value_cell(one.run.label), Cell(one.run.what), value_cell(one.energy))
     for sizes, outermost, open_ended in zip((zone.depth, zone.radius), zone.outermost, zone.open_ended, strict=True):
         yield from (_size(size, tone) for size in sizes)
         yield _size(outermost, tone, "≥ " if open_ended else "")
@@ -163,7 +131,7 @@ def _size(value: float, tone: Tone, before: str = "") -> Cell:
     return value_cell(None) if math.isnan(value) else Cell(before + show(float(f"{value:.4g}")), value, tone)
 
 
-def _zone_sizes(sides: Mapping[str, Sequence[Zone]]) -> Drawing:
+def _zone_sizes(sides: Mapping[str, Sequence[RunZone]]) -> Drawing:
     """Depth, radius and volume that hold 50, 90 and 99 % of the energy of yielding against the input energy."""
     figure, *axes_of_sizes = panels(3.1, 3)
     for axes, (name, title) in zip(axes_of_sizes, _SIZES.items(), strict=True):
@@ -187,30 +155,31 @@ def _zone_sizes(sides: Mapping[str, Sequence[Zone]]) -> Drawing:
     return Drawing(figure, _columns(sides))
 
 
-def _columns(sides: Mapping[str, Sequence[Zone]]) -> dict[str, list]:
-    zones = [zone for side in sides.values() for zone in side]
+def _columns(sides: Mapping[str, Sequence[RunZone]]) -> dict[str, list]:
+    zones = [one for side in sides.values() for one in side]
     columns: dict[str, list] = {
         "what": [what for what, side in sides.items() for _ in side],
-        "energy_normalised": [zone.energy for zone in zones],
-        "mark": [int(zone.mark) for zone in zones],
+        "energy_normalised": [one.energy for one in zones],
+        "mark": [int(one.zone.mark) for one in zones],
     }
     for name in _SIZES:
-        columns |= {f"{name}_{percent}": [getattr(zone, name)[n] for zone in zones] for n, percent in enumerate(SHARES)}
+        for n, percent in enumerate(SHARES):
+            columns[f"{name}_{percent}"] = [getattr(one.zone, name)[n] for one in zones]
     for n, name in enumerate(("depth", "radius")):
-        columns[f"outermost_{name}"] = [zone.outermost[n] for zone in zones]
-        columns[f"outermost_{name}_open_ended"] = [int(zone.open_ended[n]) for zone in zones]
+        columns[f"outermost_{name}"] = [one.zone.outermost[n] for one in zones]
+        columns[f"outermost_{name}_open_ended"] = [int(one.zone.open_ended[n]) for one in zones]
     return columns
 
 
-def _curves(axes: Axes, name: str, zones: Sequence[Zone], colour: str, line: str) -> None:
+def _curves(axes: Axes, name: str, zones: Sequence[RunZone], colour: str, line: str) -> None:
     """Draw one size of the zones of packings or blocks, with the outermost yield."""
-    x = np.array([zone.energy for zone in zones])
+    x = np.array([one.energy for one in zones])
     for n, marker in enumerate(_MARKERS):
-        y = _positive([getattr(zone, name)[n] for zone in zones])
+        y = _positive([getattr(one.zone, name)[n] for one in zones])
         axes.plot(x, y, linestyle=line, color=colour, marker=marker, markersize=4, linewidth=0.8)
         draw_marks(axes, x, y, _marks(zones), marker, 4, colour)
     if name != "volume":
-        outermost = _positive([zone.outermost[name == "radius"] for zone in zones])
+        outermost = _positive([one.zone.outermost[name == "radius"] for one in zones])
         axes.plot(x, outermost, ":", color=colour, linewidth=0.9)
 
 
@@ -219,13 +188,13 @@ def _positive(values: Sequence[float]) -> np.ndarray:
     return np.array([value or math.nan for value in values], dtype=np.float64)
 
 
-def _marks(zones: Sequence[Zone]) -> np.ndarray:
-    return np.array([int(zone.mark) for zone in zones], dtype=np.int64)
+def _marks(zones: Sequence[RunZone]) -> np.ndarray:
+    return np.array([int(one.zone.mark) for one in zones], dtype=np.int64)
 
 
-def _axis_of_contacts(axes: Axes, zone: Zone) -> None:
+def _axis_of_contacts(axes: Axes, one: RunZone) -> None:
     """Give the energies of the packing in F_y alpha_y too, on top."""
-    factor = zone.run.energy_normalised / zone.energy
+    factor = one.run.energy_normalised / one.energy
     axes.tick_params(axis="x", which="both", top=False)
     there, back = (lambda x: factor * np.asarray(x, float)), (lambda x: np.asarray(x, float) / factor)
     top = axes.secondary_xaxis("top", functions=(there, back))

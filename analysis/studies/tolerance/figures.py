@@ -6,11 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.ticker import LogLocator, NullFormatter
-from numpy.typing import NDArray
 
 from granwave.analysis.figures.convergence import convergence
-from granwave.analysis.figures.curves import DOUBLE, few_ticks
+from granwave.analysis.figures.curves import DOUBLE, numbered_map, spread_scales
 from granwave.analysis.figures.series import legend_outside
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing, new_figure
 from granwave.analysis.studies.tolerance.packings import Packing
@@ -29,7 +27,6 @@ _PANELS = (FORCE, DISSIPATED, PLASTIC, FRICTION, SPHERES, ARRIVAL)
 _COLOURS = ("black", BLUE, ORANGE, GREEN, PURPLE, SKY, GREY)
 _MARKERS = "os^DvP*"
 _ACROSS = 2
-_WIDE = 10.0  # largest over smallest value from which on an axis is logarithmic
 _FEWEST_SEEDS = 4  # whose convergence is worth a figure
 _CONVERGED = (FORCE, DISSIPATED, SPHERES)
 
@@ -49,7 +46,7 @@ def against(packing: Packing, axis: Axis) -> Drawing | None:
         for n, base in enumerate(bases):
             label = ", ".join(f"{other.words} {other.show(other.of(base))}" for other in others)
             points += _curve(axes, packing, quantity, axis, packing.along(axis, base), n, label)
-        _scale(axes, [axis.of(setting) for setting in settings])
+        spread_scales(axes, [axis.of(setting) for setting in settings])
         axes.set_ylabel(quantity.title, fontsize=7)
     for axes in panels[len(quantities) :]:
         axes.set_axis_off()
@@ -81,7 +78,7 @@ def left_of_ideal(packing: Packing, across: Axis, up: Axis) -> Drawing | None:
     for axes, quantity in zip(panels, shown, strict=True):
         found = [packing.over_ideal(quantity, setting) for setting in settings]
         shares = np.array([100 * share.mean if share else np.nan for share in found])
-        _map(axes, shares.reshape(len(columns), len(lines)).T)
+        numbered_map(axes, shares.reshape(len(columns), len(lines)).T, 100.0, "% of the ideal packing's")
         axes.set_xticks(np.arange(len(columns)) + 0.5, [f"{value:g}" for value in columns])
         axes.set_yticks(np.arange(len(lines)) + 0.5, [f"{value:g}" for value in lines])
         axes.tick_params(which="both", length=0)
@@ -124,33 +121,3 @@ def _curve(
             single = np.array(packing.values(quantity, setting)) / quantity.scale
             axes.plot(np.full(len(single), place), single, ".", color=colour, markersize=3.5, alpha=0.6)
     return [(quantity.name, setting, one.n, one.mean, one.low, one.high) for setting, one in found.items()]
-
-
-def _map(axes: Axes, shares: NDArray[np.float64]) -> None:
-    """Draw a map of shares in per cent, with their numbers: (n_lines, n_columns)."""
-    top = max(100.0, float(np.nanmax(shares)))
-    mesh = axes.pcolormesh(shares, cmap="viridis", vmin=0, vmax=top, rasterized=True)
-    for (line, place), share in np.ndenumerate(shares):
-        if np.isfinite(share):
-            colour = "black" if share > 0.6 * top else "white"
-            axes.text(place + 0.5, line + 0.5, f"{share:.0f}", ha="center", va="center", fontsize=7, color=colour)
-    assert axes.figure is not None
-    axes.figure.colorbar(mesh, ax=axes, pad=0.02).set_label("% of the ideal packing's")
-
-
-def _scale(axes: Axes, places: Sequence[float]) -> None:
-    """Zero has its place on the abscissa, also where the rest is spread over decades."""
-    places = sorted(set(places))
-    positive = [place for place in places if place > 0]
-    if len(positive) > 1 and positive[-1] >= _WIDE * positive[0]:
-        axes.set_xscale("symlog", linthresh=positive[0], linscale=0.5)
-    few_ticks(axes.xaxis, places, form="{x:g}")
-    low, high = axes.get_ylim()
-    means = np.concatenate([np.asarray(line.get_ydata(), dtype=np.float64) for line in axes.lines])
-    if means.min() > 0 and means.max() > _WIDE / 2 * means.min():
-        axes.set_yscale("log")
-        axes.yaxis.set_major_locator(LogLocator(10, subs=(1.0, 2.0, 5.0)))
-        axes.yaxis.set_major_formatter("{x:g}")
-        axes.yaxis.set_minor_formatter(NullFormatter())
-    elif low < 0.5 * high:
-        axes.set_ylim(0)

@@ -164,11 +164,11 @@ def test_zones_are_those_of_the_runs(impacts: Impacts) -> None:
     assert len(of_blocks) == 3
     for one, diameter in ((of_packings[-1], 0.01), (of_blocks[-1], 0.01)):
         summary = one.run.summary
-        assert one.depth == tuple(summary[f"zone_depth_{share}_m"] / diameter for share in (50, 90, 99))
-        assert one.volume[1] == pytest.approx(summary["zone_volume_90_m3"] / (math.pi * diameter**3 / 6))
+        assert one.zone.depth == tuple(summary[f"zone_depth_{share}_m"] / diameter for share in (50, 90, 99))
+        assert one.zone.volume[1] == pytest.approx(summary["zone_volume_90_m3"] / (math.pi * diameter**3 / 6))
         assert one.energy == pytest.approx(one.run.energy / 2.630, rel=1e-3)  # J, of brass and 10 mm
-    assert of_packings[-1].mark == zone.Mark.CUT
-    assert all(one.mark != zone.Mark.CUT for one in of_blocks)
+    assert of_packings[-1].zone.mark == zone.Mark.CUT
+    assert all(one.zone.mark != zone.Mark.CUT for one in of_blocks)
 
 
 def test_zones_are_shown_in_the_largest_packing(impacts: Impacts) -> None:
