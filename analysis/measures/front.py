@@ -59,7 +59,7 @@ def front_of(result: Result, unit: float) -> Front:
 
 
 def in_cone(result: Result) -> NDArray[np.bool_]:
-    """Which spheres lie within the cone that the preferred directions span; all where these are not three."""
+    """Spheres within the cone that the preferred directions span: (n_spheres,); all where these are not three."""
     case = result.case
     directions = preferred_directions(case.packing.kind)
     offset = result["spheres/position"] - result.origin

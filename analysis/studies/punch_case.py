@@ -33,7 +33,7 @@ class Punch:
 
 @dataclasses.dataclass(frozen=True)
 class Mesh:
-    """How fine the mesh was.
+    """Fineness of the mesh.
 
     Attributes
     ----------

@@ -71,7 +71,7 @@ class Difference(NamedTuple):
 
 
 def collapse(impacts: Impacts) -> list[Difference]:
-    """How far the groups of `materials` are from the reference, at each normalised energy that both have.
+    """Differences of the groups of `materials` from the reference, at each normalised energy that both have.
 
     With one ratio of yield strength to modulus they are equal to rounding. With another one the punch's rounded edge
     is larger or smaller beside the displacements, which matters where little more than its edge touches.

@@ -1,4 +1,4 @@
-"""How curves of a comparison look, and the figure of a scaling: in joules and on normalised axes, side by side."""
+"""Look of the curves of a comparison, and the figure of a scaling: in joules and on normalised axes, side by side."""
 
 from __future__ import annotations
 

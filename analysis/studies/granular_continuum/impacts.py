@@ -210,7 +210,7 @@ def energy_unit(material: Material, diameter: float) -> float:
 
 
 def differences(first: Impact, other: Impact) -> str:
-    """How another substance differs, for a legend: such as "modulus 230 GPa"."""
+    """Label of another substance by what differs, for a legend: such as "modulus 230 GPa"."""
     here, there = first.case.material, other.case.material
     pairs = [
         ("diameter", first.diameter, other.diameter, 1e-3, "mm"),

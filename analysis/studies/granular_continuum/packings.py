@@ -47,7 +47,7 @@ def variants(impacts: Impacts) -> list[Curve[Granular]]:
 
 
 class Difference(NamedTuple):
-    """How far a group is from the reference at equal normalised velocities; ``n`` is how many there were."""
+    """Distance of a group from the reference at equal normalised velocities; ``n`` is how many there were."""
 
     name: str
     n: int

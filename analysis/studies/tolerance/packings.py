@@ -64,7 +64,7 @@ class Packing:
         return [setting for base in self.bases(axis) for setting in self.along(axis, base)]
 
     def seeds(self, setting: Setting) -> int:
-        """How many replicates there are."""
+        """Number of replicates."""
         return len(self.runs[setting])
 
     def random(self, setting: Setting) -> bool:

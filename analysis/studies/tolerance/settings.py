@@ -12,7 +12,7 @@ _DIGITS = 12  # in which settings are the same
 
 
 class Setting(NamedTuple):
-    """How imperfect a packing is.
+    """Imperfections of a packing.
 
     Attributes
     ----------
@@ -82,7 +82,7 @@ AXES = (SCATTER, RUBBING, VACANCIES)
 
 
 def setting_of(case: Case) -> Setting:
-    """How imperfect the packing of a case is."""
+    """Imperfections of the packing of a case."""
     packing, left_out = case.packing, case.packing.vacancies
     values = packing.diameter_scatter, case.contact.friction, left_out if isinstance(left_out, float) else 0.0
     return Setting(*(float(f"{value:.{_DIGITS}g}") for value in values))

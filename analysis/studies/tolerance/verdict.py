@@ -53,7 +53,7 @@ def missing(packing: Packing, undone: Sequence[Mapping[str, Any]]) -> Iterator[s
 
 
 def tolerance(packing: Packing, quantity: Quantity, axis: Axis, *, surely: bool = False) -> float | None:
-    """Up to which imperfection 90 % of the ideal's performance is kept, straight between the settings that were run.
+    """Largest imperfection that leaves 90 % of the performance, straight between the settings that were run.
 
     Parameters
     ----------
