@@ -46,6 +46,24 @@ class Quantity:
         return self.per_unit * np.array([self.value(run) for run in runs])
 
 
+def numeric(*heads: str | tuple[str, str], key: bool = False) -> tuple[Column, ...]:
+    """Columns of numbers, by heading, or by heading and unit."""
+    pairs = [(head, "") if isinstance(head, str) else head for head in heads]
+    return tuple(Column(heading, unit, numeric=True, key=key) for heading, unit in pairs)
+
+
+def table_of(caption: str, columns: Iterable[Column], rows: Iterable[Iterable[Any]], **options: Any) -> Table:
+    """A table of values; what is a cell already stays as it is.
+
+    Parameters
+    ----------
+    options
+        Further fields of a table, such as ``sortable``.
+    """
+    cells = tuple(tuple(one if isinstance(one, Cell) else value_cell(one) for one in row) for row in rows)
+    return Table(caption, tuple(columns), cells, **options)
+
+
 def of_summary(key: str) -> Callable[[Any], float]:
     """Value of a run: a number of its summary."""
     return lambda run: run.value(key)

@@ -95,7 +95,7 @@ def run_small(place: Path) -> dict[str, Any]:
         outcome = run_case(load_case(case, settings), place / name, figures=False)
         summaries[name] = outcome.summary | _OF_THE_MACHINE
         (place / name / SUMMARY_FILE).write_text(json.dumps(summaries[name]), encoding="utf-8")
-    write_report([place / name for name in RUNS], place / REPORT)
+    write_report([place / name for name in RUNS], place / REPORT, ["tolerance"])
     return summaries
 
 

@@ -1,4 +1,4 @@
-"""Synthetic runs and scans for reports, and functions to inspect a report."""
+"""Runs and scans that no engine made, for reports of them, and ways to look into a report."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ NASTY = "<script>alert(1)</script> & \"q\" 'a' | *b* `c` {{ 7*7 }}"
 
 
 def write_run(directory: Path, figures: bool = True, name: str = "synthetic", **changes) -> Path:
-    """Finished run of brass; keywords with `__` such as `load__velocity=4` are labels, others change the summary."""
+    """A finished run of brass; `load__velocity=4` in the labels, other words change the summary."""
     labels = {key.replace("__", "."): value for key, value in changes.items() if "__" in key or key == "material"}
     values = {key: value for key, value in changes.items() if "__" not in key and key != "material"}
     case = case_of(labels)
@@ -48,7 +48,7 @@ def write_run(directory: Path, figures: bool = True, name: str = "synthetic", **
 
 
 def draw(directory: Path, *names: str) -> None:
-    """Figures of noise, with data for the first."""
+    """Pictures of noise, with data for the first."""
     (directory / "figures").mkdir(exist_ok=True)
     pixels = np.random.default_rng(1).integers(0, 255, (40, 60, 3), dtype=np.uint8)
     for name in names:
@@ -67,7 +67,7 @@ def write_inputs(directory: Path) -> list[Path]:
 
 
 def nasty_inputs(directory: Path) -> list[Path]:
-    """Run and scan whose texts would break a page without escaping."""
+    """A run and a scan, all of whose texts would break a page that takes them as they are."""
     run = write_run(directory / "a<b>&'c", name=NASTY, end_reason=NASTY, versions={NASTY: NASTY})
     draw(run, 'x<y>"&')
     case = (run / "case.toml").read_text() + f"[{json.dumps('<i>')}]\nx = {json.dumps(NASTY)}\n"
@@ -78,13 +78,13 @@ def nasty_inputs(directory: Path) -> list[Path]:
     return [run, scan]
 
 
-def build(directories: Sequence[Path], base: Path) -> Report:
-    """Content of their report."""
-    return build_report(read_inputs(directories, base))
+def build(directories: Sequence[Path], base: Path, *studies: str) -> Report:
+    """The content of their report, with studies beside those that scans name."""
+    return build_report(read_inputs(directories, base), studies)
 
 
 def blocks(report: Report, slug: str) -> list:
-    """Blocks of a section, including those of its groups."""
+    """Blocks of a section, those of its groups included."""
     section = next(section for section in report.sections if section.slug == slug)
     found = []
     for block in section.blocks:

@@ -1,4 +1,4 @@
-"""Synthetic scan directories: all numbers in them follow from the labels."""
+"""Directories of scans that no engine made: every number in them follows from the labels."""
 
 from __future__ import annotations
 
@@ -29,22 +29,29 @@ Change = Mapping[int, str]
 
 
 def grid(**values: Sequence[Any]) -> list[Labels]:
-    """All combinations of values; `load__velocity` denotes load.velocity."""
+    """Every combination; `load__velocity` stands for load.velocity."""
     names = [name.replace("__", ".") for name in values]
     return [dict(zip(names, point, strict=True)) for point in itertools.product(*values.values())]
 
 
 def write_scan(
-    directory: Path, points: Sequence[Labels], *, failed: Change | None = None, missing: Iterable[int] = ()
+    directory: Path,
+    points: Sequence[Labels],
+    *,
+    failed: Change | None = None,
+    missing: Iterable[int] = (),
+    study: Sequence[str] = (),
 ) -> Path:
     """Write a scan of these points.
 
     Parameters
     ----------
     failed
-        Reasons why points failed, by number from 1.
+        Why points failed, by number from 1.
     missing
-        Numbers of points that were never started.
+        Numbers of points that were never begun.
+    study
+        Studies that the scan names.
     """
     varied = list(dict.fromkeys(key for point in points for key in point))
     index = []
@@ -60,17 +67,18 @@ def write_scan(
             folder.mkdir(parents=True, exist_ok=True)
             finish_point(folder, labels)
     directory.mkdir(parents=True, exist_ok=True)
-    write_json(directory / "scan.json", {"name": "synthetic", "case": "fcc-small", "varied": varied, "points": index})
+    about = {"name": "synthetic", "case": "fcc-small", "varied": varied, "study": list(study)}
+    write_json(directory / "scan.json", about | {"points": index})
     return directory
 
 
 def point_id(labels: Labels) -> str:
-    """ID of a point; equal points have the same."""
+    """Equal points share one."""
     return hashlib.sha256(json.dumps(labels, sort_keys=True).encode()).hexdigest()[:10]
 
 
 def finish_point(folder: Path, labels: Labels) -> None:
-    """Output files of a finished run that are read by a scan."""
+    """What a finished run leaves, as far as a scan reads it."""
     case = case_of(labels)
     (folder / "case.toml").write_text(case.to_toml(), encoding="utf-8")
     write_json(folder / "point.json", {"state": "finished", "attempts": 1, "reason": None})
@@ -78,13 +86,13 @@ def finish_point(folder: Path, labels: Labels) -> None:
 
 
 def case_of(labels: Labels) -> Case:
-    """Case of one point."""
+    """The case of one point."""
     words = [f"{key}={json.dumps(value) if isinstance(value, bool) else value}" for key, value in labels.items()]
     return case_from_dict(apply_overrides(BASE, parse_overrides(words)), "case")
 
 
 def summary_of(case: Case) -> dict[str, Any]:
-    """Summary whose values depend smoothly on the case, and by up to 2 % on the seed."""
+    """A summary whose values depend on the case smoothly, and on the seed by up to 2 %."""
     law, velocity, diameter = sphere_contact(case), case.load.velocity, case.packing.diameter
     seed = getattr(case.packing, "seed", None) or 0
     noise = 1 + 0.02 * ((seed * 7) % 11 - 5) / 5
@@ -118,5 +126,5 @@ def summary_of(case: Case) -> dict[str, Any]:
 
 
 def write_json(path: Path, content: Any) -> None:
-    """Ledger in the format of the engine."""
+    """As the engine writes it."""
     path.write_text(json.dumps(content), encoding="utf-8")

@@ -185,12 +185,10 @@ def _publish(directory: Path) -> None:
     # the drawing library is loaded when all points are done
     from granwave.analysis.reports.inputs import read_inputs
     from granwave.analysis.reports.report import write_report
-    from granwave.analysis.reports.sections.comparison import impacts_of
+    from granwave.analysis.reports.sections.comparison import comparison_of
     from granwave.analysis.reports.sections.studies import studies_of
-    from granwave.analysis.studies.granular_continuum.drawings import draw_comparison
     from granwave.analysis.studies.study import draw_studies
 
     inputs = read_inputs([directory], directory)
-    draw_comparison(impacts_of(inputs), directory)
-    draw_studies(studies_of(inputs), directory)
+    draw_studies([*comparison_of(inputs), *studies_of(inputs)], directory)
     write_report([directory], directory / SCAN_REPORT)

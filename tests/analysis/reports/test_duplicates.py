@@ -28,7 +28,7 @@ from tests.helpers.synthetic_scan import grid, write_scan
 def tolerances(tmp_path_factory) -> Path:
     """Scan with the files written by the driver: packings hit at two velocities, with friction and without."""
     points = grid(load__velocity=[2.0, 5.0], contact__friction=[0.0, 0.1, 0.2])
-    scan = write_scan(tmp_path_factory.mktemp("scans") / "tolerances", points)
+    scan = write_scan(tmp_path_factory.mktemp("scans") / "tolerances", points, study=["tolerance"])
     for point in ScanResult(scan).points:
         path, values = scan / "points" / point.id / "summary.json", (float(v) for v in point.labels.values())
         velocity, friction = values
