@@ -1,4 +1,4 @@
-"""From what LAMMPS left to result.h5, summary.json and figures. Names are imported when first used."""
+"""Analysis of the output of LAMMPS: result.h5, summary.json and figures. Names are imported on first use."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Errors of the analysis: each says what was found, what was expected and how to mend it."""
+"""Errors of the analysis; messages say what was found, what was expected and how to correct it."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ from granwave.lammps_inputs.errors import GranwaveError
 
 
 class MissingOutputError(GranwaveError, FileNotFoundError):
-    """A file that the run should have left is not there."""
+    """Error of a missing output file of a run."""
 
 
 class OutputFormatError(GranwaveError, ValueError):
-    """A file of the run is there but does not hold what it should."""
+    """Error of an output file of a run with wrong content."""
 
 
 class MissingDataError(OutputFormatError, KeyError):
-    """A result has no such data set."""
+    """Error of a data set that a result lacks."""
 
-    __str__ = Exception.__str__  # KeyError puts quotes around its message
+    __str__ = Exception.__str__  # KeyError would quote its message

@@ -1,10 +1,10 @@
-"""Means of a few random replicates, with how far they can be trusted.
+"""Means of a few random replicates, with their confidence intervals.
 
 Replicates are independent, so that the mean of ``n`` has Student's confidence interval ``mean +- t_(n-1) s / sqrt(n)``.
-Of intervals that are meant to cover the true mean 95 times of 100, this one covers it 95 times for normal values at any
-n, and 91 to 93 times at n = 3 to 20 for values as lopsided as lognormal ones whose logarithms deviate by 0.5. The
-bootstrap, which assumes nothing, resamples too few values to show their spread: its percentile interval covers the mean
-of normal values 74 times at n = 3, 83 times at n = 5 and 89 times at n = 10.
+At a nominal coverage of 95 %, this interval covers the true mean in 95 % of cases for normal values at any n, and in 91
+to 93 % at n = 3 to 20 for skewed values, such as lognormal ones with a standard deviation of 0.5 of the logarithm. The
+bootstrap makes no assumption, but so few values underestimate the spread: its percentile interval covers the mean of
+normal values in 74 % of cases at n = 3, 83 % at n = 5 and 89 % at n = 10.
 """
 
 from __future__ import annotations
@@ -19,23 +19,23 @@ from scipy.special import stdtrit
 
 CONFIDENCE = 0.95
 _MOST_SEEDS = 1_000_000
-_ROUNDING = 1e-12  # of the mean: a deviation that equal values have
+_ROUNDING = 1e-12  # deviation over the mean that counts as rounding
 
 
 @dataclasses.dataclass(frozen=True)
 class Estimate:
-    """A mean and how far it can be trusted.
+    """Mean with its confidence interval.
 
     Attributes
     ----------
     n
-        How many values there are.
+        Number of values.
     mean
-        Of the values.
+        Mean of the values.
     deviation
-        Standard deviation of the values, over n - 1; NaN of a single one.
+        Standard deviation of the values, over n - 1; NaN for a single one.
     half_width
-        Of the confidence interval of the mean; NaN where one random value is all there is, 0 of what is not random.
+        Half-width of the confidence interval of the mean; NaN for a single random value, 0 for an exact one.
     """
 
     n: int
@@ -55,21 +55,21 @@ class Estimate:
 
     @property
     def exact(self) -> bool:
-        """Nothing is random in it."""
+        """True if the value is not random."""
         return self.half_width == 0 and self.n == 1
 
     def over(self, unit: float) -> Estimate:
-        """In units of a number that is exactly known."""
+        """Return the estimate in units of an exactly known number."""
         return Estimate(self.n, self.mean / unit, self.deviation / abs(unit), self.half_width / abs(unit))
 
 
 def exactly(value: float) -> Estimate:
-    """The estimate of a value that is not random."""
+    """Return the estimate of a value that is not random."""
     return Estimate(1, value, 0.0, 0.0)
 
 
 def estimate(values: Sequence[float] | NDArray[np.float64], confidence: float = CONFIDENCE) -> Estimate:
-    """Mean, deviation and confidence interval of random values.
+    """Estimate mean, deviation and confidence interval of random values.
 
     Raises
     ------
@@ -87,17 +87,17 @@ def estimate(values: Sequence[float] | NDArray[np.float64], confidence: float = 
 
 
 def half_width(deviation: float, n: int, confidence: float = CONFIDENCE) -> float:
-    """Half width of the confidence interval of the mean of ``n`` values of this deviation; NaN for fewer than two."""
+    """Return the half-width of the confidence interval of a mean of ``n`` values; NaN for fewer than two."""
     return _student(confidence, n - 1) * deviation / math.sqrt(n) if n > 1 else math.nan
 
 
 def seeds_needed(deviation: float, wanted: float, confidence: float = CONFIDENCE) -> int:
-    """How many values make the confidence interval at most ``wanted`` to either side, by their standard deviation.
+    """Return the number of values of this standard deviation for a half-width of at most ``wanted``.
 
     Raises
     ------
     ValueError
-        The wanted half-width is not positive, or would take more than a million values.
+        The wanted half-width is not positive, or needs more than a million values.
     """
     if not wanted > 0:
         raise ValueError(f"found a half-width of {wanted}, expected a positive one")
@@ -106,16 +106,16 @@ def seeds_needed(deviation: float, wanted: float, confidence: float = CONFIDENCE
     few, enough = 1, 2
     while half_width(deviation, enough, confidence) > wanted:
         few, enough = enough, 2 * enough
-    while enough - few > 1:  # the half-width falls with n
+    while enough - few > 1:  # the half-width decreases with n
         middle = (few + enough) // 2
         few, enough = (few, middle) if half_width(deviation, middle, confidence) <= wanted else (middle, enough)
     return enough
 
 
 def differ_significantly(first: Estimate, second: Estimate, confidence: float = CONFIDENCE) -> bool | None:
-    """The means differ by more than chance lets expect: Welch's test; None where the spread of one is not known.
+    """Test if two means differ significantly, by Welch's test; None if the spread of one is unknown.
 
-    Intervals that do not overlap always can be told apart; those that overlap a little may be too.
+    Means whose intervals do not overlap always differ significantly; those with a small overlap may, too.
     """
     if not (math.isfinite(first.half_width) and math.isfinite(second.half_width)):
         return None
@@ -128,12 +128,12 @@ def differ_significantly(first: Estimate, second: Estimate, confidence: float = 
 
 
 def growing(values: Sequence[float] | NDArray[np.float64], confidence: float = CONFIDENCE) -> list[Estimate]:
-    """Estimates of the first two, three, ... values."""
+    """Return the estimates from the first two, three, ... values."""
     return [estimate(values[:n], confidence) for n in range(2, len(values) + 1)]
 
 
 def crossing(x: Sequence[float], y: Sequence[float], level: float) -> float | None:
-    """The x at which y, straight between its points, first falls below a level; None where it never does."""
+    """Return the x at which y, interpolated linearly, first falls below a level; None if it never does."""
     below = [place for place, value in enumerate(y) if value < level]
     if not below:
         return None

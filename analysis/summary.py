@@ -12,11 +12,11 @@ from typing import Any
 
 import numpy as np
 
-from granwave.analysis.measures.plastic_zone import HALF_LAW_LIMIT, LAW_LIMIT, PlasticZone, plastic_zone
 from granwave.analysis.measures.sensors import sensor_accelerations, sensor_forces, sensor_velocities
-from granwave.analysis.measures.target import protection, reached
+from granwave.analysis.measures.target.record import protection, reached
 from granwave.analysis.measures.wave_speed import wave_speed_of
-from granwave.analysis.measures.zone_of_packing import zone_summary
+from granwave.analysis.measures.zone.packing import zone_summary
+from granwave.analysis.measures.zone.plastic_zone import HALF_LAW_LIMIT, LAW_LIMIT, PlasticZone, plastic_zone
 from granwave.analysis.result.contacts import LISTED_FROM
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.files import plain, replace_text

@@ -1,4 +1,4 @@
-"""Versions of what a result depends on."""
+"""Versions of the programs that a result depends on."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from granwave import __version__
 
 
 def versions_of(packages: Iterable[str], **others: str) -> dict[str, str]:
-    """Name and version of granwave, Python, the ``others`` and the packages; "not installed" where one is missing."""
+    """Return the versions of granwave, Python, ``others`` and packages; "not installed" for missing ones."""
     return {
         "granwave": __version__,
         "python": platform.python_version(),

@@ -1,4 +1,4 @@
-"""From a case file to a LAMMPS deck: case -> packing -> input script and data file. Needs no LAMMPS."""
+"""LAMMPS decks from case files: case -> packing -> input script and data file. Needs no LAMMPS."""
 
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material, load_materials, material, presets

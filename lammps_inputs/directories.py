@@ -1,8 +1,8 @@
-"""The rules of a directory for results: start, go on, or leave it alone; places that nobody means, and full disks.
+"""Rules for directories of results: start, resume or refuse; unsuitable places; full disks.
 
-Nothing is ever overwritten unasked: ``--resume`` goes on with what is there if it is of the same case, ``--force``
-replaces what granwave wrote, and without either a directory that holds results is refused. What granwave did not write
-stays in any event, see `granwave.lammps_inputs.run_directory`.
+A directory that holds results is refused by default. ``--resume`` continues them if they are of the same case,
+``--force`` replaces what granwave wrote. Files that granwave did not write are always kept, see
+`granwave.lammps_inputs.run_directory`.
 """
 
 from __future__ import annotations
@@ -31,29 +31,29 @@ def decide(
     case: Mapping[str, Any],
     read: Callable[[Mapping[str, Any]], Mapping[str, Any]],
 ) -> bool:
-    """Is there something of the same case to go on with? If not, a new start is allowed. Changes nothing.
+    """Decide between resuming the results in a directory and a new start, without changing anything.
 
     Parameters
     ----------
     kind
-        Of the results, see `granwave.lammps_inputs.run_directory`.
+        Kind of results, see `granwave.lammps_inputs.run_directory`.
     names
-        Of the files that will be written.
+        Names of the files that will be written.
     case
         The case as tables, all defaults filled in.
     read
-        Gives the same of the tables of a case that was run; called only to resume.
+        Function that returns the same for the tables of the case that was run; called only to resume.
 
     Returns
     -------
     bool
-        True: the results there may be kept or continued, as far as they go. False: start, after `clear`.
+        True: keep and continue the results. False: start anew, after `clear`.
 
     Raises
     ------
     InputError
-        The directory holds results and neither ``resume`` nor ``force`` was given, or holds another case, or files of
-        somebody else that would be overwritten, or is no place for results; or both were given.
+        The directory holds results and neither ``resume`` nor ``force`` was given; it holds another case, or files that
+        granwave did not write and would overwrite; it is unsuitable for results; or both options were given.
     """
     check_directory(directory, resume=resume, force=force)
     refuse_other_kind(directory, kind)
@@ -68,7 +68,7 @@ def decide(
 
 
 def check_directory(directory: Path, *, resume: bool, force: bool) -> None:
-    """Raise InputError where a directory cannot be one for results, or where it shall be both kept and replaced."""
+    """Raise InputError if a directory is unsuitable for results, or if both ``resume`` and ``force`` are given."""
     if resume and force:
         raise InputError(
             "--resume and --force exclude each other: one goes on with what is there, the other replaces it"
@@ -77,7 +77,7 @@ def check_directory(directory: Path, *, resume: bool, force: bool) -> None:
 
 
 def refuse_source(directory: Path, name: str, source: Path | None) -> None:
-    """Raise InputError where the case ``name`` takes its dents from a file among the results that it replaces."""
+    """Raise InputError if the case ``name`` takes its dents from a file among the results that it would replace."""
     if source is None:
         return
     there = source.resolve()
@@ -90,7 +90,7 @@ def refuse_source(directory: Path, name: str, source: Path | None) -> None:
 
 
 def refuse_other_case(directory: Path, there: Mapping[str, Any], here: Mapping[str, Any]) -> None:
-    """Raise InputError where two cases, as tables, differ."""
+    """Raise InputError if two cases, as tables, differ."""
     if there != here:
         keys = sorted(name for name in {*there, *here} if there.get(name) != here.get(name))
         raise InputError(
@@ -103,7 +103,7 @@ def refuse_other_case(directory: Path, there: Mapping[str, Any], here: Mapping[s
 
 
 def output_path(name: str | Path) -> Path:
-    """The path of a file or directory that shall be written.
+    """Return the path of a file or directory to be written.
 
     Raises
     ------
@@ -119,18 +119,18 @@ def output_path(name: str | Path) -> Path:
 
 
 def results_directory(name: str | Path, *, force: bool = False) -> Path:
-    """The absolute path of a directory for results.
+    """Return the absolute path of a directory for results.
 
     Parameters
     ----------
     force
-        Results that are there shall be replaced.
+        True to replace existing results.
 
     Raises
     ------
     InputError
-        As of `output_path`; or it is a file, the root or the home directory, or a link and the results behind it shall
-        be replaced.
+        As in `output_path`; or it is a file, the root or the home directory, or, with ``force``, a link to a directory
+        that holds results.
     """
     path = output_path(name)
     try:
@@ -156,12 +156,12 @@ def results_directory(name: str | Path, *, force: bool = False) -> Path:
 
 
 def refuse_other_file(path: Path, own: bytes) -> None:
-    """Raise InputError where a single file that shall be written is there, and is none that granwave wrote.
+    """Raise InputError if a file to be written exists and granwave did not write it.
 
     Parameters
     ----------
     own
-        Regular expression, found in every file of its kind that granwave writes.
+        Regular expression that matches every file of this kind that granwave writes.
     """
     if path.is_dir():
         raise InputError(f"{path}: is a directory, expected the name of a file; choose another with -o")
@@ -182,36 +182,37 @@ def check_disk(
     spare: float = 0.0,
     remedy: str = "fewer run.frames",
 ) -> None:
-    """Refuse what does not fit on the disk.
+    """Raise InputError if the disk has too little free space.
 
     Parameters
     ----------
     needed
-        Bytes that ``what`` need; nothing is refused that needs none.
+        Space that ``what`` needs, bytes; 0 is never refused.
+    what
+        Name of the files, for the message.
     spare
-        Bytes that must be left.
+        Space that must stay free, bytes.
     remedy
-        What else would do.
+        Alternative to another directory, for the message.
 
     Raises
     ------
     InputError
-        There is less.
+        The free space is less than both together.
     """
     free = free_space(directory)
     if needed and needed + spare > free:
-        raise InputError(
-            f"{directory}: {room_words(what, needed, spare, free)}; choose another directory with -o, or {remedy}"
-        )
+        message = disk_space_message(what, needed, spare, free)
+        raise InputError(f"{directory}: {message}; choose another directory with -o, or {remedy}")
 
 
 def free_space(directory: Path) -> float:
-    """Bytes that are free on the disk of a directory, which need not be there yet."""
+    """Return the free space on the disk of a directory, bytes; the directory need not exist yet."""
     return shutil.disk_usage(next(path for path in (directory, *directory.parents) if path.exists())).free
 
 
-def room_words(what: str, needed: float, spare: float, free: float) -> str:
-    """Say how much of a disk is needed, must stay free and is free; all in bytes."""
+def disk_space_message(what: str, needed: float, spare: float, free: float) -> str:
+    """Describe the disk space that is needed, must stay free and is free; all in bytes."""
     left = f" and {_gigabytes(spare)} must stay free" if spare else ""
     return f"{what} need about {_gigabytes(needed)}{left}, {_gigabytes(free)} are free there"
 

@@ -1,4 +1,4 @@
-"""The errors that granwave raises on purpose; every other exception is a bug."""
+"""Errors that granwave raises on purpose; every other exception is a bug."""
 
 from __future__ import annotations
 
@@ -6,16 +6,16 @@ from collections.abc import Callable, Iterable
 
 
 class GranwaveError(Exception):
-    """Base of every error that granwave raises on purpose."""
+    """Base class of the errors that granwave raises on purpose."""
 
 
 class InputError(GranwaveError, ValueError):
-    """The input is wrong; nothing was run and nothing was written.
+    """Error of wrong input; nothing was run and nothing was written.
 
     Parameters
     ----------
     errors
-        One line each: the file, the key, what was found, what was expected, how to mend it.
+        Messages, one line each: file, key, what was found, what was expected, how to correct it.
     """
 
     def __init__(self, errors: str | Iterable[str]) -> None:
@@ -32,7 +32,7 @@ class InputError(GranwaveError, ValueError):
 
 
 def raise_all(checks: Iterable[Callable[[], object]]) -> None:
-    """Do all ``checks``; raise one InputError with the errors of all that failed."""
+    """Run all ``checks``; raise one InputError with the errors of all that failed."""
     errors: list[str] = []
     for check in checks:
         try:
@@ -44,4 +44,4 @@ def raise_all(checks: Iterable[Callable[[], object]]) -> None:
 
 
 class RunError(GranwaveError, RuntimeError):
-    """The input was right, but the computation failed or its result was refused."""
+    """Error of a computation that failed, or whose result was refused, although its input was right."""

@@ -1,4 +1,4 @@
-"""Files that are replaced whole or not at all, errors that name their file, and JSON that may be damaged."""
+"""Atomic replacement of files, system errors that name their file, and reading JSON that may be damaged."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ DISK_IS_FULL = (errno.ENOSPC, errno.EDQUOT)  # error numbers
 
 @contextlib.contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """A hidden scratch file beside ``path`` that takes its place at the end; on an error the old file stays."""
+    """Give a hidden scratch file beside ``path`` that replaces it at the end; on an error the old file stays."""
     scratch = path.with_name(f".{path.name}.{os.getpid()}")
     try:
         with naming(path):
@@ -30,20 +30,20 @@ def replacing(path: Path) -> Iterator[Path]:
 
 
 def discard(scratch: Path) -> None:
-    """Remove a file that may still be open, and free its room at once.
+    """Remove a file that may still be open, and free its disk space at once.
 
-    HDF5 crashes at the end of the program where it cannot write the rest of a file for want of room.
+    HDF5 crashes at the end of the program if the disk is too full to write the rest of an open file.
     """
-    with contextlib.suppress(OSError):  # what went wrong before is what matters
+    with contextlib.suppress(OSError):  # an earlier error is the one to report
         os.truncate(scratch, 0)
         scratch.unlink()
 
 
 @contextlib.contextmanager
 def naming(path: Path) -> Iterator[None]:
-    """Within it, an error of the system that names no file, as that of a full disk, names this one.
+    """Make system errors that name no file, such as that of a full disk, name this one.
 
-    What a library raises in its place (HDF5, PIL) becomes such an error too.
+    Errors that a library raises in their place (HDF5, PIL) are converted, too.
     """
     try:
         yield
@@ -60,34 +60,34 @@ def naming(path: Path) -> Iterator[None]:
 
 
 def _number_in(message: str) -> int | None:
-    """The error number of the system in a message of HDF5."""
+    """Return the system's error number in a message of HDF5."""
     found = re.search(r"errno = (\d+)", message)
     return int(found[1]) if found else None
 
 
 def _is_scratch(name: Any, path: Path) -> bool:
-    """A scratch file of `replacing`."""
+    """Return True for a scratch file of `replacing`."""
     return Path(os.fsdecode(name)).name == f".{path.name}.{os.getpid()}"
 
 
 def replace_text(path: Path, text: str) -> None:
-    """Replace a text file (UTF-8) whole or not at all."""
+    """Replace a text file (UTF-8) atomically."""
     replace_bytes(path, text.encode("utf-8"))
 
 
 def replace_bytes(path: Path, content: bytes) -> None:
-    """Replace a file whole or not at all."""
+    """Replace a file atomically."""
     with replacing(path) as scratch:
         scratch.write_bytes(content)
 
 
 def read_regular(path: Path) -> bytes:
-    """Read a file whole, if it has an end.
+    """Read a whole file; refuse pipes and devices, which may never end.
 
     Raises
     ------
     OSError
-        It cannot be read, or is a pipe or a device, which may never end.
+        The file cannot be read, or is a pipe or a device.
     """
     if path.exists() and not path.is_file() and not path.is_dir():
         raise OSError(errno.EINVAL, "is a pipe or a device, expected a file", str(path))
@@ -95,16 +95,16 @@ def read_regular(path: Path) -> bytes:
 
 
 def read_json(path: Path) -> dict[str, Any] | None:
-    """The JSON table in a file; None where there is none, or none that can be read."""
+    """Read a JSON table; None if the file is missing or damaged."""
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError):  # the last of brackets nested without end
+    except (OSError, ValueError, RecursionError):  # RecursionError: brackets nested too deeply
         return None
     return content if isinstance(content, dict) else None
 
 
 def head(path: Path, size: int = -1) -> bytes:
-    """The first bytes of a file, all if ``size`` is negative; none where it cannot be read."""
+    """Read the first bytes of a file, all if ``size`` is negative; empty if it cannot be read."""
     try:
         with path.open("rb") as file:
             return file.read(size)
@@ -113,7 +113,7 @@ def head(path: Path, size: int = -1) -> bytes:
 
 
 def plain(value: Any) -> Any:
-    """Tables, lists and numbers as JSON has them: numpy's as plain ones, NaN and infinity as null."""
+    """Convert tables, lists and numbers to types of JSON: plain numbers for numpy's, null for NaN and infinity."""
     if isinstance(value, Mapping):
         return {key: plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):

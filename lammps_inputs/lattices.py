@@ -1,14 +1,13 @@
-"""The lattices of spheres that just touch: where sphere (i, j, k) sits and which ones it touches.
+"""Lattices of spheres that just touch: sites and neighbours of sphere (i, j, k).
 
-Sphere (i, j, k), in units of the diameter D, with i fastest and k counting layers along the impact direction
-+z:
+Centre of sphere (i, j, k) in units of the diameter D; i runs fastest, k counts layers along the impact direction +z:
 
     fcc, hcp   x = i + (j mod 2)/2 + s/2, y = j sqrt(3)/2 + s sqrt(3)/6, z = k sqrt(2/3)
                with s = k mod 3 (fcc, impact along [111]) or k mod 2 (hcp)
     bcc        (001) layers of pitch a = 2/sqrt(3), a/2 apart, odd layers shifted by (a/2, a/2)
     sc         x = i, y = j, z = k;     square is its one layer in x-y, chain its one column along z
 
-Nothing here stores an array over the whole packing, so a lattice of any size costs nothing.
+No array over the whole packing is stored, so that a lattice of any size takes no memory.
 """
 
 from __future__ import annotations
@@ -24,7 +23,7 @@ from numpy.typing import NDArray
 
 TOUCHING = 1e-6  # spheres touch if the gap between them is at most this many diameters
 _REACH = (range(-3, 4), range(-2, 3), range(-1, 2))  # touching spheres are nearer than this in (i, j, k)
-_BATCH = 1_000_000  # sites handled at once
+_BATCH = 1_000_000  # sites processed at once
 _IN_HEXAGONAL_LAYER = 6  # neighbours
 
 Site = Callable[[NDArray, NDArray, NDArray], tuple[NDArray, NDArray, NDArray]]
@@ -36,7 +35,7 @@ Vector = tuple[float, float, float]
 
 @dataclasses.dataclass(frozen=True)
 class Plane:
-    """A plane through the struck sphere on which sections are drawn.
+    """Plane of a section through the struck sphere.
 
     Attributes
     ----------
@@ -48,7 +47,7 @@ class Plane:
         Largest distance of a centre from the plane, diameters; the nearest parallel plane of spheres is usually half a
         diameter away.
     down_label
-        What the coordinate along ``down`` is called.
+        Label of the coordinate along ``down``.
     """
 
     across: Vector
@@ -59,24 +58,25 @@ class Plane:
 
 @dataclasses.dataclass(frozen=True)
 class Kind:
-    """One kind of lattice, in units of the diameter: where its sites are. Everything else follows from the contacts.
+    """One kind of lattice, given by its sites in diameters; all other properties follow from its contacts.
 
     Attributes
     ----------
     label
-        What titles call a packing of this kind.
+        Name of the kind in titles.
     axes
         The lattice directions that ``packing.size`` counts, of "xyz".
     layer_period
-        Layers after which the stacking repeats.
+        Number of layers after which the stacking repeats.
     row_period
-        Rows after which a layer repeats; packings with periodic sides have a multiple of it.
+        Number of rows after which a layer repeats; periodic packings have a multiple of it.
     pitch
-        Period along x and distance of rows along y.
+        Period along x and spacing of rows along y.
     site
-        Centre of sphere (i, j, k).
+        Function that gives the centre of sphere (i, j, k).
     planes
-        Principal and orthogonal plane of sections; left out, vertical planes along the first preferred direction.
+        Principal and orthogonal plane of sections; None: vertical planes along and across the first preferred
+        direction.
     """
 
     label: str
@@ -89,19 +89,19 @@ class Kind:
 
     @cached_property
     def contact_directions(self) -> NDArray[np.float64]:
-        """Unit vectors from a sphere inside, of the first layer and row, to those that it touches: (n_contacts, 3)."""
+        """Unit vectors from an interior sphere of row 0 and layer 0 to its neighbours: (n_contacts, 3)."""
         movable = tuple(axis in self.axes for axis in "xyz")
         offsets = np.array(_offsets(self, 0, 0, movable), dtype=np.int64)
         return np.stack(self.site(*offsets.T), axis=1) - np.stack(self.site(*np.zeros((3, 1), dtype=np.int64)), axis=1)
 
     @property
     def coordination(self) -> int:
-        """Contacts of a sphere inside."""
+        """Coordination number of an interior sphere."""
         return len(self.contact_directions)
 
     @cached_property
     def dimension(self) -> int:
-        """In how many dimensions contacts go."""
+        """Dimension of the space that the contact directions span."""
         return int(np.linalg.matrix_rank(self.contact_directions, tol=TOUCHING))
 
     @cached_property
@@ -111,17 +111,17 @@ class Kind:
 
     @cached_property
     def supports(self) -> NDArray[np.float64]:
-        """Unit vectors from a sphere to those that it rests on, by angle about z: (n_supports, 3); none in a layer."""
+        """Unit vectors from a sphere to those of the next layer, by angle about z: (n_supports, 3)."""
         return _by_angle(self.contact_directions[self.contact_directions[:, 2] > TOUCHING])
 
     @property
     def preferred_directions(self) -> NDArray[np.float64]:
-        """Directions of the largest forces: those of the `supports`; in a single layer those of all contacts."""
+        """Directions of the largest forces: those of the `supports`; in a single layer all contact directions."""
         return self.supports if len(self.supports) else _by_angle(self.contact_directions)
 
     @cached_property
     def layer_spacing(self) -> float:
-        """Distance of layers, diameters; 1 of a single layer."""
+        """Spacing of layers, diameters; 1 for a single layer."""
         if "z" not in self.axes:
             return 1.0
         zero = np.zeros(1, dtype=np.int64)
@@ -129,17 +129,17 @@ class Kind:
 
     @property
     def carried(self) -> float:
-        """Force along z that a sphere hands on to the layer below when each of its contacts there bears 1."""
+        """Force along z that a sphere transmits to the next layer if each of its contacts there carries 1."""
         return max(len(self.supports), 1) * self.layer_spacing
 
     @property
     def set_back(self) -> bool:
-        """True if layers lie in the hollows of those below."""
+        """True if the spheres of a layer lie in the hollows of the next."""
         return len(self.supports) > 1
 
     @property
     def solid_fraction(self) -> float:
-        """Volume of the spheres over that of the packing, voids included."""
+        """Volume of the spheres over that of the packing."""
         return math.pi / 6 / (self.pitch[0] * self.pitch[1] * self.layer_spacing)
 
 
@@ -164,7 +164,7 @@ def _simple(i: NDArray, j: NDArray, k: NDArray) -> tuple[NDArray, NDArray, NDArr
 
 _X, _Y, _Z, _DIAGONAL = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (math.sqrt(0.5), math.sqrt(0.5), 0.0)
 _CLOSE_PACKED = (0.0, 1 / 3, math.sqrt(8) / 3)  # down the plane of fcc that holds two preferred directions, thesis 5.2
-_HCP_ROWS = 0.4  # takes in the rows of odd layers, sqrt(3)/6 beside the plane
+_HCP_ROWS = 0.4  # includes the rows of odd layers, at a distance of sqrt(3)/6 from the plane
 
 KINDS: dict[str, Kind] = {
     "fcc": Kind(
@@ -184,7 +184,7 @@ KINDS: dict[str, Kind] = {
 
 
 def section_planes(kind: str) -> tuple[Plane, ...]:
-    """Planes of sections of a kind of packing: principal, then orthogonal, as far as there are any."""
+    """Return the planes of sections of a kind of packing: principal, then orthogonal; a chain has none."""
     rule = KINDS[kind]
     if rule.planes is not None:
         return rule.planes
@@ -202,12 +202,12 @@ class Lattice:
     kind
         A key of `KINDS`.
     size
-        Spheres along x, rows along y, layers along z, as the kind counts them: (nx, ny, nz), (nx, ny) or
+        Spheres along x, rows along y, layers along z, as far as the kind has these axes: (nx, ny, nz), (nx, ny) or
         (n,).
     diameter
-        Of the spheres, m.
+        Diameter of the spheres, m.
     periodic
-        The packing repeats along x and y.
+        True if the packing is periodic along x and y.
     """
 
     kind: str
@@ -228,18 +228,18 @@ class Lattice:
 
     @property
     def n_spheres(self) -> int:
-        """How many spheres there are."""
+        """Number of spheres."""
         return math.prod(self.size)
 
     @property
     def lengths(self) -> tuple[float, float]:
-        """Period along x and y, m (of a periodic packing)."""
+        """Periods of a periodic packing along x and y, m."""
         nx, ny, _ = self.shape
         return nx * self.rule.pitch[0] * self.diameter, ny * self.rule.pitch[1] * self.diameter
 
     @cached_property
     def n_contacts(self) -> int:
-        """Pairs of spheres that touch, counted without building them."""
+        """Number of touching pairs, counted without listing them."""
         nx, ny, nz = self.shape
         total = 0
         for k, j in itertools.product(range(min(nz, self.rule.layer_period)), range(self.rule.row_period)):
@@ -250,7 +250,7 @@ class Lattice:
         return total // 2
 
     def positions(self, first: int, last: int) -> NDArray[np.float64]:
-        """Centres of the spheres with ids ``first`` to ``last``, both included: (n, 3), m."""
+        """Return the centres of the spheres with ids ``first`` to ``last``, both included: (n, 3), m."""
         nx, ny, _ = self.shape
         index = np.arange(first - 1, last)
         result = np.empty((index.size, 3))
@@ -259,14 +259,14 @@ class Lattice:
         return result
 
     def bounds(self) -> NDArray[np.float64]:
-        """Lowest and highest centre along x, y, z: (2, 3), m."""
+        """Return the lowest and highest coordinates of centres along x, y, z: (2, 3), m."""
         nx, ny, nz = self.shape
         i, j, k = np.meshgrid(np.array([0, nx - 1]), _ends(ny, self.rule.row_period), _ends(nz, self.rule.layer_period))
         sites = np.stack([values.ravel() for values in self.rule.site(i, j, k)], axis=1) * self.diameter
         return np.stack([sites.min(axis=0), sites.max(axis=0)])
 
     def pairs(self) -> Iterator[NDArray[np.int64]]:
-        """Touching pairs in batches of (n, 2) ids, i < j, every pair once, in no particular order."""
+        """Iterate over the touching pairs in batches of ids (n, 2), i < j; every pair once, in no particular order."""
         nx, ny, nz = self.shape
         i = np.arange(nx)
         layers_at_once = max(1, _BATCH // (nx * ny))
@@ -282,18 +282,18 @@ class Lattice:
                     yield np.stack([own[keep], other[keep]], axis=1)
 
     def neighbours(self, sphere: int) -> list[int]:
-        """Ids of the spheres that touch the sphere with this id, in rising order."""
+        """Return the ids of the neighbours of a sphere, in rising order."""
         i, j, k = self.indices(sphere)
         here = np.asarray(i), np.asarray(j), np.asarray(k)
         shifted = [self._shifted(*here, offset) for offset in self._offsets(j, k)]
         return sorted(int(other) for other, exists in shifted if exists)
 
     def layer_of(self, sphere: int) -> int:
-        """Layer, counted from 0 at the struck top, of the sphere with this id."""
+        """Return the layer of the sphere with this id, counted from 0 at the struck top."""
         return self.indices(sphere)[2]
 
     def indices(self, sphere: int) -> tuple[int, int, int]:
-        """(i, j, k) of the sphere with this id."""
+        """Return (i, j, k) of the sphere with this id."""
         nx, ny, _ = self.shape
         index = sphere - 1
         return index % nx, index // nx % ny, index // (nx * ny)
@@ -318,12 +318,12 @@ class Lattice:
 
 @cache
 def _offset_table(kind: str, movable: tuple[bool, ...]) -> dict[tuple[int, int], list[Offset]]:
-    """Steps in (i, j, k) to the touching spheres, for each place in the stacking and kind of row.
+    """Return the steps in (i, j, k) to the neighbours, for each layer of the stacking and each kind of row.
 
     Parameters
     ----------
     movable
-        Along which axes there is more than one sphere.
+        True for each axis along which there is more than one sphere.
     """
     rule = KINDS[kind]
     places = itertools.product(range(rule.layer_period), range(rule.row_period))
@@ -331,13 +331,13 @@ def _offset_table(kind: str, movable: tuple[bool, ...]) -> dict[tuple[int, int],
 
 
 def _offsets(rule: Kind, j: int, k: int, movable: tuple[bool, ...]) -> list[Offset]:
-    """Steps in (i, j, k) from a sphere of row j and layer k to those that it touches."""
+    """Return the steps in (i, j, k) from a sphere of row j and layer k to its neighbours."""
     steps = [
         offset
         for offset in itertools.product(*_REACH)
         if any(offset) and all(free or step == 0 for free, step in zip(movable, offset, strict=True))
     ]
-    base = (6, 6 + j, 6 + k)  # well inside, so that every step stays in the same stacking
+    base = (6, 6 + j, 6 + k)  # a multiple of all periods, and large enough to keep stepped indices positive
     here = np.array(rule.site(*map(np.asarray, base)))
     return [
         offset
@@ -347,13 +347,13 @@ def _offsets(rule: Kind, j: int, k: int, movable: tuple[bool, ...]) -> list[Offs
 
 
 def _by_angle(directions: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Unit vectors in the order of their angle about z, from x on."""
+    """Sort unit vectors by their angle about z, from x."""
     angle = np.round(np.arctan2(directions[:, 1], directions[:, 0]) % (2 * np.pi), 9)
     return directions[np.lexsort((directions[:, 2], angle))]
 
 
 def _still_inside(places: range, shift: int) -> int:
-    """How many of the places, of which there are `places.stop` from 0 on, are places when shifted."""
+    """Count the indices in ``places`` that stay within 0 to ``places.stop`` when shifted."""
     first = places.start + max(0, -((places.start + shift) // places.step)) * places.step
     return len(range(first, min(places.stop, places.stop - shift), places.step))
 

@@ -1,4 +1,4 @@
-"""From a case file to a case that can run: read, check, warn."""
+"""Loading of a case file: read, check, warn."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ def load_case(path: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (
     Parameters
     ----------
     overrides
-        ``KEY=VALUE`` strings (dotted keys, TOML values, bare words are strings), or a mapping of dotted keys
+        ``KEY=VALUE`` strings (dotted keys, TOML values; bare words are strings), or a mapping of dotted keys
         to values.
 
     Raises
     ------
     InputError
-        The file or an override is wrong; every fault is named.
+        The file or an override is wrong; the message lists all faults.
     """
     changes = parse_overrides(overrides)
     record = [key for key in changes if key.split(".")[0] == RECORD]
@@ -41,19 +41,19 @@ def case_from_dict(
     source: str | Path = "case",
     overridden: Iterable[str] = (),
 ) -> Case:
-    """Make a case of the nested mapping of a case file, and check it; its paths start from the working directory.
+    """Make a case from the nested mapping of a case file, and check it; paths start from the working directory.
 
     Parameters
     ----------
     source
-        File that the messages name; its stem is the name of a case that has none.
+        Name of the file in messages; its stem is the default name of the case.
     overridden
         Dotted keys that came from the command line.
 
     Raises
     ------
     InputError
-        With every fault there is.
+        The case is wrong; the message lists all faults.
     """
     errors = ErrorList(str(source), tuple(overridden), case_keys())
     parts = parse_case(data, source, errors)
@@ -62,6 +62,6 @@ def case_from_dict(
     case = Case(**parts)
     assembly = check_case(case, errors)
     errors.report(case.name)
-    assert assembly is not None  # or there are errors
+    assert assembly is not None  # it is None only with errors
     warn_about(assembly, chose_yield_factor="yield_factor" in data.get("contact", {}))
     return case

@@ -1,4 +1,4 @@
-"""Memory of this machine, and the refusal of what does not fit into it."""
+"""Available memory, and refusal of work that does not fit into it."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from granwave.lammps_inputs.errors import InputError
 
 
 def refuse_too_large(what: str, memory: float, remedy: str, available: float | None = None) -> None:
-    """Raise InputError where ``what`` needs more ``memory`` than is ``available``, bytes; by default what is free."""
+    """Raise InputError if ``what`` needs more ``memory`` than ``available``, bytes (default: that of the machine)."""
     available = available_memory() if available is None else available
     if memory > available:
         raise InputError(
@@ -19,11 +19,11 @@ def refuse_too_large(what: str, memory: float, remedy: str, available: float | N
 
 
 def available_memory() -> float:
-    """Bytes of memory that this machine could still give to a program."""
+    """Return the memory that is available to a new program on this machine, bytes."""
     try:
         for line in Path("/proc/meminfo").read_text(encoding="ascii").splitlines():
             if line.startswith("MemAvailable:"):
                 return float(line.split()[1]) * 1024
     except OSError:
-        pass  # not Linux: fall back on the memory that the machine has
+        pass  # not Linux: fall back on the total memory
     return float(os.sysconf("SC_PAGE_SIZE")) * os.sysconf("SC_PHYS_PAGES")

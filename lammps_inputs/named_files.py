@@ -1,7 +1,7 @@
-"""Files that a case or a scan names: absolute paths from the moment they are read.
+"""Paths named in cases and scans, made absolute as soon as they are read.
 
-A path in a file starts from the folder of that file (`read_toml`), one of ``--set`` or of a mapping in Python from the
-working directory (`parse_overrides`, `Case.from_dict`). Whatever opens the named file needs to know neither.
+A path in a file is relative to the folder of that file (`read_toml`); one in ``--set`` or in a Python mapping is
+relative to the working directory (`parse_overrides`, `case_from_dict`). Code that opens the file need not know.
 """
 
 from __future__ import annotations
@@ -11,11 +11,11 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-_KEYS = ("file", "initial_overlap")  # last parts of the keys whose text is a path
+_KEYS = ("file", "initial_overlap")  # last parts of the keys whose strings are paths
 
 
 def with_absolute_paths(value: Any, directory: Path, key: str = "") -> Any:
-    """Copy tables and lists with every path in them absolute, links followed.
+    """Copy tables and lists with all paths in them absolute and links resolved.
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ def with_absolute_paths(value: Any, directory: Path, key: str = "") -> Any:
 
 
 def with_short_paths(value: Any, directory: Path, key: str = "") -> Any:
-    """Copy tables and lists with every path in them as seen from a folder, where that is shorter; for people."""
+    """Copy tables and lists with paths relative to a folder where that is shorter, for display."""
     start = os.path.realpath(directory)
     return _with_paths(value, key, lambda path: min(os.path.relpath(path, start), path, key=len))
 

@@ -1,4 +1,4 @@
-"""Rules of what granwave may overwrite or delete in a directory: the files of its marker and no others."""
+"""Rules for overwriting and deleting files: only those in the marker of the directory."""
 
 from __future__ import annotations
 
@@ -26,19 +26,19 @@ from granwave.lammps_inputs.run_directory import (
 )
 from granwave.lammps_inputs.unmarked_results import recognise
 
-_GROUPS = {RUN: "a run", CONTINUUM: "a run", SCAN: "a scan", SUITE: "a suite of scans"}  # one of them a directory
+_GROUPS = {RUN: "a run", CONTINUUM: "a run", SCAN: "a scan", SUITE: "a suite of scans"}  # one group a directory
 _SHOWN = 3  # names in a message
 _WORK_FILES = ("jobs-*.json", "stop", "batches/*.json", "done/*", "logs/**/*")  # in SCAN_WORK
-_SCRATCH = re.compile(r"\.(.+)\.\d+")  # of a process that was killed before its file took its place
+_SCRATCH = re.compile(r"\.(.+)\.\d+")  # scratch file left by a killed process, see `files.replacing`
 
 
 def read_marker(directory: Path) -> Marker | None:
-    """Read the marker of a directory; where there is none, recognise results of version 0.1.0.
+    """Read the marker of a directory; without one, recognise results of version 0.1.0.
 
     Returns
     -------
     Marker or None
-        None where granwave wrote nothing.
+        None if granwave wrote nothing there.
     """
     path = directory / MARKER
     if not path.is_symlink() and (found := read_json(path)) is not None:
@@ -50,31 +50,31 @@ def read_marker(directory: Path) -> Marker | None:
 
 
 def _is_inside(name: str) -> bool:
-    """A name leads to nothing outside of the directory."""
+    """Return True if a relative name stays inside the directory."""
     path = PurePosixPath(name)
     return bool(path.parts) and not path.is_absolute() and ".." not in path.parts
 
 
-# ---------------------------------------------------------------------- what is ours, and what is not
+# ---------------------------------------------------------------------- own files and those of others
 
 
 def claim(directory: Path, names: Iterable[str], *, kind: str | None = None, case: str | None = None) -> None:
-    """Note files as granwave's own in the marker, before they are written.
+    """Enter files in the marker as granwave's own, before they are written.
 
     Parameters
     ----------
     names
         As in `Marker.files`.
     kind
-        Of the results; None: more files beside those that are there.
+        Kind of results; None: add files to the existing ones.
     case
-        Text of case.toml, where the run begins.
+        Text of case.toml at the start of a run.
 
     Raises
     ------
     InputError
-        A file of such a name is there, and granwave did not write it, or results that those of ``kind`` do not replace;
-        the marker stays as it is.
+        A file of such a name exists and granwave did not write it, or the directory holds results of another kind; the
+        marker is unchanged.
     """
     names = list(names)
     marker = read_marker(directory) or Marker(kind or OTHER)
@@ -88,14 +88,14 @@ def claim(directory: Path, names: Iterable[str], *, kind: str | None = None, cas
 
 
 def refuse_foreign(directory: Path, names: Iterable[str], marker: Marker | None = None) -> None:
-    """Raise InputError where a file that would be written is there, and granwave did not write it.
+    """Raise InputError if a file to be written exists and granwave did not write it.
 
     Parameters
     ----------
     names
-        Of what would be written.
+        Names of the files to be written.
     marker
-        Of the directory, where it was read already.
+        Marker of the directory, if already read.
     """
     if found := foreign(directory, names, marker):
         raise InputError(
@@ -105,7 +105,7 @@ def refuse_foreign(directory: Path, names: Iterable[str], marker: Marker | None 
 
 
 def foreign(directory: Path, names: Iterable[str], marker: Marker | None = None) -> list[str]:
-    """Find those of ``names``, or obstacles to them, that somebody else put into a directory; folders are shared."""
+    """Return those of ``names``, or obstacles to them, that granwave did not write; folders may be shared."""
     marker = marker or read_marker(directory)
     own: Collection[str] = marker.files if marker else ()
     found = []
@@ -118,7 +118,7 @@ def foreign(directory: Path, names: Iterable[str], marker: Marker | None = None)
 
 
 def _obstacle(directory: Path, name: str) -> str:
-    """A link, or a file in the place of a folder or the reverse, on the way to a file; empty if there is none."""
+    """Return the first link, file instead of a folder or the reverse on the path to a file; empty if none."""
     parts = PurePosixPath(name).parts
     for n in range(1, len(parts) + 1):
         path, shown = directory.joinpath(*parts[:n]), "/".join(parts[:n])
@@ -133,31 +133,31 @@ def _obstacle(directory: Path, name: str) -> str:
 
 
 def own_file(directory: Path, name: str) -> Path | None:
-    """Path of a file, or directory, of the marker that is there; None where it is not, or only through a link."""
+    """Return the path of a file or directory of the marker; None if missing or reached through a link."""
     path = directory / name
     return path if os.path.lexists(path) and not _obstacle(directory, name) else None
 
 
 def figure_files(name: str) -> list[str]:
-    """Names of the files of a figure: picture, the same for print, and its data."""
+    """Return the file names of a figure: PNG, PDF and data."""
     return [f"{FIGURES_DIRECTORY}/{name}{suffix}" for suffix in FIGURE_SUFFIXES]
 
 
 def output_names(directory: Path) -> list[str]:
-    """Names of what LAMMPS writes into dumps/, of a deck that is there."""
+    """Return the names of the files that LAMMPS writes to dumps/ for the deck in a directory."""
     marker = read_marker(directory)
     return [name for name in (marker.files if marker else ()) if name.startswith(f"{DUMPS}/")]
 
 
 def results_in(directory: Path) -> list[str]:
-    """Names of the results that a directory holds; files of a scan that a point has beside its run are none."""
+    """Return the names of the results in a directory, without the files that a scan keeps beside the run of a point."""
     marker = read_marker(directory)
     names = [name for name in (marker.files if marker else ()) if name not in POINT_FILES]
     return [name for name in names if own_file(directory, name) is not None]
 
 
 def refuse_other_kind(directory: Path, kind: str) -> None:
-    """Raise InputError where a directory holds results that those of ``kind`` do not replace: a scan is no run."""
+    """Raise InputError if a directory holds results of another group than ``kind``, such as a scan instead of a run."""
     marker = read_marker(directory)
     there, here = _GROUPS.get(marker.kind if marker else ""), _GROUPS.get(kind)
     if there and here and there != here and results_in(directory):
@@ -165,7 +165,7 @@ def refuse_other_kind(directory: Path, kind: str) -> None:
 
 
 def refuse_results(directory: Path, ways: str = "--resume goes on with them, --force replaces them") -> None:
-    """Raise InputError where a directory holds results; ``ways`` are those that lead on."""
+    """Raise InputError if a directory holds results; ``ways`` tells how to continue."""
     if found := results_in(directory):
         raise InputError(
             f"{directory}: already holds results ({_few(found)}); {ways}, or choose another directory with -o"
@@ -180,12 +180,12 @@ def _few(names: Sequence[str]) -> str:
 
 
 def clear(directory: Path, names: Collection[str] | None = None) -> None:
-    """Remove what granwave wrote into a directory, and folders that are empty then.
+    """Remove what granwave wrote into a directory, and folders left empty.
 
     Parameters
     ----------
     names
-        Of the files to remove; if not given, all but those that a scan keeps beside the run of a point.
+        Names of the files to remove; None: all but those that a scan keeps beside the run of a point.
     """
     marker = read_marker(directory)
     if marker is None:
@@ -233,7 +233,7 @@ def _clear_work(work: Path) -> None:
 
 
 def _clear_scratch(directory: Path, names: Iterable[str]) -> None:
-    """Remove what killed processes left of files that they were about to replace."""
+    """Remove scratch files that killed processes left."""
     folders: dict[str, set[str]] = {}
     for name in names:
         folders.setdefault(str(PurePosixPath(name).parent), set()).add(PurePosixPath(name).name)
@@ -247,7 +247,7 @@ def _clear_scratch(directory: Path, names: Iterable[str]) -> None:
 
 
 def _remove_empty(directory: Path, names: Iterable[str]) -> None:
-    """Remove the folders of files, the deepest first, as far as nothing is in them."""
+    """Remove the folders of files that are empty, the deepest first."""
     folders = {folder for name in names for folder in PurePosixPath(name).parents if folder.name}
     for folder in sorted(folders, key=lambda folder: -len(folder.parts)):
         if not _obstacle(directory, f"{folder}/"):

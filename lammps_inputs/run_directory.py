@@ -1,11 +1,11 @@
-"""Every file and folder name of a run, and the marker that says which files are granwave's.
+"""File and folder names of a run, and the marker that lists the files that granwave wrote.
 
-A directory of results holds a marker, ``.granwave`` (JSON): the kind of results, the case that was run, and every file
-that granwave wrote there. A file that the marker does not list is somebody else's: it is never overwritten and never
-deleted, also under ``--force``. A folder is removed only when nothing is left in it, and links are not followed.
+A directory of results holds a marker, ``.granwave`` (JSON): the kind of results, the case that was run, and all files
+that granwave wrote there. A file that the marker does not list is never overwritten and never deleted, even with
+``--force``. A folder is removed only when it is empty, and links are not followed.
 
-What the marker allows and refuses is in `granwave.lammps_inputs.ownership`. Directories of version 0.1.0 have no
-marker; `granwave.lammps_inputs.unmarked_results` recognises them by what their files hold.
+The rules that follow from the marker are in `granwave.lammps_inputs.ownership`. Directories of version 0.1.0 have no
+marker; `granwave.lammps_inputs.unmarked_results` recognises them by the content of their files.
 """
 
 from __future__ import annotations
@@ -19,23 +19,23 @@ from granwave.lammps_inputs.files import replace_text
 
 MARKER, LOCK_FILE = ".granwave", ".granwave-lock"
 
-# Of a run: the deck, what LAMMPS writes, and what is made of it.
+# Of a run: deck, output of LAMMPS, and results of the analysis.
 CASE_FILE, DATA_FILE, SCRIPT_FILE = "case.toml", "data.granwave", "in.granwave"
-DENTS_FILE = "dents.txt"  # dents from before the run
+DENTS_FILE = "dents.txt"  # initial dents
 LOAD_FILE = "load.txt"  # points of a load given as a table
-DEAD_LOAD_FILE = "preload_{}.txt"  # dead loads, for each direction in which there are some
+DEAD_LOAD_FILE = "preload_{}.txt"  # dead loads along x, y or z
 LOG_FILE, RECORD_FILE = "log.lammps", "run.json"
 RESULT_FILE, SUMMARY_FILE = "result.h5", "summary.json"
 CONTACT_TABLE = "contact.csv"  # of two finite-element spheres
-CHECKPOINT_FILE = "checkpoint-{}.restart"  # the step
+CHECKPOINT_FILE = "checkpoint-{}.restart"  # with the step
 FIGURES_DIRECTORY, EXPORT_DIRECTORY = "figures", "export"
-FIGURE_SUFFIXES = (".png", ".pdf", ".csv")  # picture, the same for print, and its data
+FIGURE_SUFFIXES = (".png", ".pdf", ".csv")  # raster image, vector image, data
 
 # In DUMPS.
 DUMPS = "dumps"
 ENERGY_FILE, WALLS_FILE, PROBES_FILE = "energy.txt", "walls.txt", "probes.txt"
 FRAMES_FILE, HISTORY_FILE, FORCES_FILE = "spheres.dump", "history.dump", "forces.dump"
-CONTACTS_FILE, WALL_CONTACTS_FILE = "contacts.dump", "wall_{}.dump"  # the fix of the wall
+CONTACTS_FILE, WALL_CONTACTS_FILE = "contacts.dump", "wall_{}.dump"  # with the name of the wall's fix
 STATIC_STAGE_FILE, STATIC_FILE = "prestage.txt", "static.lmp"
 
 # Of a scan, of a suite of scans, and of a point beside its run.
@@ -60,14 +60,14 @@ class Marker:
     Attributes
     ----------
     kind
-        Of the results, such as `RUN`.
+        Kind of the results, such as `RUN`.
     version
-        Of granwave that wrote there last.
+        Version of granwave that last wrote there.
     case
-        Text of case.toml as the run began with it; empty where there is none.
+        Text of case.toml at the start of the run; empty if there is none.
     files
-        Names relative to the directory, and sizes in bytes of those that are finished (None: not noted). A name that
-        ends in "/" is a directory of results with a marker of its own.
+        Sizes in bytes by name relative to the directory; None for files whose size was not noted. A name that ends
+        in "/" is a directory of results with a marker of its own.
     """
 
     kind: str
@@ -76,11 +76,11 @@ class Marker:
     files: dict[str, int | None] = dataclasses.field(default_factory=dict)
 
     def write(self, directory: Path) -> None:
-        """Replace the marker in ``directory``, all or nothing."""
+        """Replace the marker in ``directory`` atomically."""
         self.version = __version__
         replace_text(directory / MARKER, json.dumps(dataclasses.asdict(self), indent=1) + "\n")
 
 
 def is_scan(directory: str | Path) -> bool:
-    """The directory is that of a scan."""
+    """Return True for the directory of a scan."""
     return (Path(directory) / SCAN_INDEX).is_file()

@@ -1,4 +1,4 @@
-"""Results that changed after the run: a case.toml that was edited, lost or damaged, and output that was cut."""
+"""Detection of changes after a run: case.toml edited, lost or damaged, output truncated."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _LONGEST = 40  # characters of a value in a message
 
 
 def tables_as_run(directory: Path) -> dict[str, Any] | None:
-    """The tables of case.toml as the run began with them; None where nothing tells."""
+    """Return the tables of case.toml at the start of the run; None if the marker does not hold them."""
     marker = read_marker(directory)
     try:
         return tomllib.loads(marker.case) or None if marker else None
@@ -28,12 +28,12 @@ def tables_as_run(directory: Path) -> dict[str, Any] | None:
 
 
 def check_case(directory: Path) -> None:
-    """Refuse results whose case.toml was changed after the run.
+    """Raise InputError if case.toml was changed after the run.
 
     Raises
     ------
     InputError
-        A key of case.toml is not what was run.
+        A key of case.toml differs from the case that was run.
     """
     there, as_run = read_tables(directory / CASE_FILE), tables_as_run(directory)
     if there is None or as_run is None or not (changes := list(_changes(there, as_run))):
@@ -46,12 +46,12 @@ def check_case(directory: Path) -> None:
 
 
 def restore_case(directory: Path) -> bool:
-    """Put case.toml back where it is missing or damaged; returns whether it did.
+    """Restore a case.toml that is missing or damaged; return True if it was.
 
     Raises
     ------
     InputError
-        It was changed after the run.
+        The file was changed after the run.
     """
     check_case(directory)
     marker = read_marker(directory)
@@ -77,7 +77,7 @@ def _shown(value: Any) -> str:
 
 
 def note_sizes(directory: Path, names: Iterable[str]) -> None:
-    """Note the sizes of files that are finished, so that `cut_file` sees when one is cut later."""
+    """Store the sizes of finished files in the marker, so that `cut_file` detects later truncation."""
     marker = read_marker(directory)
     if marker is None:
         return
@@ -88,7 +88,7 @@ def note_sizes(directory: Path, names: Iterable[str]) -> None:
 
 
 def cut_file(directory: Path) -> str:
-    """Say which file is not as long as when it was finished; empty if none is. Missing files do not count."""
+    """Describe the first file whose size changed since it was finished; empty if none. Missing files are ignored."""
     marker = read_marker(directory)
     for name, size in marker.files.items() if marker else ():
         path = directory / name
@@ -98,14 +98,14 @@ def cut_file(directory: Path) -> str:
 
 
 def read_summary(directory: Path) -> dict[str, Any]:
-    """Values of summary.json; empty where there is none that can be read."""
+    """Read the values of summary.json; empty if missing or damaged."""
     return read_json(directory / SUMMARY_FILE) or {}
 
 
 def result_fault(directory: Path) -> str:
-    """Say what is wrong with the results of a finished run; empty if nothing is.
+    """Describe the first fault in the results of a finished run; empty if none.
 
-    summary.json must be there. Of the other files those that somebody removed, to save room perhaps, are no fault.
+    summary.json must exist. Other files may have been removed, to save disk space for instance.
     """
     summary, result, record = directory / SUMMARY_FILE, directory / RESULT_FILE, directory / RECORD_FILE
     if not read_summary(directory):
@@ -126,6 +126,6 @@ def result_fault(directory: Path) -> str:
 
 
 def outputs_complete(directory: Path) -> bool:
-    """True if all that LAMMPS wrote is there, and as long as at the end of the run."""
+    """Return True if all output of LAMMPS exists with the same size as at the end of the run."""
     names = output_names(directory)
     return bool(names) and all((directory / name).is_file() for name in (DATA_FILE, *names)) and not cut_file(directory)

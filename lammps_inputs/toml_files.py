@@ -1,4 +1,4 @@
-"""Reading a TOML file with errors that say what is wrong and where."""
+"""Reading of TOML files, with errors that name fault and place."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from granwave.lammps_inputs.named_files import with_absolute_paths
 
 
 def read_toml(path: str | Path) -> dict[str, Any]:
-    """Read a TOML file (UTF-8, with or without a byte-order mark); the files that it names become absolute paths.
+    """Read a TOML file (UTF-8, with or without a byte-order mark) and make the paths in it absolute.
 
     Raises
     ------
@@ -39,7 +39,7 @@ def read_toml(path: str | Path) -> dict[str, Any]:
         ) from None
     try:
         return dict(with_absolute_paths(tomllib.loads(content), path.parent))
-    except (ValueError, RecursionError) as error:  # of TOML, of a number's length, of nesting
+    except (ValueError, RecursionError) as error:  # wrong TOML, too long a number, too deep a nesting
         raise InputError(f"{path}: not valid TOML: {error}") from None
 
 
@@ -53,7 +53,7 @@ def _similar(path: Path) -> str:
 
 
 def read_tables(path: Path) -> dict[str, Any] | None:
-    """The tables of a TOML file; None where there is none, or none that can be read."""
+    """Read the tables of a TOML file; None if the file is missing, empty or damaged."""
     try:
         return tomllib.loads(path.read_text(encoding="utf-8")) or None
     except (OSError, ValueError, RecursionError):

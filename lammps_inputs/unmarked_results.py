@@ -1,9 +1,9 @@
-"""Results of version 0.1.0, whose directories have no marker: recognised by what is in their files.
+"""Recognition of results of version 0.1.0, whose directories have no marker, by the content of their files.
 
-A name alone proves nothing: anybody has a ``case.toml`` or a ``figures``. The deck and what LAMMPS wrote are ours
-where ``in.granwave`` says so or ``case.toml`` has the table ``[resolved]``; ``run.json``, ``summary.json``,
-``result.h5`` and the files of a scan by their keys, or damaged beside others that are ours; figures by a PDF of
-matplotlib without a date.
+Names prove nothing: other programs may write a ``case.toml`` or a ``figures``. Deck and output of LAMMPS are
+recognised by the header of ``in.granwave`` or the table ``[resolved]`` of ``case.toml``; ``run.json``,
+``summary.json``, ``result.h5`` and the files of a scan by their keys, or, if damaged, by other files of granwave beside
+them; figures by a PDF of matplotlib without a date.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ from granwave.lammps_inputs.toml_files import read_tables
 
 _VERSION = "0.1.0"
 _DECK = (names.CASE_FILE, names.SCRIPT_FILE, names.DATA_FILE, names.LOG_FILE)
-_BESIDE = re.compile(r"dents\.txt|load\.txt|preload_[xyz]\.txt|checkpoint-\d+\.restart")  # a deck
+_BESIDE_DECK = re.compile(r"dents\.txt|load\.txt|preload_[xyz]\.txt|checkpoint-\d+\.restart")
 _DUMPS = re.compile(r"(energy|walls|probes|prestage)\.txt|(spheres|history|forces|contacts|wall_\w+)\.dump|static\.lmp")
 _SCAN_FILES = (
     names.SCAN_FILE, names.SCAN_INDEX, names.SCAN_TABLE, names.SCAN_DATA, names.SCAN_MEANS, names.SCAN_REPORT,
 )  # fmt: skip
 _SUITE_FILES = (names.SCAN_FILE, names.SUITE_INDEX, names.SCAN_REPORT)
-_OF_SCANS = re.compile(r"\w+_vs_\w+|collapse_\w+|\w+_map")  # figures that have no PDF while points come in
+_OF_SCANS = re.compile(r"\w+_vs_\w+|collapse_\w+|\w+_map")  # figures of scans, without PDF until all points are done
 _EXPORTS = re.compile(
     r"(spheres|contacts|wall_contacts|energy|probes|prestage|snapshots|points|(walls|snapshot|chain|bar)_\w+)\.csv"
     r"|result\.nc|(spheres|contacts)(\.pvd|_\d{4,}\.vtp)|open_in_ovito\.py"
@@ -34,7 +34,7 @@ _EXPORTS = re.compile(
 
 
 def recognise(directory: Path) -> Marker | None:
-    """The marker that version 0.1.0 would have written; None where granwave wrote nothing."""
+    """Return the marker that version 0.1.0 would have written; None if granwave wrote nothing."""
     case = ""
     if found := _scan(directory):
         kind = names.SCAN
@@ -80,7 +80,7 @@ def _fit(directory: Path) -> list[str]:
 
 
 def _run(directory: Path) -> tuple[str, str, list[str]]:
-    """Kind, text of the case and names of a run, of LAMMPS or of the continuum."""
+    """Return the kind, the text of the case and the file names of a LAMMPS or finite-element run."""
     tables = read_tables(directory / names.CASE_FILE) or {}
     script = head(directory / names.SCRIPT_FILE, 4096)
     deck = b"\n# Written by granwave from case.toml.\n" in script or "struck" in tables.get("resolved", {})
@@ -98,7 +98,7 @@ def _run(directory: Path) -> tuple[str, str, list[str]]:
     damaged = {names.SUMMARY_FILE: summary is None, names.RECORD_FILE: record is None, names.RESULT_FILE: not whole}
     found = [name for name in own if own[name] or damaged[name]]
     if deck:
-        found += [*_DECK, *(path.name for path in directory.iterdir() if _BESIDE.fullmatch(path.name))]
+        found += [*_DECK, *(path.name for path in directory.iterdir() if _BESIDE_DECK.fullmatch(path.name))]
         found += [f"{names.DUMPS}/{name}" for name in _inside(directory / names.DUMPS, _DUMPS)]
     if point:
         found += [names.CASE_FILE, *names.POINT_FILES]
@@ -113,7 +113,7 @@ def _run(directory: Path) -> tuple[str, str, list[str]]:
 
 
 def _result(path: Path) -> tuple[bool, str]:
-    """Return True if a file can be read as HDF5, and the text of the case in it if it is the result of a run."""
+    """Return True if a file is missing or readable as HDF5, and the text of the case in it, empty if it has none."""
     if not path.is_file():
         return True, ""
     import h5py  # takes longer to load than most commands need
@@ -127,7 +127,7 @@ def _result(path: Path) -> tuple[bool, str]:
 
 
 def _figures(directory: Path) -> Iterator[str]:
-    """Figures and their data."""
+    """Iterate over the names of figures and their data."""
     folder = directory / names.FIGURES_DIRECTORY
     for name in _inside(folder, re.compile(r".+\.png")):
         stem = name.removesuffix(".png")
@@ -143,7 +143,7 @@ def _is_undated(pdf: Path) -> bool:
 
 
 def _inside(folder: Path, pattern: re.Pattern[str]) -> list[str]:
-    """Names of files in a folder that fit a pattern."""
+    """Return the names of files in a folder that match a pattern."""
     if not folder.is_dir() or folder.is_symlink():
         return []
     return sorted(path.name for path in folder.iterdir() if pattern.fullmatch(path.name))

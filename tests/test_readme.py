@@ -1,4 +1,4 @@
-"""The Python and the case and scan files of the README, run as they stand there."""
+"""Python code and case and scan files of the README, run unmodified."""
 
 from __future__ import annotations
 

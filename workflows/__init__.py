@@ -1,4 +1,4 @@
-"""Drives LAMMPS: one run from case to figures, scans of many runs, the built-in studies, the command line.
+"""Runs, scans, finite-element references and the command line.
 
 from granwave.workflows import load_case, run_case, load_scan, run_scan
 
@@ -45,7 +45,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    # the command line starts here too, and most of its words need neither MPI nor matplotlib
+    # imported on demand: the command line starts here too, and most commands need neither MPI nor matplotlib
     if name in _HOME:
         import importlib
 

@@ -1,4 +1,4 @@
-"""The studies that come with the package, found by name: cases in `cases/`, scans of them in `scans/`."""
+"""Built-in studies by name: cases in `cases/`, scans in `scans/`."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows.solvers import CONTINUUM, GRANULAR, solver_of
 
 CASES, SCANS = "cases", "scans"
-SCAN = "scan"  # word of the command line
+SCAN = "scan"  # command that runs scans
 _SUFFIX = ".toml"
 _WHAT = {CASES: "case", SCANS: "scan"}
 _NOUNS = {GRANULAR.verb: "a granular case", CONTINUUM.verb: "a continuum case"}
@@ -31,12 +31,12 @@ def _folder(kind: str) -> Path:
 
 
 def names(kind: str = CASES) -> list[str]:
-    """Names of the built-in studies: cases, or scans."""
+    """Return the names of the built-in studies: cases, or scans."""
     return sorted(path.name.removesuffix(_SUFFIX) for path in _folder(kind).glob(f"*{_SUFFIX}"))
 
 
 def find(study: str, kind: str = CASES, directory: Path = Path()) -> Path:
-    """The file of a case or a scan: a path, or the name of a built-in study.
+    """Find the file of a case or a scan, given as a path or as the name of a built-in study.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def find(study: str, kind: str = CASES, directory: Path = Path()) -> Path:
     Raises
     ------
     InputError
-        It is neither; the nearest name is given.
+        It is neither; the message suggests the most similar name.
     """
     path = directory / study
     if _is(path.is_file):
@@ -74,7 +74,7 @@ def find(study: str, kind: str = CASES, directory: Path = Path()) -> Path:
 
 
 def _is(question: Callable[[], bool]) -> bool:
-    """The answer of the file system; no where a path cannot be one, or cannot be looked at."""
+    """Ask the file system; False if the path is invalid or cannot be accessed."""
     try:
         return question()
     except (OSError, ValueError):
@@ -82,12 +82,12 @@ def _is(question: Callable[[], bool]) -> bool:
 
 
 def _nearest(name: str, options: Iterable[str]) -> str:
-    """The option that is spelt most like a name; empty where none is like it."""
+    """Return the option most similar to a name; empty if none is similar."""
     return next(iter(difflib.get_close_matches(name.lower(), list(options), n=1)), "")
 
 
 def _file_near(study: str, directory: Path) -> str:
-    """A TOML file that may have been meant by a path, as seen from a folder; empty where there is none."""
+    """Return a TOML file with a name similar to a path, relative to ``directory``; empty if none."""
     folder = directory / Path(study).parent
     files = [file.name for file in folder.glob(f"*{_SUFFIX}")] if _is(folder.is_dir) else []
     name = Path(study).name
@@ -96,12 +96,12 @@ def _file_near(study: str, directory: Path) -> str:
 
 
 def find_for(study: str, *verbs: str, directory: Path = Path()) -> Path:
-    """The file of a study that one of these words of the command line runs; ``directory`` as of `find`.
+    """Find the file of a study that one of these commands runs; ``directory`` as in `find`.
 
     Raises
     ------
     InputError
-        There is none, or another word runs it.
+        There is none, or another command runs it.
     """
     path = find(study, SCANS if verbs == (SCAN,) else CASES, directory)
     if (verb := verb_of(path)) not in verbs:
@@ -110,7 +110,7 @@ def find_for(study: str, *verbs: str, directory: Path = Path()) -> Path:
 
 
 def verb_of(path: Path) -> str:
-    """Word of the command line that runs a file: run, continuum or scan."""
+    """Return the command that runs a file: run, continuum or scan."""
     tables = read_toml(path)
     of_scan = any(name in tables for name in _OF_SCAN) and not any(name in tables for name in _OF_CASE)
     return SCAN if of_scan else solver_of(tables).verb
@@ -137,13 +137,13 @@ def load_case(case: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (
     Raises
     ------
     InputError
-        There is no such case, or it is wrong; every fault is named.
+        There is no such case, or it is wrong; the message lists all faults.
     """
     return load_case_file(find_for(str(case), GRANULAR.verb), overrides)
 
 
 def text(name: str) -> str:
-    """The file of a built-in study, case or scan, comments and all."""
+    """Return the text of the file of a built-in study, with its comments."""
     nearest = difflib.get_close_matches(name, [*names(CASES), *names(SCANS)], n=1)
     return find(name, SCANS if set(nearest) & set(names(SCANS)) else CASES).read_text(encoding="utf-8")
 

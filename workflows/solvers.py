@@ -1,4 +1,4 @@
-"""Solvers: a case is a packing that LAMMPS runs, or a continuum problem. Its tables tell which."""
+"""Solvers by kind of case: LAMMPS for packings, finite elements for continuum problems."""
 
 from __future__ import annotations
 
@@ -25,50 +25,52 @@ class AnyCase(Protocol):
         """Name of the case."""
 
     def to_dict(self) -> dict[str, Any]:
-        """As nested tables, all defaults filled in."""
+        """Return the case as nested tables, all defaults filled in."""
 
 
 class Cost(Protocol):
-    """Cost of a run: bytes and seconds, estimates."""
+    """Estimated cost of a run."""
 
     @property
     def memory(self) -> float:
-        """Bytes."""
+        """Memory, bytes."""
 
     @property
     def disk(self) -> float:
-        """Bytes."""
+        """Disk space, bytes."""
 
     @property
     def disk_reserve(self) -> float:
-        """Bytes that must stay free while it runs."""
+        """Disk space that must stay free during the run, bytes."""
 
     @property
     def wall_time(self) -> float:
-        """On as many ranks as were asked for, s."""
+        """Wall time on the requested number of ranks, s."""
 
 
 @dataclasses.dataclass(frozen=True)
 class Kind:
-    """How cases of one kind are read and run.
+    """Functions and properties of the cases of one kind.
 
     Attributes
     ----------
     verb
-        Word of the command line that runs them.
+        Command that runs them.
     parts
-        What their size counts.
+        Unit of their size: spheres or elements.
     versions
-        Names, in `granwave.workflows.run.versions`, of what their results depend on.
+        Names, in `granwave.workflows.run.versions`, of the programs that their results depend on.
     read
-        As `case_from_dict`.
+        Function that makes a case, as `case_from_dict`.
     size
-        How many parts a case has.
+        Function that returns the number of parts of a case.
     cost
-        Of a case on a number of ranks, with its figures or without.
+        Function that returns the cost of a case on a number of ranks, with figures or without.
     check
-        Raises InputError where a case of this cost cannot be run: a file that it names does not serve, memory, disk;
-        parameters as of `granwave.lammps_inputs.planning.plan.check_run`.
+        Function that raises InputError if a case of this cost cannot be run; parameters as in
+        `granwave.lammps_inputs.planning.plan.check_run`.
+    parallel
+        True if cases can run on several ranks.
     """
 
     verb: str
@@ -82,7 +84,7 @@ class Kind:
 
 
 def solver_of(tables: Mapping[str, Any]) -> Kind:
-    """The kind of a case from its tables."""
+    """Return the kind of a case from its tables."""
     if any(name in tables for name in _OF_SPHERE_CONTACT):
         return SPHERE_CONTACT
     return CONTINUUM if any(name in tables for name in _OF_CONTINUUM) else GRANULAR
@@ -100,7 +102,7 @@ def _check_mesh(
 
 
 def _continuum_kind(package: str, case: str) -> Kind:
-    """A kind whose modules are loaded when a case of it is met; ``case`` is its class."""
+    """Make a kind whose modules are imported on demand; ``case`` is the name of its class."""
 
     def part(module: str, name: str) -> Any:
         return getattr(importlib.import_module(f"granwave.workflows.finite_elements.{package}.{module}"), name)

@@ -1,1 +1,1 @@
-"""Curves of the contact law, and its fit to measured curves."""
+"""Curves of contact laws, and fits to measured curves."""

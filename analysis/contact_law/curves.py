@@ -1,4 +1,4 @@
-"""Force against overlap of a contact law: loading, unloading and reloading, as a table and as a figure."""
+"""Force-overlap curves of a contact law: loading, unloading and reloading, as a table and as a figure."""
 
 from __future__ import annotations
 
@@ -16,23 +16,23 @@ from granwave.lammps_inputs.errors import InputError
 if TYPE_CHECKING:
     from granwave._contact_laws import ContactLaw
 
-_TURNS = (0.25, 0.5, 0.75, 1.0)  # of the largest overlap: where unloading starts
+_TURNS = (0.25, 0.5, 0.75, 1.0)  # overlaps at which unloading starts over the largest one
 _COLOURS = (GREEN, ORANGE, PURPLE, BLUE)
 _POINTS = 400
 _MAX_OVERLAP = 200.0
-_UNIT_WITHOUT_YIELD = 1e-4  # of R*: the unit of overlaps where alpha_y does not exist
+_UNIT_WITHOUT_YIELD = 1e-4  # unit of overlaps over R* for laws without alpha_y
 _MICRO = 1e6  # micrometres in a metre
 
 Table = dict[str, NDArray]
 
 
 def law_table(law: ContactLaw, max_overlap: float = _MAX_OVERLAP) -> Table:
-    """Branches of the force-overlap curve.
+    """Compute the branches of the force-overlap curve.
 
     Parameters
     ----------
     max_overlap
-        How far loading goes, in units of alpha_y; of 1e-4 R* for materials without a yield strength.
+        Largest overlap, in units of alpha_y; of 1e-4 R* for materials without a yield strength.
 
     Returns
     -------
@@ -46,7 +46,7 @@ def law_table(law: ContactLaw, max_overlap: float = _MAX_OVERLAP) -> Table:
     ValueError
         The largest overlap is not positive.
     InputError
-        Forces are too small or too large for numbers of 64 bits.
+        Forces are too small or too large for double precision.
     """
     if not 0 < max_overlap < math.inf:
         raise ValueError(f"max_overlap: found {max_overlap}, expected a positive number")
@@ -76,7 +76,7 @@ def law_table(law: ContactLaw, max_overlap: float = _MAX_OVERLAP) -> Table:
 
 
 def check_forces(law: ContactLaw) -> None:
-    """Raise InputError where the force at a typical overlap is zero or infinite as a number of 64 bits."""
+    """Raise InputError if the force at a typical overlap is zero or infinite in double precision."""
     overlap = law.yield_overlap if math.isfinite(law.yield_overlap) else _UNIT_WITHOUT_YIELD * law.effective_radius
     force = float(law.loading_force(np.array([overlap]))[0])
     if not 0 < force < math.inf:
@@ -87,7 +87,7 @@ def check_forces(law: ContactLaw) -> None:
 
 
 def law_drawing(law: ContactLaw, max_overlap: float = _MAX_OVERLAP, title: str = "") -> Drawing:
-    """The curves of `law_table`: physical axes below and left, normalised ones above and right."""
+    """Draw the curves of `law_table`, with physical axes below and left, normalised ones above and right."""
     table = law_table(law, max_overlap)
     branch, overlap, force = table["branch"], table["overlap_m"] * _MICRO, table["force_N"]
     figure: Figure = new_figure(2.7)
@@ -112,14 +112,14 @@ def law_drawing(law: ContactLaw, max_overlap: float = _MAX_OVERLAP, title: str =
 
 
 def write_law(law: ContactLaw, path: str | Path, max_overlap: float = _MAX_OVERLAP, title: str = "") -> Path:
-    """Write a table (.csv), or a figure (.png or .pdf; both, and the table, are written).
+    """Write a table (.csv), or a figure with its table (.png or .pdf; both are written).
 
     Raises
     ------
     ValueError
         The path has another suffix.
     InputError
-        A file of such a name is there, and granwave did not write it.
+        A file of such a name exists, and granwave did not write it.
     """
     path = Path(path)
     if path.suffix not in (".csv", ".png", ".pdf"):
@@ -130,7 +130,7 @@ def write_law(law: ContactLaw, path: str | Path, max_overlap: float = _MAX_OVERL
 
 
 def _first_loading(law: ContactLaw, largest: float) -> NDArray[np.float64]:
-    """Overlaps of first loading, the overlap at first yield among them."""
+    """Return the overlaps of first loading, including that at first yield."""
     grid = np.linspace(0.0, largest, _POINTS)
     return np.union1d(grid, [law.yield_overlap]) if law.yield_overlap < largest else grid
 

@@ -5,10 +5,10 @@ Least squares over the rows beyond first yield, of the residuals
     r = (F_law - F) / s,    s = |F|, but at least 0.1 % of the largest force on loading
                                 and 5 % of the force at the turn on un- and reloading
 
-so that small overlaps count as much as large ones. Rows off by more than three times the scatter (the median of |r|,
-as a standard deviation) count linearly only (Huber's loss). The standard uncertainties come from the covariance
-s^2 (J^T W J)^-1; where neighbouring rows err the same way (the law's shape is not that of the curve), they are widened
-by sqrt((1 + rho)/(1 - rho)), rho the correlation of neighbours.
+so that small overlaps have the same weight as large ones. Residuals above three times the scatter (a standard deviation
+from the median of |r|) contribute linearly only (Huber's loss). The standard uncertainties come from the covariance
+s^2 (J^T W J)^-1; if residuals of neighbouring rows are correlated (the law differs in shape from the curve), they are
+multiplied by sqrt((1 + rho)/(1 - rho)), with the correlation rho of neighbours.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 YIELD = "yield_strength"
 
-#: Within which each constant is looked for.
+#: Bounds of the search for each constant.
 BOUNDS = {
     "pressure_limit": (0.3, 20.0),
     "pressure_rate": (1e-3, 5.0),
@@ -45,39 +45,39 @@ BOUNDS = {
     "area_slope": (0.3, 20.0),
     "area_offset": (-500.0, 3000.0),
     "residual_slope": (0.05, 1.0),
-    "residual_offset": (1.0, 500.0),  # above residual_slope: dents stay below the overlap that made them
+    "residual_offset": (1.0, 500.0),  # above residual_slope, so that residual overlaps stay below the largest overlap
     "residual_rate": (1e-4, 1.0),
     "unloading_exponent": (1.0, 3.0),
-    YIELD: (0.3, 3.0),  # of the strength that fits best with the published constants
+    YIELD: (0.3, 3.0),  # over the strength that fits best with the published constants
 }
-RANGES = (1.0, 10.0, 50.0, 177.6, math.inf)  # of the overlap, in that at first yield: what the misfit is told for
+RANGES = (1.0, 10.0, 50.0, 177.6, math.inf)  # ranges of the overlap over that at first yield, for misfits
 
 _LOG = logging.getLogger("granwave")
 _LEAST_LOADING, _LEAST_TURN = 1e-3, 0.05  # floors of the scale of residuals
-_NO_FORCE = 1e-3  # of the force at the turn
-_FEWEST = 5  # rows of loading beyond first yield
-_SMALL_TURN = 1.5  # turns nearer to first yield tell nothing of the residual overlap
-_UNIT_ERROR = 30.0  # no material differs so much from the law: the force has another unit
-_YIELD_SPAN = math.log(10.0)  # of the given yield strength, either way
-_HUGE = 1e3  # residual where there is no law
+_NO_FORCE = 1e-3  # over the force at the turn; smaller forces count as zero
+_FEWEST = 5  # fewest rows of loading beyond first yield
+_SMALL_TURN = 1.5  # overlap over that at first yield; smaller turns do not determine the residual overlap
+_UNIT_ERROR = 30.0  # ratio of forces; no material differs so much from the law, so that the unit must be wrong
+_YIELD_SPAN = math.log(10.0)  # range of the search on either side of the given yield strength, logarithmic
+_HUGE = 1e3  # residual of an invalid law
 
-_LEAST_RISE, _STIFF = 0.01, 100.0  # of a_R at first yield, and how strongly it is kept
+_LEAST_RISE, _STIFF = 0.01, 100.0  # smallest slope of a_R at first yield, and weight of this condition
 
 Array = NDArray[np.float64]
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Misfit:
-    """How far a law is from some of the rows.
+    """Deviation of a law from some of the rows.
 
     Attributes
     ----------
     part
-        Which rows.
+        Description of these rows.
     rows
-        How many.
+        Number of rows.
     rms, largest
-        Root mean square and largest of |r|, per cent.
+        Root mean square and largest |r|, per cent.
     """
 
     part: str
@@ -88,24 +88,24 @@ class Misfit:
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
 class Fit:
-    """The outcome of a fit.
+    """Result of a fit.
 
     Attributes
     ----------
     law, published
-        With the constants found, and with the published ones.
+        Law with the fitted constants, and with the published ones.
     constants
-        All of the law's, by name.
+        All constants of the law, by name.
     uncertainty
-        Standard uncertainty of each that was fitted, in its own unit; infinite where the curve does not tell.
+        Standard uncertainty of each fitted constant, in its own unit; infinite if the curve does not determine it.
     at_bound
-        Names of those that ended at a bound of the search.
+        Names of the constants that ended at a bound of the search.
     materials, radii
-        Of the two bodies; with the yield strength found, Pa, and in m.
+        Materials of the two bodies, with the fitted yield strength, and radii, m.
     correlation
-        Of the residuals of neighbouring rows.
+        Correlation of the residuals of neighbouring rows.
     misfit, published_misfit
-        Of both laws, part by part.
+        Misfits of both laws by part of the curve.
     """
 
     curve: Curve
@@ -121,11 +121,11 @@ class Fit:
     published_misfit: tuple[Misfit, ...]
 
     def value(self, name: str) -> float:
-        """Value of a constant, or of the yield strength, Pa."""
+        """Return the value of a constant, or of the yield strength, Pa."""
         return self.law.yield_strength if name == YIELD else self.constants[name]
 
     def undetermined(self, name: str) -> bool:
-        """The curve does not tell this constant: its uncertainty exceeds it, or it ended at a bound."""
+        """Return True if the uncertainty of a constant exceeds its value, or if it ended at a bound."""
         return name in self.at_bound or not self.uncertainty[name] <= abs(self.value(name))
 
 
@@ -142,16 +142,16 @@ def fit_law(
     Parameters
     ----------
     materials, radii
-        One or two, m: they set the force and the overlap at first yield.
+        One or two materials and radii (m), which determine force and overlap at first yield.
     free
-        Constants to fit; by default those that the curve can tell, and a warning names the rest.
+        Constants to fit; by default those that the curve can determine, and a warning names the rest.
     fit_yield
-        Fit the yield strength too, starting from the material's (the softer one's).
+        True to fit the yield strength, too, starting from that of the softer material.
 
     Raises
     ------
     InputError
-        The curve does not suit the contact, is too short, or asks for constants that make no passive law.
+        The curve does not suit the contact, is too short, or gives constants of a law that is not passive.
     """
     published = contact_of(materials, radii)
     _refuse(curve, published, radii)
@@ -207,18 +207,18 @@ def fit_law(
 
 
 def residual_scale(curve: Curve) -> Array:
-    """(n,), N: what differences of force are relative to."""
+    """Return the scale s of the residuals: (n,), N."""
     floor = np.maximum(_LEAST_TURN * _turn_force(curve), _LEAST_LOADING * np.abs(curve.force).max())
     return np.maximum(np.abs(curve.force), floor)
 
 
 def bearing(curve: Curve) -> NDArray[np.bool_]:
-    """(n,): the rows that count: not those of un- and reloading within the dent, where there is no force."""
+    """Return True for rows that are fitted: all but those of un- and reloading without force, (n,)."""
     return curve.loading | (np.abs(curve.force) > _NO_FORCE * _turn_force(curve))
 
 
 def _turn_force(curve: Curve) -> Array:
-    """(n,), N: the largest force of the rows of the same turn; 0 on loading."""
+    """Return the largest force of the rows of the same turn; 0 on loading: (n,), N."""
     largest = np.zeros(curve.force.size)
     for turn in curve.turns:
         rows = ~curve.loading & (curve.peak == turn)
@@ -227,12 +227,12 @@ def _turn_force(curve: Curve) -> Array:
 
 
 def deviation(curve: Curve, law: ContactLaw) -> Array:
-    """(n,), per cent: by how much a law exceeds the curve."""
+    """Return the deviations of a law from the curve: (n,), per cent."""
     return 100 * (law.force(curve.overlap, curve.peak) - curve.force) / residual_scale(curve)
 
 
 def _yield_alone(curve: Curve, materials: Sequence[Material], radii: Sequence[float]) -> float:
-    """The yield strength, Pa, with which the published constants fit best: where the search for all begins."""
+    """Return the yield strength that fits best with the published constants, the start of the search, Pa."""
     given = contact_of(materials, radii).yield_strength
     rows, scale = curve.overlap > 0, residual_scale(curve)
 
@@ -284,7 +284,7 @@ def _known(free: Sequence[str]) -> list[str]:
 
 
 def _tellable(curve: Curve, law: ContactLaw) -> list[str]:
-    """The constants that the curve says something about; a warning names the others."""
+    """Return the constants that the curve can determine; a warning names the others."""
     overlap, switch = curve.overlap / law.yield_overlap, law.constants["area_switch"]
     names = ["pressure_limit", "pressure_rate", "area_slope"]
     if np.count_nonzero(curve.loading & (overlap > switch)) >= _FEWEST:
@@ -311,13 +311,13 @@ def _with_yield(materials: Sequence[Material], strength: float | None) -> list[M
 
 
 def _healing(law: ContactLaw) -> float:
-    """A residual that keeps the dents of small overlaps from being negative: 0 while a_R rises at first yield."""
+    """Return a penalty against negative residual overlaps: 0 if a_R increases at first yield."""
     slope, offset, rate = (law.constants[f"residual_{name}"] for name in ("slope", "offset", "rate"))
     return _STIFF * max(0.0, _LEAST_RISE - (slope - rate * (offset - slope)))
 
 
 def _neighbours(residuals: Array, branch: NDArray[np.str_]) -> float:
-    """Correlation of the residuals of neighbouring rows of a branch; 0 where it is within chance."""
+    """Return the correlation of residuals of neighbouring rows of a branch; 0 if it is not significant."""
     same = branch[1:] == branch[:-1]
     power = float(np.mean(residuals**2))
     if not power or np.count_nonzero(same) < 2:

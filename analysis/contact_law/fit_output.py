@@ -1,4 +1,4 @@
-"""Files of a fit of the contact law: fit.toml, pair.toml, fit.csv, misfit.csv, and the figure fit."""
+"""Output files of a fit of the contact law: fit.toml, pair.toml, fit.csv, misfit.csv, and the figure fit."""
 
 from __future__ import annotations
 
@@ -36,24 +36,24 @@ _POINTS = 300
 
 
 def write_fit(fit: Fit, directory: str | Path, pair: Sequence[str] | None = None) -> list[Path]:
-    """Write fit.toml, fit.csv, misfit.csv and figures/fit (.png, .pdf, .csv) into a directory, which is made.
+    """Write fit.toml, fit.csv, misfit.csv and figures/fit (.png, .pdf, .csv) into a directory, created if necessary.
 
-    A fit that is there is replaced.
+    An existing fit is replaced.
 
     Parameters
     ----------
     pair
-        Names of two materials: pair.toml is written too, see `pair_toml`.
+        Names of two materials for pair.toml, see `pair_toml`; None: it is not written.
 
     Returns
     -------
     list of Path
-        What was written.
+        Paths of the files.
 
     Raises
     ------
     InputError
-        A file of such a name is there, and granwave did not write it.
+        A file of such a name exists, and granwave did not write it.
     """
     directory = Path(directory)
     directory.mkdir(parents=True, exist_ok=True)
@@ -74,7 +74,7 @@ def write_fit(fit: Fit, directory: str | Path, pair: Sequence[str] | None = None
 
 
 def constants_table(fit: Fit) -> Columns:
-    """A row for each constant, and for the yield strength (Pa) if it was fitted."""
+    """Return the columns of fit.csv: a row for each constant, and for the yield strength (Pa) if it was fitted."""
     names = [*LAW_CONSTANTS, *([YIELD] if YIELD in fit.uncertainty else [])]
     published = fit.published.constants | {YIELD: fit.published.yield_strength}
     return {
@@ -87,7 +87,7 @@ def constants_table(fit: Fit) -> Columns:
 
 
 def state(fit: Fit, name: str) -> str:
-    """Fitted, held, or why the value is not to be trusted."""
+    """Describe how a value was obtained: fitted, held, or not determined, with the reason."""
     if name not in fit.uncertainty:
         return "held"
     if name in fit.at_bound:
@@ -96,7 +96,7 @@ def state(fit: Fit, name: str) -> str:
 
 
 def misfit_table(fit: Fit) -> Columns:
-    """Deviations of the fit and of the published law, part by part (overlaps in that at first yield), per cent."""
+    """Return the deviations of fit and published law by part (overlaps over that at first yield), per cent."""
     return {
         "part": [misfit.part.strip() for misfit in fit.misfit],
         "rows": [misfit.rows for misfit in fit.misfit],
@@ -108,7 +108,7 @@ def misfit_table(fit: Fit) -> Columns:
 
 
 def fit_toml(fit: Fit) -> str:
-    """A case of two such spheres, whose tables [contact] and [material] serve in any case."""
+    """Return the text of a case of two such spheres, with the tables [contact] and [material] for other cases."""
     softer = min(fit.materials, key=lambda material: material.yield_strength or math.inf)
     material = {key: value for key, value in dataclasses.asdict(softer).items() if value is not None}
     diameter = 2 * min(fit.radii)
@@ -143,12 +143,12 @@ def fit_toml(fit: Fit) -> str:
 
 
 def pair_toml(fit: Fit, materials: Sequence[str]) -> str:
-    """The law as a table ``[[pair]]``, which makes it that of two materials of a case; "rigid" is a rigid wall.
+    """Return the fitted law as a table ``[[pair]]`` for two materials of a case; "rigid" is a rigid wall.
 
     Parameters
     ----------
     materials
-        Names of the two in the case.
+        Names of the two materials in the case.
     """
     softer = min(fit.materials, key=lambda material: material.yield_strength or math.inf)
     return (
@@ -166,7 +166,7 @@ def pair_toml(fit: Fit, materials: Sequence[str]) -> str:
 
 
 def _law_lines(fit: Fit) -> list[str]:
-    """The law's keys, each constant with its uncertainty."""
+    """Return the keys of the law, each constant with its uncertainty."""
     lines = ['law = "elastoplastic"', 'variant = "continuous"']
     for name, value, spread, published, how in zip(*constants_table(fit).values(), strict=True):
         if name != YIELD:
@@ -176,13 +176,13 @@ def _law_lines(fit: Fit) -> list[str]:
 
 
 def toml_number(value: float) -> str:
-    """Ten digits, and always a float in TOML."""
+    """Format a number with ten digits, always as a float of TOML."""
     text = f"{value:.10g}"
     return text if any(mark in text for mark in ".e") else f"{text}.0"
 
 
 def fit_drawing(fit: Fit) -> Drawing:
-    """The curve with both laws, and below by how much they are off."""
+    """Draw the curve with both laws, and their deviations below."""
     curve = fit.curve
     off, published_off = deviation(curve, fit.law), deviation(curve, fit.published)
     figure = new_figure(4.0)

@@ -1,6 +1,6 @@
-"""The search for the values that fit best, and their uncertainties: Huber's loss, several starts.
+"""Least-squares search with Huber's loss and several starts, and uncertainties of its result.
 
-Values are relative to where the search begins.
+All values are relative to the start of the search.
 """
 
 from __future__ import annotations
@@ -18,34 +18,36 @@ Array = NDArray[np.float64]
 Rows = NDArray[np.bool_]
 Residuals = Callable[[Array], Array]
 
-_WIDTHS = 0.05, 1e-3  # of the residual from which on rows count linearly: at first, and at least
-_OUTLIER = 3.0  # the same in standard deviations
-_STEP = 1e-5  # of derivatives, relative
-_SINGULAR = 1e-10
+_WIDTHS = 0.05, 1e-3  # residual from which on the loss is linear: initial, and smallest
+_OUTLIER = 3.0  # same in standard deviations
+_STEP = 1e-5  # relative step of derivatives
+_SINGULAR = 1e-10  # relative size of singular values that count as zero
 _ROUGH, _FINE = 1e-5, 1e-9  # tolerances of the search
-_FIRST_JOINT, _JOINTS, _RELEASED = 20.0, 10, 3  # smallest area_switch tried; how many; how many of them are let go
-_NEAR = 25.0  # variances by which another fit may be worse and still count for the uncertainties
+_FIRST_JOINT, _JOINTS, _RELEASED = 20.0, 10, 3  # smallest area_switch tried; number tried; number refined
+_NEAR = 25.0  # largest excess cost, in variances, of other fits that contribute to the uncertainties
 _OF_UNLOADING = ("residual_", "unloading_")
 
 
 class Search:
-    """Least squares over some of the values and some of the rows.
+    """Least-squares search over some of the values and some of the rows.
 
     Parameters
     ----------
     residuals
-        Of values, (n_rows,).
+        Function of the values that returns the residuals, (n_rows,).
     bounds
-        (n_values, 2).
+        Bounds of the values, (n_values, 2).
+    names
+        Names of the values.
     loading
-        (n_rows,): which of the residuals are of loading.
+        True for residuals on loading, (n_rows,).
     largest
-        Overlap of the curve, in that at first yield.
+        Largest overlap of the curve over that at first yield.
 
     Attributes
     ----------
     width
-        The residual from which on rows count linearly only.
+        Residual from which on the loss is linear.
     """
 
     def __init__(
@@ -57,12 +59,12 @@ class Search:
         self.joints = _joints(names, largest) if self.joint is not None else []
 
     def best(self) -> Array:
-        """The best values: first those of loading, then those of unloading, then all together."""
+        """Find the best values: first those of loading, then those of unloading, then all together."""
         every, dents = np.arange(len(self.names)), np.array([name.startswith(_OF_UNLOADING) for name in self.names])
         tried = [(0.0, np.ones(every.size))]
         if (
             self.joint is not None
-        ):  # a row that changes sides of the joint makes a minimum of its own: try several places
+        ):  # each row that changes sides of the joint gives a local minimum: try several positions
             others = every[~dents & (every != self.joint)]
             tried = sorted((self.solve(x, others, self.loading, rough=True) for x in self.joints), key=_cost)
         released = [self.solve(x, every[~dents], self.loading) for _, x in tried[:_RELEASED]]
@@ -73,7 +75,7 @@ class Search:
         return x
 
     def alternatives(self, x: Array) -> list[tuple[float, Array]]:
-        """Cost and values of the best fits with the joint held elsewhere."""
+        """Return cost and values of the best fits with the joint fixed at other positions."""
         if self.joint is None:
             return []
         others = np.flatnonzero(np.arange(x.size) != self.joint)
@@ -82,7 +84,7 @@ class Search:
     def solve(
         self, x: Array, moving: NDArray[np.int_], rows: Rows | slice = slice(None), *, rough: bool = False
     ) -> tuple[float, Array]:
-        """Cost and values after moving some of them to fit some of the rows."""
+        """Fit some of the values to some of the rows; return the cost and all values."""
         if moving.size == 0:
             return 0.0, x
         tolerance = _ROUGH if rough else _FINE
@@ -94,7 +96,7 @@ class Search:
         return float(found.cost), _replaced(x, moving, found.x)
 
     def cost(self, x: Array) -> float:
-        """As `solve` gives it."""
+        """Return the cost of values, as in `solve`."""
         r = np.abs(self.residuals(x))
         return float(np.sum(np.where(r < self.width, 0.5 * r**2, self.width * (r - 0.5 * self.width))))
 
@@ -110,12 +112,12 @@ def _replaced(x: Array, which: Sequence[int] | NDArray[np.int_], values: Array |
 
 
 def _scatter(residuals: Array) -> float:
-    """Standard deviation, from the median."""
+    """Estimate the standard deviation from the median."""
     return 1.4826 * float(np.median(np.abs(residuals)))
 
 
 def _joints(names: Sequence[str], largest: float) -> list[Array]:
-    """Starts of the search: the published values, with the joint of the area's two curves in several places."""
+    """Return starts of the search: published values, with several positions of the joint of the two area curves."""
     published = PUBLISHED["area_switch"]
     return [
         np.array([joint / published if name in ("area_switch", "area_offset") else 1.0 for name in names])
@@ -124,10 +126,10 @@ def _joints(names: Sequence[str], largest: float) -> list[Array]:
 
 
 def uncertainties(search: Search, x: Array, held: Rows) -> Array:
-    """(n_values,): standard uncertainties of the values; infinite where the rows do not tell, and at a bound.
+    """Return the standard uncertainties of the values, infinite if undetermined or at a bound: (n_values,).
 
-    A fit with another joint whose sum of squares is larger by d variances, and which differs by e in a value, says that
-    the value's uncertainty is e/sqrt(d) or more.
+    A fit with another joint whose sum of squares is larger by d variances, and which differs by e in a value, implies
+    that the uncertainty of this value is at least e/sqrt(d).
     """
     residuals, bounds = search.residuals, search.bounds
     r = residuals(x)

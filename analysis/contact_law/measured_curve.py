@@ -1,8 +1,8 @@
-"""Force-overlap curves to fit a contact law to: read from CSV, with the branch and the largest overlap of every row.
+"""Measured force-overlap curves, read from CSV, with the branch and the largest overlap of every row.
 
-Two forms. With a column ``branch`` (loading, unloading_N, reloading_N), as `granwave law -o x.csv` writes them;
-all rows of one N lie below the same largest overlap. Or a plain measured curve in the order in which it was measured:
-its branches follow from where the overlap turns.
+There are two forms. With a column ``branch`` (loading, unloading_N, reloading_N), as `granwave law -o x.csv` writes it,
+all rows of one N lie below the same largest overlap. Otherwise the rows are in the order of measurement, and the
+branches follow from the turning points of the overlap.
 """
 
 from __future__ import annotations
@@ -25,28 +25,28 @@ NUMBERS = ("overlap_m", "force_N")
 BRANCH = "branch"
 LOADING = "loading"
 _BRANCHES = re.compile(r"loading|(?:un|re)loading(?:_?\w+)?")
-_FAULTS = 5  # shown of one file
-_TURN = 0.01  # of the largest overlap: a reversal by less is noise of the measurement
+_FAULTS = 5  # largest number in a message
+_TURN = 0.01  # reversal over the largest overlap; smaller ones are noise
 
 Array = NDArray[np.float64]
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Curve:
-    """A force-overlap curve.
+    """Force-overlap curve.
 
     Attributes
     ----------
     source
-        Where it comes from, for messages.
+        Name of the source, for messages.
     branch
-        (n,), text: loading, unloading_N, reloading_N.
+        Names of the branches: loading, unloading_N, reloading_N: (n,).
     overlap
-        (n,), m.
+        Overlaps: (n,), m.
     force
-        (n,), N.
+        Forces: (n,), N.
     peak
-        (n,), m: the largest overlap so far, and on loading the overlap itself.
+        Largest overlaps so far, on loading the overlaps themselves: (n,), m.
     """
 
     source: str
@@ -57,23 +57,23 @@ class Curve:
 
     @property
     def loading(self) -> NDArray[np.bool_]:
-        """(n,): the rows of first loading."""
+        """True for rows of first loading: (n,)."""
         return self.branch == LOADING
 
     @property
     def turns(self) -> Array:
-        """(n_turns,), m: the largest overlaps from which the curve was unloaded, without repeats, rising."""
+        """Distinct overlaps at which unloading began, rising: (n_turns,), m."""
         return np.unique(self.peak[~self.loading])
 
 
 def read_curve(path: str | Path) -> Curve:
-    """Read a curve from a CSV file with the columns overlap_m, force_N and perhaps branch; others are passed over.
+    """Read a curve from a CSV file with the columns overlap_m, force_N and optionally branch; others are ignored.
 
     Raises
     ------
     InputError
-        The file cannot be read, lacks a column, or holds what is no number, no branch or a negative overlap; each fault
-        with its line.
+        The file cannot be read, lacks a column, or holds a wrong number, a wrong branch or a negative overlap; the
+        message gives the line of each fault.
     """
     rows, lines = _rows(Path(path))
     errors: list[str] = []
@@ -95,7 +95,7 @@ def read_curve(path: str | Path) -> Curve:
 
 
 def curve_of(overlap: ArrayLike, force: ArrayLike, branch: Sequence[str] | None = None) -> Curve:
-    """A curve from numbers, m and N; without ``branch`` in the order of measurement."""
+    """Make a curve from overlaps (m) and forces (N); without ``branch`` in the order of measurement."""
     return _curve("curve", np.asarray(overlap, float), np.asarray(force, float), branch)
 
 
@@ -113,7 +113,7 @@ def _curve(source: str, overlap: Array, force: Array, branch: Sequence[str] | No
 
 
 def _branches(overlap: Array) -> tuple[NDArray[np.str_], Array]:
-    """Branch and largest overlap of every row of a measured curve, from where the overlap turns."""
+    """Return branch and largest overlap of every row of a measured curve, from its turning points."""
     ends = _turning_points(overlap, _TURN * float(overlap.max(initial=0.0)))
     names, peak = np.full(overlap.size, LOADING, dtype="<U20"), overlap.copy()
     number, largest, start = 0, 0.0, 0
@@ -133,7 +133,7 @@ def _branches(overlap: Array) -> tuple[NDArray[np.str_], Array]:
 
 
 def _turning_points(values: Array, least: float) -> list[int]:
-    """Where a noisy sequence turns by more than ``least``, and its end."""
+    """Return the indices at which a noisy sequence turns by more than ``least``, and its last index."""
     found: list[int] = []
     extreme, rising = 0, True
     for k in range(1, values.size):
@@ -147,7 +147,7 @@ def _turning_points(values: Array, least: float) -> list[int]:
 
 
 def _rows(path: Path) -> tuple[list[tuple[int, dict[str, str]]], list[str]]:
-    """The rows of a CSV file with their line numbers, and its columns."""
+    """Read the rows of a CSV file with their line numbers, and the names of its columns."""
     try:
         text = read_regular(path).decode("utf-8-sig")
     except FileNotFoundError:

@@ -1,7 +1,7 @@
-"""Coefficient of restitution against impact velocity, from the energies of the contact law alone.
+"""Coefficient of restitution against impact velocity, from the energies of the contact law.
 
-A collision of effective mass m presses the contact until the work of loading W(a_max) has taken up m v^2 / 2, and gives
-back all but the dissipated energy D(a_max):  e = sqrt(1 - D / W). Runs must give the same (tests/test_restitution.py).
+A collision of effective mass m loads the contact until the work of loading W(a_max) equals m v^2 / 2; all of it is
+returned but the dissipated energy D(a_max):  e = sqrt(1 - D / W). Runs give the same, see test_restitution.py.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 _COLOURS = (BLUE, ORANGE, GREEN, PURPLE)
 _LINES = ("-", "--", ":", "-.")
 _POINTS = 400
-_SLOWEST = 0.3  # of the overlap at first yield
+_SLOWEST = 0.3  # overlap of the slowest impact over that at first yield
 
 Table = dict[str, NDArray]
 
@@ -30,15 +30,15 @@ Table = dict[str, NDArray]
 def restitution(
     law: ContactLaw, mass: float, max_overlap: float = 400.0
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Impact velocities, m/s, and the coefficient of restitution at each: both (n,).
+    """Return impact velocities, m/s, and coefficients of restitution: (n,) each.
 
     Parameters
     ----------
     mass
         Effective mass of the two bodies, kg.
     max_overlap
-        Of the fastest impact, in units of that at first yield; the fit of the elasto-plastic law ends at 0.2 R*,
-        and so does the curve.
+        Overlap of the fastest impact over that at first yield; for the elasto-plastic law at most 0.2 R*, the limit of
+        its fit.
     """
     check_forces(law)
     largest = max_overlap * law.yield_overlap
@@ -50,7 +50,7 @@ def restitution(
 
 
 def restitution_table(contacts: Mapping[str, tuple[ContactLaw, float]], max_overlap: float = 400.0) -> Table:
-    """A curve for each named contact (law, effective mass): ``contact``, ``velocity_m_s``, ``restitution``."""
+    """Return a curve for each named contact (law, effective mass): ``contact``, ``velocity_m_s``, ``restitution``."""
     curves = {name: restitution(law, mass, max_overlap) for name, (law, mass) in contacts.items()}
     return {
         "contact": np.concatenate([np.full(_POINTS, name) for name in curves]),
@@ -62,12 +62,12 @@ def restitution_table(contacts: Mapping[str, tuple[ContactLaw, float]], max_over
 def write_restitution(
     contacts: Mapping[str, tuple[ContactLaw, float]], path: str | Path, max_overlap: float = 400.0, title: str = ""
 ) -> Path:
-    """Write the curves as a table (.csv) or as a figure (.png or .pdf; both, and the table, are written).
+    """Write the curves as a table (.csv) or as a figure with its table (.png or .pdf; both are written).
 
     Raises
     ------
     InputError
-        A file of such a name is there, and granwave did not write it.
+        A file of such a name exists, and granwave did not write it.
     """
     path, table = Path(path), restitution_table(contacts, max_overlap)
 

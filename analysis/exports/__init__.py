@@ -1,1 +1,1 @@
-"""Results for other programs: tables for pandas, NetCDF for xarray, VTP for ParaView, a scene for OVITO."""
+"""Export of results to other programs: tables for pandas, NetCDF for xarray, VTP for ParaView, a script for OVITO."""

@@ -1,4 +1,4 @@
-"""A run or a scan in the forms that other programs read: ParaView, pandas, xarray, OVITO."""
+"""Export of a run or a scan to the formats of ParaView, pandas, xarray and OVITO."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from granwave.lammps_inputs.run_directory import EXPORT_DIRECTORY, OTHER, Marker
 
 OVITO_SCRIPT = "open_in_ovito.py"
 
-#: What --to may be, and the program it is for.
+#: Formats, as given by --to, and their files and programs.
 FORMATS = {
     "csv": "tables with units in their headers (pandas, spreadsheets)",
     "netcdf": "result.nc (xarray)",
@@ -34,29 +34,29 @@ _NOTHING = r"(?!)"
 
 
 def export(directory: str | Path, to: str, output: str | Path | None = None) -> list[Path]:
-    """Export a run or a scan; what an earlier export to the same form left is replaced.
+    """Export a run or a scan; files of an earlier export to the same format are replaced.
 
-    All files are put into place once all of them are written.
+    Files are moved into place after all of them are complete.
 
     Parameters
     ----------
     directory
-        Of a run or, for csv and netcdf, of a scan, whose table is exported.
+        Directory of a run or, for csv and netcdf, of a scan, whose table is exported.
     to
         One of `FORMATS`.
     output
-        The directory to write to; ``directory/export`` if not given.
+        Directory to write to; by default ``directory/export``.
 
     Returns
     -------
     list of Path
-        What was written.
+        Paths of the files.
 
     Raises
     ------
     InputError
-        There is no such form or directory, it holds no result or a damaged one, a library is missing, or the output
-        cannot be written to; nothing was written.
+        There is no such format or directory, the directory holds no result or a damaged one, a library is missing, or
+        the output cannot be written; nothing was written.
     """
     directory = Path(directory)
     _check_format(to)
@@ -75,7 +75,7 @@ def export(directory: str | Path, to: str, output: str | Path | None = None) -> 
 
 
 def _take_over(directory: Path, output: Path) -> None:
-    """Mark the export that version 0.1.0 left within its results."""
+    """Write a marker for an export that version 0.1.0 left in its results."""
     marker, prefix = read_marker(directory), f"{EXPORT_DIRECTORY}/"
     names = [name.removeprefix(prefix) for name in (marker.files if marker else ()) if name.startswith(prefix)]
     if any(names) and read_marker(output) is None:
@@ -107,7 +107,7 @@ def _export(directory: Path, to: str, output: Path) -> list[Path]:
         try:
             _RUN_WRITERS[to](result, staging)
         except OSError as error:
-            if error.errno is not None or "errno" in str(error):  # of writing
+            if error.errno is not None or "errno" in str(error):  # an error of writing
                 raise
             raise InputError(result.damaged(error)) from None
     return staging.placed

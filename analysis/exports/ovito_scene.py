@@ -23,24 +23,24 @@ from typing import Any
 RUN = ".."  # the run's directory, as seen from this file
 NEEDED = ("case.toml", "data.granwave", "dumps/spheres.dump", "dumps/contacts.dump")
 SPHERE_SCALE = 0.4
-CONTACT_WIDTH = 0.25  # of the strongest contact, in diameters
-DECADES = 4  # of peak force that the colours span
-VIEW = (-0.46, 0.73, 0.5)  # depth goes along +z, and down in the picture
+CONTACT_WIDTH = 0.25  # width of the strongest contact, diameters
+DECADES = 4  # range of the colour scale of peak forces
+VIEW = (-0.46, 0.73, 0.5)  # viewing direction; depth, along +z, is down in the picture
 PIXELS = (1200, 1000)
 
 
 def build(run: Path) -> Any:
-    """The pipeline of a run: snapshots of the spheres, and the contacts as bonds.
+    """Build the pipeline of a run: snapshots of the spheres, and contacts as bonds.
 
     Parameters
     ----------
     run
-        The directory: case.toml, data.granwave, dumps/spheres.dump and dumps/contacts.dump.
+        Directory with case.toml, data.granwave, dumps/spheres.dump and dumps/contacts.dump.
 
     Returns
     -------
     ovito.pipeline.Pipeline
-        Not yet in the scene.
+        Pipeline, not yet added to the scene.
     """
     from ovito.io import import_file
     from ovito.modifiers import (
@@ -55,7 +55,7 @@ def build(run: Path) -> Any:
     sides = case.get("boundary", {}).get("sides") == "periodic"
     contacts_file = run / "dumps" / "contacts.dump"
 
-    # The data file first and the snapshots last: bonds stay, and the time step shown is that of the snapshot.
+    # The data file first and the snapshots last, so that bonds remain and the time step is that of the snapshot.
     pipeline: Any = import_file(str(run / "data.granwave"), atom_style="sphere")
     pipeline.source.data.cell_.pbc = (sides, sides, False)
     if columns := _columns(contacts_file):
@@ -97,7 +97,7 @@ def build(run: Path) -> Any:
 
 
 def show(pipeline: Any) -> Any:
-    """Put the pipeline into the scene; the viewport, which looks at it with the struck layer up."""
+    """Add the pipeline to the scene; return a viewport with the struck layer up."""
     import ovito
     from ovito.vis import Viewport
 
@@ -114,7 +114,7 @@ def show(pipeline: Any) -> Any:
 
 
 def _columns(path: Path) -> list[str]:
-    """Return OVITO's properties for the columns of the contacts, from the header; empty when there is no contact."""
+    """Return OVITO's names for the columns of the contacts, from the header; empty without contacts."""
     ids = {"i": "Particle Identifiers.1", "j": "Particle Identifiers.2"}
     with open(path, encoding="ascii") as file:
         count = 0
@@ -155,7 +155,7 @@ def main() -> None:
         last = pipeline.num_frames - 1
         try:
             viewport.render_image(filename=str(options.picture), size=PIXELS, frame=last, renderer=TachyonRenderer())
-        except RuntimeError as error:  # no graphics: the message names the packages of the system
+        except RuntimeError as error:  # without graphics libraries; the message names them
             raise SystemExit(f"{options.picture}: not drawn; {error}") from None
         print(options.picture)
 

@@ -1,4 +1,4 @@
-"""Files that are written elsewhere first and put into place once all of them are complete."""
+"""Staging of output files: written to a scratch directory, and moved into place when all are complete."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from granwave.lammps_inputs.ownership import claim, clear, read_marker
 
 
 class Staging:
-    """A scratch directory inside of the output directory.
+    """Scratch directory inside the output directory.
 
     Attributes
     ----------
     scratch
-        Where to write; it does not outlive `staged`.
+        Directory to write to; removed at the end of `staged`.
     placed
-        The files that were put into place, in the order of their making.
+        Paths of the files moved into place, in the order of creation.
     """
 
     def __init__(self, output: Path, scratch: Path) -> None:
@@ -33,13 +33,13 @@ class Staging:
         self._names: list[str] = []
 
     def path(self, name: str) -> Path:
-        """Where to write the file that is to be called so."""
+        """Return the scratch path for a file of this name."""
         self._names.append(name)
         return self.scratch / name
 
     @contextmanager
     def naming(self) -> Iterator[None]:
-        """Within it, an error of the system that names no file names the one that was begun last."""
+        """Make system errors that name no file name the last one begun."""
         try:
             with naming(self.output):
                 yield
@@ -51,18 +51,18 @@ class Staging:
             raise
 
     def place(self, outdated: str) -> None:
-        """Put the files into place, the last one last, and remove what an earlier export left.
+        """Move the files into place, in order, and remove those left by earlier exports.
 
         Parameters
         ----------
         outdated
-            A regular expression; files of earlier exports whose whole names match, and that were not written now, are
+            Regular expression; files of earlier exports whose full names match, and that were not written now, are
             removed.
 
         Raises
         ------
         InputError
-            A file of such a name is there, and granwave did not write it; none was put into place.
+            A file of such a name exists, and granwave did not write it; no file was moved.
         """
         claim(self.output, self._names)
         for name in self._names:
@@ -75,19 +75,19 @@ class Staging:
 
 @contextmanager
 def staged(output: Path, outdated: str = "(?!)") -> Iterator[Staging]:
-    """Within it, files are written to scratch; at its end they are put into ``output``, or none if it failed.
+    """Give a scratch directory whose files are moved to ``output`` at the end, or none on an error.
 
     Parameters
     ----------
     output
-        A directory; made if need be, and removed again on failure if it was made here.
+        Output directory; created if necessary, and removed again on failure if created here.
     outdated
         As in `Staging.place`.
 
     Raises
     ------
     InputError
-        Nothing can be written there, or a file is there that granwave did not write.
+        The directory cannot be written to, or a file exists that granwave did not write.
     """
     made = [path for path in (output, *output.parents) if not path.exists()]
     try:

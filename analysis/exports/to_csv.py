@@ -1,16 +1,16 @@
-"""Tables of a run or a scan as CSV, for pandas and spreadsheets.
+"""Export of a run or a scan to CSV tables, for pandas and spreadsheets.
 
-    spheres.csv  contacts.csv  wall_contacts.csv  energy.csv  walls_NAME.csv  probes.csv     the tables of result.h5
+    spheres.csv  contacts.csv  wall_contacts.csv  energy.csv  walls_NAME.csv  probes.csv     tables of result.h5
     prestage.csv                                    of a precompressed run
-    snapshots.csv  snapshot_NNNN.csv                when each snapshot was taken, and the spheres in it
-    chain_beads.csv  chain_contacts.csv             of a chain: what is where at the start
-    chain_displacement.csv  chain_velocity.csv      and what was recorded of it, a row an instant, a column a bead (by
-    chain_contact_force.csv                         its id) or a contact (by the ids of its beads)
-    bar_NAME_nodes.csv  bar_NAME_displacement.csv   the same of bars, a column a node or an element, from 1
-    points.csv                                      of a scan: a row a point
+    snapshots.csv  snapshot_NNNN.csv                times of the snapshots, and the spheres in each
+    chain_beads.csv  chain_contacts.csv             initial positions of the beads and contacts of a chain
+    chain_displacement.csv  chain_velocity.csv      history of a chain: a row for each instant, a column for each
+    chain_contact_force.csv                         bead (by its id) or contact (by the ids of its beads)
+    bar_NAME_nodes.csv  bar_NAME_displacement.csv   same for bars, a column for each node or element, from 1
+    points.csv                                      a scan: a row for each point
 
-The unit stands at the end of a column's name. Numbers are the shortest text that gives the same double back, which
-needs up to 17 digits; what has no value is blank. Reading them without a loss::
+Names of columns end with the unit. Numbers have the fewest digits that reproduce the double exactly, up to 17; missing
+values are blank. Reading them without loss::
 
     pandas.read_csv("spheres.csv")                      # before pandas 3.1 with float_precision="round_trip"
     numpy.genfromtxt("spheres.csv", delimiter=",", names=True, dtype=None, encoding="utf-8")
@@ -36,9 +36,9 @@ OUTDATED = (
     r"|chain_\w+\.csv|bar_(bar|incident_bar)_\w+\.csv"
 )
 _TABLES = ("spheres", "contacts", "wall_contacts", "energy", "probes", "prestage")
-#: Columns in this order, and then the others by name.
+#: Columns in this order, followed by the others in the order of their names.
 _FIRST = ("id", "i", "j", "wall", "step", "time", "position", "radius", "mass")
-_ROWS = 65_536  # at a time: text takes many times the memory of the numbers
+_ROWS = 65_536  # formatted at once, as text takes many times the memory of numbers
 
 
 def export_run(result: Result, staging: Staging) -> None:
@@ -65,7 +65,7 @@ def export_run(result: Result, staging: Staging) -> None:
 
 
 def _write_chain(result: Result, staging: Staging) -> None:
-    """The chain and its bars in time: tables of places, and one for each quantity with a column for each place."""
+    """Write the history of a chain and its bars: tables of positions, and one table for each quantity."""
     if "chain" not in result:
         return
     beads = [f"bead_{bead}" for bead in result["chain/id"].tolist()]
@@ -90,12 +90,12 @@ def _write_chain(result: Result, staging: Staging) -> None:
 
 
 def export_scan(scan: ScanData, staging: Staging) -> None:
-    """Write the table of a scan; summary values have their units in their names as they are."""
+    """Write the table of a scan; names of summary values already contain their units."""
     _write(staging.path("points.csv"), scan.columns, {key: scan.unit(key) for key in scan.varied})
 
 
 def column_name(name: str, unit: str) -> str:
-    """A name with its unit at the end: ``struck_velocity_m_s``."""
+    """Append the unit to a name: ``struck_velocity_m_s``."""
     suffix = unit.replace(" s-1", "_s").replace("/", "_").replace("^", "")
     return name if suffix in ("", "1") or name.endswith(f"_{suffix}") else f"{name}_{suffix}"
 
@@ -105,7 +105,7 @@ def _place(column: str) -> int:
 
 
 def _write(path: Path, columns: Mapping[str, NDArray | h5py.Dataset], units: Mapping[str, str]) -> None:
-    """Write columns, (n,) or (n, 3), of one length."""
+    """Write columns, (n,) or (n, 3), of equal length."""
     header: list[str] = []
     for name, values in columns.items():
         parts = [f"{name}_{axis}" for axis in "xyz"] if values.ndim == 2 else [name]
@@ -120,7 +120,7 @@ def _write(path: Path, columns: Mapping[str, NDArray | h5py.Dataset], units: Map
 
 
 def _cells(values: NDArray | h5py.Dataset, rows: slice) -> Sequence[list[object]]:
-    """One list of cells for each component."""
+    """Return one list of cells for each component."""
     if isinstance(values, h5py.Dataset) and h5py.check_string_dtype(values.dtype):
         values = values.asstr()
     part = np.asarray(values[rows])

@@ -1,8 +1,8 @@
-"""A run or a scan as NetCDF-4, for xarray: ``result.nc`` or ``points.nc``.
+"""Export of a run or a scan to NetCDF-4, for xarray: ``result.nc`` or ``points.nc``.
 
-Dimensions of a run: sphere, contact, wall_contact, time (of the energy ledger), wall_time, probe_time, frame (the
-snapshots) and axis, and of a chain chain_time, bead, chain_contact, NAME_node and NAME_element of bars; the names of
-variables begin with what they belong to: ``sphere_peak_force(sphere)``, ``contact_i(contact)``,
+Dimensions of a run: sphere, contact, wall_contact, time (of the energy ledger), wall_time, probe_time, frame (of the
+snapshots) and axis; for a chain also chain_time, bead, chain_contact, and NAME_node and NAME_element of bars. Names of
+variables begin with their group: ``sphere_peak_force(sphere)``, ``contact_i(contact)``,
 ``energy_kinetic(time)``, ``wall_bottom_force(wall_time)``, ``frame_displacement(frame, sphere, axis)``,
 ``bead_velocity(chain_time, bead)``. Each has ``units`` and ``long_name``; the case (TOML), the run and the
 versions (JSON) are attributes of the file. All reals are doubles; positions in a snapshot are
@@ -10,8 +10,8 @@ versions (JSON) are attributes of the file. All reals are doubles; positions in 
 
     xarray.open_dataset("result.nc")
 
-NetCDF-4 is HDF5, so that snapshots are written one at a time, compressed, by h5netcdf on the h5py that is there anyway;
-scipy's writer of NetCDF-3 keeps all of a file in memory and knows neither 64-bit integers nor texts of any length.
+NetCDF-4 is based on HDF5: h5netcdf writes snapshots one at a time, compressed, through h5py. scipy's writer of NetCDF-3
+would keep the whole file in memory and supports neither 64-bit integers nor strings of variable length.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 _COMPRESSED_FROM = 4096  # values
 _ROWS_IN_CHUNK = 32_768
-#: Group of result.h5: the dimension of its rows, how variable names begin, what they describe, its coordinates.
+#: Group of result.h5: dimension of its rows, prefix of variable names, end of descriptions, coordinates.
 _TABLES = {
     "spheres": ("sphere", "sphere", "of the sphere", ("id",)),
     "contacts": ("contact", "contact", "of the contact", ("i", "j")),
@@ -71,7 +71,7 @@ def export_run(result: Result, staging: Staging) -> None:
 
 
 def export_scan(scan: ScanData, staging: Staging) -> None:
-    """Write ``points.nc``: the columns of the scan's table, the keys that vary as coordinates."""
+    """Write ``points.nc``: the columns of the scan's table, with the varied keys as coordinates."""
     with _create(staging, "points.nc") as file:
         file.attrs["title"], file.attrs["case"] = scan.name, scan.case_name
         file.attrs["varied"] = json.dumps(scan.varied)
@@ -87,7 +87,7 @@ def _create(staging: Staging, name: str) -> Iterator[h5netcdf.File]:
         import h5netcdf
     except ImportError as error:
         raise InputError(f"--to netcdf needs h5netcdf ({error}): pip install h5netcdf") from None
-    # libver lets an attribute be longer than 64 kB
+    # libver allows attributes longer than 64 kB
     with unfailing(staging.path(name)) as stream, h5netcdf.File(stream, "w", libver="v110") as file:
         yield file
 
@@ -106,14 +106,14 @@ def _add_table(file: h5netcdf.File, result: Result, group: str) -> None:
 
 
 def _variable(dimension: str, prefix: str, name: str) -> str:
-    """Return the name of a column; the ids of spheres and the times are their dimension's coordinates."""
+    """Return the variable name of a column; ids of spheres and times are coordinates of their dimensions."""
     if (dimension, name) in (("sphere", "id"), ("time", "time"), ("probe_time", "time")):
         return dimension
     return f"{prefix}_{name}"
 
 
 def _add_chain(file: h5netcdf.File, result: Result) -> None:
-    """The chain and its bars in time."""
+    """Add the history of a chain and its bars."""
     for name in result.names("chain"):
         contact = name.startswith("contact_")
         own = "chain_contact" if contact else "bead"
@@ -139,7 +139,7 @@ def _add_snapshots(file: h5netcdf.File, result: Result) -> None:
     _add(file, "frame_step", ("frame",), result[f"{GROUP}/position/step"], long_name="time step of the snapshot")
     for name in result.quantities:
         if name == "position":
-            continue  # start and displacement give it
+            continue  # given by initial position and displacement
         source = result.file[f"{GROUP}/{name}/value"]
         variable = file.create_variable(
             f"frame_{name}",
@@ -170,7 +170,7 @@ def _add(
     kind: Any = values.dtype
     if values.dtype == bool:
         values, kind = values.astype(np.int8), np.int8
-        extra["dtype"] = "bool"  # which xarray turns back
+        extra["dtype"] = "bool"  # for xarray, which converts it back
     elif values.dtype.kind in "OU":
         values, kind = values.astype(object), h5py.string_dtype()
     options = COMPRESSION if values.size >= _COMPRESSED_FROM and kind is values.dtype else {}

@@ -1,14 +1,14 @@
-"""A run as VTK PolyData, for ParaView: open ``spheres.pvd`` and ``contacts.pvd``, whose times are seconds.
+"""Export of a run to VTK PolyData, for ParaView: open ``spheres.pvd`` and ``contacts.pvd``, with times in s.
 
-    spheres_NNNN.vtp    a point a sphere, where it is at the snapshot; id, radius, displacement, velocity,
-                        contact_force, peak_force, dissipated_energy, elastic_energy, contacts_yielded, as they are
-                        then; friction_energy too where there is friction
-    contacts_NNNN.vtp   a line between the centres of each pair of ``/contacts``; i, j, overlap (of the spheres as they
-                        are then; negative: a gap), loaded and yielded (1: by then), and of the whole run peak_overlap,
+    spheres_NNNN.vtp    a point for each sphere at its position in the snapshot, with id, radius, displacement,
+                        velocity, contact_force, peak_force, dissipated_energy, elastic_energy and contacts_yielded at
+                        this time, and friction_energy with friction
+    contacts_NNNN.vtp   a line between the centres of each pair of ``/contacts``, with i, j, overlap at this time
+                        (negative: a gap), loaded and yielded (1: by this time), and, for the whole run, peak_overlap,
                         peak_force, dissipated_energy, friction_energy, initial_overlap
 
-SI units. In ParaView, a Glyph filter with spheres, scaled by ``radius`` with a factor of 2, draws them at their size. A
-contact through a periodic side ends at the image of its second sphere.
+SI units. In ParaView, a Glyph filter with spheres, scaled by ``radius`` with a factor of 2, draws spheres to scale. A
+contact across a periodic boundary ends at the image of its second sphere.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ Arrays = Mapping[str, NDArray]
 
 
 def export_run(result: Result, staging: Staging) -> None:
-    """Write two files a snapshot, and then the two collections that name them."""
+    """Write two files for each snapshot, and the two collections that list them."""
     try:
         import vtkmodules.vtkIOXML  # noqa: F401
     except ImportError as error:
@@ -67,7 +67,7 @@ def _name(what: str, number: int) -> str:
 
 
 def _since(began: NDArray[np.float64], time: float) -> NDArray[np.int8]:
-    """1 where something began by that time (NaN: never)."""
+    """Return 1 for events up to a time (NaN: never), else 0."""
     return (began <= time).astype(np.int8)
 
 
@@ -76,7 +76,7 @@ def _yielded(result: Result, time: float) -> NDArray[np.int8]:
 
 
 def _contacts_yielded(result: Result, time: float) -> NDArray[np.int64]:
-    """How many contacts of each sphere have yielded by that time: (n_spheres,)."""
+    """Count the contacts of each sphere that have yielded by a time: (n_spheres,)."""
     yielded = _yielded(result, time) > 0
     ends = result.ends[yielded]
     return np.bincount(ends.ravel(), minlength=result.n_spheres)
@@ -85,16 +85,16 @@ def _contacts_yielded(result: Result, time: float) -> NDArray[np.int64]:
 def _lines(
     result: Result, positions: NDArray[np.float64], radius: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64]]:
-    """The contacts as lines.
+    """Return the contacts as lines.
 
     Returns
     -------
     points
-        The centres of the spheres, and then the images at which contacts through a periodic side end: (n, 3), m.
+        Centres of the spheres, followed by images at the ends of contacts across periodic boundaries: (n, 3), m.
     lines
-        Rows of the points: (n_contacts, 2).
+        Rows of the end points: (n_contacts, 2).
     overlap
-        (n_contacts,), m.
+        Overlaps: (n_contacts,), m.
     """
     box = result.file[f"{GROUP}/box"]
     lines = result.ends
@@ -111,7 +111,7 @@ def _lines(
 
 
 def _write(path: Path, points: NDArray[np.float64], cells: NDArray[np.int64], arrays: Arrays, time: float) -> None:
-    """Write vertices (n, 1), whose arrays belong to the points, or lines (n, 2), whose arrays belong to the cells."""
+    """Write vertices (n, 1) with point data, or lines (n, 2) with cell data."""
     from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
     from vtkmodules.vtkCommonCore import vtkPoints
     from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData

@@ -1,4 +1,4 @@
-"""Figures of a chain: forces in place and time, at single contacts, and along the chain; bars and sensors."""
+"""Figures of a chain: maps of forces in space and time, histories of contacts, peak forces, bars and sensors."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _MOST_COLUMNS = 2000  # of a map
 
 
 def force_map(result: Result) -> Drawing | None:
-    """Contact force in place and time, and the magnitude of the force in bars."""
+    """Draw the contact force, and the magnitude of the force in bars, in space and time."""
     if "chain" not in result or not np.any(result["chain/contact_force"]):
         return None
     time = result["chain/time"]
@@ -51,7 +51,7 @@ def force_map(result: Result) -> Drawing | None:
 
 
 def force_histories(result: Result) -> Drawing | None:
-    """Force of some contacts in time, evenly spread over those that were loaded."""
+    """Draw the force history of some contacts, evenly spread over the loaded ones."""
     if "chain" not in result:
         return None
     force, time = result["chain/contact_force"], result["chain/time"]
@@ -69,7 +69,7 @@ def force_histories(result: Result) -> Drawing | None:
 
 
 def along_chain(result: Result) -> Drawing | None:
-    """Peak force and dissipated energy of every contact along the chain."""
+    """Draw peak force and dissipated energy of every contact along the chain."""
     if "chain" not in result:
         return None
     peak, lost = (along(result, name) for name in ("peak_force", "dissipated_energy"))
@@ -93,7 +93,7 @@ def along_chain(result: Result) -> Drawing | None:
 
 
 def bead_velocities(result: Result) -> Drawing | None:
-    """Velocity along the chain at four instants."""
+    """Draw the velocity along the chain at four instants."""
     if "chain" not in result:
         return None
     time, velocity = result["chain/time"], result["chain/velocity"]
@@ -110,7 +110,7 @@ def bead_velocities(result: Result) -> Drawing | None:
 
 
 def bars(result: Result) -> Drawing | None:
-    """Contact force on each bar and the energy in it."""
+    """Draw the contact force on each bar, and its energy."""
     found = result.assembly.bars
     if not found:
         return None
@@ -129,7 +129,7 @@ def bars(result: Result) -> Drawing | None:
 
 
 def sensors(result: Result) -> Drawing | None:
-    """Mean contact force of the beads that carry a sensor."""
+    """Draw the mean contact force of the beads with a sensor."""
     if "chain" not in result or not result.case.sensor:
         return None
     time, forces = result["chain/time"], sensor_forces(result)
@@ -143,7 +143,7 @@ def sensors(result: Result) -> Drawing | None:
 
 
 def _name(result: Result, contact: int) -> str:
-    """A contact by the numbers of its beads; S for a striker, bar for a bar."""
+    """Return the label of a contact from the numbers of its beads, S for strikers and "bar" for bars."""
     n, spheres = result.assembly.lattice.n_spheres, result.assembly.n_spheres
     ids = (int(result["chain/contact_i"][contact]), int(result["chain/contact_j"][contact]))
     words = [str(one) if one <= n else f"S{one - n}" if one <= spheres else "bar" for one in ids]

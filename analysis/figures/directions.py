@@ -1,4 +1,4 @@
-"""Where energy and dissipation went, by direction from the impact point."""
+"""Distribution of energy and dissipation over directions from the impact point."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _TITLE_HEIGHT = 0.7  # inches
 
 
 def directions(result: Result) -> Drawing | None:
-    """Shares of travelling energy and of dissipation by direction: polar for a layer, stereographic for more."""
+    """Draw the shares of travelling energy and dissipation by direction: polar for a layer, else stereographic."""
     if result.case.packing.kind == "chain" or result.n_spheres < _LEAST_SPHERES or result.n_frames < 2:
         return None
     frame = travelling_frame(result)

@@ -1,4 +1,4 @@
-"""Where the energy went: dissipation by sphere, the plastic zone in time, and how peak forces decay."""
+"""Figures of dissipation by sphere, growth of the plastic zone, and decay of peak forces."""
 
 from __future__ import annotations
 
@@ -9,20 +9,20 @@ from numpy.typing import NDArray
 from granwave.analysis.figures.sections import force_scale, spheres_beyond_law
 from granwave.analysis.figures.style import BLUE, GREEN, ORANGE, Drawing, new_figure
 from granwave.analysis.measures.dissipation import cumulated, peak_force_by_depth, ranked, rays, zone_growth
-from granwave.analysis.measures.zone_marks import bounds_in_words
-from granwave.analysis.measures.zone_of_packing import packing_zone
+from granwave.analysis.measures.zone.marks import bounds_in_words
+from granwave.analysis.measures.zone.packing import packing_zone
 from granwave.analysis.result.reader import Result
 
 _MILLI = 1e3  # mm in a metre
 _MICRO = 1e6  # microseconds in a second
-_SHOWN_SHARE = 0.95  # of the dissipation: how far the cumulated figure goes
-_RANGE = 1e-10  # of the largest dissipation: what the ranked figure shows
+_SHOWN_SHARE = 0.95  # share of the dissipation up to which the cumulated figure goes
+_RANGE = 1e-10  # smallest over largest dissipation in the ranked figure
 
 
 def dissipation_ranked(result: Result) -> Drawing | None:
-    """Dissipation of the spheres in descending order (thesis Fig. 5.8); hollow where the law was exceeded.
+    """Draw the dissipation of the spheres in descending order (thesis Fig. 5.8), hollow beyond the law's range.
 
-    With friction also that of yielding and of friction, each in descending order by itself.
+    With friction, also that by yielding and by friction, each in its own descending order.
     """
     dissipated = result["spheres/dissipated_energy"]
     rows = ranked(dissipated)
@@ -58,9 +58,9 @@ def dissipation_ranked(result: Result) -> Drawing | None:
 
 
 def dissipation_cumulated(result: Result) -> Drawing | None:
-    """Volume of the spheres that dissipate a given share of the input (thesis Fig. 5.14, granular).
+    """Draw the volume of the spheres that dissipate a given share of the input (thesis Fig. 5.14, granular).
 
-    With friction also that of the spheres that yield most, and of those that rub most.
+    With friction, also for dissipation by yielding and by friction alone.
     """
     if not np.any(result["spheres/dissipated_energy"] > 0):
         return None
@@ -95,17 +95,17 @@ def dissipation_cumulated(result: Result) -> Drawing | None:
 
 
 def _parts(result: Result) -> dict[str, tuple[NDArray[np.float64], str, str]]:
-    """Dissipation of each sphere by yielding and by friction, with colour and line; empty without friction."""
+    """Return the dissipation by yielding and by friction, with colour and line; empty without friction."""
     if not result.has("spheres/friction_energy"):
         return {}
-    rubbed = result["spheres/friction_energy"]
-    return {"yielding": (result.yield_energy, ORANGE, "--"), "friction": (rubbed, GREEN, ":")}
+    friction = result["spheres/friction_energy"]
+    return {"yielding": (result.yield_energy, ORANGE, "--"), "friction": (friction, GREEN, ":")}
 
 
 def plastic_zone_growth(result: Result) -> Drawing | None:
-    """Number of yielded contacts and spheres, depth and radius of the outermost that yielded against time.
+    """Draw the number of yielded contacts and spheres, and depth and radius of the outermost, against time.
 
-    A title says which bounds the zone reaches.
+    The title names the boundaries that the zone reaches.
     """
     growth = zone_growth(result)
     if not len(growth.time):
@@ -137,7 +137,7 @@ def plastic_zone_growth(result: Result) -> Drawing | None:
 
 
 def peak_force_depth(result: Result) -> Drawing | None:
-    """Decay of the peak force: the largest of each layer, and along the preferred directions."""
+    """Draw the decay of the peak force: largest of each layer, and along the preferred directions."""
     depth, force = peak_force_by_depth(result)
     if len(depth) < 2 or not np.any(force > 0) or "chain" in result:  # a chain has a figure of its own
         return None

@@ -1,4 +1,4 @@
-"""Histories: energies, the impactor, the force on the bottom, and the probes."""
+"""Figures of histories: energies, velocity of the struck sphere, force on the bottom, and probes."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from granwave.analysis.measures.sensors import sensor_accelerations, sensor_velo
 from granwave.analysis.result.reader import Result
 
 _MICRO = 1e6  # microseconds in a second
-_MOST_POINTS = 20_000  # drawn of one curve; the CSV file has all
+_MOST_POINTS = 20_000  # of a curve; the CSV file has all
 _PROBE = re.compile(r"(?P<name>(sphere|contact)_\d+(_\d+)?)_(?P<quantity>\w+)")
 _QUANTITIES = {
     "u": ("Displacement (µm)", 1e6),
@@ -34,17 +34,17 @@ _QUANTITIES = {
     "force": ("Contact force (N)", 1.0),
 }
 _COLOURS = (BLUE, ORANGE, GREEN, PURPLE, GREY)
-#: Parts of the energy from the bottom of the figure up, and their colours.
+#: Parts of the energy and their colours, from the bottom of the figure up.
 _AREAS = {
     "dissipated": ORANGE, "yielding": ORANGE, "friction": YELLOW, "support's damper": GREY, "support": PURPLE,
     "elastic": GREEN, "rotation": SKY, "kinetic": BLUE,
 }  # fmt: skip
-_NEGLIGIBLE = 1e-3  # of the input: an energy below zero by less is one of rounding
-_IN_PANEL = 4  # sensors
+_NEGLIGIBLE = 1e-3  # negative energy over the input that counts as rounding
+_IN_PANEL = 4  # sensors in a panel
 
 
 def energies(result: Result) -> Drawing | None:
-    """Where the energy is, and how far the sum is from the input."""
+    """Draw all energies, and the residual of their sum."""
     given = result.energy_input
     if not given:
         return None
@@ -76,7 +76,7 @@ def energies(result: Result) -> Drawing | None:
 
 
 def _energy_parts(result: Result) -> dict[str, NDArray]:
-    """The energies that add up to the input; rotation, friction and the support stand apart where there are any."""
+    """Return the energies that add up to the input; rotation, friction and the support separately, if any."""
     kinetic, elastic, dissipated = (result[f"energy/{name}"] for name in ("kinetic", "elastic", "dissipated"))
     parts = {"kinetic": kinetic, "elastic": elastic, "dissipated": dissipated}
     if result.has("energy/rotational"):
@@ -99,7 +99,7 @@ def _column(part: str) -> str:
 
 
 def bottom_force(result: Result) -> Drawing | None:
-    """Force on the bottom and its impulse."""
+    """Draw the force on the bottom and its impulse."""
     if "walls/bottom" not in result:
         return None
     time, force = result["walls/bottom/time"], result["walls/bottom/force"]
@@ -121,7 +121,7 @@ def bottom_force(result: Result) -> Drawing | None:
 
 
 def impactor_velocity(result: Result) -> Drawing | None:
-    """Velocity of the struck sphere along the impact direction; none where it only moves across that."""
+    """Draw the velocity of the struck sphere along the impact direction; None if it is zero throughout."""
     time, velocity = result["energy/time"], result["energy/struck_velocity"]
     if not np.any(velocity):
         return None
@@ -135,14 +135,14 @@ def impactor_velocity(result: Result) -> Drawing | None:
 
 
 def probes(result: Result) -> Drawing | None:
-    """Draw the records of the probes: a panel for each quantity."""
+    """Draw the records of the probes, with a panel for each quantity."""
     wanted = {f"sphere_{probe.sphere}" for probe in result.case.output.probes if probe.sphere is not None}
     wanted |= {"contact_{}_{}".format(*probe.contact) for probe in result.case.output.probes if probe.contact}
     if "probes" not in result or not wanted:
         return None
     time = result["probes/time"]
     panels: dict[str, list[tuple[str, NDArray]]] = {}
-    names = [name for name in result.names("probes") if name.rsplit("_", 1)[0] in wanted]  # sensors aside
+    names = [name for name in result.names("probes") if name.rsplit("_", 1)[0] in wanted]  # without sensors
     for name in names:
         found = _PROBE.fullmatch(name)
         if found:
@@ -175,7 +175,7 @@ def probes(result: Result) -> Drawing | None:
 
 
 def sensors(result: Result) -> Drawing | None:
-    """Accelerations of the spheres that carry a sensor, each along the direction in which it moves fastest."""
+    """Draw the accelerations of the spheres with a sensor, each along the direction of its largest velocity."""
     found = sensor_accelerations(result)
     if not found:
         return None
@@ -200,13 +200,13 @@ def sensors(result: Result) -> Drawing | None:
 
 
 def time_axis(axes: Axes, time: NDArray[np.float64]) -> None:
-    """Label the axis of times (s)."""
+    """Label the time axis for times in s."""
     axes.set_xlabel("Time (µs)")
     axes.set_xlim(0, float(time[-1]) * _MICRO or 1.0)
 
 
 def thinned(values: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Rows that draw the same curve: the lowest and the highest of every bin when there are too many."""
+    """Return the rows to draw: for long records, the lowest and highest of every bin, which give the same curve."""
     n_bins = _MOST_POINTS // 2
     if len(values) <= _MOST_POINTS:
         return np.arange(len(values))
@@ -218,7 +218,7 @@ def thinned(values: NDArray[np.float64]) -> NDArray[np.int64]:
 
 
 def _common_zero(first: Axes, second: Axes) -> None:
-    """Let zero lie at one height on both axes."""
+    """Align the zeros of two axes."""
     limits = [axes.get_ylim() for axes in (first, second)]
     below = max(max(-low, 0.0) / max(high, 1e-300) for low, high in limits)
     for axes, (_, high) in zip((first, second), limits, strict=True):

@@ -1,4 +1,4 @@
-"""The packing in three dimensions, a quarter of it cut away, coloured by what happened to its spheres."""
+"""Pictures of the packing in three dimensions with a quarter cut away, coloured by a quantity."""
 
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ from granwave.analysis.figures.sphere_renderer import Camera, Picture, render
 from granwave.analysis.figures.style import BLANK, WIDTH, Drawing, new_figure
 from granwave.analysis.result.reader import Result
 
-_PIXELS = 1100  # across the picture
+_PIXELS = 1100  # width of the picture
 _AZIMUTH, _ELEVATION = -58.0, 30.0  # degrees
 _MILLI = 1e3  # mm in a metre
-_DECADES = 4  # of peak force: far below F_y, to show the elastic wave as well
+_DECADES = 4  # of peak force, far below F_y, to include the elastic wave
 _LEAST_SPHERES = 8
 _ROUND_LENGTHS = (1, 2, 5)
 
 
 def packing_3d(result: Result) -> Drawing | None:
-    """The cut-open packing, coloured by peak force."""
+    """Draw the cut packing, coloured by peak force."""
     if not np.any(result["spheres/peak_force"] > 0):
         return None
     return _draw(result, peak_force_colouring(result, _DECADES))
 
 
 def packing_3d_dissipation(result: Result) -> Drawing | None:
-    """The cut-open packing, coloured by dissipation."""
+    """Draw the cut packing, coloured by dissipation."""
     if not np.any(result["spheres/dissipated_energy"] > 0):
         return None
     return _draw(result, dissipation_colouring(result))
@@ -38,7 +38,7 @@ def packing_3d_dissipation(result: Result) -> Drawing | None:
 def _draw(result: Result, colouring: Colouring) -> Drawing | None:
     positions = result["spheres/position"]
     if len(positions) < _LEAST_SPHERES or np.min(np.ptp(positions, axis=0)[:2]) == 0:
-        return None  # a chain: a picture of it shows less than a curve
+        return None  # a chain, for which curves show more
     camera = Camera.looking(_AZIMUTH, _ELEVATION, np.array([0.0, 0.0, -1.0]))  # depth goes down
     kept = np.flatnonzero(~_cut_away(positions - result.origin, camera, result.case.packing.diameter))
     values = colouring.values[kept]
@@ -56,14 +56,14 @@ def _draw(result: Result, colouring: Colouring) -> Drawing | None:
 
 
 def _cut_away(offset: NDArray[np.float64], camera: Camera, diameter: float) -> NDArray[np.bool_]:
-    """The quarter that faces the viewer; spheres on the planes of the cut stay."""
+    """Select the quarter that faces the viewer; spheres on the cutting planes stay."""
     edge = 0.3 * diameter
     towards = np.sign(camera.towards[:2])
     return (offset[:, 0] * towards[0] > edge) & (offset[:, 1] * towards[1] > edge)
 
 
 def _colours(values: NDArray[np.float64], colouring: Colouring) -> NDArray[np.float64]:
-    """Red, green, blue of each sphere; blank where there is no value or one below the scale."""
+    """Return red, green, blue of each sphere; blank for values below the scale."""
     scaled = np.clip(values, colouring.low, colouring.high)
     colours = colormaps[colouring.map](colouring.norm(scaled))[:, :3]
     colours[values < colouring.low] = to_rgb(BLANK)
@@ -71,7 +71,7 @@ def _colours(values: NDArray[np.float64], colouring: Colouring) -> NDArray[np.fl
 
 
 def _scale_bar(axes: Axes, left: float, right: float, bottom: float) -> None:
-    """A bar of a round length, mm, in the lower left corner."""
+    """Draw a scale bar of a round length, mm, in the lower left corner."""
     wanted = 0.2 * (right - left)
     power = 10 ** np.floor(np.log10(wanted))
     length = power * max(step for step in _ROUND_LENGTHS if step * power <= wanted)
@@ -88,7 +88,7 @@ def _scale_bar(axes: Axes, left: float, right: float, bottom: float) -> None:
 
 
 def _mark_impact(axes: Axes, place: NDArray[np.float64], width: float) -> None:
-    """An arrow at the struck sphere."""
+    """Draw an arrow at the struck sphere."""
     axes.annotate(
         "",
         xy=(place[0], place[1] + 0.02 * width),

@@ -1,4 +1,4 @@
-"""All figures of a run, by name; each leaves NAME.png, NAME.pdf and NAME.csv in ``figures``."""
+"""All figures of a run by name, each written as NAME.png, NAME.pdf and NAME.csv to ``figures``."""
 
 from __future__ import annotations
 
@@ -6,11 +6,21 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-from granwave.analysis.figures import chain, directions, dissipation, histories, packing3d, sections, target, timestep, zone
+from granwave.analysis.figures import (
+    chain,
+    directions,
+    dissipation,
+    histories,
+    packing3d,
+    sections,
+    target,
+    timestep,
+    zone,
+)
 from granwave.analysis.figures.style import Drawing, FigureFolder, style
 from granwave.analysis.result.reader import Result
 
-#: Each draws a figure of a result, or returns None when the figure makes no sense for it.
+#: Functions that draw a figure of a result, or return None if it does not apply.
 FIGURES: dict[str, Callable[[Result], Drawing | None]] = {
     "peak_force_principal": partial(sections.peak_force_section, name="principal"),
     "peak_force_orthogonal": partial(sections.peak_force_section, name="orthogonal"),
@@ -50,19 +60,19 @@ def draw_figures(
 ) -> list[Path]:
     """Draw the figures of a run from its ``result.h5``.
 
-    Figures that are there from before and make no sense any more are removed.
+    Earlier figures that no longer apply are removed.
 
     Parameters
     ----------
     progress
-        Called with the name of each figure before it is drawn.
+        Function called with the name of each figure before it is drawn.
     names
-        Of the figures to draw; all if not given.
+        Names of the figures to draw; by default all.
 
     Returns
     -------
     list of Path
-        The PNG files that were written.
+        Paths of the PNG files.
 
     Raises
     ------

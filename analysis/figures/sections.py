@@ -1,7 +1,7 @@
-"""Sections through the packing: spheres as discs at their places, coloured by what happened to them.
+"""Sections through the packing: spheres drawn as discs, coloured by a quantity.
 
 Peak forces as in thesis Fig. 5.3, dissipation as in Fig. 5.9, and the wave at chosen times. Spheres with a
-contact pressed beyond the range of the law are drawn hollow.
+contact loaded beyond the range of the law are drawn hollow.
 """
 
 from __future__ import annotations
@@ -20,33 +20,33 @@ from numpy.typing import NDArray
 
 from granwave.analysis.figures.style import BLANK, DENT_MAP, DISSIPATION_MAP, FORCE_MAP, WIDTH, Drawing, new_figure
 from granwave.analysis.measures.planes import Section, planes, section
-from granwave.analysis.measures.plastic_zone import LAW_LIMIT
+from granwave.analysis.measures.zone.plastic_zone import LAW_LIMIT
 from granwave.analysis.result.reader import Result
 
 _MILLI = 1e3  # mm in a metre
 _SNAPSHOTS = 4
-_LEAST_DECADES = 3  # of a colour scale of forces
-_DISC = 0.96  # diameter drawn over diameter
+_LEAST_DECADES = 3  # default range of a logarithmic scale
+_DISC = 0.96  # drawn over actual diameter
 
 
 @dataclass(frozen=True, eq=False)
 class Colouring:
-    """A quantity and the colours that stand for it.
+    """Quantity with its colour scale.
 
     Attributes
     ----------
     values
-        By sphere: (n_spheres,).
+        Values by sphere: (n_spheres,).
     label
-        Of the colour bar.
+        Label of the colour bar.
     column
-        Of the CSV file.
+        Name of the column in the CSV file.
     map
-        Name of a colour map.
+        Name of the colour map.
     low, high
         Ends of the logarithmic scale.
     title
-        Above a panel of its own.
+        Title of the panel, if there are several.
     """
 
     values: NDArray[np.float64]
@@ -59,14 +59,14 @@ class Colouring:
 
     @property
     def norm(self) -> LogNorm:
-        """The scale."""
+        """Logarithmic colour scale."""
         return LogNorm(self.low, self.high)
 
 
 def force_scale(result: Result) -> tuple[float, str, str]:
-    """The force that forces are shown in, the label of the ratio, and its name in CSV files.
+    """Return the unit of forces in figures, N, the label of the ratio, and its name in CSV files.
 
-    F_y where contacts can yield, else the largest peak force of the run.
+    The unit is F_y if contacts can yield, else the largest peak force of the run.
     """
     if result.yields:
         return result.law.yield_force, r"$F/F_\mathrm{y}$", "force_over_yield_force"
@@ -75,12 +75,12 @@ def force_scale(result: Result) -> tuple[float, str, str]:
 
 
 def peak_force_colouring(result: Result, decades: float | None = None) -> Colouring:
-    """Largest contact force that each sphere ever felt.
+    """Return the colouring by the largest contact force of each sphere.
 
     Parameters
     ----------
     decades
-        That the scale spans; from F_y up if not given.
+        Range of the scale; by default from F_y upwards.
     """
     scale, label, column = force_scale(result)
     values = result["spheres/peak_force"] / scale
@@ -91,7 +91,7 @@ def peak_force_colouring(result: Result, decades: float | None = None) -> Colour
 
 
 def dissipation_colouring(result: Result, part: str = "") -> Colouring:
-    """Share of the input that each sphere dissipated; ``part``: only by yielding or only by friction."""
+    """Return the colouring by dissipation over input; ``part``: by yielding or by friction only."""
     values = result["spheres/dissipated_energy"]
     if part:
         values = result["spheres/friction_energy"] if part == "friction" else result.yield_energy
@@ -101,28 +101,28 @@ def dissipation_colouring(result: Result, part: str = "") -> Colouring:
 
 
 def peak_force_section(result: Result, name: str) -> Drawing | None:
-    """Peak forces on the principal or orthogonal plane (thesis Fig. 5.3)."""
+    """Draw peak forces on the principal or orthogonal plane (thesis Fig. 5.3)."""
     if not np.any(result["spheres/peak_force"] > 0):
         return None
     return section_drawing(result, name, peak_force_colouring(result))
 
 
 def dissipation_section(result: Result, name: str) -> Drawing | None:
-    """Dissipation on the principal or orthogonal plane (thesis Fig. 5.9)."""
+    """Draw dissipation on the principal or orthogonal plane (thesis Fig. 5.9)."""
     if not np.any(result["spheres/dissipated_energy"] > 0):
         return None
     return section_drawing(result, name, dissipation_colouring(result))
 
 
 def dissipation_parts_section(result: Result, name: str) -> Drawing | None:
-    """Dissipation by yielding and by friction, apart, on the principal or orthogonal plane."""
+    """Draw dissipation by yielding and by friction separately on the principal or orthogonal plane."""
     if not result.has("spheres/friction_energy"):
         return None
     return section_drawing(result, name, *(dissipation_colouring(result, part) for part in ("yielding", "friction")))
 
 
 def dents_section(result: Result, name: str) -> Drawing | None:
-    """The deepest dent that each sphere had before the run, on the principal or orthogonal plane."""
+    """Draw the largest initial dent of each sphere on the principal or orthogonal plane."""
     if not result.has("contacts/initial_overlap"):
         return None
     unit, label, column = 1e-6, "Dent before the run (µm)", "initial_overlap_um"
@@ -139,7 +139,7 @@ def dents_section(result: Result, name: str) -> Drawing | None:
 
 
 def wave_front(result: Result) -> Drawing | None:
-    """The force that each sphere of the vertical plane feels at four times while the wave goes down."""
+    """Draw the forces on the spheres of the vertical plane at four times while the wave travels down."""
     cut = _cut(result, "orthogonal") or _cut(result, "principal")
     chosen = _snapshots(result)
     if cut is None or not chosen:
@@ -182,16 +182,16 @@ def wave_front(result: Result) -> Drawing | None:
 
 
 def section_drawing(result: Result, name: str, *colourings: Colouring) -> Drawing | None:
-    """One plane through the packing, a panel for each colouring, which share a scale and stand one above the other.
+    """Draw a plane through the packing, with a panel for each colouring, one above the other on a common scale.
 
-    None when there is no such plane.
+    Return None if there is no such plane.
 
     Parameters
     ----------
     name
-        principal or orthogonal.
+        Name of the plane: principal or orthogonal.
     colourings
-        With titles, if there are several.
+        Quantities, with titles if there are several.
     """
     cut = _cut(result, name)
     if cut is None:
@@ -221,7 +221,7 @@ def section_drawing(result: Result, name: str, *colourings: Colouring) -> Drawin
 
 
 def _cut(result: Result, name: str) -> Section | None:
-    """The spheres on a plane; None when there is no such plane, or no more than a line of spheres on it."""
+    """Return the spheres on a plane; None if there is no such plane, or only a line of spheres on it."""
     case = result.case
     for plane in planes(case.packing.kind):
         if plane.name == name:
@@ -239,7 +239,7 @@ def draw_discs(
     radius: NDArray[np.float64],
     hollow: NDArray[np.bool_] | None = None,
 ) -> None:
-    """Discs in mm; blank where there is no value, rings where the law was exceeded."""
+    """Draw the discs, in mm: blank without a value, rings beyond the range of the law."""
     size = _DISC * 2 * radius * _MILLI
     mapped = colormaps[colouring.map]
     colours = mapped(colouring.norm(np.maximum(values, colouring.low)))
@@ -263,7 +263,7 @@ def draw_discs(
 
 
 def frame_axes(axes: Axes, window: tuple[float, float, float, float]) -> None:
-    """Show a window (left, right, top, bottom; mm), depth downwards."""
+    """Set the limits of axes (left, right, top, bottom; mm), with depth downwards."""
     left, right, top, bottom = window
     axes.set_xlim(left, right)
     axes.set_ylim(bottom, top)
@@ -277,7 +277,7 @@ def colour_bar(
     values: NDArray[np.float64],
     location: str = "bottom",
 ) -> None:
-    """A bar above or below the panels, pointed where values leave the scale."""
+    """Draw a colour bar above or below the panels, with pointed ends if values exceed the scale."""
     below = bool(np.any((values > 0) & (values < colouring.low)))
     above = bool(np.any(values > colouring.high))
     extend = {(True, True): "both", (True, False): "min", (False, True): "max"}.get((below, above), "neither")
@@ -296,7 +296,7 @@ def colour_bar(
 
 
 def _window(cut: Section, shown: NDArray[np.bool_], diameter: float) -> tuple[float, float, float, float]:
-    """Left, right, top and bottom around the spheres to show, mm."""
+    """Return left, right, top and bottom around the spheres to show, mm."""
     margin = 2 * diameter
     if not shown.any():
         shown = np.ones(len(shown), dtype=bool)
@@ -309,7 +309,7 @@ def _window(cut: Section, shown: NDArray[np.bool_], diameter: float) -> tuple[fl
 
 
 def _decades(largest: float, low: float | None) -> tuple[float, float]:
-    """Ends of a logarithmic scale up to the largest value, at least one decade and by default three."""
+    """Return the ends of a logarithmic scale up to the largest value, at least one decade, by default three."""
     high = 10 ** (math.ceil(2 * math.log10(largest)) / 2) if largest > 0 else 1.0
     if low is None or high < 10 * low:
         low = high / 10**_LEAST_DECADES
@@ -317,7 +317,7 @@ def _decades(largest: float, low: float | None) -> tuple[float, float]:
 
 
 def _snapshots(result: Result) -> list[int]:
-    """Up to four snapshots, evenly spread from the start to when the wave has reached the deepest layer."""
+    """Select up to four snapshots, evenly spread until the wave reaches the deepest layer."""
     depth = result["spheres/position"][:, 2]
     arrival = result["spheres/time_first"][depth > depth.max() - result.case.packing.diameter / 2]
     times = result.frame_times
@@ -330,7 +330,7 @@ def _snapshots(result: Result) -> list[int]:
 
 
 def spheres_beyond_law(result: Result) -> NDArray[np.bool_]:
-    """Which spheres have a contact that was pressed beyond the range of the law."""
+    """Return True for spheres with a contact loaded beyond the range of the law: (n_spheres,)."""
     found = np.zeros(result.n_spheres, dtype=bool)
     found[result.ends[result.beyond_law(LAW_LIMIT)]] = True
     return found

@@ -18,12 +18,12 @@ MARKS = "os^Dv"
 
 
 def one_panel(height: float, xlabel: str, ylabel: str, width: float = WIDTH, **settings: Any) -> tuple[Figure, Axes]:
-    """An empty figure with one pair of axes.
+    """Make an empty figure with one panel.
 
     Parameters
     ----------
     height, width
-        Inches.
+        Size of the figure, inches.
     xlabel, ylabel
         Labels of the axes.
     settings
@@ -89,9 +89,9 @@ def legend_outside(figure: Figure, ncols: int = 0, *, left: bool = False, **opti
     ncols
         Columns; 0 for one row.
     left
-        At the left, else in the middle.
+        True to place it at the left, else in the middle.
     options
-        Further ones of a legend: ``fontsize``, ``title``, ...
+        Further options of a legend: ``fontsize``, ``title``, ...
     """
     handles, labels = figure.axes[0].get_legend_handles_labels()
     place: Any = f"outside upper {'left' if left else 'center'}"
@@ -99,6 +99,6 @@ def legend_outside(figure: Figure, ncols: int = 0, *, left: bool = False, **opti
 
 
 def column_name(words: str) -> str:
-    """Words as the name of a column or a file: ``FCC, 314 µs`` becomes ``FCC_314_us``."""
+    """Convert text to the name of a column or a file: ``FCC, 314 µs`` becomes ``FCC_314_us``."""
     kept = "".join(letter if letter.isalnum() and letter.isascii() else "_" for letter in words.replace("µ", "u"))
     return "_".join(filter(None, kept.split("_")))

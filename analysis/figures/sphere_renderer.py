@@ -1,9 +1,9 @@
-"""A picture of many equal spheres, seen from afar: every pixel shows the sphere in front, shaded.
+"""Orthographic rendering of many spheres with shading.
 
-Equal spheres that do not overlap hide one another in the order of their centres' distance (the plane midway
-between two of them parts them), so drawing the farthest first is exact. A first pass at low resolution finds
-which spheres can be seen at all; only these are drawn finely. The light comes over the viewer's left
-shoulder, and gaps that lie deeper than what surrounds them are darkened.
+Equal spheres that do not overlap hide one another in the order of the distances of their centres (the plane midway
+between two of them separates them), so that drawing the farthest first is exact. A first pass at low resolution finds
+the visible spheres; only these are drawn at full resolution. The light comes from above the viewer's left shoulder, and
+gaps that lie deeper than their surroundings are darkened.
 """
 
 from __future__ import annotations
@@ -16,18 +16,18 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter, map_coordinates
 
-_OVERSAMPLING = 2  # pixels drawn along each side of a pixel of the picture
+_OVERSAMPLING = 2  # rendered pixels along each side of a pixel of the picture
 _COARSE = 7.0  # pixels across a sphere in the first pass
 _LIGHT = np.array([-0.45, 0.65, 0.62])  # right, up, towards the viewer
 _AMBIENT, _DIFFUSE, _GLOSS = 0.42, 0.62, 0.16
-_OCCLUSION = 0.5  # darkening of what lies a diameter deeper than its surroundings
-_SHARPNESS = 5  # of the gloss: its power is two to this
-_BLUR = 6  # pixels to a radius that suffice to find the surroundings
+_OCCLUSION = 0.5  # darkening of points one diameter deeper than their surroundings
+_SHARPNESS = 5  # binary logarithm of the exponent of the gloss
+_BLUR = 6  # pixels to a radius when averaging the surroundings
 
 
 @dataclass(frozen=True, eq=False)
 class Camera:
-    """A viewer infinitely far away.
+    """Orthographic camera.
 
     Attributes
     ----------
@@ -41,12 +41,12 @@ class Camera:
 
     @classmethod
     def looking(cls, azimuth: float, elevation: float, vertical: NDArray[np.float64]) -> Camera:
-        """A viewer at an azimuth about the vertical and an elevation above the horizon, degrees.
+        """Make a camera at an azimuth about the vertical and an elevation above the horizon, degrees.
 
         Parameters
         ----------
         vertical
-            Unit vector that points upwards in the picture: (3,), along +z or -z.
+            Unit vector upwards in the picture: (3,), along +z or -z.
         """
         turn, rise = math.radians(azimuth), math.radians(elevation)
         level = np.array([math.cos(turn), math.sin(turn), 0.0])
@@ -55,7 +55,7 @@ class Camera:
         return cls(right, np.cross(towards, right), towards)
 
     def project(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Points as (right, up, towards the viewer): (n, 3), m."""
+        """Return the coordinates (right, up, towards the viewer) of points: (n, 3), m."""
         return points @ np.stack([self.right, self.up, self.towards], axis=1)
 
 
@@ -90,13 +90,15 @@ def render(
     Parameters
     ----------
     centres
-        (n_spheres, 3), m.
+        Centres of the spheres: (n_spheres, 3), m.
     radius
-        Of all of them, or of each: (n_spheres,), m.
+        Common radius, or that of each sphere: (n_spheres,), m.
     colours
         Red, green, blue from 0 to 1: (n_spheres, 3).
+    camera
+        Camera.
     width
-        Of the picture, pixels.
+        Width of the picture, pixels.
     """
     seen = camera.project(centres)
     radii = np.broadcast_to(np.asarray(radius, dtype=float), len(seen))
@@ -124,10 +126,10 @@ def _front(
     high: NDArray[np.float64],
     pitch: float,
 ) -> NDArray[np.int32]:
-    """Row of the sphere that each pixel shows, -1 for none: (n_rows, n_columns), from the bottom up."""
+    """Return the row of the sphere that each pixel shows, -1 for none: (n_rows, n_columns), from the bottom up."""
     shape = tuple(math.ceil(extent) + 1 for extent in (high[::-1] - low[::-1]) / pitch)
     order = np.argsort(seen[:, 2], kind="stable").astype(np.int32)  # the farthest first
-    place = (seen[order, :2] - low) / pitch - 0.5  # in pixels; whole numbers are middles of pixels
+    place = (seen[order, :2] - low) / pitch - 0.5  # in pixels; integers are centres of pixels
     reach = radius[order] / pitch
     front = np.full(shape, -1, dtype=np.int32)
     if len(order) < 4 * np.median(reach) ** 2:
@@ -139,7 +141,7 @@ def _front(
 
 
 def _paint_by_sphere(front: NDArray[np.int32], place: NDArray[np.float64], reach: NDArray[np.float64]) -> None:
-    """Write the number of each sphere into its pixels, sphere by sphere: quick for few large ones."""
+    """Write the number of each sphere into its pixels, sphere by sphere: fast for few large ones."""
     corner = np.maximum(np.floor(place - reach[:, None]).astype(int), 0)
     beyond = np.ceil(place + reach[:, None]).astype(int) + 1
     for n, (left, bottom) in enumerate(corner):
@@ -150,7 +152,7 @@ def _paint_by_sphere(front: NDArray[np.int32], place: NDArray[np.float64], reach
 
 
 def _paint_by_pixel(front: NDArray[np.int32], place: NDArray[np.float64], reach: NDArray[np.float64]) -> None:
-    """The same, one pixel of all spheres at a time: quick for many small ones."""
+    """Do the same for one pixel of all spheres at a time: fast for many small ones."""
     flat = front.ravel()
     base = np.floor(place).astype(np.int64)
     part = (place - base).astype(np.float32)
@@ -171,7 +173,7 @@ def _shade(
     low: NDArray[np.float64],
     pitch: float,
 ) -> NDArray[np.float32]:
-    """Colours of the pixels, premultiplied by alpha: (n_rows, n_columns, 4)."""
+    """Return the colours of the pixels, premultiplied by alpha: (n_rows, n_columns, 4)."""
     rows, columns = np.nonzero(front >= 0)
     sphere = front[rows, columns]
     own = radius[sphere]
@@ -202,7 +204,7 @@ def _shade(
 def _surroundings(
     depth: NDArray[np.float32], reach: float, rows: NDArray[np.int64], columns: NDArray[np.int64]
 ) -> NDArray[np.float32]:
-    """Mean depth within about a radius of some pixels; the coarser the larger the spheres are."""
+    """Return the mean depth within about a radius around pixels, at a coarser resolution for larger spheres."""
     step = max(1, int(reach / _BLUR))
     blurred = gaussian_filter(depth[::step, ::step], reach / step)
     if step == 1:

@@ -1,4 +1,4 @@
-"""How figures look, and how they are saved: PNG and PDF with the data beside them as CSV."""
+"""Style of figures, and saving as PNG and PDF with the data as CSV."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ from granwave.lammps_inputs.run_directory import FIGURE_SUFFIXES, FIGURES_DIRECT
 
 logger = logging.getLogger(__name__)
 
-WIDTH = 3.4  # inches: one column of a journal
+WIDTH = 3.4  # inches, one column of a journal
 RESOLUTION = 300  # dots per inch
-_MAKER = "granwave"  # noted in pictures
-_OWN = {".png": rb"tEXtSoftware\x00granwave", ".pdf": rb"/Creator \(granwave\)"}  # where it is noted
+_MAKER = "granwave"  # program name in the metadata of pictures
+_OWN = {".png": rb"tEXtSoftware\x00granwave", ".pdf": rb"/Creator \(granwave\)"}  # its form in the files
 
-# Okabe and Ito's colours, which stay apart for colour-blind readers
+# Okabe and Ito's colours, which colour-blind readers can distinguish
 BLUE, ORANGE, GREEN, PURPLE, SKY, GREY = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#767676"
-YELLOW = "#F0C000"  # for areas; as a line it is too pale
+YELLOW = "#F0C000"  # for areas, too pale for lines
 FORCE_MAP = "viridis"
 DISSIPATION_MAP = "inferno"
 DENT_MAP = "cividis"
@@ -74,14 +74,14 @@ Columns = Mapping[str, ArrayLike]
 
 @dataclass(frozen=True, eq=False)
 class Drawing:
-    """A figure and the numbers it shows.
+    """Figure with its data.
 
     Attributes
     ----------
     figure
-        The figure.
+        Figure of matplotlib.
     columns
-        Its data: arrays by name, the unit at the end of the name; shorter ones are padded with nothing.
+        Data: arrays by name, with the unit at the end of the name; shorter ones are padded with blanks.
     """
 
     figure: Figure
@@ -90,20 +90,20 @@ class Drawing:
 
 @contextmanager
 def style() -> Iterator[None]:
-    """Within it figures look as `STYLE` says; other programs' settings are left alone."""
+    """Apply `STYLE` within a ``with`` block, without changing global settings."""
     with mpl.rc_context(STYLE):
         yield
 
 
 def new_figure(height: float, width: float = WIDTH) -> Figure:
-    """An empty figure that fits its parts together, sizes in inches."""
+    """Make an empty figure with constrained layout; sizes in inches."""
     figure = Figure(figsize=(width, height), layout="constrained")
     FigureCanvasAgg(figure)
     return figure
 
 
 def legend_above(axes: Axes, ncols: int, **options: Any) -> None:
-    """A legend that lies on no curve."""
+    """Put the legend above the axes."""
     place: dict[str, Any] = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "columnspacing": 1.0}
     axes.legend(ncols=ncols, **(place | options))
 
@@ -114,15 +114,15 @@ def save(drawing: Drawing, path: Path, *, pdf: bool = True) -> None:
     Parameters
     ----------
     path
-        Without a suffix; its directory must exist. What is there by the three names is replaced.
+        Path without a suffix; its directory must exist. Existing files are replaced.
     pdf
-        False: without a PDF, which takes two thirds of the time.
+        False to omit the PDF, which takes two thirds of the time.
     """
     png, other, data = (path.with_name(path.name + suffix) for suffix in FIGURE_SUFFIXES)
     with replacing(png) as scratch:
         drawing.figure.savefig(scratch, format="png", metadata={"Software": _MAKER})
     if pdf:
-        drawing.figure.set_layout_engine("none")  # the parts have their places now
+        drawing.figure.set_layout_engine("none")  # the layout was computed for the PNG
         with replacing(other) as scratch:
             drawing.figure.savefig(scratch, format="pdf", metadata={"CreationDate": None, "Creator": _MAKER})
     with replacing(data) as scratch:
@@ -130,12 +130,12 @@ def save(drawing: Drawing, path: Path, *, pdf: bool = True) -> None:
 
 
 def save_as(path: Path, columns: Columns, draw: Callable[[], Drawing]) -> None:
-    """Save a table (.csv), or a figure and its table (.png or .pdf; both are written), by a name of the user's choice.
+    """Save a table (.csv), or a figure with its table (.png or .pdf; both are written), under a name given by the user.
 
     Raises
     ------
     InputError
-        A file of such a name is there, and granwave did not write it.
+        A file of such a name exists, and granwave did not write it.
     """
     files = [path] if path.suffix == ".csv" else [path.with_suffix(suffix) for suffix in FIGURE_SUFFIXES]
     own = {**_OWN, ".csv": rb"\A" + re.escape(",".join(columns).encode()) + rb"\n"}
@@ -150,17 +150,17 @@ def save_as(path: Path, columns: Columns, draw: Callable[[], Drawing]) -> None:
 
 
 class FigureFolder:
-    """The folder ``figures`` of a directory of results, where files of other people may be too.
+    """Folder ``figures`` of a directory of results, which may also hold other files.
 
     Parameters
     ----------
     directory
-        Of the results; the folder is made with the first figure.
+        Directory of the results; the folder is created with the first figure.
 
     Attributes
     ----------
     written
-        The PNG files that were saved.
+        Paths of the PNG files that were saved.
     """
 
     def __init__(self, directory: str | Path) -> None:
@@ -168,9 +168,9 @@ class FigureFolder:
         self.written: list[Path] = []
 
     def save(self, drawing: Drawing | None, name: str, *, pdf: bool = True) -> None:
-        """Save a drawing as `save` does, remove that of before where there is none now.
+        """Save a drawing as `save` does; if it is None, remove the earlier one of this name.
 
-        Where somebody else's file has the name, warn and leave it.
+        If granwave did not write an existing file of this name, warn and do not save.
         """
         if drawing is None:
             self.remove(name)
@@ -189,11 +189,11 @@ class FigureFolder:
         self.written.append(self.directory / png)
 
     def remove(self, *names: str) -> None:
-        """Remove figures that were saved before."""
+        """Remove earlier figures."""
         clear(self.directory, [file for name in names for file in figure_files(name)])
 
     def names(self) -> list[str]:
-        """Names of the figures that were saved before."""
+        """Return the names of the figures in the folder."""
         marker = read_marker(self.directory)
         files = [PurePosixPath(name) for name in (marker.files if marker else ())]
         return [path.stem for path in files if str(path.parent) == FIGURES_DIRECTORY and path.suffix == ".png"]

@@ -1,4 +1,4 @@
-"""Figures of the protected target, with and without the packing."""
+"""Figure of the protected target, with and without the packing."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ import numpy as np
 
 from granwave.analysis.figures.histories import thinned, time_axis
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, Drawing, legend_above, new_figure
-from granwave.analysis.measures.bare_target import unprotected
-from granwave.analysis.measures.target import reached
+from granwave.analysis.measures.target.bare_target import unprotected
+from granwave.analysis.measures.target.record import reached
 from granwave.analysis.result.reader import Result
 
 _MICRO, _MILLI = 1e6, 1e3
 
 
 def target(result: Result) -> Drawing | None:
-    """Force, impulse and energy that reach the bottom against time, and the force there without the packing."""
+    """Draw force, impulse and work on the bottom against time, and the force without the packing."""
     found = reached(result)
     if found is None or not np.any(found.force):
         return None

@@ -1,4 +1,4 @@
-"""Figure of the size of a plastic zone: how much of the energy dissipated by yielding lies farther out."""
+"""Figure of the size of a plastic zone: share of the dissipation by yielding beyond a distance."""
 
 from __future__ import annotations
 
@@ -7,19 +7,19 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing, legend_above, new_figure
-from granwave.analysis.measures.zone_of_packing import packing_zone
-from granwave.analysis.measures.zone_size import BOTTOM, SIDES, Array, extent_holding
+from granwave.analysis.measures.zone.packing import packing_zone
+from granwave.analysis.measures.zone.size import BOTTOM, SIDES, Array, extent_holding
 from granwave.analysis.quantities import SHARES
 from granwave.analysis.result.reader import Result
 
-_LEAST = 1e-5  # of the energy: what the figure shows
-_NOTHING = 1e-12  # of the energy: what is left by rounding
+_LEAST = 1e-5  # smallest share of the energy in the figure
+_NOTHING = 1e-12  # share of the energy that is due to rounding
 _STYLES = {"depth": (BLUE, "-", "o", BOTTOM, 0.97), "radius": (ORANGE, "--", "s", SIDES, 0.6)}  # height of a label last
-_SAME = 1e-9  # relative, of distances that are equal but for rounding
+_SAME = 1e-9  # relative difference of distances that are equal up to rounding
 
 
 def plastic_zone_size(result: Result) -> Drawing | None:
-    """Share of the energy dissipated by yielding beyond a depth and beyond a radius, with the sizes of the zone."""
+    """Draw the shares of the dissipation by yielding beyond a depth and a radius, with the sizes of the zone."""
     if not result.yields:
         return None
     zone = packing_zone(result)
@@ -35,18 +35,20 @@ def plastic_zone_size(result: Result) -> Drawing | None:
 def draw_zone_size(
     energy: Array, distances: Mapping[str, Array], diameter: float, unit: str, bounds: Mapping[str, float]
 ) -> Drawing | None:
-    """Share of an energy farther out, on a logarithmic axis; None where there is none.
+    """Draw the share of an energy beyond a distance, on a logarithmic axis; None without energy.
 
     Parameters
     ----------
     energy
-        Of the parts: (n,), J.
+        Energies of the parts: (n,), J.
     distances
         ``depth`` and ``radius`` of the parts, as far as they apply: (n,), m.
     diameter
-        Unit of the axis, m, of the name ``unit``.
+        Unit of the axis, m.
+    unit
+        Symbol of this unit.
     bounds
-        Distance of the bounds that the zone reaches, m.
+        Distances of the boundaries that the zone reaches, by name, m.
     """
     if not distances or not np.any(energy > 0):
         return None
@@ -89,7 +91,7 @@ def _outside(distance: Array, energy: Array) -> tuple[Array, Array]:
     """Return distances, rising from 0, and the share of the energy that lies beyond each."""
     order = np.argsort(distance, kind="stable")
     place, held = distance[order], np.cumsum(energy[order])
-    last = np.append(np.diff(place) > _SAME * place[-1], True)  # of the parts at one distance
+    last = np.append(np.diff(place) > _SAME * place[-1], True)  # last of the parts at the same distance
     place, beyond = place[last], 1 - held[last] / held[-1]
     if place[0] > 0:
         place, beyond = np.insert(place, 0, 0.0), np.insert(beyond, 0, 1.0)

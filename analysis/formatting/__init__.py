@@ -1,1 +1,1 @@
-"""Numbers, units and values of a case, as people read them."""
+"""Formatting of numbers, units and values of a case for readers."""

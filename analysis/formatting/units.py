@@ -1,4 +1,4 @@
-"""Units of the keys of cases, of whatever kind."""
+"""Units of the keys of all kinds of cases."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from granwave.lammps_inputs.case.case import unit_of as granular_unit_of
 from granwave.lammps_inputs.case.supports import HalfSpace, Plate, SupportBar
 
-# of continuum cases, which only their solver reads; a test holds these against it
+# Keys of continuum cases, whose schema belongs to their solver; a test compares both.
 CONTINUUM_UNITS = {
     "block.diameter": "m",
     "block.height": "m",
@@ -24,7 +24,7 @@ _SUPPORTS: dict[str, type] = {"plate": Plate, "half_space": HalfSpace, "bar": Su
 
 
 def unit_of(key: str) -> str:
-    """Unit of a dotted key, such as ``load.velocity`` or ``punch.mass``; empty where it has none."""
+    """Return the unit of a dotted key, such as ``load.velocity`` or ``punch.mass``; empty if it has none."""
     if key.startswith(_BOTTOM):
         return _unit_in(_SUPPORTS, key.removeprefix(_BOTTOM)) or granular_unit_of(key)
     return granular_unit_of(key) or CONTINUUM_UNITS.get(key, "")

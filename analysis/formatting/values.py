@@ -1,6 +1,6 @@
-"""Values of a case that are tables, in words, for tables of results and legends: ``plate mass=5 stiffness=5e9, steel``.
+"""Labels of values of a case that are tables, for results and legends: ``plate mass=5 stiffness=5e9, steel``.
 
-A label of a scan may hold such a value as JSON; that of a point whose case lacks the key is empty text.
+The label of a scan's point may hold such a value as JSON; it is empty if the case of the point lacks the key.
 """
 
 from __future__ import annotations
@@ -12,15 +12,15 @@ from typing import Any
 from granwave.analysis.formatting.numbers import plain
 
 NONE = "none"
-_NAMES = ("preset", "name")  # either says which material a table is
+_NAMES = ("preset", "name")  # keys that identify a material
 
 
 def as_label(value: Any) -> str:
-    """A value of a case, or the label of a scan's point that stands for one."""
+    """Return the label of a value of a case, or of the JSON text of such a value."""
     if isinstance(value, str):
         value = _parsed(value)
     if isinstance(value, Mapping):
-        parts = value if set(value) != {"material"} else {"wall": {}, **value}  # the only table that may say no more
+        parts = value if set(value) != {"material"} else {"wall": {}, **value}  # a table with a material only is a wall
         return _material(value) or ", ".join(_part(name, part) for name, part in parts.items()) or NONE
     if isinstance(value, list | tuple) and any(isinstance(part, Mapping) for part in value):
         return "; ".join(map(as_label, value))
@@ -28,22 +28,22 @@ def as_label(value: Any) -> str:
 
 
 def unique_labels(values: Sequence[Any]) -> list[str]:
-    """Words for each; values that differ have different words, though only a table's main points are in them."""
-    words: dict[str, str] = {}
+    """Return a label for each value; different values get different labels, by a number if necessary."""
+    labels: dict[str, str] = {}
     keys = [json.dumps(value, sort_keys=True, default=str) for value in values]
     for key, value in zip(keys, values, strict=True):
-        if key not in words:
+        if key not in labels:
             text = shown = as_label(value)
             number = 1
-            while shown in words.values():
+            while shown in labels.values():
                 number += 1
                 shown = f"{text} ({number})"
-            words[key] = shown
-    return [words[key] for key in keys]
+            labels[key] = shown
+    return [labels[key] for key in keys]
 
 
 def _parsed(label: str) -> Any:
-    """The table or tables that a label holds; any other label as it is."""
+    """Parse a label that holds a table or tables as JSON; return others unchanged."""
     if not label.startswith(("{", "[{")):
         return label
     try:
@@ -60,7 +60,7 @@ def _part(name: str, value: Any) -> str:
 
 
 def _material(table: Mapping[str, Any]) -> str:
-    """A material by its name, with what is changed of a preset; empty for a table of something else."""
+    """Return the label of a material: its name and the changes of a preset; empty for other tables."""
     name = next((str(table[key]) for key in _NAMES if table.get(key)), "")
     changed = {key: part for key, part in table.items() if key not in _NAMES} if "preset" in table else {}
     return " ".join([name, *(_part(key, part) for key, part in changed.items())]) if name else ""

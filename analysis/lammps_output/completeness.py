@@ -1,4 +1,4 @@
-"""Check that the files of a run are whole: what was cut or lost afterwards would silently give wrong results."""
+"""Check that a run's output is complete; truncated files would silently give wrong results."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def check_complete(directory: Path) -> None:
     deck, dumps = read_deck(directory), directory / DUMPS
     case, every = deck.case, deck.schedule.ledger_every
     last = int(read_energy(directory)["step"][-1])
-    recorded = read_record(directory).get("n_steps")  # none of a deck that was run by hand
+    recorded = read_record(directory).get("n_steps")  # None for a deck that was run by hand
     if recorded is not None and last < recorded - every:
         raise OutputFormatError(f"{dumps / ENERGY_FILE} ends at step {last}, the run at step {recorded}: {CUT}")
     found = walls(case)
@@ -51,7 +51,7 @@ def check_complete(directory: Path) -> None:
 
 
 def _check_series(path: Path, table: Table, columns: list[str], last: int, every: int) -> None:
-    """A table is there, has these columns, and ends with the ledger."""
+    """Check that a table exists, has these columns, and ends with the ledger."""
     if not table:
         raise MissingOutputError(f"{path} is missing; {AGAIN}")
     if missing := [name for name in columns if name not in table]:
@@ -61,6 +61,6 @@ def _check_series(path: Path, table: Table, columns: list[str], last: int, every
 
 
 def _probe_columns(case: Case) -> list[str]:
-    """One column of each probe."""
+    """Return the name of one column of each probe."""
     contacts = ["contact_{}_{}_force".format(*probe.contact) for probe in case.probes if probe.contact is not None]
     return contacts + [f"sphere_{probe.sphere}_ux" for probe in case.probes if probe.contact is None]

@@ -1,7 +1,7 @@
-"""Readers of what LAMMPS dumps: snapshots of the spheres, contacts, wall contacts, and the data file.
+"""Readers of the dumps of LAMMPS: snapshots of spheres, contacts, wall contacts; and of the data file.
 
-All values are float64: overlaps are micrometres in a packing of a metre, which single precision loses.
-Snapshots are read one at a time.
+All values are float64: overlaps of micrometres in a packing of a metre exceed single precision. Snapshots are read one
+at a time.
 """
 
 from __future__ import annotations
@@ -31,10 +31,10 @@ from granwave.lammps_inputs.run_directory import (
     WALL_CONTACTS_FILE,
 )
 
-# What the readers cannot do without; runs have more or fewer of the others, see `Frame.get`.
+# Columns that the readers require; others are optional, see `Frame.get`.
 SPHERE_COLUMNS = tuple(
     name for name in columns.names(columns.SNAPSHOT) if name != "elastic"
-)  # of runs before it came in
+)  # which early versions did not write
 CONTACT_COLUMNS = columns.names(columns.CONTACTS)
 WALL_COLUMNS = columns.names(columns.WALL_CONTACTS)
 HISTORY_COLUMNS = columns.names(columns.HISTORY)
@@ -55,9 +55,9 @@ class Frame:
     box
         Lower and upper bound along x, y, z: (3, 2), m.
     columns
-        What the columns are called.
+        Names of the columns.
     values
-        The rows: (n_rows, n_columns).
+        Rows: (n_rows, n_columns).
     """
 
     step: int
@@ -69,24 +69,24 @@ class Frame:
         return len(self.values)
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
-        """One column: (n_rows,)."""
+        """Return one column: (n_rows,)."""
         return self.values[:, self.columns.index(name)]
 
     def get(self, name: str) -> NDArray[np.float64]:
-        """One column, zeros in a run that did not record it: (n_rows,)."""
+        """Return one column, or zeros if it was not recorded: (n_rows,)."""
         return self[name] if name in self.columns else np.zeros(len(self))
 
     def rows(self, ids: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Rows of the spheres with these ids, of a frame sorted by id; raises as `rows_of`."""
+        """Return the rows of the spheres with these ids in a frame sorted by id; raise as `rows_of`."""
         return rows_of(self["id"].astype(np.int64), ids)
 
     def up_to(self, number: int) -> Frame:
-        """The rows of ids up to ``number``, of a frame sorted by id."""
+        """Return the rows with ids up to ``number`` of a frame sorted by id."""
         n = int(np.searchsorted(self["id"], number, side="right"))
         return self if n == len(self) else Frame(self.step, self.box, self.columns, self.values[:n])
 
     def vector(self, *names: str) -> NDArray[np.float64]:
-        """Several columns side by side: (n_rows, len(names))."""
+        """Return several columns: (n_rows, len(names))."""
         return self.values[:, [self.columns.index(name) for name in names]]
 
     @property
@@ -101,19 +101,19 @@ class Frame:
 
 
 def rows_of(ids: NDArray[np.int64], wanted: ArrayLike) -> NDArray[np.int64]:
-    """Where some spheres stand in a table by id: id - 1 unless spheres are missing.
+    """Return the rows of spheres in a table sorted by id: id - 1 unless spheres are missing.
 
     Parameters
     ----------
     ids
-        Of the table, rising: (n,).
+        Ids in the table, rising: (n,).
     wanted
-        Ids, of any shape.
+        Ids of the spheres, of any shape.
 
     Raises
     ------
     KeyError
-        There is no such sphere, such as one that was left out of the packing.
+        There is no such sphere, for instance at a vacancy.
     """
     wanted = np.asarray(wanted, dtype=np.int64)
     if not len(ids) or ids[-1] == len(ids):  # none is missing
@@ -127,54 +127,54 @@ def rows_of(ids: NDArray[np.int64], wanted: ArrayLike) -> NDArray[np.int64]:
 
 
 def read_frames(directory: str | Path, *, partial: bool = True) -> Iterator[Frame]:
-    """Snapshots of ``dumps/spheres.dump`` in turn, `SPHERE_COLUMNS`, rows sorted by id.
+    """Iterate over the snapshots of ``dumps/spheres.dump``, `SPHERE_COLUMNS`, rows sorted by id.
 
-    Of a step written twice (a resumed run) the first counts.
+    If a step was written twice (resumed run), the first is used.
 
     Parameters
     ----------
     partial
-        Leave a last snapshot that was cut short, as by a killed run, out with a warning; else it is an error.
+        True to skip a truncated last snapshot, of a killed run for instance, with a warning; else it is an error.
 
     Raises
     ------
     MissingOutputError
         There is no such file.
     OutputFormatError
-        It lacks a column, a snapshot is damaged, or it holds no complete one.
+        The file lacks a column, a snapshot is damaged, or none is complete.
     """
     yield from _rising(_frames(_dump(directory, FRAMES_FILE), SPHERE_COLUMNS, sort_by="id", partial=partial))
 
 
 def read_history(directory: str | Path) -> Iterator[Frame]:
-    """Instants of ``dumps/history.dump`` in turn, `HISTORY_COLUMNS`, rows sorted by id; raises as `read_frames`."""
+    """Iterate over the instants of ``dumps/history.dump``, `HISTORY_COLUMNS`, sorted by id; raise as `read_frames`."""
     yield from _rising(_frames(_dump(directory, HISTORY_FILE), HISTORY_COLUMNS, sort_by="id"))
 
 
 def read_forces(directory: str | Path) -> Iterator[Frame]:
-    """Contacts at the same instants (``dumps/forces.dump``), columns i, j, force; raises as `read_frames`."""
+    """Iterate over the contacts at these instants (``dumps/forces.dump``: i, j, force); raise as `read_frames`."""
     yield from _rising(_frames(_dump(directory, FORCES_FILE), ("i", "j", "force")))
 
 
 def read_contacts(directory: str | Path) -> Frame:
-    """Contacts at the end of the run (``dumps/contacts.dump``), forgotten dents as rows of their own.
+    """Read the contacts at the end of the run (``dumps/contacts.dump``), with forgotten dents as separate rows.
 
-    Columns `CONTACT_COLUMNS`, and as far as recorded tangential_force, elastic_tangential, friction (loss) and initial
-    (dent before the run): overlaps in m, forces in N, energies in J, times in s (-1: never). Raises as
+    Columns `CONTACT_COLUMNS` and, as far as recorded, tangential_force, elastic_tangential, friction (dissipation) and
+    initial (initial dent): overlaps in m, forces in N, energies in J, times in s (-1: never). Raise as
     `read_frames`.
     """
     return _only_frame(_dump(directory, CONTACTS_FILE), CONTACT_COLUMNS)
 
 
 def read_wall_contacts(directory: str | Path) -> dict[str, Frame]:
-    """Contacts with each plane at the end of the run (``dumps/wall_NAME.dump``), by its name.
+    """Read the contacts with each plane at the end of the run (``dumps/wall_NAME.dump``), by its name.
 
-    Columns id, `WALL_COLUMNS`, and as far as recorded tangential_force, friction and initial.
+    Columns id, `WALL_COLUMNS` and, as far as recorded, tangential_force, friction and initial.
 
-    Empty when there is no plane.
+    The result is empty if there is no plane.
     """
     found: dict[str, list[Frame]] = {}
-    for path in _wall_dumps(Path(directory)):  # wall_NAME, and wall_NAME_2 of further materials
+    for path in _wall_dumps(Path(directory)):  # wall_NAME, and wall_NAME_2 for further materials
         found.setdefault(path.stem.split("_")[1], []).append(_only_frame(path, ("id", *WALL_COLUMNS), sort_by="id"))
     return {
         name: _sorted(dataclasses.replace(parts[0], values=np.concatenate([part.values for part in parts])), "id")
@@ -183,13 +183,13 @@ def read_wall_contacts(directory: str | Path) -> dict[str, Frame]:
 
 
 def _wall_dumps(directory: Path) -> list[Path]:
-    """Dumps of walls; where the deck says which there are, no others."""
+    """Return the paths of the dumps of walls; only those of the deck, if it lists them."""
     paths, own = sorted((directory / DUMPS).glob(WALL_CONTACTS_FILE.format("*"))), output_names(directory)
     return [path for path in paths if not own or f"{DUMPS}/{path.name}" in own]
 
 
 def check_ids(path: Path, frame: Frame, everything: Frame) -> None:
-    """Raise OutputFormatError where a snapshot of a dump names a particle that ``everything`` of `read_data` lacks."""
+    """Raise OutputFormatError if a dump names a particle that is not in ``everything``, read by `read_data`."""
     for column in [name for name in ("i", "j", "id") if name in frame.columns]:
         strange = np.setdiff1d(frame[column], everything["id"])
         if len(strange):
@@ -200,16 +200,16 @@ def check_ids(path: Path, frame: Frame, everything: Frame) -> None:
 
 
 def read_data(directory: str | Path) -> Frame:
-    """The particles at the start (``data.granwave``), `DATA_COLUMNS` in m and kg/m^3, rows sorted by id.
+    """Read the particles at the start (``data.granwave``), `DATA_COLUMNS` in m and kg/m^3, rows sorted by id.
 
-    The nodes of bars come last: their diameter is 0, and their density is their mass in kg.
+    The nodes of bars come last; they have diameter 0 and their mass in kg as density.
 
     Raises
     ------
     MissingOutputError
         There is no such file.
     OutputFormatError
-        It does not hold the spheres it announces, or is damaged.
+        The file holds fewer spheres than its header says, or is damaged.
     """
     path = Path(directory) / DATA_FILE
     if not path.exists():
@@ -245,7 +245,7 @@ def read_data(directory: str | Path) -> Frame:
 
 
 def _rising(frames: Iterator[Frame]) -> Iterator[Frame]:
-    """Each step once: of one that is there twice (a resumed run) the first counts."""
+    """Skip repeated steps of resumed runs; the first is used."""
     last_step = -1
     for frame in frames:
         if frame.step > last_step:
@@ -271,7 +271,7 @@ def _only_frame(path: Path, required: tuple[str, ...], sort_by: str | None = Non
 def _frames(
     path: Path, required: tuple[str, ...], sort_by: str | None = None, *, partial: bool = False
 ) -> Iterator[Frame]:
-    """The snapshots of a dump; with ``partial`` a last one that was cut short is left out with a warning."""
+    """Iterate over the snapshots of a dump; with ``partial`` a truncated last one is skipped with a warning."""
     number = 0
     with _Lines(path) as lines:
         try:
@@ -292,35 +292,35 @@ def _frames(
 
 
 class _Lines:
-    """The lines of a text file, counted for messages."""
+    """Lines of a text file, counted for messages."""
 
     def __init__(self, path: Path) -> None:
         self.path, self.n_read = path, 0
 
     def __enter__(self) -> _Lines:
-        self._file = open(self.path, encoding="ascii", errors="replace")  # what is no text is refused with its line
+        self._file = open(self.path, encoding="ascii", errors="replace")  # other bytes give an error with their line
         return self
 
     def __exit__(self, *_: object) -> None:
         self._file.close()
 
     def take(self, n: int) -> list[str]:
-        """The next n lines, or what is left of them."""
+        """Return the next n lines, or those that are left."""
         found = list(itertools.islice(self._file, n))
         self.n_read += len(found)
         return found
 
     def place(self, back: int = 0) -> str:
-        """The file and its last line that was read, or one before it."""
+        """Return the file and the number of the last line read, or of one ``back`` lines before it."""
         return f"{self.path}: line {self.n_read - back}"
 
 
 class _CutShortError(Exception):
-    """A snapshot ends with the file, before its last row."""
+    """Error of a snapshot that ends before its last row."""
 
 
 def _next_frame(lines: _Lines, number: int) -> Frame | None:
-    """The snapshot that begins at the present place of the file; None at its end."""
+    """Read the next snapshot; None at the end of the file."""
     header = _header(lines, number)
     if header is None:
         return None
@@ -335,7 +335,7 @@ def _next_frame(lines: _Lines, number: int) -> Frame | None:
 
 
 def _header(lines: _Lines, number: int) -> dict[str, list[str]] | None:
-    """Read the lines below each title of a snapshot, and that of its rows as ``columns``; None at the file's end."""
+    """Read the header of a snapshot: lines by title, and that of its rows as ``columns``; None at the file's end."""
     header: dict[str, list[str]] = {}
     while titles := lines.take(1):
         title = titles[0]

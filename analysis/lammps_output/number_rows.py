@@ -1,4 +1,4 @@
-"""Rows of numbers in the text files of a run: what is no number is refused, with its file, line and column."""
+"""Reader of rows of numbers in text files, with errors that name file, line and column."""
 
 from __future__ import annotations
 
@@ -14,30 +14,30 @@ from granwave.analysis.errors import OutputFormatError
 AGAIN = "run the case again with --force"
 DAMAGED = f"the file is damaged, {AGAIN}"
 CUT = f"the file was cut, {AGAIN}"
-_WHOLE = ("step", "id", "type", "i", "j")  # columns of counts and names
+_WHOLE = ("step", "id", "type", "i", "j")  # columns of integers
 
 
 def read_rows(rows: Sequence[str], columns: Sequence[str], place: Callable[[int], str]) -> NDArray[np.float64]:
-    """Finite numbers in rows of text.
+    """Read finite numbers from rows of text.
 
     Parameters
     ----------
     rows
         Lines of the file.
     columns
-        Their names.
+        Names of the columns.
     place
-        The file and line of a row, counted from 0, for the message.
+        Function that returns file and line of a row, counted from 0, for messages.
 
     Returns
     -------
     ndarray
-        (n_rows, n_columns).
+        Values, (n_rows, n_columns).
 
     Raises
     ------
     OutputFormatError
-        A row has more or fewer values, or one is no finite number; or an id or a step is not whole.
+        A row has more or fewer values, a value is not a finite number, or an id or a step is not an integer.
     """
     shape = len(rows), len(columns)
     values = _parsed(rows)
@@ -53,7 +53,7 @@ def read_rows(rows: Sequence[str], columns: Sequence[str], place: Callable[[int]
 
 
 def whole_number(text: str, name: str, place: str) -> int:
-    """A count in a header, at least 0; raises as `read_rows`."""
+    """Read a count in a header, at least 0; raise as `read_rows`."""
     try:
         value = int(text)
     except ValueError:
@@ -64,20 +64,20 @@ def whole_number(text: str, name: str, place: str) -> int:
 
 
 def _parsed(rows: Sequence[str]) -> NDArray[np.float64] | None:
-    """All numbers of the text in a row; None, or those up to there, where something else is among them."""
+    """Read all numbers at once; None, or the numbers up to the first fault, if there is any."""
     text = " ".join(rows)
     if not text.strip():
-        return np.empty(0)  # of nothing at all numpy makes one number
+        return np.empty(0)  # numpy would return one number for empty text
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", DeprecationWarning)  # older numpy, of text that is no number
-            return np.fromstring(text, dtype=float, sep=" ")  # the fastest reader of text that numpy has
+            warnings.simplefilter("ignore", DeprecationWarning)  # of older numpy, for text that is not a number
+            return np.fromstring(text, dtype=float, sep=" ")  # numpy's fastest parser
     except ValueError:
         return None
 
 
 def _fault(words: Sequence[str], columns: Sequence[str]) -> str:
-    """Why the words of a row are not these columns; empty where they are."""
+    """Describe the fault in the values of a row; empty if there is none."""
     if len(words) != len(columns):
         return f"found {len(words)} values, expected {len(columns)} ({' '.join(columns)})"
     for word, name in zip(words, columns, strict=True):

@@ -1,4 +1,4 @@
-"""The driver's record of a run, ``run.json``."""
+"""Reader of the driver's record of a run, ``run.json``."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from granwave.analysis.lammps_output.number_rows import AGAIN
 from granwave.lammps_inputs.files import read_json
 from granwave.lammps_inputs.run_directory import RECORD_FILE
 
-_RECORDED = {"n_steps": int, "wall_time_s": int | float, "versions": dict}  # what is taken from run.json
+_RECORDED = {"n_steps": int, "wall_time_s": int | float, "versions": dict}  # values that are used, with their types
 
 
 def read_record(directory: str | Path) -> dict[str, Any]:
-    """Read the driver's record of the run (``run.json``); empty when there is nothing.
+    """Read the driver's record of the run (``run.json``); empty if there is none.
 
     Raises
     ------
     OutputFormatError
-        It is damaged.
+        The file is damaged.
     """
     path = Path(directory) / RECORD_FILE
     if not path.exists():

@@ -1,8 +1,8 @@
-"""Tables in time that a run writes: the energy ledger, wall forces and probes.
+"""Readers of the time series of a run: energy ledger, wall forces and probes.
 
-``dumps/energy.txt``, ``dumps/walls.txt`` and ``dumps/probes.txt`` hold lines that begin with ``#``, of which
-the last names the columns, then a row of numbers an instant. A row cut short by a killed run is dropped; of
-an instant written twice (a resumed run) the later row counts.
+``dumps/energy.txt``, ``dumps/walls.txt`` and ``dumps/probes.txt`` begin with comments (``#``), the last of which names
+the columns, followed by a row of numbers for each instant. A last row that was cut is dropped; of rows of the same
+instant (resumed run) the last one is used.
 """
 
 from __future__ import annotations
@@ -19,17 +19,17 @@ from granwave.lammps_inputs.run_directory import DUMPS, ENERGY_FILE, PROBES_FILE
 
 #: Columns of the energy ledger.
 ENERGY_COLUMNS = ("step", *columns.names(columns.LEDGER))
-#: Columns that the ledger of a run without friction may lack; they are 0 then.
+#: Columns that the ledger of a run without friction may lack; they are set to 0.
 FRICTION_COLUMNS = columns.names((*columns.ROTATION, *columns.TANGENTIAL))
 
 Table = dict[str, NDArray[np.float64]]
 
 
 def read_energy(directory: str | Path) -> Table:
-    """The energy ledger of a run, each column (n_instants,).
+    """Read the energy ledger of a run, each column (n_instants,).
 
-    `ENERGY_COLUMNS` and `FRICTION_COLUMNS`; with a bottom that moves ``support``, ``support_lost`` and ``target``, J
-    (energy in it, what its damper took, the work done on it); of chains the energy in each bar.
+    Columns `ENERGY_COLUMNS` and `FRICTION_COLUMNS`; with a moving bottom ``support``, ``support_lost`` and ``target``
+    (energy of the support, dissipation by its damper, work done on it), J; with bars the energy of each, J.
 
     Raises
     ------
@@ -50,24 +50,24 @@ def read_energy(directory: str | Path) -> Table:
 
 
 def read_static_stage(directory: str | Path) -> Table:
-    """Read the outcome of the static stage of a precompressed run, one row; empty when there was none.
+    """Read the record of the static stage of a precompressed run, one row; empty if there was none.
 
-    ``residual`` (largest net force over the largest force of a contact), ``largest_force`` N, ``contacts``,
+    Columns: ``residual`` (largest net force over the largest contact force), ``largest_force`` N, ``contacts``,
     ``yielded``, ``stored`` (elastic energy) J, ``displacement`` m, ``iterations``.
     """
     return _read_if_there(Path(directory) / DUMPS / STATIC_STAGE_FILE)
 
 
 def read_walls(directory: str | Path) -> Table:
-    """Normal force on each wall, N, positive outwards, by its name, beside ``step`` and ``time``.
+    """Read the normal forces on walls, N, positive outwards, by name of the wall, with ``step`` and ``time``.
 
-    Empty when the run has no wall.
+    The result is empty if the run has no wall.
     """
     return _read_if_there(Path(directory) / DUMPS / WALLS_FILE)
 
 
 def read_probes(directory: str | Path) -> Table:
-    """Read the records of the probes, beside ``step`` and ``time``; empty when there are none.
+    """Read the records of the probes, with ``step`` and ``time``; empty if there are none.
 
     Columns: ``sphere_ID_ux`` (uy, uz) displacement in m, ``_vx`` velocity in m/s, ``_fx`` force in N;
     ``contact_I_J_overlap`` in m and ``contact_I_J_force`` in N.
@@ -82,11 +82,11 @@ def _read_if_there(path: Path) -> Table:
 def _read(path: Path) -> Table:
     names: list[str] = []
     rows, lines = [], []
-    with open(path, encoding="ascii", errors="replace") as file:  # what is no text is refused with its line
+    with open(path, encoding="ascii", errors="replace") as file:  # other bytes give an error with their line
         for number, line in enumerate(file, start=1):
             if line.startswith("#"):
                 names = line[1:].split()
-            elif line.endswith("\n"):  # else it was cut short while being written
+            elif line.endswith("\n"):  # otherwise the last line was cut
                 rows.append(line)
                 lines.append(number)
     if not rows or not names:
@@ -101,7 +101,7 @@ def _read(path: Path) -> Table:
 
 
 def _check_steps(path: Path, steps: NDArray[np.float64]) -> None:
-    """Rows are equally far apart: a disk that was full for a while would leave none out unnoticed."""
+    """Check that rows are evenly spaced; a temporarily full disk could have left some out."""
     apart = np.diff(steps)
     if len(apart) and apart.max() > apart.min():
         n = int(apart.argmax())

@@ -4,19 +4,21 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import cache
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq, least_squares
 
-from granwave.analysis.measures.signals import Array, first_peak, width
+from granwave.analysis.measures.signals import Array, Power, first_peak, power, width
 from granwave.lammps_inputs.case.material import Material
 
 LENGTH = math.pi * math.sqrt(10) / 2  # diameters, of the solitary wave in the long-wave approximation: 4.97
 MEASURES = ("fit of acceleration", "fit of velocity", "half maximum of acceleration", "half maximum of velocity")
 _FINE = 4  # points between two snapshots
+_AT_WALL = 2  # spheres that feel the wall while the pulse passes
+_SETTLED = 0.02  # of a length
 _GONE = 1e-3  # of its peak: the incident wave has passed
 _BACK = 0.8  # part of the wave's way to the far end and back that is waited for
 _LARGEST = 3 * math.sqrt(3) / 16  # of cos^3 sin
@@ -39,6 +41,21 @@ class Peaks:
     velocity: Array
     time: Array
     speed: Array
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class ChainSpeeds:
+    """Peak velocity of the particles and speed of the wave in chains of one kind, m/s: (n_runs,) each."""
+
+    name: str
+    material: Material
+    velocity: Array
+    speed: Array
+
+    @property
+    def fit(self) -> Power:
+        """Speed against velocity."""
+        return power(self.velocity, self.speed)
 
 
 def peaks(time: Array, velocity: Array, diameter: float) -> Peaks:
@@ -101,6 +118,30 @@ def _durations(time: Array, velocity: CubicSpline, centre: float) -> tuple[float
         half_a,
         half_v,
     )
+
+
+def last_length(found: Mapping[str, Array]) -> int:
+    """The last sphere of a chain with a length of the pulse that no wall touches, from 0; 0: none."""
+    good = np.flatnonzero(np.isfinite(found[MEASURES[3]][:-_AT_WALL]))
+    return int(good[-1]) if len(good) else 0
+
+
+def settled_from(found: Mapping[str, Array]) -> int:
+    """Sphere, the struck one as 1, from which on the length of the pulse is as at `last_length` but for 2 %."""
+    last, half = last_length(found), found[MEASURES[3]]
+    off = np.flatnonzero(np.abs(half[1 : last + 1] / half[last] - 1) > _SETTLED)
+    return int(off[-1] + 3 if len(off) else 1)
+
+
+def speed_between(found: Peaks, first: int, second: int, diameter: float) -> tuple[float, float]:
+    """Mean of the largest velocities at two spheres of a chain, and the speed of the wave between them, m/s.
+
+    NaN where the wave did not pass from the first to the second; spheres count from the struck one as 1.
+    """
+    ends = [first - 1, second - 1]
+    if second > len(found.time) or not np.diff(found.time[ends])[0] > 0:
+        return np.nan, np.nan
+    return float(found.velocity[ends].mean()), float((second - first) * diameter / np.diff(found.time[ends])[0])
 
 
 @cache

@@ -1,1 +1,1 @@
-"""One page about any runs and scans: inputs -> `model` (sections, tables, figures) -> HTML, Markdown or PDF."""
+"""Reports on runs and scans: inputs -> `model` (sections, tables, figures) -> HTML, Markdown or PDF."""

@@ -38,21 +38,21 @@ Kind = Literal["run", "continuum"]
 
 @dataclasses.dataclass(frozen=True)
 class Run:
-    """A run with a summary: one that was given, or a point of a scan.
+    """A run with a summary, given directly or as a point of a scan.
 
     Attributes
     ----------
     label
-        What the report calls it.
+        Label in the report.
     kind
-        What computed it; the keys of its summary depend on that.
+        Kind of the run, on which the keys of its summary depend.
     status
-        done; or refused, when its energy balance was.
+        ``done``, or ``refused`` if the energy balance did not close.
     case
-        The resolved case by the keys of its tables, such as ``load.velocity``, without ``name`` and what was derived; a
-        value may be a table, as ``boundary.bottom``. Empty when there is none.
+        Resolved case by dotted key, such as ``load.velocity``, without ``name`` and derived values; a value may be a
+        table, such as ``boundary.bottom``. Empty if unknown.
     record
-        run.json; empty when there is none.
+        Content of run.json; empty if there is none.
     """
 
     label: str
@@ -64,13 +64,13 @@ class Run:
     record: Mapping[str, Any]
 
     def number(self, key: str) -> float | None:
-        """A value of the summary if it is a number."""
+        """Return a value of the summary if it is a number, else None."""
         value = self.summary.get(key)
         return value if isinstance(value, (int, float)) and not isinstance(value, bool) else None
 
     @cached_property
     def damaged(self) -> bool:
-        """There is a result.h5 of spheres that cannot be read; where it was removed, the summary alone is kept."""
+        """True if the result.h5 of a granular run is damaged; it may have been removed to keep only the summary."""
         if self.kind != "run":
             return False
         try:
@@ -83,14 +83,14 @@ class Run:
 
     @property
     def versions(self) -> dict[str, str]:
-        """Versions of the programs that made it, by name."""
+        """Versions of the programs that produced the run, by name."""
         found = self.summary.get("versions")
         return {str(name): str(value) for name, value in found.items()} if isinstance(found, dict) else {}
 
 
 @dataclasses.dataclass(frozen=True)
 class Point:
-    """A point of a scan; ``run`` is None unless it is done."""
+    """A point of a scan; ``run`` is None if it is not done, for which ``reason`` tells why."""
 
     result: PointResult
     reason: str
@@ -99,7 +99,7 @@ class Point:
 
 @dataclasses.dataclass(frozen=True)
 class Scan:
-    """A scan, its points in order, and the studies that its report makes of it."""
+    """A scan with its points in order, and the names of its studies."""
 
     label: str
     source: ScanResult
@@ -112,18 +112,18 @@ class Scan:
         return self.source.directory
 
     def count(self, status: str) -> int:
-        """How many points have a status."""
+        """Return the number of points with a status."""
         return sum(point.result.status == status for point in self.points)
 
 
 @dataclasses.dataclass(frozen=True)
 class Inputs:
-    """All that a report is about, in the order given.
+    """Inputs of a report.
 
     Attributes
     ----------
     base
-        Directory of the report, which paths are shown from.
+        Directory of the report, to which paths in it are relative.
     """
 
     items: tuple[Run | Scan, ...]
@@ -131,16 +131,16 @@ class Inputs:
 
     @property
     def runs(self) -> tuple[Run, ...]:
-        """Runs that were given by themselves."""
+        """Runs that were given directly."""
         return tuple(item for item in self.items if isinstance(item, Run))
 
     @property
     def scans(self) -> tuple[Scan, ...]:
-        """Scans."""
+        """Scans that were given."""
         return tuple(item for item in self.items if isinstance(item, Scan))
 
     def results(self) -> Iterator[Run]:
-        """All runs, finished points of scans included; points that share a run give it once."""
+        """Iterate over all runs, including finished points of scans; a run that points share is given once."""
         for item in self.items:
             if isinstance(item, Run):
                 yield item
@@ -152,21 +152,21 @@ class Inputs:
                     yield point.run
 
     def whole(self) -> Iterator[Run]:
-        """`results` but those whose result.h5 is damaged."""
+        """Iterate over `results` without those whose result.h5 is damaged."""
         return (run for run in self.results() if not run.damaged)
 
     def path(self, path: Path) -> str:
-        """A path as seen from the report."""
+        """Return a path relative to the report."""
         return relative(path, self.base)
 
     def link(self, path: Path, text: str | None = None) -> Link:
-        """A link to a file or directory."""
+        """Return a link to a file or directory."""
         shown = self.path(path)
         return Link(text or shown, quote(os.fsencode(shown)))
 
 
 def relative(path: Path, base: Path) -> str:
-    """A path as seen from a directory, with forward slashes."""
+    """Return a path relative to a directory, with forward slashes."""
     return Path(os.path.relpath(path.resolve(), base.resolve())).as_posix()
 
 
@@ -176,14 +176,14 @@ def read_inputs(directories: Sequence[str | Path], base: Path) -> Inputs:
     Parameters
     ----------
     directories
-        Of runs and scans, in any mix, and of suites, which stand for their scans; one that is given twice counts once.
+        Directories of runs, scans, and suites, which stand for their scans; repeated ones are used once.
     base
         Directory of the report.
 
     Raises
     ------
     InputError
-        A directory is missing, is neither a run nor a scan, or is damaged; every fault is named.
+        A directory is missing, is neither a run nor a scan, or is damaged; the message lists all faults.
     """
     errors: list[str] = []
     unique: dict[Path, Path] = {}
@@ -204,7 +204,7 @@ def read_inputs(directories: Sequence[str | Path], base: Path) -> Inputs:
 
 
 def _parts(directory: Path) -> list[Path]:
-    """The scans of a suite, as far as they were begun; of anything else itself."""
+    """Return the scans of a suite that were started; other directories are returned unchanged."""
     index = read_json(directory / SUITE_INDEX)
     names = index.get("scans") if index else None
     begun = [directory / str(name) for name in names if is_scan(directory / str(name))] if names else []
@@ -212,7 +212,7 @@ def _parts(directory: Path) -> list[Path]:
 
 
 def _labels(paths: Sequence[Path], base: Path) -> list[str]:
-    """The directories' own names, or the way to them where two have one name."""
+    """Return the names of directories, or relative paths for names that occur twice."""
     names = [path.resolve().name or "/" for path in paths]
     return [name if names.count(name) == 1 else relative(path, base) for name, path in zip(names, paths, strict=True)]
 
@@ -260,7 +260,7 @@ def _summary(path: Path) -> dict[str, Any]:
 
 
 def _no_numbers(summary: Mapping[str, Any]) -> list[str]:
-    """Quantities that are no numbers; null stands for one that does not apply."""
+    """Describe the quantities of a summary that are not numbers; null is allowed, for those that do not apply."""
     found = []
     for key, value in summary.items():
         if value is None or not (quantity(key).unit or key in REPORT_COLUMNS):

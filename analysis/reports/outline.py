@@ -1,4 +1,4 @@
-"""Sections of a report, from the inputs."""
+"""Outline of a report: its sections, from the inputs."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from granwave.analysis.reports.sections.zone import zone_notes
 from granwave.lammps_inputs.run_directory import RESULT_FILE
 
 _KIND = {"run": "granular run", "continuum": "continuum run"}
-_IN_TITLE = 3  # names
+_IN_TITLE = 3  # names in the title
 
 
 def build_report(inputs: Inputs, named: Sequence[str] = ()) -> Report:
-    """The report of runs and scans.
+    """Build the report of runs and scans.
 
     Parameters
     ----------
     named
-        Studies of all runs, beside those that their scans name.
+        Names of studies of all runs, in addition to those that the scans name.
     """
     labels = [item.label for item in inputs.items]
     names = ", ".join(labels[:_IN_TITLE]) + (f" and {len(labels) - _IN_TITLE} more" if len(labels) > _IN_TITLE else "")
@@ -133,7 +133,7 @@ def _input_row(item: Run | Scan, inputs: Inputs) -> tuple[Cell, ...]:
 
 
 def _setting(run: Run) -> str:
-    """A run in a line: the packing or the block, the material, how it is hit."""
+    """Describe a run in one line: packing or block, material, law, velocity."""
     case = run.case
     parts = []
     if "packing.kind" in case:
@@ -150,7 +150,7 @@ def _setting(run: Run) -> str:
 
 
 def _versions(runs: Sequence[Run]) -> tuple[Block, ...]:
-    """Versions that all have in common once, then those in which they differ; each kind of run has its programs."""
+    """Return tables of versions: those that all runs share, then those that differ, by kind of run."""
     users: dict[str, dict[str, list[str]]] = {}
     kinds: dict[str, set[str]] = {}
     for run in runs:

@@ -1,7 +1,7 @@
-"""The comparison report of any number of runs, scans and continuum runs, as one HTML page, PDF or Markdown.
+"""Report on any number of runs, scans and continuum runs, as one HTML page, PDF or Markdown.
 
-Equal inputs give equal bytes: there is no date in a report, nothing depends on the order of files on the disk, and
-paths are shown as seen from the report.
+Equal inputs give equal bytes: a report has no date, does not depend on the order of files on the disk, and shows paths
+relative to itself.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.files import head, replace_bytes, replace_text
 
 SUFFIXES = (".html", ".pdf", ".md")
-_OWN = {  # what every report holds
+_OWN = {  # patterns that match every report
     ".html": rb'<meta name="generator" content="granwave">',
     ".pdf": rb"/Creator \(granwave\)",
     ".md": rb"\A# Report: .*\n\n(\d+ runs?)?( and )?(\d+ scans? with \d+ of \d+ points done)?\. SI units\.\n",
@@ -30,29 +30,30 @@ _OWN = {  # what every report holds
 
 
 def write_report(directories: Sequence[str | Path], output: str | Path, studies: Sequence[str] = ()) -> Path:
-    """Write the report of runs and scans; an older report of that name is replaced.
+    """Write the report of runs and scans; an older report of this name is replaced.
 
     Parameters
     ----------
     directories
-        Of runs and scans, in any mix, in the order in which they shall appear. A scan need not be finished.
+        Directories of runs and scans, in the order of the report. Scans may be unfinished.
     output
-        The report: ``.html``, ``.pdf`` or ``.md`` (pictures then go to ``NAME_files`` beside it).
+        Path of the report: ``.html``, ``.pdf`` or ``.md`` (with pictures in ``NAME_files`` beside it).
     studies
-        Studies of all runs, beside those that their scans name; see `granwave.analysis.studies.registry`.
+        Names of studies of all runs, in addition to those that the scans name; see
+        `granwave.analysis.studies.registry`.
 
     Returns
     -------
     Path
-        The report.
+        Path of the report.
 
     Raises
     ------
     InputError
-        A directory is no run or scan, or is damaged; there is no such study; or the report cannot be written there.
+        A directory is neither a run nor a scan, or is damaged; there is no such study; or the report cannot be written.
         Nothing was written.
     RunError
-        Writing failed, as on a full disk; an older report is still there.
+        Writing failed, on a full disk for instance; an older report remains.
     """
     output = output_path(output)
     errors = _errors_in(output)
@@ -66,7 +67,7 @@ def write_report(directories: Sequence[str | Path], output: str | Path, studies:
         raise InputError(errors)
     try:
         report = cleaned(build_report(inputs, studies))
-    except (MissingOutputError, OutputFormatError) as error:  # of a file that a study needs
+    except (MissingOutputError, OutputFormatError) as error:  # in a file that a study needs
         raise InputError(str(error)) from None
     try:
         _write(report, output)
@@ -132,6 +133,6 @@ def _write(report: Report, output: Path) -> None:
 
 
 def _pictures_of(report: Path, folder: Path) -> set[str]:
-    """Names of the pictures that a report in Markdown shows from its folder."""
+    """Return the names of the pictures that a Markdown report shows from its folder."""
     text = head(report).decode("utf-8", "replace")
     return set(re.findall(rf"!\[[^\n]*\]\({re.escape(quote(folder.name))}/([\w.-]+)\)", text))

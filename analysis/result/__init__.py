@@ -1,1 +1,1 @@
-"""The file result.h5: writer, reader, and the tables in it."""
+"""The file result.h5: writer, reader and tables."""

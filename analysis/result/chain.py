@@ -1,9 +1,9 @@
-"""A chain in time: every bead's motion, every contact's force, and the bars, as groups of ``result.h5``.
+"""History of a chain: motion of all beads, forces of all contacts, and bars, as groups of ``result.h5``.
 
     /chain/{time, id, position, displacement, velocity, contact_i, contact_j, contact_position, contact_force}
     /bars/NAME/{position, displacement, velocity, force}
 
-Beads and nodes run along +z; rows are the instants of ``/chain/time``. Bar forces are those of the
+Beads and nodes are in the order of z; rows are the instants of ``/chain/time``. Forces in bars are those of the
 elements, positive in compression.
 """
 
@@ -28,14 +28,14 @@ Groups = dict[str, dict[str, NDArray]]
 
 
 def read_chain(directory: str | Path, case: Case, start: Frame, timestep: float, last: int) -> Groups:
-    """The groups of a chain that was recorded, by name.
+    """Read the recorded history of a chain as groups by name.
 
     Parameters
     ----------
     start
-        All particles, of `granwave.analysis.lammps_output.dumps.read_data`.
+        All particles, from `granwave.analysis.lammps_output.dumps.read_data`.
     timestep
-        s.
+        Timestep, s.
     last
         Step of the last instant.
 
@@ -84,7 +84,7 @@ def read_chain(directory: str | Path, case: Case, start: Frame, timestep: float,
 
 
 def along(result: Result, column: str) -> NDArray[np.float64]:
-    """A column of ``/contacts``, and of bars' ``/wall_contacts``, in the order of the chain: (n_contacts,)."""
+    """Return a column of ``/contacts``, and of ``/wall_contacts`` of bars, in the order of the chain: (n_contacts,)."""
     value = {
         (int(i), int(j)): float(number)
         for i, j, number in zip(*(result[f"contacts/{name}"] for name in ("i", "j", column)), strict=True)
@@ -98,7 +98,7 @@ def along(result: Result, column: str) -> NDArray[np.float64]:
 
 
 def _contacts(case: Case, beads: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Ids of the upper and the lower partner of every contact along the chain, faces of bars among them."""
+    """Return the ids of the upper and lower partner of every contact along the chain, including faces of bars."""
     order = [int(bead) + 1 for bead in beads]
     for bar in assemble(case).bars:
         order.insert(0 if bar.face == bar.last else len(order), bar.face)

@@ -1,10 +1,9 @@
-"""Contacts of a run as a table of pairs: dents of one pair merged, pairs that only touched added.
+"""Contacts of a run as a table of pairs: dents of one pair are merged, unloaded touching pairs are added.
 
-Which spheres touch at the start is found from their positions and radii, whatever the packing.
+Touching pairs at the start follow from positions and radii, for any packing.
 
-A pair can own several dents: one is forgotten when the gap exceeds the set distance, and the next meeting
-starts a new one. Here a pair is one row: the largest of the peaks, the sum of the energies, the earliest of
-the times.
+A pair may have several dents: a dent is forgotten when the gap exceeds a given distance, and the next contact starts a
+new one. In this table each pair is one row, with the largest peak, the sum of the energies and the earliest times.
 """
 
 from __future__ import annotations
@@ -15,27 +14,27 @@ from scipy.spatial import cKDTree
 
 from granwave.analysis.lammps_output.dumps import Frame, rows_of
 
-LISTED_FROM = 1e-6  # of alpha_y: from this peak on a pair that did not touch at the start is listed
+LISTED_FROM = 1e-6  # peak overlap over alpha_y from which on pairs that did not touch at the start are listed
 
 Contacts = dict[str, NDArray]
 _TIMES = ("time_first", "time_peak", "time_yield")
 _FRICTION_COLUMNS = ("tangential_force", "elastic_tangential", "friction")
-_LARGE = 1.5  # median radii: from this size on a sphere's neighbours are searched for it alone
+_LARGE = 1.5  # radius over the median from which on the neighbours of a sphere are searched separately
 
 
 def merge_dents(dents: Frame) -> Contacts:
-    """The dents of `granwave.analysis.lammps_output.dumps.read_contacts` as one row a pair, sorted by (i, j).
+    """Merge the dents of `granwave.analysis.lammps_output.dumps.read_contacts` into one row a pair, sorted by (i, j).
 
     Returns
     -------
     dict
-        ``i``, ``j`` (n_pairs,), i < j; ``overlap``, ``peak_overlap``, ``initial_overlap`` (dent before the run) m;
+        ``i``, ``j`` (n_pairs,), i < j; ``overlap``, ``peak_overlap``, ``initial_overlap`` (initial dent) m;
         ``force``, ``peak_force``, ``tangential_force`` N; ``elastic_energy``, ``dissipated_energy`` (of yielding and
         friction), ``friction_energy`` J; ``time_first``, ``time_peak``, ``time_yield`` s (NaN: never); ``n_dents``;
-        ``grown_overlap``: the deepest dent that grew in this run, m.
+        ``grown_overlap``: largest overlap of dents that grew in this run, m.
     """
     first, second = np.sort(dents.vector("i", "j").astype(np.int64), axis=1).T
-    order = np.lexsort((-dents["peak_overlap"], second, first))  # of a pair the deepest dent comes first
+    order = np.lexsort((-dents["peak_overlap"], second, first))  # the deepest dent of a pair first
     values = {name: dents.get(name)[order] for name in (*dents.columns, *_FRICTION_COLUMNS, "initial")}
     first, second = first[order], second[order]
     new = np.ones(len(first), dtype=bool)
@@ -74,22 +73,22 @@ def merge_dents(dents: Frame) -> Contacts:
 def list_contacts(
     merged: Contacts, touching: NDArray[np.int64], yield_overlap: float | NDArray[np.float64]
 ) -> Contacts:
-    """The pairs of ``/contacts``: those that touch at the start, and those pressed beyond `LISTED_FROM`.
+    """Make the rows of ``/contacts``: pairs that touch at the start, and pairs loaded beyond `LISTED_FROM`.
 
     Parameters
     ----------
     merged
-        Of `merge_dents`.
+        Result of `merge_dents`.
     touching
         Pairs of ids that touch at the start, i < j: (n, 2).
     yield_overlap
-        alpha_y, of all pairs or of each of ``merged``, m; where it is not finite, all pairs ever loaded are listed.
+        alpha_y of all pairs, or of each of ``merged``, m; if it is not finite, all loaded pairs are listed.
 
     Returns
     -------
     dict
-        As `merge_dents`, and ``touching`` (bool): whether the pair touched at the start. Rows sorted by (i,
-        j).
+        As in `merge_dents`, and ``touching`` (bool), True for pairs that touched at the start. Rows are sorted by
+        (i, j).
     """
     stride = 1 + max(touching.max(initial=0), merged["j"].max(initial=0))
     dented = merged["i"] * stride + merged["j"]
@@ -115,20 +114,20 @@ def touching_pairs(
     tolerance: float,
     periods: tuple[float, float, float] = (0.0, 0.0, 0.0),
 ) -> NDArray[np.int64]:
-    """Pairs of spheres that touch, found by ordinary search.
+    """Find the pairs of spheres that touch.
 
     Parameters
     ----------
     ids
-        (n_spheres,), rising.
+        Ids of the spheres: (n_spheres,), rising.
     positions
-        (n_spheres, 3), m.
+        Centres: (n_spheres, 3), m.
     radii
-        (n_spheres,), m.
+        Radii: (n_spheres,), m.
     tolerance
-        Gap up to which two spheres touch, m; overlapping ones do too.
+        Largest gap of touching spheres, m; overlapping ones are included.
     periods
-        Length of the box along the axes along which it goes on, 0 along the others, m.
+        Length of the box along periodic axes, 0 along others, m.
 
     Returns
     -------
@@ -164,25 +163,25 @@ def touching_pairs(
 def sphere_values(
     ids: NDArray[np.int64], contacts: Contacts, yielded: NDArray[np.bool_], share: float | NDArray[np.float64] = 0.5
 ) -> dict[str, NDArray]:
-    """Sums of the contacts of each sphere, rows by id.
+    """Sum up the contacts of each sphere, rows by id.
 
     Parameters
     ----------
     ids
-        Of the spheres, rising: (n_spheres,).
+        Ids of the spheres, rising: (n_spheres,).
     contacts
-        Of `list_contacts`.
+        Result of `list_contacts`.
     yielded
-        Which of them have yielded: (n_contacts,).
+        True for contacts that have yielded: (n_contacts,).
     share
-        Of the energy that a contact dissipates by yielding, of its first sphere; (n_contacts,) or one for all. What
-        friction takes is halved.
+        Share of the first sphere in the energy dissipated by yielding; (n_contacts,) or one for all. Dissipation by
+        friction is halved.
 
     Returns
     -------
     dict
-        ``peak_force`` of the largest single contact, N; ``peak_overlap``, m; ``dissipated_energy`` and, of that,
-        ``friction_energy``, J; ``contacts_yielded``; ``coordination`` at the start; ``time_first``, ``time_yield``: of
+        ``peak_force`` of the largest single contact, N; ``peak_overlap``, m; ``dissipated_energy`` and its part
+        ``friction_energy``, J; ``contacts_yielded``; ``coordination`` at the start; ``time_first``, ``time_yield`` of
         the earliest contact, s (NaN: never). Each (n_spheres,).
     """
     n_spheres = len(ids)
@@ -201,14 +200,14 @@ def sphere_values(
         return np.bincount(ends[both(mask)], minlength=n_spheres)
 
     times = {name: extreme(np.minimum, name, np.inf) for name in ("time_first", "time_yield")}
-    rubbed = contacts["friction_energy"]
-    plastic = contacts["dissipated_energy"] - rubbed
-    lost = np.concatenate([part * plastic + 0.5 * rubbed for part in (share, 1 - share)])
+    friction = contacts["friction_energy"]
+    plastic = contacts["dissipated_energy"] - friction
+    lost = np.concatenate([part * plastic + 0.5 * friction for part in (share, 1 - share)])
     return {
         "peak_force": extreme(np.maximum, "peak_force", 0.0),
         "peak_overlap": extreme(np.maximum, "peak_overlap", 0.0),
         "dissipated_energy": np.bincount(ends, lost, minlength=n_spheres),
-        "friction_energy": np.bincount(ends, 0.5 * both(rubbed), minlength=n_spheres),
+        "friction_energy": np.bincount(ends, 0.5 * both(friction), minlength=n_spheres),
         "contacts_yielded": count(yielded),
         "coordination": count(contacts["touching"]),
         **{name: np.where(np.isfinite(time), time, np.nan) for name, time in times.items()},

@@ -1,4 +1,4 @@
-"""Damage of a ``result.h5``, found when it is opened: what it must hold, and tables whose columns are equally long."""
+"""Check of a ``result.h5`` when it is opened: required content, and columns of equal length."""
 
 from __future__ import annotations
 
@@ -9,19 +9,19 @@ import h5py
 
 from granwave.analysis.result.trajectory import GROUP
 
-#: What every result has, by table.
+#: Columns that every result has, by table.
 _COLUMNS = {
     "spheres": ("id", "position", "radius", "mass", "peak_force", "dissipated_energy"),
     "contacts": ("i", "j", "peak_force", "peak_overlap", "dissipated_energy"),
     "energy": ("step", "time", "kinetic", "elastic", "dissipated", "input"),
 }
-_TEXTS = ("wall",)  # columns that are no numbers
+_TEXTS = ("wall",)  # columns of text
 
 
 def damage_of(file: h5py.File) -> str:
-    """Find the damage of a result; empty if there is none.
+    """Describe the damage of a result; empty if there is none.
 
-    The values themselves are not read.
+    Values of data sets are not read.
     """
     try:
         tomllib.loads(file.attrs["case"])

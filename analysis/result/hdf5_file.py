@@ -1,7 +1,7 @@
-"""HDF5 files that are written whole or not at all, on a disk that may become full.
+"""Atomic writing of HDF5 files, safe against full disks.
 
-HDF5 crashes the whole program where it cannot write what it still has in memory. So it is never told: writes that fail
-are left out, and their error is raised once HDF5 has closed the file.
+HDF5 crashes the program if it cannot write data that it holds in memory. Failing writes are therefore hidden from it,
+and their error is raised after HDF5 has closed the file.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from granwave.lammps_inputs.files import naming, replacing
 
 @contextlib.contextmanager
 def new_hdf5(path: Path, **options: Any) -> Iterator[h5py.File]:
-    """A new HDF5 file that takes the place of ``path`` once it is complete; on an error the old file stays.
+    """Give a new HDF5 file that replaces ``path`` when complete; on an error the old file remains.
 
     Parameters
     ----------
     options
-        Of `h5py.File`.
+        Options of `h5py.File`.
 
     Raises
     ------
@@ -37,7 +37,7 @@ def new_hdf5(path: Path, **options: Any) -> Iterator[h5py.File]:
 
 @contextlib.contextmanager
 def unfailing(path: Path) -> Iterator[io.FileIO]:
-    """A new file in which writing never fails; at its end, the first error there was is raised."""
+    """Give a new file in which writing never fails; at the end, the first error is raised."""
     with naming(path), _Unfailing(path, "w+") as stream:
         try:
             yield stream

@@ -1,4 +1,4 @@
-"""Messages on a path that holds no result of a run of spheres: what it is, and what to give instead."""
+"""Messages about paths without the result of a granular run: what they hold, and what to give instead."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ from granwave.lammps_inputs.toml_files import read_toml
 OF_A_RUN = (CASE_FILE, SUMMARY_FILE, RECORD_FILE, RESULT_FILE)
 UNFINISHED = ("running", "interrupted", "failed")  # states of run.json with nothing to report
 _OF_A_CONTINUUM = {"block", "punch", "sphere", "partner"}  # tables of its case
-_MOST_NAMED = 5  # files that a message names
+_MOST_NAMED = 5  # files in a message
 
 
 def why_no_run(path: Path) -> str:
-    """One line: what stands in the way of reading ``path`` as the directory of a run, or as its result.h5."""
+    """Describe in one line why ``path`` cannot be read as the directory of a run, or as its result.h5."""
     if not path.exists():
         return f"{path}: no such directory{similar(path)}; expected that of a run"
     if not path.is_dir():
@@ -50,7 +50,7 @@ def why_no_run(path: Path) -> str:
 
 
 def is_continuum(path: Path) -> bool:
-    """The directory holds the case of a continuum run."""
+    """Return True if a directory holds the case of a continuum run."""
     try:
         return not _OF_A_CONTINUUM.isdisjoint(read_toml(path / CASE_FILE))
     except InputError:
@@ -58,7 +58,7 @@ def is_continuum(path: Path) -> bool:
 
 
 def resumed(path: Path) -> str:
-    """The command that goes on with an unfinished run."""
+    """Return the command that resumes an unfinished run."""
     return f"granwave run {path / CASE_FILE} -o {path} --resume"
 
 
@@ -68,9 +68,11 @@ def no_results(path: Path, found: Sequence[str], what: str, expected: str) -> st
     Parameters
     ----------
     found
-        Names of all files in it.
+        Names of all files in the directory.
     what
-        It is not, such as ``neither a run nor a scan``.
+        Description of what it is not, such as ``neither a run nor a scan``.
+    expected
+        Description of what was expected.
     """
     inside = [name for name in found if any((path / name / file).is_file() for file in (*OF_A_RUN, SCAN_INDEX))]
     if inside:
@@ -80,18 +82,18 @@ def no_results(path: Path, found: Sequence[str], what: str, expected: str) -> st
 
 
 def around(path: Path) -> str:
-    """The run or scan that a file or folder is of."""
+    """Suggest the run or scan that a file or folder belongs to; empty if there is none."""
     place = path.parent
     return f"; did you mean {place}?" if any((place / name).is_file() for name in (*OF_A_RUN, SCAN_INDEX)) else ""
 
 
 def few(names: Sequence[str]) -> str:
-    """The first of these names."""
+    """Join the first of some names."""
     return ", ".join(names[:_MOST_NAMED]) + (", ..." if len(names) > _MOST_NAMED else "")
 
 
 def similar(path: Path) -> str:
-    """A directory or file beside ``path`` whose name is like its own."""
+    """Suggest a directory or file beside ``path`` with a similar name; empty if there is none."""
     parent = next(place for place in path.absolute().parents if place.is_dir())
     if parent != path.absolute().parent:
         return f" (there is no directory {path.parent})"

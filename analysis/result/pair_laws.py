@@ -1,4 +1,4 @@
-"""Contact law of each pair of spheres: its yield overlap, effective radius, and who takes the loss."""
+"""Constants of the contact laws of pairs of spheres: yield overlap, effective radius, shares of dissipation."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class PairLaws:
-    """By pair; every array (n_pairs,).
+    """Constants by pair; every array is (n_pairs,).
 
     Attributes
     ----------
     yield_overlap
-        alpha_y, m.
+        Yield overlaps alpha_y, m.
     yielded_from
-        Largest overlap from which on a contact has yielded, m; infinite where the law knows no yielding.
+        Peak overlap beyond which a contact has yielded, m; infinite if the law does not yield.
     effective_radius
-        R*, m.
+        Effective radii R*, m.
     share
-        Of the energy dissipated by yielding, of the first sphere of the pair: half, or all of it if it is softer.
+        Share of the first sphere in the dissipation by yielding: half, or all or none if yield strengths differ.
     """
 
     yield_overlap: NDArray[np.float64]
@@ -42,16 +42,16 @@ class PairLaws:
 
 
 def pair_laws(case: Case, types: NDArray[np.int64], radii: NDArray[np.float64]) -> PairLaws:
-    """The laws of pairs of spheres.
+    """Return the constants of pairs of spheres.
 
-    The law of two materials is made once; alpha_y is in proportion to R*, so that every pair may have radii of its own.
+    The law of two materials is made once; alpha_y is proportional to R*, which may differ between pairs.
 
     Parameters
     ----------
     types
-        LAMMPS types of the spheres, which tell their materials: (n_pairs, 2).
+        LAMMPS types of the spheres, which give their materials: (n_pairs, 2).
     radii
-        (n_pairs, 2), m.
+        Radii of the spheres: (n_pairs, 2), m.
     """
     materials = [species.material for species in assemble(case).species]
     effective_radius = radii[:, 0] * radii[:, 1] / radii.sum(axis=1)
@@ -75,7 +75,7 @@ def pair_laws(case: Case, types: NDArray[np.int64], radii: NDArray[np.float64]) 
 
 
 def dissipated_share(own: Material, partner: Material | None) -> float:
-    """Part of a contact's yielding that a body does: half, or all or nothing if its yield strength differs."""
+    """Return a body's share in the yielding of a contact: half, or all or none if yield strengths differ."""
     mine, theirs = (math.inf if one is None or one.yield_strength is None else one.yield_strength
                     for one in (own, partner))  # fmt: skip
     return 0.5 if mine == theirs else float(mine < theirs)

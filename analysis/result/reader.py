@@ -1,4 +1,4 @@
-"""Reader of ``result.h5``: arrays on demand, and the case they belong to."""
+"""Reader of ``result.h5``: arrays on demand, with the case and its law."""
 
 from __future__ import annotations
 
@@ -27,21 +27,21 @@ if TYPE_CHECKING:
     from granwave._contact_laws import ContactLaw
 
 
-_REASONS = {"truncated file": "it was cut", "signature not found": "it is no HDF5 file"}  # in messages of HDF5
+_REASONS = {"truncated file": "it was cut", "signature not found": "it is no HDF5 file"}  # by message of HDF5
 
 
 def _why_no_run(path: Path) -> str:
     from granwave.analysis.result.not_a_run import (
-        why_no_run,  # which knows scans, that know summaries, that know results
+        why_no_run,  # imports scans, which import summaries, which import results
     )
 
     return why_no_run(path)
 
 
 class Result:
-    """The result of one run.
+    """Result of one run.
 
-    ``result["contacts/peak_force"]`` reads a data set as a numpy array; it is read once and kept.
+    ``result["contacts/peak_force"]`` reads a data set as a numpy array, which is cached.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ class Result:
         self._read: dict[str, NDArray] = {}
 
     def _not_opened(self, given: Path, error: OSError) -> str:
-        """Why the file cannot be opened."""
+        """Describe why the file cannot be opened."""
         if not self.path.is_file():
             return f"{self.path}: is no file, expected the result.h5 of a run"
         if isinstance(error, PermissionError):
@@ -86,7 +86,7 @@ class Result:
         return self.damaged(_REASONS.get(next((known for known in _REASONS if known in str(error)), ""), error))
 
     def damaged(self, why: object) -> str:
-        """One line that says so."""
+        """Return the message that the file is damaged."""
         return f"{self.path} is damaged ({why}): make it anew with  granwave analyse {self.path.parent}"
 
     def __enter__(self) -> Result:
@@ -101,14 +101,14 @@ class Result:
         return name in self.file
 
     def __getitem__(self, name: str) -> NDArray:
-        """A data set, such as ``energy/time``.
+        """Read a data set, such as ``energy/time``.
 
         Raises
         ------
         MissingDataError
-            There is no such data set; a KeyError.
+            There is no such data set (also a KeyError).
         OutputFormatError
-            It is damaged.
+            The data set is damaged.
         """
         if name not in self._read:
             found = self.file.get(name)
@@ -122,26 +122,26 @@ class Result:
         return self._read[name]
 
     def get(self, name: str) -> NDArray | None:
-        """A data set, or None where the run has no such thing."""
+        """Read a data set; None if the run does not have it."""
         if name not in self:
             return None
         return self[name]
 
     def close(self) -> None:
-        """Close the file; arrays that were read stay."""
+        """Close the file; arrays that were read remain."""
         self.file.close()
 
     def names(self, group: str) -> list[str]:
-        """Read a group; empty when there is no such group."""
+        """Return the names in a group; empty if there is no such group."""
         return list(self.file[group]) if group in self.file else []
 
     def unit(self, name: str) -> str:
-        """Unit of a data set, "1" if it has no dimension."""
+        """Return the unit of a data set, "1" if dimensionless."""
         return str(self.file[name].attrs["unit"])
 
     @cached_property
     def case(self) -> Case:
-        """The case that was run."""
+        """Case that was run."""
         return case_from_dict(tomllib.loads(self.file.attrs["case"]), self.path.parent / CASE_FILE)
 
     @cached_property
@@ -151,7 +151,7 @@ class Result:
 
     @cached_property
     def record(self) -> dict[str, Any]:
-        """The driver's record of the run."""
+        """Record of the run by the driver."""
         return json.loads(self.file.attrs["run"])
 
     @cached_property
@@ -161,32 +161,32 @@ class Result:
 
     @cached_property
     def law(self) -> ContactLaw:
-        """The law between two spheres."""
+        """Contact law between two spheres of the packing."""
         return sphere_contact(self.case)
 
     @property
     def yields(self) -> bool:
-        """True if contacts of this run can yield, so that alpha_y and F_y have a meaning."""
+        """True if contacts of this run can yield, so that alpha_y and F_y exist."""
         return self.case.contact.yields
 
     @property
     def has_law_limit(self) -> bool:
-        """True if the law was fitted up to an overlap that a contact may exceed."""
+        """True if the law was fitted up to a limited overlap."""
         return bool(self.case.contact.entry.fitted)
 
     @cached_property
     def struck(self) -> tuple[int, ...]:
-        """Ids of the spheres that the load acts on, the central one first; of strikers alone those that move."""
+        """Ids of the loaded spheres, the central one first; for a load by strikers those that move."""
         return struck_of(self.assembly)
 
     @property
     def origin(self) -> NDArray[np.float64]:
-        """Centre of the struck sphere of the packing at the start: (3,), m."""
+        """Initial centre of the struck sphere of the packing: (3,), m."""
         sphere = struck_site(self.assembly) or int(self["spheres/id"][0])
         return self["spheres/position"][self.rows(sphere)]
 
     def rows(self, ids: ArrayLike) -> NDArray[np.int64]:
-        """Rows of the spheres with these ids: ids - 1, unless spheres were left out of the packing.
+        """Return the rows of the spheres with these ids: ids - 1, unless there are vacancies.
 
         Raises
         ------
@@ -202,44 +202,44 @@ class Result:
 
     @property
     def in_packing(self) -> NDArray[np.bool_]:
-        """Which spheres are of the packing, and no strikers: (n_spheres,)."""
+        """True for spheres of the packing, False for strikers: (n_spheres,)."""
         return self["spheres/id"] <= self.assembly.lattice.n_spheres
 
     def beyond_law(self, share: float) -> NDArray[np.bool_]:
-        """Which contacts were pressed beyond a share of R*: (n_contacts,); none where the law has no such limit."""
+        """Return True for contacts with overlaps beyond ``share`` R*, if the law has such a limit: (n_contacts,)."""
         if not self.has_law_limit:
             return np.zeros(len(self["contacts/i"]), dtype=bool)
         return self["contacts/peak_overlap"] > share * self["contacts/effective_radius"]
 
     def has(self, name: str) -> bool:
-        """There is such a data set, and some value in it is not zero."""
+        """Return True if a data set exists and has non-zero values."""
         return name in self and bool(np.any(self[name]))
 
     @property
     def n_spheres(self) -> int:
-        """How many spheres there are."""
+        """Number of spheres."""
         return len(self["spheres/id"])
 
     @property
     def yield_energy(self) -> NDArray[np.float64]:
-        """Energy that each sphere dissipated by yielding, at walls too, without friction: (n_spheres,), J."""
+        """Energy dissipated by yielding by sphere, including walls, without friction: (n_spheres,), J."""
         lost = self["spheres/dissipated_energy"]
         return lost - self["spheres/friction_energy"] if self.has("spheres/friction_energy") else lost
 
     @property
     def yield_ledger(self) -> NDArray[np.float64]:
-        """Energy dissipated by yielding so far, without friction and dampers: (n_times,), J."""
+        """Energy dissipated by yielding against time, without friction and dampers: (n_times,), J."""
         lost = self["energy/dissipated"] - self["energy/friction"]
         return lost - self["energy/support_lost"] if "energy/support_lost" in self else lost
 
     @property
     def energy_input(self) -> float:
-        """Work done on the packing up to the end, J."""
+        """Energy input up to the end of the run, J."""
         return float(self["energy/input"][-1])
 
     @property
     def n_frames(self) -> int:
-        """How many snapshots there are."""
+        """Number of snapshots."""
         return len(self.file[f"{GROUP}/position/step"])
 
     @property
@@ -249,11 +249,11 @@ class Result:
 
     @property
     def quantities(self) -> tuple[str, ...]:
-        """Read a snapshot, see `frame`; results of older versions lack ``elastic_energy``."""
+        """Names of the quantities of a snapshot, see `frame`; results of older versions lack ``elastic_energy``."""
         return tuple(name for name in QUANTITIES if name in self.file[GROUP])
 
     def frame(self, number: int, quantity: str) -> NDArray[np.float64]:
-        """One quantity of one snapshot, such as ``displacement``: (n_spheres,) or (n_spheres, 3), SI."""
+        """Read one quantity of one snapshot, such as ``displacement``: (n_spheres,) or (n_spheres, 3), SI units."""
         try:
             return self.file[f"{GROUP}/{quantity}/value"][number]
         except OSError as error:

@@ -1,12 +1,11 @@
-"""The trajectory of a run in H5MD form (version 1.1, P. de Buyl et al., doi:10.1016/j.cpc.2014.01.018).
+"""Trajectory of a run in the H5MD format (version 1.1, P. de Buyl et al., doi:10.1016/j.cpc.2014.01.018).
 
-``/particles/spheres`` holds ``position``, ``displacement``, ``velocity``, ``contact_force`` (the largest
-force of a single contact now), ``peak_force``, ``dissipated_energy`` (by yielding and friction), ``elastic_energy``
-(half of what is stored in each contact with a sphere now; NaN in runs that did not record it) and, where there is
-friction, ``friction_energy``, each as ``value``, ``step`` and ``time`` of every
-snapshot; ``id``, ``species``, ``radius`` and ``mass`` do not change. Positions are start plus displacement: a sphere
-that crosses a periodic side is not wrapped back. All values are float64; overlaps come from the displacements, which
-keep 17 digits however far from the origin a sphere is.
+``/particles/spheres`` holds ``position``, ``displacement``, ``velocity``, ``contact_force`` (largest present force of a
+single contact), ``peak_force``, ``dissipated_energy`` (by yielding and friction), ``elastic_energy`` (half the energy
+stored in each contact with another sphere; NaN if it was not recorded) and, with friction, ``friction_energy``, each as
+``value``, ``step`` and ``time`` of every snapshot; ``id``, ``species``, ``radius`` and ``mass`` are constant. Positions
+are initial positions plus displacements, not wrapped into periodic boxes. All values are float64; overlaps should be
+computed from displacements, which have 17 digits independently of the distance from the origin.
 """
 
 from __future__ import annotations
@@ -26,7 +25,7 @@ GROUP = "particles/spheres"
 COMPRESSION = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
 _ROWS_IN_CHUNK = 32_768
 _VECTORS = {"position": "m", "displacement": "m", "velocity": "m s-1"}
-# columns of the dump whose sum it is, and the unit
+# columns of the dump that are added, and the unit
 _SCALARS = {
     "contact_force": (("force",), "N"),
     "peak_force": (("peak_force",), "N"),
@@ -38,7 +37,7 @@ QUANTITIES = (*_VECTORS, *_SCALARS, *_FRICTION)
 
 
 def write_metadata(file: h5py.File, version: str) -> None:
-    """Write the group ``/h5md``: version of the form, author, and the program that wrote it."""
+    """Write the group ``/h5md``: version of the format, author and program."""
     group = file.create_group("h5md")
     group.attrs["version"] = np.array([1, 1], dtype=np.int32)
     group.create_group("author").attrs["name"] = _user()
@@ -57,27 +56,27 @@ def write_trajectory(
     *,
     friction: bool = False,
 ) -> Frame:
-    """Write ``/particles/spheres``, a snapshot at a time.
+    """Write ``/particles/spheres``, one snapshot at a time.
 
     Parameters
     ----------
     start
-        Of `granwave.analysis.lammps_output.dumps.read_data`.
+        Spheres from `granwave.analysis.lammps_output.dumps.read_data`.
     frames
-        Of `granwave.analysis.lammps_output.dumps.read_frames`.
+        Snapshots from `granwave.analysis.lammps_output.dumps.read_frames`.
     timestep
-        s.
+        Timestep, s.
     periodic
-        Along x, y, z.
+        True for periodic axes, along x, y, z.
     source
         File of the snapshots, for messages.
     friction
-        Write ``friction_energy`` too.
+        True to write ``friction_energy``.
 
     Returns
     -------
     Frame
-        The last snapshot.
+        Last snapshot.
 
     Raises
     ------
@@ -127,12 +126,12 @@ def _write_box(group: h5py.Group, start: Frame, periodic: tuple[bool, bool, bool
     box.attrs["boundary"] = ["periodic" if is_periodic else "none" for is_periodic in periodic]
     edges = box.create_dataset("edges", data=start.box[:, 1] - start.box[:, 0])
     edges.attrs["unit"] = "m"
-    lower = box.create_dataset("lower", data=start.box[:, 0])  # not of the standard, which starts at 0
+    lower = box.create_dataset("lower", data=start.box[:, 0])  # an extension of the standard, whose boxes start at 0
     lower.attrs["unit"] = "m"
 
 
 def _elements(group: h5py.Group, n_spheres: int, scalars: dict[str, str]) -> dict[str, h5py.Dataset]:
-    """The growing data sets; all elements share one ``step`` and one ``time``."""
+    """Create the growing data sets; all elements share one ``step`` and one ``time``."""
     rows = min(n_spheres, _ROWS_IN_CHUNK)
     shapes: dict[str, tuple[tuple[int, ...], str]] = {name: ((3,), unit) for name, unit in _VECTORS.items()}
     shapes |= {name: ((), unit) for name, unit in scalars.items()}

@@ -1,10 +1,10 @@
-"""The trajectory of a run as an MDAnalysis universe.
+"""Trajectory of a run as an MDAnalysis universe.
 
-MDAnalysis keeps positions in single precision, 60 nm apart at 0.7 m, which is 5 % of a yield overlap: never
-compute overlaps from ``ts.positions``. The reader here adds what ``result.h5`` has in double precision to
-every snapshot: ``ts.data["displacement"]`` (m), ``ts.data["contact_force"]`` (N), ``ts.data["peak_force"]``
-(N), ``ts.data["dissipated_energy"]`` (J) and, with friction, ``ts.data["friction_energy"]`` (J). Lengths are metres and
-times seconds, whatever MDAnalysis calls them.
+MDAnalysis stores positions in single precision, with a spacing of 60 nm at 0.7 m, which is 5 % of a yield overlap:
+never compute overlaps from ``ts.positions``. This reader adds quantities in double precision to every snapshot:
+``ts.data["displacement"]`` (m), ``ts.data["contact_force"]`` (N), ``ts.data["peak_force"]`` (N),
+``ts.data["dissipated_energy"]`` (J) and, with friction, ``ts.data["friction_energy"]`` (J). Lengths are in m and times
+in s, regardless of the units that MDAnalysis assumes.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class ResultReader(ReaderBase):
     Parameters
     ----------
     filename
-        Of result.h5.
+        Path of result.h5.
     """
 
     format = "GRANWAVE"
@@ -59,17 +59,17 @@ class ResultReader(ReaderBase):
 
     @staticmethod
     def parse_n_atoms(filename: str | Path, **kwargs: object) -> int:
-        """How many spheres the file holds."""
+        """Return the number of spheres in the file."""
         with h5py.File(filename, "r") as file:
             return file[GROUP]["id"].shape[0]
 
     @property
     def n_frames(self) -> int:
-        """How many snapshots the file holds."""
+        """Number of snapshots in the file."""
         return len(self._times)
 
     def __getstate__(self) -> dict[str, object]:
-        """Without the open file, which cannot be pickled; `__setstate__` opens it again."""
+        """Return the state without the open file, which cannot be pickled; `__setstate__` opens it again."""
         return {name: value for name, value in self.__dict__.items() if name not in ("_file", "_spheres")}
 
     def __setstate__(self, state: dict[str, object]) -> None:
@@ -110,7 +110,7 @@ class ResultReader(ReaderBase):
 
 
 def universe(source: str | Path) -> MDAnalysis.Universe:
-    """The spheres of a run and their trajectory.
+    """Make a universe of the spheres of a run and their trajectory.
 
     Parameters
     ----------

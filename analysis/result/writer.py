@@ -1,18 +1,17 @@
-"""From the files that LAMMPS left to ``result.h5``.
+"""Writer of ``result.h5`` from the output of LAMMPS.
 
-    /spheres/{id, position, radius, mass, peak_force, ...}      a row a sphere, by id
-    /contacts/{i, j, peak_overlap, peak_force, ...}             a row a pair, sorted by (i, j)
-    /wall_contacts/{wall, id, peak_overlap, ...}                a row for each sphere that pressed on a wall
-    /energy/{time, kinetic, elastic, dissipated, input, ...}    the ledger
-    /walls/NAME/{time, force}   /probes/{time, ...}             at their own rate; bars are among the walls; of a wall
-                                                                that moves also displacement, velocity, ground_force
-    /prestage/{residual, stored, ...}                           of precompressed runs, one value each
-    /chain/...   /bars/NAME/...                                 of chains, see `granwave.analysis.result.chain`
+    /spheres/{id, position, radius, mass, peak_force, ...}      a row for each sphere, by id
+    /contacts/{i, j, peak_overlap, peak_force, ...}             a row for each pair, sorted by (i, j)
+    /wall_contacts/{wall, id, peak_overlap, ...}                a row for each sphere that touched a wall or bar
+    /energy/{time, kinetic, elastic, dissipated, input, ...}    energy ledger
+    /walls/NAME/{time, force}   /probes/{time, ...}             walls and bars, and probes, at their own rates; for a
+                                                                moving wall also displacement, velocity, ground_force
+    /prestage/{residual, stored, ...}                           static stage of precompressed runs, one value each
+    /chain/...   /bars/NAME/...                                 chains, see `granwave.analysis.result.chain`
     /h5md, /particles/spheres                                   trajectory, see `granwave.analysis.result.trajectory`
 
-The root carries ``name``, ``case`` (TOML), ``run`` and ``versions`` (JSON) as attributes; every data set a
-``unit``. Ids are those of the lattice: a sphere that was left out of the packing has no row, see
-`granwave.analysis.result.reader.Result.rows`.
+The root has the attributes ``name``, ``case`` (TOML), ``run`` and ``versions`` (JSON); every data set has a ``unit``.
+Ids are those of the lattice; vacancies have no row, see `granwave.analysis.result.reader.Result.rows`.
 """
 
 from __future__ import annotations
@@ -67,9 +66,9 @@ from granwave.lammps_inputs.run_directory import CASE_FILE, RESULT_FILE
 from granwave.lammps_inputs.run_state import check_case
 
 BALANCE_REFUSED = "energy balance refused"  # end_reason of a run whose energies do not add up
-_COMPRESSED_FROM = 4096  # values; smaller data sets are kept plain
+_COMPRESSED_FROM = 4096  # values; smaller data sets are not compressed
 
-# units of columns that LAMMPS writes, and of those made of them
+# units of columns that LAMMPS writes, and of derived ones
 _UNITS = {
     column.name: column.unit
     for column in (*LEDGER, *SUPPORT, *ROTATION, *TANGENTIAL, *MOVING_WALL, *WALL_CONTACTS, *CONTACTS)
@@ -97,26 +96,26 @@ _OF_WALL_CONTACTS = (
 
 
 def write_result(directory: str | Path) -> Path:
-    """Gather what a run left into ``result.h5``; an older one is replaced once the new one is complete.
+    """Write the output of a run to ``result.h5``; an older file is replaced when the new one is complete.
 
     Parameters
     ----------
     directory
-        Of the run: case.toml, data.granwave and dumps/, and run.json if there is one.
+        Directory of the run, with case.toml, data.granwave and dumps/, and optionally run.json.
 
     Returns
     -------
     Path
-        Of result.h5.
+        Path of result.h5.
 
     Raises
     ------
     MissingOutputError
-        The run did not leave a file that is needed.
+        A required output file is missing.
     OutputFormatError
         A file is damaged.
     InputError
-        There is a result.h5 that granwave did not write, or case.toml was changed after the run.
+        A result.h5 exists that granwave did not write, or case.toml was changed after the run.
     """
     directory = Path(directory)
     path = directory / RESULT_FILE
@@ -189,7 +188,7 @@ def _periodic(case: Case) -> tuple[bool, bool, bool]:
 
 
 def _walls(table: Table) -> Groups:
-    """The force on each wall, and the motion of one that moves, by name of the wall."""
+    """Return the force on each wall, and the motion of a moving one, by name of the wall."""
     names = [name for name in table if name not in ("step", "time") and not name.endswith(_OF_MOVING_WALLS)]
     return {
         name: {"time": table["time"], "force": table[name]}
@@ -230,7 +229,7 @@ def _write_contacts(file: h5py.File, case: Case, start: Frame, dents: Frame, pla
 
 
 def _touching(case: Case, start: Frame) -> NDArray[np.int64]:
-    """Pairs of ids that touch at the start: (n, 2)."""
+    """Return the pairs of ids that touch at the start: (n, 2)."""
     lengths = start.box[:, 1] - start.box[:, 0]
     periods = tuple(length * goes_on for length, goes_on in zip(lengths, _periodic(case), strict=True))
     positions, radii = start.vector("x", "y", "z"), start["diameter"] / 2
@@ -242,20 +241,20 @@ def _rows(dents: Frame, chosen: NDArray[np.bool_]) -> Frame:
 
 
 def _losses_at_walls(case: Case, wall_contacts: Contacts) -> dict[str, NDArray[np.float64]]:
-    """Return the share of the loss that the sphere of each wall contact takes; a rigid wall takes nothing."""
+    """Return the dissipation in the sphere of each wall contact; a rigid wall dissipates nothing."""
     materials: dict[str, Material | None] = {bar.name: bar.material for bar in assemble(case).bars}
     materials |= {wall.name: wall.material for wall in walls(case)}
     partners = [materials[wall] for wall in wall_contacts["wall"].tolist()]
     own = [assemble(case).material_of(sphere) for sphere in wall_contacts["id"].tolist()]
-    yielding = np.array([dissipated_share(*pair) for pair in zip(own, partners, strict=True)])
-    rubbing = np.array([0.5 if partner else 1.0 for partner in partners])
-    rubbed = wall_contacts["friction_energy"]
-    plastic = wall_contacts["dissipated_energy"] - rubbed
-    return {"dissipated_energy_wall": yielding * plastic + rubbing * rubbed, "friction_energy": rubbing * rubbed}
+    plastic_share = np.array([dissipated_share(*pair) for pair in zip(own, partners, strict=True)])
+    friction_share = np.array([0.5 if partner else 1.0 for partner in partners])
+    friction = friction_share * wall_contacts["friction_energy"]
+    plastic = plastic_share * (wall_contacts["dissipated_energy"] - wall_contacts["friction_energy"])
+    return {"dissipated_energy_wall": plastic + friction, "friction_energy": friction}
 
 
 def _bar_contacts(case: Case, dents: Frame) -> dict[str, Contacts]:
-    """Contacts of beads with the faces of bars, by the name of the bar."""
+    """Return the contacts of beads with the faces of bars, by name of the bar."""
     merged = merge_dents(dents)
     return {
         bar.name: {name: column[merged["j"] == bar.face] for name, column in merged.items()}
@@ -264,7 +263,7 @@ def _bar_contacts(case: Case, dents: Frame) -> dict[str, Contacts]:
 
 
 def _wall_contacts(planes: Mapping[str, Frame], bars: Mapping[str, Contacts]) -> Contacts:
-    """The contacts with walls and bars as one table; times in s (NaN: never)."""
+    """Return the contacts with walls and bars as one table; times in s (NaN: never)."""
     parts: list[Contacts] = []
     for wall, frame in planes.items():
         values: Contacts = {name: frame[name] for name in WALL_COLUMNS if name != "dissipated"}

@@ -1,1 +1,1 @@
-"""Scans: points, table and figures."""
+"""Results of scans: points, table and figures."""

@@ -1,4 +1,4 @@
-"""Axes of the figures of a scan: log or linear, and tick labels that do not run together."""
+"""Axes of the figures of a scan: logarithmic or linear, with tick labels that do not overlap."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from numpy.typing import NDArray
 from granwave.analysis.figures.style import WIDTH
 from granwave.analysis.formatting.numbers import tick
 
-AXIS = 0.78 * WIDTH  # inches, of an axis of abscissae
-CHARACTER = 0.066  # inches, about
+AXIS = 0.78 * WIDTH  # inches, length of a horizontal axis
+CHARACTER = 0.066  # inches, approximate width of a character
 _SPREAD = 1.5  # decades from which on an axis of values is logarithmic
 _DECADE = 10.0
-_MOST_LABELLED = 8  # values that are labelled one by one
-_DECADES = 2.2  # from which on a log axis has ticks at the decades
-_STEPS = ((1.0, 2.0, 5.0), (1.0, 3.0), (1.0,))  # of its ticks otherwise
+_MOST_LABELLED = 8  # values that are labelled individually
+_DECADES = 2.2  # decades from which on a logarithmic axis has ticks at the decades
+_STEPS = ((1.0, 2.0, 5.0), (1.0, 3.0), (1.0,))  # multiples of the ticks otherwise
 _FEWEST_TICKS = 2
-_EDGE = 1.02  # room beyond the scale's ends
+_EDGE = 1.02  # margin beyond the ends of a logarithmic scale
 
 
 def even_in_log(values: NDArray[np.float64]) -> bool:
-    """Sorted values over more than a decade, whose ratios are more alike than their differences."""
+    """Return True for sorted values over more than a decade that are spaced more evenly in their logarithm."""
     if len(values) < 2 or values[0] <= 0 or values[-1] < _DECADE * values[0]:
         return False
     ratios, steps = np.diff(np.log(values)), np.diff(values)
@@ -34,17 +34,23 @@ def even_in_log(values: NDArray[np.float64]) -> bool:
 
 
 def is_wide(values: NDArray[np.float64]) -> bool:
-    """Positive values that a linear axis would not show all of."""
+    """Return True for positive values with a range too large for a linear axis."""
     return bool(values.min() > 0 and values.max() > 10**_SPREAD * values.min())
 
 
 def fit(labels: Sequence[str], inches: float) -> bool:
-    """Labels at this distance do not touch."""
+    """Return True if labels at this spacing do not touch."""
     return max(map(_width, labels)) <= inches
 
 
 def scale_abscissae(axes: Axes, values: NDArray[np.float64], room: float, *, chosen: bool) -> None:
-    """Log where the values ask for it; few chosen ones are labelled themselves, if that fits into ``room`` inches."""
+    """Set the scale of abscissae: logarithmic if suitable; label few ``chosen`` values individually if they fit.
+
+    Parameters
+    ----------
+    room
+        Length of the axis, inches.
+    """
     axis, places = axes.xaxis, np.unique(values)
     if even_in_log(places) or (not chosen and is_wide(places)):
         axes.set_xscale("log")
@@ -59,12 +65,12 @@ def scale_abscissae(axes: Axes, values: NDArray[np.float64], room: float, *, cho
 
 
 def scale_values(axes: Axes, values: NDArray[np.float64], half_widths: NDArray[np.float64]) -> None:
-    """Log where the values spread widely, else from 0 if they come near it; noise is not to look like a trend.
+    """Set the scale of values: logarithmic for a large range, else from 0 if near it, never enlarging mere noise.
 
     Parameters
     ----------
     values, half_widths
-        Of all curves: (n,); half-widths are NaN where there is none.
+        Values and half-widths of intervals of all curves: (n,); half-widths may be NaN.
     """
     if is_wide(values):
         axes.set_yscale("log")
@@ -80,12 +86,12 @@ def scale_values(axes: Axes, values: NDArray[np.float64], half_widths: NDArray[n
 
 
 def log_ticks(axis: Axis, room: float | None = None) -> None:
-    """Plain numbers at 1, 2 and 5, or fewer, over little more than a decade, at the decades beyond.
+    """Set plain tick labels: at 1, 2 and 5, or fewer, for a small range, at the decades for a large one.
 
     Parameters
     ----------
     room
-        Length of a horizontal axis, inches, on which labels may not touch.
+        Length of a horizontal axis, inches, on which labels must not touch; None: not checked.
     """
     low, high = sorted(axis.get_view_interval())
     decades = np.log10(high / low)
@@ -101,7 +107,7 @@ def log_ticks(axis: Axis, room: float | None = None) -> None:
 
 
 def _label_each(axis: Axis, places: NDArray[np.float64], inches: NDArray[np.float64]) -> bool:
-    """Label each of a few values, unless their labels would run together, which lie so many inches along the axis."""
+    """Label each value, at positions in inches along the axis; return False if they are too many or too dense."""
     if len(places) > _MOST_LABELLED or not _apart(places, inches):
         return False
     axis.set_major_locator(FixedLocator(places.tolist()))
@@ -111,18 +117,18 @@ def _label_each(axis: Axis, places: NDArray[np.float64], inches: NDArray[np.floa
 
 
 def _apart(places: NDArray[np.float64], inches: NDArray[np.float64]) -> bool:
-    """Labels of these values do not touch, which lie so many inches along an axis."""
+    """Return True if the labels of values at positions in inches along an axis do not touch."""
     widths = np.array([_width(tick(place)) for place in places])
     return bool(np.all(np.diff(inches) >= 0.5 * (widths[1:] + widths[:-1])))
 
 
 def _width(label: str) -> float:
-    """Width of a label and the gap to the next, inches."""
+    """Return the width of a label and the gap to the next, inches."""
     return CHARACTER * (len(label) + 1)
 
 
 def _at(steps: Sequence[float], low: float, high: float) -> NDArray[np.float64]:
-    """Multiples of the powers of ten between two numbers."""
+    """Return the multiples ``steps`` of powers of ten between two numbers."""
     powers = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
     places = np.array([step * 10.0**power for power in powers for step in steps])
     return places[(places >= low) & (places <= high)]

@@ -1,4 +1,4 @@
-"""How the figures of a scan are drawn: curves with error bars, bars by category, and maps."""
+"""Drawing of the figures of a scan: curves with error bars, bars by category, and maps."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from matplotlib.ticker import NullLocator
 from numpy.typing import ArrayLike, NDArray
 
 from granwave.analysis.figures.style import BLANK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, WIDTH, Drawing, new_figure
-from granwave.analysis.measures.zone_marks import Mark
+from granwave.analysis.measures.zone.marks import Mark
 from granwave.analysis.scans.axes import (
     AXIS,
     CHARACTER,
@@ -40,30 +40,30 @@ _LINES = ("-", "--", ":", "-.", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 3)))
 _HATCHES = ("", "////", "....")
 _SCALE_MAP = "viridis"
 _HEIGHT = 2.3  # inches, without the legend
-_LINE = 0.17  # inches, of a legend
-_BAR = 0.24 * WIDTH  # inches of it that a colour scale takes
-_LONG = 12  # characters of a category, beyond which bars lie, with whole lines beside them
-_TURNED = 0.16  # inches along the axis that a turned name takes
-_LINE_OF_NAME = 28  # characters, beside a bar
-_MOST_ANNOTATED = 8  # columns and lines of a map with its numbers in it
-_MOST_MARKED = 60  # points of a curve that are marked one by one
+_LINE = 0.17  # inches, height of a line of the legend
+_BAR = 0.24 * WIDTH  # inches, width of a colour scale
+_LONG = 12  # characters of a category beyond which bars are horizontal
+_TURNED = 0.16  # inches, width of a rotated name along the axis
+_LINE_OF_NAME = 28  # characters of a line beside a horizontal bar
+_MOST_ANNOTATED = 8  # columns and rows of a map with numbers in its cells
+_MOST_MARKED = 60  # points of a curve with markers
 
 Titles = tuple[str, str]
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Series:
-    """One curve.
+    """Points of one curve.
 
     Attributes
     ----------
     row
-        Of one of its points in the scan.
+        Row of one of its points in the scan.
     x, mean, deviation, half_width, count
-        By abscissa: (n,). The deviation of the values, and half the width of the 95 % confidence interval of their
-        mean, are NaN where there is one value only.
+        Abscissae, and mean, standard deviation, half-width of the 95 % confidence interval of the mean and number of
+        the values at each: (n,). Deviation and half-width are NaN for a single value.
     marks
-        `Mark` of each point, where what is drawn is of a plastic zone: (n,); None elsewhere.
+        `Mark` of each point, for quantities of a plastic zone: (n,); None for others.
     """
 
     label: str
@@ -87,22 +87,22 @@ def draw_curves(
     joined: bool = True,
     chosen: bool = True,
 ) -> Drawing:
-    """Curves with markers; a legend above them, or a colour scale when they are many.
+    """Draw curves with markers and a legend above, or a colour scale if there are many curves.
 
-    Points of plastic zones that reach a bound are open, half open where a wave came back from one.
+    Points of plastic zones that reach a boundary are open, half open if a wave returned from one.
 
     Parameters
     ----------
     others
-        The keys that tell the curves apart.
+        Keys that distinguish the curves.
     columns
-        Of the CSV file: abscissa and value.
+        Names of the columns of abscissa and value in the CSV file.
     scale
-        SI of one unit of the abscissa.
+        Unit of the abscissa in SI units.
     joined
-        Join the points of a curve.
+        True to join the points of a curve.
     chosen
-        The abscissae are the values of a key, not what came out.
+        True if the abscissae are values of a key, False if they are results.
     """
     along = _scale_key(series, others)
     rest = [key for key in others if key is not along]
@@ -148,10 +148,10 @@ def draw_curves(
 def draw_bars(
     series: Sequence[Series], ticks: Sequence[str], x_title: str, y_title: str, others: Sequence[Key], columns: Titles
 ) -> Drawing:
-    """Bars by category (the abscissa of `Series` counts them), side by side for each series; points on a log axis.
+    """Draw bars by category (the abscissa of `Series` is its index), side by side for each series.
 
-    They lie where the categories have long names. Bars of plastic zones that reach a bound are open, pale where a wave
-    came back from one.
+    On a logarithmic axis points are drawn instead. Bars are horizontal if categories have long names. Bars of plastic
+    zones that reach a boundary are open, pale if a wave returned from one.
     """
     entries = _wrapped([curve.label for curve in series]) if others else []
     lying = max(map(len, ticks)) > _LONG and not fit(ticks, AXIS / len(ticks))
@@ -185,7 +185,7 @@ def draw_map(
     title: str,
     column: str,
 ) -> Drawing:
-    """A value by two keys, in cells of one size: (n_lines, n_columns); NaN where there is none."""
+    """Draw a value by two keys, in cells of equal size: (n_lines, n_columns); NaN for missing ones."""
     columns, lines = values
     annotated = max(table.shape) <= _MOST_ANNOTATED
     figure = new_figure(min(max(0.34 * len(lines) + 0.7, 1.9), 3.4))
@@ -226,7 +226,7 @@ def draw_map(
 
 
 def _figure_of_bars(ticks: Sequence[str], legend: float) -> Figure:
-    """Names below the bars, turned where they would touch, and only some of very many."""
+    """Make a figure of vertical bars with names below, rotated if they would touch, and only some of very many."""
     turned = not fit(ticks, AXIS / len(ticks))
     figure = new_figure(_HEIGHT + legend + (0.7 * CHARACTER * max(map(len, ticks)) if turned else 0.0))
     axes = figure.subplots()
@@ -239,7 +239,7 @@ def _figure_of_bars(ticks: Sequence[str], legend: float) -> Figure:
 
 
 def _figure_of_lying_bars(ticks: Sequence[str], n_series: int, legend: float) -> Figure:
-    """Names in lines beside the bars, the first category at the top."""
+    """Make a figure of horizontal bars with names beside them, the first category at the top."""
     names = [textwrap.fill(name, _LINE_OF_NAME) for name in ticks]
     lines = max(max(name.count("\n") + 1 for name in names), 0.8 * n_series)
     figure = new_figure(0.6 + 0.9 * _LINE * (lines + 0.5) * len(ticks) + legend, 1.5 * WIDTH)
@@ -261,7 +261,7 @@ def _axes_of(axes: Axes, *, lying: bool) -> tuple[Axis, Axis]:
 
 
 def _draw_bars_of(axes: Axes, curve: Series, m: int, n_series: int, *, lying: bool, logarithmic: bool) -> None:
-    """The bars of one series of several, or its points on a log axis."""
+    """Draw the bars of one of several series, or its points on a logarithmic axis."""
     width = 0.8 / n_series if n_series > 1 else 0.6
     place = curve.x + (m - (n_series - 1) / 2) * width
     error = curve.half_width if np.any(np.isfinite(curve.half_width)) else None
@@ -279,7 +279,7 @@ def _draw_bars_of(axes: Axes, curve: Series, m: int, n_series: int, *, lying: bo
 
 
 def _fill(m: int) -> dict[str, Any]:
-    """Colour and hatch of the bars of a series."""
+    """Return colour and hatch of the bars of a series."""
     return {"facecolor": _COLOURS[m % len(_COLOURS)], "hatch": _HATCHES[m // len(_COLOURS) % len(_HATCHES)]}
 
 
@@ -303,7 +303,7 @@ def _columns(series: Sequence[Series], others: Sequence[Key], columns: Titles, x
 
 
 def _scale_key(series: Sequence[Series], others: Sequence[Key]) -> Key | None:
-    """The key that colours stand for when the curves are too many for a legend: the one with most values."""
+    """Return the key for a colour scale, the one with most values, if the curves are too many for a legend."""
     numeric = [key for key in others if key.numeric]
     if len(series) <= len(_COLOURS) or not numeric:
         return None
@@ -324,12 +324,12 @@ def _colour_scale(figure: Figure, axes: Axes, norm: Normalize, key: Key) -> None
 
 
 def _marker_size(kind: int, n_kinds: int) -> float:
-    """Points; curves that lie on each other stay visible, the first ones below being larger."""
+    """Return the marker size in points, larger for the first curves, so that coinciding ones remain visible."""
     return 4.0 if n_kinds == 1 else 6.5 - 2.0 * kind / (n_kinds - 1)
 
 
 def _wrapped(labels: Sequence[str]) -> list[str]:
-    """Labels of a legend, in several lines where they are longer than the figure is wide."""
+    """Break the labels of a legend into lines that fit the width of the figure."""
     wrapped = []
     for label in labels:
         lines = [""]
@@ -345,7 +345,7 @@ def _wrapped(labels: Sequence[str]) -> list[str]:
 
 
 def _characters(label: str) -> int:
-    """Characters of the longest line of an entry, its mark included."""
+    """Return the number of characters of the longest line of an entry, including its marker."""
     seen = re.sub(r"\\[A-Za-z]+", "x", re.sub(r"\\mathrm|[${}_]", "", label))
     return max(map(len, seen.split("\n"))) + 5
 

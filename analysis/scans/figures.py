@@ -1,7 +1,7 @@
-"""Figures of a scan: what varies against dissipation, plastic zone, peak force and wave speed.
+"""Figures of a scan: dissipation, plastic zone, peak force and wave speed against the varied keys.
 
-Only points that are done are shown. Points that differ in ``packing.seed`` alone are one: their mean, with its 95 %
-confidence interval as error bar. A quantity that is 0 in all of them, as dissipation without yielding, has no figure.
+Only finished points are shown. Points that differ in ``packing.seed`` only are shown as their mean, with the 95 %
+confidence interval as error bar. A quantity that is 0 at all points, as dissipation without yielding, has no figure.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from granwave.analysis.figures.style import Drawing, FigureFolder, style
-from granwave.analysis.measures.zone_marks import Mark, mark_of
+from granwave.analysis.measures.zone.marks import Mark, mark_of
 from granwave.analysis.quantities import QUANTITIES
 from granwave.analysis.scans.drawing import Series, draw_bars, draw_curves, draw_map
 from granwave.analysis.scans.keys import Key, key_of
@@ -24,41 +24,40 @@ from granwave.analysis.scans.result import SEED, PointResult, ScanResult
 from granwave.analysis.scans.table import determines, independent_keys
 from granwave.analysis.statistics import estimate
 
-_TIMES = ("run.", "output.")  # of no physical meaning beside a key that they vary with
-_FEWEST = 2  # points in a figure
-_MOST_SINGLE = 8  # points that are shown though no two belong to a curve
-_NOTHING = 1e-12  # what is shown is about 1 or more, unless it is nothing but rounding
+_TIMES = ("run.", "output.")  # prefixes of keys without physical meaning beside keys that they follow
+_FEWEST = 2  # points of a figure
+_MOST_SINGLE = 8  # curves of a single point that are shown
+_NOTHING = 1e-12  # magnitude below which values are due to rounding
 
 Marks = Mapping[int, Mark]
 _OF_A_SCAN = re.compile(r".+_vs_.+|collapse_.+|.+_map")  # names of figures, as below
 
 
 def draw_scan_figures(scan: str | Path | ScanResult, *, pdf: bool = True) -> list[Path]:
-    """Draw the figures of a scan into its ``figures``; those that make no sense (any more) are removed.
+    """Draw the figures of a scan into its ``figures``; those that no longer apply are removed.
 
-    For each key that is a number: ``QUANTITY_vs_KEY``, curves by the other keys. Where no key that varies on its own is
-    a number, bars for each value of the first. Where velocity and material vary: ``collapse_QUANTITY``, on normalised
-    axes. Where just two numeric keys vary and fill a grid: ``dissipated_fraction_map``.
+    For each numeric key: ``QUANTITY_vs_KEY``, with curves by the other keys. If no independent key is numeric: bars for
+    each value of the first. If velocity and material vary: ``collapse_QUANTITY``, on normalised axes. If exactly two
+    numeric keys vary and fill a grid: ``dissipated_fraction_map``.
 
     Parameters
     ----------
     scan
-        Its directory; or the scan, whose summaries are then read only once however often the figures are drawn.
+        Directory of the scan, or the scan itself, whose summaries are cached if figures are drawn repeatedly.
     pdf
-        Leave a PDF beside each PNG; without, it takes a third of the time (while points come in), and PDFs of an
-        earlier state are removed.
+        False to omit the PDF of each figure, which saves two thirds of the time, and to remove earlier ones.
 
     Returns
     -------
     list of Path
-        The PNG files that were written.
+        Paths of the PNG files.
 
     Raises
     ------
     MissingOutputError
         There is no scan in the directory.
     OutputFormatError
-        Its index is damaged.
+        The index of the scan is damaged.
     """
     result = scan if isinstance(scan, ScanResult) else ScanResult(scan)
     folder = FigureFolder(result.directory)
@@ -71,7 +70,7 @@ def draw_scan_figures(scan: str | Path | ScanResult, *, pdf: bool = True) -> lis
 
 
 def drawings(result: ScanResult) -> dict[str, Drawing]:
-    """The figures of a scan as it is now, by name."""
+    """Return the figures of the present state of a scan, by name."""
     points = result.points
     labels = _physical({key: [point.labels.get(key) for point in points] for key in result.varied if key != SEED})
     free = independent_keys(labels)
@@ -105,13 +104,13 @@ def drawings(result: ScanResult) -> dict[str, Drawing]:
 
 
 def _values(points: Sequence[PointResult], rows: Sequence[int], value: Value) -> dict[int, float]:
-    """Where there is a value, by row."""
+    """Return the finite values by row."""
     found = {row: value(points[row]) for row in rows}
     return {row: number for row, number in found.items() if math.isfinite(number)}
 
 
 def _physical(labels: dict[str, list[Any]]) -> dict[str, list[Any]]:
-    """Without run times and the like that only follow the other keys."""
+    """Drop keys such as run times that follow from the other keys."""
     others = [column for name, column in labels.items() if not name.startswith(_TIMES)]
     together = list(zip(*others, strict=True))
     return {
@@ -122,7 +121,7 @@ def _physical(labels: dict[str, list[Any]]) -> dict[str, list[Any]]:
 
 
 def _abscissae(keys: dict[str, Key], free: Sequence[str]) -> list[str]:
-    """Numeric keys that vary on their own, and those that go along with one of them (run times apart)."""
+    """Return the independent numeric keys, and those that are equivalent to one of them, except run times."""
     chosen = []
     for name, key in keys.items():
         alike = [other for other in free if determines(key.labels, keys[other].labels)]
@@ -133,21 +132,21 @@ def _abscissae(keys: dict[str, Key], free: Sequence[str]) -> list[str]:
 
 
 def _others(keys: dict[str, Key], free: Sequence[str], x: str) -> list[Key]:
-    """The keys that tell the curves over ``x`` apart: all but those that go along with it, a value for a value.
+    """Return the keys that distinguish curves over ``x``: all but those that its values determine.
 
-    A key with fewer values sorts the points, even where no abscissa occurs with two of them.
+    A key with fewer values than ``x`` groups the points, even if no abscissa occurs with two of its values.
     """
     chosen = [keys[name] for name in free if name != x and not determines(keys[x].labels, keys[name].labels)]
     for key in keys.values():
-        sorts = determines(keys[x].labels, key.labels) and not determines(key.labels, keys[x].labels)
-        told = list(zip(*(other.labels for other in chosen), strict=True))
-        if sorts and len(set(key.labels)) > 1 and not (told and determines(told, key.labels)):
+        groups = determines(keys[x].labels, key.labels) and not determines(key.labels, keys[x].labels)
+        distinguished = list(zip(*(other.labels for other in chosen), strict=True))
+        if groups and len(set(key.labels)) > 1 and not (distinguished and determines(distinguished, key.labels)):
             chosen.append(key)
     return chosen
 
 
 def _curve_rows(rows: Sequence[int], others: Sequence[Key]) -> list[list[int]]:
-    """The points of each curve: those of equal labels of ``others``."""
+    """Group the points by curve: equal labels of ``others``."""
     curves: dict[tuple[Any, ...], list[int]] = {}
     for row in rows:
         curves.setdefault(tuple(key.labels[row] for key in others), []).append(row)
@@ -168,12 +167,12 @@ def _is_one_line(rows: Sequence[int], x: Key, keys: Iterable[Key]) -> bool:
 def _series(
     rows: Sequence[int], x: dict[int, float], y: dict[int, float], others: Sequence[Key], marks: Marks | None = None
 ) -> list[Series]:
-    """Points by curve: those of equal labels of ``others``; points of one abscissa become their mean.
+    """Make curves of points with equal labels of ``others``; points at one abscissa are averaged.
 
     Parameters
     ----------
     marks
-        Of plastic zones, by row; a mean has the gravest of its points.
+        Marks of plastic zones by row; a mean gets the most severe one of its points.
     """
     curves = _curve_rows([row for row in rows if row in y and row in x], others)
     series = []
@@ -200,7 +199,7 @@ def _series(
 
 
 def _order(key: Key, row: int) -> Any:
-    """Numbers by size, text in the order of the scan."""
+    """Return the sort key of a point: numbers by size, text in the order of the scan."""
     return key.values[row] if key.numeric else key.values.index(key.values[row])
 
 
@@ -233,7 +232,7 @@ def _bars(
 def _collapses(
     points: Sequence[PointResult], rows: Sequence[int], others: Sequence[Key], marks: Marks
 ) -> dict[str, Drawing | None]:
-    """Materials fall together on one curve (thesis 5.3)."""
+    """Draw the collapse of materials on normalised axes (thesis 5.3)."""
     velocity = _values(points, rows, value_of("velocity_normalised"))
     energy = _values(points, rows, value_of("energy_input_normalised"))
     dissipated = _values(points, rows, value_of("dissipated_fraction"))

@@ -1,4 +1,4 @@
-"""How the keys that vary in a scan are called in its figures: names, symbols, units, and numbers to plot against."""
+"""Varied keys of a scan in its figures: labels, symbols, units, and values to plot against."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from granwave.analysis.formatting.values import NONE, unique_labels
 
 @dataclasses.dataclass(frozen=True)
 class Naming:
-    """Words, symbol (in mathtext), unit as shown and its size in SI."""
+    """Label, symbol (in mathtext), unit in print, and the size of this unit in SI units."""
 
-    words: str
+    label: str
     symbol: str = ""
     unit: str = ""
     scale: float = 1.0
@@ -66,16 +66,16 @@ _SIZE_SYMBOLS = (r"$n_x$", r"$n_y$", r"$n_z$")
 
 @dataclasses.dataclass(frozen=True)
 class Key:
-    """A key that varies, over all points of the scan.
+    """Varied key with its values at all points of the scan.
 
     Attributes
     ----------
     name
-        Dotted.
+        Dotted name.
     values
-        What it is plotted as at each point, in the unit of `naming`; words where it has no numbers.
+        Plotted value of each point, in the unit of `naming`; text for values that are not numbers.
     labels
-        As in the scan, by point.
+        Labels in the scan, by point.
     """
 
     name: str
@@ -85,62 +85,62 @@ class Key:
 
     @property
     def numeric(self) -> bool:
-        """Every value is a number."""
+        """True if all values are numbers."""
         return all(map(_is_number, self.values))
 
     @property
     def title(self) -> str:
-        """For an axis."""
+        """Title of an axis."""
         unit = f" ({self.naming.unit})" if self.naming.unit else ""
-        return " ".join(filter(None, [self.naming.words, self.naming.symbol])) + unit
+        return " ".join(filter(None, [self.naming.label, self.naming.symbol])) + unit
 
     @property
     def column(self) -> str:
-        """For a CSV file: the labels are in SI."""
+        """Name of a column in CSV files, which hold the labels in SI units."""
         unit = unit_of(self.name).replace("^", "").replace("/", "_").replace(" ", "_")
         return f"{self.name}_{unit}" if unit and self.numeric else self.name
 
     @property
     def slug(self) -> str:
-        """For the name of a file."""
+        """Part of file names."""
         return self.name.replace(".", "_")
 
     def text(self, row: int) -> str:
-        """The value of one point, for a legend."""
+        """Return the value of one point for a legend."""
         value = self.values[row]
         if not _is_number(value):
-            return f"{self.naming.words}: {value}" if value == NONE else str(value)
+            return f"{self.naming.label}: {value}" if value == NONE else str(value)
         unit = f" {self.naming.unit}" if self.naming.unit else ""
-        return f"{self.naming.symbol or self.naming.words} = {shown(value)}{unit}"
+        return f"{self.naming.symbol or self.naming.label} = {shown(value)}{unit}"
 
     def tick(self, row: int) -> str:
-        """The value of one point, for an axis."""
+        """Return the value of one point for an axis."""
         value = self.values[row]
         return shown(value) if _is_number(value) else str(value)
 
 
 def shown(value: float) -> str:
-    """A number of an axis or a legend: four digits."""
+    """Format a number of an axis or a legend with four digits."""
     return tick(float(f"{value:.4g}"))
 
 
 def key_of(name: str, labels: Sequence[Any]) -> Key:
-    """The key of this name with these labels, one a point."""
+    """Make the key of this name from its labels, one for each point."""
     naming = _NAMES.get(name)
     if name == "packing.size" and (sizes := _sizes(labels)):
         return Key(name, *_size(sizes), tuple(labels))
     if naming is None:
         naming = Naming(name, unit=shown_unit(name))
-    words = unique_labels(labels)
+    texts = unique_labels(labels)
     values = tuple(
         float(f"{label / naming.scale:.12g}") if _is_number(label) else text
-        for label, text in zip(labels, words, strict=True)
+        for label, text in zip(labels, texts, strict=True)
     )
     return Key(name, naming, values, tuple(labels))
 
 
 def _size(sizes: list[tuple[int, ...]]) -> tuple[Naming, tuple[int, ...]]:
-    """The one count that varies, or the number of spheres where several do."""
+    """Return the count that varies, or the number of spheres if several counts do."""
     varying = [n for n in range(3) if len({size[n] for size in sizes}) > 1] if {len(s) for s in sizes} == {3} else []
     if len(varying) == 1:
         n = varying[0]
@@ -149,7 +149,7 @@ def _size(sizes: list[tuple[int, ...]]) -> tuple[Naming, tuple[int, ...]]:
 
 
 def _sizes(labels: Sequence[Any]) -> list[tuple[int, ...]]:
-    """Lists of counts, empty if any label is no such list."""
+    """Parse labels as lists of counts; empty if any label is not such a list."""
     found = []
     for label in labels:
         try:

@@ -1,8 +1,8 @@
-"""Reader of a scan's directory: its points, what became of each, and their summaries.
+"""Reader of the directory of a scan: points, their status and their summaries.
 
-A scan keeps ``scan.json`` (which points it has and what varies), ``points/ID`` (the directories of finished runs) and
-``unfinished/ID`` (runs in work, or that failed). In both, ``point.json`` says how often a point was tried and, where it
-failed, why. An ID stands for the resolved case and the versions that it was run with.
+A scan has ``scan.json`` (its points and varied keys), ``points/ID`` (directories of finished runs) and
+``unfinished/ID`` (running or failed ones). In both, ``point.json`` records the number of attempts and the reason of a
+failure. An ID is a hash of the resolved case and the versions that it was run with.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from granwave.lammps_inputs.files import read_json
 from granwave.lammps_inputs.run_directory import POINT_FILE, POINTS, SCAN_INDEX, SUMMARY_FILE, UNFINISHED
 from granwave.lammps_inputs.run_state import read_summary
 
-SEED = "packing.seed"  # points that differ in it alone are replicates of one
+SEED = "packing.seed"  # points that differ only in this key are replicates
 
 Scalar = bool | int | float | str
 Status = Literal["done", "failed", "missing"]
@@ -26,22 +26,22 @@ Status = Literal["done", "failed", "missing"]
 
 @dataclasses.dataclass(frozen=True)
 class PointResult:
-    """Outcome of one point.
+    """Result of one point.
 
     Attributes
     ----------
     number
-        In the order of the scan, from 1.
+        Number in the order of the scan, from 1.
     id
         Name of its directory; equal points share one.
     labels
-        Values of the keys that vary, by dotted key; lists and tables as text.
+        Values of the varied keys, by dotted key; lists and tables as text.
     status, reason
-        Why it failed, or what is damaged; empty otherwise.
+        Status, and why the point failed or what is damaged; empty otherwise.
     directory
-        Of its run, or None when it was never begun.
+        Directory of its run; None if it was never started.
     summary
-        The contents of summary.json, empty unless done.
+        Content of summary.json, empty unless done.
     """
 
     number: int
@@ -55,19 +55,19 @@ class PointResult:
 
 
 class ScanResult:
-    """A scan as it is now; finished points are read once.
+    """Present state of a scan; summaries of finished points are cached.
 
     Parameters
     ----------
     directory
-        Of the scan.
+        Directory of the scan.
 
     Raises
     ------
     MissingOutputError
-        There is no scan in it.
+        The directory does not hold a scan.
     OutputFormatError
-        Its index is damaged.
+        The index of the scan is damaged.
     """
 
     def __init__(self, directory: str | Path) -> None:
@@ -90,12 +90,12 @@ class ScanResult:
 
     @property
     def points(self) -> tuple[PointResult, ...]:
-        """All points, in order, as they stand now."""
+        """Present state of all points, in order."""
         return tuple(self._point(entry) for entry in self._points)
 
     @property
     def units(self) -> dict[str, str]:
-        """SI unit of each key that varies and has one."""
+        """SI units of the varied keys that have one."""
         return {key: unit for key in self.varied if (unit := unit_of(key))}
 
     def _point(self, entry: dict[str, Any]) -> PointResult:
@@ -133,7 +133,7 @@ class ScanResult:
 
 
 def _checked(entry: dict[str, Any]) -> dict[str, Any]:
-    """A point of the index; raises KeyError, TypeError or ValueError where it lacks what it needs."""
+    """Check a point of the index; raise KeyError, TypeError or ValueError if it is incomplete."""
     number, name, labels = entry["number"], entry["id"], entry["labels"]
     if not isinstance(number, int) or not isinstance(name, str) or not isinstance(labels, dict):
         raise ValueError(f"a point has no number, id or labels: {entry}")
@@ -141,5 +141,5 @@ def _checked(entry: dict[str, Any]) -> dict[str, Any]:
 
 
 def read_point(directory: Path) -> dict[str, Any]:
-    """The record of a point: ``state``, ``attempts``, ``reason``; empty where there is none."""
+    """Read the record of a point: ``state``, ``attempts``, ``reason``; empty if there is none."""
     return read_json(directory / POINT_FILE) or {}

@@ -1,8 +1,7 @@
-"""The table of a scan: a row for each point, as CSV and HDF5, and a reader for scripts and notebooks.
+"""Table of a scan with a row for each point, as CSV and HDF5, and its reader for scripts and notebooks.
 
-Columns: the keys that vary, what became of the point, and every value of its ``summary.json``. When ``packing.seed``
-varies, the points that differ in nothing else are summed up in a second table: means with their 95 % confidence
-intervals, and standard deviations.
+Columns: varied keys, status of the point, and all values of its ``summary.json``. If ``packing.seed`` varies, a second
+table has the means over points that differ only in it, with 95 % confidence intervals and standard deviations.
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.formatting.units import unit_of
-from granwave.analysis.measures.zone_marks import bounds_in_words
+from granwave.analysis.measures.zone.marks import bounds_in_words
 from granwave.analysis.quantities import quantity
 from granwave.analysis.result.hdf5_file import new_hdf5
 from granwave.analysis.scans.result import SEED, PointResult, ScanResult
@@ -43,14 +42,14 @@ Columns = dict[str, list[Any]]
 
 
 def scan_table(result: ScanResult) -> Columns:
-    """The scan as columns of one length, a row for each point in order; None where there is no value.
+    """Return the scan as columns of equal length, a row for each point in order; None for missing values.
 
     Returns
     -------
     dict
-        The keys that vary; ``status``, ``reason``, ``directory`` (relative to the scan's; empty if there is none),
-        ``attempts``; every value of the summaries, in their order and SI, the versions as ``versions.NAME``, lists in
-        words, ``none`` where they are empty. A summary value whose name is taken is called ``summary.NAME``.
+        Varied keys; ``status``, ``reason``, ``directory`` (relative to that of the scan; empty if there is none),
+        ``attempts``; all values of the summaries, in their order and SI units, versions as ``versions.NAME``, lists as
+        text, ``none`` if empty. A summary value whose name is taken is called ``summary.NAME``.
     """
     points = result.points
     table: Columns = {key: [point.labels.get(key) for point in points] for key in result.varied}
@@ -62,14 +61,14 @@ def scan_table(result: ScanResult) -> Columns:
 
 
 def scan_statistics(result: ScanResult) -> Columns:
-    """Mean, deviation and confidence over the seeds: a row for each set of points that differ in them alone.
+    """Return means, deviations and intervals over seeds: a row for each set of points that differ only in the seed.
 
     Returns
     -------
     dict
-        The other keys that vary; ``n``, how many points of the set are done; of every numeric summary value
-        ``NAME.mean``, ``NAME.std`` (over n - 1) and ``NAME.ci95``, half the width of the 95 % confidence interval of
-        the mean (both None for fewer than two). Empty when the seed does not vary.
+        Other varied keys; ``n``, the number of finished points of the set; for each numeric summary value
+        ``NAME.mean``, ``NAME.std`` (over n - 1) and ``NAME.ci95``, the half-width of the 95 % confidence interval of
+        the mean (both None for fewer than two). Empty if the seed does not vary.
     """
     if SEED not in result.varied:
         return {}
@@ -93,30 +92,29 @@ def scan_statistics(result: ScanResult) -> Columns:
 
 
 def write_scan_table(scan: str | Path | ScanResult) -> Path:
-    """Write ``scan.csv`` and ``scan.h5``, and ``scan_mean.csv`` when the seed varies; each replaces the old one whole.
+    """Write ``scan.csv`` and ``scan.h5``, and ``scan_mean.csv`` if the seed varies, each atomically.
 
-    In ``scan.h5`` every column is a data set with its unit (of keys as in a case file, of summary values after their
-    names; "1" without): numbers as float64, or int64 where all are whole and none is missing; NaN where missing; other
-    values as UTF-8 text. The means are in the group ``/mean``.
+    In ``scan.h5`` every column is a data set with its unit ("1" if dimensionless): numbers as float64 (NaN if missing),
+    or int64 if all are integers and none is missing; other values as UTF-8 text. The means are in the group ``/mean``.
 
     Parameters
     ----------
     scan
-        Its directory; or the scan, whose summaries are then read only once however often the table is written.
+        Directory of the scan, or the scan itself, whose summaries are cached if the table is written repeatedly.
 
     Returns
     -------
     Path
-        Of scan.csv.
+        Path of scan.csv.
 
     Raises
     ------
     MissingOutputError
         There is no scan in the directory.
     OutputFormatError
-        Its index is damaged.
+        The index of the scan is damaged.
     InputError
-        A file of such a name is there, and granwave did not write it.
+        A file of such a name exists, and granwave did not write it.
     """
     result = scan if isinstance(scan, ScanResult) else ScanResult(scan)
     table, means = scan_table(result), scan_statistics(result)
@@ -135,7 +133,7 @@ def write_scan_table(scan: str | Path | ScanResult) -> Path:
 
 
 def column_unit(name: str) -> str:
-    """Unit of a column of the table, "1" without."""
+    """Return the unit of a column of the table, "1" if dimensionless."""
     if unit := unit_of(name):
         return unit
     name = name.removeprefix("summary.").removesuffix(MEAN).removesuffix(DEVIATION).removesuffix(CONFIDENCE)
@@ -144,18 +142,18 @@ def column_unit(name: str) -> str:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class ScanData(Mapping[str, NDArray]):
-    """The table of a scan as numpy arrays by column: ``data["dissipated_fraction"]``.
+    """Table of a scan as numpy arrays by column: ``data["dissipated_fraction"]``.
 
-    Numbers are float64 (NaN where missing) or int64, all else is text, empty where missing.
+    Numbers are float64 (NaN if missing) or int64, other values are text, empty if missing.
 
     Attributes
     ----------
     name, case_name
-        Of the scan and of its case.
+        Names of the scan and of its case.
     varied
-        The keys that vary.
+        Varied keys.
     columns
-        Arrays (n_points,), by name.
+        Arrays (n_points,) by name.
     """
 
     name: str
@@ -177,11 +175,11 @@ class ScanData(Mapping[str, NDArray]):
 
     @property
     def n_points(self) -> int:
-        """How many points there are."""
+        """Number of points."""
         return len(self.columns["status"])
 
     def unit(self, name: str) -> str:
-        """SI unit of a column, "1" without.
+        """Return the SI unit of a column, "1" if dimensionless.
 
         Raises
         ------
@@ -192,14 +190,14 @@ class ScanData(Mapping[str, NDArray]):
         return column_unit(name)
 
     def where(self, status: str = "done", **values: Any) -> ScanData:
-        """The points with this status.
+        """Select the points with a status and given values.
 
         Parameters
         ----------
         status
             ``done``, ``failed`` or ``missing``.
         values
-            What further columns must be, ``material="brass"``; dotted names through ``**{"load.velocity": 5}``.
+            Required values of further columns, ``material="brass"``; dotted names through ``**{"load.velocity": 5}``.
         """
         chosen = self["status"] == status
         for name, value in values.items():
@@ -207,7 +205,7 @@ class ScanData(Mapping[str, NDArray]):
         return dataclasses.replace(self, columns={name: column[chosen] for name, column in self.columns.items()})
 
     def to_pandas(self) -> pandas.DataFrame:
-        """The table as a DataFrame.
+        """Convert the table to a DataFrame.
 
         Raises
         ------
@@ -221,16 +219,16 @@ class ScanData(Mapping[str, NDArray]):
         return pandas.DataFrame(self.columns)
 
     def to_xarray(self) -> xarray.Dataset:
-        """The table as a Dataset with a dimension for each key that varies on its own.
+        """Convert the table to a Dataset with a dimension for each independent key.
 
-        A key that varies together with another one is a coordinate along that one's dimension.
+        A key that follows from another one is a coordinate along its dimension.
 
         Raises
         ------
         ImportError
             xarray is not installed.
         ValueError
-            The points do not fill a grid, each place once.
+            The points do not fill a grid with one point at each place.
         """
         try:
             import xarray
@@ -264,7 +262,7 @@ class ScanData(Mapping[str, NDArray]):
 
 
 def read_scan(directory: str | Path) -> ScanData:
-    """The table of a scan as it is now, for scripts and notebooks.
+    """Read the present table of a scan, for scripts and notebooks.
 
     Raises
     ------
@@ -280,9 +278,9 @@ def read_scan(directory: str | Path) -> ScanData:
 
 
 def independent_keys(labels: Mapping[str, Sequence[Any]]) -> list[str]:
-    """The keys that vary on their own: without those that are constant or that another one decides (zipped keys).
+    """Return the independent keys, without constant ones and those that another key determines (zipped keys).
 
-    Of keys that decide each other the first stays, but ``run`` and ``output`` make room for any other.
+    Of keys that determine each other the first is kept, except that keys of ``run`` and ``output`` are dropped first.
     """
     kept = [key for key, column in labels.items() if len(set(column)) > 1]
     for key in sorted(reversed(kept), key=lambda key: not key.startswith(("run.", "output."))):
@@ -292,7 +290,7 @@ def independent_keys(labels: Mapping[str, Sequence[Any]]) -> list[str]:
 
 
 def determines(leader: Sequence[Any], follower: Sequence[Any]) -> bool:
-    """Equal values of the one always come with equal values of the other."""
+    """Return True if equal values of ``leader`` always occur with equal values of ``follower``."""
     return len(set(zip(leader, follower, strict=True))) == len(set(leader))
 
 
@@ -301,7 +299,7 @@ def _relative(point: PointResult, directory: Path) -> str:
 
 
 def _summaries(points: Sequence[PointResult], taken: Any) -> Columns:
-    """The values of the summaries by column, None where a point has none."""
+    """Return the values of the summaries by column, None for points without the value."""
     rows = [_flat(point.summary) for point in points]
     names = dict.fromkeys(itertools.chain.from_iterable(rows))
     return {f"summary.{name}" if name in taken else name: [row.get(name) for row in rows] for name in names}
@@ -327,7 +325,7 @@ def _is_numeric(column: Sequence[Any]) -> bool:
 
 
 def _text(value: Any) -> str:
-    """As it stands in the table: booleans as in TOML, and no character that UTF-8 or HDF5 lack."""
+    """Convert a value to text of the table: booleans as in TOML, without characters that UTF-8 or HDF5 lack."""
     if value is None:
         return ""
     text = str(value).lower() if isinstance(value, bool) else str(value)
@@ -335,7 +333,7 @@ def _text(value: Any) -> str:
 
 
 def _array(column: Sequence[Any]) -> NDArray:
-    """float64, int64, or objects that are str."""
+    """Convert a column to an array of float64, int64, or str objects."""
     if not _is_numeric(column):
         return np.array([_text(value) for value in column], dtype=object)
     if all(isinstance(value, int) and value in _INT64 for value in column):

@@ -7,9 +7,11 @@ A study is a module with
     rows(group) -> Row ...             the table "source against ours"
     pictures(group) -> Picture ...     figures with captions
 
-and, where they are wanted, `title(group)`, `name(group)` (short, for links and files), `tables(group)` and
-`verdict(group)`. A group is whatever `select` makes of the runs. Without `name` a study has the name of its entry here;
-several groups are then numbered, and so are their pictures. `make_studies` in `study` puts it together.
+and, where they are wanted, `title(group)`, `name(group)` (short, for links and files), `tables(group)` (with notes on
+them) and `verdict(group)`. `missing(group, undone)` are sentences for the end of the verdict about points of its scans
+that failed or were not run, as values of the keys that vary. A group is whatever `select` makes of the runs. Without
+`name` a study has the name of its entry here; several groups are then numbered, and so are their pictures.
+`make_studies` in `study` puts it together.
 """
 
 from __future__ import annotations
@@ -48,4 +50,8 @@ STUDIES: dict[str, str] = {
     "protected-bottoms": "protection.bottoms",
     "protected-spectrum": "protection.spectrum",
     "protected-checks": "protection.checks",
+    "tolerance": "tolerance.study",
 }
+
+#: Study that every report makes of all its runs, packings and blocks alike, in a section of its own.
+COMPARISON: dict[str, str] = {"comparison": "granular_continuum.study"}

@@ -8,24 +8,26 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Self, TypeVar
+from typing import Any, Generic, Self, TypeVar
 
 from granwave.analysis.result.writer import BALANCE_REFUSED
+from granwave.analysis.studies.punch_case import PunchCase, read_punch_case
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.errors import GranwaveError
 from granwave.lammps_inputs.load_case import load_case
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.run_directory import CASE_FILE
 
-Kind = TypeVar("Kind", bound="FinishedRun")
+AnyCase = TypeVar("AnyCase")
+Kind = TypeVar("Kind", bound="AnyRun[Any]")
 Item = TypeVar("Item")
 
 _NOT_OF_THE_CASE = ("name", "run", "output", "sensor")  # tables: how long and how finely it was followed
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
-class FinishedRun:
-    """A finished run of spheres.
+class AnyRun(Generic[AnyCase]):
+    """A finished run.
 
     Attributes
     ----------
@@ -37,36 +39,8 @@ class FinishedRun:
 
     label: str
     directory: Path
-    case: Case
+    case: AnyCase
     summary: Mapping[str, Any]
-
-    @classmethod
-    def among(
-        cls, found: Iterable[tuple[str, Path, Mapping[str, Any]]], suits: Callable[[Case], bool]
-    ) -> tuple[Self, ...]:
-        """Runs whose case suits; none whose energy balance was refused or whose case cannot be read.
-
-        Parameters
-        ----------
-        found
-            Label, directory and summary of finished runs.
-        """
-        runs = []
-        for label, directory, summary in found:
-            if summary.get("end_reason") == BALANCE_REFUSED:
-                continue
-            try:
-                case = load_case(directory / CASE_FILE)
-            except GranwaveError:
-                continue  # the report says so elsewhere
-            if suits(case):
-                runs.append(cls(label, directory, case, summary))
-        return tuple(runs)
-
-    @cached_property
-    def assembly(self) -> Assembly:
-        """All bodies of the case."""
-        return assemble(self.case)
 
     def seen_as(self, kind: type[Kind]) -> Kind:
         """The run as a record with methods of its own; the same object at each call, so that it reads files once."""
@@ -84,6 +58,47 @@ class FinishedRun:
         """A number of the summary; NaN where it does not apply."""
         found = self.summary.get(name)
         return float(found) if isinstance(found, int | float) and not isinstance(found, bool) else math.nan
+
+
+class ContinuumRun(AnyRun[PunchCase]):
+    """A finished run of a punch on a block."""
+
+
+class FinishedRun(AnyRun[Case]):
+    """A finished run of spheres."""
+
+    @classmethod
+    def among(
+        cls, found: Iterable[tuple[str, Path, Mapping[str, Any]]], suits: Callable[[Case], bool]
+    ) -> tuple[Self, ...]:
+        """Runs whose case suits; none whose energy balance was refused or whose case cannot be read.
+
+        Parameters
+        ----------
+        found
+            Label, directory and summary of finished runs.
+        """
+        runs = []
+        for label, directory, summary in found:
+            run = read_run(label, directory, summary)
+            if isinstance(run, FinishedRun) and summary.get("end_reason") != BALANCE_REFUSED and suits(run.case):
+                runs.append(run.seen_as(cls))
+        return tuple(runs)
+
+    @cached_property
+    def assembly(self) -> Assembly:
+        """All bodies of the case."""
+        return assemble(self.case)
+
+
+def read_run(label: str, directory: Path, summary: Mapping[str, Any]) -> FinishedRun | ContinuumRun | None:
+    """Read a finished run of spheres or of a punch on a block; None if its case cannot be read."""
+    try:
+        if summary.get("kind") == "continuum":
+            return ContinuumRun(label, directory, read_punch_case(directory / CASE_FILE), summary)
+        return FinishedRun(label, directory, load_case(directory / CASE_FILE), summary)
+    except GranwaveError:
+        return None  # the report says so elsewhere
 
 
 def rising(runs: Iterable[Item], key: Callable[[Item], float]) -> list[Item]:

@@ -6,14 +6,17 @@ import dataclasses
 import importlib
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
-from granwave.analysis.studies.registry import STUDIES
+from granwave.analysis.studies.registry import COMPARISON, STUDIES
 
 if TYPE_CHECKING:
-    from granwave.analysis.document.model import Table
+    from granwave.analysis.document.model import Note, Table
     from granwave.analysis.figures.style import Drawing
-    from granwave.analysis.studies.runs import FinishedRun
+    from granwave.analysis.studies.runs import ContinuumRun, FinishedRun
+
+Labels = Sequence[Mapping[str, Any]]  # of points of scans: values of the keys that vary
+Runs: TypeAlias = "Sequence[FinishedRun | ContinuumRun]"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -85,7 +88,7 @@ class Study:
     pictures
         In the order of the report.
     tables
-        Of its own.
+        Of its own, with notes on them.
     verdict
         What it comes to, in sentences for the top of the report.
     """
@@ -95,33 +98,40 @@ class Study:
     text: str
     rows: tuple[Row, ...] = ()
     pictures: tuple[Picture, ...] = ()
-    tables: tuple[Table, ...] = ()
+    tables: tuple[Table | Note, ...] = ()
     verdict: tuple[str, ...] = ()
 
 
-def make_studies(runs: Mapping[str, Sequence[FinishedRun]]) -> list[Study]:
+def make_studies(runs: Mapping[str, Runs], undone: Mapping[str, Labels] | None = None) -> list[Study]:
     """Make studies of finished runs, in the order of the registry.
 
     Parameters
     ----------
     runs
         Runs offered to each study, by its name; see `granwave.analysis.studies.registry`.
+    undone
+        Points that failed or were not run of the scans that name a study, as values of the keys that vary.
     """
     from granwave.analysis.figures.style import style  # the drawing library takes a second to load
 
     if not runs:
         return []
     with style():
-        return [study for name in STUDIES if name in runs for study in _make(name, runs[name])]
+        modules = {name: module for name, module in (STUDIES | COMPARISON).items() if name in runs}
+        return [
+            study
+            for name, module in modules.items()
+            for study in _make(name, module, runs[name], (undone or {}).get(name, ()))
+        ]
 
 
-def _make(name: str, runs: Sequence[FinishedRun]) -> Iterator[Study]:
-    module: Any = importlib.import_module(f"{__package__}.{STUDIES[name]}")
+def _make(name: str, path: str, runs: Runs, undone: Labels) -> Iterator[Study]:
+    module: Any = importlib.import_module(f"{__package__}.{path}")
     groups = list(module.select(runs))
     numbered = len(groups) > 1 and not hasattr(module, "name")  # else the module tells groups apart
 
-    def parts(which: str, group: Any) -> tuple[Any, ...]:
-        return tuple(getattr(module, which)(group)) if hasattr(module, which) else ()
+    def parts(which: str, *arguments: Any) -> tuple[Any, ...]:
+        return tuple(getattr(module, which)(*arguments)) if hasattr(module, which) else ()
 
     def named(picture: Picture, study: str, number: int) -> Picture:
         if not picture.name or picture.name.startswith("_"):
@@ -137,7 +147,7 @@ def _make(name: str, runs: Sequence[FinishedRun]) -> Iterator[Study]:
             parts("rows", group),
             tuple(named(picture, word, number) for picture in parts("pictures", group)),
             parts("tables", group),
-            parts("verdict", group),
+            parts("verdict", group) + parts("missing", group, undone),
         )
 
 

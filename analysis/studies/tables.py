@@ -7,6 +7,9 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from granwave.analysis.document.cells import BLANK, value_cell
 from granwave.analysis.document.model import Cell, Column, Table
 
@@ -32,6 +35,33 @@ class Quantity:
     unit: str
     value: Callable[[Any], float]
     per_unit: float = 1.0
+
+    @property
+    def axis(self) -> str:
+        """Label of an axis."""
+        return f"{self.heading} ({self.unit})" if self.unit else self.heading
+
+    def shown(self, runs: Iterable[Any]) -> NDArray[np.float64]:
+        """Values of runs in the unit: (n_runs,)."""
+        return self.per_unit * np.array([self.value(run) for run in runs])
+
+
+def numeric(*heads: str | tuple[str, str], key: bool = False) -> tuple[Column, ...]:
+    """Columns of numbers, by heading, or by heading and unit."""
+    pairs = [(head, "") if isinstance(head, str) else head for head in heads]
+    return tuple(Column(heading, unit, numeric=True, key=key) for heading, unit in pairs)
+
+
+def table_of(caption: str, columns: Iterable[Column], rows: Iterable[Iterable[Any]], **options: Any) -> Table:
+    """A table of values; what is a cell already stays as it is.
+
+    Parameters
+    ----------
+    options
+        Further fields of a table, such as ``sortable``.
+    """
+    cells = tuple(tuple(one if isinstance(one, Cell) else value_cell(one) for one in row) for row in rows)
+    return Table(caption, tuple(columns), cells, **options)
 
 
 def of_summary(key: str) -> Callable[[Any], float]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from granwave.analysis.measures.target import period_of
+from granwave.analysis.measures.target.record import period_of
 from granwave.lammps_inputs.lattices import KINDS
 from granwave.lammps_inputs.packing.assembly import assemble, velocities_of
 
@@ -56,6 +56,19 @@ def load_label(case: Case) -> str:
     if case.load.driven:
         return f"{case.load.kind} on top"
     return f"{max((math.hypot(*velocity) for velocity in velocities_of(assemble(case)).values()), default=0.0):g} m/s"
+
+
+def state_label(case: Case) -> str:
+    """``like spheres, as placed``, ``scattered, settled under 100 kPa on top``."""
+    stage = case.precompression
+    first = "like spheres" if not case.packing.diameter_scatter else "scattered"
+    if stage is None:
+        return f"{first}, as placed"
+    if stage.kind == "gravity":
+        many = stage.acceleration / 9.81
+        return f"{first}, settled under gravity" + (f" times {many:.3g}" if abs(many - 1) > 0.01 else "")
+    size = f"{1e-3 * stage.pressure:.4g} kPa" if stage.pressure is not None else f"{stage.force:.3g} N a sphere"
+    return f"{first}, settled under {size} on {'top' if stage.kind == 'uniaxial' else 'all sides'}"
 
 
 def bottom_label(case: Case) -> str:

@@ -1,1 +1,1 @@
-"""The case file: what its tables may hold, and the case that comes of them."""
+"""The case file: keys of its tables, and the case that is read from them."""

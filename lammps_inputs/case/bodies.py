@@ -1,11 +1,11 @@
-"""Bodies besides the like spheres of a packing, and what is recorded of single ones.
+"""Bodies other than the equal spheres of a packing, and sensors.
 
     [[replace]]                  spheres of another material or diameter
     [[striker]]                  a sphere placed against given spheres, resting or moving
     [bar], [incident_bar]        elastic bars at the far and at the struck end of a chain (thesis 3.2)
     [[sensor]]                   a sphere whose mean contact force (chains) or acceleration is recorded
 
-Spheres of a chain count from the struck end, from 1; strikers come after the spheres of the packing, in the order of
+Spheres of a chain are numbered from 1 at the struck end. Strikers follow the spheres of the packing, in the order of
 the file.
 """
 
@@ -33,7 +33,7 @@ from granwave.lammps_inputs.case.si_values import AREA, DIAMETER, LENGTH, VELOCI
 Entry = TypeVar("Entry")
 
 _INDEX_FORM = "an id from 1 up, a list of ids, or {first = 8, last = 17}"
-_MOST_IDS = 10_000_000  # in one list
+_MOST_IDS = 10_000_000  # in one list; a longer one would take gigabytes as Python integers
 _VECTOR_FORM = "[x, y, z] in m/s"
 _SPIN_FORM = "[x, y, z] in rad/s"
 _POINT_FORM = "[x, y, z] in m"
@@ -57,11 +57,11 @@ def _parse_index(value: Any) -> tuple[int, ...]:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Replace:
-    """``[[replace]]``: spheres that differ from the rest; a later entry overrules an earlier one.
+    """``[[replace]]``: spheres that differ from the rest; a later entry overrides an earlier one.
 
-    Which ones: by ``index``; all in a box from ``low`` to ``high``, by the sites of the lattice (in a chain of like
-    spheres); or a random ``share`` of those that there are. A larger one needs room around it: vacancies, or smaller
-    ones; the beads of a chain make room.
+    They are selected by ``index``, by a box from ``low`` to ``high`` around their lattice sites (for a chain, those of
+    equal spheres), or as a random ``share`` of all spheres. A larger sphere needs space around it: vacancies or smaller
+    neighbours. The beads of a chain are moved apart.
     """
 
     index: tuple[int, ...] | None = custom("which spheres", _parse_index, default=None)
@@ -102,7 +102,7 @@ class Striker:
 
     @property
     def moves(self) -> bool:
-        """It has a velocity or a spin."""
+        """True if the striker has a velocity or a spin."""
         return any(self.velocity) or any(self.spin)
 
 
@@ -118,9 +118,9 @@ class Bar:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Sensor:
-    """``[[sensor]]``: records a sphere, as a transducer in it does.
+    """``[[sensor]]``: a sphere that is recorded as by an embedded transducer.
 
-    In a chain the mean of its two contact forces; in other packings its acceleration.
+    In a chain the mean of its two contact forces is recorded; in other packings its acceleration.
     """
 
     name: str = custom("of the sensor", plain_name)
@@ -137,7 +137,7 @@ def read_list(section: type[Entry], tables: Any, prefix: str, errors: ErrorList)
 
 
 def read_body(section: type[Entry], table: Any, prefix: str, errors: ErrorList) -> Entry | None:
-    """Read the table of one body, its material by name or by value."""
+    """Read the table of one body; its material is given by name or by value."""
     has_material = any(field.name == "material" for field in dataclasses.fields(section))  # type: ignore[arg-type]
     if not has_material or not isinstance(table, Mapping) or "material" not in table:
         return read_table(section, table, prefix, errors)

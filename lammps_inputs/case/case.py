@@ -1,4 +1,4 @@
-"""A case: everything that decides one simulation, as read from a TOML file."""
+"""A case: the complete input of one simulation, as read from a TOML file."""
 
 from __future__ import annotations
 
@@ -33,14 +33,14 @@ _PRECOMPRESSION = "precompression"
 _WALLS = ("bottom", "sides")  # keys of [boundary] that take a material
 _REQUIRED = ("packing", "material")
 KNOWN = ("name", "material", *_SECTIONS, _PRECOMPRESSION, "pair", *_LISTS, *_BARS)
-RECORD = "resolved"  # written beside a deck for people and programs, ignored when read
+RECORD = "resolved"  # table of derived values in the case.toml beside a deck, ignored when read
 _OF_CONTINUUM = ("block", "punch", "sphere", "partner")
 _OF_SCAN = ("replicates", "ranks", "case", "set", "grid", "zip", "points")
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Case:
-    """One impact on one packing, as asked for; see `granwave.lammps_inputs.load_case`."""
+    """Input of one simulation, as the user gave it; see `granwave.lammps_inputs.load_case`."""
 
     name: str
     packing: PackingSection
@@ -59,29 +59,29 @@ class Case:
     incident_bar: Bar | None = None
 
     def contact_between(self, first: Material | None, second: Material | None) -> Contact:
-        """``[contact]`` as it holds between bodies of two materials; None: a rigid wall."""
+        """Return the law of contacts between two materials, from ``[[pair]]`` or ``[contact]``; None: a rigid wall."""
         names = [RIGID if material is None else material.name for material in (first, second)]
         return next((pair.contact for pair in self.pair if pair.fits(*names)), self.contact)
 
     @property
     def has_friction(self) -> bool:
-        """There is friction somewhere."""
+        """True if any contact or wall has friction."""
         contacts = [self.contact.friction, self.boundary.friction or 0.0, *(one.contact.friction for one in self.pair)]
         return any(contacts)
 
     @property
     def has_rotation(self) -> bool:
-        """Some sphere turns, or may be turned by friction."""
+        """True if spheres rotate: with friction, or with an initial spin of a sphere or striker."""
         return self.has_friction or any(self.load.spin) or any(any(striker.spin) for striker in self.striker)
 
     @property
     def has_initial_dents(self) -> bool:
-        """Contacts may have dents from before the run."""
+        """True if contacts may have dents before the run, given or left by precompression."""
         return bool(self.contact.initial_overlap) or self.precompression is not None
 
     @property
     def probes(self) -> tuple[Probe, ...]:
-        """Probes: ``output.probes``, and the sensors of a packing that is no chain."""
+        """Probes: ``output.probes``, and in packings other than a chain also the spheres of the sensors."""
         if self.packing.kind == "chain":
             return self.output.probes
         return tuple(dict.fromkeys([*self.output.probes, *(Probe(sphere=sensor.id) for sensor in self.sensor)]))
@@ -92,7 +92,7 @@ class Case:
         return sphere_mass(self.material, self.packing.diameter / 2)
 
     def to_dict(self) -> dict[str, Any]:
-        """The case as nested tables, all defaults filled in, as TOML writes them."""
+        """Return the case as nested tables of TOML values, all defaults filled in."""
         tables = _plain(self)
         if len(self.packing.size) == 1:
             tables["packing"]["size"] = self.packing.size[0]
@@ -107,22 +107,22 @@ class Case:
         return {name: table for name, table in tables.items() if table != []}
 
     def to_toml(self, resolved: Mapping[str, Any] | None = None) -> str:
-        """The case as a TOML file, followed by the table ``[resolved]`` if there is one."""
+        """Return the case as the text of a TOML file, with the table ``[resolved]`` if given."""
         return tomli_w.dumps(self.to_dict() | ({RECORD: _plain(resolved)} if resolved else {}))
 
 
 def parse_case(data: Mapping[str, Any], source: str | Path, errors: ErrorList) -> dict[str, Any]:
-    """Read the nested mapping of a case file, table by table; what is wrong is added to ``errors``.
+    """Read the nested mapping of a case file, table by table; faults are added to ``errors``.
 
     Parameters
     ----------
     source
-        File that the case comes from; its stem is the name of a case that has none.
+        File that the case comes from; its stem is the default name of the case.
 
     Returns
     -------
     dict
-        The fields of `Case`; None for a part that is wrong.
+        Fields of `Case` by name; None for those that are wrong.
     """
     _refuse_others(data, errors)
     data = _with_implied(with_absolute_paths(data, Path()))
@@ -146,23 +146,23 @@ def read_parts(
     required: Collection[str] = ("material",),
     read: Callable[[type, Any, str, ErrorList], Any] = read_table,
 ) -> dict[str, Any]:
-    """The name, the material and the sections of a case of any kind; what is missing or wrong is added to ``errors``.
+    """Read name, material and sections of a case of any kind; faults are added to ``errors``.
 
     Parameters
     ----------
     source
-        As of `parse_case`.
+        As in `parse_case`.
     sections
-        The dataclass of each table; one that is not in ``data`` has its defaults, unless it is required.
+        Dataclass of each table. A table that ``data`` lacks takes its defaults, unless it is required.
     required
-        Tables that the case cannot do without.
+        Names of the tables that must be there.
     read
-        Reads one section.
+        Function that reads one section.
 
     Returns
     -------
     dict
-        By name; None for a part that is wrong.
+        Parts by name; None for those that are wrong.
     """
     parts: dict[str, Any] = {"name": read_name(data, source, errors)}
     for name in required:
@@ -178,14 +178,14 @@ def read_parts(
 
 @cache
 def case_keys() -> tuple[str, ...]:
-    """Dotted keys of a case; entries of an array of tables have the number 1."""
+    """Return the dotted keys of a case; an array of tables is represented by its entry 1."""
     tables = {**_SECTIONS, _PRECOMPRESSION: Precompression, "material": Material, **dict.fromkeys(_BARS, Bar)}
     numbered = {f"{name}.1": section for name, section in _LISTS.items()}
     return (*KNOWN, *keys_of(tables), *(f"material.{name}" for name in SELECTORS), *keys_of(numbered))
 
 
 def unit_of(key: str) -> str:
-    """Unit of a dotted key, such as ``load.velocity``; empty where it has none."""
+    """Return the unit of a dotted key, such as ``load.velocity``; empty if it has none."""
     table, *between, name = [*key.split("."), ""] if "." not in key else key.split(".")
     sections = {**_SECTIONS, **_LISTS, **dict.fromkeys(_BARS, Bar), "material": Material, "pair": Contact}
     sections[_PRECOMPRESSION] = Precompression
@@ -225,7 +225,7 @@ def _read_wall(table: Mapping[str, Any], key: str, errors: ErrorList) -> Materia
 
 
 def _with_implied(data: Mapping[str, Any]) -> dict[str, Any]:
-    """The tables of a case, with the words that others make plain: a striker is the load, a bar the bottom."""
+    """Return the tables of a case with implied values: strikers are the load, a bar replaces the bottom."""
     data = dict(data)
     if "striker" in data and "load" not in data:
         data["load"] = {"kind": "striker"}
@@ -248,7 +248,7 @@ def _refuse_others(data: Mapping[str, Any], errors: ErrorList) -> None:
 
 
 def _plain(value: Any) -> Any:
-    """Dataclasses and tuples as the tables and lists of TOML, which has no null."""
+    """Convert dataclasses and tuples to tables and lists; drop None, which TOML cannot express."""
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         value = {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
     if isinstance(value, Mapping):

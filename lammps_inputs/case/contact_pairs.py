@@ -1,4 +1,4 @@
-"""``[[pair]]``: a contact law of their own for two materials, such as the constants that a fit gave, or a friction."""
+"""``[[pair]]``: contact law of two given materials, such as fitted constants or a friction coefficient."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 from granwave.lammps_inputs.case.schema import ErrorList, read_table, refuse_unknown, show
 from granwave.lammps_inputs.case.sections import Contact
 
-RIGID = "rigid"  # what stands for a rigid wall in `Pair.materials`
+RIGID = "rigid"  # name of a rigid wall in `Pair.materials`
 _NOT_BY_PAIR = ("initial_overlap",)
 _KEYS = tuple(field.name for field in dataclasses.fields(Contact) if field.name not in _NOT_BY_PAIR)
 
@@ -21,20 +21,20 @@ class Pair:
     Attributes
     ----------
     materials
-        Their names; the same one twice for like bodies, "rigid" for a rigid wall.
+        Names of the two materials, which may be equal; "rigid" for a rigid wall.
     contact
-        ``[contact]`` with what the pair changes.
+        Values of ``[contact]``, overridden by those of the pair.
     """
 
     materials: tuple[str, str]
     contact: Contact
 
     def fits(self, first: str | None, second: str | None) -> bool:
-        """It is the law between bodies of the materials of these names, in any order."""
+        """Return True if the pair holds for materials of these names, in any order."""
         return sorted(self.materials) == sorted((str(first), str(second)))
 
     def to_dict(self) -> dict[str, Any]:
-        """As a table of a case file."""
+        """Return the pair as a table of a case file."""
         values = {name: getattr(self.contact, name) for name in _KEYS}
         return {"materials": list(self.materials)} | {
             name: value for name, value in values.items() if value is not None
@@ -47,7 +47,7 @@ def read_pairs(tables: Any, contact: Any, errors: ErrorList) -> tuple[Pair, ...]
     Parameters
     ----------
     contact
-        The table ``[contact]``: what a pair does not say is said there.
+        The table ``[contact]``, source of the values that a pair does not give.
     """
     if not isinstance(tables, list | tuple):
         errors.add("pair", f"found {show(tables)}, expected one or more [[pair]] tables")
@@ -85,7 +85,7 @@ def _read(table: Any, common: Mapping[str, Any], key: str, errors: ErrorList) ->
 
 
 def _others(common: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what a pair takes from ``[contact]``: all but the constants of another law."""
+    """Return the values that a pair takes from ``[contact]``: all but the constants of another law."""
     if own.get("law", common.get("law")) == common.get("law"):
         return dict(common)
     return {name: common[name] for name in ("friction", "tangential") if name in common}

@@ -1,11 +1,11 @@
-"""Which key was meant: one that is spelt alike, the same key of another table, or another word for it."""
+"""Suggestions for unknown keys: similar spelling, the same key in another table, or a synonym."""
 
 from __future__ import annotations
 
 import difflib
 from collections.abc import Collection, Iterable, Sequence
 
-_ALIKE, _SIMILAR, _FAINT = 0.75, 0.8, 0.5  # `difflib` ratios: in this table, in others, in this one if nothing else is
+_ALIKE, _SIMILAR, _FAINT = 0.75, 0.8, 0.5  # `difflib` ratios: same table, other tables, same table as a last resort
 _MOST = 2  # keys of other tables in a hint
 
 _KEY_OF_WORD = {
@@ -60,14 +60,14 @@ _NOTES |= {word: _NOTES[known] for known, words in _OTHER_WORDS.items() for word
 
 
 def hint_for(name: str, known: Collection[str], prefix: str, vocabulary: Sequence[str] = ()) -> str:
-    """Say which key was probably meant by one that is unknown.
+    """Suggest the key that an unknown one was probably meant to be.
 
     Parameters
     ----------
     known
-        Keys of its table.
+        Keys of the table in which it was found.
     prefix
-        Dotted name of that table; empty at the top.
+        Dotted name of that table; empty for the top level.
     vocabulary
         Dotted keys of all tables.
     """
@@ -92,7 +92,7 @@ def hint_for(name: str, known: Collection[str], prefix: str, vocabulary: Sequenc
 
 
 def _elsewhere(words: Iterable[str], vocabulary: Sequence[str]) -> list[str]:
-    """Dotted keys that end in one of the words, those of numbered tables only where there are no others."""
+    """Return the dotted keys that end in one of the words; numbered tables only if no other table has them."""
     found = [key for word in words for key in vocabulary if key.rpartition(".")[2] == word]
     return [key for key in found if not any(part.isdigit() for part in key.split("."))] or found
 

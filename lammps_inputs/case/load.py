@@ -1,16 +1,16 @@
-"""``[load]``: what sets a packing in motion.
+"""``[load]``: the load on a packing.
 
-    impact         an initial velocity of the struck spheres
-    striker        the velocities of the [[striker]]s, nothing else
-    force          a force on the struck spheres, or on the free end of the incident bar
-    displacement   their prescribed motion
+    impact         initial velocity of the struck spheres
+    striker        velocities of the [[striker]]s only
+    force          force on the struck spheres, or on the free end of the incident bar
+    displacement   prescribed displacement of the struck spheres
 
-The shapes of forces and displacements, with amplitude A, duration T and frequency f:
+Time functions of forces and displacements, with amplitude A, duration T and frequency f:
 
     half-sine      A sin(pi t / T) up to T (thesis 2.21)
     rectangle      A up to T (thesis 4.2)
     harmonic       A sin(2 pi f t)
-    table          straight lines between given points; zero before and after
+    table          linear interpolation between given points; zero before and after
 """
 
 from __future__ import annotations
@@ -84,7 +84,7 @@ def _parse_table(value: Any) -> tuple[tuple[float, float], ...]:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Load:
-    """``[load]``: what sets the packing in motion."""
+    """``[load]``: the load on a packing."""
 
     kind: Literal["impact", "striker", "force", "displacement"] = choice(
         "velocity of the struck spheres, the strikers alone, a force, or a prescribed displacement",
@@ -121,18 +121,18 @@ class Load:
 
     @property
     def driven(self) -> bool:
-        """Work is done while the run goes on."""
+        """True for a force or displacement, which does work during the run."""
         return self.kind in ("force", "displacement")
 
     @property
     def initial_velocity(self) -> tuple[float, float, float]:
-        """Initial velocity of the struck spheres of an impact: (x, y, z), m/s."""
+        """Initial velocity (x, y, z) of the struck spheres of an impact, m/s."""
         angle = math.radians(self.angle)
         return self.velocity * math.sin(angle), 0.0, self.velocity * math.cos(angle)
 
     @property
     def lasts(self) -> float:
-        """When the last work is done, s; infinite for what is harmonic."""
+        """Time at which a force or displacement ends, s; 0 for other loads, infinite for a harmonic one."""
         if not self.driven:
             return 0.0
         if self.shape == "harmonic":
@@ -146,7 +146,7 @@ class Load:
 
     @property
     def impulse(self) -> float:
-        """Largest impulse that the force has given at any time, N s; of a harmonic force that of half a period."""
+        """Largest magnitude of the impulse up to any time, N s; a harmonic force reaches it after half a period."""
         if self.table:
             time, size = np.array(self.table).T
             parts = np.diff(time) * (size[1:] + size[:-1]) / 2
@@ -165,14 +165,14 @@ class Load:
         return 2 * math.pi * (self.frequency or 0.0) * (self.amplitude or 0.0)
 
     def keys(self) -> dict[str, Any]:
-        """The keys that mean something for this kind of load."""
+        """Return the keys that apply to this kind of load, with their values."""
         return {name: getattr(self, name) for name in _OF_KIND[self.kind] if name != "file"}
 
 
 def read_load(table: Any, errors: ErrorList) -> Load | None:
-    """Read ``[load]``; what is missing or wrong is added to ``errors``.
+    """Read ``[load]``; missing and wrong values are added to ``errors``.
 
-    The points of ``load.file`` become ``table``, so that the case is whole.
+    The points of ``load.file`` become ``load.table``, so that the case is complete without the file.
     """
     before, names = len(errors.lines), list(table) if isinstance(table, Mapping) else []
     if isinstance(table, Mapping) and "file" in table:
@@ -238,7 +238,7 @@ def _from_file(table: Mapping[str, Any], errors: ErrorList) -> dict[str, Any]:
 
 
 def _numbers(lines: Sequence[str]) -> list[list[float]]:
-    """Two numbers of each line; raises ValueError that names the line where there are others."""
+    """Read two numbers from each line; raise ValueError naming the first line that has others."""
     rows = []
     for n, line in enumerate(lines, start=1):
         words = line.partition("#")[0].split()

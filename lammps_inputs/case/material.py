@@ -39,18 +39,18 @@ class Material:
 
 @cache
 def presets() -> dict[str, Material]:
-    """The materials that come with the package, by name."""
+    """Return the materials that come with the package, by name."""
     with resources.as_file(resources.files("granwave.lammps_inputs.case") / "materials.toml") as path:
         return load_materials(path)
 
 
 def material(name: str) -> Material:
-    """The preset called ``name``.
+    """Return the preset called ``name``.
 
     Raises
     ------
     InputError
-        There is no such preset; the nearest one is named.
+        There is no such preset; the message names the most similar one.
     """
     errors = ErrorList("material")
     found = _select(name, presets(), "preset", errors)
@@ -60,12 +60,12 @@ def material(name: str) -> Material:
 
 
 def sphere_mass(material: Material, radius: float) -> float:
-    """Mass of a sphere, kg; the radius in m."""
+    """Return the mass of a sphere, kg; radius in m."""
     return material.density * 4 / 3 * math.pi * radius**3
 
 
 def load_materials(path: str | Path) -> dict[str, Material]:
-    """Read a file of materials, a table each.
+    """Read a file of materials, one table for each.
 
     Raises
     ------
@@ -85,7 +85,7 @@ def load_materials(path: str | Path) -> dict[str, Material]:
 
 
 def read_material(table: Any, errors: ErrorList, key: str = "material") -> Material | None:
-    """Read a material of a case: a preset's name, or a table of values and, perhaps, ``preset`` and ``file``.
+    """Read a material of a case: the name of a preset, or a table of values, optionally with ``preset`` and ``file``.
 
     Parameters
     ----------
@@ -110,7 +110,7 @@ def read_material(table: Any, errors: ErrorList, key: str = "material") -> Mater
         return None
     values = {name: value for name, value in dataclasses.asdict(base).items() if value is not None}
     if own.keys() - {"name"}:
-        values.pop("source", None)  # the source does not vouch for a changed value
+        values.pop("source", None)  # the source does not hold for changed values
     return read_table(Material, {**values, **own}, key, errors)
 
 

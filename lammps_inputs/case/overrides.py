@@ -1,8 +1,8 @@
 """Overrides of a case from the command line or a scan: ``KEY=VALUE`` with dotted keys and TOML values.
 
-Bare words are strings: ``packing.kind=hcp``, ``material=steel``. Only the named key changes, except that a
-whole table can be replaced by naming it: ``material=steel`` drops the keys of an earlier ``[material]``. Entries of an
-array of tables go by number, from 1: ``replace.2.index=8``.
+Bare words are strings: ``packing.kind=hcp``, ``material=steel``. Only the named key changes. The name of a table
+replaces the whole table: ``material=steel`` drops the keys of an earlier ``[material]``. Entries of an array of tables
+are numbered from 1: ``replace.2.index=8``.
 """
 
 from __future__ import annotations
@@ -47,9 +47,9 @@ def parse_override(override: str) -> tuple[str, Any]:
 
 
 def parse_overrides(overrides: Iterable[str] | Mapping[str, Any]) -> dict[str, Any]:
-    """Overrides as a mapping of dotted keys to values; all errors are raised at once.
+    """Parse overrides into a mapping of dotted keys to values; all errors are raised at once.
 
-    Files that they name are found from the working directory.
+    Relative paths in them start from the working directory.
     """
     if isinstance(overrides, Mapping):
         return dict(with_absolute_paths(overrides, Path()))
@@ -63,7 +63,7 @@ def parse_overrides(overrides: Iterable[str] | Mapping[str, Any]) -> dict[str, A
         except InputError as error:
             errors += error.errors
         else:
-            parsed.pop(key, None)  # the last word counts, also in the order of application
+            parsed.pop(key, None)  # the last override of a key counts, and is applied last
             parsed[key] = value
     if errors:
         raise InputError(errors)
@@ -71,12 +71,12 @@ def parse_overrides(overrides: Iterable[str] | Mapping[str, Any]) -> dict[str, A
 
 
 def apply_overrides(data: Mapping[str, Any], overrides: Mapping[str, Any]) -> dict[str, Any]:
-    """A copy of the case ``data`` with ``overrides`` (dotted key to value) put in.
+    """Return a copy of the case ``data`` with ``overrides`` (dotted key to value) applied.
 
     Raises
     ------
     InputError
-        A key leads through a value that is not a table.
+        Part of a dotted key names a value that is not a table.
     """
     result = copy.deepcopy(dict(data))
     errors: list[str] = []
@@ -109,7 +109,7 @@ def apply_overrides(data: Mapping[str, Any], overrides: Mapping[str, Any]) -> di
 
 
 class _Numbered(dict[str, Any]):
-    """An array of tables by number, from 1, as a dotted key names its entries."""
+    """An array of tables as a mapping from the number of an entry, from 1, as in dotted keys."""
 
     def __init__(self, entries: list[Any]) -> None:
         super().__init__({str(n): entry for n, entry in enumerate(entries, start=1)})

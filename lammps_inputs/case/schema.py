@@ -1,9 +1,8 @@
-"""Keys of a TOML table: what each may hold, and the reading of a table into a typed section.
+"""Schema of TOML tables: types and bounds of their keys, and reading a table into a typed section.
 
-A section is a frozen dataclass whose fields are made by the functions below. Each field carries, as metadata,
-the ``description`` for people, the ``unit``, and the ``parse`` function that turns a TOML value into the
-field's value or raises `ValidationError`. `read_table` applies them and collects every fault instead of stopping at the
-first.
+A section is a frozen dataclass whose fields are made by the functions below. The metadata of each field holds its
+``description``, its ``unit``, and the ``parse`` function that converts a TOML value to the value of the field or raises
+`ValidationError`. `read_table` applies them and collects all faults instead of stopping at the first.
 """
 
 from __future__ import annotations
@@ -25,18 +24,18 @@ Parse = Callable[[Any], Any]
 
 _LOG = logging.getLogger("granwave")
 REQUIRED: Any = dataclasses.MISSING
-LARGEST_COUNT = 2**31 - 1  # of anything: LAMMPS counts with 32 bits in its usual build
+LARGEST_COUNT = 2**31 - 1  # ids and counts are 32-bit integers in the default build of LAMMPS
 _SHOWN_CHARACTERS = 60
-_LONGEST_NAME = 200  # bytes; file systems end at 255, and endings come on top
+_LONGEST_NAME = 200  # bytes; file systems allow 255, including suffixes
 
 
 class ValidationError(Exception):
-    """A value does not fit its key; the message says what was expected."""
+    """Error of a value that is not valid for its key; the message says what was expected."""
 
 
 @dataclasses.dataclass
 class ErrorList:
-    """The errors of one file, a line each.
+    """Errors of one file, one line each.
 
     Attributes
     ----------
@@ -45,11 +44,11 @@ class ErrorList:
     overridden
         Dotted keys that came from the command line; their errors name ``--set`` as the source.
     vocabulary
-        Dotted keys that there are, for hints.
+        All dotted keys, for suggestions.
     lines
-        What is wrong.
+        Error messages.
     notes
-        What is allowed but is probably not meant: a key, and why.
+        Warnings: values that are valid but probably not meant.
     """
 
     source: str
@@ -59,17 +58,17 @@ class ErrorList:
     notes: list[str] = dataclasses.field(default_factory=list)
 
     def add(self, key: str, message: str) -> None:
-        """Record one fault of the dotted ``key``."""
+        """Add an error of the dotted ``key``."""
         top_down = [key.rsplit(".", n)[0] for n in range(key.count(".") + 1)]
         source = "--set" if any(name in self.overridden for name in top_down) else self.source
         self.lines.append(" ".join(f"{source}: {_cut(key)}: {message}".split()))
 
     def add_unknown(self, key: str, message: str) -> None:
-        """Record one fault of a key that cannot be; of a table that ``--set`` made, that of the key in it."""
+        """Add an error of an unknown key; if the key is a table that ``--set`` made, name the key given there."""
         self.add(next((one for one in self.overridden if one.startswith(f"{key}.")), key), message)
 
     def report(self, name: str) -> None:
-        """Log the notes on a case of this name as warnings; raise InputError if there are errors."""
+        """Log the notes as warnings that name the case; raise InputError if there are errors."""
         for note in self.notes:
             _LOG.warning("%s: %s", name, note)
         self.notes.clear()
@@ -89,7 +88,7 @@ def number(
     word: str | None = None,
     usual: Usual | None = None,
 ) -> Any:
-    """A finite number within bounds, or the ``word`` that may stand in its place; others than ``usual`` are noted."""
+    """Field of a finite number within bounds, or of ``word`` in its place; values outside ``usual`` give a warning."""
     limits = [(above, "above"), (at_least, "at least"), (below, "below"), (at_most, "at most")]
     wanted = " and ".join(f"{name} {limit:g}" for limit, name in limits if math.isfinite(limit))
     expected = f"a number {wanted}".rstrip() + (f" ({unit})" if unit else "") + (f' or "{word}"' if word else "")
@@ -106,7 +105,7 @@ def number(
 
 
 def choice(description: str, options: tuple[Any, ...], *, default: Any = REQUIRED) -> Any:
-    """One of the listed words, whole numbers or truth values."""
+    """Field of one of the listed words, whole numbers or booleans."""
     expected = "one of " + ", ".join(show(option) for option in options)
 
     def parse(value: Any) -> Any:
@@ -119,7 +118,7 @@ def choice(description: str, options: tuple[Any, ...], *, default: Any = REQUIRE
 
 
 def text(description: str, *, default: Any = REQUIRED) -> Any:
-    """A string that is not empty."""
+    """Field of a string that is not empty."""
 
     def parse(value: Any) -> Any:
         if not isinstance(value, str) or not value.strip():
@@ -137,12 +136,12 @@ def custom(
     default: Any = REQUIRED,
     usual: Usual | None = None,
 ) -> Any:
-    """A value with its own ``parse`` function; numbers in it other than ``usual`` are noted."""
+    """Field of a value with its own ``parse`` function; numbers outside ``usual`` give a warning."""
     return _field(description, unit, default, parse, usual)
 
 
 def finite(value: Any, expected: str) -> float:
-    """``value`` as a finite float; booleans, strings and NaN are `ValidationError`."""
+    """Convert ``value`` to a finite float; raise `ValidationError` for booleans, strings, NaN and infinity."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise ValidationError(expected)
     try:
@@ -155,7 +154,7 @@ def finite(value: Any, expected: str) -> float:
 
 
 def whole(value: Any, expected: str, *, at_least: int = 1, at_most: int = LARGEST_COUNT) -> int:
-    """``value`` as an integer within bounds; booleans and floats are `ValidationError`."""
+    """Return ``value`` as an integer within bounds; raise `ValidationError` for booleans and floats."""
     if isinstance(value, bool) or not isinstance(value, int) or value < at_least:
         raise ValidationError(expected)
     if value > at_most:
@@ -164,13 +163,13 @@ def whole(value: Any, expected: str, *, at_least: int = 1, at_most: int = LARGES
 
 
 def count(description: str, *, default: Any = REQUIRED, at_least: int = 1, at_most: int = LARGEST_COUNT) -> Any:
-    """A whole number within bounds."""
+    """Field of a whole number within bounds."""
     expected = f"a whole number from {at_least} up"
     return _field(description, None, default, lambda value: whole(value, expected, at_least=at_least, at_most=at_most))
 
 
 def parse_point(value: Any, expected: str) -> tuple[float, float, float]:
-    """Three numbers; `ValidationError` says what was ``expected``."""
+    """Convert ``value`` to three numbers; raise `ValidationError` with what was ``expected``."""
     if not isinstance(value, list | tuple) or len(value) != 3:
         raise ValidationError(expected)
     x, y, z = (finite(one, expected) for one in value)
@@ -178,7 +177,7 @@ def parse_point(value: Any, expected: str) -> tuple[float, float, float]:
 
 
 def plain_name(value: Any) -> str:
-    """``value`` as a name that can be that of a directory too, and leads nowhere else."""
+    """Return ``value`` if it is a name that can safely be used for a directory; raise `ValidationError` otherwise."""
     fits = isinstance(value, str) and value.strip() == value != "" and value.isprintable()
     if not fits or "/" in value or value[0] in ".-~":
         raise ValidationError('a plain name, as of a directory: without "/", not beginning with ".", "-" or "~"')
@@ -188,7 +187,7 @@ def plain_name(value: Any) -> str:
 
 
 def read_name(data: Mapping[str, Any], source: str | Path, errors: ErrorList) -> str:
-    """The ``name`` of a case or a scan; without one the stem of its file."""
+    """Read the ``name`` of a case or a scan; the default is the stem of its file."""
     name = data.get("name", Path(source).stem)
     try:
         return plain_name(name)
@@ -199,7 +198,7 @@ def read_name(data: Mapping[str, Any], source: str | Path, errors: ErrorList) ->
 
 
 def show(value: Any) -> str:
-    """``value`` about as it stood in the file, cut to a readable length."""
+    """Format ``value`` as in a TOML file, cut to a readable length."""
     if isinstance(value, bool):
         shown = "true" if value else "false"
     elif isinstance(value, str):
@@ -214,24 +213,24 @@ def show(value: Any) -> str:
 
 
 def printable(text: str) -> str:
-    """``text`` with line ends, controls and marks of direction escaped: one line that nothing in it can break."""
+    """Escape line ends, control characters and direction marks, so that ``text`` stays on one line."""
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
 def _cut(text: str) -> str:
-    """``text``, cut to a readable length."""
+    """Cut ``text`` to a readable length."""
     return text if len(text) <= _SHOWN_CHARACTERS else text[: _SHOWN_CHARACTERS - 3] + "..."
 
 
 def read_table(section: type[Section], table: Any, prefix: str, errors: ErrorList) -> Section | None:
-    """Read one TOML table into ``section``, or return None after recording every fault.
+    """Read one TOML table into ``section``; on faults, add them all to ``errors`` and return None.
 
-    Fields that are not made by the functions above are left at their defaults.
+    Fields that are not made by the functions above keep their defaults.
 
     Parameters
     ----------
     prefix
-        Dotted name of the table, as in the file; empty for the file itself.
+        Dotted name of the table, as in the file; empty for the top level.
     """
     if not isinstance(table, Mapping):
         errors.add(prefix, f"found {show(table)}, expected a table [{prefix}] of keys and values")
@@ -260,7 +259,7 @@ def read_table(section: type[Section], table: Any, prefix: str, errors: ErrorLis
 
 
 def refuse_unknown(table: Mapping[str, Any], known: Collection[str], prefix: str, errors: ErrorList) -> None:
-    """Record a fault for each key of ``table`` that is not ``known``, naming the nearest one that is."""
+    """Add an error for each key of ``table`` that is not ``known``, with a suggestion."""
     for name in table:
         key = f"{prefix}.{name}" if prefix else name
         if name not in known:
@@ -268,7 +267,7 @@ def refuse_unknown(table: Mapping[str, Any], known: Collection[str], prefix: str
 
 
 def keys_of(sections: Mapping[str, type]) -> list[str]:
-    """Dotted keys of tables: their dotted names with the names of the fields that `read_table` reads."""
+    """Return the dotted keys of tables, given by dotted name: one for each field that `read_table` reads."""
     return [
         f"{name}.{field.name}"
         for name, section in sections.items()

@@ -35,15 +35,15 @@ from granwave.lammps_inputs.case.yield_factor import DEFAULT_YIELD_FACTOR
 from granwave.lammps_inputs.lattices import KINDS
 
 BOTTOMS = ("wall", "fixed", "free")
-LAWS = _contact_laws.LAWS  # the table of the plugin, by name
-LAW_CONSTANTS = tuple(_contact_laws.LAW_CONSTANTS)  # of the elasto-plastic law
-AUTO_END_TIME = 5e-3  # s, the longest that `end_time = "auto"` goes on
-ENERGY_TOLERANCE = 3e-6  # `run.energy_tolerance` where it is not given
-LEAST_ENERGY_TOLERANCE = 1e-10  # of the input: rounding makes some 1e-12
-DEFAULT_FRAMES = 20  # `run.frames` where it is not given; a run of fewer steps has fewer
+LAWS = _contact_laws.LAWS  # contact laws of the plugin, by name
+LAW_CONSTANTS = tuple(_contact_laws.LAW_CONSTANTS)  # names of the constants of the elasto-plastic law
+AUTO_END_TIME = 5e-3  # s, upper limit of `end_time = "auto"`
+ENERGY_TOLERANCE = 3e-6  # default of `run.energy_tolerance`
+LEAST_ENERGY_TOLERANCE = 1e-10  # rounding errors are some 1e-12 of the input
+DEFAULT_FRAMES = 20  # default of `run.frames`; a run of fewer steps has fewer
 _CONSTANT: dict[str, Any] = {"above": 0, "default": None}
 LARGEST_ID = LARGEST_COUNT
-_NO_LIMIT = 2**63 - 1  # the schedule knows how many there can be
+_NO_LIMIT = 2**63 - 1  # the schedule limits the number to that of the steps
 
 
 def _parse_size(value: Any) -> tuple[int, ...]:
@@ -146,20 +146,20 @@ def _parse_probe(value: Any) -> Probe:
 
 @dataclasses.dataclass(frozen=True)
 class Probe:
-    """Probe, recorded at its own rate: one sphere, or the contact of two."""
+    """Probe of one sphere or of the contact of two, recorded at its own rate."""
 
     sphere: int | None = None
     contact: tuple[int, int] | None = None
 
     @property
     def spheres(self) -> tuple[int, ...]:
-        """The ids it names."""
+        """Ids of its sphere or spheres."""
         return self.contact if self.contact is not None else (self.sphere or 0,)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Dents:
-    """Dents that the contacts in a box have from the start, by their largest overlap (m) or the force there (N)."""
+    """Initial dents of the contacts in a box, given by the largest earlier overlap (m) or force (N)."""
 
     overlap: float | None = None
     force: float | None = None
@@ -169,7 +169,7 @@ class Dents:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class PackingSection:
-    """``[packing]``: which spheres there are."""
+    """``[packing]``: lattice, size and spheres of the packing."""
 
     kind: str = choice("lattice", tuple(KINDS))
     size: tuple[int, ...] = custom("spheres along x, rows along y, layers along z", _parse_size)
@@ -194,7 +194,7 @@ class PackingSection:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Contact:
-    """``[contact]``: how two spheres press on each other."""
+    """``[contact]``: contact law and friction."""
 
     law: str = choice("contact law", tuple(LAWS), default="elastoplastic")
     variant: Literal["continuous", "published"] = choice(
@@ -222,8 +222,8 @@ class Contact:
         default=0.0,
     )
 
-    # constants of the elasto-plastic law, for materials whose curve is not the published one (None: as published);
-    # a = alpha/alpha_y, and the pressure is in units of sigma_y, the area in units of pi R* alpha_y
+    # Constants of the elasto-plastic law, for materials whose curve differs from the published one (None: published).
+    # a = alpha/alpha_y; pressure in units of sigma_y, area in units of pi R* alpha_y.
     pressure_limit: float | None = number("c1 of p = c1 - (c1 - 2C/3) exp(-c2 (a-1)); 2.48 (thesis 2.8)", **_CONSTANT)
     pressure_rate: float | None = number("c2 of the same; 0.098 (thesis 2.8)", at_least=1e-4, at_most=10, default=None)
     area_switch: float | None = number(
@@ -242,7 +242,7 @@ class Contact:
 
     @property
     def constants(self) -> dict[str, float]:
-        """The constants of the elasto-plastic law that were given, by name."""
+        """Constants of the elasto-plastic law that the case gives, by name."""
         given = {name: getattr(self, name) for name in LAW_CONSTANTS}
         return {name: value for name, value in given.items() if value is not None}
 
@@ -257,25 +257,25 @@ class Contact:
         return bool(self.entry.yields)
 
     def takes(self, option: str) -> bool:
-        """Tell if the law has an option: ``variant``, ``yield_factor``, ``beta`` or ``constants``."""
+        """Return True if the law has an option: ``variant``, ``yield_factor``, ``beta`` or ``constants``."""
         return option in self.entry.options
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Boundary:
-    """``[boundary]``: what is around the packing; the struck top is always free."""
+    """``[boundary]``: bottom and sides of the packing; the struck top is always free."""
 
     bottom: Literal["wall", "fixed", "free"] = choice(
         "below the last layer: a plane, the layer held in place, or nothing", BOTTOMS, default="wall"
     )
-    bottom_material: Material | None = None  # of the plane, given as bottom = {material = ...}; rigid without one
+    bottom_material: Material | None = None  # of the bottom plane: bottom = {material = ...}; None: rigid
     sides: Literal["free", "wall", "periodic"] = choice(
         "at the sides: nothing, planes, or the packing again",
         ("free", "wall", "periodic"),
         default="free",
     )
-    bottom_support: Support | None = None  # what the plane moves on: plate, half_space or bar = {...}
-    sides_material: Material | None = None  # of all side planes, given as sides = {material = ...}
+    bottom_support: Support | None = None  # of a moving bottom plane: plate, half_space or bar = {...}
+    sides_material: Material | None = None  # of all side planes: sides = {material = ...}; None: rigid
     friction: float | None = number(
         "coefficient of Coulomb friction of the walls; that of the contacts by default",
         at_least=0,
@@ -294,7 +294,7 @@ class Boundary:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Precompression:
-    """``[precompression]``: a static load before the impact, which stays on."""
+    """``[precompression]``: a static load, applied before the impact and kept during it."""
 
     kind: Literal["uniaxial", "uniform", "gravity"] = choice(
         "a load along z on the top layer, the same pressure on all free faces, or the spheres' weight along +z",
@@ -309,7 +309,7 @@ class Precompression:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Run:
-    """``[run]``: how long, in what steps, with which snapshots."""
+    """``[run]``: end time, timestep and snapshots."""
 
     end_time: float | Literal["auto"] = number(
         "when the run ends; auto: when 50 us add less than 1e-4 of the input to dissipation, at most 5 ms",
@@ -360,13 +360,13 @@ class Run:
 
     @property
     def longest(self) -> float:
-        """The latest time the run can reach, s."""
+        """Latest time that the run can reach, s."""
         return AUTO_END_TIME if isinstance(self.end_time, str) else self.end_time
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Output:
-    """``[output]``: what is recorded besides snapshots and energies."""
+    """``[output]``: records besides snapshots and energies."""
 
     probes: tuple[Probe, ...] = custom("spheres and contacts recorded at their own rate", _parse_probes, default=())
     probe_interval: float | Literal["auto"] = number(

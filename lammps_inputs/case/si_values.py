@@ -1,4 +1,4 @@
-"""Values in SI units: what is possible at all, what is usual, and which unit was probably meant by what is not."""
+"""Plausibility of values in SI units: possible and usual magnitudes, and the unit that was probably meant."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ import re
 from collections.abc import Iterator
 from typing import Any
 
-# By unit: magnitudes beyond which nothing can be computed that means anything. Zero passes where a key allows it.
+# Smallest and largest accepted magnitudes by unit; results beyond them would be meaningless. Zero is always accepted
+# here; the bounds of a key may exclude it.
 POSSIBLE: dict[str, tuple[float, float]] = {
     "m": (1e-18, 1e6),
     "m^2": (1e-36, 1e12),
@@ -24,7 +25,7 @@ POSSIBLE: dict[str, tuple[float, float]] = {
     "N s/m": (1e-15, 1e24),
     "diameters": (1e-9, 2.0),
 }
-_EXPONENTS = {  # of ten
+_EXPONENTS = {  # powers of ten of the SI unit
     "GPa": 9, "MPa": 6, "kPa": 3, "g/cm^3": 3, "mm": -3, "um": -6, "mm^2": -6, "cm^2": -4, "us": -6, "ms": -3, "ns": -9,
     "mm/s": -3, "mm/s^2": -3, "kN": 3, "mN": -3, "g": -3, "kHz": 3, "MHz": 6,
 }  # fmt: skip
@@ -32,14 +33,14 @@ _EXPONENTS = {  # of ten
 
 @dataclasses.dataclass(frozen=True)
 class Usual:
-    """Magnitudes that a key usually has.
+    """Usual magnitudes of a key.
 
     Attributes
     ----------
     units
-        Others than those of SI that are often meant, the likeliest first.
+        Units other than SI that users often mean, the most likely first.
     beyond
-        How many times larger than ``high`` a value may be without a word: of bodies that stand for rigid or heavy ones.
+        Factor above ``high`` up to which there is no warning; for bodies that stand for rigid or heavy ones.
     """
 
     low: float
@@ -67,7 +68,7 @@ FRICTION = Usual(0.0, 2.0)
 
 
 def impossible(value: Any, unit: str | None) -> str:
-    """Return the expected magnitude where a value, or a number in it, is beyond all measure; empty if none is."""
+    """Return the accepted magnitudes if a value, or a number in it, lies outside them; empty otherwise."""
     low, high = POSSIBLE.get(unit or "", (0.0, float("inf")))
     if all(not number or low <= abs(number) <= high for number in _numbers(value)):
         return ""
@@ -75,7 +76,7 @@ def impossible(value: Any, unit: str | None) -> str:
 
 
 def unusual(value: Any, unit: str | None, usual: Usual) -> str:
-    """Return found and expected where a value, or a number in it, is not usual; empty if all are."""
+    """Return a warning with found and expected magnitude if a number in a value is unusual; empty otherwise."""
     most = usual.high * usual.beyond
     odd = [number for number in _numbers(value) if number and not usual.low <= abs(number) <= most]
     if not odd:

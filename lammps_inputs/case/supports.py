@@ -1,9 +1,9 @@
-"""Supports of a bottom plane that is not held in place: ``boundary.bottom = {plate = {...}}`` and the like.
+"""Supports of a moving bottom plane: ``boundary.bottom = {plate = {...}}``, ``half_space`` or ``bar``.
 
-plate        a rigid plate of some mass on a spring, with a damper if wanted
+plate        a rigid plate on a spring and an optional damper
 half_space   the surface of an elastic half-space under the packing's footprint: Lysmer's analogue, a spring
-             4 G r/(1 - nu) beside a damper 3.4 r^2 sqrt(rho G)/(1 - nu) (Lysmer and Richart, 1966)
-bar          an elastic bar along z, of linear elements with lumped mass; its far end free, fixed, or without an echo
+             4 G r/(1 - nu) parallel to a damper 3.4 r^2 sqrt(rho G)/(1 - nu) (Lysmer and Richart, 1966)
+bar          an elastic bar along z, of linear elements with lumped mass; its far end free, fixed or non-reflecting
 """
 
 from __future__ import annotations
@@ -27,14 +27,14 @@ from granwave.lammps_inputs.case.si_values import AREA, LENGTH, MASS
 
 _SPRING = 4.0  # K (1 - nu) / (G r) of a rigid disc on a half-space, exact in statics
 _DAMPER = 3.4  # C (1 - nu) / (r^2 sqrt(rho G)) (Lysmer and Richart, 1966)
-BAR_COURANT_NUMBER = 0.5  # of the time that a wave takes for an element of a bar
-_OF_OSCILLATION = 0.05  # of sqrt(mass/stiffness)
-_OF_DECAY = 0.05  # of damping/stiffness of a surface without mass
+BAR_COURANT_NUMBER = 0.5  # timestep over the time that a wave takes through one element of a bar
+_OF_OSCILLATION = 0.05  # timestep over sqrt(mass/stiffness)
+_OF_DECAY = 0.05  # timestep over damping/stiffness of a massless surface
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Plate:
-    """A rigid plate on a spring and a damper."""
+    """Rigid plate on a spring and a damper."""
 
     mass: float = number("of the plate", unit="kg", above=0, usual=MASS)
     stiffness: float = number("of the spring between plate and ground", unit="N/m", above=0)
@@ -43,7 +43,7 @@ class Plate:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class HalfSpace:
-    """The surface of an elastic half-space, moved as a whole by the packing that stands on it."""
+    """Surface of an elastic half-space under the packing, moving as a rigid disc."""
 
     radius: float | None = number(
         "of the disc that moves; that of the packing's footprint by default",
@@ -54,11 +54,11 @@ class HalfSpace:
     )
 
     def stiffness(self, material: Material, radius: float) -> float:
-        """Stiffness of a rigid disc of this radius (m) on the half-space, N/m."""
+        """Return the stiffness of a rigid disc of this radius (m) on the half-space, N/m."""
         return _SPRING * _shear_modulus(material) * radius / (1 - material.poisson_ratio)
 
     def damping(self, material: Material, radius: float) -> float:
-        """Damping by radiation, N s/m."""
+        """Return the radiation damping, N s/m."""
         return (
             _DAMPER * radius**2 * math.sqrt(material.density * _shear_modulus(material)) / (1 - material.poisson_ratio)
         )
@@ -66,7 +66,7 @@ class HalfSpace:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class SupportBar:
-    """An elastic bar under the whole packing."""
+    """Elastic bar under the whole packing."""
 
     length: float = number("of the bar", unit="m", above=0, usual=LENGTH)
     area: float = number("of its cross-section", unit="m^2", above=0, usual=AREA)
@@ -76,26 +76,26 @@ class SupportBar:
     )
 
     def mass(self, material: Material) -> float:
-        """Mass of the whole bar, kg."""
+        """Return the mass of the whole bar, kg."""
         return material.density * self.area * self.length
 
     def stiffness(self, material: Material) -> float:
-        """Stiffness of an element, N/m."""
+        """Return the stiffness of an element, N/m."""
         return material.youngs_modulus * self.area * self.elements / self.length
 
 
 @dataclasses.dataclass(frozen=True)
 class NodeConstants:
-    """A node on a spring and a damper, along the normal of the plane.
+    """Constants of a node on a spring and a damper, along the normal of the plane.
 
     Attributes
     ----------
     mass
-        kg; 0 for a surface without inertia.
+        Mass of the node, kg; 0 for a surface without inertia.
     stiffness
-        N/m.
+        Stiffness of the spring, N/m.
     damping
-        N s/m.
+        Damping constant, N s/m.
     """
 
     mass: float
@@ -105,7 +105,7 @@ class NodeConstants:
 
 @dataclasses.dataclass(frozen=True)
 class BarConstants:
-    """An elastic bar of lumped masses, along the normal of the plane.
+    """Constants of an elastic bar of lumped masses, along the normal of the plane.
 
     Attributes
     ----------
@@ -116,7 +116,7 @@ class BarConstants:
     stiffness
         Stiffness of an element, N/m.
     end
-        ``free``, ``fixed``, or the impedance of a bar that goes on without an echo, N s/m.
+        Far end: ``free``, ``fixed``, or the impedance of a non-reflecting end, N s/m.
     """
 
     elements: int
@@ -127,7 +127,7 @@ class BarConstants:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Support:
-    """One of the three, and of what material its surface is."""
+    """Support of the bottom plane: exactly one of plate, half-space and bar."""
 
     plate: Plate | None = None
     half_space: HalfSpace | None = None
@@ -135,21 +135,21 @@ class Support:
 
     @property
     def kind(self) -> str:
-        """Its name, as in the case."""
+        """Name of the support, as in the case file."""
         return "plate" if self.plate else "half_space" if self.half_space else "bar"
 
     @property
     def bears(self) -> bool:
-        """It holds a load that lasts: there is a spring to the ground."""
+        """True if the support can bear a static load: it has a spring to the ground."""
         return self.bar is None or self.bar.end == "fixed"
 
     def constants(self, material: Material | None, footprint: float) -> NodeConstants | BarConstants:
-        """Mass, stiffness and damping behind the plane.
+        """Return the mass, stiffness and damping behind the plane.
 
         Parameters
         ----------
         material
-            Of the surface; a plate needs none.
+            Material of the surface; a plate needs none.
         footprint
             Radius of the packing's footprint, m.
         """
@@ -166,14 +166,14 @@ class Support:
         return BarConstants(self.bar.elements, self.bar.mass(material), self.bar.stiffness(material), end)
 
     def longest_timestep(self, material: Material | None, footprint: float, contacts: float) -> float:
-        """A timestep that follows its motion, s.
+        """Return the longest timestep that resolves the motion of the support, s.
 
         Parameters
         ----------
         material, footprint
-            As of `constants`.
+            As in `constants`.
         contacts
-            Stiffness of all contacts with the plane together, N/m.
+            Sum of the stiffnesses of all contacts with the plane, N/m.
         """
         if self.plate:
             return _OF_OSCILLATION * math.sqrt(self.plate.mass / (self.plate.stiffness + contacts))
@@ -193,7 +193,7 @@ _KINDS: dict[str, type] = {"plate": Plate, "half_space": HalfSpace, "bar": Suppo
 
 
 def read_bottom(table: Mapping[str, Any], key: str, errors: ErrorList) -> tuple[Material | None, Support | None]:
-    """Read ``bottom = {...}``: its material, and what it rests on; what is wrong is added to ``errors``."""
+    """Read material and support from ``bottom = {...}``; faults are added to ``errors``."""
     refuse_unknown(table, ("material", *_KINDS), key, errors)
     chosen = [name for name in _KINDS if name in table]
     if not table:

@@ -22,7 +22,7 @@ _DEEPEST = 3.0  # in contact radii; the largest stress lies above 0.7 for every 
 
 
 def hertz_von_mises_yield_factor(poisson_ratio: float) -> float:
-    """The exact C of a material with this Poisson's ratio (above -1, below 0.5)."""
+    """Return the exact C for a Poisson's ratio (above -1, below 0.5)."""
 
     def stress(depth: float | np.ndarray) -> np.ndarray:
         zeta = np.maximum(depth, 1e-300)

@@ -1,1 +1,1 @@
-"""Checks of a case as a whole, and warnings."""
+"""Checks that concern several tables of a case, and warnings."""

@@ -1,4 +1,4 @@
-"""Checks of the tables of a case together, and warnings."""
+"""Checks of the tables of a case against each other, and warnings."""
 
 from __future__ import annotations
 
@@ -17,21 +17,22 @@ from granwave.lammps_inputs.checks.packing import check_disorder, check_room
 from granwave.lammps_inputs.checks.precompression import check_first_yield, check_precompression, check_support
 from granwave.lammps_inputs.lattices import KINDS, Lattice
 from granwave.lammps_inputs.memory import available_memory
-from granwave.lammps_inputs.packing.assembly import BAR, INCIDENT_BAR, Assembly, assemble
+from granwave.lammps_inputs.packing.assembly import Assembly, assemble
+from granwave.lammps_inputs.packing.bars import BAR, INCIDENT_BAR
 from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
 
 _LOG = logging.getLogger("granwave")
-_OVERLAP = 1e-6  # diameters: how far a striker may reach into what it is not said to touch
-_LONGEST_ELEMENT = 10  # of a bar, in diameters of the beads
-_MEMORY_OF_SITE = 40.0  # bytes, where sites differ, or in the struck layer: 34 to 68 for 1e7 spheres
-_LEAST_PERIODIC = 3  # fewer spheres would touch their own images, or one neighbour twice
+_OVERLAP = 1e-6  # diameters; largest overlap of a striker with the bottom, for rounding
+_LONGEST_ELEMENT = 10  # length of an element of a bar, in bead diameters
+_MEMORY_OF_SITE = 40.0  # bytes a site; measured 34 to 68 for 1e7 spheres
+_LEAST_PERIODIC = 3  # spheres along a period; fewer would touch their own images, or one neighbour twice
 
 
 def check_together(parts: Mapping[str, Any], errors: ErrorList) -> None:
-    """Check what concerns several keys; a part that is missing or itself wrong is None and passed over."""
+    """Check keys of different tables against each other; parts that are None (missing or wrong) are skipped."""
     packing: PackingSection | None = parts.get("packing")
     boundary: Boundary | None = parts.get("boundary")
     run: Run | None = parts.get("run")
@@ -58,7 +59,7 @@ def check_together(parts: Mapping[str, Any], errors: ErrorList) -> None:
 
 
 def check_case(case: Case, errors: ErrorList) -> Assembly | None:
-    """Check what takes the whole case: room for larger spheres, the places of strikers."""
+    """Check the whole case: space for larger spheres, places of strikers, support, static load and dents."""
     check_room(case, errors)
     try:
         assembly = assemble(case)
@@ -74,7 +75,7 @@ def check_case(case: Case, errors: ErrorList) -> Assembly | None:
 
 
 def _check_below(assembly: Assembly, errors: ErrorList) -> None:
-    """Below a chain there is no room for a striker if a wall or a bar is there; those of other packings let it pass."""
+    """Check that no striker overlaps the wall or bar below a chain; walls of other packings do not act on strikers."""
     case = assembly.case
     bottom = assembly.bottom()
     what = "bar" if case.bar is not None else "wall at the bottom"
@@ -85,7 +86,7 @@ def _check_below(assembly: Assembly, errors: ErrorList) -> None:
 
 
 def warn_about(assembly: Assembly, *, chose_yield_factor: bool) -> None:
-    """Log what is allowed but may not be meant."""
+    """Log warnings about values that are valid but may not be meant."""
     case = assembly.case
     ratio = case.material.poisson_ratio
     uses_factor = case.contact.takes("yield_factor")
@@ -198,7 +199,7 @@ def _size_fits(packing: PackingSection, errors: ErrorList) -> bool:
 
 
 def _fits_into_memory(packing: PackingSection, parts: Mapping[str, Any], errors: ErrorList) -> bool:
-    """Check that this machine can hold what is made for each site to read the case; a run needs more."""
+    """Check that the memory suffices for the arrays over sites that reading the case needs; a run needs more."""
     nx, ny, nz = Lattice(packing.kind, packing.size, packing.diameter).shape
     unlike = packing.diameter_scatter or packing.vacancies or parts.get("replace")
     needed, available = nx * ny * (nz if unlike else 1) * _MEMORY_OF_SITE, available_memory()
@@ -255,7 +256,7 @@ def _check_load(load: Load | None, packing: PackingSection, boundary: Boundary, 
 
 
 def _touch(assembly: Assembly, first: int, second: int) -> bool:
-    """Two spheres touch at the start."""
+    """Return True if two spheres touch at the start."""
     case = assembly.case
     low, high = sorted((first, second))
     n = assembly.lattice.n_spheres

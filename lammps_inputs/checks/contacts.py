@@ -1,4 +1,4 @@
-"""Checks of contact laws with the materials of a case, and of dents with the laws."""
+"""Checks of contact laws against materials, and of initial dents against contact laws."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from granwave.lammps_inputs.packing.assembly import Assembly
 
 
 def check_contacts(parts: Mapping[str, Any], errors: ErrorList) -> None:
-    """Check the laws of contacts; a part that is missing or itself wrong is None and passed over."""
+    """Check the contact laws; parts that are None (missing or wrong) are skipped."""
     contact: Contact | None = parts.get("contact")
     if contact is not None:
         _check_constants(contact, "contact", errors)
@@ -29,7 +29,7 @@ def check_contacts(parts: Mapping[str, Any], errors: ErrorList) -> None:
 
 
 def check_dents(assembly: Assembly, errors: ErrorList) -> None:
-    """Check dents that are given by value."""
+    """Check initial dents that are given by value."""
     if fault := error_in_dents(assembly):
         errors.add(KEY, fault)
 
@@ -53,7 +53,7 @@ def _check_constants(contact: Contact, key: str, errors: ErrorList) -> None:
 
 
 def _check_names(parts: Mapping[str, Any], pairs: tuple[Pair, ...], errors: ErrorList) -> None:
-    """Every [[pair]] names materials that the case has."""
+    """Check that every ``[[pair]]`` names materials of the case."""
     boundary: Boundary | None = parts.get("boundary")
     bodies = [*parts.get("replace", ()), *parts.get("striker", ()), parts.get("bar"), parts.get("incident_bar")]
     materials: list[Material | None] = [parts["material"], *(body.material for body in bodies if body is not None)]
@@ -71,7 +71,7 @@ def _check_names(parts: Mapping[str, Any], pairs: tuple[Pair, ...], errors: Erro
 
 
 def _check_yields(parts: Mapping[str, Any], contact: Contact, pairs: tuple[Pair, ...], errors: ErrorList) -> None:
-    """Every sphere needs a yield strength if its law yields; walls and bars without one are elastic."""
+    """Check that spheres whose law yields have a yield strength; walls and bars without one are elastic."""
     materials: dict[str, Material | None] = {"material": parts.get("material")}
     for name in ("replace", "striker"):
         materials |= {f"{name}.{n}.material": body.material for n, body in enumerate(parts.get(name, ()), start=1)}

@@ -1,4 +1,4 @@
-"""Checks of a packing's disorder: its tolerance, its vacancies, and spheres that are replaced."""
+"""Checks of the disorder of a packing: diameter scatter, vacancies and replaced spheres."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from granwave.lammps_inputs.packing.sites import Sites, chosen_sites, named_sphe
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
 
-_OVERLAP = 1e-9  # diameters: how far a larger sphere may reach into another one, for rounding
+_OVERLAP = 1e-9  # diameters; largest overlap of a larger sphere with another one, for rounding
 _WAYS = "index, a box from low to high, or share"
 
 
 def check_disorder(parts: Mapping[str, Any], errors: ErrorList) -> None:
-    """Check what can be checked before there is a case; a part that is missing or itself wrong is None."""
+    """Check the disorder as far as possible before the bodies are placed; missing or wrong parts are None."""
     packing: PackingSection = parts["packing"]
     boundary: Boundary | None = parts.get("boundary")
     periodic = boundary is not None and boundary.sides == "periodic"
@@ -37,7 +37,7 @@ def check_disorder(parts: Mapping[str, Any], errors: ErrorList) -> None:
 
 
 def check_room(case: Case, errors: ErrorList) -> None:
-    """Check that spheres larger than the lattice allows for have room."""
+    """Check that spheres larger than the lattice spacing overlap neither other spheres nor walls."""
     if case.packing.kind == "chain" or not any((entry.diameter or 0) > case.packing.diameter for entry in case.replace):
         return
     lattice = lattice_of(case)
@@ -102,7 +102,7 @@ def _check_vacancies(parts: Mapping[str, Any], packing: PackingSection, lattice:
     if wrong:
         errors.add(key, f"found {wrong[0]}, expected ids from 1 to {n}, the end of the packing")
     if errors.lines:
-        return  # what the case names cannot be told
+        return  # the named spheres are unknown while other keys are wrong
     named = named_spheres(lattice, *(parts[name] for name in ("load", "replace", "striker", "sensor", "output")))
     if isinstance(packing.vacancies, tuple):
         clash = [sphere for sphere in packing.vacancies if sphere in named]
@@ -140,7 +140,7 @@ def _check_something_is_chosen(
 
 
 def _check_walls(case: Case, sites: Sites, errors: ErrorList) -> None:
-    """The planes are where they touch nominal spheres of the lattice."""
+    """Check that larger spheres do not overlap the planes, which touch nominal spheres."""
     lattice, boundary = sites.lattice, case.boundary
     low, high = lattice.bounds() + np.array([[-1.0], [1.0]]) * lattice.diameter / 2
     planes = [("bottom", 2, high[2], 1)] if boundary.bottom == "wall" else []
@@ -161,7 +161,7 @@ def _check_walls(case: Case, sites: Sites, errors: ErrorList) -> None:
 
 
 def _entry_of(case: Case, sites: Sites, sphere: int) -> str:
-    """Key of the ``[[replace]]`` entry that a sphere's diameter comes from."""
+    """Return the key of the ``[[replace]]`` entry that sets the diameter of a sphere."""
     for place, entry in reversed(list(enumerate(case.replace, start=1))):
         if sphere - 1 in chosen_sites(case.packing, sites.lattice, entry, place, sites.present):
             return f"replace.{place}.diameter"

@@ -1,4 +1,4 @@
-"""Checks of a precompression, and of a bottom that moves, with the rest of a case."""
+"""Checks of precompression and of a moving bottom against the rest of a case."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _TABLE = "precompression"
 def check_precompression(
     parts: Mapping[str, Any], packing: PackingSection, boundary: Boundary, errors: ErrorList
 ) -> None:
-    """Check what is asked for, and whether something can bear it."""
+    """Check the values of a precompression, and that the boundary can bear it."""
     stage: Precompression | None = parts.get(_TABLE)
     if stage is None:
         return
@@ -54,7 +54,7 @@ def check_precompression(
 
 
 def check_first_yield(assembly: Assembly, errors: ErrorList) -> None:
-    """A static load is refused that takes every contact beyond yield, any beyond its law, or makes layers spread."""
+    """Refuse a static load that yields every contact, exceeds the range of the law, or spreads the layers."""
     case = assembly.case
     stage, contact = case.precompression, case.contact_between(case.material, case.material)
     if stage is None:
@@ -68,7 +68,7 @@ def check_first_yield(assembly: Assembly, errors: ErrorList) -> None:
     )  # of the contacts of the top layer
     deepest = float(law.loading_force(np.array([LARGEST * law.effective_radius]))[0])
     fault, force, limit = "", largest, deepest
-    # contacts with dents stay elastic beyond first yield
+    # contacts with initial dents stay elastic beyond first yield
     has_elastic_range = contact.yields and law.elastic_limit > 0
     if has_elastic_range and not case.contact.initial_overlap and least >= law.yield_force:
         force, limit = least, law.yield_force
@@ -86,7 +86,7 @@ def check_first_yield(assembly: Assembly, errors: ErrorList) -> None:
 
 
 def check_support(assembly: Assembly, errors: ErrorList) -> None:
-    """A plane that moves is one plane: spheres of one material rest on it."""
+    """Check that all spheres on a moving bottom are of one material, as each material has a fix of its own."""
     case = assembly.case
     if case.boundary.bottom_support is None:
         return
@@ -100,7 +100,7 @@ def check_support(assembly: Assembly, errors: ErrorList) -> None:
 
 
 def _spreads(assembly: Assembly) -> bool:
-    """Nothing holds the spheres of a layer together against those that lie in their hollows."""
+    """Return True if the load would push the spheres of a layer apart: no friction, pressure or period holds them."""
     case = assembly.case
     stage, packing, boundary = case.precompression, case.packing, case.boundary
     nx, ny, nz = assembly.lattice.shape

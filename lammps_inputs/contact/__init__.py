@@ -1,1 +1,1 @@
-"""Contacts: their law, dents from before the run, and static loads."""
+"""Contacts: laws, initial dents and static loads."""

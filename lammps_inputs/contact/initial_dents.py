@@ -1,8 +1,8 @@
-"""Dents that contacts have before the run, ``contact.initial_overlap``: by value, by region, or left by an earlier run.
+"""Initial dents of contacts, ``contact.initial_overlap``: by value, by region, or from an earlier run.
 
-A dent is the largest overlap that a contact ever had. Of a given force it is the overlap at which the contact, loaded
-for the first time, bears that force: up to it the contact stays elastic from then on. Overlaps below first yield leave
-no dent, nor do contacts whose law knows no yielding.
+A dent is given by the largest overlap that a contact had before the run, or by the force that it carried at this
+overlap on first loading; up to it the contact is elastic from then on. Overlaps below first yield leave no dent, and
+neither do contacts whose law does not yield.
 """
 
 from __future__ import annotations
@@ -30,31 +30,31 @@ if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
     from granwave.lammps_inputs.case.material import Material
 
-LARGEST = 0.2  # of R*: the elasto-plastic law was fitted up to it
+LARGEST = 0.2  # overlap over R* up to which the elasto-plastic law was fitted
 KEY = "contact.initial_overlap"
 
-_REACH = 0.1  # diameters: contacts whose gap is at most this have the dents of a region; no second neighbours
-_INSIDE = 1 - 1e-6  # of the gap at which a dent is forgotten
-_HALVINGS = 60
+_REACH = 0.1  # diameters; largest gap of a contact with a dent, too small for second neighbours
+_INSIDE = 1 - 1e-6  # largest gap over the one at which a dent is forgotten
+_HALVINGS = 60  # of the interval of bisection; more than double precision resolves
 _RESULT = "result.h5"
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
-class Meetings:
-    """Contacts that there are, or may soon be, at the start: rows of one kind.
+class NearContacts:
+    """Contacts with a small gap at the start, between two given materials.
 
     Attributes
     ----------
     law
-        Between the materials, of an effective radius of its own.
+        Contact law of the two materials, for an arbitrary effective radius.
     first
-        What the spheres meet: ids of other spheres or faces, or the name of a fix, of a wall: (n,).
+        Partners of the spheres: ids of spheres or faces of bars, or names of wall fixes: (n,).
     second
         Ids of the spheres: (n,).
     effective_radius
-        (n,), m.
+        Effective radii R* of the contacts: (n,), m.
     place
-        Of the contacts: (n, 3), m.
+        Positions of the contacts: (n, 3), m.
     """
 
     law: ContactLaw
@@ -64,7 +64,7 @@ class Meetings:
     place: NDArray[np.float64]
 
     def overlap_at(self, force: float) -> NDArray[np.float64]:
-        """At which first loading reaches a force (N): (n,), m. The law is one function of F/R*^2 and alpha/R*."""
+        """Return the overlaps at which first loading reaches a force (N): (n,), m; F/R*^2 depends on alpha/R* only."""
         radius = self.law.effective_radius
         wanted = force * (radius / self.effective_radius) ** 2
         low, high = np.zeros_like(wanted), np.full_like(wanted, 2 * radius)
@@ -76,17 +76,17 @@ class Meetings:
 
     @property
     def yields_from(self) -> NDArray[np.float64]:
-        """Overlap at first yield: (n,), m."""
+        """Overlaps at first yield: (n,), m."""
         return self.law.elastic_limit * self.effective_radius / self.law.effective_radius
 
     def rows(self, peak: NDArray[np.float64]) -> list[str]:
-        """Lines of the table of dents."""
+        """Return the lines of the table of dents, given the largest overlaps (n,), m."""
         dented = peak > self.yields_from
         columns = (column[dented].tolist() for column in (self.first, self.second, peak))
         return [f"{first} {second} {value:.17g}\n" for first, second, value in zip(*columns, strict=True)]
 
 
-_UNREADABLE = (OSError, KeyError, TypeError, ValueError, AttributeError)  # of what h5py is given to read
+_UNREADABLE = (OSError, KeyError, TypeError, ValueError, AttributeError)  # errors of h5py with a damaged or other file
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -96,11 +96,11 @@ class _Earlier:
     Attributes
     ----------
     id, position, radius
-        Of the spheres: (n,); (n, 3), m; (n,), m.
+        Ids (n,), centres (n, 3), m, and radii (n,), m, of the spheres.
     first, second, peak
-        Contacts between spheres: ids; largest overlaps, m: (m,).
+        Ids and largest overlaps, m, of contacts between spheres: (m,) each.
     wall, wall_sphere, wall_peak
-        Contacts with walls: names; ids of the spheres, (k,); largest overlaps, (k,), m.
+        Names of walls, ids of spheres and largest overlaps, m, of contacts with walls: (k,) each.
     """
 
     id: NDArray[np.int64]
@@ -115,7 +115,7 @@ class _Earlier:
 
     @classmethod
     def read(cls, path: Path) -> _Earlier:
-        """Read a result.h5; raises one of `_UNREADABLE` where it is none, or damaged."""
+        """Read a result.h5; raise one of `_UNREADABLE` for other or damaged files."""
         with h5py.File(path, "r") as file:
 
             def column(name: str, kind: type, *width: int) -> NDArray:
@@ -148,32 +148,32 @@ class _Earlier:
 
 
 def dents_table(assembly: Assembly) -> str:
-    """The dents before the run, as ``gran/dents read`` takes them: spheres i and j, or a wall's fix and a sphere.
+    """Return the initial dents as input of ``gran/dents read``: spheres i and j, or a wall's fix and a sphere.
 
     Raises
     ------
     InputError
-        An earlier result cannot be read, or is that of another packing.
+        An earlier result cannot be read, or is of another packing.
     """
     case = assembly.case
     rows: list[str] = ["# spheres i and j, or the fix of a wall and a sphere; largest overlap so far, m\n"]
     path = earlier_result(case)
     if path is not None:
         known = _read_result(assembly, path)
-        for meetings in contacts_at_start(assembly):
-            keys = zip(meetings.first.tolist(), meetings.second.tolist(), strict=True)
-            rows += meetings.rows(np.array([known.get(key, 0.0) for key in keys]))
+        for near in contacts_at_start(assembly):
+            keys = zip(near.first.tolist(), near.second.tolist(), strict=True)
+            rows += near.rows(np.array([known.get(key, 0.0) for key in keys]))
         return "".join(rows)
-    for meetings in contacts_at_start(assembly):
-        peak = np.zeros(len(meetings.second))
+    for near in contacts_at_start(assembly):
+        peak = np.zeros(len(near.second))
         for region in _regions(case):
-            peak = np.where(_inside(meetings, region), _size(meetings, region), peak)
-        rows += meetings.rows(peak)
+            peak = np.where(_inside(near, region), _size(near, region), peak)
+        rows += near.rows(peak)
     return "".join(rows)
 
 
 def error_in_dents(assembly: Assembly) -> str:
-    """Why dents given by value cannot be; empty if they can. A result.h5 is not read: it may be gone after the run."""
+    """Describe the fault in dents given by value; empty if none. A result.h5 is not read: it may have been removed."""
     case = assembly.case
     given = case.contact.initial_overlap
     if not given:
@@ -198,14 +198,14 @@ def error_in_dents(assembly: Assembly) -> str:
     boxes = [region for region in _regions(case) if region.low or region.high]
     found = contacts_at_start(assembly) if boxes else []
     for box in boxes:
-        if not any(_inside(meetings, box).any() for meetings in found):
+        if not any(_inside(near, box).any() for near in found):
             bounds = {name: list(end) for name, end in (("low", box.low), ("high", box.high)) if end}
             return f"found no contact in the box {show(bounds)}, expected one that holds contacts (m)"
     return ""
 
 
 def largest_dent(case: Case, law: ContactLaw) -> float:
-    """The largest that a contact of this law may have before the run, m; of a file that cannot be read, none."""
+    """Return the largest initial dent of contacts of this law, m; 0 for a file that cannot be read."""
     given = case.contact.initial_overlap
     if not given or not law.entry.yields:
         return 0.0
@@ -214,32 +214,32 @@ def largest_dent(case: Case, law: ContactLaw) -> float:
         return _deepest(case, law)
     try:
         earlier = _read_earlier(path)
-    except _UNREADABLE:  # `check_earlier_result` says so
+    except _UNREADABLE:  # reported by `check_earlier_result`
         return 0.0
     return float(max(earlier.peak.max(initial=0.0), earlier.wall_peak.max(initial=0.0)))
 
 
 def earlier_result(case: Case) -> Path | None:
-    """The result.h5 that the dents of a case come from."""
+    """Return the path of the result.h5 that the dents of a case come from; None if they are given by value."""
     given = case.contact.initial_overlap
     return _result_file(Path(given)) if isinstance(given, str) else None
 
 
 def check_earlier_result(assembly: Assembly) -> None:
-    """Check that the dents of an earlier run can be had, where the case names one.
+    """Check that the dents of an earlier run can be read, if the case names one.
 
     Raises
     ------
     InputError
-        Its result.h5 is missing or damaged, or is of another packing.
+        The result.h5 is missing, damaged or of another packing.
     """
     path = earlier_result(assembly.case)
     if path is not None:
         _read_result(assembly, path)
 
 
-def contacts_at_start(assembly: Assembly) -> list[Meetings]:
-    """Contacts between spheres, and with walls and faces of bars, whose gap at the start is small: by kind."""
+def contacts_at_start(assembly: Assembly) -> list[NearContacts]:
+    """Return the yielding contacts of spheres, walls and bars with a small gap at the start, by pair of materials."""
     case = assembly.case
     ids, positions, radii = assembly.ids, assembly.positions(), assembly.sphere_diameters() / 2
     kind = _materials(assembly)
@@ -250,7 +250,7 @@ def contacts_at_start(assembly: Assembly) -> list[Meetings]:
     def add(pair: tuple[Material, Material | None], first: NDArray, row: NDArray, *radius_and_place: NDArray) -> None:
         contact = case.contact_between(*pair)
         if contact.yields and len(row):
-            found.append(Meetings(law_between(contact, pair, (1.0, 1.0)), first, ids[row], *radius_and_place))
+            found.append(NearContacts(law_between(contact, pair, (1.0, 1.0)), first, ids[row], *radius_and_place))
 
     one, two, step = _near(assembly, positions, radii, reach)
     place = positions[one] + step * (radii[one] / (radii[one] + radii[two]))[:, None]
@@ -275,38 +275,38 @@ def contacts_at_start(assembly: Assembly) -> list[Meetings]:
 
 
 def _regions(case: Case) -> tuple[Dents, ...]:
-    """Where dents that are given by value are."""
+    """Return the regions of dents that are given by value."""
     given = case.contact.initial_overlap
     return given if isinstance(given, tuple) else (Dents(overlap=float(given)),)
 
 
-def _inside(meetings: Meetings, region: Dents) -> NDArray[np.bool_]:
-    """Which of the contacts are in a region: (n,)."""
-    inside = np.ones(len(meetings.second), dtype=bool)
+def _inside(near: NearContacts, region: Dents) -> NDArray[np.bool_]:
+    """Return True for each contact that lies in a region: (n,)."""
+    inside = np.ones(len(near.second), dtype=bool)
     if region.low is not None:
-        inside &= (meetings.place >= np.array(region.low)).all(axis=1)
+        inside &= (near.place >= np.array(region.low)).all(axis=1)
     if region.high is not None:
-        inside &= (meetings.place <= np.array(region.high)).all(axis=1)
+        inside &= (near.place <= np.array(region.high)).all(axis=1)
     return inside
 
 
 def _deepest(case: Case, law: ContactLaw) -> float:
-    """The largest dent given by value, of a contact of one law, m."""
+    """Return the largest dent given by value, for contacts of one law, m."""
     one = np.array([law.effective_radius])
-    meetings = Meetings(law, one, one.astype(np.int64), one, np.zeros((1, 3)))
-    return max(float(_size(meetings, region)[0]) for region in _regions(case))
+    near = NearContacts(law, one, one.astype(np.int64), one, np.zeros((1, 3)))
+    return max(float(_size(near, region)[0]) for region in _regions(case))
 
 
-def _size(meetings: Meetings, region: Dents) -> NDArray[np.float64]:
+def _size(near: NearContacts, region: Dents) -> NDArray[np.float64]:
     if region.force is not None:
-        return meetings.overlap_at(region.force) if region.force else np.zeros(len(meetings.second))
-    return np.full(len(meetings.second), region.overlap or 0.0)
+        return near.overlap_at(region.force) if region.force else np.zeros(len(near.second))
+    return np.full(len(near.second), region.overlap or 0.0)
 
 
 def _near(
     assembly: Assembly, positions: NDArray[np.float64], radii: NDArray[np.float64], reach: float
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
-    """Pairs of rows (i < j) whose surfaces are at most ``reach`` apart, and the step from one centre to the other."""
+    """Return the pairs of rows (i < j) whose surfaces are at most ``reach`` apart, and the vectors between centres."""
     box, origin = None, positions.min(axis=0)
     if assembly.lattice.periodic:
         box = np.array([*assembly.lattice.lengths, 0.0])
@@ -325,7 +325,7 @@ def _near(
 
 
 def _materials(assembly: Assembly) -> NDArray[np.int64]:
-    """Which of the spheres' materials each sphere has, in the order of their types: (n_spheres,)."""
+    """Return the index of the material of each sphere, in the order of the LAMMPS types: (n_spheres,)."""
     case = assembly.case
     kinds = [species.material for species in assembly.species if species.role == "sphere"]
     own, sites = np.zeros(assembly.lattice.n_spheres, dtype=np.int64), assembly.sites
@@ -336,7 +336,7 @@ def _materials(assembly: Assembly) -> NDArray[np.int64]:
 
 
 def _read_result(assembly: Assembly, path: Path) -> dict[tuple[int | str, int], float]:
-    """The dents that an earlier run left: by two ids, or the fix of a wall and an id, m."""
+    """Return the dents left by an earlier run, m; keys are two ids, or the fix of a wall and an id."""
     case = assembly.case
     source = f"{case.name}: {KEY}"
     try:
@@ -365,7 +365,7 @@ def _read_result(assembly: Assembly, path: Path) -> dict[tuple[int | str, int], 
 
 
 def _read_earlier(path: Path) -> _Earlier:
-    """Read a result.h5 as `_Earlier.read` does, but once for all that ask for it while it stays as it is."""
+    """Read a result.h5 as `_Earlier.read` does, but cache it until the file changes."""
     state = path.stat()
     return _read_once(path, state.st_mtime_ns, state.st_size)
 
@@ -376,12 +376,12 @@ def _read_once(path: Path, changed: int, size: int) -> _Earlier:
 
 
 def _result_file(path: Path) -> Path:
-    """The result.h5 that a path means: the file, or that of a run's directory."""
+    """Return the path of a result.h5, given the file or the directory of the run."""
     return path / _RESULT if path.is_dir() else path
 
 
 def _other_packing(assembly: Assembly, earlier: _Earlier) -> str:
-    """Find the difference in the packing of an earlier result; empty if there is none."""
+    """Describe the difference to the packing of an earlier result; empty if none."""
     limit = TOUCHING * assembly.case.packing.diameter
     if len(earlier.id) != assembly.n_spheres:
         return f"found {len(earlier.id)} spheres, expected {assembly.n_spheres}"

@@ -1,4 +1,4 @@
-"""The compiled contact law of a case: between two of its spheres, and between a sphere and a wall or a bar."""
+"""Compiled contact laws of a case: between two spheres, and between a sphere and a wall or bar."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ _RIGID = (math.inf, 0.0, math.inf)  # Young's modulus, Poisson's ratio, yield st
 
 
 def sphere_contact(case: Case) -> ContactLaw:
-    """The law between two spheres of the packing that are not replaced."""
+    """Return the law between two spheres of the packing that are not replaced."""
     radius = case.packing.diameter / 2
     return _law(case, (case.material, case.material), (radius, radius))
 
 
 def pair_contact(case: Case | Assembly, first: int, second: int) -> ContactLaw:
-    """The law between the two spheres with these ids."""
+    """Return the law between the two spheres with these ids."""
     assembly = assemble(case)
     case = assembly.case
     return _law(
@@ -36,7 +36,7 @@ def pair_contact(case: Case | Assembly, first: int, second: int) -> ContactLaw:
 
 
 def flat_contact(case: Case | Assembly, sphere: int, partner: Material | None = None) -> ContactLaw:
-    """The law between a sphere and a flat: a wall or a bar of a material, or a rigid wall (None)."""
+    """Return the law between a sphere and a flat: a wall or bar of a material, or a rigid wall (None)."""
     assembly = assemble(case)
     case = assembly.case
     return _law(case, (assembly.material_of(sphere), partner), (assembly.diameter_of(sphere) / 2, math.inf))
@@ -53,9 +53,9 @@ def law_between(
     *,
     checked: bool = True,
 ) -> ContactLaw:
-    """The law of ``[contact]`` between bodies of two materials (None: rigid) and radii (m; infinite: flat).
+    """Return the law of ``[contact]`` between bodies of two materials (None: rigid) and radii (m; infinite: flat).
 
-    Constants that make no passive law are refused (ValueError), unless they shall not be ``checked``.
+    With ``checked``, raise ValueError for constants of a law that is not passive.
     """
     bodies = [(one.youngs_modulus, one.poisson_ratio, one.yield_strength or math.inf) if one else _RIGID
               for one in materials]  # fmt: skip
@@ -75,7 +75,7 @@ def law_between(
 
 
 def error_in_constants(contact: Contact) -> str:
-    """Why the constants given for the elasto-plastic law make no passive law; empty if they do."""
+    """Describe why the constants of the elasto-plastic law do not give a passive law; empty if they do."""
     try:
         ContactLaw(
             youngs_modulus=(1.0, 1.0), poisson_ratio=(0.0, 0.0), yield_strength=(1.0, 1.0), radius=(1.0, 1.0),
@@ -95,21 +95,21 @@ def contact_of(
     *,
     checked: bool = True,
 ) -> ContactLaw:
-    """The law between two spheres of one or two materials and one or two radii (m).
+    """Return the law between two spheres of one or two materials and one or two radii (m).
 
     Parameters
     ----------
     constants
-        Of the elasto-plastic law, where they are not the published ones.
+        Constants of the elasto-plastic law that differ from the published ones.
     checked
-        Refuse constants that make no passive law.
+        True to refuse constants of a law that is not passive.
 
     Raises
     ------
     InputError
         A material lacks the yield strength that the law needs.
     ValueError
-        The constants make no passive law.
+        A constant is unknown, or the law is not passive.
     """
     _require_strength(materials, law)
     given = dict(constants or {})
@@ -124,14 +124,14 @@ def contact_of(
 def rigid_wall_contact_of(
     material: Material, radius: float, law: str = "elastoplastic", variant: str = "continuous"
 ) -> ContactLaw:
-    """The law between a sphere and a rigid plane; raises as `contact_of`."""
+    """Return the law between a sphere and a rigid plane; raise as `contact_of`."""
     _require_strength([material], law)
     return law_between(_contact(law, variant, {}), (material, None), (radius, math.inf))
 
 
 def _contact(law: str, variant: str, constants: Mapping[str, float]) -> Contact:
-    words: dict[str, Any] = {"law": law, "variant": variant, **constants}
-    return Contact(**words)
+    values: dict[str, Any] = {"law": law, "variant": variant, **constants}
+    return Contact(**values)
 
 
 def _require_strength(materials: Sequence[Material], law: str) -> None:

@@ -1,14 +1,14 @@
-"""Dead loads of ``[precompression]``: constant forces on spheres, from the static stage before the run to its end.
+"""Dead loads of ``[precompression]``: constant forces on spheres during the static stage and the run.
 
-uniaxial   the same force along +z on each sphere of the top layer; from a pressure, that on the area of its cell
-uniform    what missing neighbours outside of the packing would press with, if every contact of the lattice bore the
-           same force f. The mean stress of spheres that each have z contacts in the volume V of a cell (virial) is
-           p = z f D/(2 d V) in d dimensions: f = p D^2/(2 sqrt 2) in fcc and hcp. A lattice of like spheres is then in
-           balance as it stands, the whole of it under the pressure p, and its faces carry p times their area. Vacant
-           sites that are open to the outside count as outside.
+uniaxial   the same force along +z on each sphere of the top layer; for a pressure, pressure times area of a cell
+uniform    the forces of the missing neighbours outside of the packing, if every contact of the lattice carried the
+           same force f. The mean stress (virial) of spheres with z contacts each in a cell of volume V is
+           p = z f D/(2 d V) in d dimensions; hence f = p D^2/(2 sqrt 2) for fcc and hcp. A lattice of equal spheres
+           is then in equilibrium in place under the pressure p, and its faces carry p times their area. Vacant sites
+           that are connected to the outside count as outside.
 gravity    m g along +z on each sphere of the packing
 
-Spheres held in place bear no load, nor do strikers.
+Fixed spheres and strikers carry no dead load.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ from granwave.lammps_inputs.contact.law import law_between
 from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.assembly import Assembly
 
-_SHELL = (3, 2, 1)  # rows of sites around the packing, along x, y, z, in which its missing neighbours are
+_SHELL = (3, 2, 1)  # rows of sites around the packing, along x, y, z, that contain all missing neighbours
 
 
 def dead_loads(assembly: Assembly) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Ids of the spheres that bear a dead load, rising, and the forces on them: (n,) and (n, 3), N."""
+    """Return the ids of the spheres with a dead load, rising, and the forces: (n,) and (n, 3), N."""
     case = assembly.case
     stage, lattice = case.precompression, assembly.lattice
     assert stage is not None
@@ -48,7 +48,7 @@ def dead_loads(assembly: Assembly) -> tuple[NDArray[np.int64], NDArray[np.float6
 
 
 def directions(assembly: Assembly) -> str:
-    """The axes along which there are dead loads, of "xyz"."""
+    """Return the axes along which there are dead loads, as letters of "xyz"."""
     case = assembly.case
     stage = case.precompression
     if stage is None or stage.kind != "uniform":
@@ -57,7 +57,7 @@ def directions(assembly: Assembly) -> str:
 
 
 def force_on_top(assembly: Assembly) -> float:
-    """On each sphere of the top layer under a uniaxial load, N."""
+    """Return the force on each sphere of the top layer under a uniaxial load, N."""
     case = assembly.case
     stage = case.precompression
     assert stage is not None
@@ -68,7 +68,7 @@ def force_on_top(assembly: Assembly) -> float:
 
 
 def force_of_contact(assembly: Assembly) -> float:
-    """About what each contact that carries the load bears, under gravity the ones at the bottom, N."""
+    """Estimate the force on each contact that carries the load, under gravity on those at the bottom, N."""
     case = assembly.case
     stage, lattice = case.precompression, assembly.lattice
     assert stage is not None
@@ -87,7 +87,7 @@ def force_of_contact(assembly: Assembly) -> float:
 
 
 def static_stiffness(assembly: Assembly) -> float:
-    """Static stiffness of a contact under the static load, about, N/m: that of Hertz's law at `force_of_contact`."""
+    """Estimate the stiffness of a contact under the static load, N/m: that of Hertz's law at `force_of_contact`."""
     case = assembly.case
     radius = case.packing.diameter / 2
     law = law_between(Contact(law="hertz"), (case.material, case.material), (radius, radius))
@@ -96,9 +96,9 @@ def static_stiffness(assembly: Assembly) -> float:
 
 
 def _missing_neighbours(assembly: Assembly) -> NDArray[np.float64]:
-    """Sum of the directions from the neighbours that each site of the lattice lacks outside: (n_sites, 3).
+    """Sum the directions from the missing outside neighbours to each site of the lattice: (n_sites, 3).
 
-    Below the last layer none is missing where something else is there.
+    Below the last layer none is missing unless the bottom is free.
     """
     case = assembly.case
     lattice, sites = assembly.lattice, assembly.sites
@@ -122,7 +122,7 @@ def _missing_neighbours(assembly: Assembly) -> NDArray[np.float64]:
 
 
 def _open_to(outside: NDArray[np.float64], vacant: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Select the vacant places that touch the outside, or each other on to it: (n, 3)."""
+    """Select the vacant sites that are connected to the outside, directly or through others: (n, 3)."""
     found, border = np.zeros(len(vacant), dtype=bool), outside
     while len(border):
         distance, _ = KDTree(border).query(vacant)

@@ -1,7 +1,7 @@
-"""Every column of what LAMMPS writes: its name in the file, where LAMMPS takes it from, and its unit.
+"""Columns of the output of LAMMPS: name in the file, source in LAMMPS, and unit.
 
-The input script, the readers and ``result.h5`` take names, order and units from here. Numbers are those of the plugin's
-computes and fixes (plugins/doc).
+The input script, the readers and ``result.h5`` take names, order and units from here. Column numbers are those of the
+computes and fixes of the plugin (plugins/doc).
 """
 
 from __future__ import annotations
@@ -9,23 +9,23 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterable
 
-FRICTION, DENTS = "friction", "dents"  # of cases with friction; of cases with dents from before the run
+FRICTION, DENTS = "friction", "dents"  # columns of cases with friction; of cases with initial dents
 
 
 @dataclasses.dataclass(frozen=True)
 class Column:
-    """One column.
+    """One column of an output file.
 
     Attributes
     ----------
     name
         Name in the file.
     source
-        Word of a LAMMPS command, or the number of a column of a compute or fix of the plugin.
+        Attribute of LAMMPS, or reference to a compute, fix or variable.
     unit
-        SI unit; "1" for a number.
+        SI unit; "1" if dimensionless.
     when
-        What the case must have; empty: always there.
+        `FRICTION` or `DENTS` for a column of such cases only; empty: of all cases.
     """
 
     name: str
@@ -37,12 +37,12 @@ class Column:
 def of_compute(
     name: str, columns: Iterable[tuple[str, str] | tuple[str, str, str]], first: int = 1
 ) -> tuple[Column, ...]:
-    """Columns of a compute or fix in the order of their numbers: name, unit and, where not always there, when.
+    """Make the columns of a compute or fix from their names, units and conditions, in the order of their numbers.
 
     Parameters
     ----------
     name
-        Reference to the compute or fix, such as ``c_contacts``; ``{}`` stands for a name that is filled in later.
+        Reference to the compute or fix, such as ``c_contacts``; ``{}`` stands for a name that `sources` fills in.
     first
         Number of the first column.
     """
@@ -51,7 +51,7 @@ def of_compute(
     )
 
 
-#: dumps/energy.txt, behind the step.
+#: dumps/energy.txt, after the step.
 LEDGER = (
     Column("time", "v_time", "s"),
     Column("kinetic", "c_kinetic", "J"),
@@ -94,7 +94,7 @@ SNAPSHOT = (
     Column("friction", "c_sphere[12]", "J", FRICTION),
 )
 
-#: dumps/history.dump: a chain in time.
+#: dumps/history.dump: history of a chain.
 HISTORY = (Column("id", "id"), Column("uz", "c_displacement[3]", "m"), Column("vz", "vz", "m s-1"))
 
 _HISTORY_OF_CONTACT = [
@@ -124,10 +124,10 @@ CONTACTS = of_compute(
     ],
 )
 
-#: dumps/forces.dump: the contacts of a chain in time.
+#: dumps/forces.dump: history of the contact forces of a chain.
 FORCES = tuple(column for column in CONTACTS if column.name in ("i", "j", "force"))
 
-#: dumps/wall_NAME.dump, behind the id: fix wall/gran/hysteretic, per sphere.
+#: dumps/wall_NAME.dump, after the id: fix wall/gran/hysteretic, per sphere.
 WALL_CONTACTS = of_compute(
     "f_{}",
     [
@@ -143,14 +143,14 @@ WALL_CONTACTS = of_compute(
     ],
 )
 
-#: dumps/walls.txt, behind the force of a plane that moves: the vector of its fix.
+#: dumps/walls.txt, after the forces, for a moving plane: from the vector of its fix.
 MOVING_WALL = (
     Column("displacement", "f_{}[10]", "m"),
     Column("velocity", "f_{}[11]", "m s-1"),
     Column("ground_force", "f_{}[14]", "N"),
 )
 
-#: dumps/energy.txt, of a plane that moves: energy in what it rests on, energy that its damper took, work on it.
+#: dumps/energy.txt, for a moving plane: energy of its support, energy dissipated by its damper, work done on it.
 SUPPORT = (
     Column("support", "f_{}[12]", "J"),
     Column("support_lost", "f_{}[13]", "J"),
@@ -163,18 +163,18 @@ TANGENTIAL = (Column("elastic_tangential", "v_elastic_tangential", "J"), Column(
 
 
 def names(table: Iterable[Column]) -> tuple[str, ...]:
-    """Names of the columns that are always there."""
+    """Return the names of the columns that all cases have."""
     return tuple(column.name for column in table if not column.when)
 
 
 def sources(table: Iterable[Column], *having: str, of: str = "") -> dict[str, str]:
-    """Where LAMMPS takes each column from, by name.
+    """Return the sources in LAMMPS of the columns, by name.
 
     Parameters
     ----------
     having
-        What the case has: `FRICTION`, `DENTS`.
+        `FRICTION` and `DENTS`, as far as they apply to the case.
     of
-        Name of the fix, where it is filled in.
+        Name of the fix, inserted for ``{}``.
     """
     return {column.name: column.source.format(of) for column in table if not column.when or column.when in having}

@@ -1,5 +1,4 @@
-"""Words of the LAMMPS input script: numbers, lists, long commands, and the coefficients of the contact
-law."""
+"""Elements of the LAMMPS input script: numbers, lists, long commands, and coefficients of contact laws."""
 
 from __future__ import annotations
 
@@ -14,18 +13,18 @@ _WIDTH = 110
 
 
 def num(value: float) -> str:
-    """The shortest text that reads back as exactly this number."""
+    """Format a number with as few digits as reproduce it exactly."""
     short = f"{value:.6g}"
     return short if float(short) == value else repr(float(value))
 
 
 def joined(values: Iterable[object]) -> str:
-    """Values with spaces between them."""
+    """Join values with spaces."""
     return " ".join(str(value) for value in values)
 
 
 def command(*words: str) -> list[str]:
-    """One command of many words, broken into lines that LAMMPS puts together again."""
+    """Join the words of a command, with LAMMPS continuation lines where it gets long."""
     lines = [words[0]]
     for word in words[1:]:
         if len(lines[-1]) + len(word) + 3 > _WIDTH:
@@ -37,8 +36,17 @@ def command(*words: str) -> list[str]:
 
 
 def law_coefficients(contact: Contact, first: Material, second: Material | None = None, friction: float = 0.0) -> str:
-    """The contact law with the material of a sphere, and that of its partner if it has another, and the coefficient of
-    friction, as pair_coeff and the wall take it; a partner without a yield strength stays elastic."""
+    """Return the coefficients of a contact law, as pair_coeff and the wall fix take them.
+
+    Parameters
+    ----------
+    first
+        Material of a sphere.
+    second
+        Material of its partner; None if it is the same. A partner without a yield strength is elastic.
+    friction
+        Coefficient of friction.
+    """
     words: list[str] = [contact.law]
     for material in (first,) if second is None else (first, second):
         words += [num(material.youngs_modulus), num(material.poisson_ratio)]

@@ -1,4 +1,4 @@
-"""The contacts in the LAMMPS input script: the law of every pair of types, walls, and the dents from before the run."""
+"""Contacts in the LAMMPS input script: laws of all pairs of types, walls, and initial dents."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _ELASTIC = Contact(law="hertz")
 
 
 def contacts(assembly: Assembly) -> list[str]:
-    """The pair style with the law of every pair of types."""
+    """Return the pair style with the laws of all pairs of types."""
     case = assembly.case
     gap = case.boundary.forget_gap * case.packing.diameter
     return [
@@ -32,14 +32,14 @@ def contacts(assembly: Assembly) -> list[str]:
 
 
 def pair_coefficients(assembly: Assembly, *, elastic: bool = False) -> list[str]:
-    """The law of every pair of types; ``elastic``: Hertz's without friction, whatever the case says."""
+    """Return the laws of all pairs of types; ``elastic``: Hertz's without friction, regardless of the case."""
     case = assembly.case
     lines = []
     kinds = list(enumerate(assembly.species, start=1))
     for i, first in kinds:
         for j, second in kinds[i - 1 :]:
             contact, partner = _ELASTIC, None if i == j else second.material
-            if first.role == "sphere" and not elastic:  # parts of bars never meet
+            if first.role == "sphere" and not elastic:  # nodes of bars do not touch each other
                 contact = case.contact_between(first.material, second.material)
             friction = contact.friction if second.role == "sphere" else 0.0  # the face of a bar has none
             lines.append(f"pair_coeff      {i} {j} {law_coefficients(contact, first.material, partner, friction)}")
@@ -47,12 +47,12 @@ def pair_coefficients(assembly: Assembly, *, elastic: bool = False) -> list[str]
 
 
 def dents() -> list[str]:
-    """The dents that contacts have from the start."""
+    """Return the command that reads the initial dents."""
     return ["# Dents from before the run, of pairs of spheres and on walls.", f"gran/dents      read {DENTS_FILE}"]
 
 
 def plane_names(assembly: Assembly) -> list[str]:
-    """Names of the fixes of planes, and of the fix that holds the last layer."""
+    """Return the names of the wall fixes, and of the fix that holds the last layer."""
     names = []
     for wall in walls(assembly):
         names += ["held"] if wall.held_layer else [name for name, _, _ in wall_fixes(assembly, wall)]
@@ -60,14 +60,14 @@ def plane_names(assembly: Assembly) -> list[str]:
 
 
 def wall_commands(assembly: Assembly, *, elastic: bool = False, prefix: str = "") -> list[str]:
-    """Walls, and the last layer where it is held.
+    """Return the commands for walls, and for a last layer held in place.
 
     Parameters
     ----------
     elastic
-        Planes of Hertz's law that neither rub nor move, whatever the case says.
+        True for fixed planes with Hertz's law without friction, regardless of the case.
     prefix
-        Of the names of the fixes.
+        Prefix of the names of the fixes.
     """
     case = assembly.case
     lines = _groups(assembly)
@@ -93,7 +93,7 @@ def wall_commands(assembly: Assembly, *, elastic: bool = False, prefix: str = ""
 
 
 def _groups(assembly: Assembly) -> list[str]:
-    """Groups of the spheres of each material, where walls need them."""
+    """Return the commands for groups of spheres by material, if walls need them."""
     lines = []
     planes = [wall for wall in walls(assembly) if not wall.held_layer]
     groups = [group for wall in planes[-1:] for _, group, _ in wall_fixes(assembly, wall) if group != "all"]

@@ -1,4 +1,4 @@
-"""The LAMMPS data file: where the spheres are, in full double precision."""
+"""LAMMPS data file: spheres and nodes of bars in full double precision."""
 
 from __future__ import annotations
 
@@ -8,18 +8,19 @@ from pathlib import Path
 import numpy as np
 
 from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.packing.assembly import Assembly, PlacedBar, Species
+from granwave.lammps_inputs.packing.assembly import Assembly, Species
+from granwave.lammps_inputs.packing.bars import PlacedBar
 
 _BATCH = 100_000  # spheres formatted at once
-_PERIODIC_LOW = -0.1  # in diameters; no plane of centres coincides with the faces of the periodic box
+_PERIODIC_LOW = -0.1  # lower faces of a periodic box, diameters; no plane of centres coincides with a face
 _PLAIN_TITLE = "Atoms # sphere: id type diameter density x y z"
 _BAR_TITLE = "Atoms # hybrid: id type x y z diameter density molecule"
 
 
 def write_data(assembly: Assembly, path: Path) -> None:
-    """Write the spheres as a LAMMPS data file of ``atom_style sphere``, 17 significant digits.
+    """Write the LAMMPS data file of ``atom_style sphere``, with 17 significant digits.
 
-    With a bar it is ``atom_style hybrid sphere bond``; a node has no diameter, and its mass in the column of densities.
+    With bars it is ``atom_style hybrid sphere bond``; a node has diameter 0 and its mass in the density column.
     """
     with path.open("w", encoding="ascii", newline="\n") as file:
         file.write(_header(assembly))
@@ -43,14 +44,14 @@ def _sphere_rows(assembly: Assembly) -> Iterator[list[str]]:
 
 
 def _like_rows(assembly: Assembly, first: int, last: int) -> list[str]:
-    """Rows of the sites with these ids, whose spheres are all alike."""
+    """Return the rows of the sites with these ids, for equal spheres."""
     row = _row(assembly, assembly.material, f"{assembly.lattice.diameter:.17g}")
     columns = assembly.lattice_positions(first, last).T.tolist()
     return [row % line for line in zip(range(first, last + 1), *columns, strict=True)]
 
 
 def _own_rows(assembly: Assembly, first: int, last: int) -> list[str]:
-    """Rows of the sites with these ids, each sphere with a material and a diameter of its own."""
+    """Return the rows of the sites with these ids, for spheres of different materials and diameters."""
     sites = assembly.sites
     assert sites is not None
     here = np.flatnonzero(sites.present[first - 1 : last]) + first - 1
@@ -63,7 +64,7 @@ def _own_rows(assembly: Assembly, first: int, last: int) -> list[str]:
 
 
 def _row(assembly: Assembly, material: Material, diameter: str = "%.17g") -> str:
-    """The row of a sphere, but for its id, x, y and z; in a hybrid style its diameter comes after these."""
+    """Return the format of a sphere's row, to be filled with id, x, y and z; in a hybrid style diameter follows z."""
     kind, constants = assembly.type_of(material), f"{diameter} {material.density:.17g}"
     if assembly.bars:
         return f"%d {kind} %.17g %.17g %.17g {constants} 0\n"

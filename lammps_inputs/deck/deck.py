@@ -1,4 +1,4 @@
-"""The deck of a case: a directory that ``lmp -in in.granwave`` runs."""
+"""Deck of a case: a directory in which ``lmp -in in.granwave`` runs."""
 
 from __future__ import annotations
 
@@ -37,16 +37,16 @@ from granwave.lammps_inputs.toml_files import read_toml
 
 @dataclasses.dataclass(frozen=True)
 class Deck:
-    """A deck that has been written.
+    """Deck that was written to a directory.
 
     Attributes
     ----------
     directory
-        Where it is.
+        Directory of the deck.
     case
-        What it computes.
+        Case that it was written for.
     schedule
-        When things happen in it.
+        Timestep, and intervals of output.
     struck
         Ids of the spheres that the load acts on, the struck sphere first.
     """
@@ -58,36 +58,36 @@ class Deck:
 
     @property
     def script(self) -> Path:
-        """The LAMMPS input script."""
+        """Path of the LAMMPS input script."""
         return self.directory / SCRIPT_FILE
 
     @property
     def data(self) -> Path:
-        """The LAMMPS data file."""
+        """Path of the LAMMPS data file."""
         return self.directory / DATA_FILE
 
     @property
     def dumps(self) -> Path:
-        """Where LAMMPS puts its output."""
+        """Directory of the output of LAMMPS."""
         return self.directory / DUMPS
 
 
 def write_deck(case: Case | Assembly, directory: str | Path, *, timestep: float | None = None) -> Deck:
-    """Write the deck of a case: case.toml, data.granwave, in.granwave, tables that it needs, and an empty dumps/.
+    """Write the deck of a case: case.toml, data.granwave, in.granwave, the tables that it reads, and an empty dumps/.
 
-    The files are written beside their places first and moved there complete, the script last. Files that granwave
-    wrote there before are replaced; nothing else in the directory is touched.
+    All files are replaced atomically, the script last. Files that granwave wrote there before are replaced; other
+    files in the directory are not touched.
 
     Parameters
     ----------
     timestep
-        s; takes the place of ``run.timestep``.
+        Timestep in place of ``run.timestep``, s.
 
     Raises
     ------
     InputError
-        The directory cannot be written to, holds files of such names that granwave did not write, or the dents before
-        the run cannot be had; see `dents_table`.
+        The directory cannot be written to, holds files of such names that granwave did not write, or the initial dents
+        cannot be read; see `dents_table`.
     """
     assembly = assemble(case)
     case = assembly.case
@@ -111,8 +111,8 @@ def write_deck(case: Case | Assembly, directory: str | Path, *, timestep: float 
 
 
 def _write(assembly: Assembly, directory: Path, texts: dict[str, str]) -> None:
-    """Write the data file and texts by their names; the first of them takes its place last."""
-    with contextlib.ExitStack() as stack:  # the first to be entered is the last to be left
+    """Write the data file and texts, given by file name; the first one is moved into place last."""
+    with contextlib.ExitStack() as stack:  # contexts are left in reverse order
         names = dict.fromkeys((next(iter(texts)), DATA_FILE, *texts))
         scratch = {name: stack.enter_context(replacing(directory / name)) for name in names}
         for name, path in scratch.items():
@@ -124,7 +124,7 @@ def _write(assembly: Assembly, directory: Path, texts: dict[str, str]) -> None:
 
 
 def deck_files(assembly: Assembly, schedule: Schedule) -> list[str]:
-    """Names of the files of a deck, and of those that LAMMPS writes when it runs it."""
+    """Return the names of the files of a deck, and of those that LAMMPS will write."""
     case = assembly.case
     tables = [DEAD_LOAD_FILE.format(axis) for axis in directions(assembly)] if case.precompression else []
     tables += [DENTS_FILE] if case.contact.initial_overlap else []
@@ -134,7 +134,7 @@ def deck_files(assembly: Assembly, schedule: Schedule) -> list[str]:
 
 
 def _tables(assembly: Assembly) -> dict[str, str]:
-    """Tables that the script reads, by file name: points of the load, dents, dead loads."""
+    """Return the tables that the script reads, by file name: points of the load, dents, dead loads."""
     case = assembly.case
     tables = load_tables(assembly) if case.precompression else {}
     if case.contact.initial_overlap:
@@ -149,12 +149,12 @@ _NEW = {"history_every": 0, "first_step": 1, "longest_step": 1, "energy_toleranc
 
 
 def read_deck(directory: str | Path) -> Deck:
-    """The deck that `write_deck` wrote into a directory.
+    """Read the deck that `write_deck` wrote into a directory.
 
     Raises
     ------
     InputError
-        Its case.toml is missing, was made by hand, or has been changed.
+        The case.toml is missing, was written by hand, or was changed.
     """
     directory = Path(directory)
     path = directory / CASE_FILE

@@ -1,8 +1,8 @@
-"""Inertia relief in the LAMMPS input script: what takes off the forces that accelerate a packing as a whole.
+"""Inertia relief in the LAMMPS input script: cancels the forces that accelerate a packing as a whole.
 
-With the acceleration a of its centre and the angular acceleration I^-1 T, from the total force and torque, a sphere at
-r from the centre gets the force -m (a + I^-1 T x r). On a plane only x, y and the turning about z are free. The centre
-stays where it is, and inertia changes little: both are taken once, by `relief_state`, as numbers.
+A sphere at r from the centre of mass gets the force -m (a + I^-1 T x r), with the acceleration a of the centre and the
+angular acceleration I^-1 T from total force and torque. On a plane only translation along x and y and rotation about z
+are free. The centre does not move and the inertia changes little, so `relief_state` evaluates both once.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ _TENSOR = {"a": "xx", "b": "yy", "c": "zz", "d": "xy", "e": "xz", "f": "yz"}
 
 
 def relief_commands(name: str, group: str, *, on_plane: bool) -> list[str]:
-    """The fix ``name``, and the variables that it takes, which have this name in front.
+    """Return the commands for the fix ``name`` and its variables, which have this name as a prefix.
 
     Parameters
     ----------
     on_plane
-        The group rests on a plane normal to z.
+        True if the group rests on a plane normal to z.
     """
     lines = relief_state(name, group, on_plane=on_plane)
     at = {axis: f"({axis}-v_{name}_c{axis})" for axis in "xyz"}
@@ -45,7 +45,7 @@ def relief_commands(name: str, group: str, *, on_plane: bool) -> list[str]:
 
 
 def relief_state(name: str, group: str, *, on_plane: bool) -> list[str]:
-    """Mass, centre and inverse inertia as they are now; may be said again for the same ``name``."""
+    """Return the commands that store the present mass, centre and inverse inertia; they may be repeated."""
     lines = [f"variable        {name}_mass equal $(mass({group}):%.17g)"]
     lines += [f"variable        {name}_c{axis} equal $(xcm({group},{axis}):%.17g)" for axis in "xyz"]
     if on_plane:

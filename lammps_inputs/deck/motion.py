@@ -1,4 +1,4 @@
-"""Motion in the LAMMPS input script: time integration, initial velocities and spins, and what drives the packing."""
+"""Motion in the LAMMPS input script: time integration, initial velocities and spins, and driven loads."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ import math
 from typing import TYPE_CHECKING
 
 from granwave.lammps_inputs.deck.commands import joined, num
-from granwave.lammps_inputs.packing.assembly import INCIDENT_BAR, Assembly, struck_of, velocities_of
+from granwave.lammps_inputs.packing.assembly import Assembly, struck_of, velocities_of
+from granwave.lammps_inputs.packing.bars import INCIDENT_BAR
 from granwave.lammps_inputs.packing.walls import walls
 from granwave.lammps_inputs.run_directory import LOAD_FILE
 
@@ -14,11 +15,11 @@ if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
     from granwave.lammps_inputs.planning.schedule import Schedule
 
-_HALF_INERTIA = 0.2  # of a sphere, in m R^2
+_HALF_INERTIA = 0.2  # half the moment of inertia of a sphere over m R^2
 
 
 def motion(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> list[str]:
-    """Time integration, and what sets the packing in motion; the variable ``input`` is the energy put in so far."""
+    """Return the commands of time integration and load; the variable ``input`` is the energy input so far."""
     case = assembly.case
     struck = struck_of(assembly)
     turning = "and rotations" if case.has_rotation else "(the contacts are frictionless, so nothing rotates)"
@@ -60,7 +61,7 @@ def adaptive_timestep(case: Case, schedule: Schedule) -> list[str]:
 
 
 def _integration(assembly: Assembly) -> list[str]:
-    """Return the commands of time integration: nodes of bars have no radius and cannot turn."""
+    """Return the commands of time integration; nodes of bars have no radius and are not rotated."""
     case = assembly.case
     lines, still = [], []
     if any(wall.held_layer for wall in walls(assembly)):
@@ -76,12 +77,12 @@ def _integration(assembly: Assembly) -> list[str]:
 
 
 def _velocities(assembly: Assembly, *, resumed: bool) -> list[str]:
-    """Initial velocities and spins, and the kinetic energy that they are."""
+    """Return the commands for initial velocities and spins, and their kinetic energy."""
     case = assembly.case
     lines: list[str] = []
     terms: list[str] = []
     n = assembly.lattice.n_spheres
-    struck = [sphere for sphere in velocities_of(assembly) if sphere <= n]  # all of these have one velocity
+    struck = [sphere for sphere in velocities_of(assembly) if sphere <= n]  # all with the same velocity
     moving = [("hit", struck, case.load.initial_velocity, case.load.spin)] if struck else []
     for number, striker in enumerate(case.striker, start=1):
         if striker.moves:
@@ -110,7 +111,7 @@ def _square(vector: tuple[float, float, float]) -> str:
 
 
 def _drive(assembly: Assembly) -> list[str]:
-    """The force, or the displacement, on the struck spheres or on the free end of the incident bar."""
+    """Return the commands for a force or displacement on the struck spheres or the end of the incident bar."""
     case = assembly.case
     load, group, lines = case.load, "hit", []
     for bar in assembly.bars:

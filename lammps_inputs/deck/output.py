@@ -1,5 +1,4 @@
-"""Output of the LAMMPS input script: the ledger, walls, probes, snapshots, and the state at
-the end."""
+"""Output commands of the LAMMPS input script: energy ledger, walls, probes, snapshots, final contacts."""
 
 from __future__ import annotations
 
@@ -41,22 +40,22 @@ from granwave.lammps_inputs.run_directory import (
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
-    from granwave.lammps_inputs.packing.assembly import PlacedBar
+    from granwave.lammps_inputs.packing.bars import PlacedBar
     from granwave.lammps_inputs.planning.schedule import Schedule
 
-POTENTIAL = "c_potential"  # energy of the dead loads of a precompression, from the data file's positions on
-STATIC = "v_static"  # that, and the elastic energy, when the run begins
+POTENTIAL = "c_potential"  # potential energy of dead loads, zero at the positions of the data file
+STATIC = "v_static"  # elastic and potential energy at the start of the run
 
 _FRAME_FORMAT = "%d %d" + " %.9g" + 3 * " %.10g" + 3 * " %.17g" + 8 * " %.9g"
 
 
 def ledger(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> list[str]:
-    """The energy ledger: where the energy is, and how many contacts have yielded."""
+    """Return the commands of the energy ledger, which also counts yielded contacts."""
     case = assembly.case
     planes = [name for wall in walls(assembly) if not wall.held_layer for name, _, _ in wall_fixes(assembly, wall)]
     bars = [bar.name for bar in assembly.bars]
     columns = sources(LEDGER) | {name: f"v_energy_{name}" for name in bars}
-    # contacts with the faces of bars are among those of the pair style
+    # contacts with faces of bars belong to the pair style
     stored, lost = ([f"f_{name}[{n}]" for name in planes] for n in (4, 5))
     at_bars = [[f"c_on_{name}[{n}]" for name in bars] for n in (4, 5)]
     elastic, dissipated = ["c_contact", *stored], ["c_contact[1]", *lost]
@@ -104,7 +103,7 @@ def _sum(terms: list[str]) -> str:
 
 
 def _bar_energy(bar: PlacedBar) -> list[str]:
-    """The energy in a bar, kinetic and elastic, and its contact with the chain."""
+    """Return the commands for the energy of a bar, kinetic and elastic, and for its contact with the chain."""
     name = bar.name
     return [
         f"compute         on_{name} all gran/hysteretic/contact {bar.touches} {bar.face}",
@@ -116,7 +115,7 @@ def _bar_energy(bar: PlacedBar) -> list[str]:
 
 
 def wall_forces(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> list[str]:
-    """The force on every wall, positive if the spheres push it outwards."""
+    """Return the commands for the forces on walls, positive outwards."""
     found, bars = walls(assembly), assembly.bars
     if not found and not bars:
         return []
@@ -131,7 +130,7 @@ def wall_forces(assembly: Assembly, schedule: Schedule, *, resumed: bool = False
 
 
 def probes(case: Case, schedule: Schedule, *, resumed: bool = False) -> list[str]:
-    """Spheres and contacts that are recorded at their own rate."""
+    """Return the commands of probes of spheres and contacts."""
     if not case.probes:
         return []
     lines = ["# Probes: displacement, velocity and force of spheres; overlap and force of contacts."]
@@ -151,7 +150,7 @@ def probes(case: Case, schedule: Schedule, *, resumed: bool = False) -> list[str
 
 
 def displacements(case: Case) -> list[str]:
-    """Displacements from the positions in the data file, of all spheres and of those probed."""
+    """Return the commands for displacements from the data file, of all spheres and of those probed."""
     lines = ["compute         displacement all displace/atom"]
     spheres = [probe.sphere for probe in case.probes if probe.sphere is not None]
     if spheres:
@@ -161,7 +160,7 @@ def displacements(case: Case) -> list[str]:
 
 
 def frames(case: Case, schedule: Schedule, *, resumed: bool = False) -> list[str]:
-    """Snapshots of all spheres."""
+    """Return the commands of snapshots of all spheres."""
     every, chosen = schedule.frame_every, []
     columns = sources(SNAPSHOT, *_recorded(case))
     form = _FRAME_FORMAT + " %.9g" * (len(columns) - len(names(SNAPSHOT)))
@@ -185,7 +184,7 @@ def frames(case: Case, schedule: Schedule, *, resumed: bool = False) -> list[str
 
 
 def history(case: Case, schedule: Schedule, *, resumed: bool = False) -> list[str]:
-    """The whole chain at many instants: displacement and velocity of every particle, force of every contact."""
+    """Return the commands for the history of a chain: displacements and velocities of all particles, contact forces."""
     every = schedule.history_every
     if not every:
         return []
@@ -217,7 +216,7 @@ def thermo(case: Case, schedule: Schedule) -> list[str]:
 
 
 def dumps_at_end(assembly: Assembly) -> list[str]:
-    """The last snapshot if it is still missing, every contact, and what each wall went through."""
+    """Return the commands for the last snapshot, if missing, and for the final state of all contacts and walls."""
     case = assembly.case
     contacts = sources(CONTACTS, *_recorded(case))
     lines = [
@@ -250,7 +249,7 @@ def dumps_at_end(assembly: Assembly) -> list[str]:
 
 
 def output_files(assembly: Assembly, schedule: Schedule) -> list[str]:
-    """Names, in dumps/, of the files that LAMMPS writes."""
+    """Return the names of the files that LAMMPS writes to dumps/."""
     case = assembly.case
     planes = [fix for wall in walls(assembly) if not wall.held_layer for fix, _, _ in wall_fixes(assembly, wall)]
     files = [ENERGY_FILE, FRAMES_FILE, CONTACTS_FILE, *(WALL_CONTACTS_FILE.format(fix) for fix in planes)]
@@ -261,12 +260,12 @@ def output_files(assembly: Assembly, schedule: Schedule) -> list[str]:
 
 
 def _recorded(case: Case) -> tuple[str, ...]:
-    """Flags that decide which columns of its contacts a case records."""
+    """Return the conditions that select the columns of the contacts of a case."""
     return (*([FRICTION] if case.has_friction else []), *([DENTS] if case.has_initial_dents else []))
 
 
 def _series(name: str, every: int, file: str, title: str, columns: dict[str, str], resumed: bool) -> list[str]:
-    """A table in time: one row every so many steps, the step first."""
+    """Return the command of a time series: one row every so many steps, the step first."""
     return command(
         f"fix             {name} all ave/time {every} 1 {every}",
         *columns.values(),
@@ -276,7 +275,7 @@ def _series(name: str, every: int, file: str, title: str, columns: dict[str, str
 
 
 def _first(resumed: bool) -> str:
-    """Words of dump_modify: a snapshot at the first step, or go on behind those of before."""
+    """Return the arguments of dump_modify: a snapshot at the first step, or appended to earlier ones."""
     return "append yes first no" if resumed else "first yes"
 
 
@@ -300,9 +299,9 @@ def _sphere_probe(sphere: int) -> dict[str, str]:
 
 
 def _next_frame(steps: tuple[int, ...]) -> str:
-    """A formula for the first of the steps after the present one, and one beyond the run after the last.
+    """Return a formula for the next of the steps after the present one; after the last, a step beyond the run.
 
-    It depends on nothing but the present step, so that it holds in a run that is continued.
+    It depends on the present step only, so that it also holds in a resumed run.
     """
     later = [*steps[1:], 2 * steps[-1]]
     terms = [f"(step>={a})*{b - a}" for a, b in zip(steps, later, strict=True)]

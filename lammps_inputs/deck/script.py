@@ -1,8 +1,7 @@
 """The LAMMPS input script of a case.
 
-Three parts, parted by `RUN_MARKER` and `END_MARKER`: everything up to the run, the run itself, and what is
-written at its end. A program that drives LAMMPS can execute the first part, run as it likes, and execute the
-last.
+It has three parts, separated by `RUN_MARKER` and `END_MARKER`: set-up, run, and output at the end. A program that
+drives LAMMPS can execute the first part, run in its own way, and execute the last.
 """
 
 from __future__ import annotations
@@ -24,20 +23,20 @@ from granwave.lammps_inputs.run_directory import CASE_FILE, DATA_FILE, SCRIPT_FI
 RUN_MARKER = "# --- run ---"
 END_MARKER = "# --- end ---"
 
-_HARMFUL = re.compile(r"""[^ -~]|["&]""")  # would join lines even in a comment
-_SKIN = 0.1  # of the neighbour list, in diameters
+_HARMFUL = re.compile(r"""[^ -~]|["&]""")  # not ASCII, or joins lines even in a comment
+_SKIN = 0.1  # skin distance of the neighbour list, diameters
 _MOST_STEPS_BETWEEN_CHECKS = 10
-_TRAVEL_BETWEEN_CHECKS = 0.01  # of the skin, at the impact velocity
+_TRAVEL_BETWEEN_CHECKS = 0.01  # distance between checks of the list at the highest speed, over the skin
 
 
 def input_script(assembly: Assembly, schedule: Schedule, *, restart_from: str = "") -> str:
-    """Write the text of in.granwave.
+    """Return the text of in.granwave.
 
     Parameters
     ----------
     restart_from
-        Restart file that the script goes on from: the same system, fixes and outputs, but the state from that file, no
-        initial velocity, spin or dents, no static stage, and output appended.
+        Restart file to resume from: system, fixes and outputs are the same, but the state comes from that file, there
+        is no initial velocity, spin, dent or static stage, and output is appended.
     """
     case, resumed = assembly.case, bool(restart_from)
     static = case.precompression is not None
@@ -101,11 +100,11 @@ def _system(assembly: Assembly, restart_from: str) -> list[str]:
 
 
 def _bars(assembly: Assembly) -> list[str]:
-    """Groups and springs of elastic bars: linear elements between lumped masses."""
+    """Return the groups and bond coefficients of elastic bars: linear elements between lumped masses."""
     case = assembly.case
     lines, bars = [], assembly.bars
     largest = max([case.packing.diameter, *assembly.diameters.values()])
-    reach = 2 * max([largest, *(bar.pitch for bar in bars)]) + _SKIN * case.packing.diameter  # of ghosts
+    reach = 2 * max([largest, *(bar.pitch for bar in bars)]) + _SKIN * case.packing.diameter  # ghost cutoff
     for kind, bar in enumerate(bars, start=1):
         lines.append(f"group           {bar.name} id {bar.first}:{bar.last}")
         lines.append(f"bond_coeff      {kind} {num(bar.stiffness / 2)} {num(bar.pitch)}")
@@ -156,7 +155,7 @@ def _run(case: Case, schedule: Schedule) -> list[str]:
 
 
 def part(script: str, which: str) -> str:
-    """One part of a script: "setup" (before the run), "run" or "end".
+    """Return one part of a script: "setup" (before the run), "run" or "end".
 
     Raises
     ------

@@ -1,16 +1,15 @@
-"""The static stage before a precompressed run, in the LAMMPS input script.
+"""Static stage before a precompressed run, in the LAMMPS input script.
 
-Dead loads come on, and the spheres are led to balance by damped dynamics (FIRE, Bitzek et al. 2006), without
-friction. On its way FIRE overshoots, which must not leave dents: the first half has Hertz's law everywhere, and what
-contacts went through in it is forgotten. The second half begins at that balance with the laws and the dents of the
-case; contacts whose static force is beyond yield get their dents there. Then the clock, and all accounts, are set to
-zero.
+Dead loads are applied, and the spheres are brought to equilibrium by damped dynamics (FIRE, Bitzek et al. 2006) without
+friction. FIRE overshoots, which must not leave dents: the first half uses Hertz's law for all contacts, and the contact
+history is reset afterwards. The second half starts from that equilibrium with the laws and initial dents of the case;
+contacts whose static force exceeds yield get their dents there. Then time and energies are reset to zero.
 
-A packing under uniform pressure may turn as a whole, and dead loads, which keep their directions, would make it turn
-further and further: while balance is looked for, the forces that accelerate it as a whole are taken off (`relief`).
+A packing under uniform pressure may rotate as a whole, and dead loads, which keep their directions, would amplify the
+rotation: inertia relief cancels the forces that accelerate it as a whole during the stage (`inertia_relief`).
 
-A run that is continued from a checkpoint does not repeat the stage. Two files stay: STATIC_STAGE_FILE, for people and
-programs, and STATIC_FILE, lines of script with what the ledger counts from.
+A run that is resumed from a checkpoint does not repeat the stage. Two files remain: STATIC_STAGE_FILE, a record, and
+STATIC_FILE, script lines with the reference energy of the ledger.
 """
 
 from __future__ import annotations
@@ -37,20 +36,20 @@ if TYPE_CHECKING:
 
 _STAGE_MARKER, _STAGE_END = "# --- static stage ---", "# --- end of the static stage ---"
 
-LARGEST_MOVE = 0.1  # diameters, of any sphere, beyond what contacts take up: one that moves further rearranges
+LARGEST_MOVE = 0.1  # diameters; largest displacement beyond contact deformation: larger ones mean rearrangement
 
-_SPHERES = "static_spheres"  # the group of those that move
-_PREFIX = "static_"  # of the fixes of planes during the stage
-_TOLERANCE = 1e-9  # of the force of a contact: net force on a sphere at which the search ends
-# With disorder or dents it takes tens of thousands of iterations, and few contacts may bear many times the mean force:
-_TOLERANCE_OF_DISORDER = 3e-7  # of the largest force of a contact, found in the first half
-_FIRST_HALF = 1e-5  # of the mean force, in the first half
-_ROUNDING = 8.0  # net force by rounding: in units of stiffness times the last digit of a coordinate
-_STEP = 0.03  # of sqrt(mass/stiffness), at the start; FIRE makes it up to ten times longer
-_LONGEST_MOVE = 0.5  # of the overlap of a contact, of a sphere in one iteration
+_SPHERES = "static_spheres"  # group of the moving spheres
+_PREFIX = "static_"  # prefix of the wall fixes of the stage
+_TOLERANCE = 1e-9  # net force on a sphere at convergence over the mean contact force
+# With disorder or dents it takes tens of thousands of iterations, and single contacts may carry many times the mean:
+_TOLERANCE_OF_DISORDER = 3e-7  # same, over the largest contact force, as found in the first half
+_FIRST_HALF = 1e-5  # same, over the mean contact force, in the first half
+_ROUNDING = 8.0  # net force by rounding over stiffness times the rounding error of a coordinate
+_STEP = 0.03  # initial timestep over sqrt(mass/stiffness); FIRE makes it up to ten times longer
+_LONGEST_MOVE = 0.5  # displacement of a sphere in one iteration over the overlap of a contact
 _MOST_ITERATIONS = 200_000
 
-# residual: largest net force on a sphere over the largest force of a contact, or the load where only walls are touched
+# residual: largest net force on a sphere over the largest contact force, or over the load if only walls are touched
 RECORD = {
     "residual": "$(c_static_net/(c_static_largest+(c_static_largest==0)*v_static_load):%.6g)",
     "largest_force": "$(c_static_largest:%.9g)",
@@ -63,7 +62,7 @@ RECORD = {
 
 
 def dead_load_commands(assembly: Assembly) -> list[str]:
-    """The dead loads, which stay on; the compute ``potential`` is their energy, from the data file's positions on."""
+    """Return the commands of dead loads; the compute ``potential`` is their energy, zero in the data file."""
     case = assembly.case
     axes = directions(assembly)
     words = joined(f"v_dead_{axis}" if axis in axes else "0.0" for axis in "xyz")
@@ -74,17 +73,16 @@ def dead_load_commands(assembly: Assembly) -> list[str]:
         *(f"variable        dead_{axis} atomfile {DEAD_LOAD_FILE.format(axis)}" for axis in axes),
         f"variable        dead atom {'||'.join(f'(v_dead_{axis}!=0)' for axis in axes)}",
         "group           dead variable dead",
-        f"fix             dead dead addforce {words} energy v_dead_{axes[-1]}",  # LAMMPS asks for an energy; unused
+        f"fix             dead dead addforce {words} energy v_dead_{axes[-1]}",  # required by LAMMPS; unused
         f"variable        work atom -({work})",
         f"compute         {POTENTIAL.removeprefix('c_')} dead reduce sum v_work",
     ]
 
 
 def largest_move(assembly: Assembly) -> float:
-    """How far a sphere of a packing that keeps its shape may move, m.
+    """Return the largest displacement of a sphere in a packing that does not rearrange, m.
 
-    Contacts on the way along the load give way to it, and close the gaps that smaller spheres and dents leave; all that
-    adds up.
+    Along the load the overlaps of all contacts add up, and so do the gaps that smaller spheres and dents leave.
     """
     case = assembly.case
     stage, lattice = case.precompression, assembly.lattice
@@ -96,7 +94,7 @@ def largest_move(assembly: Assembly) -> float:
 
 
 def first_half(assembly: Assembly) -> list[str]:
-    """To balance under Hertz's law."""
+    """Return the commands that bring the packing to equilibrium under Hertz's law."""
     case = assembly.case
     mass = float(assembly.sphere_masses().min())
     longest_move = _LONGEST_MOVE * 1.5 * force_of_contact(assembly) / static_stiffness(assembly)
@@ -129,7 +127,7 @@ def first_half(assembly: Assembly) -> list[str]:
 
 
 def second_half(assembly: Assembly) -> list[str]:
-    """To balance with the laws and dents of the case, and the record of it."""
+    """Return the commands for equilibrium with the laws and dents of the case, and its record."""
     case = assembly.case
     columns = ["c_static", "c_static[2]", "c_static_largest", "c_static_borne", "c_static_net", "c_static_moved"]
     values = "\n".join([f"# {joined(RECORD)}", joined(RECORD.values())])
@@ -166,12 +164,12 @@ def second_half(assembly: Assembly) -> list[str]:
 
 
 def reference_state() -> list[str]:
-    """The energies that the ledger counts from, which the static stage has left in a file."""
+    """Return the command that reads the reference energy of the ledger, stored by the static stage."""
     return ["# What the ledger counts from.", f"include         {DUMPS}/{STATIC_FILE}"]
 
 
 def load_tables(assembly: Assembly) -> dict[str, str]:
-    """The files of dead loads: name and text, one for each direction."""
+    """Return the texts of the files of dead loads by name, one for each direction."""
     ids, forces = dead_loads(assembly)
     tables = {}
     for axis in directions(assembly):
@@ -183,7 +181,7 @@ def load_tables(assembly: Assembly) -> dict[str, str]:
 
 
 def _relief(case: Case, *, again: bool = False) -> list[str]:
-    """Return commands that keep a packing from turning, and from moving as a whole, where nothing holds it."""
+    """Return the commands of inertia relief, if nothing holds the packing in place."""
     stage, bottom = case.precompression, case.boundary.bottom
     if stage is None or stage.kind != "uniform" or bottom == "fixed":
         return []
@@ -192,13 +190,13 @@ def _relief(case: Case, *, again: bool = False) -> list[str]:
 
 
 def _step_of_support(assembly: Assembly) -> list[str]:
-    """FIRE leaves a timestep that may be too long for what the bottom moves on, which refuses to run with it."""
+    """Return the command for a timestep short enough for the bottom's support; FIRE may leave a longer one."""
     step = support_timestep(assembly, static_stiffness(assembly))
     return [f"timestep        {num(step)}"] if math.isfinite(step) else []
 
 
 def _waiting(assembly: Assembly) -> list[str]:
-    """Strikers stay where they are until the run begins."""
+    """Return the commands that hold strikers in place until the run begins."""
     first, last = assembly.lattice.n_spheres + 1, assembly.last_sphere
     name = "static_strikers"
     return [f"group           {name} id {first}:{last}", f"fix             {name} {name} setforce 0 0 0"] * (
@@ -207,20 +205,20 @@ def _waiting(assembly: Assembly) -> list[str]:
 
 
 def _stored(assembly: Assembly) -> list[str]:
-    """Terms of the energy stored in contacts, walls and what a wall moves on."""
+    """Return the terms of the energy stored in contacts, walls and the support of the bottom."""
     planes = [name for wall in walls(assembly) if not wall.held_layer for name, _, _ in wall_fixes(assembly, wall)]
     support = moving_fix(assembly)
     return ["c_static", *(f"f_{name}[4]" for name in planes), *([f"f_{support}[12]"] if support else [])]
 
 
 def _rounding(assembly: Assembly) -> float:
-    """Return the net force that rounding of the coordinates makes, N."""
+    """Estimate the net force due to rounding of coordinates, N."""
     span = float(np.abs(assembly.bounds()).max())
     return float(_ROUNDING * static_stiffness(assembly) * np.finfo(float).eps * span)
 
 
 def _least_net_force(assembly: Assembly, *, first: bool = False) -> str:
-    """The net force on a sphere at which the search ends, N: a small part of the forces of contacts, or rounding."""
+    """Return the net force on a sphere at convergence, N: a small fraction of contact forces, plus rounding."""
     case = assembly.case
     rounding, mean = _rounding(assembly), force_of_contact(assembly)
     if not has_gaps(case) or first:

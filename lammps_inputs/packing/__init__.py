@@ -1,1 +1,1 @@
-"""The packing: where its spheres, strikers, walls and bars are."""
+"""The packing: positions of spheres, strikers, walls and bars."""

@@ -1,11 +1,8 @@
-"""All bodies of a case: the spheres of its lattice, replaced ones, strikers, and the nodes of elastic bars.
+"""All bodies of a case: spheres of the lattice, replaced ones, strikers, and nodes of elastic bars.
 
 Ids count from 1: the sites of the lattice, then the strikers, then the nodes of the incident bar, then those of the
 bar, each along +z. A vacant site keeps its id, which nothing has: the spheres are rows in the order of `Assembly.ids`.
 A packing of like spheres costs nothing, however large; see `granwave.lammps_inputs.lattices`.
-
-A bar is a row of point masses, half a mass at either end, joined by springs E A / (element length). The node at the
-chain's end is its face: a particle without radius, which the contact law takes as a flat (R* = R).
 """
 
 from __future__ import annotations
@@ -19,15 +16,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.lammps_inputs.case.bodies import Bar, Striker
+from granwave.lammps_inputs.case.bodies import Striker
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material, sphere_mass
 from granwave.lammps_inputs.lattices import TOUCHING, Lattice
+from granwave.lammps_inputs.packing.bars import BAR, INCIDENT_BAR, PlacedBar, place_bar
 from granwave.lammps_inputs.packing.sites import Sites, sites_of
 from granwave.lammps_inputs.packing.strikers import place_strikers
 from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
 
-INCIDENT_BAR, BAR = "incident_bar", "bar"  # names, as in the case
 _KEPT = 4  # assemblies
 _HISTORY, _LEAST_HISTORY = 1000, 5  # instants; beads of a chain from which on they are recorded by themselves
 _HISTORY_VALUES, _LEAST_ROWS = 1e6, 250  # instants times particles, nodes of bars among them; fewest instants
@@ -50,61 +47,6 @@ class Species:
     bar: str = ""
 
 
-@dataclasses.dataclass(frozen=True)
-class PlacedBar:
-    """A bar in its place.
-
-    Attributes
-    ----------
-    name
-        ``incident_bar`` or ``bar``.
-    first, last
-        Ids of its nodes; z rises with the id.
-    face
-        Id of the node that touches the chain.
-    touches
-        Id of the sphere that the face touches.
-    position
-        Of the nodes along z: (n_nodes,), m.
-    mass
-        Of the nodes: (n_nodes,), kg.
-    """
-
-    name: str
-    section: Bar
-    material: Material
-    first: int
-    face: int
-    touches: int
-    position: NDArray[np.float64]
-    mass: NDArray[np.float64]
-
-    @property
-    def last(self) -> int:
-        """Id of the last node."""
-        return self.first + len(self.position) - 1
-
-    @property
-    def far(self) -> int:
-        """Id of the node at the end away from the chain."""
-        return self.first if self.face == self.last else self.last
-
-    @property
-    def pitch(self) -> float:
-        """Length of an element, m."""
-        return self.section.length / self.section.elements
-
-    @property
-    def stiffness(self) -> float:
-        """Stiffness of an element, N/m."""
-        return self.material.youngs_modulus * self.section.area / self.pitch
-
-    @property
-    def wave_speed(self) -> float:
-        """sqrt(E/rho), m/s."""
-        return math.sqrt(self.material.youngs_modulus / self.material.density)
-
-
 @dataclasses.dataclass(frozen=True, eq=False)
 class Assembly:
     """All bodies of a case; see `assemble`.
@@ -114,17 +56,17 @@ class Assembly:
     case
         Case that it was made from.
     lattice
-        Of the spheres of the packing.
+        Lattice of the packing.
     material
-        Of spheres that are not replaced.
+        Material of spheres that are not replaced.
     sites
-        What is where; None where the spheres of the lattice are all alike and none is missing.
+        Diameters, materials and vacancies by site; None if all spheres are equal and none is missing.
     strikers
-        Each with its centre (3,), m.
+        Strikers, each with its centre (3,), m.
     bars
-        In the order of their ids.
+        Bars in the order of their ids.
     species
-        What the LAMMPS types 1, 2, ... are.
+        Particles of the LAMMPS types 1, 2, ...
     """
 
     case: Case
@@ -137,12 +79,12 @@ class Assembly:
 
     @property
     def n_spheres(self) -> int:
-        """Spheres of the lattice, and strikers."""
+        """Number of spheres, strikers included."""
         return (self.lattice.n_spheres if self.sites is None else self.sites.count) + len(self.strikers)
 
     @property
     def last_sphere(self) -> int:
-        """Largest id that a sphere can have: of the last striker, or of the last site of the lattice."""
+        """Largest id that a sphere can have: that of the last striker, or of the last site of the lattice."""
         return self.lattice.n_spheres + len(self.strikers)
 
     @property
@@ -154,32 +96,32 @@ class Assembly:
 
     @property
     def n_particles(self) -> int:
-        """Spheres and nodes of bars."""
+        """Number of spheres and nodes of bars."""
         return self.n_spheres + sum(len(bar.position) for bar in self.bars)
 
     @property
     def plain(self) -> bool:
-        """Like spheres of the lattice, nothing else."""
+        """True if there are only equal spheres, without vacancies, strikers or bars."""
         return self.sites is None and not (self.strikers or self.bars)
 
     @property
     def like(self) -> bool:
-        """Spheres of one material and one nominal diameter, nothing else; some may be missing."""
+        """True if all bodies are spheres of one material and nominal diameter; there may be vacancies and scatter."""
         return (self.sites is None or self.sites.like) and not (self.strikers or self.bars)
 
     @property
     def n_contacts(self) -> int:
-        """Pairs of spheres that touch at the start."""
+        """Number of pairs of spheres that touch at the start."""
         return (self.lattice if self.sites is None else self.sites).n_contacts + self._n_touches
 
     @property
     def n_neighbours(self) -> int:
-        """Pairs of spheres that touch, or stand at neighbouring sites and can come to touch."""
+        """Number of pairs of spheres that touch or are at neighbouring sites."""
         return (self.lattice.n_contacts if self.sites is None else self.sites.n_neighbours) + self._n_touches
 
     @cached_property
     def diameters(self) -> dict[int, float]:
-        """By id of spheres of the lattice whose diameter is not that of the lattice, m."""
+        """Diameters of the spheres of the lattice that differ from the nominal one, by id, m."""
         if self.sites is None:
             return {}
         odd = np.flatnonzero((self.sites.diameter != self.lattice.diameter) & self.sites.present)
@@ -187,37 +129,37 @@ class Assembly:
 
     @cached_property
     def materials(self) -> dict[int, Material]:
-        """By id of spheres of the lattice that have another material."""
+        """Materials of the spheres of the lattice that have another one than the packing, by id."""
         if self.sites is None:
             return {}
         odd = np.flatnonzero(self.sites.kind)
         return {site + 1: self.sites.materials[self.sites.kind[site]] for site in odd.tolist()}
 
     def diameter_of(self, sphere: int) -> float:
-        """Diameter of the sphere with this id, m."""
+        """Return the diameter of the sphere with this id, m."""
         if sphere > self.lattice.n_spheres:
             return self.strikers[sphere - self.lattice.n_spheres - 1][0].diameter or self.lattice.diameter
         return self.lattice.diameter if self.sites is None else float(self.sites.diameter[sphere - 1])
 
     def material_of(self, sphere: int) -> Material:
-        """Material of the sphere with this id."""
+        """Return the material of the sphere with this id."""
         if sphere > self.lattice.n_spheres:
             return self.strikers[sphere - self.lattice.n_spheres - 1][0].material or self.material
         return self.material if self.sites is None else self.sites.materials[self.sites.kind[sphere - 1]]
 
     def mass_of(self, sphere: int) -> float:
-        """Mass of the sphere with this id, kg."""
+        """Return the mass of the sphere with this id, kg."""
         return sphere_mass(self.material_of(sphere), self.diameter_of(sphere) / 2)
 
     def sphere_diameters(self) -> NDArray[np.float64]:
-        """Diameters of all spheres: (n_spheres,), m."""
+        """Return the diameters of all spheres: (n_spheres,), m."""
         return self._by_sphere(
             np.full(self.lattice.n_spheres, self.lattice.diameter) if self.sites is None else self.sites.diameter,
             [self.diameter_of(striker) for striker in self._striker_ids],
         )
 
     def sphere_masses(self) -> NDArray[np.float64]:
-        """Masses of all spheres: (n_spheres,), kg."""
+        """Return the masses of all spheres: (n_spheres,), kg."""
         density: float | NDArray[np.float64] = self.material.density
         if self.sites is not None:
             density = np.array([material.density for material in self.sites.materials])[self.sites.kind]
@@ -228,20 +170,20 @@ class Assembly:
         return densities * 4 / 3 * math.pi * (self.sphere_diameters() / 2) ** 3
 
     def type_of(self, material: Material) -> int:
-        """LAMMPS type of spheres of a material."""
+        """Return the LAMMPS type of spheres of a material."""
         return 1 + self.species.index(Species(material))
 
     def lattice_positions(self, first: int, last: int) -> NDArray[np.float64]:
-        """Centres of the sites of the lattice with ids ``first`` to ``last``, vacant ones too: (n, 3), m."""
+        """Return the centres of the sites with ids ``first`` to ``last``, including vacant ones: (n, 3), m."""
         return (self.lattice if self.sites is None else self.sites).positions(first, last)
 
     def positions(self) -> NDArray[np.float64]:
-        """Centres of all spheres: (n_spheres, 3), m."""
+        """Return the centres of all spheres: (n_spheres, 3), m."""
         own = self.lattice_positions(1, self.lattice.n_spheres)
         return self._by_sphere(own, [centre for _, centre in self.strikers])
 
     def bounds(self) -> NDArray[np.float64]:
-        """Lowest and highest coordinate of a surface along x, y, z, nodes included: (2, 3), m."""
+        """Return the bounds of all spheres and nodes along x, y, z: (2, 3), m."""
         low, high = self.lattice_bounds()
         radius = self.largest_diameter / 2
         corners = [low - radius, high + radius]
@@ -252,7 +194,7 @@ class Assembly:
         return np.stack([np.min(corners, axis=0), np.max(corners, axis=0)])
 
     def lattice_bounds(self) -> NDArray[np.float64]:
-        """Lowest and highest site of the lattice along x, y, z: (2, 3), m."""
+        """Return the lowest and highest coordinates of sites along x, y, z: (2, 3), m."""
         bounds = self.lattice.bounds()
         if self.sites is not None and self.sites.stacked is not None:
             bounds[1, 2] = self.sites.stacked[-1]
@@ -260,38 +202,37 @@ class Assembly:
 
     @property
     def largest_diameter(self) -> float:
-        """Largest diameter of the spheres of the lattice, at least the nominal one of the packing, m."""
+        """Largest diameter of the spheres of the lattice, at least the nominal one, m."""
         if self.sites is None:
             return self.lattice.diameter
         return max(self.lattice.diameter, float(self.sites.diameter[self.sites.present].max()))
 
     @property
     def wall_radius(self) -> float:
-        """Distance of planes at the sides from the outermost sites: that of the nominal sphere, in a chain of the
-        largest one, m."""
+        """Distance of side planes from the outermost sites, m: the nominal radius, in a chain the largest one."""
         if self.sites is None or self.lattice.kind != "chain":
             return self.lattice.diameter / 2
         return max(self.lattice.diameter, float(self.sites.nominal.max())) / 2
 
     def echoes(self) -> dict[str, float]:
-        """When an echo of the far end of each bar can first reach the chain, by name of the bar, s."""
+        """Return the earliest time at which an echo from the far end of each bar reaches the chain, by name, s."""
         found, arrival = {}, 0.0
         for bar in self.bars:
             crossing = bar.section.length / bar.wave_speed
             if bar.name == INCIDENT_BAR:
-                arrival = crossing  # of the load at the chain
+                arrival = crossing  # time at which the load reaches the chain
             found[bar.name] = arrival + 2 * crossing
         return found
 
     @property
     def top_radius(self) -> float:
-        """Nominal radius of the first bead of a chain, which a bar ahead of it touches, m."""
+        """Nominal radius of the first bead of a chain, next to the incident bar, m."""
         return (self.lattice.diameter if self.sites is None else float(self.sites.nominal[0])) / 2
 
     def bottom(self) -> float:
-        """Where a plane below the packing, or a bar, touches nominal spheres of the last layer, m.
+        """Return the z at which a bottom plane or bar touches nominal spheres of the last layer, m.
 
-        Spheres that are smaller than nominal do not reach it.
+        Smaller spheres leave a gap.
         """
         last = self.lattice.diameter
         if self.sites is not None and self.lattice.kind == "chain":
@@ -299,7 +240,7 @@ class Assembly:
         return float(self.lattice_bounds()[1, 2]) + last / 2
 
     def contacts(self) -> NDArray[np.int64]:
-        """Pairs of ids of spheres that touch at the start, i < j, in no particular order: (n_contacts, 2)."""
+        """Return the ids of touching pairs at the start, i < j, in no particular order: (n_contacts, 2)."""
         pairs = list(self.lattice.pairs() if self.sites is None else self.sites.contacts())
         for number, (striker, _) in zip(self._striker_ids, self.strikers, strict=True):
             pairs.append(np.array([sorted((touched, number)) for touched in sorted(set(striker.touches))]))
@@ -307,7 +248,7 @@ class Assembly:
 
     @property
     def history(self) -> int:
-        """Instants at which a chain's velocities and forces are recorded; 0: none."""
+        """Number of instants at which velocities and forces of a chain are recorded; 0: none."""
         output, packing = self.case.output, self.case.packing
         if output.history != "auto":
             return output.history
@@ -324,19 +265,19 @@ class Assembly:
         return range(self.lattice.n_spheres + 1, self.last_sphere + 1)
 
     def _by_sphere(self, of_sites: NDArray[np.float64], of_strikers: Sequence[Any]) -> NDArray[np.float64]:
-        """Values of the sites that hold a sphere, and of the strikers."""
+        """Join the values of occupied sites and of strikers."""
         if self.sites is not None:
             of_sites = of_sites[self.sites.present]
         return np.concatenate([of_sites, of_strikers]) if len(of_strikers) else of_sites
 
 
 def assemble(case: Case | Assembly) -> Assembly:
-    """Place all bodies of a case; an assembly is returned as it is. The last few are kept.
+    """Place all bodies of a case; return an assembly unchanged. The last few results are cached.
 
     Raises
     ------
     ValueError
-        A striker does not find a place, or vacancies leave too few spheres.
+        A striker cannot be placed, or vacancies leave too few spheres.
     """
     return case if isinstance(case, Assembly) else _assemble(case)
 
@@ -358,19 +299,22 @@ def _assemble(case: Case) -> Assembly:
     first = assembly.last_sphere + 1
     for name, section in ((INCIDENT_BAR, case.incident_bar), (BAR, case.bar)):
         if section is not None:
-            bars.append(_place_bar(assembly, name, section, section.material or case.material, first))
+            face, touches = (
+                (-assembly.top_radius, 1) if name == INCIDENT_BAR else (assembly.bottom(), assembly.lattice.n_spheres)
+            )
+            bars.append(place_bar(name, section, section.material or case.material, first, face, touches))
             first = bars[-1].last + 1
     ends = [Species(bar.material, role, bar.name) for bar in bars for role in ("node", "face")]
     return dataclasses.replace(assembly, bars=tuple(bars), species=(*assembly.species, *ends))
 
 
 def lattice_of(case: Case) -> Lattice:
-    """Lattice of the packing of a case."""
+    """Return the lattice of a case."""
     return Lattice(case.packing.kind, case.packing.size, case.packing.diameter, case.boundary.sides == "periodic")
 
 
 def struck_of(assembly: Assembly) -> tuple[int, ...]:
-    """Ids of the spheres that the load acts on, the struck sphere first; of strikers alone those that move."""
+    """Return the ids of the loaded spheres, the struck sphere first; for a load by strikers those that move."""
     case = assembly.case
     if case.load.kind != "striker":
         return struck_spheres(assembly.lattice, case.load.spheres)
@@ -381,7 +325,7 @@ def struck_of(assembly: Assembly) -> tuple[int, ...]:
 
 
 def struck_site(assembly: Assembly) -> int | None:
-    """Id of the struck sphere of the packing: the central one, or what the first striker strikes; None without one."""
+    """Return the id of the struck sphere, or of the sphere that the first moving striker hits; None if none is."""
     struck = struck_of(assembly)
     sphere = struck[0] if struck else None
     while sphere is not None and sphere > assembly.lattice.n_spheres:
@@ -390,7 +334,7 @@ def struck_site(assembly: Assembly) -> int | None:
 
 
 def velocities_of(assembly: Assembly) -> dict[int, tuple[float, float, float]]:
-    """Initial velocities of the spheres that have one, by id, m/s."""
+    """Return the initial velocities by id of the spheres that have one, m/s."""
     case = assembly.case
     found: dict[int, tuple[float, float, float]] = {}
     if case.load.kind == "impact":
@@ -401,19 +345,6 @@ def velocities_of(assembly: Assembly) -> dict[int, tuple[float, float, float]]:
     return found
 
 
-def _place_bar(assembly: Assembly, name: str, section: Bar, material: Material, first: int) -> PlacedBar:
-    n = section.elements
-    ahead = name == INCIDENT_BAR
-    face = -assembly.top_radius if ahead else assembly.bottom()
-    position = face + np.linspace(-section.length if ahead else 0.0, 0.0 if ahead else section.length, n + 1)
-    mass = np.full(n + 1, material.density * section.area * section.length / n)
-    mass[[0, -1]] /= 2
-    return PlacedBar(
-        name, section, material, first, first + n if ahead else first, 1 if ahead else assembly.lattice.n_spheres,
-        position, mass,
-    )  # fmt: skip
-
-
 def gap_tolerance(case: Case) -> float:
-    """Gap up to which two spheres count as touching at the start, m."""
+    """Return the largest gap between spheres that count as touching at the start, m."""
     return TOUCHING * case.packing.diameter

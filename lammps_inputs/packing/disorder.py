@@ -1,17 +1,17 @@
-"""Disorder of a packing: diameters in a tolerance band, vacancies, spheres replaced by chance.
+"""Disorder of a packing: diameters in a tolerance band, random vacancies, randomly replaced spheres.
 
-Everything random follows from ``packing.seed``, by streams of random numbers of their own, so that a change of one does
-not change another:
+Separate streams of random numbers follow from ``packing.seed``, so that a change of one property does not change the
+others:
 
-    diameters     one number for each site of the lattice; a wider band stretches the same numbers, and whatever else
-                  is at other sites does not change them
-    vacancies     one number for each site; the sites of the smallest numbers are vacant, so that a larger share
-                  contains a smaller one
-    replace       likewise, one stream for each entry, by its place in the case
+    diameters     one number for each site, scaled by the width of the band; independent of vacancies and replaced
+                  spheres
+    vacancies     one number for each site; the sites of the smallest numbers are vacant, so that the vacancies of a
+                  larger share include those of a smaller one
+    replace       likewise, with one stream for each entry, by its place in the case
 
-The numbers are the upper 53 bits of what PCG64 gives out, whose stream numpy guarantees for all versions and machines.
-Those of a normal distribution pass through a special function, whose last bits may depend on the machine; they are
-rounded to `_GRID` of the band.
+The numbers are the upper 53 bits of the output of PCG64, whose stream numpy guarantees for all versions and machines.
+For a normal distribution they pass through a special function whose last bits may depend on the machine; the results
+are rounded to multiples of `_GRID` of the band.
 """
 
 from __future__ import annotations
@@ -31,23 +31,23 @@ if TYPE_CHECKING:
 DEFAULT_SEED = 1
 DIAMETERS, VACANCIES, REPLACE = range(3)  # streams
 
-_DEVIATIONS = 3.0  # standard deviations from the middle of the band to either end
-_GRID = 2.0**-24  # of the band
+_DEVIATIONS = 3.0  # standard deviations between the middle and the ends of the band
+_GRID = 2.0**-24  # fraction of the band
 
 
 def is_random(case: Case) -> bool:
-    """Something in the packing of a case depends on its seed."""
+    """Return True if the packing depends on the seed."""
     share = isinstance(case.packing.vacancies, float) and case.packing.vacancies > 0
     return bool(case.packing.diameter_scatter) or share or any(entry.share for entry in case.replace)
 
 
 def has_gaps(case: Case) -> bool:
-    """True if contacts of the packing may stand open at the start, which makes the search for balance long."""
+    """Return True if contacts may be open at the start, which makes the search for static equilibrium long."""
     return bool(case.packing.diameter_scatter or case.packing.vacancies or case.contact.initial_overlap)
 
 
 def diameter_losses(packing: PackingSection, n: int) -> NDArray[np.float64]:
-    """Draw the deficit of each sphere's diameter from the nominal one: (n,), m, from 0 to ``diameter_scatter``."""
+    """Draw the deficits of the diameters from the nominal one: (n,), m, from 0 to ``diameter_scatter``."""
     place = _uniform(packing.seed, n, DIAMETERS)
     if packing.scatter_distribution == "normal":
         least, most = ndtr(-_DEVIATIONS), ndtr(_DEVIATIONS)
@@ -57,12 +57,12 @@ def diameter_losses(packing: PackingSection, n: int) -> NDArray[np.float64]:
 
 
 def random_vacancies(packing: PackingSection, n: int, kept: Collection[int]) -> NDArray[np.int64]:
-    """The sites, from 0, that ``packing.vacancies`` as a share leaves empty; never those of the ids in ``kept``.
+    """Draw the vacant sites, from 0, of a share ``packing.vacancies``; never those of the ids in ``kept``.
 
     Raises
     ------
     ValueError
-        More than there are to choose from.
+        The share exceeds the spheres that may be left out.
     """
     may_go = np.ones(n, dtype=bool)
     may_go[np.fromiter(kept, dtype=np.int64, count=len(kept)) - 1] = False
@@ -75,25 +75,25 @@ def random_vacancies(packing: PackingSection, n: int, kept: Collection[int]) -> 
 
 
 def random_share(packing: PackingSection, entry: Replace, place: int, present: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """The sites, from 0, that a ``[[replace]]`` entry with a share changes, of those that are ``present``.
+    """Draw the sites, from 0, of a ``[[replace]]`` entry with a share, from those that are ``present``.
 
     Parameters
     ----------
     place
-        Of the entry in the case, from 1.
+        Number of the entry in the case, from 1.
     """
     number = round((entry.share or 0.0) * int(np.count_nonzero(present)))
     return _smallest(_uniform(packing.seed, len(present), REPLACE, place), present, number)
 
 
 def _smallest(values: NDArray[np.float64], allowed: NDArray[np.bool_], number: int) -> NDArray[np.int64]:
-    """Where the ``number`` smallest of the allowed values are, in rising order."""
+    """Return the indices of the ``number`` smallest of the allowed values, in rising order."""
     where = np.flatnonzero(allowed)
     return np.sort(where[np.argsort(values[where], kind="stable")[:number]])
 
 
 def _uniform(seed: int | None, n: int, *stream: int) -> NDArray[np.float64]:
-    """Numbers in [0, 1): (n,)."""
+    """Draw random numbers in [0, 1): (n,)."""
     entropy = np.random.SeedSequence(DEFAULT_SEED if seed is None else seed, spawn_key=stream)
     upper = np.random.PCG64(entropy).random_raw(n) >> np.uint64(11)
     return upper.astype(np.float64) * 2.0**-53

@@ -1,4 +1,4 @@
-"""Ordered packings: every sphere of a lattice with its position, its contacts and the walls around it."""
+"""Ordered packings: positions and contacts of all spheres, and walls."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ if TYPE_CHECKING:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Packing:
-    """Spheres on a lattice, and strikers, the struck layer at z = 0 and depth along +z.
+    """Spheres on a lattice and strikers; the struck layer is at z = 0, depth along +z.
 
-    A row of every array is a sphere; of a packing with vacancies rows are not ids less one, see `rows`.
+    Each row of an array is a sphere. With vacancies, row numbers are not ids minus one, see `rows`.
 
     Attributes
     ----------
     assembly
-        The rule behind the positions.
+        Bodies that the packing is made from.
     atoms
-        The spheres in the order of their ids, with the arrays ``diameters`` (n,), m, and ``ids`` (n,); positions
+        Spheres in the order of their ids, with the arrays ``diameters`` (n,), m, and ``ids`` (n,); positions
         in m (not angstrom).
     walls
-        The planes around the packing.
+        Planes around the packing.
     """
 
     assembly: Assembly
@@ -41,26 +41,26 @@ class Packing:
 
     @property
     def n_spheres(self) -> int:
-        """How many spheres there are."""
+        """Number of spheres."""
         return self.assembly.n_spheres
 
     @property
     def lattice(self) -> Lattice:
-        """Lattice of the spheres but for strikers."""
+        """Lattice of the spheres other than strikers."""
         return self.assembly.lattice
 
     @property
     def positions(self) -> NDArray[np.float64]:
-        """Centres by id: (n_spheres, 3), m."""
+        """Centres in the order of ids: (n_spheres, 3), m."""
         return self.atoms.positions
 
     @property
     def ids(self) -> NDArray[np.int64]:
-        """Ids, those of sites counted from 1, i fastest: (n_spheres,)."""
+        """Ids, counted from 1 over the sites with i fastest: (n_spheres,)."""
         return self.atoms.get_array("ids", copy=False)
 
     def rows(self, ids: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Rows of the spheres with these ids, of the same shape."""
+        """Return the rows of the spheres with these ids, of the same shape."""
         return np.searchsorted(self.ids, ids) if self._vacant else ids - 1
 
     @property
@@ -88,12 +88,12 @@ class Packing:
 
     @cached_property
     def coordination(self) -> NDArray[np.int8]:
-        """Touching spheres of each sphere: (n_spheres,); checked where the packing is of like spheres alone.
+        """Coordination numbers of the spheres: (n_spheres,); checked for packings of equal spheres.
 
         Raises
         ------
         RuntimeError
-            A sphere touches more spheres than the lattice allows, or none of the inner ones as many as it
+            A sphere touches more spheres than the lattice allows, or none of the interior ones as many as it
             should.
         """
         result = np.zeros(self.n_spheres, dtype=np.int8)
@@ -107,7 +107,7 @@ class Packing:
         return result
 
     def gaps(self, pairs: NDArray[np.int64]) -> NDArray[np.float64]:
-        """Distance between the surfaces of each pair (n, 2) of ids, the nearest image counting: (n,), m."""
+        """Return the gaps between the surfaces of pairs (n, 2) of ids, nearest images if periodic: (n,), m."""
         result, radii = np.empty(len(pairs)), self.atoms.get_array("diameters") / 2
         for start in range(0, len(pairs), 1_000_000):
             part = slice(start, start + 1_000_000)
@@ -126,7 +126,7 @@ class Packing:
 
 
 def build_packing(case: Case | Assembly) -> Packing:
-    """The packing of a case, with its walls."""
+    """Build the packing of a case, with its walls."""
     assembly = assemble(case)
     lattice = assembly.lattice
     low, high = assembly.lattice_bounds()

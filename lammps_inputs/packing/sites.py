@@ -1,8 +1,8 @@
-"""Sites of a lattice that are not all the same: diameters, materials, vacancies.
+"""Sites of a lattice with different spheres: diameters, materials, vacancies.
 
-Spheres stay at the sites of the lattice of nominal spheres, whatever their diameter: smaller ones leave gaps, larger
-ones need room. The beads of a chain are stacked in contact by their nominal diameters, `[[replace]]` included, and what
-they miss of these by the tolerance is a gap too. The tolerance counts from the nominal diameter of each sphere.
+Spheres are centred on the sites of the lattice of nominal spheres: smaller ones leave gaps, larger ones need space. The
+beads of a chain are stacked in contact by their nominal diameters, those of `[[replace]]` included; diameters below
+nominal by the tolerance leave gaps there, too. The tolerance counts from the nominal diameter of each sphere.
 """
 
 from __future__ import annotations
@@ -30,20 +30,20 @@ if TYPE_CHECKING:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Sites:
-    """The sites of a lattice, that of id 1 first; every array (n_sites,).
+    """Sites of a lattice in the order of their ids; every array is (n_sites,).
 
     Attributes
     ----------
     nominal
-        Diameters before the tolerance, m.
+        Nominal diameters, without the scatter, m.
     diameter
         Diameters, m.
     kind
-        Which of ``materials`` it is.
+        Index of the material in ``materials``.
     materials
-        That of the packing first.
+        Materials, that of the packing first.
     present
-        There is a sphere.
+        True for sites with a sphere.
     """
 
     lattice: Lattice
@@ -55,22 +55,22 @@ class Sites:
 
     @cached_property
     def count(self) -> int:
-        """How many spheres there are."""
+        """Number of spheres."""
         return int(np.count_nonzero(self.present))
 
     @property
     def ids(self) -> NDArray[np.int64]:
-        """Ids of the spheres that there are, in rising order: (count,)."""
+        """Ids of the spheres, in rising order: (count,)."""
         return np.flatnonzero(self.present) + 1
 
     @cached_property
     def like(self) -> bool:
-        """True if all are of one material and one nominal diameter, that of the lattice."""
+        """True if all spheres are of the first material and the nominal diameter of the lattice."""
         return not self.kind.any() and bool((self.nominal == self.lattice.diameter).all())
 
     @cached_property
     def stacked(self) -> NDArray[np.float64] | None:
-        """Heights of the beads of a chain whose nominal diameters differ: (n_sites,), m."""
+        """Positions along z of the beads of a chain with different nominal diameters: (n_sites,), m; None otherwise."""
         if self.lattice.kind != "chain" or (self.nominal == self.lattice.diameter).all():
             return None
         radii = self.nominal / 2
@@ -78,18 +78,18 @@ class Sites:
 
     @property
     def least_reach(self) -> float:
-        """Distance up to which the largest spheres of any two materials touch, m."""
+        """Smallest over all materials of their largest diameter, m: the shortest contact distance of such spheres."""
         return min(float(self.diameter[self.present & (self.kind == k)].max()) for k in np.unique(self.kind))
 
     def positions(self, first: int, last: int) -> NDArray[np.float64]:
-        """Centres of the sites of ids ``first`` to ``last``: (n, 3), m."""
+        """Return the centres of the sites with ids ``first`` to ``last``: (n, 3), m."""
         positions = self.lattice.positions(first, last)
         if self.stacked is not None:
             positions[:, 2] = self.stacked[first - 1 : last]
         return positions
 
     def neighbours(self) -> Iterator[tuple[NDArray[np.int64], NDArray[np.float64]]]:
-        """Pairs of spheres at neighbouring sites in batches: ids (n, 2), i < j, and the gaps between them (n,), m."""
+        """Iterate over pairs of spheres at neighbouring sites, in batches: ids (n, 2), i < j, and gaps (n,), m."""
         for pairs in self.lattice.pairs():
             if self.count < len(self.present):
                 pairs = pairs[self.present[pairs - 1].all(axis=1)]
@@ -100,7 +100,7 @@ class Sites:
 
     @cached_property
     def _counts(self) -> tuple[int, int]:
-        """Pairs of neighbouring spheres, and pairs that touch."""
+        """Numbers of neighbouring and of touching pairs."""
         stacked = self.nominal if self.lattice.kind == "chain" else self.lattice.diameter
         if self.count == len(self.present) and (self.diameter == stacked).all():
             return self.lattice.n_contacts, self.lattice.n_contacts  # they differ in their materials only
@@ -112,25 +112,25 @@ class Sites:
 
     @property
     def n_neighbours(self) -> int:
-        """Pairs of spheres at neighbouring sites, which touch or can come to touch."""
+        """Number of pairs of spheres at neighbouring sites."""
         return self._counts[0]
 
     @property
     def n_contacts(self) -> int:
-        """Pairs of spheres that touch."""
+        """Number of touching pairs."""
         return self._counts[1]
 
     def contacts(self) -> Iterator[NDArray[np.int64]]:
-        """Touching pairs of ids (n, 2), i < j, in batches."""
+        """Iterate over the ids of touching pairs (n, 2), i < j, in batches."""
         for pairs, gaps in self.neighbours():
             yield pairs[self._touch(pairs, gaps)]
         yield self._contacts_of_larger()
 
     def near_larger(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-        """Pairs (n, 2) of ids, i < j, that touch or overlap, a sphere larger than the lattice allows for one of them at
-        least, and the gaps between them (n,), m, negative where they overlap; of chains none.
+        """Find the touching and overlapping pairs with a sphere larger than the lattice spacing; none in chains.
 
-        Such spheres reach beyond the neighbouring sites. A pair of equal ids is a sphere and its own image.
+        Returns ids (n, 2), i < j, and gaps (n,), m, negative for overlaps. Such spheres may reach beyond the
+        neighbouring sites. A pair of equal ids is a sphere and its own image.
         """
         present, large = np.flatnonzero(self.present), np.flatnonzero(self.larger & self.present)
         none = np.empty((0, 2), dtype=np.int64), np.empty(0)
@@ -156,7 +156,7 @@ class Sites:
 
     @cached_property
     def larger(self) -> NDArray[np.bool_]:
-        """Larger than the lattice allows for; in a chain none is."""
+        """True for spheres larger than the lattice spacing: (n_sites,); none in a chain."""
         if self.lattice.kind == "chain":
             return np.zeros(len(self.present), dtype=bool)
         return self.diameter > self.lattice.diameter
@@ -168,7 +168,7 @@ class Sites:
         return [np.array([i * x, j * y, 0.0]) for i in (0, -1, 1) for j in (0, -1, 1)]
 
     def _touch(self, pairs: NDArray[np.int64], gaps: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Neighbouring pairs that touch, but for those of larger spheres, which are looked for apart."""
+        """Select the touching pairs; those with larger spheres are found by `near_larger`."""
         touching = np.abs(gaps) <= TOUCHING * self.lattice.diameter
         return touching & ~self.larger[pairs - 1].any(axis=1) if self.larger.any() else touching
 
@@ -178,7 +178,7 @@ class Sites:
 
 
 def sites_of(case: Case, lattice: Lattice) -> Sites | None:
-    """Return the sites of a case's lattice; None where all spheres are alike and none is missing.
+    """Return the sites of the lattice of a case; None if all spheres are equal and none is missing.
 
     Raises
     ------
@@ -216,7 +216,7 @@ def named_spheres(
     sensors: Sequence[Sensor],
     output: Output,
 ) -> dict[int, str]:
-    """The spheres of the lattice that a case names, and by which of its keys; these are no vacancies."""
+    """Return the spheres that a case names, with the key that does; they are never vacant."""
     struck: tuple[int, ...] = ()
     if load.kind != "striker":
         struck = struck_spheres(lattice, load.spheres)
@@ -228,7 +228,7 @@ def named_spheres(
 
 
 def vacant_sites(packing: PackingSection, n: int, kept: set[int]) -> NDArray[np.int64]:
-    """The sites, from 0, without a sphere; raises as `random_vacancies`."""
+    """Return the vacant sites, from 0; raise as `random_vacancies`."""
     if isinstance(packing.vacancies, tuple):
         return np.array(packing.vacancies, dtype=np.int64) - 1
     return random_vacancies(packing, n, kept) if packing.vacancies else np.empty(0, dtype=np.int64)
@@ -237,9 +237,9 @@ def vacant_sites(packing: PackingSection, n: int, kept: set[int]) -> NDArray[np.
 def chosen_sites(
     packing: PackingSection, lattice: Lattice, entry: Replace, place: int, present: NDArray[np.bool_]
 ) -> NDArray[np.int64]:
-    """The sites, from 0, that a ``[[replace]]`` entry, the one at this place from 1, changes.
+    """Return the sites, from 0, that a ``[[replace]]`` entry changes; ``place`` is its number from 1.
 
-    Of a box: where the centres of the lattice are, of like spheres also in a chain, with ``TOUCHING`` to spare.
+    A box is compared with the sites of the lattice of equal spheres, with a margin of ``TOUCHING``.
     """
     if entry.index is not None:
         return np.array(entry.index, dtype=np.int64) - 1

@@ -1,4 +1,4 @@
-"""Where strikers sit: in contact with the spheres that they touch, outside of the packing."""
+"""Positions of strikers: in contact with given spheres, outside of the packing."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from scipy.optimize import least_squares
 from granwave.lammps_inputs.case.bodies import Striker
 from granwave.lammps_inputs.lattices import Lattice
 
-_TOLERANCE = 1e-9  # of the diameter: how exactly a striker touches
-_TELLING = 1e-6  # part of a direction across the spheres from which on it tells the side
-_OVERLAP = 1e-6  # of the diameter: how far it may reach into a sphere that it is not said to touch
+_TOLERANCE = 1e-9  # diameters; largest gap or overlap between a striker and the spheres that it touches
+_TELLING = 1e-6  # relative size below which a direction or a singular value counts as zero
+_OVERLAP = 1e-6  # diameters; largest overlap with other spheres
 
 
 def place_strikers(
@@ -24,26 +24,26 @@ def place_strikers(
     middle: NDArray[np.float64],
     strikers: Sequence[Striker],
 ) -> list[NDArray[np.float64]]:
-    """Centres of the strikers: (3,) each, m.
+    """Return the centres of the strikers: (3,) each, m.
 
-    A striker touches all its spheres at once. Of several such places it takes the one on the side that it comes from;
-    a resting one takes the one away from the packing's centre, or above the packing where that does not tell.
+    A striker touches all its spheres at once. If there are several such positions, a moving striker is placed on the
+    side that it comes from, a resting one away from the centre of the packing, or above it if both sides are equal.
 
     Parameters
     ----------
     ids
-        Of the spheres of the packing: (n_spheres,).
+        Ids of the spheres of the packing: (n_spheres,).
     centres
-        (n_spheres, 3), m.
+        Centres of these spheres: (n_spheres, 3), m.
     diameters
-        (n_spheres,), m.
+        Diameters of these spheres: (n_spheres,), m.
     middle
         Mean of all sites of the lattice: (3,), m.
 
     Raises
     ------
     ValueError
-        A striker touches spheres that no sphere can touch at once, or overlaps another one.
+        No position of a striker touches all its spheres at once, or a striker overlaps another sphere.
     """
     radii = diameters / 2
     placed = []
@@ -65,22 +65,21 @@ def place_strikers(
 
 
 def _side(striker: Striker, at: NDArray[np.float64], middle: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The direction, of the spheres at ``at``, in which the striker is looked for: (3,), of length 1."""
+    """Return the unit vector from the spheres at ``at`` to the side of the striker: (3,)."""
     away = at.mean(axis=0) - middle
     above = np.array([0.0, 0.0, -1.0])
     span = at[1:] - at[0]
     for guess in (-np.array(striker.velocity), away, above):
         across = guess - np.linalg.pinv(span) @ (span @ guess) if len(span) else guess
-        size = np.linalg.norm(
-            across
-        )  # only what is across the line, or the plane, of the spheres tells the places apart
+        # only the component across the line or plane of the spheres distinguishes the possible positions
+        size = np.linalg.norm(across)
         if size > _TELLING * np.linalg.norm(guess) and size > _TOLERANCE * np.abs(at).max(initial=0.0):
             return across / size
     return above
 
 
 def _touching(at: NDArray[np.float64], reach: NDArray[np.float64], side: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The point at the distances ``reach`` from the points ``at``, in the plane of ``side`` and what these span."""
+    """Find the point at distances ``reach`` from the points ``at``, in the space spanned by these and ``side``."""
     middle = at.mean(axis=0)
     if len(at) == 1:
         return middle + reach[0] * side

@@ -1,4 +1,4 @@
-"""Which spheres of the top layer the impact sets in motion."""
+"""Spheres of the top layer that the load acts on."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from granwave.lammps_inputs.lattices import KINDS, TOUCHING, Lattice
 
 
 def struck_spheres(lattice: Lattice, count: int) -> tuple[int, ...]:
-    """Ids of the spheres that get the velocity; the first one is the struck sphere.
+    """Return the ids of the loaded spheres; the first one is the struck sphere.
 
     The struck sphere is the one of the top layer nearest to the centroid of that layer (ties within 1e-6 D:
-    the lowest id). With ``count`` 3 come the two touching neighbours that rest with it on one sphere below
-    (of several such pairs the one with the lowest ids); with 7 its six neighbours in the layer.
+    the lowest id). A ``count`` of 3 adds the two neighbours that rest with it on one sphere of the next layer (of
+    several such pairs the one with the lowest ids), 7 its six neighbours in the layer.
 
     Raises
     ------

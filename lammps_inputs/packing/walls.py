@@ -1,4 +1,4 @@
-"""The planes around a packing, each touching the outermost spheres of its side; rigid, or of a material."""
+"""Planes around a packing, rigid or of a material, each touching the outermost spheres of its side."""
 
 from __future__ import annotations
 
@@ -16,24 +16,24 @@ if TYPE_CHECKING:
 
 @dataclasses.dataclass(frozen=True)
 class Wall:
-    """A plane that spheres cannot pass, or the held last layer that acts as one.
+    """A wall: a plane, or the last layer held in place.
 
     Attributes
     ----------
     name
-        bottom, xlo, xhi, ylo or yhi.
+        Name of the wall: bottom, xlo, xhi, ylo or yhi.
     axis
-        0, 1 or 2 for x, y or z: the normal.
+        Axis of the normal: 0, 1 or 2 for x, y or z.
     outward
-        +1 if the packing lies below the plane along ``axis``, -1 if above.
+        Sign of the outward normal: +1 if the packing lies at lower coordinates along ``axis``, -1 otherwise.
     coordinate
-        Where the plane is along ``axis``, m.
+        Position of the plane along ``axis``, m.
     held_layer
-        There is no plane: the last layer itself is held in place.
+        True if there is no plane, and the last layer is held in place.
     material
-        Of the plane; None for a rigid one.
+        Material of the plane; None if rigid.
     support
-        What the plane moves on; None for one that does not move.
+        Support of a moving plane; None if it does not move.
     """
 
     name: str
@@ -46,7 +46,7 @@ class Wall:
 
 
 def walls(case: Case | Assembly) -> tuple[Wall, ...]:
-    """The walls of a case: the bottom first, then the sides."""
+    """Return the walls of a case: the bottom first, then the sides."""
     assembly = assemble(case)
     case = assembly.case
     found = []
@@ -64,9 +64,9 @@ def walls(case: Case | Assembly) -> tuple[Wall, ...]:
 
 
 def wall_fixes(assembly: Assembly, wall: Wall) -> list[tuple[str, str, Material]]:
-    """The LAMMPS fixes of a plane: name, group and material of the spheres that it is for; one for each material.
+    """Return the LAMMPS fixes of a plane, one for each material: name, group and material of the spheres.
 
-    Walls are those of the packing: strikers, which are outside, pass them.
+    Walls act on the spheres of the packing; strikers, which are outside, can pass them.
     """
     case = assembly.case
     if case.packing.kind == "chain" and wall.name == "bottom":
@@ -79,14 +79,14 @@ def wall_fixes(assembly: Assembly, wall: Wall) -> list[tuple[str, str, Material]
 
 
 def wall_friction(case: Case, wall: Wall, material: Material) -> float:
-    """Coefficient of friction between a wall and spheres of a material."""
+    """Return the coefficient of friction between a wall and spheres of a material."""
     if case.boundary.friction is not None:
         return case.boundary.friction
     return case.contact_between(material, wall.material).friction
 
 
 def materials_of_last_layer(assembly: Assembly) -> list[Material]:
-    """Materials of the spheres that rest on the bottom, each once."""
+    """Return the materials of the spheres in the last layer, each once."""
     case = assembly.case
     nx, ny, _ = assembly.lattice.shape
     n, sites = assembly.lattice.n_spheres, assembly.sites
@@ -97,8 +97,10 @@ def materials_of_last_layer(assembly: Assembly) -> list[Material]:
 
 
 def moving_fix(assembly: Assembly) -> str | None:
-    """The fix whose plane moves; None where none does. Spheres of other materials than the last layer's meet one that
-    stays."""
+    """Return the name of the fix with the moving plane; None if no plane moves.
+
+    Spheres of other materials than that of the last layer have a fix of their own, whose plane does not move.
+    """
     for wall in walls(assembly):
         if wall.support is not None:
             resting = materials_of_last_layer(assembly)[0]
@@ -107,12 +109,12 @@ def moving_fix(assembly: Assembly) -> str | None:
 
 
 def support_timestep(assembly: Assembly, stiffness: float) -> float:
-    """A timestep that follows the motion of the bottom, s; infinite where it does not move.
+    """Return the longest timestep that resolves the motion of the bottom, s; infinite if it does not move.
 
     Parameters
     ----------
     stiffness
-        Of a contact with it, N/m.
+        Stiffness of one contact with the bottom, N/m.
     """
     case = assembly.case
     boundary, (nx, ny, _) = case.boundary, assembly.lattice.shape
@@ -124,5 +126,5 @@ def support_timestep(assembly: Assembly, stiffness: float) -> float:
 
 
 def footprint_radius(assembly: Assembly) -> float:
-    """Radius of the disc of the same area as a layer of the packing, m."""
+    """Return the radius of the disc with the area of a layer of the packing, m."""
     return math.sqrt(math.prod(assembly.lattice.lengths) / math.pi)

@@ -1,4 +1,4 @@
-"""Plan of a run before it is run: its size, its cost and how hard its contacts are pressed."""
+"""Plan of a run before it is run: size, cost and expected overlaps."""
 
 from __future__ import annotations
 
@@ -31,34 +31,34 @@ _MEMORY_BASE = 300e6  # bytes; the interpreter with LAMMPS, or with matplotlib, 
 _MEMORY_PER_SPHERE = 450.0
 _MEMORY_PER_CONTACT = 100.0
 _DISK_DATA_PER_SPHERE = 75.0
-_DISK_FRAME_PER_SPHERE = 130.0  # the text dump and its copy in result.h5
+_DISK_FRAME_PER_SPHERE = 130.0  # text dump and copy in result.h5
 _DISK_PER_CONTACT = 110.0
 _DISK_CHECKPOINT_PER_SPHERE, _DISK_CHECKPOINT_PER_CONTACT = 250.0, 250.0  # measured with friction, all yielded
 _DISK_PER_ROW = 400.0
-_FAR_TOO_LONG = 20.0  # times the automatic timestep: the balance misses by more than 1e-4, half way to instability
-_ROWS_PER_PARTICLE = 0.25  # what a particle costs at an instant of a chain's history
+_FAR_TOO_LONG = 20.0  # times the automatic timestep: energy error above 1e-4, half of the stability limit
+_ROWS_PER_PARTICLE = 0.25  # disk space of a particle at an instant of a chain's history, in rows of the ledger
 
 
 @dataclasses.dataclass(frozen=True)
 class Plan:
-    """The size and cost of a run; memory, disk and times are estimates.
+    """Size and cost of a run; memory, disk space and times are estimates.
 
     Attributes
     ----------
     memory, disk
-        Bytes, of all ranks together.
+        Memory of all ranks together and disk space, bytes.
     disk_reserve
-        Bytes that must stay free while it runs, for one more snapshot and checkpoint.
+        Space that must stay free during the run, for one more snapshot and checkpoint, bytes.
     peak_overlap
-        A bound on the largest overlap of two spheres, m.
+        Upper bound on the largest overlap of two spheres, m.
     peak_overlap_yield
         The same over the overlap at first yield; None if the law does not yield.
     peak_overlap_radius
-        The same over the effective radius; beyond 0.2 it is outside the fitted law.
+        The same over the effective radius; beyond 0.2 it is outside the range of the law.
     times
-        What it takes, part by part.
+        Wall times of the parts of the run.
     zone
-        How far the plastic zone will reach; None where nothing yields, or there is no estimate.
+        Expected size of the plastic zone; None if nothing yields, or there is no estimate.
     """
 
     name: str
@@ -76,7 +76,7 @@ class Plan:
 
     @property
     def wall_time(self) -> float:
-        """Wall time of a run of usual length, s."""
+        """Wall time of a run of typical length, s."""
         return self.times.total
 
 
@@ -86,12 +86,12 @@ def plan(case: Case | Assembly, *, n_ranks: int = 1, figures: bool = True) -> Pl
     Parameters
     ----------
     figures
-        They are drawn too.
+        True if the run draws its figures.
 
     Raises
     ------
     InputError
-        There is no timestep for these values, or too many steps or snapshots.
+        No timestep can be found for these values, or there are too many steps or snapshots.
     """
     assembly = assemble(case)
     case = assembly.case
@@ -130,10 +130,10 @@ def plan(case: Case | Assembly, *, n_ranks: int = 1, figures: bool = True) -> Pl
 
 
 def _note_times(case: Case, schedule: Schedule) -> None:
-    """Log times that are allowed but cannot be meant: a timestep that is too long, records oftener than steps."""
+    """Log warnings about a timestep that is far too long, and a probe interval shorter than the timestep."""
     given, interval = case.run.timestep, case.output.probe_interval
     best = math.inf
-    with contextlib.suppress(ArithmeticError, ValueError):  # there is none
+    with contextlib.suppress(ArithmeticError, ValueError):  # no automatic timestep exists
         best = auto_timestep(case) if not isinstance(given, str) else math.inf
     if not isinstance(given, str) and given > _FAR_TOO_LONG * best:
         _LOG.warning(
@@ -154,21 +154,21 @@ def _note_times(case: Case, schedule: Schedule) -> None:
 def check_run(
     case: Case, expected: Plan, directory: Path | None = None, *, files: bool = True, memory: bool = True
 ) -> None:
-    """Check what a run needs beside a case that is right: the files that it names, memory, and room on the disk.
+    """Check that the machine can run a case: the files that it names, memory, and disk space.
 
     Parameters
     ----------
     directory
-        Where the results go; None: the disk is not looked at.
+        Directory of the results; None: the disk space is not checked.
     files
-        The files are looked at.
+        True to check the files that the case names.
     memory
-        The memory of this machine is looked at.
+        True to check the memory of this machine.
 
     Raises
     ------
     InputError
-        With every fault there is.
+        The run cannot be made; the message lists all faults.
     """
     checks: list[Callable[[], None]] = []
     if files:
@@ -181,17 +181,17 @@ def check_run(
 
 
 def check_memory(plan: Plan, available: float | None = None) -> None:
-    """Refuse a run that does not fit into memory.
+    """Raise InputError if a run does not fit into memory.
 
     Parameters
     ----------
     available
-        Bytes; by default what this machine has free now.
+        Available memory, bytes; by default that of this machine.
 
     Raises
     ------
     InputError
-        The run needs more than there is.
+        The run needs more memory than available.
     """
     what = f"{plan.name}: packing.size: {plan.n_spheres} spheres"
     refuse_too_large(what, plan.memory, "make the packing smaller", available)

@@ -30,10 +30,10 @@ _LONGEST_OF_FIRST = 8  # and rise to 8 times as much: 232 ns of the reference, w
 _LEDGER_ROWS = 500  # aimed at, of a run with an end time
 _LEDGER_ROWS_IN_BLOCK = 250  # the run may end after one block, and a balance over fewer instants is no balance
 _AUTO_PROBE_STEPS = 5
-_WALL_STEPS = 10  # some 0.3 us of the reference; LAMMPS adds up all energies whenever anything is recorded
+_WALL_STEPS = 10  # some 0.3 us in the reference case; LAMMPS evaluates all energies whenever it records anything
 MOST_STEPS = 2e9
-_MOST_UNEVEN_FRAMES = 10_000  # LAMMPS evaluates a formula with a term for each before every snapshot: 40 s in all
-_AUTO_FRAME_SPAN = 1e-3  # s, over which `frames` snapshots are spread when the end is not known
+_MOST_UNEVEN_FRAMES = 10_000  # each snapshot evaluates a formula with a term for each of them: 40 s in total
+_AUTO_FRAME_SPAN = 1e-3  # s, time over which `frames` snapshots are spread if the end is not known
 
 
 @dataclasses.dataclass(frozen=True)
@@ -101,12 +101,12 @@ class Schedule:
 
     @property
     def n_frames(self) -> int:
-        """Snapshots of a run that goes on to its last step, the start among them."""
+        """Number of snapshots of a run that reaches its last step, including the start."""
         return 1 + (len(self.frame_steps) or math.ceil(self.n_steps / self.frame_every))
 
 
 def make_schedule(case: Case | Assembly, timestep: float | None = None) -> Schedule:
-    """The schedule of a case.
+    """Make the schedule of a case.
 
     Parameters
     ----------
@@ -260,7 +260,7 @@ def _fits(case: Case, length: float, first: float) -> bool:
 
 
 def check_steps(name: str, duration: float, timestep: float) -> None:
-    """Refuse a run of more steps than can be counted.
+    """Raise InputError if a run has more steps than `MOST_STEPS`.
 
     Raises
     ------
@@ -275,7 +275,7 @@ def check_steps(name: str, duration: float, timestep: float) -> None:
 
 
 def _divisor(n_steps: int, most: int) -> int:
-    """The largest number of steps, of at most so many, that fits into the run a whole number of times."""
+    """Return the largest divisor of ``n_steps`` up to ``most``."""
     return max(every for every in range(1, most + 1) if n_steps % every == 0)
 
 
@@ -291,14 +291,14 @@ def _probe_every(case: Case, steps: _Steps) -> int:
 
 
 def _check_counts(case: Case, n_steps: int, *, even: bool) -> None:
-    """Refuse more snapshots, or instants of a chain's history, than there can be; makes none of them.
+    """Raise InputError for more snapshots, or records of a chain, than possible, before they are computed.
 
     Parameters
     ----------
     n_steps
         Steps over which they are spread.
     even
-        The snapshots are evenly spaced.
+        True if the snapshots are evenly spaced.
     """
     frames, history = case.run.frames, case.output.history
     count, errors = frames if isinstance(frames, int) else len(frames), []

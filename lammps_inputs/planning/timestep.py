@@ -1,37 +1,37 @@
-"""The timestep, from the stiffest contact that the load can make.
+"""Timestep from the stiffest contact that the load can cause.
 
-The hardest encounter bounds every overlap of the run. Candidates, each a collision of effective mass m_eff at
-the normal velocity v_n, so that the contact takes up at most W = m_eff v_n^2 / 2 on loading:
+The hardest collision bounds all overlaps of the run. Candidates are collisions of effective mass m_eff at the normal
+velocity v_n, in which the contact takes up at most W = m_eff v_n^2 / 2 on loading:
 
 * the struck sphere against one resting sphere, head on: m_eff = m/2, v_n = v;
-* the struck sphere against the spheres it rests on, symmetrically (n of them at the angle theta to the
-  impact): m_eff = m / (1 + n cos^2 theta), v_n = v cos theta (for fcc and hcp n = 3, cos^2 theta = 2/3);
-* a sphere against a wall: m_eff = m, v_n = v if a line of contacts carries the pulse there undivided
-  (chain, simple cubic), else v halved with each layer on the way.
+* the struck sphere against the n spheres that it rests on, at the angle theta to the impact direction:
+  m_eff = m / (1 + n cos^2 theta), v_n = v cos theta (for fcc and hcp n = 3, cos^2 theta = 2/3);
+* a sphere against a wall: m_eff = m, v_n = v if lines of contacts carry the pulse there undivided (chain, simple
+  cubic), else v halved with each layer on the way.
 
-Where bodies differ, every kind of touching pair is a candidate for the whole energy that the load brings in, of which
-a pair of masses m1 < m2 takes up at most m2/(m1 + m2). A force F that lasts brings at most the energy of its
-impulse J in a free sphere, J^2/2m, and no contact beyond some 2.5 F (thesis 4.1: 2.3 F in a chain). Where there are
-many diameters, those within 10 % of each other count as the smallest of them, which makes the stiffest contact for its
-mass. Like spheres within a tolerance all count as the smallest one, struck by one of nominal size. Under a static load
+If bodies differ, each kind of touching pair is a candidate with the whole energy input, of which a pair of masses
+m1 < m2 takes up at most m2/(m1 + m2). The energy input of a force F is at most that of its impulse J on a free sphere,
+J^2/2m, and no contact force exceeds some 2.5 F (thesis 4.1: 2.3 F in a chain). If there are many diameters, those
+within 10 % of each other are represented by the smallest one, which has the stiffest contact for its mass. Equal
+spheres with diameter scatter are represented by the smallest one, struck by one of nominal size. Under a static load
 each contact also takes up the work of that load.
 
-The timestep dt is chosen for the energy balance; stability (dt < 2/omega) would allow some fifty times more. The
-error of velocity Verlet is proportional to dt^2 and largest in the first collisions, where few contacts hold all the
-energy. There the work W is done on the slope of loading, and the recoverable part E of it is given back on the
-steeper slope of unloading, so that the stiffness that counts is
+The timestep dt is chosen for the energy balance; stability (dt < 2/omega) would allow some fifty times more. The error
+of velocity Verlet is proportional to dt^2 and largest in the first collisions, where few contacts store all the energy.
+There the work W is done with the loading stiffness, and its recoverable part E is returned with the higher unloading
+stiffness. The effective stiffness is
 
     k = (E/W) k_unloading + (1 - E/W) k_loading        at the largest overlap
 
-or, with a dent from before the run that is larger than this overlap, k_unloading where the contact holds all of W.
+or, with an initial dent larger than this overlap, k_unloading at the overlap at which the contact stores all of W.
 
-With it the largest error, over the input, is c k dt^2 / m with one c: 0.105 to 0.135 over 24 impacts on fcc packings
-(brass, steel, aluminium; 0.5 to 40 m/s), less on the other lattices, 0.15 for Hertz and Thornton contacts, 0.2 for
-bilinear ones. dt is set so that `_ERROR` k dt^2 / m is `_TOLERANCE`: 29 ns for brass spheres of 10 mm struck at 5 m/s
-in fcc. m is twice the effective mass of the pair. A bar limits dt to half the time that a wave takes for an element.
+The largest error over the energy input is then c k dt^2 / m, with m twice the effective mass of the pair and c nearly
+constant: 0.105 to 0.135 in 24 impacts on fcc packings (brass, steel, aluminium; 0.5 to 40 m/s), less on other lattices,
+0.15 for Hertz and Thornton contacts, 0.2 for bilinear ones. dt is set so that `_ERROR` k dt^2 / m is `_TOLERANCE`:
+29 ns for 10 mm brass spheres struck at 5 m/s in fcc. A bar limits dt to half the transit time of a wave through an
+element.
 
-It is rounded down to two significant digits. At one velocity it is proportional to the diameter, as every
-time is.
+dt is rounded down to two significant digits. At given velocity it is proportional to the diameter, like all times.
 """
 
 from __future__ import annotations
@@ -45,10 +45,12 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from granwave.lammps_inputs.case.sections import ENERGY_TOLERANCE
+from granwave.lammps_inputs.case.supports import BAR_COURANT_NUMBER
 from granwave.lammps_inputs.contact.initial_dents import largest_dent
 from granwave.lammps_inputs.contact.law import flat_contact, pair_contact
 from granwave.lammps_inputs.contact.static_load import force_of_contact
-from granwave.lammps_inputs.packing.assembly import INCIDENT_BAR, Assembly, assemble, struck_of, velocities_of
+from granwave.lammps_inputs.packing.assembly import Assembly, assemble, struck_of, velocities_of
+from granwave.lammps_inputs.packing.bars import INCIDENT_BAR
 from granwave.lammps_inputs.packing.walls import support_timestep
 
 if TYPE_CHECKING:
@@ -58,34 +60,33 @@ if TYPE_CHECKING:
     from granwave.lammps_inputs.case.material import Material
     from granwave.lammps_inputs.packing.sites import Sites
 
-_TOLERANCE = 1e-6  # of the input: error of the energy balance at any instant
-_ERROR = 0.135
-_SLOPE_SPAN = 1e-6  # of the overlap, over which a slope is taken
-_LARGEST_FORCE = 2.5  # of the force that drives a chain: no contact is pressed harder by it
-BAR_COURANT_NUMBER = 0.5  # of the time that a wave takes for an element of a bar
-_OF_LOAD = 0.01  # of the duration or period of a load
-_OF_LOAD_ON_BAR = 5e-4  # where a bar carries it: its energy balance has an error of some (pi dt/T)^2
+_TOLERANCE = 1e-6  # error of the energy balance at any instant over the energy input
+_ERROR = 0.135  # c above, upper end of its range in fcc packings
+_SLOPE_SPAN = 1e-6  # relative step of a finite difference in overlap
+_LARGEST_FORCE = 2.5  # upper bound of contact forces over the force that drives a chain
+_OF_LOAD = 0.01  # timestep over the duration or period of a load
+_OF_LOAD_ON_BAR = 5e-4  # same for a load on a bar, whose energy balance has an error of some (pi dt/T)^2
 _OF_PRECOMPRESSION = 2.5  # F alpha over the work of a Hertz contact up to the force F of a static load
-_MOST_KINDS, _NEAR = 50, 1.1  # kinds of spheres told apart; of more, diameters in this ratio count as one
-_LARGEST_OVERLAP = 2.0  # in effective radii; brackets the search, far beyond every law
+_MOST_KINDS, _NEAR = 50, 1.1  # kinds of spheres that are distinguished; if more, diameters in this ratio count as one
+_LARGEST_OVERLAP = 2.0  # upper limit of the search, in effective radii, far beyond the range of all laws
 
 
 @dataclasses.dataclass(frozen=True)
 class Encounter:
-    """A collision that bounds the overlaps of the run.
+    """Collision that bounds the overlaps of the run.
 
     Attributes
     ----------
     law
-        Of the contact.
+        Law of the contact.
     energy
-        That the contact takes up on loading, J.
+        Work of loading that the contact takes up, J.
     mass
-        Twice the effective mass: of one of two like spheres, or twice that of a sphere against a wall, kg.
+        Twice the effective mass, kg: the mass of one of two equal spheres, or twice that of a sphere at a wall.
     against_wall
-        There is no second sphere.
+        True if there is no second sphere.
     dent
-        Largest overlap that such a contact had before the run, m: up to it the slope is that of unloading.
+        Largest overlap that such a contact had before the run, m; up to it the unloading stiffness applies.
     """
 
     law: ContactLaw
@@ -96,7 +97,7 @@ class Encounter:
 
     @property
     def overlap(self) -> float:
-        """At which the work of loading reaches the energy, m."""
+        """Overlap at which the work of loading equals the energy, m."""
         limit = _LARGEST_OVERLAP * self.law.effective_radius
         if _work(self.law, limit) <= self.energy:
             return limit
@@ -111,7 +112,7 @@ class Encounter:
 
     @property
     def stiffness(self) -> float:
-        """Slope of the force at that overlap, N/m: of unloading for what is given back, of loading for the rest."""
+        """Effective stiffness at that overlap, N/m: of unloading for recoverable work, of loading for the rest."""
         peak = np.array([self.overlap])
         if self.dent > peak[0]:
             return self._within_dent
@@ -123,7 +124,7 @@ class Encounter:
 
     @property
     def _within_dent(self) -> float:
-        """Slope where an elastic contact with the dent holds the energy, N/m: unloading is a power of the overlap."""
+        """Stiffness at which an elastic contact with the dent stores the energy, N/m; unloading is a power law."""
         dent = np.array([self.dent])
         force, steepest = self.law.loading_force(dent), self.law.unloading_stiffness(dent)
         held = self.law.loading_work(dent) - self.law.dissipated_energy(dent)
@@ -132,7 +133,7 @@ class Encounter:
 
 
 def expected_peak_overlap(case: Case | Assembly) -> float:
-    """A bound on the largest overlap of two spheres in the run, m."""
+    """Return an upper bound on the largest overlap of two spheres in the run, m."""
     assembly = assemble(case)
     between = [encounter.overlap for encounter in _encounters(assembly) if not encounter.against_wall]
     return max(between, default=0.0)
@@ -149,7 +150,7 @@ def auto_timestep(case: Case | Assembly, *, tolerance: float = ENERGY_TOLERANCE)
     Raises
     ------
     ValueError
-        No contact takes up any energy.
+        No contact absorbs energy.
     """
     assembly = assemble(case)
     slowest = min(encounter.mass / encounter.stiffness for encounter in _some_encounters(assembly))
@@ -167,14 +168,14 @@ def largest_timestep(assembly: Assembly) -> float:
 
 
 def expected_energy(assembly: Assembly) -> float:
-    """The energy that the load brings in, of a force a bound, J."""
+    """Return the energy input of the load, J; for a force an upper bound."""
     case = assembly.case
     energy = sum(0.5 * assembly.mass_of(k) * math.hypot(*v) ** 2 for k, v in velocities_of(assembly).items())
     return energy + (_energy_of_force(assembly) if case.load.kind == "force" else 0.0)
 
 
 def fastest(assembly: Assembly) -> float:
-    """A bound on the velocity of any sphere, m/s."""
+    """Return an upper bound on the speed of any sphere, m/s."""
     case = assembly.case
     given = max((math.hypot(*velocity) for velocity in velocities_of(assembly).values()), default=0.0)
     if case.load.kind == "force":
@@ -195,7 +196,7 @@ def _encounters(assembly: Assembly) -> list[Encounter]:
     plain = assembly.like and case.boundary.bottom_material is None and case.load.kind == "impact"
     found = _of_impact(assembly) if plain else _of_any(assembly)
     if case.precompression is not None:
-        force = force_of_contact(assembly)  # stored, and done by the load that stays on
+        force = force_of_contact(assembly)  # its work is stored at the start, and the load does more during the run
         found = [
             dataclasses.replace(one, energy=one.energy + _OF_PRECOMPRESSION * _work_to_force(one.law, force))
             for one in found
@@ -206,7 +207,7 @@ def _encounters(assembly: Assembly) -> list[Encounter]:
 
 
 def _of_impact(assembly: Assembly) -> list[Encounter]:
-    """Like spheres, within a tolerance, some of which have a velocity."""
+    """Return the collisions of an impact among equal spheres, with or without diameter scatter."""
     case = assembly.case
     striking, velocity = case.sphere_mass, case.load.velocity
     sites = assembly.sites
@@ -218,7 +219,7 @@ def _of_impact(assembly: Assembly) -> list[Encounter]:
         n, cosine_squared = len(supports), float(supports[0, 2] ** 2)
         found.append(Encounter(law, striking * velocity**2 * cosine_squared / (1 + n * cosine_squared) / 2, mass))
     if case.boundary.bottom == "wall":
-        # along a line of contacts, or through a single layer, the pulse reaches the wall undivided
+        # along lines of contacts, or through a single layer, the pulse reaches the wall undivided
         halvings = assembly.lattice.shape[2] - 1 if assembly.lattice.rule.set_back else 0
         energy = striking * (velocity * 0.5**halvings) ** 2 / 2
         found.append(Encounter(flat_contact(assembly, smallest), energy, 2 * mass, against_wall=True))
@@ -226,7 +227,7 @@ def _of_impact(assembly: Assembly) -> list[Encounter]:
 
 
 def _of_any(assembly: Assembly) -> list[Encounter]:
-    """Every kind of touching pair, for the whole energy that the load brings in."""
+    """Return a collision with the whole energy input for each kind of touching pair."""
     case = assembly.case
     energy = expected_energy(assembly)
     found = []
@@ -244,7 +245,7 @@ def _of_any(assembly: Assembly) -> list[Encounter]:
 
 
 def _limited(assembly: Assembly, law: ContactLaw, energy: float) -> float:
-    """The energy that a contact takes up, where the size of the load sets a limit too, J."""
+    """Limit the energy absorbed by a contact by the magnitude of the load, J."""
     case = assembly.case
     load = case.load
     if load.kind == "displacement":
@@ -256,7 +257,7 @@ def _limited(assembly: Assembly, law: ContactLaw, energy: float) -> float:
 
 
 def _energy_of_force(assembly: Assembly) -> float:
-    """The energy that the force brings in, J: that of its impulse in what it acts on, or of the wave in the bar."""
+    """Return the energy input of the force, J: that of its impulse on the loaded spheres, or of the wave in the bar."""
     case = assembly.case
     load = case.load
     for bar in assembly.bars:
@@ -274,12 +275,12 @@ def _least_mass(assembly: Assembly) -> float:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class _Kinds:
-    """The kinds of spheres at the sites of a lattice.
+    """Kinds of spheres at the sites of a lattice.
 
     Attributes
     ----------
     of
-        By site: (n_sites,); -1 of a vacant one.
+        Kind by site: (n_sites,); -1 for vacant ones.
     example
         Id of a sphere of each kind.
     """
@@ -289,7 +290,7 @@ class _Kinds:
 
 
 def _kinds(sites: Sites) -> _Kinds:
-    """Kinds of spheres: of one material and one diameter, or, of too many, diameters near each other."""
+    """Classify spheres by material and diameter, or by ranges of diameters if there are too many."""
     diameters, size = np.unique(sites.diameter, return_inverse=True)
     if len(diameters) * len(sites.materials) > _MOST_KINDS:
         size = (np.log(sites.diameter / diameters[0]) / math.log(_NEAR)).astype(np.int64)
@@ -301,7 +302,7 @@ def _kinds(sites: Sites) -> _Kinds:
 
 
 def _kinds_of_last_layer(assembly: Assembly) -> list[int]:
-    """A sphere of each kind in the last layer."""
+    """Return a sphere of each kind in the last layer."""
     n, sites = assembly.lattice.n_spheres, assembly.sites
     if sites is None:
         return [n]
@@ -311,7 +312,7 @@ def _kinds_of_last_layer(assembly: Assembly) -> list[int]:
 
 
 def _kinds_of_pairs(assembly: Assembly) -> list[tuple[int, int]]:
-    """One pair of each kind of neighbours, and one of like spheres of the packing's own, wherever there are two."""
+    """Return one pair for each kind of neighbours, and one of unmodified spheres if there are two."""
     sites = assembly.sites
     pairs: list[tuple[int, int]] = []
     if sites is None:
@@ -332,14 +333,14 @@ def _kinds_of_pairs(assembly: Assembly) -> list[tuple[int, int]]:
 
 
 def _times_of_load(load: Load) -> list[float]:
-    """Times within which the load changes, s."""
+    """Return the duration or the period of the load, s; empty if it has none."""
     if load.shape == "harmonic" and load.frequency:
         return [1 / load.frequency]
     return [load.duration] if load.duration else []
 
 
 def _work_to_force(law: ContactLaw, force: float) -> float:
-    """The work of loading up to a force, J."""
+    """Return the work of loading up to a force, J."""
     low, high = 0.0, _LARGEST_OVERLAP * law.effective_radius
     if float(law.loading_force(np.array([high]))[0]) <= force:
         return _work(law, high)

@@ -1,8 +1,8 @@
-"""How long a run takes, before it is run: within a factor of two, from few constants.
+"""Wall time of a run, estimated within a factor of two.
 
-The constants are processor times on one core of a 2-core virtual machine (AMD EPYC, Zen 4) whose other core was busy
-too, as in a scan; a run that has the machine for itself is up to 1.6 times as fast. Each is the difference of runs that
-differ in one thing: fcc packings of 600 to 7000 brass spheres struck at 1 to 20 m/s, with and without yielding,
+The constants are processor times on one core of a 2-core virtual machine (AMD EPYC, Zen 4) with the other core busy, as
+in a scan; a run alone on the machine is up to 1.6 times as fast. Each constant is the difference between runs that
+differ in one property: fcc packings of 600 to 7000 brass spheres struck at 1 to 20 m/s, with and without yielding,
 friction and precompression, and chains of 1 to 510 beads and 20 beads on bars.
 """
 
@@ -20,56 +20,54 @@ if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
     from granwave.lammps_inputs.planning.schedule import Schedule
 
-# s of a step
-_STEP = 1.2e-6  # of LAMMPS itself: one bead on a wall
-_PARTICLE = 20e-9  # of each sphere and each node of a bar, the ledger and wall forces included
-_PAIR = 2e-9  # of each touching pair
-_LOADED = 12.5e-9  # more where it bears a force: fcc under 1 MPa
-_FRICTION = (
-    25e-9  # more where it bears a force with friction: 1.6 times a step of an impact, twice one under precompression
-)
-_YIELDED = 30e-9  # more where it bears a force and has yielded
-_SHARE_LOADED = 0.3  # of the pairs, over an impact on a packing at rest; all under precompression
-# The share of contacts that have yielded is 1/(1 + (e/20)^-0.55) for an input of e F_y alpha_y a contact: 24 impacts on
-# fcc, e from 2e-3 to 350.
+# s per step
+_STEP = 1.2e-6  # LAMMPS itself: one bead on a wall
+_PARTICLE = 20e-9  # each sphere and each node of a bar, with ledger and wall forces
+_PAIR = 2e-9  # each touching pair
+_LOADED = 12.5e-9  # added for a loaded contact: fcc under 1 MPa
+_FRICTION = 25e-9  # added for a loaded contact with friction: 1.6 times a step of an impact, 2 under precompression
+_YIELDED = 30e-9  # added for a loaded contact that has yielded
+_SHARE_LOADED = 0.3  # mean share of loaded pairs during an impact on a packing at rest; 1 under precompression
+# The share of contacts that have yielded is 1/(1 + (e/20)^-0.55) for an energy input of e F_y alpha_y per contact:
+# 24 impacts on fcc, e from 2e-3 to 350.
 _ENERGY_OF_HALF, _ENERGY_POWER = 20.0, 0.55
 
-# of the static stage
+# static stage
 _ITERATION = 3.0  # steps under load: 2 with periodic sides, 3 to 7 under uniform pressure
-_ITERATIONS = 1e3  # of a lattice of like spheres: 330 to 2300 in chains of 100 and 150 and 20 packings
-_ITERATIONS_OF_DISORDER = 1e4  # with gaps to close: 1200 to 46 000 in 20 packings of 144 to 1152, by no plain rule
+_ITERATIONS = 1e3  # lattices of equal spheres: 330 to 2300 in chains of 100 and 150 and 20 packings
+_ITERATIONS_OF_DISORDER = 1e4  # with gaps: 1200 to 46 000 in 20 packings of 144 to 1152 spheres, without a clear trend
 _MOST_ITERATIONS_OF_DISORDER = 1e5
 
-# s beside the steps
-_START = 0.3  # of set-up and analysis, whatever the size
-_SNAPSHOT = 12e-6  # of a particle in a snapshot: written, read, kept in result.h5, analysed
-_HISTORY = 3e-6  # of a particle at an instant of a chain's history
-_FIGURES_OF_CHAIN, _FIGURES = 4.0, 12.0  # all figures of a run, the drawing library and the program loaded
+# s in addition to the steps
+_START = 0.3  # set-up and analysis, independent of size
+_SNAPSHOT = 12e-6  # a particle in a snapshot: writing, reading, storing in result.h5, analysis
+_HISTORY = 3e-6  # a particle at an instant of a chain's history
+_FIGURES_OF_CHAIN, _FIGURES = 4.0, 12.0  # all figures of a run, including the start of program and library
 
 # first timesteps that an automatic one makes up for over a run: 1 to 1.5 in elastic packings and chains, else 2 to 7
 _GAIN, _ELASTIC_GAIN = 3.0, 1.2
 
-_USUAL_BLOCKS = 8  # of ``end_time = "auto"``: 2 in single collisions and layers, 7 to 15 in small packings
+_USUAL_BLOCKS = 8  # blocks of ``end_time = "auto"``: 2 in single collisions and layers, 7 to 15 in small packings
 
 
 @dataclasses.dataclass(frozen=True)
 class WallTime:
-    """Time of a run, s.
+    """Wall times of the parts of a run, s.
 
     Attributes
     ----------
     static
-        Of the static stage; where its length cannot be known, of one of middle length.
+        Static stage; of typical length if the length cannot be predicted.
     most_static
-        Of a long one.
+        Static stage of the largest expected length.
     steps
-        Of the time integration; with ``end_time = "auto"`` until it usually ends.
+        Time integration; with ``end_time = "auto"`` up to the typical end.
     most_steps
-        Of as many steps as there can be.
+        Time integration of the largest possible number of steps.
     rest
         Set-up and analysis.
     figures
-        0 where none are drawn.
+        Figures; 0 if none are drawn.
     """
 
     static: float
@@ -81,22 +79,22 @@ class WallTime:
 
     @property
     def total(self) -> float:
-        """All of it, s."""
+        """Total time, s."""
         return self.static + self.steps + self.rest + self.figures
 
     @property
     def longest(self) -> float:
-        """With a long static stage and as many steps as there can be, s."""
+        """Total time with the longest static stage and the largest number of steps, s."""
         return self.most_static + self.most_steps + self.rest + self.figures
 
 
 def expected_wall_time(assembly: Assembly, schedule: Schedule, *, n_ranks: int = 1, figures: bool = True) -> WallTime:
-    """Estimate the time of the run of a case.
+    """Estimate the wall time of the run of a case.
 
     Parameters
     ----------
     figures
-        They are drawn too.
+        True if figures are drawn.
     """
     case = assembly.case
     n, part = assembly.n_particles, _usual_part(case, schedule)
@@ -118,7 +116,7 @@ def expected_wall_time(assembly: Assembly, schedule: Schedule, *, n_ranks: int =
 
 
 def seconds_per_step(assembly: Assembly) -> float:
-    """Time of a step on one core, while contacts are elastic, s."""
+    """Estimate the time of a step on one core while contacts are elastic, s."""
     case = assembly.case
     return _seconds(assembly, loaded=_share_loaded(case), has_friction=case.has_friction)
 
@@ -133,7 +131,7 @@ def _share_loaded(case: Case) -> float:
 
 
 def _of_yielding(assembly: Assembly) -> float:
-    """Estimate the additional time of a step, averaged over the run, because contacts yield, s."""
+    """Estimate the additional time of a step due to yielding, averaged over the run, s."""
     case = assembly.case
     if not case.contact.yields:
         return 0.0
@@ -152,7 +150,7 @@ def _usual_part(case: Case, schedule: Schedule) -> float:
 
 
 def _iterations(case: Case) -> tuple[float, float]:
-    """Iterations of the static stage, usually and at most."""
+    """Return the typical and the largest number of iterations of the static stage."""
     if case.precompression is None:
         return 0.0, 0.0
     return (_ITERATIONS_OF_DISORDER, _MOST_ITERATIONS_OF_DISORDER) if has_gaps(case) else (_ITERATIONS, _ITERATIONS)

@@ -1,17 +1,17 @@
-"""How far the plastic zone of an impact will reach, before it is run, against the size of the packing.
+"""Estimate of the plastic zone of an impact before it is run, compared with the size of the packing.
 
-Of like spheres the outermost yield, in diameters, is a function of e = input / (F_y alpha_y) alone, whatever material
-and size. Power laws of it were fitted to impacts on brass spheres in packings that did not cut them, none of which is
-farther off than `spread`:
+For equal spheres the size of the zone in diameters depends on e = energy input / (F_y alpha_y) only, whatever material
+and size. Power laws were fitted to impacts on brass spheres in packings that were larger than the zone; all data lie
+within the factor `spread`:
 
     kind      depth / D      radius / D     spread   fitted to
     fcc, hcp  1.30 e^0.255   1.0 e^0.265    1.5      13 impacts, e from 13 to 1.35e5, one of them on 7 spheres
     bcc       1.30 e^0.32    2.2 e^0.26     1.4      4 impacts, e from 13 to 1.4e3
     sc, chain 75             0              -        6 impacts, e from 3.4 to 5.4e5
 
-Along a line of contacts a front just above F_y loses nothing: there 75 spheres yield or more, 240 to 350 of 600 within
-8 ms. Below e = 3 little more than the struck contacts yields. Friction, disorder and precompression are not in it, and
-in a packing of one layer no yield goes down: there is no estimate for it.
+Along a line of contacts a pulse with a force just above F_y is not attenuated: 75 spheres or more yield, 240 to 350 of
+600 within 8 ms. Below e = 3 little more than the struck contacts yields. Friction, disorder and precompression are not
+considered. There is no estimate for a packing of one layer.
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ from granwave.lammps_inputs.planning.timestep import expected_energy
 if TYPE_CHECKING:
     pass
 
-_LEAST = 3.0  # F_y alpha_y, below which there is no zone to speak of
+_LEAST = 3.0  # energy input over F_y alpha_y below which the zone is negligible
 
 
 @dataclasses.dataclass(frozen=True)
 class _Growth:
-    """Depth and radius in diameters, ``factor e^power`` each; ``spread``: factor by which either may be off."""
+    """Depth and radius in diameters, each ``factor e^power``, and the factor of uncertainty ``spread``."""
 
     depth: tuple[float, float]
     radius: tuple[float, float]
@@ -51,16 +51,16 @@ _GROWTH = {
 
 @dataclasses.dataclass(frozen=True)
 class ExpectedZone:
-    """Estimate of the outermost yield, and the room for it.
+    """Expected size of the plastic zone, and the space for it.
 
     Attributes
     ----------
     depth, radius
-        Below the struck sphere, and from the impact axis, m.
+        Depth below the struck sphere, and radius from the impact axis, m.
     spread
-        Factor by which either may be off.
+        Factor of uncertainty of both.
     room
-        Distance of each bound from the struck sphere, by its name, m.
+        Distances from the struck sphere to the bottom and the sides, by name, m.
     """
 
     depth: float
@@ -70,12 +70,12 @@ class ExpectedZone:
 
     @property
     def reaches(self) -> tuple[str, ...]:
-        """Bounds that the zone is expected to reach."""
+        """Names of the boundaries that the zone is expected to reach."""
         return self._reaching(1.0)
 
     @property
     def may_reach(self) -> tuple[str, ...]:
-        """Bounds that it may reach, if it is larger than estimated."""
+        """Names of further boundaries that it reaches if it is larger than estimated by ``spread``."""
         return tuple(name for name in self._reaching(self.spread) if name not in self.reaches)
 
     def _reaching(self, factor: float) -> tuple[str, ...]:
@@ -84,7 +84,7 @@ class ExpectedZone:
 
 
 def expected_zone(assembly: Assembly) -> ExpectedZone | None:
-    """Return how far the plastic zone of a case will reach; None where nothing yields, or there is no estimate."""
+    """Estimate the plastic zone of a case; None if nothing yields, or there is no estimate."""
     case = assembly.case
     growth, law = _GROWTH.get(case.packing.kind), sphere_contact(case)
     room = _room(assembly)
@@ -98,7 +98,7 @@ def expected_zone(assembly: Assembly) -> ExpectedZone | None:
 
 
 def _room(assembly: Assembly) -> dict[str, float]:
-    """Distance of the bounds from the struck sphere: to the last layer, and to the nearest end of a row, m."""
+    """Return the distances from the struck sphere to the last layer and to the nearest end of a row, m."""
     case = assembly.case
     lattice = assembly.lattice
     nx, ny, nz = lattice.shape

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Contact laws for Python: the table of laws, and a law at the scale of a contact; numpy arrays in and out, SI units. */
+/* Python bindings of the contact laws: the table of laws, and the law of one contact, with numpy arrays and SI units. */
 
 #include "../laws/contact_law.h"
 #include "../laws/law_arguments.h"
@@ -33,7 +33,7 @@ py::dict by_name(const granwave::LawConstants &constants)
   return found;
 }
 
-/* Names of the options of a law, as input scripts and Python have them. */
+/* Names of the options of a law in input scripts and Python. */
 py::tuple option_names(const LawEntry &entry)
 {
   py::list names;
@@ -51,7 +51,7 @@ const LawEntry &known_law(const std::string &name)
   return *entry;
 }
 
-/* A contact law and its contact. The law's own history, beyond the largest overlap, is that of a contact that begins. */
+/* Contact law and contact. History variables of the law other than the largest overlap are those of a new contact. */
 class Contact {
  public:
   Contact(const std::string &name, Two modulus, Two poisson, Two yield, Two radius, const std::string &variant,

@@ -3,7 +3,7 @@
 
 using namespace granwave;
 
-// Built for several instruction sets, of which the best at hand is chosen at run time. The results have the same bits.
+// Compiled for several instruction sets; the best available one is selected at run time. Results are bitwise identical.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && defined(__gnu_linux__)
 #define FOR_EACH_PROCESSOR __attribute__((target_clones("avx512f", "avx2", "default")))
 #else

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Batch of touching pairs, as plain arrays (structure of arrays): the arithmetic that is the same for all stands in loops
-   without branches, so that a processor does several pairs at once. No LAMMPS types.
+/* Batch of touching pairs as plain arrays (structure of arrays): arithmetic common to all pairs is done in loops without
+   branches, which the compiler can vectorize. No LAMMPS types.
 
-   Normal forces are Hertzian; the caller overwrites those of contacts that have yielded. Friction after tangential.h. */
+   Normal forces are Hertzian; the caller overwrites those of contacts that have yielded. Friction as in tangential.h. */
 
 #ifndef GRANWAVE_CONTACT_BATCH_H
 #define GRANWAVE_CONTACT_BATCH_H
@@ -17,7 +17,7 @@ struct ContactBatch {
   static constexpr int CAPACITY = 32;
 
   int size = 0;
-  int k[CAPACITY], i[CAPACITY], j[CAPACITY];    // the pair and its spheres, by the caller's indices
+  int k[CAPACITY], i[CAPACITY], j[CAPACITY];    // indices of the pair and its spheres, as set by the caller
 
   // input, by pair
   double del[3][CAPACITY], rsq[CAPACITY];    // from j to i, and its length squared
@@ -31,9 +31,9 @@ struct ContactBatch {
   double force_i[3][CAPACITY], force_j[3][CAPACITY];         // on the spheres
 
   // friction, input
-  double limit[CAPACITY];          // Coulomb's, of the tangential force; 0 without friction
+  double limit[CAPACITY];          // Coulomb's limit of the tangential force; 0 without friction
   double keeps[CAPACITY];          // 1: TangentialModel::MINDLIN, 0: MINDLIN_RESCALE
-  double velocity[3][CAPACITY];    // of i against j
+  double velocity[3][CAPACITY];    // of i relative to j
   double omega_i[3][CAPACITY], omega_j[3][CAPACITY];
   double tangential[3][CAPACITY];                 // tangential force on i, before and after
   double compliance[CAPACITY], loss[CAPACITY];    // as in TangentialSpring, before and after
@@ -42,11 +42,11 @@ struct ContactBatch {
 
   /* Compute distance, overlap, Hertzian force and contact circle. */
   void compute_overlap();
-  /* Compute the forces on the spheres from the normal forces alone. */
+  /* Compute the forces on the spheres from the normal forces only. */
   void compute_normal();
-  /* Advance tangential force, compliance and loss by a step of dt; no force where the limit is 0. */
+  /* Advance tangential force, compliance and loss by a timestep dt; the force is 0 if the limit is 0. */
   void compute_tangential(double dt);
-  /* Compute forces and torques on the spheres, friction included. */
+  /* Compute forces and torques on the spheres, including friction. */
   void compute_forces_and_torques();
 };
 

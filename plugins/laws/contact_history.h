@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Contact history by sphere: one record for each contact of a sphere, whether the pair is within reach (live) or has parted
-   for good (not live; kept for the energies only). No LAMMPS types.
+/* Contact history by sphere: one record per contact of a sphere. The contact is live if the pair is within reach, otherwise
+   its history has been discarded and the record is kept for the energies only. No LAMMPS types.
 
    Records of one sphere are contiguous in a pool, so that moving a sphere within the processor moves two numbers. A record
-   is what every contact has, and a block of doubles that is copied whole: the law's own history, and what friction and
-   dents of earlier runs add. With laws that need the largest overlap alone, and without those, the block is empty. */
+   consists of the quantities common to all contacts and a block of doubles that is copied as a whole: history variables of
+   the law, of friction and of initial dents. Without these, and with laws that need only the largest overlap, the block is
+   empty. */
 
 #ifndef GRANWAVE_CONTACT_HISTORY_H
 #define GRANWAVE_CONTACT_HISTORY_H
@@ -24,33 +25,33 @@ struct Dent {
 };
 
 struct ContactRecord {
-  static constexpr int SIZE = 8;    // as doubles, in messages and restart files
+  static constexpr int SIZE = 8;    // number of doubles in messages and restart files
 
-  std::int64_t partner;    // id of the other sphere
+  std::int64_t partner;    // ID of the other sphere
   double partner_radius;
   std::int32_t partner_type;
   std::int32_t live;
   Dent dent;
 };
 
-/* Places in the block of a record. */
+/* Layout of the block of a record. */
 struct BlockLayout {
   static constexpr int N_EXTENDED = 7;
 
-  int n_extra = 0;          // of the law; of several laws the largest
-  bool extended = false;    // with friction or dents of earlier runs
+  int n_extra = 0;          // doubles of the law; the largest number of several laws
+  bool extended = false;    // with friction or initial dents
 
   int size() const { return extended ? 2 * n_extra + N_EXTENDED : n_extra; }
-  // n_extra doubles of the law come first, the rest if extended
-  int spring() const { return n_extra; }               // force of 3, compliance, loss
-  int initial() const { return n_extra + 5; }          // the dent before this run
+  // The n_extra doubles of the law come first, followed by the others if extended.
+  int spring() const { return n_extra; }               // three force components, compliance, loss
+  int initial() const { return n_extra + 5; }          // initial dent
   int reached() const { return n_extra + 6; }          // largest overlap of this run
-  int initial_extra() const { return n_extra + 7; }    // the law's doubles before this run
+  int initial_extra() const { return n_extra + 7; }    // initial doubles of the law
 
   bool operator!=(const BlockLayout &other) const { return n_extra != other.n_extra || extended != other.extended; }
 };
 
-/* A block taken apart. */
+/* Components of a block. */
 struct BlockView {
   BlockView(const BlockLayout &layout, const double *block) : extra(block)
   {
@@ -72,7 +73,7 @@ class ContactHistory {
  public:
   const BlockLayout &layout() const { return layout_; }
 
-  /* Give all blocks room for this layout too; what they hold stays. */
+  /* Extend all blocks to this layout, keeping their contents. */
   void extend(BlockLayout wanted)
   {
     wanted.n_extra = std::max(wanted.n_extra, layout_.n_extra);
@@ -86,7 +87,7 @@ class ContactHistory {
     layout_ = wanted;
   }
 
-  /* Copy a block into one of another layout with room for it, which is zero. */
+  /* Copy a block into a zero block of another layout that contains it. */
   static void copy_block(const BlockLayout &from, const double *source, const BlockLayout &to, double *target)
   {
     const int n = std::min(from.n_extra, to.n_extra);
@@ -103,7 +104,7 @@ class ContactHistory {
     owner_.resize(n, 0);
   }
 
-  /* Set the id of the sphere that the records belong to: one given another id since cannot be told from a stranger. */
+  /* Set the ID of the sphere that the records belong to, by which a later change of its ID is detected. */
   void own(int i, std::int64_t id) { owner_[i] = id; }
   std::int64_t owner(int i) const { return owner_[i]; }
 
@@ -113,7 +114,7 @@ class ContactHistory {
   const double *block(int i, int m) const
   {
     return blocks_.data() + (first_[i] + m) * layout_.size();
-  }    // of record m of sphere i
+  }    // block of record m of sphere i
 
   void forget_sphere(int i) { count_[i] = 0; }
   void copy(int from, int to)
@@ -123,8 +124,8 @@ class ContactHistory {
     owner_[to] = owner_[from];
   }
 
-  /* Append to the records of sphere i; they move to the end of the pool unless they lie there already. The block must not
-     lie in the pool. */
+  /* Append to the records of sphere i, which are moved to the end of the pool unless they are there already. The block must
+     not be part of the pool. */
   void append(int i, const ContactRecord &record, const double *block)
   {
     if (count_[i] == 0) {
@@ -144,7 +145,7 @@ class ContactHistory {
     count_[i]++;
   }
 
-  /* Start a new pool in which sphere i < n has room for extra[i] records behind those it keeps. */
+  /* Start a new pool in which sphere i < n has space for extra[i] records after its present ones. */
   void reserve(int n, const std::vector<int> &extra)
   {
     const std::size_t size = layout_.size();
@@ -163,7 +164,7 @@ class ContactHistory {
     blocks_.swap(fresh_blocks);
   }
 
-  /* Fill the room made by reserve(). Returns the block, which the caller fills. */
+  /* Fill the space made by reserve(). Returns the block, which the caller fills. */
   double *place(int i, const ContactRecord &record)
   {
     const std::size_t at = first_[i] + count_[i]++;
@@ -171,7 +172,7 @@ class ContactHistory {
     return blocks_.data() + at * layout_.size();
   }
 
-  /* Keep only the records of spheres i < n that are not live; gives the memory of the live ones back. */
+  /* Keep only the records of spheres i < n that are not live, and release the memory of the live ones. */
   void keep_forgotten(int n)
   {
     const std::size_t size = layout_.size();
@@ -205,7 +206,7 @@ class ContactHistory {
   std::vector<int> count_;
   std::vector<std::int64_t> owner_;
   std::vector<ContactRecord> pool_;
-  std::vector<double> blocks_;    // layout_.size() doubles for each record
+  std::vector<double> blocks_;    // layout_.size() doubles per record
 };
 
 }    // namespace granwave

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* A contact law between two materials, and the same at the scale of one contact: what the LAMMPS styles and the Python
-   bindings use. No LAMMPS types. SI or any other consistent units. */
+/* Contact law of a pair of materials in normalized units (ContactLaw), and in physical units for one contact (ScaledLaw), for
+   the LAMMPS styles and the Python bindings. No LAMMPS types. SI or any other consistent units. */
 
 #ifndef GRANWAVE_CONTACT_LAW_H
 #define GRANWAVE_CONTACT_LAW_H
@@ -14,10 +14,10 @@
 
 namespace granwave {
 
-/* History of a contact as its law sees it. */
+/* History variables of a contact that enter its law. */
 struct LawHistory {
   double peak;            // largest overlap
-  const double *extra;    // the law's own block, n_extra doubles
+  const double *extra;    // further history variables of the law, n_extra doubles
 };
 
 /* Law of a pair of materials, in units of the overlap and force at first yield (normal_law.h). */
@@ -47,7 +47,7 @@ class ContactLaw {
   double modulus() const { return modulus_; }
   double shear_modulus() const { return shear_modulus_; }
   double yield_strength() const { return yield_; }
-  double share_of_first() const { return share1_; }    // of the dissipated energy: all to the softer sphere
+  double share_of_first() const { return share1_; }    // share of the dissipated energy: all of it for the softer sphere
   double overlap_per_radius() const { return overlap_per_radius_; }
   double force_per_area() const { return force_per_area_; }
 
@@ -89,7 +89,7 @@ class ContactLaw {
   AnyLaw normal_;
 };
 
-/* A law at the scale of a contact, in physical units. Keeps a pointer to the law. */
+/* Law of one contact, in physical units. Holds a pointer to the law of the pair of materials. */
 class ScaledLaw {
  public:
   ScaledLaw() = default;
@@ -105,7 +105,7 @@ class ScaledLaw {
   const ContactLaw &law() const { return *law_; }
   double effective_radius() const { return effective_radius_; }
   double hertz() const { return hertz_; }                    // F = hertz alpha^1.5 up to the elastic limit
-  double elastic_limit() const { return elastic_limit_; }    // overlap up to which the contact is Hertzian and forgets
+  double elastic_limit() const { return elastic_limit_; }    // overlap up to which the contact is Hertzian, without history
   double yield_overlap() const { return overlap_; }
   double yield_force() const { return force_; }
 
@@ -115,13 +115,14 @@ class ScaledLaw {
   double hertz_force(double overlap) const { return hertz_ * overlap * std::sqrt(overlap); }
   double hertz_energy(double overlap) const { return 0.4 * hertz_ * overlap * overlap * std::sqrt(overlap); }
 
-  /* Update the law's own block of a contact that overlaps now, before its peak is raised; true if it changed. */
+  /* Update the history block of the law, for a contact with positive overlap, before its peak is increased. Returns true if
+     the block has changed. */
   bool update(double overlap, double peak, double *extra) const
   {
     return law_->update(normalised(overlap), normalised(peak), extra);
   }
 
-  /* ---- a contact that has yielded */
+  /* ---- contacts that have yielded */
 
   Turning turning(const LawHistory &h) const { return law_->turning(normalised(h.peak), h.extra); }
   double loading_beyond_yield(double overlap, const double *extra) const
@@ -145,7 +146,7 @@ class ScaledLaw {
     return effective_radius_ * overlap_ * t.area(normalised(overlap), area_at_peak);
   }
 
-  /* ---- any contact */
+  /* ---- all contacts */
 
   double loading_force(double overlap, const double *extra) const
   {
@@ -159,7 +160,7 @@ class ScaledLaw {
     return yielded(overlap) ? force_ * overlap_ * law_->loading_work(normalised(overlap), extra) : hertz_energy(overlap);
   }
 
-  /* Force at an overlap; beyond the peak the contact loads. */
+  /* Force at an overlap; beyond the peak that of the loading curve. */
   double force(double overlap, const LawHistory &h) const
   {
     return overlap >= h.peak || !yielded(h.peak) ? loading_force(overlap, h.extra) : unloading(overlap, turning(h));
@@ -167,14 +168,14 @@ class ScaledLaw {
 
   double peak_force(const LawHistory &h) const { return yielded(h.peak) ? peak_force(turning(h)) : hertz_force(h.peak); }
 
-  /* Energy stored at an overlap up to the peak, 0 beyond the surfaces' touch. */
+  /* Energy stored at an overlap up to the peak, 0 if the surfaces do not touch. */
   double elastic_energy(double overlap, const LawHistory &h) const
   {
     if (overlap <= 0.0) return 0.0;
     return yielded(h.peak) ? elastic_energy(overlap, turning(h)) : hertz_energy(overlap);
   }
 
-  /* Energy lost for good once the peak was reached. */
+  /* Dissipated energy of the contact once the peak has been reached. */
   double dissipated_energy(const LawHistory &h) const
   {
     return yielded(h.peak) ? dissipated_energy(turning(h), h.extra) : 0.0;
@@ -183,7 +184,7 @@ class ScaledLaw {
   double residual_overlap(const LawHistory &h) const { return yielded(h.peak) ? overlap_ * turning(h).residual : 0.0; }
   double unloading_exponent(const LawHistory &h) const { return yielded(h.peak) ? turning(h).exponent : 1.5; }
 
-  /* Slope of the force where unloading starts. */
+  /* Slope of the force at the start of unloading. */
   double unloading_stiffness(const LawHistory &h) const
   {
     if (yielded(h.peak)) return stiffness(turning(h));

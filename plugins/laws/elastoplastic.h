@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Elasto-plastic law: a fit to finite-element solutions of two elastic-perfectly-plastic spheres (thesis 2.8 to 2.17),
+/* Elastoplastic law: a fit to finite-element solutions of two elastic-perfectly-plastic spheres (thesis 2.8 to 2.17),
    with K = 1.5/C:
 
        loading      f = a^1.5                                                 a <= 1
@@ -8,7 +8,7 @@
        unloading    exponent n
        residual     a_R = 0.95 a_max - 25.94 + 24.99 exp(-0.015 (a_max - 1))
 
-   The numbers are defaults: LawConstants holds them, for materials whose curve differs. */
+   The numbers are the defaults of LawConstants, which can be set for materials with another curve. */
 
 #ifndef GRANWAVE_ELASTOPLASTIC_H
 #define GRANWAVE_ELASTOPLASTIC_H
@@ -24,8 +24,8 @@ namespace granwave {
 
 enum class Variant { continuous, published };
 
-/* Constants of the elasto-plastic law. What follows from them does so in Elastoplastic: the pressure at yield 2C/3, the area
-   exponent that makes both branches meet, and the amplitude that makes a_R(1) = 0. */
+/* Constants of the elastoplastic law. Derived constants are computed in Elastoplastic: the pressure at yield 2C/3, the area
+   exponent by which the area is continuous, and the amplitude by which a_R(1) = 0. */
 struct LawConstants {
   double pressure_limit = 2.48, pressure_rate = 0.098;                             // thesis 2.8
   double area_switch = 177.6, area_slope = 2.37, area_offset = 59.96;              // thesis 2.10
@@ -36,7 +36,7 @@ struct LawConstants {
   bool operator!=(const LawConstants &other) const { return !(*this == other); }
 };
 
-/* Their names in input scripts, case files and Python, in the order of restart files. */
+/* Names of the constants in input scripts, case files and Python, in the order of restart files. */
 constexpr std::pair<const char *, double LawConstants::*> LAW_CONSTANTS[] = {
     {"pressure_limit", &LawConstants::pressure_limit},
     {"pressure_rate", &LawConstants::pressure_rate},
@@ -64,7 +64,7 @@ class Elastoplastic : public NormalLaw {
     const bool printed = variant == Variant::published;
     pressure_at_yield_ = printed ? 1.07 : 2.0 * yield_factor / 3.0;
     area_exponent_ = printed ? 1.14 : std::log(linear_area(constants.area_switch)) / std::log(constants.area_switch);
-    // to 12 decimals, as decimal constants have it: 25.94 - 0.95 is 24.99 and not the double above
+    // rounded to 12 decimals: the result for 25.94 - 0.95 is 24.99 and not the neighboring double
     residual_amplitude_ = std::round((constants.residual_offset - constants.residual_slope) * 1e12) / 1e12;
     if (variant == Variant::continuous) examine();
   }
@@ -91,7 +91,7 @@ class Elastoplastic : public NormalLaw {
   Turning turning(double peak, const double *extra) const
   {
     Turning t{peak, loading(peak, extra), residual(peak), constants_.unloading_exponent};
-    // just after yield this exponent would return more than loading took (physics: passive law)
+    // just after yield this exponent would return more energy than loading absorbed, but the law must be passive
     if (variant_ == Variant::continuous && peak < settled_)
       t.exponent = std::max(t.exponent, t.force * (peak - t.residual) / loading_work(peak, extra) - 1.0);
     return t;
@@ -99,7 +99,7 @@ class Elastoplastic : public NormalLaw {
 
   double dissipated_energy(const Turning &t, const double *extra) const
   {
-    // where the exponent was chosen to give back all, what is left is rounding
+    // if the exponent was chosen to return all energy, the difference is rounding
     if (variant_ == Variant::continuous && t.exponent > constants_.unloading_exponent) return 0.0;
     return energy_lost(loading_work(t.peak, extra), t);
   }
@@ -111,14 +111,14 @@ class Elastoplastic : public NormalLaw {
   }
 
  private:
-  static constexpr double FIRST_STEP = 1e-3, STEP_GROWTH = 1.1, LARGEST_PEAK = 1e5;    // of examine(), in alpha_y
-  static constexpr double ROUNDING = 1e-12;                          // of the work, in a difference of energies
-  static constexpr double LEAST_RATE = 1e-4, LARGEST_RATE = 10.0;    // for which loading_work is exact to 1e-8
+  static constexpr double FIRST_STEP = 1e-3, STEP_GROWTH = 1.1, LARGEST_PEAK = 1e5;    // for examine(), in alpha_y
+  static constexpr double ROUNDING = 1e-12;                          // relative to the work, in a difference of energies
+  static constexpr double LEAST_RATE = 1e-4, LARGEST_RATE = 10.0;    // range in which loading_work is accurate to 1e-8
 
   Variant variant_;
   LawConstants constants_;
   double amplitude_, pressure_at_yield_, area_exponent_, residual_amplitude_;
-  double settled_ = INFINITE;    // peak from which on the unloading exponent meets the energy rule by itself
+  double settled_ = INFINITE;    // peak from which on the law is passive with the given unloading exponent
   const char *fault_ = nullptr;
   double fault_at_ = 0.0;
 
@@ -136,8 +136,9 @@ class Elastoplastic : public NormalLaw {
            residual_amplitude_ * std::exp(-constants_.residual_rate * (peak - 1.0));
   }
 
-  /* Check peaks from first yield to far beyond every contact. A law is passive if loading rises, if dents lie within
-     [0, a_max) and if a larger peak has lost more: then no cycle gives back more than it took. */
+  /* Check peaks from first yield to far beyond those of all contacts. A law is passive if the loading force increases, if
+     residual overlaps lie in [0, a_max) and if a larger peak has dissipated more: no cycle then returns more energy than it
+     absorbed. */
   void examine()
   {
     const LawConstants &c = constants_;
@@ -150,7 +151,7 @@ class Elastoplastic : public NormalLaw {
     for (double step = FIRST_STEP; !fault_ && step < LARGEST_PEAK;) {
       double peak = 1.0 + step;
       if (before < c.area_switch && peak > c.area_switch)
-        peak = c.area_switch;    // where the slope of the force may jump: look at it and right behind it
+        peak = c.area_switch;    // the slope of the force may be discontinuous: check it there and just beyond
       else if (before == c.area_switch) peak = c.area_switch * (1.0 + FIRST_STEP);
       else step *= STEP_GROWTH;
       if (peak <= before) continue;
@@ -172,7 +173,7 @@ class Elastoplastic : public NormalLaw {
     if (fault_) settled_ = INFINITE;
   }
 
-  /* Integral of pressure(a) a^c3 from 1: 10-point Gauss-Legendre on panels that double */
+  /* Integral of pressure(a) a^c3 from 1: 10-point Gauss-Legendre quadrature on panels of doubling width */
   double curved_work(double a) const
   {
     double sum = 0.0;
@@ -194,7 +195,7 @@ class Elastoplastic : public NormalLaw {
     return half * sum;
   }
 
-  /* Work of loading from one overlap to another that is little larger */
+  /* Work of loading from one overlap to a slightly larger one */
   double step_work(double lo, double hi) const
   {
     const double joint = std::min(std::max(lo, constants_.area_switch), hi);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* A sum of doubles without rounding, so that it has the same bits in any order and on any number of processors. No LAMMPS
-   types. The number is kept in bins of 32 bits, integers that add up without error; those of all processors are added as
-   such (MPI_SUM of data()). Parts of a term below 2^-256 are cut off; one beyond 2^180 or so makes the sum not a number. */
+/* Exact sum of doubles, bitwise identical for any order of the terms and on any number of processors. No LAMMPS types. The sum
+   is stored in bins of 32 bits, integers that are added without rounding; the bins of all processors are summed (MPI_SUM of
+   data()). Parts of a term below 2^-256 are truncated; a term beyond about 2^180 makes the sum NaN. */
 
 #ifndef GRANWAVE_EXACT_SUM_H
 #define GRANWAVE_EXACT_SUM_H
@@ -15,15 +15,15 @@ namespace granwave {
 
 class ExactSum {
  public:
-  static constexpr int SIZE = 16;    // the last bin counts terms that are too large or not finite
+  static constexpr int SIZE = 16;    // the last bin counts terms that are too large, infinite or NaN
 
   void add(double term)
   {
     std::uint64_t bits;
     std::memcpy(&bits, &term, sizeof(bits));
     const int field = static_cast<int>(bits >> 52 & 0x7ff);
-    if (field == 0) return;    // 0, or far below the least
-    // |term| = mantissa 2^(field - 1075), and from here on mantissa 2^(LOWEST + place)
+    if (field == 0) return;    // 0, or far below the smallest bin
+    // |term| = mantissa 2^(field - 1075), rewritten below as mantissa 2^(LOWEST + place)
     std::uint64_t mantissa = (bits & ((std::uint64_t(1) << 52) - 1)) | std::uint64_t(1) << 52;
     int place = field - 1075 - LOWEST;
     if (place < 0) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Hertzian contact: f = a^1.5 at any overlap; nothing is lost. */
+/* Hertzian contact: f = a^1.5 at any overlap, without dissipation. */
 
 #ifndef GRANWAVE_HERTZ_H
 #define GRANWAVE_HERTZ_H
@@ -8,7 +8,7 @@
 
 namespace granwave {
 
-/* Also the elastic range of the laws that have one. */
+/* Force of Hertzian contacts, and of other laws in their elastic range. */
 inline double hertz_force(double a) { return a * std::sqrt(a); }
 inline double hertz_work(double a) { return 0.4 * a * a * std::sqrt(a); }
 

@@ -30,7 +30,7 @@ double positive(const std::string &word, const std::string &what)
   return value;
 }
 
-/* INF: never yields. */
+/* Yield strength; INF for a body that never yields. */
 double strength(const std::string &word) { return word == "INF" ? INFINITE : positive(word, "yield strength"); }
 
 double poisson(const std::string &word)
@@ -75,7 +75,7 @@ LawArguments parse_law(const std::vector<std::string> &words)
   if (each == 3 && !std::isfinite(std::min(args.first.yield_strength, args.second.value_or(args.first).yield_strength)))
     refuse("law '" + words[0] + "' needs a yield strength for one of the two bodies; if none yields, take law hertz");
 
-  bool given = false;    // any of the law's constants
+  bool given = false;    // whether a constant of the law is given
   for (std::size_t k = 1 + numbers; k < words.size(); k += 2) {
     const std::string &key = words[k];
     if (k + 1 == words.size()) refuse("'" + key + "' has no value; " + usage);

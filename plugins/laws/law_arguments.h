@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Contact law from the words of an input script; the one syntax that the pair style and the wall fix share:
+/* Contact law from the words of an input script; syntax of the pair style and the wall fix:
 
      hertz E nu [E2 nu2]
-     any other law of the table  E nu sigma_y [E2 nu2 sigma_y2]      (INF for one sigma_y: that body never yields)
+     any other law of the table  E nu sigma_y [E2 nu2 sigma_y2]      (INF for one sigma_y: that body stays elastic)
      keywords: friction mu, tangential mindlin_rescale|mindlin, and of the options that the law takes: variant
      continuous|published, yield_factor C, beta b, any of LAW_CONSTANTS  */
 
@@ -35,10 +35,10 @@ struct LawArguments {
   ContactLaw contact(const Material &m1, const Material &m2) const { return ContactLaw(*law, m1, m2, options); }
 };
 
-/* Parse the words of a law. Raises std::invalid_argument with what was found and what was expected. */
+/* Parse the words of a law. Throws std::invalid_argument with the word found and the word expected. */
 LawArguments parse_law(const std::vector<std::string> &words);
 
-/* Member of LawConstants with this name; null if it is none of LAW_CONSTANTS. */
+/* Member of LawConstants with this name; null if the name is not in LAW_CONSTANTS. */
 double LawConstants::*law_constant(const std::string &name);
 
 }    // namespace granwave

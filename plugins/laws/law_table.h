@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Table of contact laws, which input scripts, restart files and Python take names and options from. A new law is a
-   header beside this one, its class in AnyLaw, and an entry in law_table.cpp. No LAMMPS types. */
+/* Table of contact laws, with their names and options in input scripts, restart files and Python. A new law requires a
+   header in this folder, its class in AnyLaw, and an entry in law_table.cpp. No LAMMPS types. */
 
 #ifndef GRANWAVE_LAW_TABLE_H
 #define GRANWAVE_LAW_TABLE_H
@@ -16,7 +16,7 @@
 
 namespace granwave {
 
-/* Options of all laws; each law takes those that its entry names. */
+/* Options of all laws; each law uses those listed in its table entry. */
 struct LawOptions {
   Variant variant = Variant::continuous;
   double yield_factor = 1.6, beta = 0.8;
@@ -31,7 +31,7 @@ struct LawOptions {
 
 using AnyLaw = std::variant<Hertz, Elastoplastic, Bilinear, Thornton>;
 
-/* Scales of the pair of materials that a law may depend on. */
+/* Scales of a pair of materials, on which a law may depend. */
 struct LawScales {
   double yield_strength;        // of the softer body
   double overlap_per_radius;    // alpha_y / R*
@@ -43,13 +43,13 @@ enum LawOption : unsigned { VARIANT = 1, YIELD_FACTOR = 2, BETA = 4, CONSTANTS =
 struct LawEntry {
   const char *name;
   double
-      elastic_limit;    // overlap up to which a contact is Hertzian and leaves no dent, in alpha_y; infinite: it never yields
-  bool fitted;          // a fit, valid to overlaps of 0.2 R*
-  unsigned options;     // LawOption
-  int n_extra;          // doubles of history beyond the largest overlap
+      elastic_limit;    // overlap up to which a contact is Hertzian and without dent, in alpha_y; infinite for a law without yield
+  bool fitted;          // true for a fit, valid up to overlaps of 0.2 R*
+  unsigned options;    // LawOption
+  int n_extra;         // doubles of history beyond the largest overlap
   AnyLaw (*make)(const LawOptions &, const LawScales &);
 
-  bool yields() const { return elastic_limit < INFINITE; }    // and needs the yield strength of one body
+  bool yields() const { return elastic_limit < INFINITE; }    // requires the yield strength of at least one body
   bool takes(LawOption option) const { return options & option; }
 };
 

@@ -4,7 +4,7 @@
      half-sine    A sin(pi t/T)      0 <= t <= T, else 0
      rectangle    A                  0 <= t <= T, else 0
      harmonic     A sin(2 pi f t)    from t = 0 on
-     table        linear between rows  */
+     table        linear interpolation  */
 
 #ifndef GRANWAVE_LOAD_SHAPE_H
 #define GRANWAVE_LOAD_SHAPE_H
@@ -28,7 +28,7 @@ class LoadShape {
   /* `period` is the duration T of a pulse, or 1/f. */
   LoadShape(Form form, double amplitude, double period) : form_(form), amplitude_(amplitude), period_(period) {}
 
-  /* At least two rows, of rising time; raises std::invalid_argument. */
+  /* At least two rows with increasing times are required; throws std::invalid_argument otherwise. */
   explicit LoadShape(Rows rows) : form_(Form::table), rows_(std::move(rows))
   {
     if (rows_.size() < 2) throw std::invalid_argument("it needs at least two rows, found " + std::to_string(rows_.size()));
@@ -42,11 +42,12 @@ class LoadShape {
     }
   }
 
-  /* Integral of the force from 0 to t. Odd about 0, so that a timestep about 0 carries twice its second half. */
+  /* Integral of the force from 0 to t. An odd function of t, so that a timestep centered at 0 has twice the integral of its
+     second half. */
   double integral(double t) const
   {
     if (t < 0.0) return -integral(-t);
-    const auto rounded = [&](double angle) {    // of A sin, whose argument at t is twice this angle
+    const auto rounded = [&](double angle) {    // for A sin, whose argument at t is twice this angle
       const double s = std::sin(angle);
       return 2.0 * s * s;
     };
@@ -66,7 +67,7 @@ class LoadShape {
     }
   }
 
-  /* Displacement and its velocity: harmonic, or a table that holds its first and its last value. */
+  /* Displacement and its velocity: harmonic, or a table, constant before its first and after its last row. */
   double value(double t) const
   {
     if (form_ == Form::harmonic) return amplitude_ * std::sin(2.0 * PI_ * t / period_);
@@ -86,7 +87,7 @@ class LoadShape {
  private:
   static constexpr double PI_ = 3.14159265358979323846;
 
-  /* Last row whose time is not after t, which lies within the table */
+  /* Last row whose time is not after t, for t within the table */
   std::size_t row(double t) const
   {
     const auto later =

@@ -22,7 +22,7 @@ inline double effective_modulus(const Material &a, const Material &b)
   return 1.0 / (compliance(a) + compliance(b));
 }
 
-/* 1/G* = (2 - nu1)/G1 + (2 - nu2)/G2, G = E/(2 (1 + nu)): Mindlin's, for slip of bodies pressed together. */
+/* Effective shear modulus after Mindlin: 1/G* = (2 - nu1)/G1 + (2 - nu2)/G2, G = E/(2 (1 + nu)). */
 inline double effective_shear_modulus(const Material &a, const Material &b)
 {
   const auto compliance = [](const Material &m) {
@@ -31,7 +31,7 @@ inline double effective_shear_modulus(const Material &a, const Material &b)
   return 1.0 / (compliance(a) + compliance(b));
 }
 
-/* 1/R* = 1/R1 + 1/R2; an infinite radius is a plane. */
+/* Effective radius: 1/R* = 1/R1 + 1/R2; a plane has an infinite radius. */
 inline double effective_radius(double r1, double r2) { return 1.0 / (1.0 / r1 + 1.0 / r2); }
 
 }    // namespace granwave

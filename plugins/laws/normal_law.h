@@ -5,15 +5,15 @@
 
        alpha_y = (pi^2/4) (C sigma_y / E*)^2 R*        F_y = (4/3) E* sqrt(R*) alpha_y^1.5
 
-   a = alpha/alpha_y, f = F/F_y. Un- and reloading below a peak is the same curve for all laws,
+   a = alpha/alpha_y, f = F/F_y. Unloading and reloading below a peak follow the same curve, which for all laws is
 
        f = f_max ((a - a_R)/(a_max - a_R))^n     a_R < a < a_max, else 0
 
-   which a law sets by its residual overlap a_R and exponent n.
+   with the residual overlap a_R and the exponent n of the law.
 
-   The history of a contact is its largest overlap (the peak) and, of a law that needs more, a block of `extra` doubles
-   without unit, as many as the table of laws says (law_table.h). The block is zero when a contact begins; pair style,
-   walls, migration and restart files copy it whole and know nothing of its meaning. */
+   The history of a contact is its largest overlap (the peak) and, for a law that needs more, a block of `extra`
+   dimensionless doubles, whose number is in the table of laws (law_table.h). The block is zero when a contact begins. Pair
+   style, walls, migration and restart files copy it as a whole, without interpreting it. */
 
 #ifndef GRANWAVE_NORMAL_LAW_H
 #define GRANWAVE_NORMAL_LAW_H
@@ -23,9 +23,9 @@
 
 namespace granwave {
 
-/* Un-/reloading branch, fixed at the turning point. */
+/* Unloading and reloading branch, determined by the turning point. */
 struct Turning {
-  double peak;        // a_max for which the rest holds
+  double peak;        // a_max of this branch
   double force;       // f_max
   double residual;    // a_R
   double exponent;    // n
@@ -37,7 +37,7 @@ struct Turning {
     return exponent == 1.0 ? force * part : force * std::pow(part, exponent);
   }
 
-  /* Area under the branch up to a: the energy that the contact can give back. */
+  /* Area under the branch up to a: the recoverable energy of the contact. */
   double elastic_energy(double a) const
   {
     if (a <= residual || peak <= residual) return 0.0;
@@ -45,10 +45,10 @@ struct Turning {
     return force * span / (exponent + 1.0) * std::pow((a - residual) / span, exponent + 1.0);
   }
 
-  /* Slope where unloading starts. */
+  /* Slope at the start of unloading. */
   double slope() const { return peak > residual ? exponent * force / (peak - residual) : 0.0; }
 
-  /* Contact circle below a peak whose circle is given; radii squared, in units of R* alpha_y. */
+  /* Squared radius of the contact circle below a peak, from that at the peak, in units of R* alpha_y. */
   double area(double a, double area_at_peak) const
   {
     return a > residual ? area_at_peak * ((a - residual) / (peak - residual)) : 0.0;
@@ -59,23 +59,23 @@ struct Turning {
 
        double loading(double a, const double *extra) const              force on the loading branch, a > 0
        double loading_work(double a, const double *extra) const         work of loading from zero overlap, a > 0
-       Turning turning(double peak, const double *extra) const          the branch below a peak beyond the elastic limit
-       double dissipated_energy(const Turning &, const double *extra) const     energy lost for good by a contact that has yielded
+       Turning turning(double peak, const double *extra) const          branch below a peak beyond the elastic limit
+       double dissipated_energy(const Turning &, const double *extra) const     dissipated energy of a contact that has yielded
 
-   and, where the defaults below do not hold, with those. No virtual functions: loading is in the innermost loop, and the
-   table (law_table.h) knows all classes. */
+   and with those below whose defaults do not apply. There are no virtual functions: loading is called in the innermost loop,
+   and the table (law_table.h) lists all classes. */
 struct NormalLaw {
   /* Radius of the contact circle on loading, squared, in units of R* alpha_y. */
   double area(double a) const { return a; }
 
-  /* Update the block of a contact that overlaps by a > 0, in every step, before its peak is raised; true if it changed.
-     Called again with the same overlap it must leave the block alone: a run may be cut in pieces. */
+  /* Update the block of a contact with overlap a > 0, in every timestep, before its peak is increased. Returns true if the
+     block has changed. A second call with the same overlap must not change the block, since runs may be continued. */
   bool update(double /* a */, double /* peak */, double * /* extra */) const { return false; }
 
-  /* Fault of the law's constants, in a line; empty where they make a passive law. */
+  /* One-line description of why the constants do not give a passive law; empty if they do. */
   std::string fault() const { return ""; }
 
-  /* Work of loading up to the peak less what unloading gives back. */
+  /* Work of loading up to the peak minus the energy recovered by unloading. */
   static double energy_lost(double work, const Turning &t)
   {
     return work - t.force * (t.peak - t.residual) / (t.exponent + 1.0);

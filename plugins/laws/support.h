@@ -1,20 +1,22 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Support of a plane wall that can move: a node, or an elastic bar, along the plane's normal. No LAMMPS types.
+/* Support of a movable plane wall: a node or an elastic bar along the normal of the plane. No LAMMPS types.
 
      support MASS STIFFNESS DAMPING                  M u" + C u' + K u = F, or with MASS 0  C u' + K u = F
      support bar ELEMENTS MASS STIFFNESS END         lumped masses joined by springs; END = free | fixed | impedance
 
-   u is the displacement of the plane outward, away from the spheres; F >= 0 what they press with. Both kinds are one chain
-   of nodes, the plane first, of which the last one has a spring and a damper to the ground:
+   u is the outward displacement of the plane, away from the spheres; F >= 0 is their normal force on it. Both kinds are a chain
+   of nodes that starts at the plane; the last node has a spring and a damper to the ground:
 
      m_i a_i = k (u_(i-1) - 2 u_i + u_(i+1)),   first: F,   last: - K u - C v
 
-   A bar of N elements has masses M/N, half at its ends; a fixed end is the last element's spring to the ground.
+   A bar of N elements has masses M/N, half of that at its ends; with a fixed end the last element is the spring to the
+   ground.
 
-   Velocity Verlet, in step with the spheres': advance() moves the plane to where the forces of this step are evaluated,
-   push() takes their sum, finish() ends the step. The damper's force is in both half kicks, at the velocity before and after
-   the step: second order, and stable for every damper up to the timestep critical without it. Without mass
-   the step is C (u1-u0)/dt + K (u0+u1)/2 = (3 F0 - F(-1))/2 (Adams-Bashforth for the force, which is not yet known at u1). */
+   Integration by velocity Verlet, together with the spheres: advance() moves the plane to the position at which the forces of
+   this step are evaluated, push() sets their sum, finish() completes the step. The damper force is included in both half
+   kicks, with the velocity before and after the step: second order, and for any damper stable up to the critical timestep
+   without damper. Without mass the step is C (u1-u0)/dt + K (u0+u1)/2 = (3 F0 - F(-1))/2 (Adams-Bashforth for the force,
+   which is not yet known at u1). */
 
 #ifndef GRANWAVE_SUPPORT_H
 #define GRANWAVE_SUPPORT_H
@@ -31,7 +33,7 @@ namespace granwave {
 
 class Support {
  public:
-  /* Parse the words behind `support`, of which it takes `used`. Raises std::invalid_argument. */
+  /* Parse the words after `support`; sets `used` to their number. Throws std::invalid_argument. */
   Support(const std::vector<std::string> &words, std::size_t &used)
   {
     const bool bar = !words.empty() && words[0] == "bar";
@@ -67,14 +69,14 @@ class Support {
     speed_.assign(mass_.size(), 0.0);
   }
 
-  /* Longest stable timestep; given the stiffness of the contacts with the plane, of plane and contacts. */
+  /* Critical timestep of the support, together with contacts of the given total stiffness. */
   double critical_timestep(double contacts = 0.0) const
   {
     const double ground = mass_.size() == 1 ? ground_stiffness_ : 0.0;
     if (massless()) return contacts > 0.0 ? ground_damping_ / contacts : INFINITE_TIME;
     const double spring = mass_.size() == 1 ? 0.0 : stiffness_;
     const double of_plane = 2.0 * std::sqrt(mass_[0] / (ground + spring + contacts));
-    // a chain of equal masses, halves at its ends: the highest frequency is 2 sqrt(k/m)
+    // chain of equal masses with halves at its ends: the highest frequency is 2 sqrt(k/m)
     const double of_chain = mass_.size() > 1 ? std::sqrt(2.0 * mass_[0] / stiffness_) : INFINITE_TIME;
     return std::min(of_plane, of_chain);
   }
@@ -98,7 +100,7 @@ class Support {
     end_moved_ = place_.back() - last;
   }
 
-  /* Set the force of the spheres on the plane where it is now. */
+  /* Set the force of the spheres on the plane at its present position. */
   void push(double force)
   {
     if (!started_) earlier_ = force;
@@ -117,15 +119,15 @@ class Support {
     damped_ += 0.5 * ground_damping_ * (before_ + speed_.back()) * end_moved_;
   }
 
-  /* Make a step of a minimisation towards static balance, that of Newton for the spheres where they are. A support without a
-     spring to the ground stays where it is. */
+  /* Make a Newton step of a minimization towards static equilibrium, with the spheres at their present positions. A support
+     without a spring to the ground does not move. */
   void settle(double contacts)
   {
-    started_ = false;    // a run from here knows of no step before it
+    started_ = false;    // a subsequent run has no previous step
     std::fill(speed_.begin(), speed_.end(), 0.0);
     if (ground_stiffness_ == 0.0) return;
     const auto n = static_cast<double>(place_.size());
-    const double whole = ground_stiffness_ / n;    // a bar's springs are all equal, the one to the ground too
+    const double whole = ground_stiffness_ / n;    // all springs of a bar are equal, including that to the ground
     const double front = place_[0] + (force_ - whole * place_[0]) / (whole + contacts);
     for (std::size_t i = 0; i < place_.size(); i++) place_[i] = front * (1.0 - static_cast<double>(i) / n);
   }
@@ -159,7 +161,7 @@ class Support {
     }
   }
 
-  /* Start work and damper's loss from zero. */
+  /* Reset work and damper loss to zero. */
   void begin() { work_ = damped_ = 0.0; }
 
   /* -------------------------------------------------------------------------- restart */
@@ -192,10 +194,10 @@ class Support {
   static constexpr std::size_t N_STATE = 5;
   static constexpr double INFINITE_TIME = std::numeric_limits<double>::infinity();
 
-  std::vector<double> mass_, place_, speed_;    // by node, the plane first; displacement, velocity
+  std::vector<double> mass_, place_, speed_;    // per node, starting at the plane; displacement and velocity
   double stiffness_ = 0.0;                      // of each spring between two nodes
   double ground_stiffness_ = 0.0, ground_damping_ = 0.0;
-  double force_ = 0.0, earlier_ = 0.0;    // of the spheres, in this evaluation and in that a step before
+  double force_ = 0.0, earlier_ = 0.0;    // of the spheres, in this evaluation and in that of the previous step
   double work_ = 0.0, damped_ = 0.0;
   bool started_ = false;
   double before_ = 0.0, plane_moved_ = 0.0, end_moved_ = 0.0;    // in this step
@@ -206,10 +208,10 @@ class Support {
     return i + 1 == place_.size() ? ground_stiffness_ * place_[i] : stiffness_ * (place_[i] - place_[i + 1]);
   }
 
-  /* Accelerate for half a step by springs and force, without the damper. */
+  /* Half kick by springs and force, without the damper. */
   void kick(double dt)
   {
-    double pull = force_;    // of the node before on this one
+    double pull = force_;    // force of the previous node on this one
     for (std::size_t i = 0; i < place_.size(); i++) {
       const double on = force_behind(i);
       speed_[i] += 0.5 * dt * (pull - on) / mass_[i];

@@ -1,21 +1,22 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Tangential spring of a contact with friction, after Mindlin and Coulomb: its force, the change in a step of slip, stored
-   and lost energy. Used by the pair style and by the walls. No LAMMPS types.
+/* Tangential spring of a contact with friction, after Mindlin and Coulomb: its force, its update by the slip of a timestep,
+   and its stored and dissipated energy. Used by the pair style and by the walls. No LAMMPS types.
 
-   n is the unit normal towards the first body. In a step with slip s (relative displacement of the surfaces, first minus
-   second, in the tangent plane), the force F on the first body
+   n is the unit normal towards the first body. In a timestep with slip s (relative displacement of the surfaces, first minus
+   second, in the tangent plane), the force F on the first body is updated by
 
-       turns into the present tangent plane and keeps its length
-       F <- F min(1, k/k_before)     a contact whose circle shrinks loses the force of the part that parts; left out by
-                                     TangentialModel::MINDLIN, for comparison with programs that do so
-       F <- F - k s                  k = 8 G* a, a = radius of the contact circle now
+       rotation into the present tangent plane, with unchanged magnitude
+       F <- F min(1, k/k_before)     rescaling as the contact circle shrinks; omitted with TangentialModel::MINDLIN, for
+                                     comparison with programs that omit it
+       F <- F - k s                  k = 8 G* a, a = present radius of the contact circle
        |F| <= limit = mu F_n         Coulomb
 
-   Stored is F^2/(2k). Lost is the work against the slip, (F_before + F)/2 . (-s) as velocity Verlet does it, less what the
-   stored energy grew by. Unscaled, a spring stretched under a large circle would pull back more than it took.
+   The stored energy is F^2/(2k). The frictional loss is the work against the slip, (F_before + F)/2 . (-s) as in velocity
+   Verlet, minus the increase of the stored energy. Without rescaling, a spring that is stretched while the circle is large and
+   released while it is small would return more energy than it absorbed.
 
-   A body's surface meets the other at radius - overlap/2 from its centre. With that lever both for the velocity of the surface
-   and for the torque, power in equals power out, and the two levers add up to the distance: angular momentum stays too. */
+   The lever arm of each body is radius - overlap/2, both for the velocity of its surface and for the torque, so that the power
+   of force and torque is that of F on the slip. The two lever arms sum to the distance: angular momentum is conserved. */
 
 #ifndef GRANWAVE_TANGENTIAL_H
 #define GRANWAVE_TANGENTIAL_H
@@ -25,9 +26,9 @@
 
 namespace granwave {
 
-enum class TangentialModel { MINDLIN_RESCALE, MINDLIN };    // force scaled down where the circle shrinks, or kept
+enum class TangentialModel { MINDLIN_RESCALE, MINDLIN };    // force rescaled as the contact circle shrinks, or unchanged
 
-/* Tangential history of a contact. The loss outlives the contact; the force does not. */
+/* Tangential history of a contact. The loss is kept after separation, the force is not. */
 struct TangentialSpring {
   double force[3] = {};       // on the first body
   double compliance = 0.0;    // 1/k at the last step; 0: no spring
@@ -43,8 +44,8 @@ inline double tangential_energy(const TangentialSpring &spring)
   return 0.5 * dot(spring.force, spring.force) * spring.compliance;
 }
 
-/* Slip of a step. `velocity` is that of the first body against the second at their centres, `spin` the sum of lever times
-   angular velocity over both (a plane has none). */
+/* Slip in a timestep. `velocity` is that of the first body relative to the second at their centers, `spin` the sum of lever
+   arm times angular velocity over both bodies (0 for a plane). */
 inline void slip_of_step(const double (&velocity)[3], const double (&spin)[3], const double (&n)[3], double dt,
                          double (&slip)[3])
 {
@@ -54,7 +55,7 @@ inline void slip_of_step(const double (&velocity)[3], const double (&spin)[3], c
   slip[2] = (velocity[2] - along * n[2] - (spin[0] * n[1] - spin[1] * n[0])) * dt;
 }
 
-/* Torque on either body per unit of its lever. */
+/* Torque on either body per unit of its lever arm. */
 inline void torque_per_lever(const double (&n)[3], const double (&force)[3], double (&torque)[3])
 {
   torque[0] = -(n[1] * force[2] - n[2] * force[1]);
@@ -62,16 +63,16 @@ inline void torque_per_lever(const double (&n)[3], const double (&force)[3], dou
   torque[2] = -(n[0] * force[1] - n[1] * force[0]);
 }
 
-/* Rotate the force into the plane normal to n; it keeps its length, whose square is given. No branches (contact_batch.h). */
+/* Rotate the force into the plane normal to n with unchanged magnitude, whose square is given. No branches (contact_batch.h). */
 inline void rotate(TangentialSpring &spring, double square, const double (&n)[3])
 {
   const double along = dot(spring.force, n), q = along * along / square;
-  const bool turns = q < 1.0;    // else it points along n, or is next to nothing
+  const bool turns = q < 1.0;    // otherwise the force is parallel to n, or negligible
   const double taken = turns ? along : 0.0, stretch = turns ? 1.0 / std::sqrt(1.0 - q) : 1.0;
   for (int d = 0; d < 3; d++) spring.force[d] = stretch * (spring.force[d] - taken * n[d]);
 }
 
-/* Advance the spring by one step of a contact that bears a normal force. */
+/* Advance the spring by one timestep of a contact with positive normal force. */
 inline void compute_tangential(TangentialSpring &spring, const double (&n)[3], const double (&slip)[3], double stiffness,
                                double limit, TangentialModel model)
 {
@@ -88,11 +89,11 @@ inline void compute_tangential(TangentialSpring &spring, const double (&n)[3], c
   for (int d = 0; d < 3; d++) spring.force[d] *= factor;
   work = -0.5 * (work + dot(spring.force, slip));
   const double lost = work - (0.5 * square * spring.compliance - stored);
-  // rescaled it is negative by rounding alone, or where a step's slip is longer than the spring: next to nothing
+  // With rescaling it is negative only by rounding, or negligibly if the slip of a step exceeds the elongation of the spring.
   spring.loss += model == TangentialModel::MINDLIN_RESCALE && lost < 0.0 ? 0.0 : lost;
 }
 
-/* Release the spring of surfaces that have parted: what is stored is lost. */
+/* Release the spring of separated surfaces: the stored energy is dissipated. */
 inline void release(TangentialSpring &spring)
 {
   spring.loss += tangential_energy(spring);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Thornton's law (thesis 2.4 to 2.6): loading f = 1 + K (a-1) beyond first yield, K = 1.5/C; unloading Hertzian on a
+/* Thornton's law (thesis 2.4 to 2.6): loading f = 1 + K (a-1) beyond first yield, K = 1.5/C; Hertzian unloading with the
    flattened radius R*_p. */
 
 #ifndef GRANWAVE_THORNTON_H

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-only
 /* Sums of forces or torques on spheres in twice the precision of a double. No LAMMPS types.
 
-   What acts on a sphere is added up in whatever order the list has, which differs with the number of processors. Twice
-   the precision makes the sum, once rounded, the same in any order: a run gives the same bits on any number of ranks. */
+   The order in which the forces on a sphere are summed is that of the neighbor list, which depends on the number of
+   processors. With twice the precision the rounded sum is the same in any order: runs are bitwise reproducible on any number
+   of processors. */
 
 #ifndef GRANWAVE_TWOFOLD_SUM_H
 #define GRANWAVE_TWOFOLD_SUM_H
@@ -21,15 +22,15 @@ struct alignas(64) TwofoldSum {
     const double term[3] = {x, y, z};
     for (int d = 0; d < 3; d++) {
       const double total = high[d] + term[d], rounded = total - high[d];
-      low[d] += (high[d] - (total - rounded)) + (term[d] - rounded);    // Knuth: what the addition lost
+      low[d] += (high[d] - (total - rounded)) + (term[d] - rounded);    // rounding error of the addition (Knuth)
       high[d] = total;
     }
     any = 1.0;
   }
 };
 
-/* A sum for each sphere. Of an ordered list only those between a row and its farthest partner are in use at a time, and a ring
-   of that many stays in the cache. All zero but for those in use. */
+/* One sum per sphere. With an ordered list only the sums between a row and its farthest partner are in use at a time, and a
+   ring buffer of that size stays in the cache. All others are zero. */
 class TwofoldSums {
  public:
   void reserve(int in_use)
@@ -43,7 +44,7 @@ class TwofoldSums {
 
   TwofoldSum &operator[](int i) { return ring[i & mask]; }
 
-  /* Add the sum to `to`; from then on it is zero. */
+  /* Add the sum to `to` and reset it to zero. */
   void give(int i, double *to)
   {
     TwofoldSum &sum = ring[i & mask];

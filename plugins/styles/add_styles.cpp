@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Registers the styles with LAMMPS, once granwaveplugin.cpp has found that library and styles belong together. */
+/* Registration of the styles with LAMMPS, after granwaveplugin.cpp has checked that library and styles match. */
 
 #include "compute_gran_hysteretic.h"
 #include "fix_gran_hysteretic_history.h"
@@ -27,7 +27,7 @@ struct Registration {
   void *handle;
 };
 using Register = void (*)(Registration *, void *);
-std::list<std::string> infos;    // LAMMPS keeps pointers to them
+std::list<std::string> infos;    // LAMMPS stores pointers to them
 
 template <class Base, class Style> Base *create(LAMMPS *lmp) { return new Style(lmp); }
 template <class Base, class Style> Base *create_named(LAMMPS *lmp, int narg, char **arg)
@@ -40,7 +40,7 @@ template <class Base, class Style> Base *create_named(LAMMPS *lmp, int narg, cha
 extern "C" __attribute__((visibility("default"))) void granwave_add_styles(void *instance, void *handle, void *regfunc)
 {
   auto *lmp = static_cast<LAMMPS *>(instance);
-  // releases before 2025 register a plugin once per process: a second instance gets the style by its map
+  // releases before 2025 register a plugin once per process: add the style to the map of a second instance
   const auto add = [&](const char *style, const char *name, auto *creator, auto &known) {
     infos.push_back(std::string("granwave ") + GRANWAVE_VERSION + ": " + style + " style " + name);
     Registration entry{lmp->version, style, name, infos.back().c_str(), "granwave", reinterpret_cast<void *>(creator),
@@ -60,6 +60,6 @@ extern "C" __attribute__((visibility("default"))) void granwave_add_styles(void 
   add("compute", ComputeGranHystereticLocal::STYLE, &create_named<Compute, ComputeGranHystereticLocal>, computes);
   add("compute", ComputeGranHystereticContact::STYLE, &create_named<Compute, ComputeGranHystereticContact>, computes);
   add("compute", ComputeGranHystereticEnergy::STYLE, &create_named<Compute, ComputeGranHystereticEnergy>, computes);
-  // `clear` keeps commands, and the loader, which restores all that it knows, would warn that this one was there
+  // `clear` keeps commands, and the loader, which registers all styles again, would warn of a duplicate
   lmp->input->command_map->emplace(GranDents::STYLE, &create<Command, GranDents>);
 }

@@ -119,7 +119,7 @@ void ComputeGranHystereticLocal::compute_local()
   pair->for_each_dent([&](const Report &report) {
     if (!(atom->mask[report.i] & groupbit)) return;
     if (report.j >= 0 && !(atom->mask[report.j] & groupbit)) return;
-    // both owners know a shared pair, and both spheres of a forgotten one: the owner of the lower id reports it
+    // a shared pair is on both processors, a forgotten one with both spheres: the owner of the lower ID reports it
     if ((report.j < 0 || report.j >= nlocal) && report.tag_i > report.tag_j) return;
     const double row[N_LOCAL] = {double(std::min(report.tag_i, report.tag_j)),
                                  double(std::max(report.tag_i, report.tag_j)),
@@ -174,7 +174,7 @@ ComputeGranHystereticContact::~ComputeGranHystereticContact() { delete[] vector;
 void ComputeGranHystereticContact::compute_vector()
 {
   invoked_vector = update->ntimestep;
-  double mine[N_CONTACT + 1] = {};    // the last counts the processors that know the pair
+  double mine[N_CONTACT + 1] = {};    // the last element counts the processors that have the pair
   pair->visit_pair(first, second, [&](const Report &report) {
     const double row[N_CONTACT + 1] = {
         report.overlap,         report.force, report.dent.peak, report.elastic, report.dissipated, report.tangential_force,
@@ -193,7 +193,7 @@ ComputeGranHystereticEnergy::ComputeGranHystereticEnergy(LAMMPS *lmp, int narg, 
 {
   if (narg != 3) error->all(FLERR, "Illegal compute {}: it takes no arguments", style);
   scalar_flag = vector_flag = 1;
-  extscalar = extvector = 0;    // sums over contacts, not over atoms
+  extscalar = extvector = 0;    // sums over contacts, not normalized by the number of atoms
   size_vector = PairGranHysteretic::N_TOTALS;
   vector = new double[PairGranHysteretic::N_TOTALS]();
 }
@@ -215,7 +215,7 @@ void ComputeGranHystereticEnergy::compute_vector()
 
 void ComputeGranHystereticEnergy::sum_up()
 {
-  if (summed == update->ntimestep && update->whichflag != 0) return;    // between runs positions may be changed by hand
+  if (summed == update->ntimestep && update->whichflag != 0) return;    // positions may be changed between runs
   summed = update->ntimestep;
   constexpr int N = PairGranHysteretic::N_TOTALS;
   double mine[N + 1], sum[N + 1];

@@ -2,9 +2,9 @@
 /* Computes of pair style gran/hysteretic:
 
    compute ID group gran/hysteretic/atom            per sphere
-   compute ID group gran/hysteretic/local           per contact, forgotten dents included
-   compute ID group gran/hysteretic/contact I J     the contact of two spheres, as a global vector
-   compute ID group gran/hysteretic/energy          of all contacts: a global scalar and vector, summed when asked for  */
+   compute ID group gran/hysteretic/local           per contact, including forgotten dents
+   compute ID group gran/hysteretic/contact I J     contact of two spheres, as a global vector
+   compute ID group gran/hysteretic/energy          energies of all contacts: a global scalar and vector, summed on demand  */
 
 #ifndef LMP_COMPUTE_GRAN_HYSTERETIC_H
 #define LMP_COMPUTE_GRAN_HYSTERETIC_H
@@ -61,8 +61,8 @@ class ComputeGranHystereticContact : public ComputeGranHysteretic {
   tagint first, second;
 };
 
-/* Energies of compute pair, summed only when asked for. LAMMPS flags a compute of its own at every step at which any
-   fix with averages is due, so that the pair style has to sum up energies that nobody reads. */
+/* Energies of compute pair, summed only when accessed. LAMMPS requests the tally of energies on every timestep on which an
+   averaging fix is evaluated, even if they are not used. */
 class ComputeGranHystereticEnergy : public ComputeGranHysteretic {
  public:
   static constexpr const char *STYLE = "gran/hysteretic/energy";
@@ -73,7 +73,7 @@ class ComputeGranHystereticEnergy : public ComputeGranHysteretic {
 
  private:
   void sum_up();
-  bigint summed = -1;    // step
+  bigint summed = -1;    // timestep of the last sum
 };
 
 }    // namespace LAMMPS_NS

@@ -12,7 +12,7 @@ using namespace LAMMPS_NS;
 
 namespace {
 
-// 0 times a finite number is 0; of anything else it is NaN
+// 0 times a finite number is 0; 0 times infinity or NaN is NaN
 bool finite(const double *vector) { return 0.0 * vector[0] + 0.0 * vector[1] + 0.0 * vector[2] == 0.0; }
 
 std::string printed(double value) { return std::isnan(value) ? "nan" : fmt::format("{:.6g}", value); }

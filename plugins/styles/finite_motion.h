@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Ends the run when positions or velocities are not finite numbers. LAMMPS's own checks miss a NaN: every comparison with
-   one is false, so that such an atom never counts as moved, and the neighbour lists are not built again. */
+/* Checks that positions and velocities are finite. The checks of LAMMPS itself do not detect a NaN: every comparison with
+   NaN is false, so that such an atom never counts as moved, and the neighbor lists are not rebuilt. */
 
 #ifndef GRANWAVE_FINITE_MOTION_H
 #define GRANWAVE_FINITE_MOTION_H
@@ -9,10 +9,10 @@
 
 namespace granwave {
 
-/* Refuse atom i (a ghost: its position alone). */
+/* Stop with an error if the motion of atom i is not finite (of a ghost atom only its position is checked). */
 void require_finite_motion(LAMMPS_NS::LAMMPS *, int i);
 
-/* Refuse the first of this processor's atoms that is not finite. */
+/* Stop with an error at the first atom of this processor whose motion is not finite. */
 void require_finite_motion(LAMMPS_NS::LAMMPS *);
 
 }    // namespace granwave

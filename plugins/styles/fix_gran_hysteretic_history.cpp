@@ -36,8 +36,8 @@ FixGranHystereticHistory::~FixGranHystereticHistory()
 
 int FixGranHystereticHistory::setmask() { return FixConst::PRE_EXCHANGE | FixConst::MIN_PRE_EXCHANGE; }
 
-/* Before spheres change place the flat list of the pair style goes back to the spheres. LAMMPS sorts spheres into boxes
-   and bins next, where one whose place is not finite would be lost. */
+/* Copy the flat list of the pair style back to the spheres before they migrate. LAMMPS subsequently assigns spheres to
+   subdomains and bins, where one whose position is not finite would be lost. */
 
 void FixGranHystereticHistory::gather()
 {
@@ -54,8 +54,8 @@ void FixGranHystereticHistory::min_pre_exchange() { gather(); }
 
 void FixGranHystereticHistory::grow_arrays(int nmax) { history.grow(nmax); }
 
-/* The callbacks below may come from commands that reorder spheres at any moment (sort, delete_atoms, fix balance),
-   before gather() was called: whoever is first makes the per-sphere records the valid copy. */
+/* The callbacks below may be called by commands that reorder spheres at any time (sort, delete_atoms, fix balance),
+   before gather() is called: the first call makes the per-sphere records the valid copy. */
 
 void FixGranHystereticHistory::copy_arrays(int i, int j, int)
 {
@@ -71,7 +71,7 @@ void FixGranHystereticHistory::set_arrays(int i)
 
 int FixGranHystereticHistory::record_size() const { return ContactRecord::SIZE + history.layout().size(); }
 
-/* A negative count marks extended blocks. */
+/* A negative count denotes extended blocks. */
 
 int FixGranHystereticHistory::pack(int i, double *buf) const
 {
@@ -95,7 +95,7 @@ int FixGranHystereticHistory::pack(int i, double *buf) const
   return m;
 }
 
-/* `n_extra` is that of the blocks in the buffer. */
+/* Unpack the records of a sphere; `n_extra` is that of the blocks in the buffer. */
 
 int FixGranHystereticHistory::unpack(int i, const double *buf, int n_extra)
 {

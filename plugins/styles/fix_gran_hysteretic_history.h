@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Carries the contact history of pair style gran/hysteretic with the spheres: through separation, reneighbouring,
-   migration between processors and restart. Made by the pair style under the fixed ID below, never by the user. */
+/* Storage of the contact history of pair style gran/hysteretic with the spheres: through separation, reneighboring,
+   migration between processors and restart. Created by the pair style with the fixed ID below, never by the user. */
 
 #ifndef LMP_FIX_GRAN_HYSTERETIC_HISTORY_H
 #define LMP_FIX_GRAN_HYSTERETIC_HISTORY_H
@@ -37,7 +37,7 @@ class FixGranHystereticHistory : public Fix {
   double memory_usage() override;
 
   granwave::ContactHistory history;
-  PairGranHysteretic *pair = nullptr;    // its flat contact list is the newer copy while valid
+  PairGranHysteretic *pair = nullptr;    // its flat contact list, if valid, is more recent than the records
 
  private:
   void gather();

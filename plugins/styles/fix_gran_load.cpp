@@ -133,7 +133,7 @@ void FixGranLoad::init()
   }
 }
 
-/* Set force or motion for the time at which the last run ended, so that nothing is counted twice. */
+/* Set force or motion for the time at which the last run ended, so that no timestep is counted twice. */
 
 void FixGranLoad::setup(int)
 {
@@ -144,7 +144,7 @@ void FixGranLoad::setup(int)
     stepped = update->dt;
     if (!started) total[WORK] -= half_kick_work(update->dt);
   } else {
-    if (!started)    // the load did not give the atoms their own motion
+    if (!started)    // the initial motion of the atoms is not due to the load
       for (int i = 0; i < atom->nlocal; i++) {
         if (!(atom->mask[i] & groupbit)) continue;
         const double *const v = atom->v[i];
@@ -170,9 +170,9 @@ void FixGranLoad::apply_force(double whole)
     if (atom->mask[i] & groupbit) atom->f[i][axis] += share;
 }
 
-/* Work of a half kick. Velocity Verlet's half kick does the work F dt/2 times the mean of the velocities before and after it, which differ by
-   f dt/2m with the whole force f. Taken with the velocity in the middle of the step instead, as below, the sum over steps
-   misses the difference of this between the last one and the first. */
+/* Work of a half kick. The half kick of velocity Verlet does the work F dt/2 times the mean of the velocities before and after
+   it, which differ by f dt/2m with the total force f. With the velocity in the middle of the step instead, as below, the sum
+   over timesteps lacks the difference of this term between the last step and the first. */
 
 double FixGranLoad::half_kick_work(double dt) const
 {
@@ -197,7 +197,7 @@ void FixGranLoad::reset_dt()
   stepped = dt;
 }
 
-/* Here velocities are those in the middle of the step, which moved the atoms by v dt. */
+/* Add the work of a timestep, with the velocities in the middle of the step, which moved the atoms by v dt. */
 
 void FixGranLoad::post_force(int)
 {
@@ -237,7 +237,7 @@ double FixGranLoad::force_on_group() const
 void FixGranLoad::initial_integrate(int)
 {
   if (stepper) stepper->begin_step();    // so that the clock is right
-  resistance = force_on_group();    // here all other fixes have added theirs
+  resistance = force_on_group();    // includes the forces of all other fixes
   const double before = place;
   place = shape.value(granwave::simulated_time(*update));
   moved = place - before;
@@ -289,7 +289,7 @@ double FixGranLoad::compute_vector(int n)
   return sum[ORDER[n]];
 }
 
-/* Write the totals without the motion that the atoms have now: setup() finds that again. */
+/* Write the totals without the present motion of the atoms, which setup() determines again. */
 
 void FixGranLoad::write_restart(FILE *fp)
 {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Fix gran/load: a force pulse on a group, or its prescribed displacement, with its work and impulse.
+/* Fix gran/load: force or prescribed displacement of a group, with its work and impulse.
 
    fix ID group gran/load x|y|z force half-sine|rectangle AMPLITUDE DURATION
    fix ID group gran/load x|y|z force|displacement harmonic AMPLITUDE FREQUENCY
    fix ID group gran/load x|y|z force|displacement table FILE
 
-   The force of a step is the mean of the shape over the timestep around it, from the closed-form integral: the impulse
-   of a pulse is exact whatever the timestep. */
+   The force of a step is the mean of the shape over the timestep centered at it, from the closed-form integral, so that the
+   impulse of a pulse does not depend on the timestep. */
 
 #ifndef LMP_FIX_GRAN_LOAD_H
 #define LMP_FIX_GRAN_LOAD_H
@@ -52,11 +52,12 @@ class FixGranLoad : public Fix {
   double atoms = 0.0, mass = 0.0;    // of the group
   bool started = false;
   double stepped = 0.0;    // timestep that the force is a mean over
-  // this processor's part of the totals so far; a restart gives the whole to the first one
+  // part of this processor in the totals so far; after a restart the first processor has the totals
   double total[N_TOTALS - 1] = {};
-  double force = 0.0;                                 // on the group, of the shape
-  double resistance = 0.0;                            // of this processor's part, before the step
-  double place = 0.0, moved = 0.0, velocity = 0.0;    // of the prescribed motion: now, in this step
+  double force = 0.0;         // on the group, from the shape
+  double resistance = 0.0;    // force on the atoms of this processor, before the step
+  double place = 0.0, moved = 0.0,
+         velocity = 0.0;    // present values of the prescribed motion, and displacement in this step
   int extensive[N_TOTALS - 1] = {1, 1, 0};
 };
 

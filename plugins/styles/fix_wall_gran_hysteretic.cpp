@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Fix wall/gran/hysteretic: forces, motion of the plane, totals. The state that travels with the spheres, initial dents and restart
-   files are in fix_wall_gran_hysteretic_state.cpp. */
+/* Fix wall/gran/hysteretic: forces, motion of the plane, totals. Per-sphere state, initial dents and restart files are in
+   fix_wall_gran_hysteretic_state.cpp. */
 
 #include "fix_wall_gran_hysteretic.h"
 
@@ -24,7 +24,7 @@ using granwave::TangentialSpring;
 
 namespace {
 
-constexpr double ROUNDING = 1e-12;    // of the radius: overlaps below are rounding of positions
+constexpr double ROUNDING = 1e-12;    // relative to the radius: smaller overlaps are rounding errors of positions
 
 }    // namespace
 
@@ -102,7 +102,7 @@ void FixWallGranHysteretic::reset_dt()
   if (update->whichflag == 1) check_timestep(0.0);
 }
 
-/* ---------------------------------------------------------------------- the plane in step with the spheres */
+/* ---------------------------------------------------------------------- motion of the plane */
 
 void FixWallGranHysteretic::setup(int) { evaluate(); }
 void FixWallGranHysteretic::min_setup(int) { evaluate(); }
@@ -117,7 +117,7 @@ void FixWallGranHysteretic::min_post_force(int)
   evaluate();
 }
 
-/* Position of the low or high plane now. */
+/* Present position of the lower or upper plane. */
 
 double FixWallGranHysteretic::level(int side) const
 {
@@ -131,7 +131,7 @@ double FixWallGranHysteretic::depth(int i, int side) const
   return side == 0 ? level(0) + radius - along : along + radius - level(1);
 }
 
-/* Sum the force on the plane over all processors, with the same bits on each. */
+/* Sum the force on the plane over all processors, bitwise identical on each. */
 
 void FixWallGranHysteretic::push_support()
 {
@@ -167,10 +167,10 @@ void FixWallGranHysteretic::evaluate()
   pressed = stiffness = {};
   tallied = -1;
   for (int i = 0; i < atom->nlocal; i++) {
-    if (!(atom->mask[i] & groupbit) || radius[i] == 0.0) continue;    // a flat face meets no wall
+    if (!(atom->mask[i] & groupbit) || radius[i] == 0.0) continue;    // flat faces do not interact with walls
     const double overlap[2] = {at[0] + radius[i] - x[i][axis], x[i][axis] + radius[i] - at[1]};
     const double least = ROUNDING * radius[i];
-    const bool touches[2] = {!(overlap[0] <= least), !(overlap[1] <= least)};    // an overlap that is no number, too
+    const bool touches[2] = {!(overlap[0] <= least), !(overlap[1] <= least)};    // also true for NaN
     if (!touches[0] && !touches[1] && !near[i]) continue;
     near[i] = touches[0] || touches[1];
     array_atom[i][OVERLAP] = array_atom[i][FORCE] = array_atom[i][TANGENTIAL] = 0.0;
@@ -204,7 +204,7 @@ double FixWallGranHysteretic::minimum_image(int along, double distance) const
   return distance - domain->prd[along] * std::round(distance / domain->prd[along]);
 }
 
-/* Energy that yielding at one wall took in this run. */
+/* Energy dissipated by yielding at one wall in this run. */
 
 double FixWallGranHysteretic::lost(int i, int which, const ScaledLaw &scaled)
 {
@@ -213,7 +213,7 @@ double FixWallGranHysteretic::lost(int i, int which, const ScaledLaw &scaled)
          scaled.dissipated_energy({side.initial, initial_extra(i, which)});
 }
 
-/* Compute the normal force of one wall on sphere i, which overlaps it; updates its dent and its output. */
+/* Compute the normal force of one wall on sphere i, which overlaps with it, and update its dent and its output. */
 
 FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int which, double overlap, double now)
 {
@@ -279,7 +279,7 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
   return contact;
 }
 
-/* Compute the tangential force of one wall on sphere i, and its torque. The spring is that of the last step unless a step was made. */
+/* Compute the tangential force of one wall on sphere i, and its torque. The spring is updated only if a timestep was made. */
 
 void FixWallGranHysteretic::compute_tangential(int i, int which, double overlap, const Contact &contact)
 {

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Fix wall/gran/hysteretic: plane walls normal to an axis, with the contact laws and the lasting dents of pair style
-   gran/hysteretic, with friction, and with the support of a plane that can move (support.h).
+/* Fix wall/gran/hysteretic: plane walls normal to an axis, with the contact laws and the persistent dents of pair style
+   gran/hysteretic, with friction, and with the support of a movable plane (support.h).
 
    fix ID group wall/gran/hysteretic xplane|yplane|zplane LO HI law ... [friction MU] [support ...]
        (law_arguments.h, support.h; LO, HI a coordinate or NULL)
 
-   One material: a rigid wall. Two: sphere and wall. A dent belongs to its place on the wall: a sphere that has lifted
-   off and lands further away than the radius of the contact circle at the dent starts anew. */
+   With one material the wall is rigid; with two, the second is that of the wall. Dents are stored with their location on the
+   wall: a sphere that has separated and touches the wall again starts a new contact if it is further from that location than
+   the radius of the contact circle at the dent. */
 
 #ifndef LMP_FIX_WALL_GRAN_HYSTERETIC_H
 #define LMP_FIX_WALL_GRAN_HYSTERETIC_H
@@ -41,9 +42,9 @@ class FixWallGranHysteretic : public Fix {
   double compute_scalar() override;
   double compute_vector(int) override;
 
-  /* Give a sphere a dent from before the run where it is now, on the nearer of the two walls. */
+  /* Set the initial dent of a sphere at its present position, on the nearer of the two walls. */
   void set_dent(int i, double peak);
-  /* Make all dents so far initial ones, and start totals anew. */
+  /* Turn all dents so far into initial dents, and reset the totals. */
   void begin();
   /* Power of the forces on a plane that moves, and force^2 over mass: parts of them that are not of spheres. */
   void add_power(double &power, double &force_squared_over_mass) const
@@ -65,7 +66,7 @@ class FixWallGranHysteretic : public Fix {
   double memory_usage() override;
 
  private:
-  // columns of array_atom, the output of a sphere
+  // columns of array_atom, the per-sphere output
   enum {
     OVERLAP,
     FORCE,
@@ -81,17 +82,17 @@ class FixWallGranHysteretic : public Fix {
     N_REPORTED
   };
 
-  struct Side {    // a sphere's dent on one of the walls; all doubles, as which it travels
+  struct Side {    // dent of a sphere on one of the walls; all members are doubles, for communication
     double dent = 0.0, place[2] = {}, lost_before = 0.0, touching = 0.0;
-    double initial = 0.0;    // the dent before the run, where beyond the elastic limit
+    double initial = 0.0;    // initial dent, if beyond the elastic limit
   };
   static constexpr int N_SIDE = sizeof(Side) / sizeof(double),
                        N_SPRING = sizeof(granwave::TangentialSpring) / sizeof(double);
 
-  struct Contact {    // of a sphere with a wall, now
+  struct Contact {    // present contact of a sphere with a wall
     double force;
-    double stiffness;    // the steepest that the force can fall or rise with the overlap; with a support only
-    double circle_sq;    // radius of the contact circle, squared; with friction only
+    double stiffness;    // largest slope of the force over the overlap, on loading or unloading; with a support only
+    double circle_sq;    // squared radius of the contact circle; with friction only
   };
 
   void evaluate();
@@ -112,24 +113,25 @@ class FixWallGranHysteretic : public Fix {
   int n_state() const { return N_REPORTED + 2 * N_SIDE + (friction > 0.0 ? 2 * N_SPRING : 0) + 4 * n_extra(); }
 
   int axis = 2;
-  double plane[2];    // low and high side, infinite when absent; where they are at rest
+  double plane[2];    // positions at rest of the lower and upper wall, infinite if absent
   granwave::ContactLaw law;
   double friction = 0.0;
   granwave::TangentialModel tangential_model = granwave::TangentialModel::MINDLIN_RESCALE;
-  std::unique_ptr<granwave::Support> support;    // of the one plane, if it can move
-  int moving = 0;                                // which one
+  std::unique_ptr<granwave::Support> support;    // of the plane, if it can move
+  int moving = 0;                                // index of the movable plane
 
-  std::vector<char> near;     // 0: the sphere touched no wall at the last evaluation, and is not new here
-  std::vector<Side> sides;    // two for each sphere: low and high wall
-  std::vector<granwave::TangentialSpring> springs;    // likewise, if there is friction
-  std::vector<double> extras;    // history of the law beyond the dent: low and high wall now, the same before the run
+  std::vector<char>
+      near;    // 0: the sphere touched no wall at the last evaluation, and has not just arrived on this processor
+  std::vector<Side> sides;                            // two per sphere: lower and upper wall
+  std::vector<granwave::TangentialSpring> springs;    // two per sphere, if there is friction
+  std::vector<double> extras;    // further history variables of the law: lower and upper wall, present and initial
 
-  double wall_force[3];                     // of this processor's spheres on the wall
-  granwave::ExactSum pressed, stiffness;    // force and stiffness of this processor's contacts with a moving plane
-  double contact_stiffness = 0.0;           // of all
+  double wall_force[3];                     // force of the spheres of this processor on the walls
+  granwave::ExactSum pressed, stiffness;    // force and stiffness of the contacts of this processor with a movable plane
+  double contact_stiffness = 0.0;           // sum over all processors
   bigint tallied = -1;
   enum { STORED, DISSIPATED_SUM, YIELDED, BEYOND_LAW, TANGENTIAL_STORED, FRICTION_LOSS_SUM, N_TOTALS };
-  double totals[N_TOTALS];    // all processors
+  double totals[N_TOTALS];    // of all processors
   int extensive[15] = {1, 1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 1, 1, 1, 1};
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Fix wall/gran/hysteretic: state that travels with the spheres, initial dents, restart files. */
+/* Fix wall/gran/hysteretic: per-sphere state, initial dents, restart files. */
 
 #include "fix_wall_gran_hysteretic.h"
 
@@ -17,8 +17,8 @@ using granwave::TangentialSpring;
 
 namespace {
 
-// Format of the spheres' part. The first one had 8 reported quantities and 5 numbers for each side, and no springs; the third
-// has the law's own history, and is written by laws that have one.
+// Format of the per-sphere state. Format 1 had 8 output quantities and 5 numbers for each side, and no springs; format 3
+// contains further history variables of the law, and is written only for laws that have any.
 enum { WITHOUT_FRICTION = 1, WITH_FRICTION = 2, EXTRA_HISTORY = 3 };
 constexpr int OLD_REPORTED = 8, OLD_SIDE = 5;
 constexpr int SUPPORT_FORMAT = 1;
@@ -35,7 +35,7 @@ FixWallGranHysteretic::~FixWallGranHysteretic()
   memory->destroy(array_atom);
 }
 
-/* ---------------------------------------------------------------------- dents from before the run */
+/* ---------------------------------------------------------------------- initial dents */
 
 void FixWallGranHysteretic::set_dent(int i, double peak)
 {
@@ -81,7 +81,7 @@ void FixWallGranHysteretic::begin()
   tallied = -1;
 }
 
-/* Update the columns that follow from the dents alone. */
+/* Update the columns that depend on the dents only. */
 
 void FixWallGranHysteretic::report_dents(int i)
 {
@@ -93,7 +93,7 @@ void FixWallGranHysteretic::report_dents(int i)
   tallied = -1;
 }
 
-/* ---------------------------------------------------------------------- the state travels with the spheres */
+/* ---------------------------------------------------------------------- per-sphere state: migration and restart */
 
 void FixWallGranHysteretic::grow_arrays(int nmax)
 {
@@ -182,7 +182,7 @@ double FixWallGranHysteretic::memory_usage()
   return double(atom->nmax) * (N_REPORTED * sizeof(double) + 1) + of_sides;
 }
 
-/* ---------------------------------------------------------------------- the plane's state, the same on all processors */
+/* ---------------------------------------------------------------------- state of the plane, identical on all processors */
 
 void FixWallGranHysteretic::write_restart(FILE *fp)
 {

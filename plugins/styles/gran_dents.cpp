@@ -26,7 +26,13 @@ using DentStatus = PairGranHysteretic::DentStatus;
 
 namespace {
 
-enum { FIRST_SEEN = 1, SECOND_SEEN = 2, DONE = 4, TOO_DEEP = 8, OUT_OF_REACH = 16 };    // of a line, by any processor
+enum {
+  FIRST_SEEN = 1,
+  SECOND_SEEN = 2,
+  DONE = 4,
+  TOO_DEEP = 8,
+  OUT_OF_REACH = 16
+};    // status of a line, combined over processors
 
 bool is_id(const std::string &word)
 {
@@ -52,10 +58,11 @@ void GranDents::command(int narg, char **arg)
     for (auto *fix : modify->get_fix_list())
       if (auto *wall = dynamic_cast<FixWallGranHysteretic *>(fix)) wall->begin();
   }
-  for (auto *compute : modify->get_compute_list()) compute->invoked_flag = 0;    // their values of this step are out of date
+  for (auto *compute : modify->get_compute_list())
+    compute->invoked_flag = 0;    // their values of this timestep are outdated
 }
 
-/* Build ghosts and neighbour lists as at the start of a run. */
+/* Build ghost atoms and neighbor lists as at the start of a run. */
 
 void GranDents::build_lists()
 {
@@ -129,7 +136,7 @@ void GranDents::set(const std::string &file, const std::vector<Line> &lines)
   const auto wrong = [&](const Line &line, const std::string &what) {
     error->all(FLERR, "{}: line {} of {}: {}", STYLE, line.number, file, what);
   };
-  std::map<std::pair<tagint, tagint>, int> pairs;    // line of each
+  std::map<std::pair<tagint, tagint>, int> pairs;    // line of each pair
   std::map<std::pair<FixWallGranHysteretic *, tagint>, int> on_walls;
   std::map<tagint, int> owned;
   for (int i = 0; i < atom->nlocal; i++) owned[atom->tag[i]] = i;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Command gran/dents: dents of pair style gran/hysteretic and its walls from before a run.
+/* Command gran/dents: initial dents of pair style gran/hysteretic and of walls.
 
-   gran/dents read FILE     dents by ids: lines `i j peak` of two spheres, `FIXID i peak` of a sphere and a wall, # comments
-   gran/dents begin         all dents so far are initial ones  */
+   gran/dents read FILE     dents by IDs: lines `i j peak` of two spheres, `FIXID i peak` of a sphere and a wall, # comments
+   gran/dents begin         turn all dents so far into initial dents  */
 
 #ifndef LMP_GRAN_DENTS_H
 #define LMP_GRAN_DENTS_H
@@ -27,8 +27,8 @@ class GranDents : public Command {
  private:
   struct Line {
     int number;
-    FixWallGranHysteretic *wall;    // null: a pair of spheres
-    tagint i, j;                    // lower id first; j alone of a wall
+    FixWallGranHysteretic *wall;    // null for a pair of spheres
+    tagint i, j;                    // lower ID first; for a wall only j is used
     double peak;
   };
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Entry point of LAMMPS's plugin command: checks that library and styles belong together, then loads the styles.
+/* Entry point of LAMMPS's plugin command: checks that library and styles match, then loads the styles.
 
-   LAMMPS keeps no binary interface between releases, not even between updates of one release, and only warns. Here a
-   library of another release date, one that lacks a function that the styles call, or whose base classes have another
-   number of virtual functions is refused before anything of it is called. That takes two files: this one uses
-   LAMMPS's C interface alone, so that it can be loaded, and can speak, anywhere. */
+   The binary interface of LAMMPS is not stable between releases, nor between updates of one release, and the plugin command
+   itself only warns. The styles are not loaded if the library has another release date, lacks a function that the styles
+   call, or has base classes with another number of virtual functions. The check needs two shared libraries: this file uses
+   only the C interface of LAMMPS, so that it can be loaded and print a warning with any version. */
 
 #include "library.h"
 
@@ -27,7 +27,7 @@ std::size_t size_of_symbol(void *library, const char *name)
   return static_cast<const ElfW(Sym) *>(symbol)->st_size;
 }
 
-/* True if our classes, which add no virtual functions, have tables as long as those of LAMMPS's base classes. */
+/* True if the tables of virtual functions of our classes, which add none, have the length of those of LAMMPS's base classes. */
 bool same_interface(void *styles)
 {
   constexpr const char *TABLES[][2] = {
@@ -42,7 +42,7 @@ bool same_interface(void *styles)
   return true;
 }
 
-/* Open the library of the styles, which lies beside this one. */
+/* Open the library of the styles, which is in the folder of this one. */
 void *open_styles()
 {
   Dl_info info;
@@ -55,7 +55,7 @@ void *open_styles()
 
 extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *lmp, void *handle, void *regfunc)
 {
-  // a warning, after which the styles are unknown: as an error, LAMMPS's C interface would end the process, Python and all
+  // A warning, after which the styles are not available: an error in LAMMPS's C interface would end the whole process.
   const auto refuse = [lmp](const std::string &found) {
     const std::string message =
         "The granwave plugin was not loaded: it was built for LAMMPS " GRANWAVE_LAMMPS_RELEASE ", and this is " + found +

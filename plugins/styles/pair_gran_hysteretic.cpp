@@ -124,7 +124,8 @@ void PairGranHysteretic::init_style()
       any = any || args.friction > 0.0;
       n_extra = std::max(n_extra, args.law->n_extra);
     }
-  if (fix_history && ((any && !has_friction) || n_extra > contacts.n_extra)) release_contacts();    // its list lacks them
+  if (fix_history && ((any && !has_friction) || n_extra > contacts.n_extra))
+    release_contacts();    // its list lacks these variables
   has_friction = any;
   if (has_friction && (!atom->omega_flag || !atom->torque_flag))
     error->all(FLERR,
@@ -144,10 +145,10 @@ void PairGranHysteretic::init_style()
   }
   fix_history->history.extend({n_extra, has_friction || has_initial_dents});
 
-  // largest radius by type sets the cutoff
+  // the largest radius of each type determines the cutoff
   std::vector<double> mine(atom_types + 1, 0.0);
   for (int i = 0; i < atom->nlocal; i++) mine[atom->type[i]] = std::max(mine[atom->type[i]], atom->radius[i]);
-  for (auto *fix : modify->get_fix_list())    // spheres still to come
+  for (auto *fix : modify->get_fix_list())    // spheres to be inserted
     if (std::strncmp(fix->style, "pour", 4) == 0 || std::strncmp(fix->style, "deposit", 7) == 0)
       for (int i = 1; i <= atom_types; i++) {
         int itype = i;

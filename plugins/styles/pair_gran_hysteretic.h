@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Pair style gran/hysteretic: contact of spheres with laws that depend on their history, and with friction.
+/* Pair style gran/hysteretic: contact of spheres with history-dependent normal forces and with friction.
 
    pair_style gran/hysteretic gap
    pair_coeff I J law ...            (law_arguments.h)
 
-   A contact's dent stays when the spheres part, until the gap between them exceeds `gap`. The pairs near enough to
-   touch are kept as flat arrays beside LAMMPS's list, from one reneighbouring to the next; in between
-   (FixGranHystereticHistory) the dents travel with the spheres.
+   The dent of a contact is kept after separation, until the gap between the spheres exceeds `gap`. Pairs within reach are stored
+   in flat arrays that supplement LAMMPS's neighbor list, from one reneighboring to the next; during reneighboring the dents
+   are stored with the spheres (FixGranHystereticHistory).
 
-   A particle of radius 0 is the flat face of a larger body, such as the end node of an elastic bar: it touches a sphere
-   where the distance is the sphere's radius, with R* that of the sphere, without friction. Two faces never batch. */
+   A particle of radius 0 is the flat face of a larger body, such as the end node of an elastic bar: it touches a sphere if
+   their distance is the radius of the sphere, with R* the radius of the sphere, without friction. Two faces never touch. */
 
 #ifndef LMP_PAIR_GRAN_HYSTERETIC_H
 #define LMP_PAIR_GRAN_HYSTERETIC_H
@@ -36,11 +36,11 @@ class PairGranHysteretic : public Pair {
   struct Report {
     int i, j;    // local index; j may be a ghost, -1 for a forgotten dent
     tagint tag_i, tag_j;
-    double overlap, force;    // now; overlap < 0 is a gap
+    double overlap, force;    // present values; overlap < 0 is a gap
     double peak_force, elastic, dissipated, share_i;
     double tangential_force, tangential_elastic, frictional_loss;
     double effective_radius;
-    double initial;    // the dent before this run
+    double initial;    // initial dent
     bool live, yielded;
     granwave::Dent dent;
   };
@@ -60,26 +60,26 @@ class PairGranHysteretic : public Pair {
   void read_restart_settings(FILE *) override;
   double memory_usage() override;
 
-  /* Bring the records of the spheres up to date; release also invalidates the flat list. */
+  /* Update the records of the spheres; release_contacts() also invalidates the flat list. */
   void publish_contacts();
   void release_contacts();
 
-  /* Call back for every contact of this processor: a pair of which one sphere is a ghost is reported by both owners,
-     a forgotten dent by the owner of each sphere. Needs a current list (after setup or during a run). */
+  /* Call a function for every contact of this processor: a pair with a ghost sphere is reported by both owners, a forgotten
+     dent by the owner of each sphere. Requires a current list (after setup or during a run). */
   void for_each_dent(const std::function<void(const Report &)> &);
 
   enum { DISSIPATED, YIELDED, BEYOND_LAW, BEYOND_HALF, LARGEST_FORCE, TANGENTIAL, FRICTIONAL, N_TOTALS };    // in pvector
 
-  /* Sum up this processor's part of the totals, of which LARGEST_FORCE is the first one's alone; returns the energy that
-     the normal forces store. A collective call. Needs a current list. */
+  /* Sum the part of this processor in the totals; LARGEST_FORCE is nonzero only on the first processor. Returns the energy stored
+     by the normal forces. A collective call. Requires a current list. */
   double tally_totals();
 
-  /* Call back for the one pair of these ids, where this processor has it in reach. */
+  /* Call a function for the pair with these IDs, if it is in the list of this processor. */
   void visit_pair(tagint, tagint, const std::function<void(const Report &)> &);
 
-  /* Dents from before the run (gran_dents.h). `prepare` comes first, with LAMMPS's own lists built anew: from then on
-     contacts tell their initial dents from later ones. `begin` makes all dents so far initial ones. `set_dents` asks for the
-     dent of each near pair, lower id first (negative: none given) and reports its status. All three on all processors. */
+  /* Initial dents (gran_dents.h). `prepare` must be called first, with LAMMPS's neighbor lists rebuilt: from then on initial
+     dents are stored. `begin` turns all dents so far into initial dents. `set_dents` gets the dent of each pair within reach
+     from a function, lower ID first (negative: none given), and reports its status. All three are called on all processors. */
   enum class DentStatus { SET, TOO_DEEP, OUT_OF_REACH };
   void prepare_initial_dents();
   void begin_initial_dents();
@@ -87,47 +87,47 @@ class PairGranHysteretic : public Pair {
                  const std::function<void(tagint, tagint, DentStatus)> &report);
 
  private:
-  // Spheres of a lattice that just touch overlap or part by the rounding of their positions. Overlaps below this part of
-  // the distance are that noise: the force that they would give is below 1e-12 F_y.
+  // Spheres of a lattice that just touch have an overlap or gap due to the rounding of their positions. Overlaps below this
+  // fraction of the distance are neglected: their force would be below 1e-12 F_y.
   static constexpr double ROUNDING = 5e-13;
 
-  // Spheres out of reach of others are looked at so rarely that it costs nothing; a NaN beside others is found in its step.
+  // Spheres with no other within reach are checked so rarely that the cost is negligible; near others a NaN is found at once.
   static constexpr int STEPS_BETWEEN_CHECKS = 100;
   int evaluations = 0;
 
-  static constexpr int FLAGS_AT_A_TIME = 8;    // of has_spring, read together
+  static constexpr int FLAGS_AT_A_TIME = 8;    // number of elements of has_spring read together
 
   enum { OVERLAP, PEAK_OVERLAP, PEAK_FORCE, LOST, TIME_FIRST, TIME_PEAK, TIME_YIELD, N_SINGLE };    // of compute pair/local
 
-  /* Pairs of spheres within reach, row by row as in LAMMPS's half list. */
+  /* Pairs of spheres within reach, in rows as in LAMMPS's half neighbor list. */
   struct Contacts {
     bool valid = false, published = false;
-    int owned = 0;                  // spheres of this processor when the list was built
-    bool ordered = true;            // rows rise, and no partner comes before its row
-    int span = 0;                   // largest distance in index between a row and an owned partner
-    std::vector<int> row, begin;    // sphere of each row; where its pairs begin (one longer)
+    int owned = 0;                  // number of owned spheres when the list was built
+    bool ordered = true;            // rows increase, and no partner precedes its row
+    int span = 0;                   // largest difference of indices between a row and an owned partner
+    std::vector<int> row, begin;    // sphere of each row; index of its first pair (one element longer)
     std::vector<int> partner;       // local or ghost index
-    std::vector<double> peak;       // largest overlap ever
+    std::vector<double> peak;       // largest overlap so far
     std::vector<double> time_first, time_peak, time_yield;
-    int n_extra = 0;              // doubles of history that the laws in use have beyond the peak
-    std::vector<double> extra;    // so many for each pair
+    int n_extra = 0;              // number of history variables of the laws in use in addition to the peak
+    std::vector<double> extra;    // n_extra values per pair
     std::vector<int> turning;     // index into turnings, or -1 while Hertzian
     std::vector<granwave::Turning> turnings;
-    std::vector<double> work_lost;                     // normalised dissipated energy at the turning; -1: not yet asked for
-    std::vector<double> circle;                        // with friction: normalised area at the turning
-    std::vector<granwave::TangentialSpring> spring;    // with friction: force on the row's sphere
-    std::vector<char> has_spring;                      // with friction: 1 if there is a spring now; FLAGS_AT_A_TIME longer
-    std::vector<double> initial, reached;    // with initial dents: dent before this run, largest overlap of this run
-    std::vector<double> initial_extra;       // likewise: the law's doubles before this run
+    std::vector<double> work_lost;    // normalized dissipated energy at the turning point; -1 if not yet computed
+    std::vector<double> circle;       // with friction: normalized area at the turning point
+    std::vector<granwave::TangentialSpring> spring;    // with friction: force on the sphere of the row
+    std::vector<char> has_spring;    // with friction: 1 if there is a spring at present; FLAGS_AT_A_TIME elements longer
+    std::vector<double> initial, reached;    // with initial dents: initial dent, largest overlap of this run
+    std::vector<double> initial_extra;       // with initial dents: initial doubles of the law
     std::vector<tagint> row_tag, partner_tag;
-    std::vector<double> row_radius, partner_radius;    // the first entry serves all when all spheres are equal
+    std::vector<double> row_radius, partner_radius;    // only the first element is used if all spheres are equal
     std::vector<int> row_type, partner_type;
   };
 
-  struct PairParameters {    // of a contact, from its two spheres
+  struct PairParameters {    // parameters of a contact, from its two spheres
     double radius_i, radius_j, radsum, touch_sq, largest_overlap;
     granwave::ScaledLaw contact;
-    double friction;           // 0 where either is a face
+    double friction;           // 0 if one of the two is a face
     double shear_stiffness;    // 8 G*
     granwave::TangentialModel tangential_model = granwave::TangentialModel::MINDLIN_RESCALE;
   };
@@ -137,10 +137,10 @@ class PairGranHysteretic : public Pair {
     void set(int m, const PairParameters &);
   };
 
-  /* R* of two spheres, or of a sphere and a flat face (radius 0). */
+  /* Effective radius of two spheres, or of a sphere and a flat face (radius 0). */
   static double effective_radius(double ri, double rj) { return ri > 0.0 && rj > 0.0 ? ri * rj / (ri + rj) : ri + rj; }
 
-  /* Overlaps beyond this are an error: a sphere's centre is near the other surface, or the face near the sphere's centre. */
+  /* Largest overlap that is not an error: beyond it the center of a sphere is near the other surface or face. */
   static double largest_overlap(double ri, double rj)
   {
     return ri > 0.0 && rj > 0.0 ? (ri < rj ? ri : rj) : 0.5 * (ri + rj);
@@ -183,17 +183,17 @@ class PairGranHysteretic : public Pair {
 
   double gap = 0.0;
   int atom_types = 0;
-  int restart_format = 1;    // of the file that is written or read
+  int restart_format = 1;    // format of the file being written or read
   std::vector<granwave::ContactLaw> laws;
-  std::vector<granwave::LawArguments> coefficients;    // as set by pair_coeff, to mix from and for restarts
+  std::vector<granwave::LawArguments> coefficients;    // as set by pair_coeff, for mixing and restarts
   std::vector<double> largest_radius;
   bool uniform = false;
-  bool has_friction = false;         // any friction, ever
-  bool has_initial_dents = false;    // dents of earlier runs are told from those of this one
+  bool has_friction = false;         // true from the first pair_coeff with friction on
+  bool has_initial_dents = false;    // true if initial dents are stored
   Contacts contacts;
   granwave::TwofoldSums force_sums, torque_sums;
-  double now = 0.0;                // simulated time of this force evaluation
-  bool springs_advance = false;    // time passes in it
+  double now = 0.0;                // simulation time of this force evaluation
+  bool springs_advance = false;    // true if springs are updated in this force evaluation
   FixGranHystereticHistory *fix_history = nullptr;
 };
 

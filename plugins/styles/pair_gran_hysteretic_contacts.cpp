@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Pair style gran/hysteretic: the flat list of near pairs, and its exchange with the records of the spheres. */
+/* Pair style gran/hysteretic: flat list of pairs within reach, and its exchange with the records of the spheres. */
 
 #include "pair_gran_hysteretic.h"
 
@@ -116,17 +116,17 @@ void PairGranHysteretic::build_contacts()
   c.published = false;
 }
 
-/* Refuse spheres that move by much of their radius in one step, and faces by much of the largest sphere's: they would pass
-   through others unseen. */
+/* Stop with an error if a sphere moves by a large part of its radius in one timestep, or a face by a large part of the radius
+   of the largest sphere: they could pass through others undetected. */
 
 void PairGranHysteretic::check_displacements()
 {
-  constexpr double LARGEST = 0.5;    // of the radius
+  constexpr double LARGEST = 0.5;    // relative to the radius
   const double *const *v = atom->v;
   const double largest = *std::max_element(largest_radius.begin(), largest_radius.end());
   for (int i = 0; i < atom->nlocal; i++) {
     const double radius = atom->radius[i] > 0.0 ? atom->radius[i] : largest;
-    if (radius == 0.0) continue;    // nodes alone
+    if (radius == 0.0) continue;    // nodes only
     const double leap = std::sqrt(v[i][0] * v[i][0] + v[i][1] * v[i][1] + v[i][2] * v[i][2]) * update->dt;
     if (!(leap <= LARGEST * radius))
       error->one(FLERR,
@@ -136,7 +136,8 @@ void PairGranHysteretic::check_displacements()
   }
 }
 
-/* Restore the flat list from the spheres' live records. A live record whose pair is out of reach now is forgotten. */
+/* Restore the flat list from the live records of the spheres. A live record whose pair is no longer within reach is marked as
+   forgotten. */
 
 void PairGranHysteretic::restore_history()
 {
@@ -231,7 +232,7 @@ granwave::LawHistory PairGranHysteretic::law_history(int k) const
   return {c.peak[k], c.extra.data() + static_cast<std::size_t>(k) * c.n_extra};
 }
 
-/* Block of pair k, on the side of the row's sphere. */
+/* Block of pair k, as seen from the sphere of the row. */
 
 BlockView PairGranHysteretic::block_view(int k) const
 {
@@ -246,7 +247,7 @@ BlockView PairGranHysteretic::block_view(int k) const
   return view;
 }
 
-/* Write the block of pair k, as the row's sphere (side 1) or its partner (-1) has it; it is zero before. */
+/* Write the block of pair k, as seen from the sphere of the row (side 1) or its partner (-1), into a zero block. */
 
 void PairGranHysteretic::pack_block(int k, double side, double *block) const
 {
@@ -275,7 +276,8 @@ void PairGranHysteretic::unpack_block(int k, const BlockLayout &layout, const do
   std::copy_n(view.initial_extra, c.n_extra, c.initial_extra.data() + static_cast<std::size_t>(k) * c.n_extra);
 }
 
-/* Set pair k as if it had never met in this run, with this peak; `dented`: from a dent before it, whose history stays. */
+/* Reset pair k to a contact that has not touched in this run, with this peak. With `dented` the peak is that of an initial dent,
+   whose history is kept. */
 
 void PairGranHysteretic::reset_history(int k, double peak, bool dented)
 {
@@ -292,7 +294,7 @@ void PairGranHysteretic::reset_history(int k, double peak, bool dented)
   std::copy_n(extra, c.n_extra, c.initial_extra.data() + static_cast<std::size_t>(k) * c.n_extra);
 }
 
-/* Forget a pair that has parted for good: both spheres file its record, and a new one may start. */
+/* Discard the history of a separated pair: its record is stored with both spheres as forgotten, and a new contact may start. */
 
 void PairGranHysteretic::forget(int row, int k)
 {
@@ -319,7 +321,7 @@ void PairGranHysteretic::require_contacts()
                       "another order since the last run; use 'run 0' first");
 }
 
-/* ---------------------------------------------------------------------- dents from before the run */
+/* ---------------------------------------------------------------------- initial dents */
 
 void PairGranHysteretic::prepare_initial_dents()
 {
@@ -367,7 +369,7 @@ void PairGranHysteretic::set_dents(const std::function<double(tagint, tagint)> &
       const double delx = x[i][0] - x[j][0], dely = x[i][1] - x[j][1], delz = x[i][2] - x[j][2];
       const double reach = radius[i] + radius[j] + gap;
       const PairParameters p = pair_parameters(atom->type[i], atom->type[j], radius[i], radius[j]);
-      const bool dented = p.contact.yielded(peak);    // a smaller one would leave nothing
+      const bool dented = p.contact.yielded(peak);    // a smaller peak is no dent
       if (peak > largest_overlap(radius[i], radius[j])) {
         report(lower, higher, DentStatus::TOO_DEEP);
       } else if (delx * delx + dely * dely + delz * delz > reach * reach) {

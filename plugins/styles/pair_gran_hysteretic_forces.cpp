@@ -20,7 +20,7 @@ using granwave::ScaledLaw;
 using granwave::TangentialSpring;
 using granwave::TwofoldSum;
 
-/* Turning of a contact that has yielded, computed anew when its history has changed. */
+/* Turning point of a contact that has yielded, recomputed if its history has changed. */
 
 int PairGranHysteretic::cached_turning(int k, const ScaledLaw &contact)
 {
@@ -41,7 +41,7 @@ int PairGranHysteretic::cached_turning(int k, const ScaledLaw &contact)
   return t;
 }
 
-/* Force of a contact beyond its elastic limit, loading (the peak was raised just now) or below its peak. */
+/* Force of a contact beyond its elastic limit, on loading (the peak has just been increased) or below its peak. */
 
 double PairGranHysteretic::plastic_force(int k, double overlap, const ScaledLaw &contact, bool raised)
 {
@@ -52,7 +52,7 @@ double PairGranHysteretic::plastic_force(int k, double overlap, const ScaledLaw 
   return contact.unloading(overlap, contacts.turnings[cached_turning(k, contact)]);
 }
 
-/* Radius of the contact circle now, squared, of a contact beyond its elastic limit. */
+/* Squared present radius of the contact circle of a contact beyond its elastic limit. */
 
 double PairGranHysteretic::circle_squared(int k, double overlap, const ScaledLaw &contact)
 {
@@ -67,7 +67,7 @@ inline void PairGranHysteretic::release_spring(int k)
   contacts.has_spring[k] = 0;
 }
 
-/* True if any contact of a row has a spring; eight at a time, so one of the next row may count too. */
+/* True if any contact of a row has a spring. Eight flags are read at a time, so those of the next row may be included. */
 
 inline bool PairGranHysteretic::any_spring(int begin, int end) const
 {
@@ -79,7 +79,7 @@ inline bool PairGranHysteretic::any_spring(int begin, int end) const
   return any != 0;
 }
 
-/* Raise the largest overlap of this run, which may be less than the dent from before it. */
+/* Increase the largest overlap of this run, which may be smaller than the initial dent. */
 
 inline void PairGranHysteretic::raise_reached(int k, double overlap)
 {
@@ -113,7 +113,7 @@ void PairGranHysteretic::update_history(Batch &batch)
     if (!(overlap <= p.largest_overlap)) overlap_error(batch.i[m], batch.j[m], overlap);
     if (c.n_extra > 0 && p.contact.update(overlap, c.peak[k], c.extra.data() + std::size_t(k) * c.n_extra) &&
         c.turning[k] >= 0)
-      c.turnings[c.turning[k]].peak = -1.0;    // of another history
+      c.turnings[c.turning[k]].peak = -1.0;    // invalid after a change of history
     const bool raised = overlap > c.peak[k];
     if (raised) {
       if (c.peak[k] == 0.0) c.time_first[k] = now;
@@ -127,7 +127,7 @@ void PairGranHysteretic::update_history(Batch &batch)
   }
 }
 
-/* Advance the tangential springs of touching pairs; forces on the spheres, friction included. */
+/* Advance the tangential springs of touching pairs and compute the forces on the spheres, including friction. */
 
 void PairGranHysteretic::compute_tangential(Batch &batch)
 {
@@ -138,7 +138,7 @@ void PairGranHysteretic::compute_tangential(Batch &batch)
     batch.limit[m] = std::max(batch.pair[m]->friction * batch.force[m], 0.0);
     if (batch.limit[m] == 0.0) {
       if (c.has_spring[k]) release_spring(k);
-      batch.circle[m] = 1.0;    // may be none, and nothing comes of it
+      batch.circle[m] = 1.0;    // any value, for a pair without friction
     }
     const TangentialSpring &spring = c.spring[k];
     for (int d = 0; d < 3; d++) {
@@ -188,7 +188,7 @@ void PairGranHysteretic::tally(const Batch &batch, Tally what)
   }
 }
 
-/* Add to the sums of both spheres. The pairs of a row come one after the other. */
+/* Add the forces to the sums of both spheres. Pairs of one row are consecutive. */
 
 void PairGranHysteretic::accumulate(const Batch &batch, granwave::TwofoldSums &sums,
                                     const double (&on_i)[3][Batch::CAPACITY], const double (&on_j)[3][Batch::CAPACITY])
@@ -220,10 +220,10 @@ void PairGranHysteretic::compute_batch(Batch &batch, Tally what)
 
 template <bool UNIFORM> void PairGranHysteretic::compute_forces(Tally what)
 {
-  constexpr int ROWS_AT_A_TIME = 64;    // as few pairs touch in a packing at rest
+  constexpr int ROWS_AT_A_TIME = 64;    // since only few pairs touch in a packing at rest
   const double (*const x)[3] = reinterpret_cast<const double (*)[3]>(atom->x[0]);
   const double *const v = atom->v[0], *const omega =
-                                          has_friction ? atom->omega[0] : nullptr;    // contiguous, as those below
+                                          has_friction ? atom->omega[0] : nullptr;    // contiguous, as the arrays below
   double *const f = atom->f[0], *const torque = has_friction ? atom->torque[0] : nullptr;
   const double *const radius = atom->radius;
   const int *const type = atom->type;
@@ -248,8 +248,8 @@ template <bool UNIFORM> void PairGranHysteretic::compute_forces(Tally what)
     forget_sq = (parameters[0].radsum + gap) * (parameters[0].radsum + gap);
   }
 
-  int set = 0;     // places of the batch whose parameters are set, if all spheres are equal
-  int done = 0;    // rows whose spheres have their forces
+  int set = 0;     // number of pairs of the batch whose parameters are set, if all spheres are equal
+  int done = 0;    // number of rows whose spheres have their forces
   const auto compute_up_to = [&](int row) {
     if (batch.size > 0) compute_batch(batch, what);
     for (; done < row; done++)
@@ -281,7 +281,7 @@ template <bool UNIFORM> void PairGranHysteretic::compute_forces(Tally what)
       batch.del[1][m] = dely;
       batch.del[2][m] = delz;
       batch.rsq[m] = rsq;
-      if (has_friction) {    // fetched from memory while the next pairs are looked at
+      if (has_friction) {    // prefetch while the next pairs are checked
         __builtin_prefetch(&c.spring[k], 1);
         __builtin_prefetch(v + 3 * j);
         __builtin_prefetch(omega + 3 * j);
@@ -308,10 +308,10 @@ void PairGranHysteretic::compute(int eflag, int vflag)
   if (!contacts.valid) build_contacts();
   contacts.published = false;
   now = granwave::simulated_time(*update);
-  // springs keep still where no time passes: a run that is set up anew goes on as if it had not been cut
+  // springs are not updated in a setup, so that a continued run is identical to an uninterrupted one
   springs_advance = update->whichflag == 1 && !update->setupflag;
 
-  // LAMMPS asks for the pressure more often than it is used: it must cost next to nothing
+  // LAMMPS requests the pressure more often than it is used: its cost must be negligible
   const Tally what = eflag_atom || vflag_atom || cvflag_atom || num_tally_compute > 0 ? Tally::EACH_PAIR
                      : vflag_global                                                   ? Tally::VIRIAL
                                                                                       : Tally::NONE;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Pair style gran/hysteretic: output of its contacts: totals, one pair, each of them. */
+/* Pair style gran/hysteretic: output of its contacts: totals, one pair, all pairs. */
 
 #include "pair_gran_hysteretic.h"
 
@@ -18,7 +18,7 @@ using granwave::ContactRecord;
 using granwave::LawHistory;
 using granwave::ScaledLaw;
 
-/* Largest force of this run: at the peak, or below the dent that was there before. */
+/* Largest force of this run: at the peak, or below the initial dent. */
 
 double PairGranHysteretic::largest_force_of_run(const ScaledLaw &contact, const LawHistory &history, const BlockView &view,
                                                 double overlap) const
@@ -29,7 +29,7 @@ double PairGranHysteretic::largest_force_of_run(const ScaledLaw &contact, const 
                                  : contact.unloading(reached, contact.turning(history));
 }
 
-/* Sum up the totals; a pair shared with another processor counts half. */
+/* Sum the totals; a pair shared with another processor counts half. */
 
 double PairGranHysteretic::tally_totals()
 {
@@ -103,14 +103,14 @@ double PairGranHysteretic::tally_totals()
 
   double all_largest = 0.0;
   MPI_Allreduce(&largest_force, &all_largest, 1, MPI_DOUBLE, MPI_MAX, world);
-  pvector[LARGEST_FORCE] = comm->me == 0 ? all_largest : 0.0;    // compute pair adds up over processors
+  pvector[LARGEST_FORCE] = comm->me == 0 ? all_largest : 0.0;    // compute pair sums over processors
   if (!std::isfinite(elastic + pvector[DISSIPATED] + pvector[TANGENTIAL] + pvector[FRICTIONAL]))
     error->one(FLERR, "Pair style gran/hysteretic: the energy of the contacts is not a number: positions or velocities "
                       "are wrong, or the timestep is far too large");
   return elastic;
 }
 
-/* Forces and energies of a contact with this overlap, from the dent of its report. */
+/* Compute forces and energies of a contact with this overlap, from the dent of its report. */
 
 void PairGranHysteretic::fill_report(Report &report, const ScaledLaw &contact, const BlockView &view, double overlap) const
 {
@@ -149,7 +149,7 @@ PairGranHysteretic::Report PairGranHysteretic::report_pair(int i, int j, int k, 
   report.tag_j = atom->tag[j];
   report.live = true;
   report.overlap = p.radsum - std::sqrt(rsq);
-  std::vector<double> fresh;    // history of a pair that is not in the list
+  std::vector<double> fresh;    // zero history of a pair that is not in the list
   BlockView view;
   if (k >= 0) {
     report.dent = dent_of(k);
@@ -221,7 +221,7 @@ double PairGranHysteretic::single(int i, int j, int, int, double rsq, double, do
   int found = -1;
   for (const auto &[a, b] : {std::pair<int, int>{i, j}, {j, i}}) {
     if (a >= static_cast<int>(c.row.size()) || found >= 0) continue;
-    // rows follow the list of owned spheres, which is the identity unless the style shares the system with others
+    // rows are in the order of the list of owned spheres, which is the identity except in a hybrid style
     std::size_t r = a;
     if (c.row[r] != a) r = std::find(c.row.begin(), c.row.end(), a) - c.row.begin();
     if (r == c.row.size()) continue;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Pair style gran/hysteretic: its settings and coefficients in restart files. */
+/* Pair style gran/hysteretic: settings and coefficients in restart files. */
 
 #include "pair_gran_hysteretic.h"
 
@@ -15,14 +15,9 @@ using granwave::Material;
 
 namespace {
 
-// Each format adds to the one before. A file is of the first that has room for what is in use, and so readable by every
-// version that knows that.
-enum {
-  DEFAULT_CONSTANTS = 1,
-  OWN_CONSTANTS = 2,
-  FRICTION = 3,
-  EXTRA_HISTORY = 4
-};    // the third: or dents from before the run
+// Each format extends the previous one. A file has the lowest format that contains all features in use, and is readable by
+// every version that supports this format.
+enum { DEFAULT_CONSTANTS = 1, OWN_CONSTANTS = 2, FRICTION = 3, EXTRA_HISTORY = 4 };    // format 3 also for initial dents
 constexpr int N_BASIC = 11, N_CONSTANTS = std::size(granwave::LAW_CONSTANTS), N_OWN = N_BASIC + N_CONSTANTS,
               N_STORED = N_OWN + 2;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Simulated time of a force evaluation, the same bits however many runs a simulation is cut into. */
+/* Simulation time of a force evaluation, bitwise identical for any division of a simulation into runs. */
 
 #ifndef GRANWAVE_SIMULATED_TIME_H
 #define GRANWAVE_SIMULATED_TIME_H
@@ -13,7 +13,7 @@ namespace granwave {
 inline double simulated_time(const LAMMPS_NS::Update &update)
 {
   const double by_runs = update.atime + (update.ntimestep - update.atimestep) * update.dt;
-  const double at_once = update.ntimestep * update.dt;    // exact to rounding while the timestep is never changed
+  const double at_once = update.ntimestep * update.dt;    // exact to rounding if the timestep is never changed
   return std::fabs(at_once - by_runs) < 1e-3 * update.dt ? at_once : by_runs;
 }
 

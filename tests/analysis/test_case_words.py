@@ -1,4 +1,4 @@
-"""Words for what is hit, in titles of studies."""
+"""Descriptions of the struck object in titles of studies."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Files of a run that are damaged, cut or of another run: one line with file, line and remedy, and nothing is written."""
+"""Files of a run that are damaged, truncated or of another run: a one-line message with file, line and remedy."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from granwave.analysis.reports.report import write_report
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows import run_case
 from tests.helpers import synthetic
+from tests.helpers.chain_cases import PULSE, case_of
 from tests.helpers.export_inputs import write_walled_run
-from tests.workflows.test_chains import PULSE, case_of
 
 Damage = Callable[[Path], object]
 DUMPS = ("spheres.dump", "contacts.dump", "wall_bottom.dump", "history.dump", "forces.dump")
@@ -76,7 +76,7 @@ def without_last_but_one(path: Path) -> None:
     path.write_text("".join([*lines[:-2], lines[-1]]))
 
 
-#: What is done to a file, and what is said of it beside its name.
+#: Change of a file, and the message in addition to the name of the file.
 OF_ROWS: dict[str, tuple[Damage, str]] = {
     "text": (word(-1, -1, "abc"), r"line \d+.*: found 'abc' for \w+, expected a number"),
     "nan": (word(-1, -1, "nan"), r"line \d+.*: found nan for \w+, expected a finite number"),
@@ -165,7 +165,7 @@ def test_a_lost_file(plate, chain, tmp_path, file):
 
 
 def test_snapshots_that_end_before_the_run(plate, tmp_path):
-    """Cut exactly between two snapshots."""
+    """Truncate exactly between two snapshots."""
     refused(
         plate, tmp_path, "dumps/spheres.dump",
         lambda path: path.write_text(path.read_text()[: path.read_text().rindex("ITEM: TIMESTEP")]),
@@ -241,7 +241,7 @@ def test_result_file(analysed, tmp_path, name):
 
 
 def test_values_that_cannot_be_read(analysed, tmp_path):
-    """The structure is whole; what is compressed in it is not."""
+    """The structure is intact; the compressed data are damaged."""
     run = tmp_path / "run"
     shutil.copytree(analysed, run)
     with h5py.File(run / "result.h5") as file:

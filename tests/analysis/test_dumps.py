@@ -1,4 +1,4 @@
-"""Readers of dumps, tables and data files: exact values, and clear words about what is wrong."""
+"""Readers of dumps, tables and data files: exact values, and clear error messages."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def test_frames_are_sorted_and_exact(run):
     for m, frame in enumerate(frames):
         ids = np.arange(1, 145)
         assert np.array_equal(frame["id"], ids)
-        assert np.array_equal(frame.displacement[:, 0], m * ids * 1e-9)  # 17 digits: not one bit is lost
+        assert np.array_equal(frame.displacement[:, 0], m * ids * 1e-9)  # 17 digits: exact to the last bit
         assert frame.values.dtype == np.float64
 
 
@@ -108,7 +108,7 @@ def test_wall_without_contacts(run):
 
 
 def test_reading_is_fast_enough(tmp_path):
-    """155 520 spheres in 20 snapshots in about 10 s: this is a fiftieth of them, with all digits in use."""
+    """Reading time for a fiftieth of 155 520 spheres in 20 snapshots, which take about 10 s, with all digits in use."""
     numbers = np.random.default_rng(1).standard_normal((62_208, 14)) * 1e-6
     n = len(numbers)
     rows = np.column_stack([np.arange(1, n + 1), np.ones(n), np.full(n, 0.005), numbers])

@@ -65,7 +65,7 @@ def test_principal_plane_of_fcc_is_close_packed_and_holds_two_preferred_directio
 
 
 def test_orthogonal_plane_of_fcc_is_a_mirror():
-    """Away from the sides, the neighbours of a sphere on it go over into each other."""
+    """Away from the sides, the plane maps the neighbors of a sphere on it onto each other."""
     lattice, positions, struck = lattice_of("fcc")
     offset = positions[[n - 1 for n in lattice.neighbours(struck)]] - positions[struck - 1]
     mirrored = offset * [-1, 1, 1]
@@ -128,7 +128,7 @@ def test_peak_force_by_depth(result):
 
 
 def test_layers_of_a_packing_that_settled():
-    """Settled by up to a twentieth of a diameter, the layers are the same; mixed up, slices stand for them."""
+    """Layers settled by up to a twentieth of a diameter are unchanged; disordered ones are replaced by slices."""
     _, positions, _ = lattice_of("fcc")
     depth, radii = positions[:, 2], np.full(len(positions), 0.005)
     settled = depth + np.random.default_rng(1).uniform(-2.5e-4, 2.5e-4, len(depth))
@@ -147,7 +147,7 @@ def test_beads_of_any_size_are_layers_of_their_own():
 
 
 def test_rays_pass_a_missing_sphere(tmp_path):
-    """The third sphere of a ray is missing: two of its contacts are, those below it are there."""
+    """Ray whose third sphere is missing: so are two of its contacts, but not those below."""
     case = synthetic.make_case(size=(12, 12, 8))
     struck = struck_spheres(assemble(case).lattice, 1)[0]
     positions = assemble(case).lattice.positions(1, assemble(case).lattice.n_spheres)

@@ -1,4 +1,4 @@
-"""Figures: which are drawn, what lies beside them, and that the renderer hides what is hidden."""
+"""Figures: the set that is drawn, their data files, and hidden surfaces of the renderer."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 from granwave.analysis import MissingOutputError, Result, analyse, write_result
 from granwave.analysis.figures import packing3d, sphere_renderer
 from granwave.analysis.figures.run_figures import FIGURES
-from granwave.analysis.measures.bare_target import bare_target_peak
+from granwave.analysis.measures.target.bare_target import bare_target_peak
 from granwave.lammps_inputs import struck_spheres
 from granwave.lammps_inputs.packing.assembly import assemble
 from tests.helpers import synthetic
@@ -27,7 +27,7 @@ def small_pictures(monkeypatch):
 
 
 def makes_sense(directory, case):
-    """Names of the figures that the run has, drawn but not saved."""
+    """Names of the figures of a run, drawn but not saved."""
     write_result(synthetic.write_run(directory, case))
     with Result(directory) as result:
         return {name for name, draw in FIGURES.items() if draw(result) is not None}
@@ -134,13 +134,13 @@ def test_data_beside_a_figure(tmp_path):
 
 
 def test_sphere_in_front_hides_the_one_behind():
-    """Seen from above, the upper of two spheres is all there is; a third beside them shows as well."""
+    """Seen from above, only the upper of two spheres is visible; a third one next to them is visible as well."""
     camera = sphere_renderer.Camera.looking(0.0, 90.0, np.array([0.0, 0.0, 1.0]))
     centres = np.array([[0.0, 0, 0], [0, 0, 2], [2, 0, 0]])
     picture = sphere_renderer.render(centres, 1.0, np.eye(3), camera, 64)
     assert picture.visible.tolist() == [1, 2]
     middle = picture.pixels[np.any(picture.pixels[..., 3] == 1, axis=1)]
-    assert np.all(middle[..., 0][middle[..., 3] == 1] < 0.4)  # the red one is hidden (but for gloss, white)
+    assert np.all(middle[..., 0][middle[..., 3] == 1] < 0.4)  # the red one is hidden (apart from gloss, white)
 
 
 def test_picture_covers_the_discs():
@@ -157,7 +157,7 @@ def test_both_ways_of_painting_agree():
     for paint in (sphere_renderer._paint_by_sphere, sphere_renderer._paint_by_pixel):
         fronts.append(np.full((100, 100), -1, dtype=np.int32))
         paint(fronts[-1], place, np.full(40, 6.3))
-    assert np.mean(fronts[0] != fronts[1]) < 1e-3  # single precision at the rims
+    assert np.mean(fronts[0] != fronts[1]) < 1e-3  # single precision at the edges
     assert np.any(fronts[0] >= 0)
 
 

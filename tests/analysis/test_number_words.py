@@ -1,4 +1,4 @@
-"""Numbers, and values of cases that are tables, as tables and figures write them."""
+"""Formats of numbers and of case values that are tables, in tables and figures."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""result.h5: what is in it, in which units, and that sums over it agree."""
+"""Contents and units of result.h5, and consistency of sums over it."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ def test_dissipation_at_a_rigid_wall_belongs_to_the_sphere(run):
         assert result["spheres/dissipated_energy"].sum() == pytest.approx(total, rel=1e-13)
         assert result["spheres/dissipated_energy_wall"][143] == 2e-4
         assert result["wall_contacts/wall"].tolist() == ["bottom"]
-        assert result["spheres/peak_force"][143] < 50.0  # of sphere contacts only
+        assert result["spheres/peak_force"][143] < 50.0  # contacts of spheres only
 
 
 def test_dents_of_one_pair_are_merged(run):
@@ -201,7 +201,7 @@ MISSING = (5, 70, 144)
 
 
 def test_rows_are_found_where_spheres_are_missing(tmp_path):
-    """Ids are those of the lattice; what the spheres get does not change because others are missing."""
+    """IDs are those of the lattice; values of spheres do not depend on missing ones."""
     case = synthetic.make_case(packing={"vacancies": MISSING})
     with Result(write_result(synthetic.write_run(tmp_path, case))) as result:
         ids = result["spheres/id"]
@@ -248,7 +248,7 @@ def test_a_run_without_friction_has_none(result):
 
 
 def test_only_dents_that_grew_have_yielded(tmp_path):
-    """Dents from before the run: those near the impact are deeper than they were, the others as they were."""
+    """Initial dents near the impact have become deeper, the others are unchanged."""
     before = 8e-6
     case = synthetic.make_case(contact={"law": "elastoplastic", "initial_overlap": before})
     with Result(write_result(synthetic.write_run(tmp_path, case))) as result:
@@ -261,7 +261,7 @@ def test_only_dents_that_grew_have_yielded(tmp_path):
 
 
 def test_radii_of_their_own_change_the_laws():
-    """alpha_y is in proportion to R*: that of every pair is that of its law."""
+    """Since alpha_y is proportional to R*, that of every pair is that of its law."""
     replaced = [{"index": [40, 41], "diameter": 0.008, "material": "steel"}]
     case = synthetic.make_case(packing={"diameter_scatter": 4e-6}, replace=replaced)
     assembly = assemble(case)
@@ -290,7 +290,7 @@ def test_search_finds_the_contacts_of_a_lattice(kind, sides):
 
 
 def test_search_finds_what_touches_a_large_sphere():
-    """Every pair, by comparing all with all."""
+    """All pairs in contact, by comparing all spheres with all others."""
     random = np.random.default_rng(5)
     radii = np.where(np.arange(300) < 5, 0.03, random.uniform(0.004, 0.006, 300))
     places, ids = random.uniform(0, 0.15, (300, 3)), np.arange(1, 301) * 3

@@ -39,7 +39,7 @@ def test_closed_forms() -> None:
     one = estimate([4.0])
     assert one.mean == 4.0 and math.isnan(one.deviation) and math.isnan(one.half_width) and not one.exact
     assert exactly(4.0).exact and exactly(4.0).low == exactly(4.0).high == 4.0
-    alike = estimate([0.1 + 0.2, 0.3, 0.3])  # that differ by rounding alone
+    alike = estimate([0.1 + 0.2, 0.3, 0.3])  # values that differ by rounding only
     assert alike.deviation == alike.half_width == 0 and not alike.exact
     halved = two.over(-2.0)
     assert (halved.mean, halved.half_width) == (-1.0, pytest.approx(two.half_width / 2))
@@ -79,7 +79,7 @@ def test_means_that_differ_by_welch() -> None:
         assert differ_significantly(estimate(a), estimate(b)) == expected
         assert differ_significantly(estimate(a), exactly(1.0)) == (stats.ttest_1samp(a, 1.0).pvalue < 0.05)
     same = [differ_significantly(*map(estimate, rng.normal(0.0, 1.0, (2, 5)))) for _ in range(4000)]
-    assert np.mean(same) == pytest.approx(0.05, abs=0.012)  # by chance alone
+    assert np.mean(same) == pytest.approx(0.05, abs=0.012)  # by chance only
     assert differ_significantly(exactly(1.0), exactly(1.1)) is True and not differ_significantly(
         exactly(1.0), exactly(1.0)
     )

@@ -1,4 +1,4 @@
-"""summary.json: closed forms and counts that are known."""
+"""Values of summary.json against closed forms and known counts."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ def test_every_loaded_contact_of_the_bilinear_law_is_plastic(tmp_path):
 
 
 def test_loaded_contacts_are_those_that_bore_a_force(tmp_path):
-    """Nothing touches at the start where diameters are scattered; contacts form all the same."""
+    """Spheres with scattered diameters do not touch at the start, but contacts form during the run."""
     scattered, case = summary_of(tmp_path / "scattered", packing={"diameter_scatter": 5e-6}.items())
     assert assemble(case).n_contacts == scattered["n_contacts"] == 0
     dents = assemble(synthetic.make_case()).lattice.n_contacts
@@ -114,7 +114,7 @@ def test_loaded_contacts_are_those_that_bore_a_force(tmp_path):
     path = tmp_path / "loaded" / "dumps" / "contacts.dump"
     head, rows = path.read_text().splitlines()[:9], np.loadtxt(path, skiprows=9)
     law = sphere_contact(case)
-    rows[:10, 4:6] = 0.0  # touched, and bore nothing
+    rows[:10, 4:6] = 0.0  # touched, without a force
     rows[10:14, 4] = 1e-7 * law.yield_overlap  # rounding
     path.write_text("\n".join([*head, *(" ".join(f"{v:.17g}" for v in row) for row in rows)]) + "\n")
     write_result(tmp_path / "loaded")

@@ -1,4 +1,4 @@
-"""What reaches the target, and what would without the packing: closed forms, and real impacts of single spheres."""
+"""Load of the target, with and without the packing: closed forms, and simulated impacts of single spheres."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from granwave.analysis import Result, analyse, summarise, write_result
-from granwave.analysis.measures.bare_target import (
+from granwave.analysis.measures.target.bare_target import (
     Target,
     bare_target_peak,
     impactors_of,
@@ -16,8 +16,8 @@ from granwave.analysis.measures.bare_target import (
     target_of,
     unprotected,
 )
-from granwave.analysis.measures.bare_target import _hit as hit
-from granwave.analysis.measures.target import Reached, reached
+from granwave.analysis.measures.target.bare_target import _hit as hit
+from granwave.analysis.measures.target.record import Reached, reached
 from granwave.lammps_inputs import Case, write_deck
 from granwave.lammps_inputs.contact.law import flat_contact
 from granwave.lammps_inputs.load_case import case_from_dict
@@ -49,7 +49,7 @@ def test_peak_on_a_rigid_wall_is_that_of_the_energy(law):
 
 
 def test_a_hertzian_sphere_gives_back_its_momentum():
-    """The impulse is 2 m v; with the elasto-plastic law (1 + e) m v with the coefficient of restitution of the law."""
+    """The impulse is 2 m v; with the elastoplastic law (1 + e) m v with the coefficient of restitution of the law."""
     for law in ("hertz", "elastoplastic"):
         case = sphere(**{"contact.law": law})
         found = unprotected(case, END)
@@ -71,7 +71,7 @@ def test_an_oblique_impact_counts_with_its_normal_part():
 
 
 def test_a_heavy_plate_is_a_wall_and_a_light_one_a_mass():
-    """The reduced mass decides about the peak while the spring is slow."""
+    """The peak is determined by the reduced mass while the spring is slow."""
     wall = bare_target_peak(sphere(), END)[0]
     heavy = sphere(**{"boundary.bottom": {"plate": {"mass": 1e4, "stiffness": 1.0}}})
     assert unprotected(heavy, 5e-5).peak_force == pytest.approx(wall, rel=1e-5)
@@ -84,7 +84,7 @@ def test_a_heavy_plate_is_a_wall_and_a_light_one_a_mass():
 
 
 def test_an_endless_bar_is_a_damper():
-    """Until an echo could return, a bar with its own impedance at the end moves as a damper does: v = F / Z."""
+    """Before a reflection could return, a bar with its own impedance at the end acts as a damper: v = F / Z."""
     case = sphere(**{"boundary.bottom": BAR})
     target = target_of(case)
     impedance = 1e-4 * math.sqrt(target.material.youngs_modulus * target.material.density)
@@ -97,7 +97,7 @@ def test_an_endless_bar_is_a_damper():
 
 
 def test_a_force_acts_on_the_target_itself():
-    """Half a sine much shorter than the plate's period leaves its impulse: F = J sqrt(K/m); a long one passes."""
+    """A half-sine much shorter than the period of the plate acts by its impulse, F = J sqrt(K/m); a long one passes."""
     load = {"kind": "force", "shape": "half-sine", "amplitude": 100.0}
     assert bare_target_peak(sphere(load={**load, "duration": 1e-4}), END) == pytest.approx((100.0, 100.0), rel=1e-12)
     plate = {"plate": {"mass": 1.0, "stiffness": 1e6}}
@@ -126,9 +126,9 @@ def test_nothing_to_compare_with():
 
 @pytest.mark.parametrize("bottom", ["wall", {"material": "steel"}, PLATE, BAR], ids=["wall", "steel", "plate", "bar"])
 def test_a_single_sphere_is_its_own_reference(tmp_path, lmp, bottom):
-    """LAMMPS and the differential equation agree: nothing is reduced by a packing of one sphere.
+    """LAMMPS agrees with the differential equation: a packing of one sphere reduces no quantity.
 
-    Forces on planes are recorded every fifth step: a peak is missed by up to (5 dt pi / T)^2 / 8, 2e-4.
+    Forces on planes are recorded every fifth step: the error of a peak is up to (5 dt pi / T)^2 / 8, 2e-4.
     """
     case = sphere(**{"boundary.bottom": bottom, "contact.friction": 0.3, "load.angle": 20.0})
     done = lmp(write_deck(case, tmp_path).script)

@@ -1,4 +1,4 @@
-"""Plastic zones that reach a bound, wherever they are told: before a run, at its end, in scans, figures and reports."""
+"""Plastic zones that reach a boundary: warnings before a run, at its end, in scans, figures and reports."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from matplotlib.colors import to_hex
 
 from granwave.analysis.document.model import Table
 from granwave.analysis.figures.zone import draw_zone_size
-from granwave.analysis.measures.zone_marks import LABELS, Mark, bounds_in_words, mark_of, zone_warnings
+from granwave.analysis.measures.zone.marks import LABELS, Mark, bounds_in_words, mark_of, zone_warnings
 from granwave.analysis.scans.figures import drawings
 from granwave.analysis.scans.result import ScanResult
 from granwave.analysis.scans.table import read_scan, write_scan_table
@@ -99,7 +99,7 @@ def test_estimate_is_one_of_the_normalised_energy():
     assert other.room["bottom"] == pytest.approx(one.room["bottom"] / 2, rel=1e-9)
 
 
-#: Outermost yield of brass spheres in packings that did not cut it, in runs that ended after it: kind, velocity (m/s),
+#: Outermost yield of brass spheres in sufficiently large packings and sufficiently long runs: kind, velocity (m/s),
 #: struck spheres, depth and radius in diameters.
 MEASURED = [
     ("fcc", 0.2, 1, 2.45, 1.73), ("fcc", 0.3, 1, 3.27, 2.31), ("fcc", 0.6, 1, 4.08, 2.89), ("fcc", 1, 1, 5.72, 4.04),
@@ -162,7 +162,7 @@ def test_run_says_that_its_zone_is_cut(capfd, tmp_path):
 
 @pytest.fixture
 def scan(tmp_path):
-    """Five velocities; the zone of the fourth reaches a bound, a wave came back in the third."""
+    """Scan of five velocities; the zone of the fourth reaches a boundary, a reflected wave returned in the third."""
     write_scan(tmp_path, grid(load__velocity=[1, 2, 5, 10, 20]))
     result = ScanResult(tmp_path)
     for point, changes in zip(result.points, (FREE, FREE, WAVE, CUT, {}), strict=True):

@@ -1,4 +1,4 @@
-"""Size of the plastic zone: known distributions of energy, in packings and in the continuum, its bounds and its waves."""
+"""Size of the plastic zone: known energy distributions in packings and in the continuum, boundaries, reflected waves."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from granwave.analysis import Result, summarise, write_result
-from granwave.analysis.measures.zone_marks import Mark, mark_of, zone_warnings
-from granwave.analysis.measures.zone_of_packing import packing_zone, zone_summary
-from granwave.analysis.measures.zone_size import extent_holding, volume_holding, wave_returns, zone_sizes
+from granwave.analysis.measures.zone.marks import Mark, mark_of, zone_warnings
+from granwave.analysis.measures.zone.packing import packing_zone, zone_summary
+from granwave.analysis.measures.zone.size import extent_holding, volume_holding, wave_returns, zone_sizes
 from granwave.analysis.quantities import SHARES
 from granwave.workflows.finite_elements.punch import ContinuumCase, kernels
 from granwave.workflows.finite_elements.punch.history import History, make_solver
@@ -35,7 +35,7 @@ def summary_of(directory, dent=synthetic.DENT, **options):
 
 
 def test_ten_equal_parts():
-    """The tenth parts of 1 do not add up to 0.9 in floating point: the ninth part reaches 90 % all the same."""
+    """Nine tenths of 1 do not sum to 0.9 in floating point: the ninth part reaches 90 % nevertheless."""
     distance, energy = np.arange(1.0, 11.0), np.full(10, 0.1)
     found = [extent_holding(distance, energy, share / 100) for share in SHARES]
     assert found == [5.0, 9.0, 10.0]
@@ -61,7 +61,7 @@ def test_order_does_not_matter():
 
 
 def test_exponential_decay():
-    """Of exp(-z/L) over z the share s lies above -L ln(1 - s)."""
+    """The share s of a density exp(-z/L) is above the depth -L ln(1 - s)."""
     depth = (np.arange(200_000) + 0.5) * 1e-4
     for share in SHARES:
         found = extent_holding(depth, np.exp(-depth), share / 100)
@@ -107,7 +107,7 @@ def test_packing_by_counting(tmp_path):
 
 
 def test_friction_does_not_count(tmp_path):
-    """Energy that friction takes at a far sphere leaves the zone as it is."""
+    """Frictional loss at a distant sphere does not change the zone."""
     before = summary_of(tmp_path, contact={"friction": 0.1})
     with h5py.File(tmp_path / "result.h5", "r+") as file:
         for name in ("dissipated_energy", "friction_energy"):
@@ -144,7 +144,7 @@ def test_what_a_packing_does_not_extend_along_has_no_size(tmp_path):
     layer = summary_of(tmp_path / "square", kind="square", size=(7, 7))
     assert all(layer[f"zone_depth_{percent}_m"] is None for percent in SHARES)
     assert layer["zone_radius_99_m"] > 0
-    assert layer["zone_cut"] == ["sides"]  # that it lies on the bottom cuts nothing
+    assert layer["zone_cut"] == ["sides"]  # contact with the bottom does not truncate the zone
 
 
 def test_hertz_has_no_zone(tmp_path):
@@ -162,7 +162,7 @@ def test_below_yield_the_zone_is_empty(tmp_path):
 
 
 def test_energy_at_a_wall_stays_with_the_sphere_there(tmp_path):
-    """A layer on a rigid floor: only the struck sphere's contact with the floor yields."""
+    """Layer on a rigid floor, in which only the contact of the struck sphere with the floor yields."""
     case = synthetic.make_case("square", (5, 5), load={"velocity": 1.0}, run={"end_time": 4e-5})
     summary = run_case(case, tmp_path, figures=False).summary
     assert summary["n_plastic_contacts"] == 0
@@ -204,7 +204,7 @@ def test_periodic_zone_meets_its_image(tmp_path):
 
 @pytest.mark.parametrize(("end", "growing"), [(1.2, False), (1.05, True)])
 def test_yield_that_still_moves_out_at_the_end(tmp_path, end, growing):
-    """The farther out a contact of a synthetic run the later it yields: in a chain the deepest one last."""
+    """Contacts of a synthetic run yield the later the farther out they are: in a chain the deepest one last."""
     summary_of(tmp_path, kind="chain", size=8, dent=30.0)
     with h5py.File(tmp_path / "result.h5", "r+") as file:
         time = file["spheres/time_yield"][()]
@@ -250,7 +250,7 @@ def test_returns_of_waves():
 
 
 def test_under_precompression_the_wave_has_one_speed(tmp_path):
-    """It reaches the bottom of a chain of 12 at t, and is back at a depth d after t + t (11 D - d)/(11 D)."""
+    """The wave reaches the bottom of a chain of 12 at t, and returns to a depth d at t + t (11 D - d)/(11 D)."""
     case = synthetic.make_case(
         "chain", 12, precompression={"kind": "uniaxial", "force": 2.0}, load={"velocity": 2.0}, run={"end_time": 5e-4}
     )
@@ -278,7 +278,7 @@ def test_tiny_packing_is_cut_on_all_sides(tmp_path):
 
 @pytest.fixture
 def block():
-    """A solver whose plastic work is even in a cylinder below the punch, and its case and history."""
+    """Solver with uniform plastic work in a cylinder below the punch, with its case and history."""
     case = ContinuumCase.from_dict({"name": "block", "material": "brass", "run": {"elements": 20_000}})
     solver, history = make_solver(case), History()
     r, z = solver.mesh.centres
@@ -290,7 +290,7 @@ def block():
 
 
 def test_elements_weigh_with_their_volume(block):
-    """An even density in a cylinder of radius a and height h: a share s lies within h s, a sqrt(s) and the volume V s."""
+    """A share s of a uniform density in a cylinder of radius a and height h is within h s, a sqrt(s) and the volume V s."""
     sizes = zone_of_block(*block)
     mesh = block[1].mesh
     r, z = mesh.centres
@@ -323,7 +323,7 @@ def test_block_that_is_cut(block):
 
 
 def test_wave_in_a_block_goes_at_the_speed_of_compression(block):
-    """From the punch's edge to the side at 50 mm, and back to the edge, which is farther out than 99 % of the work."""
+    """Path of the wave from the edge of the punch to the side at 50 mm and back; 99 % of the work is within the edge."""
     case, solver, history = block
     speed = math.sqrt(115e9 * 0.7 / (1.3 * 0.4 * 8500.0))
     found = zone_of_block(case, solver, history)

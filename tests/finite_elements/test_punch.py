@@ -1,4 +1,4 @@
-"""The continuum solver against theory: waves, yield, patch tests, contact, energy; then its input and output."""
+"""Continuum solver against theory: waves, yield, patch tests, contact, energy; then its input and output."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def move(solver, radial, axial):
 
 
 def column(material, velocity, *, sides, radius, length, n_r, n_z):
-    """A cylinder whose whole top is driven at constant velocity."""
+    """Cylinder whose whole top is driven at constant velocity."""
     mesh = Mesh(np.linspace(0, radius, n_r + 1), np.linspace(0, length, n_z + 1))
     return Solver(mesh, material, gap=np.zeros(n_r + 1), punch_mass=1e9, punch_velocity=velocity, sides=sides)
 
@@ -53,7 +53,7 @@ def go(solver, end):
 
 
 def values_of(changes=None, **run):
-    """Summary of a case from its tables, nothing written."""
+    """Summary of a case from its tables, without writing files."""
     tables = {"name": "case", "material": "brass"} | (changes or {})
     case = ContinuumCase.from_dict(tables | {"run": tables.get("run", {}) | run})
     solver, history = make_solver(case), History()
@@ -102,20 +102,20 @@ def test_rigid_motion_gives_no_stress():
 
 @pytest.mark.parametrize(("radial", "axial"), [(1e-4, 0.0), (0.0, 1e-4), (2e-4, -1e-4)])
 def test_patch(radial, axial):
-    """A homogeneous strain on a graded mesh, the axis included: uniform stress, no force on any inner node."""
+    """A homogeneous strain on a graded mesh that includes the axis gives uniform stress and no force on any inner node."""
     solver = Solver(graded(), ELASTIC, bottom="free")
     solver._constants = (*solver._constants[:3], 0.0, 0.0)
     move(solver, lambda r, z: radial * r, lambda r, z: axial * z)
     expected = ELASTIC.stiffness @ [radial, axial, radial, 0.0]
     assert solver.state[:, :, :4] == pytest.approx(np.broadcast_to(expected, (9, 7, 4)), rel=1e-9, abs=1e-2)
     scale = np.abs(solver.motion[4:]).max()
-    assert np.abs(solver.motion[4, 1:-1, :-1]).max() < 1e-9 * scale  # the axis is an inner place
+    assert np.abs(solver.motion[4, 1:-1, :-1]).max() < 1e-9 * scale  # nodes on the axis are inner nodes
     assert np.abs(solver.motion[5, 1:-1]).max() < 1e-9 * scale
 
 
 @pytest.mark.parametrize("elements", [400, 4000])
 def test_timestep_is_just_below_the_limit(elements):
-    """Random motion of an elastic block keeps its energy at the chosen timestep, and explodes at 1.4 times that."""
+    """Random motion of an elastic block conserves energy at the chosen timestep, and is unstable at 1.4 times that."""
     for factor, stable in ((1.0, True), (1.4, False)):
         solver = Solver(block_mesh(0.05, 0.1, 0.005, elements), ELASTIC)
         solver.timestep *= factor
@@ -179,7 +179,7 @@ def test_plane_impact_has_an_elastic_precursor():
 
 
 def test_plastic_flow_does_not_lock():
-    """A punch pressed in at constant velocity comes to the limit load; a mesh that locks has a load that grows on.
+    """A punch pressed in at constant velocity reaches the limit load; with a locking mesh the load continues to grow.
 
     Smooth circular punch on Tresca's material: 5.69 k (Shield 1955). Von Mises' surface lies between Tresca's with
     k = sigma_y/2 and with k = sigma_y/sqrt 3, and so does, by the limit theorems, its load.
@@ -200,7 +200,7 @@ def test_plastic_flow_does_not_lock():
 def test_contact_keeps_momentum_and_never_pulls():
     case = ContinuumCase.from_dict({"material": "brass", "run": {"elements": 1500}})
     solver = make_solver(case)
-    solver._mobility[1, -1] = 1 / solver.operators.mass[-1]  # let go of the bottom
+    solver._mobility[1, -1] = 1 / solver.operators.mass[-1]  # release the bottom
     for _ in range(150):
         instant = solver.advance(5)
         assert instant.contact_force >= 0
@@ -208,7 +208,7 @@ def test_contact_keeps_momentum_and_never_pulls():
         assert gap.min() > -1e-15
     momentum = np.sum(solver.operators.mass * solver.motion[3]) + 0.1 * solver._tally[kernels.PUNCH_V]
     assert momentum == pytest.approx(0.1 * 10.0, rel=1e-9)
-    assert instant.contact_force == 0.0  # it has left
+    assert instant.contact_force == 0.0  # the punch has left
 
 
 @pytest.mark.parametrize("taper", [0.0, 1e-4])
@@ -246,8 +246,8 @@ def test_energy_closes(mass, velocity):
 def test_materials_collapse(taper):
     """The thesis' materials (Fig. 5.10) at one normalised energy, time and mass (thesis 5.20 to 5.30).
 
-    Displacements scale with sigma_y/E, the punch does not. A sharp one leaves the dimensionless problem the same, but
-    for the quadratic bulk viscosity; a rounded edge has to have a radius that goes with E/sigma_y, beside the same flat.
+    Displacements scale with sigma_y/E, the punch does not. With a sharp punch the dimensionless problem is the same, except
+    for the quadratic bulk viscosity; a rounded edge requires a radius proportional to E/sigma_y, with the same flat part.
     """
     found = []
     for modulus, limit in ((115e9, 550e6), (230e9, 550e6), (115e9, 1100e6), (230e9, 1100e6), (460e9, 1100e6)):
@@ -264,7 +264,7 @@ def test_materials_collapse(taper):
 
 
 def test_contact_spreads_less_over_the_edge_of_a_stiffer_block():
-    """As (taper sigma_y/E)^(2/3): from this, a fixed taper, materials of another sigma_y/E differ (see `contact_end`)."""
+    """Effect of the edge as (taper sigma_y/E)^(2/3): materials of another sigma_y/E differ by it (see `contact_end`)."""
     ends = [contact_end(0.005, 1e-4, strain) - 0.0049 for strain in (1e-3, 8e-3)]
     assert ends[1] == pytest.approx(4 * ends[0])
     assert contact_end(0.005, 0.0, 1e-3) == 0.005
@@ -334,7 +334,7 @@ def test_run_leaves_its_results(tmp_path):
     for name in ("energies", "plastic_zone", "plastic_zone_volume", "plastic_zone_size", "von_mises"):
         for suffix in ("png", "pdf", "csv"):
             assert (tmp_path / "r" / "figures" / f"{name}.{suffix}").stat().st_size > 0
-    # and what may be done there next
+    # and further commands in that directory
     with pytest.raises(InputError, match="already holds results"):
         run_continuum(case, tmp_path / "r")
     assert run_continuum(case, tmp_path / "r", resume=True) == summary

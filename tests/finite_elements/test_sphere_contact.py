@@ -1,4 +1,4 @@
-"""The static contact of two spheres: patch tests, Hertz, energy, the contact law; then its input and output."""
+"""Static contact of two spheres: patch tests, Hertz, energy, the contact law; then its input and output."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def case_of(changes=None, **run):
 
 
 def values_of(case):
-    """Case, history and summary; nothing written."""
+    """Case, history and summary, without writing files."""
     solver, history = make_solver(case), History()
     integrate(case, solver, history)
     return history, summarise(case, solver, history, 1.0)
@@ -89,7 +89,7 @@ def test_uniform_stress_is_in_equilibrium():
 
 
 def test_rotation_leaves_the_stress_of_an_element_alone():
-    """Far from the axis, where turning in the plane strains nothing; the stress turns with the element."""
+    """Far from the axis a rotation in the plane causes no strain; the stress rotates with the element."""
     rng = np.random.default_rng(3)
     mesh = Mesh(np.linspace(0, 1, 4), np.linspace(0, 1, 4))
     away = np.array([1e7, 0.0])
@@ -137,7 +137,7 @@ def test_mesh_is_that_of_a_half_sphere():
 
 @pytest.mark.parametrize("partner", [None, {"radius": 2.5 * RADIUS, "material": {**BRASS, "youngs_modulus": 210e9}}])
 def test_elastic_spheres_are_hertzian(partner):
-    """From half the largest overlap on; half-spheres are up to 1 % stiffer at this contact radius, 0.02 R."""
+    """Agreement from half the largest overlap on; half-spheres are up to 1 % stiffer at this contact radius, 0.02 R."""
     tables = {"material": BRASS} | ({"partner": partner} if partner else {})
     case = case_of(tables, elements=2000 if partner else 1000, max_overlap=2e-3, unloadings=1)
     history, summary = values_of(case)
@@ -154,7 +154,7 @@ def test_elastic_spheres_are_hertzian(partner):
 
 @pytest.fixture(scope="module")
 def brass(tmp_path_factory):
-    """A coarse study of brass, with everything that it leaves."""
+    """Coarse study of brass, with all its output files."""
     directory = tmp_path_factory.mktemp("brass")
     summary = run_sphere_contact(case_of(), directory)
     return directory, summary
@@ -265,7 +265,7 @@ def test_calculix_finds_the_same_force(tmp_path):
 
 
 def calculix_deck(mesh, displacement):
-    """Half of the overlap, against a held block that stands for the rigid plane; brass."""
+    """Half of the overlap, with a fixed block as the rigid plane; brass."""
     nodes = [*mesh.nodes.tolist(), [0, -1], [2, -1], [2, 0], [0, 0]]
     n, last = len(mesh.nodes), len(mesh.elements) + 1
     starts = set(mesh.surface[:-1][mesh.nodes[mesh.surface[1:], 0] < 1.5].tolist())

@@ -1,8 +1,8 @@
 """Golden outputs: decks of all built-in cases, summaries and report of small runs, kept in this folder.
 
-They show at once what a change of the code changes for users. After a change that is meant to do so:
+They show how a change of the code affects users. After an intended change of outputs:
 
-    .venv/bin/python -m tests.golden.outputs        # makes them anew; git diff tests/golden shows what changed
+    .venv/bin/python -m tests.golden.outputs        # regenerates them; git diff tests/golden shows the changes
 
 The README's table of the values of ``summary.json`` is made with them.
 
@@ -70,14 +70,14 @@ def split(text: str) -> tuple[str, list[float]]:
 
 
 def digest(text: str) -> dict[str, Any]:
-    """What tells two large files of numbers apart, but not in the last bits."""
+    """Digest of a large file of numbers that does not depend on the last bits."""
     words, numbers = split(text)
     weighted = sum(abs(number) * (1 + n % 97) for n, number in enumerate(numbers))
     return {"words": hashlib.sha256(words.encode()).hexdigest()[:16], "numbers": len(numbers), "sum": weighted}
 
 
 def write_decks(place: Path) -> dict[str, dict[str, Any]]:
-    """Write the decks of all built-in cases below ``place``; returns digests of their files but for the scripts."""
+    """Write the decks of all built-in cases below ``place``; returns digests of all files except the scripts."""
     digests: dict[str, dict[str, Any]] = {}
     for name in granular_cases():
         deck = write_deck(load_case(name), place / name)
@@ -89,13 +89,13 @@ def write_decks(place: Path) -> dict[str, dict[str, Any]]:
 
 
 def run_small(place: Path) -> dict[str, Any]:
-    """Run the small cases below ``place`` and write their report; returns their summaries, without what is of the machine."""
+    """Run the small cases below ``place`` and write a report; returns their summaries without machine-dependent values."""
     summaries = {}
     for name, (case, settings) in RUNS.items():
         outcome = run_case(load_case(case, settings), place / name, figures=False)
         summaries[name] = outcome.summary | _OF_THE_MACHINE
         (place / name / SUMMARY_FILE).write_text(json.dumps(summaries[name]), encoding="utf-8")
-    write_report([place / name for name in RUNS], place / REPORT)
+    write_report([place / name for name in RUNS], place / REPORT, ["tolerance"])
     return summaries
 
 
@@ -116,7 +116,7 @@ def renew_readme() -> None:
 
 
 def main() -> None:
-    """Make the golden outputs anew."""
+    """Regenerate the golden outputs."""
     import tempfile
 
     renew_readme()

@@ -1,4 +1,4 @@
-"""Golden outputs: what a change of the code changes for users shows here. How to make them anew: see `outputs`."""
+"""Golden outputs, by which changes for users are detected. See `outputs` for how to regenerate them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from tests.golden import outputs
 
 
 def close(found: Any, kept: Any) -> bool:
-    """Equal, numbers to 1e-6."""
+    """Assert that values are equal, numbers to 1e-6."""
     if isinstance(kept, dict) and isinstance(found, dict):
         return found.keys() == kept.keys() and all(close(found[key], kept[key]) for key in kept)
     if isinstance(kept, list) and isinstance(found, list):
@@ -48,7 +48,7 @@ def test_decks_of_built_in_cases(tmp_path: Path) -> None:
 
 
 def close_script(found: str, kept: str) -> bool:
-    """Equal words, and numbers to 1e-6."""
+    """Assert that words are equal, and numbers to 1e-6."""
     (words, numbers), (words_before, numbers_before) = outputs.split(found), outputs.split(kept)
     return words == words_before and numbers == pytest.approx(numbers_before, rel=1e-6, abs=1e-18)
 

@@ -1,6 +1,6 @@
-"""An independent solver of chains of spheres between walls or elastic bars, in numpy: for tests and comparison only.
+"""Independent solver of chains of spheres between walls or elastic bars, in numpy: for tests and comparison only.
 
-A chain is a row of nodes joined by links: beads joined by contacts, the nodes of a bar by linear elements of lumped mass.
+A chain is a row of nodes connected by links: beads by contacts, the nodes of a bar by linear elements of lumped mass.
 Displacements point away from the loaded end, overlap of link i is ``u[i] - u[i + 1] - gap[i]``, compression is positive.
 """
 
@@ -15,12 +15,12 @@ import numpy as np
 from tests.helpers.twin import LawTwin
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(48)
-Impulse = Callable[[float], float]  # impulse given up to a time, N s
+Impulse = Callable[[float], float]  # impulse up to a time, N s
 
 
 @dataclass(frozen=True)
 class Solid:
-    """What a contact needs to know of one side: SI units; ``strength`` None is elastic, ``radius`` None is a plane."""
+    """Properties of one body of a contact, SI units; ``strength`` None is elastic, ``radius`` None is a plane."""
 
     modulus: float = 115e9
     ratio: float = 0.3
@@ -29,13 +29,13 @@ class Solid:
 
     @property
     def compliance(self) -> float:
-        """(1 - nu^2) / E, 1/Pa; 0 of a rigid wall."""
+        """(1 - nu^2) / E, 1/Pa; 0 for a rigid wall."""
         return (1 - self.ratio**2) / self.modulus
 
 
 @dataclass(frozen=True)
 class Bead(Solid):
-    """A sphere, of brass unless said otherwise."""
+    """Sphere, of brass by default."""
 
     strength: float | None = 550e6
     radius: float = 4.76e-3
@@ -49,7 +49,7 @@ class Bead(Solid):
 
 @dataclass(frozen=True)
 class Bar(Solid):
-    """A long elastic bar whose flat end touches a bead."""
+    """Long elastic bar whose flat end touches a bead."""
 
     modulus: float = 200e9
     density: float = 8100.0
@@ -63,17 +63,17 @@ FIXED = "fixed"
 
 
 def half_sine(peak: float, duration: float) -> Impulse:
-    """P sin(pi t / T)."""
+    """Half-sine force P sin(pi t / T)."""
     return lambda t: peak * duration / np.pi * (1 - np.cos(np.pi * min(max(t / duration, 0.0), 1.0)))
 
 
 def rectangle(force: float, duration: float) -> Impulse:
-    """A constant force."""
+    """Constant force."""
     return lambda t: force * min(max(t, 0.0), duration)
 
 
 def table(times: Sequence[float], forces: Sequence[float]) -> Impulse:
-    """Force given at times (straight lines between, nothing outside)."""
+    """Force given at times (linear interpolation, zero outside)."""
     t, f = np.asarray(times, float), np.asarray(forces, float)
     total = np.concatenate([[0.0], np.cumsum(np.diff(t) * (f[1:] + f[:-1]) / 2)])
 
@@ -109,7 +109,7 @@ class Hertz:
 
 
 class Bilinear:
-    """Two slopes, Walton and Braun; ``beta`` is residual over largest overlap."""
+    """Bilinear law of Walton and Braun; ``beta`` is residual over largest overlap."""
 
     def __init__(self, stiffness, radius, modulus, strength, beta: float = 0.8, slope: float = 18.5) -> None:
         self.k, self.beta = slope * strength * radius, beta
@@ -131,7 +131,7 @@ class Bilinear:
 
 
 class Elastoplastic(Hertz):
-    """The hysteretic law, for all contacts at once; ``LawTwin`` gives the constants."""
+    """Hysteretic law, for all contacts at once, with the constants of ``LawTwin``."""
 
     def __init__(self, stiffness, radius, modulus, strength, variant: str = "continuous", factor: float = 1.6) -> None:
         super().__init__(stiffness, radius, modulus, strength)
@@ -139,17 +139,17 @@ class Elastoplastic(Hertz):
         self.yield_overlap = np.pi**2 / 4 * (factor * strength / modulus) ** 2 * radius
         with np.errstate(invalid="ignore"):
             self.yield_force = self.k * self.yield_overlap**1.5
-        self.highest = np.zeros(len(self.k))  # largest normalised overlap, and what follows from it
+        self.highest = np.zeros(len(self.k))  # largest normalized overlap, and derived quantities
         self.top, self.rest, self.exponent = np.zeros((3, len(self.k)))
 
     def loading(self, a: np.ndarray) -> np.ndarray:
-        """Normalised force of plastic loading, a > 1."""
+        """Normalized force of plastic loading, a > 1."""
         law = self.law
         area = np.where(a < law.joint, a**law.c3, law.c4 * a - law.c5)
         return law.K * (law.c1 - (law.c1 - law.cy) * np.exp(-law.c2 * (a - 1))) * area
 
     def work(self, a: np.ndarray) -> np.ndarray:
-        """Normalised work of loading, a >= 1, by Gauss quadrature up to and beyond the joint of the branches."""
+        """Normalized work of loading, a >= 1, by Gauss quadrature up to and beyond the junction of the branches."""
         middle = np.minimum(a, self.law.joint)
         total = np.full(len(a), 0.4)
         for low, high in ((np.ones(len(a)), middle), (middle, a)):
@@ -209,7 +209,7 @@ LAWS = {"hertz": Hertz, "bilinear": Bilinear, "elastoplastic": Elastoplastic}
 
 @dataclass
 class Record:
-    """What a run gives. Arrays of contacts are ordered along the chain; ``n`` samples, SI units."""
+    """Results of a run with ``n`` samples, SI units. Arrays of contacts are ordered along the chain."""
 
     times: np.ndarray  # (n,)
     velocities: np.ndarray  # (n, beads)
@@ -227,7 +227,7 @@ class Record:
 
     @property
     def balance(self) -> np.ndarray:
-        """(n,) surplus of energy, as a share of all input."""
+        """(n,) excess energy, as a fraction of the total input."""
         found = self.kinetic + self.stored + self.lost + self.bar_energy.sum(axis=1)
         return (found - self.work) / self.work[-1]
 
@@ -238,13 +238,13 @@ class Chain:
     Parameters
     ----------
     beads
-        In order; a striker is simply the first bead.
+        In order; a striker is the first bead.
     law
-        "hertz", "bilinear" or "elastoplastic"; further keywords go to it.
+        "hertz", "bilinear" or "elastoplastic"; further keywords are its parameters.
     left, right
-        None (free), "fixed" (that bead is held), ``RIGID`` or a ``Solid`` (wall), or a ``Bar``.
+        None (free), "fixed" (the end bead is fixed), ``RIGID`` or a ``Solid`` (wall), or a ``Bar``.
     gap
-        (contacts,) or number, m: room before the beads touch.
+        (contacts,) or number, m: initial gaps.
     """
 
     def __init__(self, beads: Sequence[Bead], law="hertz", left=None, right=None, gap=0.0, **constants) -> None:
@@ -293,14 +293,14 @@ class Chain:
         every: int | None = None,
         node: int | None = None,
     ) -> Record:
-        """Integrate from rest (kick, drift, kick; the load enters with its exact impulse in every step).
+        """Integrate from rest (kick, drift, kick; the load acts with its exact impulse in every step).
 
         Parameters
         ----------
         time, dt
-            s; the run ends after round(time / dt) steps.
+            Duration, s (round(time / dt) steps), and timestep, s.
         load
-            Acts on ``node`` (the first node: the first bead, or the free end of the left bar).
+            Force on ``node`` (by default the first node: the first bead, or the free end of the left bar).
         velocity
             Initial velocity by bead, m/s.
         every

@@ -1,4 +1,4 @@
-"""Headless Chromium driven over a pair of pipes with the DevTools protocol: no port, no further package."""
+"""Headless Chromium controlled by the DevTools protocol over a pair of pipes, without a port or further packages."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ os.execvp(sys.argv[3], sys.argv[3:])
 
 
 class Browser:
-    """One page of a browser of its own; use it as a context manager.
+    """Page of a separate browser, as a context manager.
 
     Attributes
     ----------
     events
-        All that the page reported so far: (method, parameters).
+        All events reported by the page so far: (method, parameters).
     """
 
     def __init__(self, program: str, profile: Path, timeout: float = 30) -> None:
@@ -137,11 +137,11 @@ class Browser:
         return found
 
     def requests(self) -> list[str]:
-        """URLs that the page asked for."""
+        """URLs requested by the page."""
         return [p["request"]["url"] for method, p in self.events if method == "Network.requestWillBeSent"]
 
     def _read(self) -> dict[str, Any]:
-        """The next message; events are kept."""
+        """Next message; events are stored."""
         end = time.monotonic() + self._timeout
         while b"\0" not in self._buffer:
             ready, _, _ = select.select([self._from], [], [], max(0.0, end - time.monotonic()))

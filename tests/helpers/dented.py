@@ -1,4 +1,4 @@
-"""Spheres with dents from before: collisions in LAMMPS, and cases, for the tests of preconditioning."""
+"""Spheres with initial dents: collisions in LAMMPS, and cases, for the tests of preconditioning."""
 
 from __future__ import annotations
 
@@ -26,32 +26,32 @@ _LOCAL, _ARRAY, _ROWS = 2, 2, 4  # styles and types of LAMMPS's library
 
 
 def start(lmp, speed=2.0, extra="", **options) -> None:
-    """Two spheres that touch, about to collide head-on."""
+    """Input script of two touching spheres that are about to collide head-on."""
     velocities = [(0, 0, speed / 2), (0, 0, -speed / 2)]
     lmp.commands_string(script_of(PAIR, velocities=velocities, extra=REPORTS + extra, **options))
 
 
 def meeting_in(dent: float) -> str:
-    """The command that sets the second sphere where it just touches the first in a dent between them."""
+    """Command that places the second sphere where it just touches the first with a dent between them."""
     return f"set atom 2 z {2 * R - LAW.residual_overlap(dent):.17g}"
 
 
 def reading(directory: Path, text: str) -> str:
-    """The command that reads these lines of dents, from a file."""
+    """Command that reads these lines of dents from a file."""
     path = directory / "dents.txt"
     path.write_text(text, encoding="utf-8")
     return f"gran/dents read {path}"
 
 
 def table(lmp) -> np.ndarray:
-    """What ``compute gran/hysteretic/local`` reports: (n_contacts, 16)."""
+    """Values of ``compute gran/hysteretic/local``: (n_contacts, 16)."""
     if not lmp.extract_compute("dents", _LOCAL, _ROWS):  # for LAMMPS 29 Aug 2024, which fails at an array without rows
         return np.empty((0, 16))
     return lmp.numpy.extract_compute("dents", _LOCAL, _ARRAY).copy()
 
 
 def case_of(kind: str = "fcc", size: Any = (5, 5, 3), *, contact: Any = None, **sections: Any) -> Case:
-    """A small packing of brass, or a chain."""
+    """Case of a small packing of brass, or of a chain."""
     packing = {"kind": kind, "size": list(size) if isinstance(size, tuple) else size, "diameter": D}
     packing |= sections.pop("packing", {})
     sections.setdefault("run", {"end_time": 1e-4})
@@ -61,7 +61,7 @@ def case_of(kind: str = "fcc", size: Any = (5, 5, 3), *, contact: Any = None, **
 
 
 def ran(case: Case, directory: Path, **options: Any) -> dict[str, Any]:
-    """The summary of a case that was run to its end."""
+    """Summary of a case that was run to its end."""
     outcome = run_case(case, directory, figures=False, **options)
     assert outcome.state == "finished"
     assert outcome.summary["energy_balance_error"] < TOLERANCE

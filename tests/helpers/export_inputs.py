@@ -1,4 +1,4 @@
-"""Runs to export, and the comparison of what comes back."""
+"""Runs to export, and the comparison of exported values."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from tests.helpers import synthetic
 
 
 def write_walled_run(directory: Path) -> Path:
-    """A run that no LAMMPS made, with one contact with the wall."""
+    """Synthetic run with one contact with the wall."""
     synthetic.write_run(directory, synthetic.make_case())
     row = np.array([[144, 0, 0, 1e-5, 50.0, 2e-4, 1e-5, 2e-5, 1.5e-5]])
     synthetic.write_custom(directory / "dumps" / "wall_bottom.dump", synthetic.WALL_COLUMNS, row, synthetic.STEPS)
@@ -24,7 +24,7 @@ def write_walled_run(directory: Path) -> Path:
 
 
 def write_periodic_run(directory: Path) -> Path:
-    """A run of LAMMPS, some of whose contacts go through the sides."""
+    """Run of LAMMPS with some contacts across periodic sides."""
     case = synthetic.make_case(
         size=(4, 4, 4),
         boundary={"sides": "periodic"},
@@ -35,7 +35,7 @@ def write_periodic_run(directory: Path) -> Path:
 
 
 def write_chain_run(directory: Path) -> Path:
-    """A run of LAMMPS of a chain before a bar, recorded in time."""
+    """Run of LAMMPS of a chain in front of a bar, with output over time."""
     bar = {"length": 0.1, "area": 1e-4, "elements": 20, "material": "steel"}
     return _run(synthetic.make_case("chain", 6, run={"end_time": 1e-4, "frames": 2}, output={}, bar=bar), directory)
 
@@ -50,5 +50,5 @@ def _run(case: Case, directory: Path) -> Path:
 
 
 def equal(found: ArrayLike, expected: ArrayLike) -> bool:
-    """The same bits."""
+    """True if arrays are bitwise identical."""
     return np.array_equal(found, expected, equal_nan=np.asarray(expected).dtype.kind == "f")

@@ -1,4 +1,4 @@
-"""Spheres that rub: scripts, oblique impacts and a small packing for the tests of friction."""
+"""Spheres with friction: input scripts, oblique impacts and a small packing for the tests of friction."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ LAMMPS_OWN = (
 
 
 def rubbing(positions, law=f"{HERTZ} friction {MU}", own=None, spins=(), extra="", **options) -> str:
-    """A script of spheres with friction; `own` takes a style of LAMMPS instead of ours."""
+    """Input script of spheres with friction; `own` uses a style of LAMMPS instead of ours."""
     options["velocities"] = np.asarray(options.get("velocities", [])).tolist()
     text = script_of(positions, style=law, **options)
     text = text.replace("newton off", "newton off\ncomm_modify vel yes").replace("all nve\n", "all nve/sphere\n")
@@ -33,14 +33,14 @@ def rubbing(positions, law=f"{HERTZ} friction {MU}", own=None, spins=(), extra="
 
 
 def state(lmp, *names) -> dict[str, np.ndarray]:
-    """Per-atom arrays in the order of ids."""
+    """Per-atom arrays in the order of IDs."""
     n = lmp.get_natoms()
     order = np.argsort(lmp.numpy.extract_atom("id")[:n])
     return {name: lmp.numpy.extract_atom(name)[:n][order].copy() for name in names}
 
 
 def oblique(lammps, tangential, normal=1.0, spins=(), steps=8000, radii=(R, R), density=8500.0, **options):
-    """Two spheres that touch along z; the first comes with (tangential, 0, normal) against the second at rest."""
+    """Two spheres in contact along z; the first has the velocity (tangential, 0, normal), the second is at rest."""
     lmp = lammps()
     lmp.commands_string(
         rubbing(
@@ -64,7 +64,7 @@ def balance(lmp) -> float:
 
 
 def packing(n=3):
-    """Face-centred cubes of touching spheres and random velocities and spins, the same in every run."""
+    """Face-centered cubic packing of touching spheres with random velocities and spins, the same in every run."""
     half = np.sqrt(2) * R
     cells = np.array([(i, j, k) for i in range(n) for j in range(n) for k in range(n)])
     basis = np.array([(0, 0, 0), (1, 1, 0), (1, 0, 1), (0, 1, 1)])

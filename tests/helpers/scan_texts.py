@@ -20,7 +20,7 @@ VELOCITIES = "[grid]\nload.velocity = [1, 2]\n"
 
 
 def reader(directory: Path) -> Load:
-    """Reads a scan of a text, which is put into ``directory``."""
+    """Read a scan from a text, which is written to ``directory``."""
 
     def read(text: str, overrides=(), **options: bool) -> Scan:
         path = directory / "my.toml"

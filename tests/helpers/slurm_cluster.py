@@ -1,4 +1,4 @@
-"""The fixture `slurm`: a real Slurm of two virtual nodes, see tests/helpers/slurm/cluster.py. Import it into the test module that wants it."""
+"""Fixture `slurm`, to be imported by test modules: Slurm cluster of two virtual nodes (tests/helpers/slurm/cluster.py)."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ from tests.helpers.slurm import cluster
 
 @dataclass(frozen=True)
 class Slurm:
-    """A cluster that is up."""
+    """Running cluster."""
 
     partition: str = cluster.PARTITION
     nodes: tuple[str, ...] = cluster.NODES
     cpus: int = cluster.CPUS  # of a node
 
     def cancel_all(self) -> None:
-        """Take every job out of the queue, for tests that leave some behind."""
+        """Remove all jobs from the queue, for tests that leave some."""
         subprocess.run(["scancel", f"--partition={self.partition}"], check=True)
 
 
 @pytest.fixture
 def slurm() -> Iterator[Slurm]:
-    """A cluster for one test, or the one of ours that is up; skip where there can be none. Tests take turns."""
+    """Provide a cluster for one test, or the running one of ours; skip if none is possible. Tests use it one at a time."""
     with (Path(tempfile.gettempdir()) / "granwave-test-slurm.turn").open("w") as turn:
         fcntl.flock(turn, fcntl.LOCK_EX)
         was_up = cluster.is_up()

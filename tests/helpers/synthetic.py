@@ -1,4 +1,4 @@
-"""Directories of runs that no LAMMPS made: every number in them is known, so that readers can be judged."""
+"""Synthetic run directories, written without LAMMPS: all numbers in them are known, so that readers can be tested."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ BRASS = {"youngs_modulus": 115e9, "poisson_ratio": 0.3, "density": 8500.0, "yiel
 DIAMETER = 0.010
 TIMESTEP = 1e-7
 STEPS = 1000
-DENT = 40.0  # alpha_y, of the deepest dent
-REACH = 1.2  # diameters, over which dents get shallower by e
-BOTTOM_FORCE = 100.0  # N, amplitude of the half sine that hits the bottom
-BALANCE = 3e-7  # error of the ledger's balance
-RUBBED = 0.25  # of a contact's plastic loss: what friction takes where there is any
+DENT = 40.0  # peak of the deepest dent, alpha_y
+REACH = 1.2  # decay length of the dents, diameters
+BOTTOM_FORCE = 100.0  # N, amplitude of the half-sine force on the bottom
+BALANCE = 3e-7  # error of the energy balance of the ledger
+RUBBED = 0.25  # frictional loss as a fraction of the plastic loss of a contact
 FRAME_COLUMNS = "id type radius x y z ux uy uz vx vy vz force peak_force peak_overlap dissipated elastic"
 CONTACT_COLUMNS = "i j overlap force peak_overlap peak_force elastic dissipated time_first time_peak time_yield live"
 FRICTION_COLUMNS = "tangential_force elastic_tangential friction"  # of contacts, where there is friction
@@ -30,7 +30,7 @@ WALL_COLUMNS = "id overlap force peak_overlap peak_force dissipated time_first t
 def make_case(
     kind: str = "fcc", size: Sequence[int] | int = (6, 6, 4), law: str = "elastoplastic", packing=(), **tables
 ) -> Case:
-    """A case of brass; further keys of the packing, and further tables by name."""
+    """Case of brass, with further keys of the packing, and further tables by name."""
     return case_from_dict(
         {
             "name": f"synthetic-{kind}",
@@ -50,11 +50,11 @@ def make_case(
 
 
 def write_run(directory: Path, case: Case, dent: float = DENT) -> Path:
-    """Write a run: every touching pair has a dent that gets shallower away from the struck sphere.
+    """Write a run in which every touching pair has a dent that decreases with the distance from the struck sphere.
 
-    With friction every contact loses `RUBBED` of its plastic loss by it too; with ``contact.initial_overlap`` each has
-    such a dent before the run. Displacements of sphere n at frame m are (m n, 0, m) 1e-9 m; a contact at the distance d from the struck
-    sphere was first loaded at d / (1000 m/s).
+    With friction every contact also has a frictional loss of `RUBBED` times its plastic loss; with
+    ``contact.initial_overlap`` each has such an initial dent. Displacements of sphere n at frame m are (m n, 0, m) 1e-9 m; a
+    contact at the distance d from the struck sphere was first loaded at d / (1000 m/s).
     """
     deck = write_deck(case, directory)
     packing, law = build_packing(case), sphere_contact(case)
@@ -105,7 +105,7 @@ def dents_of(case, packing, struck, law, dent) -> dict[str, np.ndarray]:
 
 
 def write_frames(path: Path, positions, contacts, ids, steps: Sequence[int] = (0, 250, 500, 1000)):
-    """Snapshots, the rows from the last id to the first."""
+    """Snapshots, with rows from the last ID to the first."""
     n = len(positions)
     ends = np.searchsorted(ids, np.stack([contacts["i"], contacts["j"]], axis=1))
     peak_force, peak_overlap, lost, rubbed = np.zeros((4, n))
@@ -128,7 +128,7 @@ def write_frames(path: Path, positions, contacts, ids, steps: Sequence[int] = (0
 
 
 def write_ledger(path: Path, lost: float, law, rubbed: float = 0.0) -> None:
-    """A ledger of 251 rows that balances up to `BALANCE`; three quarters of the input are dissipated."""
+    """Ledger of 251 rows that balances up to `BALANCE`; three quarters of the input are dissipated."""
     unit = law.yield_force * law.yield_overlap if math.isfinite(law.yield_overlap) else 1e-3
     given = (lost + rubbed) / 0.75 if lost else 8000 * unit
     share = np.linspace(0, 1, 251)
@@ -150,18 +150,18 @@ def write_ledger(path: Path, lost: float, law, rubbed: float = 0.0) -> None:
 
 
 def write_table(path: Path, names: str, rows: np.ndarray) -> None:
-    """A table as fix ave/time writes it."""
+    """Table in the format of fix ave/time."""
     lines = [" ".join([f"{row[0]:.0f}", *(f"{value:.17g}" for value in row[1:])]) for row in rows]
     path.write_text("\n".join(["# title", f"# {names}", *lines]) + "\n")
 
 
 def write_local(path: Path, rows: np.ndarray, columns: str = CONTACT_COLUMNS) -> None:
-    """A snapshot as dump local writes it."""
+    """Snapshot in the format of dump local."""
     _write(path, "ENTRIES", columns, rows, STEPS, append=False)
 
 
 def write_custom(path: Path, columns: str, rows: np.ndarray, step: int, append: bool = False) -> None:
-    """A snapshot as dump custom writes it."""
+    """Snapshot in the format of dump custom."""
     _write(path, "ATOMS", columns, rows, step, append)
 
 

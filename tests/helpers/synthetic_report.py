@@ -78,9 +78,9 @@ def nasty_inputs(directory: Path) -> list[Path]:
     return [run, scan]
 
 
-def build(directories: Sequence[Path], base: Path) -> Report:
-    """The content of their report."""
-    return build_report(read_inputs(directories, base))
+def build(directories: Sequence[Path], base: Path, *studies: str) -> Report:
+    """The content of their report, with studies beside those that scans name."""
+    return build_report(read_inputs(directories, base), studies)
 
 
 def blocks(report: Report, slug: str) -> list:

@@ -35,7 +35,12 @@ def grid(**values: Sequence[Any]) -> list[Labels]:
 
 
 def write_scan(
-    directory: Path, points: Sequence[Labels], *, failed: Change | None = None, missing: Iterable[int] = ()
+    directory: Path,
+    points: Sequence[Labels],
+    *,
+    failed: Change | None = None,
+    missing: Iterable[int] = (),
+    study: Sequence[str] = (),
 ) -> Path:
     """Write a scan of these points.
 
@@ -45,6 +50,8 @@ def write_scan(
         Why points failed, by number from 1.
     missing
         Numbers of points that were never begun.
+    study
+        Studies that the scan names.
     """
     varied = list(dict.fromkeys(key for point in points for key in point))
     index = []
@@ -60,7 +67,8 @@ def write_scan(
             folder.mkdir(parents=True, exist_ok=True)
             finish_point(folder, labels)
     directory.mkdir(parents=True, exist_ok=True)
-    write_json(directory / "scan.json", {"name": "synthetic", "case": "fcc-small", "varied": varied, "points": index})
+    about = {"name": "synthetic", "case": "fcc-small", "varied": varied, "study": list(study)}
+    write_json(directory / "scan.json", about | {"points": index})
     return directory
 
 

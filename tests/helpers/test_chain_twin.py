@@ -1,4 +1,4 @@
-"""The independent chain solver against closed forms."""
+"""Independent chain solver against closed forms."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def test_two_yielding_spheres(variant, speed):
     energy = BRASS.mass * speed**2 / 4 / (overlap * force)
     peak = brentq(lambda a: law.work(a) - energy, 0.01, 1e4)
     assert r.peak_force[0] == pytest.approx(force * law.loading(peak), rel=1e-5)
-    # the published law's jumps at a = 1 and a = 177.6 change no peak overlap: both are crossed by loading alone
+    # the discontinuities of the published law at a = 1 and a = 177.6 change no peak overlap: both are passed on loading only
     assert r.dissipated[0] == pytest.approx(overlap * force * law.dissipated(peak), rel=1e-5, abs=1e-12)
     if variant == "continuous":
         bounce = np.sqrt(1 - law.dissipated(peak) / energy)
@@ -77,7 +77,7 @@ def test_the_softer_side_yields():
 
 @pytest.mark.parametrize("variant", ["continuous", "published"])
 def test_law_along_a_path(variant):
-    """Up and down at random, as one by one by the scalar twin."""
+    """Random loading and unloading agrees with the scalar twin, contact by contact."""
     law = LawTwin(variant)
     many = Elastoplastic(np.ones(3), np.ones(3), np.ones(3), np.ones(3), variant=variant)
     scale, peak = many.yield_overlap[0], np.zeros(3)
@@ -100,7 +100,7 @@ def test_bilinear_spheres():
 
 
 def test_impulse_on_a_linear_chain():
-    """Before it unloads, the bilinear chain is a linear one, whose velocities are Bessel functions."""
+    """Before unloading, the bilinear chain is linear, and its velocities are Bessel functions."""
     impulse = 0.1
     r = Chain([BRASS] * 12, "bilinear").run(2e-5, 5e-9, velocity={0: impulse / BRASS.mass}, every=1)
     rate = np.sqrt(18.5 * 550e6 * 2.38e-3 / BRASS.mass)
@@ -112,7 +112,7 @@ def test_impulse_on_a_linear_chain():
 
 
 def test_step_on_a_bar():
-    """A force on a long bar moves its end at F/Z, until the wave comes back."""
+    """A force on a long bar moves its end with the velocity F/Z, until the reflected wave returns."""
     impedance, time = np.sqrt(BAR.modulus * BAR.density) * BAR.area, 1.5e-4
     r = Chain([BRASS], left=BAR).run(time, 1e-7, table([0, 2e-5, 1], [0, 1e3, 1e3]))
     assert r.bar_forces[0][-1, 100] == pytest.approx(1e3, rel=2e-3)

@@ -1,4 +1,4 @@
-"""A second, independent implementation of the contact law and of a network of spheres, in numpy: for tests only."""
+"""Second, independent implementation of the contact law and of a network of spheres, in numpy: for tests only."""
 
 from __future__ import annotations
 
@@ -12,10 +12,15 @@ CONSTANTS = (
     "residual_slope", "residual_offset", "residual_rate", "unloading_exponent",
 )  # fmt: skip
 PRINTED = (2.48, 0.098, 177.6, 2.37, 59.96, 0.95, 25.94, 0.015, 1.35)
+#: Constants far from the printed ones, by name.
+OTHER = {
+    "pressure_limit": 2.9, "pressure_rate": 0.07, "area_switch": 140.0, "area_slope": 2.2, "area_offset": 45.0,
+    "residual_slope": 0.93, "residual_offset": 20.0, "residual_rate": 0.02, "unloading_exponent": 1.42,
+}  # fmt: skip
 
 
 class LawTwin:
-    """The elasto-plastic law in normalised units, written from the equations (thesis 2.8 to 2.17), not from the header."""
+    """Elastoplastic law in normalized units, implemented from the equations (thesis 2.8 to 2.17), not from the header."""
 
     def __init__(self, variant: str = "continuous", factor: float = 1.6, **constants: float) -> None:
         self.K = 1.5 / factor
@@ -67,7 +72,7 @@ def scales(radius: float, modulus: float = 115e9, ratio: float = 0.3, strength: 
 
 
 class Network:
-    """Point masses in true geometry, contacts found once; velocity Verlet in numpy.
+    """Point masses with true geometry and a fixed set of contacts; velocity Verlet in numpy.
 
     Parameters
     ----------
@@ -135,5 +140,5 @@ class Network:
         return self
 
     def dissipated(self) -> float:
-        """Energy lost, J."""
+        """Dissipated energy, J."""
         return self.force_y * self.alpha_y * sum(self.law.dissipated(p) for p in self.peak)

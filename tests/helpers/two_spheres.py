@@ -1,4 +1,4 @@
-"""Two spheres that touch, and what LAMMPS says of them: for tests of the pair style and of all that is built on it."""
+"""Two touching spheres and their LAMMPS output, for tests of the pair style and of code that uses it."""
 
 from __future__ import annotations
 
@@ -7,17 +7,19 @@ from tests.conftest import script_of
 
 R = 0.005
 PAIR = [(0, 0, 0), (0, 0, 2 * R)]
+BOX = [-0.1, 0.1] * 3
+WALL = "fix floor all wall/gran/hysteretic zplane NULL {z:.17g} elastoplastic 115e9 0.3 550e6"
 LAW = ContactLaw(youngs_modulus=(115e9, 115e9), poisson_ratio=(0.3, 0.3), yield_strength=(550e6, 550e6), radius=(R, R))
 
 
 def value(lmp, formula: str) -> float:
-    """An equal-style variable, now."""
+    """Present value of an equal-style variable."""
     lmp.command(f"variable value_now equal {formula}")
     return lmp.extract_variable("value_now")
 
 
 def collide(lmp, speed=2.0, steps=20000, **options):
-    """Two spheres that touch, one pushed onto the other; run until they have parted."""
+    """Two touching spheres, one moving towards the other; run until they have separated."""
     lmp.commands_string(script_of(PAIR, velocities=[(0, 0, speed / 2), (0, 0, -speed / 2)], **options))
     lmp.command(f"run {steps}")
 

@@ -1,1 +1,1 @@
-"""The hostile trial: wrong and odd inputs by the hundred, each with the answer that a user should get."""
+"""Tests with hundreds of invalid and unusual inputs, each with the expected message to the user."""

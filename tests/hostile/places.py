@@ -1,4 +1,4 @@
-"""Folders and files that a line of text cannot make, by the names that ``inputs.toml`` uses under ``prepared``."""
+"""Folders and files that cannot be given as text, by their names in ``inputs.toml`` under ``prepared``."""
 
 from __future__ import annotations
 
@@ -14,57 +14,57 @@ LOCK = ".granwave-lock"
 
 
 def empty_folder(folder: Path) -> None:
-    """``place/``, empty."""
+    """Make an empty ``place/``."""
     (folder / "place").mkdir()
 
 
 def folder_with_notes(folder: Path) -> None:
-    """``place/`` with files that are not granwave's, and that no result has the name of."""
+    """Make ``place/`` with files of the user whose names are not those of results."""
     (folder / "place" / "figures").mkdir(parents=True)
     for name in ("thesis.tex", "data.csv", "figures/photo.png"):
         (folder / "place" / name).write_text("years of work", encoding="utf-8")
 
 
 def folder_of_somebody(folder: Path) -> None:
-    """The same, and files that are not granwave's under the names of results of runs and scans."""
+    """Make ``place/`` with files of the user, also with names of results of runs and scans."""
     folder_with_notes(folder)
     for name in ("case.toml", "summary.json", "scan.toml", "scan.csv"):
         (folder / "place" / name).write_text("years of work", encoding="utf-8")
 
 
 def read_only_folder(folder: Path) -> None:
-    """``place/``, in which nobody may write."""
+    """Make ``place/`` without write permission."""
     (folder / "place").mkdir()
     (folder / "place").chmod(0o555)
 
 
 def closed_folder(folder: Path) -> None:
-    """``place/``, into which nobody may look."""
+    """Make ``place/`` without read permission."""
     (folder / "place").mkdir()
     (folder / "place").chmod(0)
 
 
 def unreadable_files(folder: Path) -> None:
-    """The case and the scan file, which nobody may read."""
+    """Make the case and the scan file unreadable."""
     for name in ("case.toml", "scan.toml"):
         (folder / name).chmod(0)
 
 
 def busy_folder(folder: Path) -> None:
-    """``place/``, in which another process is at work."""
+    """Make ``place/``, in use by another process."""
     (folder / "place").mkdir()
     _HELD.append((folder / "place" / LOCK).open("w"))
     fcntl.flock(_HELD[-1], fcntl.LOCK_EX)
 
 
 def stale_lock(folder: Path) -> None:
-    """``place/`` with the lock of a run that was killed."""
+    """Make ``place/`` with the lock of a run that was killed."""
     (folder / "place").mkdir()
     (folder / "place" / LOCK).touch()
 
 
 def odd_files(folder: Path) -> None:
-    """A pipe, a loop of links, links to nothing and to endless zeros, and large files."""
+    """Make a pipe, a loop of links, links to a missing file and to endless zeros, and large files."""
     os.mkfifo(folder / "pipe.toml")
     (folder / "loop.toml").symlink_to("loop.toml")
     (folder / "dangling.toml").symlink_to("nowhere.toml")
@@ -76,7 +76,7 @@ def odd_files(folder: Path) -> None:
 
 
 def odd_bytes(folder: Path) -> None:
-    """The case in encodings and with bytes that are not UTF-8 text, in ``NAME.toml`` each."""
+    """Write the case in other encodings and with bytes that are not UTF-8 text, each as ``NAME.toml``."""
     text = (folder / "case.toml").read_text(encoding="utf-8")
     for name, content in {
         "bom": b"\xef\xbb\xbf" + text.encode(),
@@ -92,40 +92,40 @@ def odd_bytes(folder: Path) -> None:
 
 
 def other_h5(folder: Path) -> None:
-    """``run/result.h5`` is HDF5, but not of a run."""
+    """Make ``run/result.h5`` an HDF5 file that is not a result of a run."""
     with h5py.File(folder / "run" / "result.h5", "w") as file:
         file["music"] = [1, 2, 3]
 
 
 def wrong_types_in_h5(folder: Path) -> None:
-    """``run/result.h5``, in which a group of data sets is one data set."""
+    """Make ``run/result.h5`` with a data set in place of a group of data sets."""
     with h5py.File(folder / "run" / "result.h5", "r+") as file:
         del file["contacts"]
         file["contacts"] = "none"
 
 
 def run_with_a_markup_name(folder: Path) -> None:
-    """A run in a directory whose name is markup."""
+    """Make a run in a directory whose name is HTML markup."""
     (folder / "run").rename(folder / "a<b onclick=x>&")
 
 
 def edited_case(folder: Path) -> None:
-    """``run/case.toml`` with another velocity."""
+    """Write ``run/case.toml`` with another velocity."""
     _edit(folder / "run" / "case.toml", "velocity = 5.0", "velocity = 6.0")
 
 
 def noise_for_spheres(folder: Path) -> None:
-    """``run/dumps/spheres.dump`` of bytes that are no text."""
+    """Write ``run/dumps/spheres.dump`` with bytes that are not text."""
     (folder / "run" / "dumps" / "spheres.dump").write_bytes(bytes(range(256)) * 100)
 
 
 def nan_in_contacts(folder: Path) -> None:
-    """The first value of the last contact is no number."""
+    """Make the first value of the last contact invalid."""
     _change_last_row(folder / "run" / "dumps" / "contacts.dump", lambda words: [*words[:2], "nan", *words[3:]])
 
 
 def strangers_in_contacts(folder: Path) -> None:
-    """The last contact is one of two spheres that the packing has not."""
+    """Make the last contact one of two spheres that do not exist."""
     _change_last_row(folder / "run" / "dumps" / "contacts.dump", lambda words: ["1000", "1001", *words[2:]])
 
 
@@ -141,7 +141,7 @@ def _change_last_row(path: Path, change: Callable[[list[str]], list[str]]) -> No
 
 
 def deep_nesting(folder: Path) -> None:
-    """``deep.toml`` with 100 000 brackets, ``long.toml`` with a number of 100 000 digits."""
+    """Write ``deep.toml`` with 100 000 brackets, ``long.toml`` with a number of 100 000 digits."""
     (folder / "deep.toml").write_text("a = " + "[" * 100_000, encoding="utf-8")
     (folder / "long.toml").write_text("a = " + "1" * 100_000, encoding="utf-8")
 
@@ -158,13 +158,13 @@ _HELD: list[Any] = []  # open locks
 
 
 def release() -> None:
-    """Let go of the locks, and let everything be removed again."""
+    """Release the locks, and make all files removable."""
     while _HELD:
         _HELD.pop().close()
 
 
 def make_removable(folder: Path) -> None:
-    """Give back the right to look into everything below ``folder``."""
+    """Restore read permission for all files below ``folder``."""
     for place in folder.iterdir():
         if place.is_dir() and not place.is_symlink():
             place.chmod(0o755)

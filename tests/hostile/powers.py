@@ -1,4 +1,4 @@
-"""The superuser's power over files, laid down for a while, so that file permissions count in tests that root runs."""
+"""Temporary removal of the superuser's file privileges, so that file permissions apply in tests run by root."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import contextlib
 import ctypes
 from collections.abc import Iterator
 
-_VERSION = 0x20080522  # of the kernel's interface: two words of 32 bits for each set
+_VERSION = 0x20080522  # kernel interface: two words of 32 bits per set
 _OVER_FILES = 1 << 1 | 1 << 2  # CAP_DAC_OVERRIDE and CAP_DAC_READ_SEARCH
 
 
@@ -20,7 +20,7 @@ class _Sets(ctypes.Structure):
 
 @contextlib.contextmanager
 def without_power_over_files() -> Iterator[None]:
-    """Files that may not be read or written by their mode cannot be, whoever runs this."""
+    """Enforce the read and write permissions of files for all users, including root."""
     libc = ctypes.CDLL(None, use_errno=True)
     header, sets = _Header(_VERSION, 0), (_Sets * 2)()
     if libc.capget(ctypes.byref(header), sets):

@@ -1,4 +1,4 @@
-"""Rows of ``inputs.toml``: one wrong or odd input each, how it is given to granwave, and how the answer is judged."""
+"""Rows of ``inputs.toml``: one invalid or unusual input each, the command, and the check of its output."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ from tests.conftest import BIN, PLAIN
 from tests.hostile.powers import without_power_over_files
 
 TABLE = Path(__file__).with_name("inputs.toml")
-SECONDS, MEMORY = 20.0, 2**30  # most that a row may take: s, and bytes beside what the tests take already
+SECONDS, MEMORY = 20.0, 2**30  # limits of a row: s, and bytes in addition to those used by the tests
 PROCESS_SECONDS = 120.0
-LONGEST_ID = 100  # characters of a test's name
-LONGEST_LINE = 1500  # characters; a message is for people
-OURS = re.compile(r"granwave( \w+)?: ")  # beginning of every line that is meant for the user
+LONGEST_ID = 100  # characters in the name of a test
+LONGEST_LINE = 1500  # characters; messages must be readable
+OURS = re.compile(r"granwave( \w+)?: ")  # prefix of every line for the user
 INNARDS = re.compile(r"Traceback|\b[A-Z]\w*Error\b|\bErrno\b|NoneType|<class '| object at 0x|\bPosixPath\b")
 REPEATED = re.compile(r"<(\d+)\*(.)>")
 USAGE = re.compile(r"usage: .*\n(?: .*\n)*")
@@ -42,7 +42,7 @@ Entries = dict[str, tuple[int, ...]]
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Row:
-    """One input and its answer; the keys are explained at the top of ``inputs.toml``."""
+    """Input and expected output; the keys are described at the top of ``inputs.toml``."""
 
     kind: str
     what: str
@@ -66,7 +66,7 @@ class Row:
 
     @property
     def n_faults(self) -> int:
-        """Lines of faults that the answer has."""
+        """Number of expected error lines."""
         if self.faults is not None:
             return self.faults
         return 1 if self.status else 0
@@ -74,7 +74,7 @@ class Row:
 
 @dataclasses.dataclass(frozen=True)
 class Answer:
-    """What came back."""
+    """Exit status and output of a command."""
 
     status: int
     out: str
@@ -87,9 +87,9 @@ def read_rows(path: Path = TABLE) -> tuple[dict[str, str], list[Row]]:
     Returns
     -------
     folder
-        Text of the files that lie in the folder of every row, by name.
+        Text of the files in the folder of every row, by name.
     rows
-        In the order of the table; one for each command of a row that has several.
+        Rows in the order of the table; one for each command of a row that has several.
     """
     tables = tomllib.loads(path.read_text(encoding="utf-8"))
     return tables["folder"], [
@@ -109,7 +109,7 @@ def _rows(kind: str, entry: dict[str, Any]) -> Iterator[Row]:
 
 
 def _with_repeats(value: Any) -> Any:
-    """``<3*a>`` as aaa, wherever it stands."""
+    """Expand repetitions in a text: ``<3*a>`` to aaa."""
     if isinstance(value, str):
         return REPEATED.sub(lambda found: int(found[1]) * found[2], value)
     if isinstance(value, list):
@@ -120,7 +120,7 @@ def _with_repeats(value: Any) -> Any:
 
 
 def parameters(rows: Sequence[Row]) -> list[Any]:
-    """The rows as parameters of a test, with their marks."""
+    """Rows as parameters of a test, with their marks."""
     found = []
     for row in rows:
         marks: list[pytest.MarkDecorator] = [pytest.mark.validation] if row.slow else []
@@ -132,7 +132,7 @@ def parameters(rows: Sequence[Row]) -> list[Any]:
 
 
 def damage(row: Row, folder: Path) -> None:
-    """Change the files of the folder as the row says."""
+    """Change the files of the folder as specified by the row."""
     for path in _named(folder, row.lose):
         shutil.rmtree(path) if path.is_dir() else path.unlink()
     for path in _named(folder, row.cut):
@@ -160,7 +160,7 @@ def run_here(
     capfd: pytest.CaptureFixture[str],
     seconds: float = SECONDS,
 ) -> Answer:
-    """Run the command line in this process, from ``folder``, within bounds of time and memory."""
+    """Run the command line in this process, from ``folder``, with limits of time and memory."""
     capfd.readouterr()
     with (
         pytest.MonkeyPatch.context() as patch,
@@ -180,7 +180,7 @@ def run_here(
 
 
 def run_shell(line: str, folder: Path, env: Mapping[str, str]) -> Answer:
-    """Run a line of the shell, in which ``granwave`` is the command; its status is that of granwave."""
+    """Run a shell command line with the command ``granwave``, and return the exit status of granwave."""
     paths = os.pathsep.join([str(BIN), os.environ.get("PATH", "")])
     done = subprocess.run(
         ["/bin/bash", "-o", "pipefail", "-c", line],
@@ -195,7 +195,7 @@ def run_shell(line: str, folder: Path, env: Mapping[str, str]) -> Answer:
 
 
 def run_row(row: Row, folder: Path, capfd: pytest.CaptureFixture[str]) -> Answer:
-    """Run what the row says, in its folder."""
+    """Run the command of the row in its folder."""
     if row.shell:
         return run_shell(row.shell, folder, row.env)
     seconds = PROCESS_SECONDS if row.slow else SECONDS
@@ -204,7 +204,7 @@ def run_row(row: Row, folder: Path, capfd: pytest.CaptureFixture[str]) -> Answer
 
 @contextlib.contextmanager
 def _as_if_started_anew() -> Iterator[None]:
-    """Log messages and warnings go to standard error as in a process of its own."""
+    """Send log messages and warnings to standard error, as in a separate process."""
     root, ours = logging.getLogger(), logging.getLogger("granwave")
     handlers, level, own_level = root.handlers[:], root.level, ours.level
     root.handlers[:] = []
@@ -227,7 +227,7 @@ def _print_warning(message: Warning | str, category: type[Warning], name: str, l
 
 
 class OverTime(BaseException):
-    """A row took longer than it may; no handler of errors catches this."""
+    """Exceeded time limit of a row; not caught by error handlers."""
 
 
 @contextlib.contextmanager
@@ -252,7 +252,7 @@ def _within_bounds(seconds: float) -> Iterator[None]:
 
 
 def entries_of(folder: Path) -> Entries:
-    """Everything below a folder by its path: mode, and for files the size and, unless empty, the time of the change."""
+    """Files and folders below a folder by path: mode, and for files the size and, unless empty, the modification time."""
     found: Entries = {}
     for place, directories, files in os.walk(folder):
         for name in (*directories, *files):
@@ -267,7 +267,7 @@ def entries_of(folder: Path) -> Entries:
 
 
 def judge(row: Row, answer: Answer, folder: Path, before: Entries, after: Entries) -> None:
-    """Assert that the answer is the one that the row expects."""
+    """Assert that the output is the one expected by the row."""
     shown = f"\n{shown_answer(row.shell or row.granwave, answer)}"
     assert answer.status == row.status, shown
     assert len(faults_in(answer.err)) == row.n_faults, shown
@@ -277,7 +277,7 @@ def judge(row: Row, answer: Answer, folder: Path, before: Entries, after: Entrie
         assert fragment in answer.out, f"{fragment!r} is not printed{shown}"
     changed = sorted(name for name in {*before, *after} if before.get(name) != after.get(name))
     places = [os.path.normpath(f"{folder.name}/{place}") for place in row.writes]
-    # the list of what granwave wrote, which a file that is about to be made anew is noted in
+    # the list of files written by granwave, to which a file is added before it is rewritten
     changed = [name for name in changed if os.path.basename(name) != ".granwave" or name not in before]
     unasked = [name for name in changed if not any(_is_at(name, place) for place in places)]
     assert not unasked, f"written or changed: {unasked}{shown}"
@@ -296,16 +296,16 @@ def judge(row: Row, answer: Answer, folder: Path, before: Entries, after: Entrie
 
 
 def shown_answer(command: str, answer: Answer) -> str:
-    """The answer as a failed test shows it; asserts that nothing in it is for programmers."""
+    """Output for the message of a failed test; asserts that it contains no traceback or the like."""
     shown = f"{command}\nstatus {answer.status}\n{answer.out}{answer.err}"
     assert not INNARDS.search(answer.out + answer.err), shown
     return shown
 
 
 def faults_in(err: str) -> list[str]:
-    """Lines of standard error that name a fault; asserts that every line is one for people.
+    """Error lines of standard error; asserts that all lines are readable messages.
 
-    Warnings and the lines of progress that a log gets are no faults; neither is what argparse tells of the usage.
+    Warnings, progress lines in a log and the usage line of argparse are not errors.
     """
     lines = USAGE.sub("", err).splitlines()
     for line in lines:
@@ -316,6 +316,6 @@ def faults_in(err: str) -> list[str]:
 
 
 def _is_at(name: str, place: str) -> bool:
-    """``name`` is the ``place`` (a path, perhaps with * and ?), or lies in it."""
+    """True if ``name`` is the ``place`` (a path, possibly with * and ?), or is in it."""
     parts = name.split("/")
     return any(fnmatch("/".join(parts[:n]), place) for n in range(1, len(parts) + 1))

@@ -1,4 +1,4 @@
-"""Every row of ``inputs.toml`` gets its answer: status, one clear line a fault, and nothing written that was not asked."""
+"""Output of all rows of ``inputs.toml``: exit status, one clear line per error, and no unrequested files."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ RESULTS = ("run", "deck", "scan")
 
 
 def write_folder(folder: Path) -> None:
-    """Write the files that every row finds."""
+    """Write the files available to every row."""
     for name, text in FOLDER.items():
         (folder / name).write_text(text, encoding="utf-8")
 
 
 @pytest.fixture(scope="session")
 def results(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
-    """Results of the folder's case and scan, made when they are first asked for: ``run``, ``deck`` or ``scan``."""
+    """Results of the case and scan of the folder, created on first use: ``run``, ``deck`` or ``scan``."""
     folder = tmp_path_factory.mktemp("hostile")
     write_folder(folder)
 
@@ -53,9 +53,9 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
 
 @pytest.fixture
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    """A folder with the files that every row finds, in which nothing is left that could not be removed.
+    """Folder with the files available to every row, which are all removable after the test.
 
-    Its path says nothing of the row, so that what a message must say is not found there.
+    Its path contains nothing of the row, so that the expected words of a message do not occur in it.
     """
     folder = tmp_path_factory.mktemp("x") / "here"
     folder.mkdir()

@@ -1,7 +1,7 @@
-"""Every key of every table is given values of every wrong type: one clear line that names the key, and nothing written.
+"""All keys of all tables with values of every wrong type: one clear line with the key, and no files.
 
-The keys are those of the dataclasses that read them, so that a new one is tried as soon as it is there. What a key may
-hold is told by its type, and by the sets below: what may be negative, zero or empty.
+The keys are those of the dataclasses that read them, so that new ones are included automatically. Valid values of a key
+are determined by its type, and by the sets below: keys whose values may be negative, zero or empty.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ COMMANDS = {
     "scan.toml": "scan scan.toml --plan",
     SLURM: "scan scan.toml --plan --executor slurm --profile profile.toml",
 }
-#: Where each table stands: its file, the dotted name of the table, the dataclass of its keys, and a file that is right.
+#: All tables: file, dotted name of the table, dataclass of its keys, and a valid file.
 TABLES: list[tuple[str, str, type, dict[str, Any]]] = [
     (CASE, "material", Material, SPHERES),
     (CASE, "packing", sections.PackingSection, SPHERES),
@@ -89,11 +89,11 @@ MAY_BE_EMPTY = {"output.probes", "packing.vacancies", "slurm.before", "slurm.opt
 NOT_IN_A_PAIR = {"pair.1.initial_overlap"}
 
 NEVER: list[Any] = [{"x": 1}, math.nan, math.inf, datetime.date(2024, 2, 29), [True], ""]
-HUGE: list[Any] = [1e300, 10**30, "a" * 10_000]  # refused or not, but at once and without a traceback
+HUGE: list[Any] = [1e300, 10**30, "a" * 10_000]  # accepted or not, but immediately and without a traceback
 
 
 def keys() -> Iterator[Any]:
-    """A parameter for each key of each table."""
+    """Parameters of the test, one per key of each table."""
     for file, table, section, content in TABLES:
         hints = typing.get_type_hints(section)
         for field in dataclasses.fields(section):
@@ -103,7 +103,7 @@ def keys() -> Iterator[Any]:
 
 
 def kinds_of(hint: Any) -> set[type]:
-    """Types of TOML that an annotation allows."""
+    """TOML types allowed by an annotation."""
     if typing.get_origin(hint) in (typing.Union, types.UnionType):
         return set().union(*map(kinds_of, typing.get_args(hint)))
     if typing.get_origin(hint) is Literal:
@@ -112,7 +112,7 @@ def kinds_of(hint: Any) -> set[type]:
 
 
 def wrong_values(key: str, kinds: set[Any]) -> list[Any]:
-    """What the key may not hold."""
+    """Invalid values of a key."""
     wrong = [value for value in NEVER if not (key in MAY_BE_EMPTY and value == "")]
     if str not in kinds:
         wrong += ["nonsense"]
@@ -130,7 +130,7 @@ def wrong_values(key: str, kinds: set[Any]) -> list[Any]:
 
 
 def with_value(content: dict[str, Any], key: str, value: Any) -> dict[str, Any]:
-    """A copy of the tables with one key changed; numbers in it count entries of an array of tables."""
+    """Copy of the tables with one key changed; numbers in the key are indices of an array of tables."""
     name, _, rest = key.partition(".")
     if not rest:
         return content | {name: value}

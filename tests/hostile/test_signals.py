@@ -1,4 +1,4 @@
-"""Runs that are stopped or killed at any moment say so in a line, and end with the same result once they are resumed."""
+"""Runs stopped or killed at any time: a one-line message, and the same result after they are resumed."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ from tests.conftest import PLAIN
 from tests.hostile.rows import faults_in
 
 CASE = ["fcc-small", "--set", "packing.size=[14,14,8]", "--set", "run.end_time=2e-4", "--set", "run.frames=5"]
-CLOCK = ("wall_time_s", "sphere_steps_per_s")  # values of the summary that no two runs share
+CLOCK = ("wall_time_s", "sphere_steps_per_s")  # values of the summary that differ between all runs
 MOMENTS = (0.2, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0)  # s after the start: imports, deck, integration, analysis
 
 pytestmark = pytest.mark.validation
 
 
 def start(directory: Path, *options: str) -> subprocess.Popen[str]:
-    """Begin the run in a process of its own."""
+    """Start the run in a separate process."""
     command = [sys.executable, "-m", "granwave.workflows", "run", *CASE, "-o", str(directory), "--no-figures", *options]
     return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=PLAIN)
 
 
 def finish(directory: Path) -> None:
-    """Resume the run, and let it end."""
+    """Resume the run until its end."""
     process = start(directory, "--resume")
     _, errors = process.communicate(timeout=300)
     assert process.returncode == 0, errors
@@ -39,7 +39,7 @@ def finish(directory: Path) -> None:
 
 
 def result_of(directory: Path) -> dict[str, Any]:
-    """Every data set of result.h5, and the summary."""
+    """All data sets of result.h5, and the summary."""
     summary = json.loads((directory / "summary.json").read_text(encoding="utf-8"))
     found: dict[str, Any] = {key: value for key, value in summary.items() if key not in CLOCK}
     with h5py.File(directory / "result.h5") as file:
@@ -49,7 +49,7 @@ def result_of(directory: Path) -> dict[str, Any]:
 
 
 def compare(found: dict[str, Any], expected: dict[str, Any]) -> None:
-    """Fields are the same bits; sums over the packing, whose order a restart changes, agree to rounding."""
+    """Assert that fields are bitwise identical; sums over the packing, whose order a restart changes, agree to rounding."""
     assert found.keys() == expected.keys()
     for name, value in expected.items():
         if name.startswith(("spheres/", "contacts/", "wall_contacts/")) or isinstance(value, str):
@@ -65,7 +65,7 @@ def compare(found: dict[str, Any], expected: dict[str, Any]) -> None:
 
 @pytest.fixture(scope="module")
 def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
-    """What the run gives that nobody stops."""
+    """Result of an uninterrupted run."""
     directory = tmp_path_factory.mktemp("undisturbed") / "run"
     process = start(directory)
     _, errors = process.communicate(timeout=300)

@@ -1,4 +1,4 @@
-"""Case files: defaults, overrides, and every way to get one wrong."""
+"""Case files: defaults, overrides, and errors."""
 
 from __future__ import annotations
 

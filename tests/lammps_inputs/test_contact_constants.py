@@ -1,4 +1,4 @@
-"""The elasto-plastic law with constants of its own: law, pair style, wall, restart, deck, and what is refused."""
+"""Elastoplastic law with non-default constants: law, pair style, wall, restart, deck, and errors."""
 
 from __future__ import annotations
 
@@ -20,13 +20,9 @@ from granwave.lammps_inputs.deck.deck import write_deck
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict, load_case
 from tests.conftest import script_of
-from tests.helpers.twin import CONSTANTS, PRINTED, LawTwin, Network
+from tests.helpers.twin import CONSTANTS, OTHER, PRINTED, LawTwin, Network
 from tests.helpers.two_spheres import PAIR, R, collide, restitution, value
 
-OTHER = {
-    "pressure_limit": 2.9, "pressure_rate": 0.07, "area_switch": 140.0, "area_slope": 2.2, "area_offset": 45.0,
-    "residual_slope": 0.93, "residual_offset": 20.0, "residual_rate": 0.02, "unloading_exponent": 1.42,
-}  # fmt: skip
 BRASS = {"youngs_modulus": (115e9, 115e9), "poisson_ratio": (0.3, 0.3), "yield_strength": (550e6, 550e6)}
 STYLE = "elastoplastic 115e9 0.3 550e6 " + " ".join(f"{name} {value!r}" for name, value in OTHER.items())
 SPHERES = {"packing": {"kind": "chain", "size": 2, "diameter": 2 * R}, "material": "brass"}
@@ -81,7 +77,7 @@ def near(name: str) -> st.SearchStrategy[float]:
 @settings(max_examples=150, deadline=None)
 @given(st.fixed_dictionaries({name: near(name) for name in CONSTANTS}))
 def test_what_is_accepted_is_continuous_and_passive(own):
-    """Whatever constants are taken: loading rises, unloading never returns more than loading took, a larger peak loses more."""
+    """Loading increases, unloading returns at most the work of loading, a larger peak dissipates more, for any constants."""
     try:
         compiled = law(**own)
     except ValueError:
@@ -101,7 +97,7 @@ def test_what_is_accepted_is_continuous_and_passive(own):
 
 
 def test_exponent_is_raised_as_far_as_it_takes():
-    """An unloading that would return too much far beyond first yield, where the published exponent (1.09) has settled."""
+    """Exponents are raised far beyond first yield, with published constants only up to a peak of 1.09 alpha_y."""
     own = {"residual_slope": 0.1, "residual_offset": 0.1, "unloading_exponent": 1.05}
     compiled, twin = law(**own), LawTwin(**own)
     peak = np.geomspace(1.001, 400, 60)
@@ -182,7 +178,7 @@ AGAIN = "fix motion all nve\ncompute ep all pair gran/hysteretic\nthermo_style c
 
 @pytest.mark.parametrize(("style", "format"), [(STYLE, 2), ("elastoplastic 115e9 0.3 550e6", 1)])
 def test_restart(lammps, tmp_path, style, format):
-    """Constants are kept; a file without any is of the format that earlier versions wrote and read."""
+    """Constants are stored; a file without any has the format of earlier versions."""
     lmp = lammps()
     collide(lmp, steps=800, style=style)
     lmp.command(f"write_restart {tmp_path}/half.restart")
@@ -222,7 +218,7 @@ def test_deck(tmp_path):
 
 
 def test_a_run_with_them(granwave, tmp_path):
-    """Through a wall and the analysis: the balance closes, and the loss is not that of the published law."""
+    """Contact with a wall and analysis: energy is balanced, and the loss is not that of the published law."""
     given = [f"--set=contact.{name}={number}" for name, number in OTHER.items()]
     words = ("run", "two-spheres", "--no-figures", "--set=boundary.bottom=wall", "--set=run.end_time=1e-4")
     lost = []

@@ -1,4 +1,4 @@
-"""Counts that are too large are refused before anything is made of them, with what was asked for and how many there can be."""
+"""Counts that are too large are an error before they are used; the message contains the count and its limit."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from granwave.lammps_inputs.planning.schedule import make_schedule
 from granwave.workflows import load_case, load_scan
 from granwave.workflows.cli.parser import main
 
-_SPARE = 4_000_000_000  # bytes of address space beyond what is taken
+_SPARE = 4_000_000_000  # bytes of address space in addition to those in use
 
 
 @pytest.fixture(autouse=True)
 def little_memory(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """A process that may not grow, on a machine of 8 GB: what is made of a count before it is refused cannot be."""
+    """Limit the memory of the process, on a machine of 8 GB, so that no large object can be created before the error."""
     for module in (checks, memory):
         monkeypatch.setattr(module, "available_memory", lambda: 8e9)
     before = resource.getrlimit(resource.RLIMIT_AS)

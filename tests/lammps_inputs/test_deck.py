@@ -49,7 +49,7 @@ class TestTimestep:
         assert expected_peak_overlap(case) == pytest.approx(exact, rel=1e-9)
 
     def test_invariance_with_density_and_velocity(self) -> None:
-        # the overlaps depend on rho v^2 only, and then all times go with sqrt(rho)
+        # the overlaps depend on rho v^2 only, so that all times are proportional to sqrt(rho)
         heavy = {"preset": "brass", "density": 4 * 8500}
         slow = make(material=heavy, load={"velocity": 2.5})
         assert expected_peak_overlap(slow) == pytest.approx(expected_peak_overlap(make()))
@@ -301,7 +301,7 @@ STEEL = {"preset": "steel"}
 
 
 class TestMovingBottom:
-    """What the fix of the bottom is told, and what is recorded of it."""
+    """Arguments and output of the fix of the bottom."""
 
     def test_plate(self, tmp_path: Path) -> None:
         plate = {"mass": 0.1, "stiffness": 1e7, "damping": 20.0}
@@ -313,7 +313,7 @@ class TestMovingBottom:
         assert "struck_velocity support support_lost target" in " ".join(text.replace("&", "").split())
 
     def test_half_space_under_the_footprint(self, tmp_path: Path) -> None:
-        """Lysmer's analogue: 4 G r/(1 - nu) and 3.4 r^2 sqrt(rho G)/(1 - nu), the disc as large as a layer."""
+        """Lysmer's analogue: 4 G r/(1 - nu) and 3.4 r^2 sqrt(rho G)/(1 - nu), with a disc of the area of a layer."""
         text = script(tmp_path, boundary={"bottom": {"half_space": {}, "material": STEEL}})
         words = re.search(r"support (\S+) (\S+) (\S+)$", text, re.M)
         assert words is not None

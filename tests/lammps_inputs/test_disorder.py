@@ -1,4 +1,4 @@
-"""Disorder: diameters within a tolerance, vacancies, replaced spheres; what is random, and that nothing overlaps."""
+"""Disorder: diameters within a tolerance, vacancies, replaced spheres; random numbers, and absence of overlaps."""
 
 from __future__ import annotations
 
@@ -30,14 +30,14 @@ from granwave.lammps_inputs.packing.walls import walls
 from granwave.lammps_inputs.planning.plan import plan
 from granwave.lammps_inputs.planning.timestep import auto_timestep
 from granwave.workflows import run_case
-from tests.workflows.test_impact import assert_same_contacts
+from tests.helpers.contacts import assert_same_contacts
 
 LATTICES = [kind for kind in KINDS if kind != "chain"]  # those that can be periodic
 
 D = 0.01
 SIZES = {"fcc": (7, 8, 6), "hcp": (6, 8, 5), "bcc": (6, 7, 8), "sc": (5, 6, 7), "square": (9, 8), "chain": (12,)}
 INNER = 200  # sphere (3, 4, 3) of the fcc packing
-BALL = {"index": INNER, "diameter": (2 * math.sqrt(2) - 1) * D}  # in fcc without its neighbours: touches the six next
+BALL = {"index": INNER, "diameter": (2 * math.sqrt(2) - 1) * D}  # in fcc without its neighbors: touches the six next
 
 
 def case_of(kind: str = "fcc", size: tuple[int, ...] | None = None, **tables: Any) -> Case:
@@ -60,7 +60,7 @@ def around(sphere: int, case: Case | None = None) -> list[int]:
 
 
 def all_gaps(packing: Packing) -> np.ndarray:
-    """Between the surfaces of all spheres, every pair and the nearest image: (n, n), m; infinite on the diagonal."""
+    """Gaps between the surfaces of all pairs of spheres, with the nearest image: (n, n), m; infinite on the diagonal."""
     step = packing.positions[None] - packing.positions[:, None]
     if packing.lattice.periodic:
         for axis, length in enumerate(packing.lattice.lengths):
@@ -168,7 +168,7 @@ class TestSeed:
         ],
     )
     def test_bits_are_those_of_every_version_and_machine(self, distribution: str, expected: list[str]) -> None:
-        """As drawn on x86-64 with numpy 2 when this was written."""
+        """Random numbers are those of x86-64 with numpy 2 at the time of writing."""
         tables = {"diameter_scatter": 1e-5, "scatter_distribution": distribution, "seed": 7}
         assert [float(one).hex() for one in diameters(case_of(packing=tables))[:3]] == expected
 
@@ -207,7 +207,7 @@ class TestSeed:
         for mask in (sites.present, steel, small):
             assert stats.ks_2samp(loss[mask], loss[~mask]).pvalue > 1e-3
         n = np.count_nonzero(sites.present)
-        assert np.count_nonzero(small) == round(0.3 * n)  # the last entry overrules
+        assert np.count_nonzero(small) == round(0.3 * n)  # the last entry takes precedence
         assert np.count_nonzero(steel) == pytest.approx(0.3 * 0.7 * n, abs=4 * math.sqrt(0.3 * 0.7 * n))
 
     def test_a_wider_band_stretches_and_a_larger_share_contains_a_smaller_one(self) -> None:
@@ -263,7 +263,7 @@ class TestVacancies:
         assert assemble(case).ids[-1] == n + 1 and len(assemble(case).positions()) == assemble(case).n_spheres
 
     def test_a_striker_can_sit_in_one(self) -> None:
-        """In a square packing, between the two spheres beside a vacancy at the edge, as near as their diameters let it."""
+        """Striker between the two spheres next to a vacancy at the edge of a square packing, as near as diameters permit."""
         tables = {"vacancies": [5], "diameter_scatter": 1e-6}
         case = case_of("square", packing=tables, striker=[{"touches": [4, 6], "diameter": 0.012}])
         packing = build_packing(case)
@@ -310,7 +310,7 @@ class TestReplaced:
         assert np.count_nonzero(expected == INNER) == 6 and assemble(case).n_contacts == len(expected)
 
     def test_images_of_larger_ones_count(self) -> None:
-        """Sphere 61 is at two faces of the box: its neighbours across them must go too."""
+        """Sphere 61 is at two faces of the box: its neighbors across them must be removed, too."""
         periodic = {"sides": "periodic"}
         ball, near = [{"index": 61, "diameter": 0.018}], around(61, case_of("sc", boundary=periodic))
         fits = case_of("sc", packing={"vacancies": near}, boundary=periodic, replace=ball)
@@ -372,7 +372,7 @@ def test_155520_spheres_take_no_time() -> None:
 
 @dataclasses.dataclass
 class Ran:
-    """A run, and what it left."""
+    """Run and its results."""
 
     case: Case
     directory: Path
@@ -403,7 +403,7 @@ def test_the_balance_of_a_disordered_packing_closes(ran: Ran) -> None:
 
 @pytest.mark.parametrize(("kind", "sides"), [*product(KINDS, ["free", "wall"]), *product(LATTICES, ["periodic"])])
 def test_every_lattice_runs(kind: str, sides: str, tmp_path: Path) -> None:
-    """LAMMPS finds all neighbours (else the run ends there), and the balance closes."""
+    """LAMMPS finds all neighbors (otherwise the run stops), and energy is balanced."""
     packing = {"diameter_scatter": 1e-6, "scatter_distribution": "normal"}
     case = case_of(
         kind,
@@ -430,7 +430,7 @@ def test_one_and_two_ranks_give_the_same_bits(lmp, tmp_path: Path) -> None:
 
 
 def test_a_tolerance_delays_and_lowers_what_arrives(lmp, tmp_path: Path) -> None:
-    """Gaps must close first: at 5 m/s, 1 um in a pair takes 0.2 us."""
+    """Gaps must close first: at 5 m/s, a gap of 1 um in a pair takes 0.2 us."""
     peaks = []
     for scatter in (0.0, 5e-6):
         case = case_of(size=(8, 8, 5), packing={"diameter_scatter": scatter}, run={"end_time": 1.5e-4, "frames": 3})

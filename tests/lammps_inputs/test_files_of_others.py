@@ -1,4 +1,4 @@
-"""The command line and files that granwave did not write: kept, and told by name; odd names, one process at a time."""
+"""Command line and files of the user: they are kept and named in messages; unusual names, one process at a time."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def here(tmp_path, monkeypatch):
 
 @pytest.fixture
 def says(capsys):
-    """Run a command that shall end with a status; returns its complaints."""
+    """Run a command that must end with a given status; returns its messages."""
 
     def run(status: int, *words: object) -> str:
         capsys.readouterr()
@@ -90,7 +90,7 @@ def test_files_by_our_names_are_refused(says, tmp_path, name, command, words):
 
 
 def test_a_case_file_of_that_name_is_not_overwritten(says, tmp_path, capsys):
-    """The case that is run lies in the directory for the results."""
+    """The case file is in the directory for the results."""
     main(["show", "two-spheres"])
     Path("case.toml").write_text(capsys.readouterr().out)
     before = files(tmp_path)
@@ -101,7 +101,7 @@ def test_a_case_file_of_that_name_is_not_overwritten(says, tmp_path, capsys):
 
 def test_a_deck_that_was_run_by_hand_is_not_lost(says, tmp_path):
     says(0, "write", *TINY, "-o", "r")
-    says(0, "run", *QUICK, "-o", "r", "--resume")  # there is nothing yet that could be lost
+    says(0, "run", *QUICK, "-o", "r", "--resume")  # no results yet that could be lost
     says(0, "write", *TINY, "-o", "r", "--force")
     Path("r", "dumps", "energy.txt").write_text("# by LAMMPS")
     before = files(tmp_path / "r")

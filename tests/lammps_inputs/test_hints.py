@@ -1,4 +1,4 @@
-"""Hints at the key or the name that was meant, and words of the command line that do not run a study."""
+"""Suggestions of the intended key or name, and command-line words that do not run a study."""
 
 from __future__ import annotations
 
@@ -122,7 +122,7 @@ def test_the_word_that_runs_a_study_is_named(
     (tmp_path / "of-scan.toml").write_text('case = "my-scan.toml"\n[grid]\nload.velocity = [1]\n', encoding="utf-8")
     (tmp_path / "suite.toml").write_text('scans = ["my-scan.toml"]\n', encoding="utf-8")
     for name in ("results", "empty", "fcc-small", "half-space"):
-        (tmp_path / name).mkdir()  # results of that name lie about
+        (tmp_path / name).mkdir()  # results of that name exist
     (tmp_path / "results" / "case.toml").write_text(case, encoding="utf-8")
     before = sorted(tmp_path.rglob("*"))
     assert main(words) == 2

@@ -1,4 +1,4 @@
-"""Fix gran/load, flat faces and bodies that never yield: impulses, work, bars, ranks, restart, messages."""
+"""Fix gran/load, flat faces and elastic bodies: impulses, work, bars, ranks, restart, messages."""
 
 from __future__ import annotations
 
@@ -9,11 +9,10 @@ import pytest
 
 from granwave._contact_laws import ContactLaw
 from tests.conftest import script_of
-from tests.helpers.two_spheres import R, value
-from tests.plugins.test_manual import PAGES, Log
+from tests.helpers.manual import PAGES, Log
+from tests.helpers.two_spheres import BOX, R, value
 
 MASS = 8500 * 4 / 3 * np.pi * R**3
-BOX = [-0.1, 0.1] * 3
 REPORT = "\nthermo_style custom step c_ke pe c_ep[1] f_push f_push[1] f_push[2] f_push[3]\n"
 T, A = 1.0007e-5, 100.0  # 1000.7 timesteps
 
@@ -26,7 +25,7 @@ def table(path, times, values):
 
 
 def pushed(lmp, load, positions=((0, 0, 0),), extra="", **options):
-    """Free spheres with a load on all of them, or on the group that `load` names."""
+    """Free spheres with a load on all of them, or on the group in `load`."""
     group, _, rest = load.rpartition("|")
     fix = f"{extra}\nfix push {group or 'all'} gran/load z {rest}{REPORT}"
     lmp.commands_string(script_of(list(positions), box=BOX, extra=fix, **options))
@@ -34,7 +33,7 @@ def pushed(lmp, load, positions=((0, 0, 0),), extra="", **options):
 
 
 def balance(lmp) -> float:
-    """Kinetic, stored and dissipated energy over the work."""
+    """Ratio of kinetic, stored and dissipated energy to the work."""
     return value(lmp, "(c_ke+pe+c_ep[1])/f_push")
 
 
@@ -188,7 +187,7 @@ def on_a_face(lmp, face_mass=1e12, law="elastoplastic 115e9 0.3 550e6 210e9 0.3 
 @pytest.mark.parametrize("law", ["elastoplastic", "thornton", "bilinear"])
 @pytest.mark.parametrize("strengths", [(550e6, np.inf), (np.inf, 550e6), (550e6, 700e6)])
 def test_face_and_wall_are_the_plane_of_the_law(lammps, law, strengths):
-    """A heavy face of radius 0, a wall of the same material and the closed form for R2 = infinity."""
+    """Heavy face of radius 0, wall of the same material and closed form for R2 = infinity agree."""
     first, second = ("INF" if np.isinf(s) else f"{s}" for s in strengths)
     words = f"{law} 115e9 0.3 {first} 210e9 0.3 {second}"
     face, wall = on_a_face(lammps(), law=words), lammps()
@@ -257,10 +256,10 @@ def test_hostile_states_at_a_face_get_a_message(lammps, speed, message):
 
 
 def bar(n, *, beads=0, load="half-sine 1000 60e-6", courant=0.05, ranks=1) -> tuple[str, float]:
-    """Script of a steel bar of n nodes, behind a few beads of brass; the wave speed."""
+    """Input script of a steel bar of n nodes, behind a few beads of brass, and its wave speed."""
     modulus, density, area, h = 200e9, 7850.0, 1e-4, 5e-3
     mass, speed = density * area * h, np.sqrt(modulus / density)
-    top = n * h + 0.02  # two processors meet where beads and bar do
+    top = n * h + 0.02  # the subdomains of two processors meet between beads and bar
     lines = [
         "units si\natom_style hybrid sphere bond\natom_modify map yes\nnewton off\nboundary f f f",
         f"region box block -0.02 0.02 -0.02 0.02 {-top} {top} units box\nprocessors 1 1 {ranks}",
@@ -324,7 +323,7 @@ def test_beads_and_bar_on_two_processors_give_the_same_bits(lmp, tmp_path):
 
 
 def test_bar_goes_on_from_a_restart_on_other_processors(lmp, tmp_path):
-    """Bonds, dents, work and impulse: written by one processor in mid-pulse, read by two."""
+    """Bonds, dents, work and impulse are written by one processor during the pulse and read by two."""
     script = bar(60, beads=5, load="half-sine 5000 4e-5")[0].replace("timestep", "timestep 2.4e-8\n# was")
     script += "run 800\nwrite_restart r\nrun 2000\nwrite_dump all custom all.dump id x y z vx vy vz modify format float %.17g sort id\n"
     goes_on = (
@@ -349,7 +348,7 @@ def test_driven_sphere_crosses_between_processors(lmp, tmp_path):
     found = []
     for ranks in (1, 2):
         script = script_of(PAIR, box=[-0.02, 0.02, -0.02, 0.02, -0.02, 0.02002], extra=DRIVEN)
-        script = script.replace("boundary m m m", f"boundary p p p\nprocessors 1 1 {ranks}")  # which meet at z = 1e-5
+        script = script.replace("boundary m m m", f"boundary p p p\nprocessors 1 1 {ranks}")  # in contact at z = 1e-5
         script += f"fix push driven gran/load z displacement harmonic 2e-5 8e3{REPORT}neigh_modify check no every 10\nrun 6000\n"
         script += 'print "result $(z[1]:%.17g) $(z[2]:%.17g) $(f_push:%.15g) $(f_push[2]:%.15g) $(f_push[3]:%.15g)"\n'
         (tmp_path / "in.two").write_text(script)
@@ -362,7 +361,7 @@ def test_driven_sphere_crosses_between_processors(lmp, tmp_path):
 
 
 def test_example_of_the_manual(lmp, tmp_path):
-    """The bar of the page of the pair style; LAMMPS warns of hybrid atom styles, which have two kinds of masses."""
+    """Example of a bar in the manual page of the pair style; LAMMPS warns of two kinds of masses in hybrid atom styles."""
     page = (PAGES / "pair_gran_hysteretic.md").read_text(encoding="utf-8")
     (script,) = re.findall(r"^```LAMMPS\n(# Example of a bar.*?)^```$", page, re.MULTILINE | re.DOTALL)
     (tmp_path / "in.bar").write_text(script)
@@ -424,7 +423,7 @@ def test_wrong_loads_get_a_message(lammps, tmp_path, words, message):
 def test_wrong_runs_get_a_message(lammps, commands, message):
     lmp = lammps()
     script = script_of([(0, 0, 0)], extra="fix push all gran/load z force harmonic 1 1")
-    if "respa" in commands:  # which the pair style refuses too
+    if "respa" in commands:  # an error of the pair style, too
         script = script.replace(
             "pair_style gran/hysteretic 0.001\npair_coeff * * elastoplastic 115e9 0.3 550e6",
             "pair_style zero 1e-3\npair_coeff * *",

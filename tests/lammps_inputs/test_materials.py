@@ -1,4 +1,4 @@
-"""Materials: the presets, the user's own files, and the yield factor."""
+"""Materials: presets, files of the user, and the yield factor."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Files that cases and scans name: where they are looked for, and that all words of the command line open them."""
+"""Files named in cases and scans: search path, and access by all commands."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ SPHERE = 'name = "s"\nmaterial = "brass"\n[sphere]\nradius = 0.005\n'
 
 @pytest.fixture
 def places(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Path, Path]:
-    """The folder of a case file and the working directory; each has a mine.toml, of different moduli."""
+    """Folder of a case file and working directory; each has a mine.toml, with different moduli."""
     folder, here = tmp_path / "folder", tmp_path / "here"
     for place, modulus in ((folder, "2e11"), (here, "1e11")):
         place.mkdir()
@@ -43,7 +43,7 @@ def places(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Path, Path]
     return folder, here
 
 
-# Every place where a material may stand: the lines of a case file, the same for --set, and where to find it.
+# All places of a material: lines of a case file, the same for --set, and access to its value.
 PLACES: list[tuple[str, str, Callable[[Any], Any]]] = [
     ("", "material", lambda case: case.material),
     ("[[replace]]\nindex = 2\nmaterial = {}\n", "replace.1.material", lambda case: case.replace[0].material),
@@ -236,7 +236,7 @@ def test_scans_and_cases_of_a_suite(places: tuple[Path, Path]) -> None:
 
 @pytest.fixture(scope="module")
 def first(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The directory of a small run."""
+    """Directory of a small run."""
     folder = tmp_path_factory.mktemp("runs")
     (folder / "small.toml").write_text(SMALL, encoding="utf-8")
     assert main(["run", str(folder / "small.toml"), "-o", str(folder / "first"), "--no-figures"]) == 0
@@ -244,7 +244,7 @@ def first(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def _words(tmp_path: Path, folder: Path) -> list[list[str]]:
-    """Every word of the command line that reads the case, or a scan of it."""
+    """All commands that read the case, or a scan of it, find the file."""
     (folder / "scan.toml").write_text('case = "my.toml"\n[grid]\nload.velocity = [1, 2]\n', encoding="utf-8")
     return [
         ["check", str(folder / "my.toml")],
@@ -337,7 +337,7 @@ def test_results_are_not_replaced_that_the_run_itself_needs(
             assert main([*words, "--set", f"contact.initial_overlap={tmp_path / named}"]) == 2
             assert "is among the results that would be replaced" in capsys.readouterr().err
     assert (tmp_path / "out" / "result.h5").stat().st_mtime_ns == before
-    # a run beside the results of another, in the same folder, replaces nothing of it
+    # a second run in the folder of another does not replace its results
     words = ["run", str(tmp_path / "my.toml"), "-o", str(tmp_path), "--no-figures"]
     assert main([*words, "--set", f"contact.initial_overlap={tmp_path / 'out'}"]) == 0
 

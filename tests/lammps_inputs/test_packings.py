@@ -29,7 +29,7 @@ def make(kind: str, size: tuple[int, ...], periodic: bool = False) -> Packing:
 
 
 def touching_pairs(packing: Packing) -> np.ndarray:
-    """All pairs of spheres within 1e-6 D of contact, by comparing every pair and every image."""
+    """All pairs of spheres within 1e-6 D of contact, by comparing all pairs and images."""
     x = packing.positions
     step = x[None, :, :] - x[:, None, :]
     if packing.lattice.periodic:

@@ -1,4 +1,4 @@
-"""Friction, spins and contact laws of their own for pairs of materials: in the deck, in the law asked for, in runs."""
+"""Friction, spins and contact laws for pairs of materials: in the deck, in the law command, in runs."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from granwave.lammps_inputs.load_case import case_from_dict, load_case
 from granwave.workflows.cli.fitting import fit
 from granwave.workflows.run.balance import TOLERANCE
 from granwave.workflows.run.driver import run_case
-from tests.lammps_inputs.test_contact_constants import OTHER
+from tests.helpers.twin import OTHER
 
 R = 0.005
 
@@ -37,7 +37,7 @@ def script(case: Case, directory: Path) -> str:
 
 
 def coefficients(text: str) -> dict[str, str]:
-    """What is behind the word friction, or the whole law, by types or by the name of a wall."""
+    """Argument of the keyword friction, or the whole law, by types or by the name of a wall."""
     found = dict(re.findall(r"^pair_coeff +(\d \d) (.*)$", text, re.M))
     return found | dict(re.findall(r"^fix +(\w+) \w+ wall/gran/hysteretic (.*)$", text, re.M))
 
@@ -183,7 +183,7 @@ class TestLaws:
 
 
 def test_a_fitted_curve_becomes_a_pair(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A computed curve, its constants by `granwave fit`, the table in a case: the law of that pair."""
+    """Law of a pair from a computed curve: constants by `granwave fit`, and the table in a case."""
     materials = [material("steel"), material("brass")]
     law = contact_of(materials, [R, R], constants=OTHER)
     cycles = [np.linspace(0, 60, 80), *(np.linspace(*ends, 60)[1:] for ends in ((60, 30), (30, 150), (150, 120)))]

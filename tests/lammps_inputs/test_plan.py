@@ -1,4 +1,4 @@
-"""Plans: size, memory and time of a run and of a scan before they are run, and what is left of a scan in work."""
+"""Plans: size, memory and time of a run and of a scan before the start, and remaining work of a scan in progress."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def make(size: Any = (12, 12, 8), packing: dict[str, Any] | None = None, **table
 
 
 def steps(**tables: Any) -> float:
-    """Expected time of a step, s."""
+    """Expected wall-clock time of a timestep, s."""
     found = plan(make(**tables))
     return found.times.most_steps / (found.schedule.n_steps / found.schedule.first_step)
 
@@ -61,7 +61,7 @@ def test_memory() -> None:
 
 
 def test_what_makes_a_step_longer() -> None:
-    """In 1152 spheres 57 us elastic, 84 at 20 m/s, 91 with friction; 70 and 125 us under a load in 640."""
+    """Times per step: 1152 spheres 57 us elastic, 84 at 20 m/s, 91 with friction; 640 spheres under a load 70 and 125 us."""
     hertz = {"law": "hertz"}
     elastic = steps(contact=hertz)
     assert 1.3 < steps(contact={**hertz, "friction": 0.3}) / elastic < 2
@@ -109,7 +109,7 @@ def test_runs_that_end_by_themselves_are_not_planned_to_their_limit() -> None:
 
 @pytest.fixture
 def points(tmp_path: Path) -> list[Point]:
-    """Six, of which the last is planned to take longer than any other."""
+    """Six points, the last of which is expected to take longest."""
     scan = reader(tmp_path)(
         SMALL + "[grid]\nload.velocity = [1, 2, 3, 4, 5]\n[[points]]\nload.spheres = 3\nrun.frames = 400\n"
     )
@@ -118,7 +118,7 @@ def points(tmp_path: Path) -> list[Point]:
 
 @pytest.fixture
 def clock(monkeypatch: pytest.MonkeyPatch) -> list[float]:
-    """The time, which passes when it is set."""
+    """Clock that advances only when it is set."""
     now = [100.0]
     monkeypatch.setattr(time, "monotonic", lambda: now[0])
     return now
@@ -158,11 +158,11 @@ def test_until_a_point_is_done_the_plan_is_shown(points: list[Point], clock: lis
     outlook = Outlook(points, None, 2, slowness=100.0)
     words = {}
     for clock[0] in (101.0, 130.0):
-        words[clock[0]] = outlook.words(points, {})
+        words[clock[0]] = outlook.text(points, {})
     assert words[101.0].startswith("1 s of about ") and words[130.0].startswith("30 s of about ")
     assert words[101.0].split("about")[1] == words[130.0].split("about")[1]
     clock[0] = 1e6
-    assert ", longer than the planned " in outlook.words(points, {}) and outlook.words([], {}).endswith("are next")
+    assert ", longer than the planned " in outlook.text(points, {}) and outlook.text([], {}).endswith("are next")
 
 
 def test_then_the_points_that_are_done_tell(points: list[Point], clock: list[float]) -> None:
@@ -170,17 +170,17 @@ def test_then_the_points_that_are_done_tell(points: list[Point], clock: list[flo
     clock[0] += 70
     outlook.done(first, 100 * expected_time(first))
     left = 100 * (sum(map(expected_time, others)) + expected_time(longest)) + batches.PUBLISH
-    assert outlook.words([*others, longest], {}) == f"70 s, about {left / 60:.0f} min left"
-    ages = {longest.id: 100 * expected_time(longest), others[0].id: 1e9}  # nothing is taken off twice
+    assert outlook.text([*others, longest], {}) == f"70 s, about {left / 60:.0f} min left"
+    ages = {longest.id: 100 * expected_time(longest), others[0].id: 1e9}  # nothing is subtracted twice
     left = 100 * sum(map(expected_time, others[1:])) + batches.PUBLISH
-    assert outlook.words([*others, longest], ages) == f"70 s, about {left:.0f} s left"
-    assert outlook.words([], {}) == "70 s; table, figures and report are next"
+    assert outlook.text([*others, longest], ages) == f"70 s, about {left:.0f} s left"
+    assert outlook.text([], {}) == "70 s; table, figures and report are next"
 
 
 def test_points_of_an_earlier_start_do_not_tell(points: list[Point], clock: list[float]) -> None:
     outlook = Outlook(points[1:], None, 1, slowness=1.0)
     outlook.done(points[0], 1e6)
-    assert outlook.words(points[1:], {}).startswith("0 s of about ")
+    assert outlook.text(points[1:], {}).startswith("0 s of about ")
 
 
 # ---------------------------------------------------------------------- lines of a log

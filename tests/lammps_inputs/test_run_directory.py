@@ -1,4 +1,4 @@
-"""What is granwave's own in a directory of results, what it may overwrite and remove, and results without a marker."""
+"""Files of granwave in a directory of results, files that it may overwrite and remove, and results without a marker."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def test_files_and_folders_in_the_way(tmp_path):
 
 
 def test_a_marker_leads_nowhere_else(tmp_path):
-    """One that came with a download may name anything."""
+    """A downloaded marker may contain arbitrary names."""
     fill(tmp_path, "precious", "r/case.toml")
     names = {"../precious": None, str(tmp_path / "precious"): None, "a/../../precious": 3, "case.toml": None, "": None}
     (tmp_path / "r" / MARKER).write_text(json.dumps({"kind": "run", "files": names}))
@@ -92,7 +92,7 @@ def test_results_within_results_go_by_their_own_marker(tmp_path):
     fill(point, "point.json", "case.toml", "notes")
     claim(tmp_path, ["scan.json", "points/0a/", "unfinished/0a/"], kind=SCAN)
     fill(tmp_path, "scan.json", "points/mine", ".scan/batches/x.json", ".scan/logs/a/b.log", ".scan/mine")
-    assert results_in(point) == ["case.toml"]  # what a scan keeps beside a run is no result
+    assert results_in(point) == ["case.toml"]  # files that a scan stores next to a run are not results
     clear(point)
     assert tree(point) == [MARKER, "notes", "point.json"]
     clear(tmp_path)
@@ -143,7 +143,7 @@ def test_a_summary_of_somebody_else_is_not_overwritten(tmp_path):
 
 @pytest.fixture(scope="module")
 def analysed(tmp_path_factory):
-    """A run with results and a figure."""
+    """Run with results and a figure."""
     directory = synthetic.write_run(tmp_path_factory.mktemp("earlier") / "r", synthetic.make_case("chain", 3))
     analyse(directory, figures=False)
     draw_figures(directory, names=("energies",))
@@ -152,7 +152,7 @@ def analysed(tmp_path_factory):
 
 @pytest.fixture
 def earlier(analysed, tmp_path):
-    """The same as version 0.1.0 left it."""
+    """Run with results and a figure as written by version 0.1.0."""
     shutil.copytree(analysed, tmp_path / "r")
     (tmp_path / "r" / MARKER).unlink()
     return tmp_path / "r"
@@ -163,7 +163,7 @@ def test_a_run_without_a_marker_is_recognised(analysed, earlier):
     found, marker = read_marker(earlier), read_marker(analysed)
     assert found.kind == RUN and found.case == marker.case
     assert set(found.files) == {name for name in marker.files if (analysed / name).exists()} | {"run.json"}
-    assert not (earlier / MARKER).exists()  # looking changes nothing
+    assert not (earlier / MARKER).exists()  # listing changes nothing
     clear(earlier)
     assert tree(earlier) == [
         "dumps/mine.txt", "export/mine.csv", "figures/mine.csv", "figures/mine.png", "notes.txt", "points/x",
@@ -195,7 +195,7 @@ def test_an_export_of_an_earlier_version_is_replaced(earlier):
 
 
 def test_names_alone_are_no_results(tmp_path):
-    """Somebody's own files, by names that granwave uses too."""
+    """Files of the user, with names also used by granwave."""
     fill(tmp_path, "case.toml", "summary.json", "result.h5", "run.json", "scan.toml", "scan.json", "fit.toml")
     fill(tmp_path, "figures/energies.png", "dumps/energy.txt", "points/a/case.toml", "log.lammps", "report.html")
     (tmp_path / "case.toml").write_text('name = "mine"\nmaterial = "brass"\n[packing]\nkind = "fcc"\n')

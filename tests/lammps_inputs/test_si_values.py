@@ -1,4 +1,4 @@
-"""Values that nothing has in SI units are noted with the unit that was probably meant; absurd ones are refused."""
+"""Values that are implausible in SI units give a note with the probable unit; absurd ones are an error."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ STEEL_IN_OTHER_UNITS = {
 
 
 def _notes(caplog: pytest.LogCaptureFixture, overrides: dict[str, Any], case: str = "fcc-small") -> list[str]:
-    with contextlib.suppress(InputError):  # other errors may come of it
+    with contextlib.suppress(InputError):  # other errors may follow
         load_case(case, overrides)
     return [record.getMessage() for record in caplog.records if record.levelno == logging.WARNING]
 

@@ -1,4 +1,4 @@
-"""The compiled contact laws against check values, closed forms, and a second implementation."""
+"""Compiled contact laws against check values, closed forms, and a second implementation."""
 
 from __future__ import annotations
 
@@ -121,7 +121,7 @@ def test_the_printed_law_jumps_and_gives_back_more_than_it_took():
     st.sampled_from(["elastoplastic", "bilinear", "thornton", "hertz"]),
 )
 def test_no_history_gives_back_more_than_it_took(turns, name):
-    """Work over any path of overlaps = stored + dissipated, and what is stored never exceeds the work."""
+    """Work over any path of overlaps = stored + dissipated energy, and the stored energy never exceeds the work."""
     law = brass(name)
     length, unit = law.yield_overlap, law.yield_overlap * law.yield_force
     work, peak, here = 0.0, 0.0, 0.0

@@ -1,4 +1,4 @@
-"""Command gran/dents: dents from before a run, given by file or left by what the contacts went through."""
+"""Command gran/dents: initial dents from a file or from an earlier stage."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from tests.helpers.two_spheres import LAW, PAIR, R, restitution, value
 
 @pytest.mark.parametrize("ids", ["1 2", "2 1"])
 def test_a_deep_dent_makes_a_collision_elastic(lammps, tmp_path, ids):
-    """The first collision meets the dent that a harder one would have left: it rides its unloading branch."""
+    """The first collision, with the dent of a harder one, follows the unloading branch of the dent."""
     dent = 80 * LAW.yield_overlap
     lmp = lammps()
     start(lmp, speed=0.5, extra=reading(tmp_path, f"# id id peak\n\n{ids} {dent:.17g}   # of an earlier run\n"))
@@ -24,7 +24,7 @@ def test_a_deep_dent_makes_a_collision_elastic(lammps, tmp_path, ids):
     assert row[4] == row[15] == dent
     assert value(lmp, "c_en[1]") == value(lmp, "c_en[2]") == row[7] == 0
     assert row[10] == -1 and 0 <= row[8] < row[9]
-    # the largest force of the run is that where the kinetic energy was stored, far below that of the dent
+    # the largest force of the run is that at which the kinetic energy is stored, far below that of the dent
     overlaps = np.linspace(LAW.residual_overlap(dent), dent, 20001)
     stored = LAW.elastic_energy(overlaps, np.full_like(overlaps, dent))
     reached = np.interp(0.25 * MASS * 0.25, stored, overlaps)
@@ -34,7 +34,7 @@ def test_a_deep_dent_makes_a_collision_elastic(lammps, tmp_path, ids):
 
 
 def test_what_is_lost_beyond_a_dent(lammps, tmp_path):
-    """A collision that goes deeper: dissipated is e(peak) - e(initial), and energy balances with it."""
+    """A collision beyond the initial dent dissipates e(peak) - e(initial), and energy is balanced."""
     dent = 20 * LAW.yield_overlap
     lmp = lammps()
     start(lmp, speed=4.0, extra=f"{reading(tmp_path, f'1 2 {dent:.17g}')}\n{meeting_in(dent)}\nrun 20000")
@@ -50,7 +50,7 @@ def test_what_is_lost_beyond_a_dent(lammps, tmp_path):
 
 
 def test_begin_makes_the_past_of_a_collision(lammps):
-    """After a collision, begin: its dent is initial, its loss is gone from the ledger, the next collision is elastic."""
+    """Command `begin` after a collision: its dent becomes initial, its loss is removed, the next collision is elastic."""
     lmp = lammps()
     start(lmp)
     lmp.command("run 20000")
@@ -70,7 +70,7 @@ def test_begin_makes_the_past_of_a_collision(lammps):
 
 @pytest.mark.parametrize("steps", [300, 20000])
 def test_begin_forgets_what_was_elastic(lammps, steps):
-    """A contact below its elastic limit has no past but where it is now; forgotten ones have none at all."""
+    """Contacts below the elastic limit keep only their present overlap after `begin`; forgotten dents are discarded."""
     lmp = lammps()
     start(lmp, speed=0.02)
     lmp.command(f"run {steps}")
@@ -105,7 +105,7 @@ def test_begin_starts_frictional_losses_anew_and_keeps_the_springs(lammps):
 
 
 def test_relaxed_under_pressure_then_begun(lammps):
-    """A chain pressed between walls by FIRE; its equilibrium is the start of the run, which moves nothing and has lost nothing."""
+    """A run from the equilibrium of a chain compressed between walls by FIRE has no motion and no dissipation."""
     lmp = lammps()
     n, squeeze = 6, 2e-6
     places = [(0, 0, 2 * R * k) for k in range(n)]
@@ -145,7 +145,7 @@ def test_preconditioned_contacts_survive_restart(lammps, tmp_path):
 
 
 def test_two_ranks_take_the_same_dents(lmp, tmp_path):
-    """A row of spheres across both processors, dents of every second contact and of a wall, and begin after a run."""
+    """Row of spheres on two processors, with dents of every second contact and of a wall, and `begin` after a run."""
     n = 12
     places = [(2 * R * k, 0, 0) for k in range(n)]
     dents = "".join(f"{k + 1} {k} {(20 + k) * LAW.yield_overlap:.17g}\n" for k in range(2, n, 2))

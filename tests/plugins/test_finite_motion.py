@@ -1,4 +1,4 @@
-"""Positions, velocities and forces that are not finite end the run, with the ID of the sphere."""
+"""Positions, velocities and forces that are not finite stop the run with an error that contains the ID of the sphere."""
 
 from __future__ import annotations
 
@@ -8,19 +8,17 @@ import numpy as np
 import pytest
 
 from tests.conftest import refuses, script_of
-from tests.helpers.two_spheres import PAIR, R
-from tests.lammps_inputs.test_load import BOX
-from tests.plugins.test_walls import WALL
+from tests.helpers.two_spheres import BOX, PAIR, WALL, R
 
 CLOSING = [(0, 0, 1.0), (0, 0, -1.0)]
-ALONE = [*PAIR, (0.1, 0, 0)]  # the third has nobody in reach
+ALONE = [*PAIR, (0.1, 0, 0)]  # the third has no other sphere within reach
 ROUGH = {"style": "elastoplastic 115e9 0.3 550e6 friction 0.3", "extra": "comm_modify vel yes"}
-BAD = "variable bad equal exp(1000)-exp(1000)\n"  # NaN: LAMMPS takes no such word
+BAD = "variable bad equal exp(1000)-exp(1000)\n"  # NaN: not a valid word in LAMMPS
 CHAIN = [(0, 0, 0), (0, 0, 2 * R), (0, 0, 4 * R)]
 
 
 def foreign(text: str) -> str:
-    """The script with a pair style of LAMMPS's own, that exerts no force."""
+    """Input script with a pair style of LAMMPS that exerts no force."""
     text = re.sub("pair_style.*", "pair_style zero 0.02", text)
     text = re.sub("pair_coeff.*", "pair_coeff * *", text)
     return re.sub("compute ep.*\nthermo_style.*\n", "", text)
@@ -39,7 +37,7 @@ def test_not_finite_at_the_start_of_a_run(lammps, amount, name, meaning, ident, 
     lmp = lammps()
     lmp.commands_string(script_of(ALONE))
     if begin:
-        lmp.command("run 7")  # an odd step: found all the same
+        lmp.command("run 7")  # an odd step: detected nevertheless
     spoil(lmp, name, ident, amount)
     where = "position|velocity" if begin else meaning
     refuses(lmp, f"run 200 {begin}", rf"The ({where}) of sphere {ident} is not finite \((nan|-?inf) ")
@@ -49,7 +47,7 @@ def test_not_finite_at_the_start_of_a_run(lammps, amount, name, meaning, ident, 
 @pytest.mark.parametrize("check", ["check yes", "check no", "delay 1000000000 check yes"])
 @pytest.mark.parametrize("options", [{}, ROUGH], ids=["smooth", "rough"])
 def test_a_force_that_turns_into_nan(lammps, positions, sphere, check, options):
-    """LAMMPS never builds its lists again for a sphere at NaN with `check yes`: as if it had not moved."""
+    """LAMMPS with `check yes` does not rebuild neighbor lists for a sphere at NaN, as if it had not moved."""
     lmp = lammps()
     lmp.commands_string(script_of(positions, **options) + BAD)
     lmp.commands_string(
@@ -67,7 +65,7 @@ def test_angular_velocity(lammps):
 
 
 def test_nan_is_found_before_it_is_reported(lammps):
-    """What was set after a run is not in any sum, row or dump."""
+    """Positions set after a run are not included in any sum, row or dump."""
     lmp = lammps()
     lmp.commands_string(
         script_of(ALONE)
@@ -105,7 +103,7 @@ def test_a_force_by_itself(lammps):
 
 
 def test_a_prescribed_displacement_by_itself(lammps):
-    """Its own atoms keep to their path whatever the force on them: the work done on them would not be a number."""
+    """Driven atoms follow their path for any force, but the work of a force that is not finite would be NaN."""
     lmp = lammps()
     push = "group struck id 1\nfix push struck gran/load z displacement harmonic 1e-6 8e3\nunfix motion"
     lmp.commands_string(foreign(script_of(PAIR, box=BOX, extra=push)) + BAD + "run 7")
@@ -127,7 +125,7 @@ def test_a_node_of_a_bar(lammps):
     "spoiled", ["velocity struck set v_bad NULL NULL\n", "fix gone struck addforce v_bad 0.0 0.0\n"]
 )
 def test_on_two_ranks(lmp, tmp_path, spoiled):
-    """The error of either rank ends both."""
+    """An error on either rank stops both."""
     script = tmp_path / "in.nan"
     row = [(0, 0, 2 * R * k) for k in range(8)]
     script.write_text(

@@ -30,26 +30,26 @@ from tests.helpers.two_spheres import value
 @pytest.mark.parametrize("law", [HERTZ, BRASS])
 @pytest.mark.parametrize("radii", [(R, R), (R, 2 * R)])
 def test_gross_sliding(lammps, law, radii):
-    """Sliding throughout: tangential impulse mu (1 + e) m v_n, spins alike. The contact turns a little while it lasts, so
-    the impulse along the surface is read off the spins and the normal one is what remains of the momentum."""
+    """Tangential impulse of sliding throughout: mu (1 + e) m v_n, and equal spins. The contact rotates slightly, so
+    the tangential impulse is determined from the spins and the normal one from the remaining momentum."""
     lmp = oblique(lammps, 4.0, law=f"{law} friction 0.1", radii=radii, steps=25000)
     after, mass = state(lmp, "v", "omega"), state(lmp, "rmass")["rmass"]
     inertia = 0.4 * mass * np.square(radii)
     impulse = inertia * -after["omega"][:, 1] / radii
-    assert impulse[0] == pytest.approx(impulse[1], rel=5e-3)  # the levers are shorter by half the overlap
+    assert impulse[0] == pytest.approx(impulse[1], rel=5e-3)  # the lever arms are shorter by half the overlap
     tangential, total = impulse.mean(), mass[1] * np.linalg.norm(after["v"][1])
     normal = np.sqrt(total**2 - tangential**2)
     assert tangential == pytest.approx(0.1 * normal, rel=5e-3)
     restitution = normal * mass.sum() / mass.prod() - 1.0
     if law == HERTZ:
-        assert restitution == pytest.approx(1.0, abs=0.07)  # 0.937 without friction too: the spheres pass each other
+        assert restitution == pytest.approx(1.0, abs=0.07)  # 0.937 also without friction: the spheres pass each other
     else:
         assert restitution < 0.95
     assert abs(balance(lmp)) < 1e-6
 
 
 def test_gross_sliding_without_turning(lammps):
-    """The same in the axes of the first touch, where speed is low: v_t' = v_t - mu (1 + e) v_n, spins 5/2 of it over R."""
+    """Sliding in the axes of first contact, at low speed: v_t' = v_t - mu (1 + e) v_n, spins 5/2 of the change over R."""
     lmp = oblique(lammps, 0.04, 0.01, law=f"{HERTZ} friction 0.1", steps=30000)
     after = state(lmp, "v", "omega")
     assert after["v"][1, 2] == pytest.approx(0.01, rel=1e-3)
@@ -58,7 +58,7 @@ def test_gross_sliding_without_turning(lammps):
 
 
 def test_sliding_on_a_spin(lammps):
-    """A spinning sphere meets another without tangential velocity: friction sets both in motion along the surface."""
+    """Friction between a spinning sphere and another, without tangential velocity, accelerates both along the surface."""
     lmp = oblique(lammps, 0.0, spins=[(0, 2000.0, 0), (0, 0, 0)], law=f"{HERTZ} friction 0.05")
     after = state(lmp, "v", "omega")
     impulse = 0.05 * after["v"][1, 2]  # per mass
@@ -70,9 +70,9 @@ def test_sliding_on_a_spin(lammps):
 
 @pytest.mark.parametrize("angle", [0.5, 1.0, 2.0, 3.0, 5.0, 8.0])
 def test_tangential_restitution_against_mindlin_by_quadrature(lammps, angle):
-    """Rebound of the surfaces against the angle of incidence, psi = 2 (1 - nu)/(mu (2 - nu)) v_t/v_n, as Maw, Barber and
-    Fawcett (1976) draw it: sliding throughout above 4 chi - 1 = 4.76, reversal below it; here the same spring in
-    two degrees of freedom, integrated apart from LAMMPS."""
+    """Rebound of the surfaces over the angle of incidence, psi = 2 (1 - nu)/(mu (2 - nu)) v_t/v_n, as in Maw, Barber and
+    Fawcett (1976): sliding throughout above 4 chi - 1 = 4.76, reversal below; compared with the same spring in
+    two degrees of freedom, integrated without LAMMPS."""
     chi = 3.5 * RATIO / 2
     tangential = angle * MU / RATIO
     lmp = oblique(lammps, 0.1 * tangential, 0.1, steps=16000)
@@ -81,11 +81,11 @@ def test_tangential_restitution_against_mindlin_by_quadrature(lammps, angle):
     found = surface / 0.1 * RATIO / MU
     assert found == pytest.approx(_surface_rebound(angle), abs=0.01 * max(angle, 1.0))
     if angle > 4 * chi - 1:
-        assert found == pytest.approx(angle - 4 * chi, abs=0.01 * angle)  # sliding: v_t less 7/2 mu (1 + e) v_n
+        assert found == pytest.approx(angle - 4 * chi, abs=0.01 * angle)  # sliding: v_t minus 7/2 mu (1 + e) v_n
 
 
 def _surface_rebound(angle: float) -> float:
-    """Hertz and a Mindlin-Coulomb spring in units of the largest overlap: psi of the rebound from psi of the approach."""
+    """Rebound angle psi from that of the approach; Hertz and a Mindlin-Coulomb spring, in units of the largest overlap."""
     steps = 40000
     x, v, u, force, a_before = 0.0, 1.0, angle * MU / RATIO, 0.0, 0.0
     dt = 3.2 / steps
@@ -109,8 +109,8 @@ def _surface_rebound(angle: float) -> float:
     return u * RATIO / MU
 
 
-# After tests 7 and 8 of Chung and Ooi (2011): aluminium, radius 0.1 m, each at 0.2 m/s against the other, friction 0.4, both with
-# the same spin about one axis. Theirs have a restitution of 0.5 by damping; here it is 1. Above 4.6 rad/s the sphere slides throughout.
+# After tests 7 and 8 of Chung and Ooi (2011): aluminium, radius 0.1 m, each at 0.2 m/s towards the other, friction 0.4, both with
+# the same spin about one axis. Their restitution is 0.5 by damping; here it is 1. Above 4.6 rad/s the sphere slides throughout.
 @pytest.mark.parametrize("spin", [1.0, 3.0, 6.0, 14.0, 21.0])
 @pytest.mark.parametrize("second", [0.1, 0.2])
 def test_spheres_of_equal_and_unequal_size_with_spin(lammps, spin, second):
@@ -146,7 +146,7 @@ def test_spheres_of_equal_and_unequal_size_with_spin(lammps, spin, second):
 
 
 def test_stiffness_is_mindlins(lammps):
-    """Pressed together and shifted a little: the force is k_t times the shift, k_t/k_n = 2 (1 - nu)/(2 - nu)."""
+    """The force of compressed spheres after a small shift is k_t times the shift, k_t/k_n = 2 (1 - nu)/(2 - nu)."""
     law = ContactLaw(
         "hertz", youngs_modulus=(E, E), poisson_ratio=(NU, NU), yield_strength=(np.inf,) * 2, radius=(R, R)
     )
@@ -162,7 +162,9 @@ def test_stiffness_is_mindlins(lammps):
     assert value(lmp, "x[1]") == pytest.approx(slip, rel=1e-9)
     k_n = 1.5 * law.loading_force(overlap) / overlap
     assert law.tangential_stiffness(overlap, overlap) == pytest.approx(RATIO * k_n, rel=1e-12)
-    shift = 0.1 * slip / overlap / (2 * R) * law.loading_force(overlap)  # the normal force leans by far less
+    shift = (
+        0.1 * slip / overlap / (2 * R) * law.loading_force(overlap)
+    )  # the rotation of the normal force is much smaller
     assert force == pytest.approx(RATIO * k_n * slip, abs=1e-3 * RATIO * k_n * slip + shift)
 
 
@@ -188,7 +190,7 @@ def test_binding_tells_the_circle_of_yielded_contacts(normal):
 @pytest.mark.parametrize("model", ["mindlin_rescale", "mindlin"])
 @pytest.mark.parametrize("tangential", [0.3, 1.0, 2.0, 4.0])
 def test_against_mindlin_of_lammps_through_a_collision(lammps, tangential, model):
-    """Elastic spheres: forces while they touch, velocities and spins after, within 0.5 %."""
+    """Elastic spheres: forces during contact, and velocities and spins after it, agree within 0.5 %."""
     own = LAMMPS_OWN.format(E=E, nu=NU, mu=MU, model=f"{model}/force")
     law = f"{HERTZ} friction {MU} tangential {model}"
     ours, theirs = (oblique(lammps, tangential, steps=0, **options) for options in ({"law": law}, {"own": own}))
@@ -205,13 +207,13 @@ def test_against_mindlin_of_lammps_through_a_collision(lammps, tangential, model
         lmp.command("run 4000 pre no post no")
     a, b = state(ours, "v", "omega"), state(theirs, "v", "omega")
     assert a["v"] == pytest.approx(b["v"], abs=5e-3 * tangential)
-    # LAMMPS takes the whole radius as the lever of the slip: by overlap/radius more where the spring turns often
+    # LAMMPS uses the full radius as the lever arm of the slip: a difference of overlap/radius, more if slip often reverses
     margin = 7e-3 if model == "mindlin" else 5e-3
     assert a["omega"] == pytest.approx(b["omega"], abs=margin * abs(b["omega"]).max())
 
 
 def test_against_mindlin_of_lammps_in_a_packing(lammps):
-    """108 elastic spheres that rattle and rub."""
+    """Energy balance of 108 elastic spheres in random motion with friction."""
     places, speeds, spins = packing()
     own = LAMMPS_OWN.format(E=E, nu=NU, mu=MU, model="mindlin_rescale/force")
     found = []
@@ -230,7 +232,7 @@ def test_against_mindlin_of_lammps_in_a_packing(lammps):
 
 
 def test_packing_keeps_its_energy(lammps):
-    """Yielding, rubbing and rotation: kinetic + elastic + tangential + yielding + friction = input, to 1e-6."""
+    """Yielding, friction and rotation: kinetic + elastic + tangential + yielding + friction = input, to 1e-6."""
     places, speeds, spins = packing()
     lmp = lammps()
     lmp.commands_string(rubbing(places, f"{BRASS} friction {MU}", velocities=3 * speeds, spins=3 * spins))
@@ -266,8 +268,8 @@ def test_energy_of_an_oblique_impact(lammps, law, tangential):
 
 
 def test_unloading_creates_no_energy(lammps):
-    """Stretched where the circle is large, brought back where it is small: without the scaling the spring would give more
-    than it took. A sphere is pressed in, shifted, drawn half out, and shifted back."""
+    """A spring stretched while the circle is large and released while it is small would return more energy than it absorbed
+    without rescaling. A sphere is pressed in, shifted, withdrawn by one half, and shifted back."""
     lmp = lammps()
     lmp.commands_string(
         rubbing(

@@ -1,4 +1,4 @@
-"""What rubbing contacts remember: separation, pieces of a run, lists, restart, ranks; and what the style refuses."""
+"""History of contacts with friction: separation, continued runs, neighbor lists, restart, ranks; errors of the style."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def test_separation_clears_the_spring_and_not_the_dent(lammps):
         f"set atom 1 vz {speeds[1, 2] / 2} vx 0\nset atom 2 vz 0 vx 0\nset group all omega 0 0 0\nrun 40000 post no"
     )
     assert value(lmp, "c_one[3]") == dent and value(lmp, "c_en[1]") > 0
-    assert value(lmp, "c_en[7]") == pytest.approx(loss, rel=1e-3)  # met again head-on
+    assert value(lmp, "c_en[7]") == pytest.approx(loss, rel=1e-3)  # second collision, head-on
 
 
 def test_a_forgotten_contact_leaves_its_loss(lammps):
@@ -51,7 +51,7 @@ def test_friction_zero_is_no_friction(lammps, law):
 
 
 def test_friction_by_pair_of_types(lammps):
-    """The pair without friction stays without; the others rub."""
+    """Only the pairs with a coefficient of friction have tangential forces."""
     lmp = lammps()
     places = [(0, 0, 0), (0, 0, 2 * R), (0.05, 0, 0), (0.05, 0, 2 * R)]
     coefficients = [
@@ -88,7 +88,7 @@ def same(a, b) -> None:
 @pytest.mark.parametrize("pieces", [[1500, 1500], [0, 700, 1, 2299]])
 @pytest.mark.parametrize("words", [" post no", " pre no post no", ""])
 def test_pieces_of_a_run_are_the_run(lammps, pieces, words):
-    """A set-up in between moves no spring: the same bits."""
+    """A setup in between does not change springs: results are bitwise identical."""
     places, speeds, spins = packing(2)
     found = []
     for steps in ([3000], pieces):
@@ -102,7 +102,7 @@ def test_pieces_of_a_run_are_the_run(lammps, pieces, words):
 
 @pytest.mark.parametrize("how", PIECES)
 def test_springs_outlive_new_lists_and_sorting(lammps, how):
-    """Other neighbour settings, and spheres in another order: only the order of sums may differ, and that is exact."""
+    """Other neighbor settings and another order of spheres change only the order of sums, which are exact."""
     places, speeds, spins = packing(2)
     found = []
     for extra in ("", PIECES[how]):

@@ -1,4 +1,4 @@
-"""The styles among LAMMPS's other commands: suffixes, frozen groups, several runs, data files, units."""
+"""Compatibility of the styles with other LAMMPS commands: suffixes, frozen groups, several runs, data files, units."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def test_any_neighbour_settings(lammps, every):
 
 
 def test_frozen_sphere(lammps):
-    """A held sphere is a wall of the same material: it takes momentum and no energy."""
+    """A fixed sphere acts as a wall of the same material: it absorbs momentum but no energy."""
     lmp = lammps()
     collide(lmp, speed=0.0, steps=0, extra="group held id 2\nfix hold held freeze\nset atom 1 vz 1.0")
     lmp.command("run 20000")
@@ -49,7 +49,7 @@ def test_frozen_sphere(lammps):
 
 
 def test_dents_do_not_go_into_data_files(lammps, tmp_path):
-    """write_data keeps positions and velocities; what was dented is lost there, as LAMMPS has no place for it."""
+    """Data files contain positions and velocities, but no dents, for which LAMMPS has no section."""
     lmp = lammps()
     collide(lmp)
     lmp.command(f"write_data {tmp_path}/all.data nocoeff")
@@ -64,7 +64,7 @@ def test_dents_do_not_go_into_data_files(lammps, tmp_path):
 
 
 def test_any_consistent_units(lammps):
-    """The same collision in centimetres, grams and seconds."""
+    """Collision in centimeters, grams and seconds agrees with that in SI units."""
     si, cgs = lammps(), lammps()
     collide(si)
     text = script_of(

@@ -1,5 +1,5 @@
-"""The one table of contact laws that input scripts, restart files, case files and the command line take names and options from,
-and the blocks of history that are copied whole."""
+"""Table of contact laws, with their names and options in input scripts, restart files, case files and the command line, and
+blocks of history that are copied as a whole."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def case(law: str, **contact):
 
 @pytest.mark.parametrize("law", LAWS)
 def test_every_law_of_the_table_serves_everywhere(lammps, tmp_path, law):
-    """Case, deck, LAMMPS, binding, command line and manual, without any other list of names."""
+    """Case, deck, LAMMPS, binding, command line and manual have the names of the table."""
     own = {name: OPTIONS[name] for name in LAWS[law].options if name in OPTIONS}
     made = case(law, **own)
     words = law_coefficients(made.contact, made.material)
@@ -53,7 +53,7 @@ def test_every_law_of_the_table_serves_everywhere(lammps, tmp_path, law):
 
 @pytest.mark.parametrize("law", LAWS)
 def test_elastic_limit(law):
-    """Up to it nothing is lost; beyond it something is."""
+    """Energy is dissipated only beyond the elastic limit."""
     contact = sphere_contact(case(law))
     limit = contact.elastic_limit
     assert limit == contact.yield_overlap * LAWS[law].elastic_limit or math.isinf(limit)

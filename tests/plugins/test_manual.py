@@ -1,4 +1,4 @@
-"""The manual pages of the LAMMPS styles: every complete example runs as printed, with plain ``lmp``, and is right."""
+"""Manual pages of the LAMMPS styles: all complete examples run unmodified with plain ``lmp``, with correct results."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-PAGES = Path(__file__).resolve().parents[2] / "plugins" / "doc"
+from tests.helpers.manual import PAGES, Log
+
 BLOCK = re.compile(r"^```LAMMPS\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 NAME = re.compile(r"# Complete example: (\w+)\n")
 STYLES = (
@@ -39,30 +40,8 @@ def blocks() -> dict[str, tuple[str, str]]:
 EXAMPLES = blocks()
 
 
-class Log:
-    """Thermodynamic output of all runs of a log, by column, and the lines that the script printed."""
-
-    def __init__(self, path: Path) -> None:
-        self.text = path.read_text(encoding="utf-8")
-        self.runs: list[dict[str, np.ndarray]] = []
-        lines = iter(self.text.splitlines())
-        for line in lines:
-            if line.split()[:2] != ["Step", "Time"]:
-                continue
-            columns, rows = line.split(), []
-            for row in lines:
-                if row.startswith("Loop time"):
-                    break
-                rows.append([float(word) for word in row.split()])
-            self.runs.append(dict(zip(columns, np.array(rows).T, strict=True)))
-
-    def printed(self, words: str) -> float:
-        """The number behind these words, from the last line that begins with them."""
-        return float(re.findall(rf"^{words}: *(\S+)", self.text, re.MULTILINE)[-1])
-
-
 def table(path: Path) -> np.ndarray:
-    """The last snapshot of a dump."""
+    """Last snapshot of a dump."""
     last = path.read_text(encoding="utf-8").rpartition("ITEM: TIMESTEP")[2].splitlines()
     start = next(k for k, line in enumerate(last) if line.startswith(("ITEM: ATOMS", "ITEM: BONDS")))
     return np.array([[float(word) for word in line.split()] for line in last[start + 1 :]])
@@ -70,7 +49,7 @@ def table(path: Path) -> np.ndarray:
 
 @pytest.fixture
 def example(lmp, tmp_path):
-    """Run a complete example in a directory of its own."""
+    """Run a complete example in a separate directory."""
 
     def run(name: str, ranks: int = 1) -> Log:
         (tmp_path / f"in.{name}").write_text(EXAMPLES[name][1], encoding="utf-8")
@@ -108,7 +87,7 @@ def test_every_example_runs_and_keeps_its_energy(example, name):
     assert log.runs and "WARNING" not in log.text
     for run in log.runs:
         assert np.abs(run["v_balance"]).max() < 1e-6
-        # every check that the script makes itself is a difference relative to the input
+        # all checks in the script are differences relative to the input energy
         for column in ("v_drift", "v_local_stored", "v_local_lost", "v_shared"):
             assert np.abs(run.get(column, np.zeros(1))).max() < 1e-12, column
 
@@ -123,15 +102,15 @@ def test_second_collision_finds_the_dent(example):
 
 def test_unlike_spheres_all_touch_and_yield(example):
     run = example("unlike_lj").runs[0]
-    assert run["c_lost[2]"][-1] == 3  # all contacts but none of a Hertzian law
+    assert run["c_lost[2]"][-1] == 3  # all contacts except those of a Hertzian law
     assert run["c_lost[1]"][-1] > 0.1 * run["c_kinetic"][0]
-    assert run["PotEng"][-1] == 0.0  # parted
+    assert run["PotEng"][-1] == 0.0  # separated
 
 
 def test_restart_repeats_the_run(example):
     log = example("restart")
     straight, repeated = log.runs[1], log.runs[2]
-    assert straight["f_top[5]"][-1] > 0 and straight["PotEng"][0] > 0  # the file was written in a collision
+    assert straight["f_top[5]"][-1] > 0 and straight["PotEng"][0] > 0  # the file was written during a collision
     for column, values in straight.items():
         assert repeated[column] == pytest.approx(values, rel=1e-10, abs=1e-12), column
     for what in ("dissipated energy", "wall dissipation", "rebound speed"):
@@ -142,7 +121,7 @@ def test_walls_take_the_momentum_and_keep_the_dents(example, tmp_path):
     run = example("between_walls").runs[0]
     assert run["f_floor[6]"][-1] == run["f_ceiling[6]"][-1] == 1
     lost = run["f_floor[5]"] + run["f_ceiling[5]"]
-    # after the first impact on either only what the timestep makes the overlap differ is lost
+    # after the first impact on each, dissipation is due only to the effect of the timestep on the overlap
     assert lost[-1] == pytest.approx(lost[len(lost) // 2], rel=1e-6) and lost[-1] > 0
     _, floor, ceiling, momentum = np.loadtxt(tmp_path / "impulse.txt").T
     assert floor.min() < 0 < ceiling.max() and floor.max() <= 0 <= ceiling.min()
@@ -174,7 +153,7 @@ def test_contacts_of_a_packing_on_any_number_of_processors(example, tmp_path, ra
     assert dents[:, 7].sum() == pytest.approx(run["c_lost[1]"][-1], rel=1e-10)
     assert np.count_nonzero(dents[:, 10] >= 0) == run["c_lost[2]"][-1]
     assert np.all(dents[:, 0] < dents[:, 1])
-    assert len(np.unique(dents[:, :2], axis=0)) == len(dents)  # once each
+    assert len(np.unique(dents[:, :2], axis=0)) == len(dents)  # each dent once
     assert dents[:3, 0].tolist() == [1, 1, 1] and dents[:, 5].max() == pytest.approx(run["c_lost[5]"][-1], rel=1e-12)
 
 

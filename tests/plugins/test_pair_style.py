@@ -1,4 +1,4 @@
-"""Pair style gran/hysteretic: forces, dents that last, energies, reports, and LAMMPS's manners."""
+"""Pair style gran/hysteretic: forces, persistent dents, energies, output, and LAMMPS conventions."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def test_loss_of_a_collision_is_that_of_the_law(lammps):
     "between", ["", "run 0", "atom_modify sort 1 0.05\nrun 5", "neigh_modify every 1 check no\nrun 3"]
 )
 def test_the_dent_stays_when_the_spheres_part(lammps, between):
-    """A second collision of the same closing speed is purely elastic: it only rides the first one's unloading branch."""
+    """A second collision at the same closing speed is purely elastic: it follows the unloading branch of the first one."""
     lmp = lammps()
     collide(lmp)
     lost = value(lmp, "c_ep[1]")
@@ -58,13 +58,13 @@ def test_a_dent_is_forgotten_beyond_the_gap_and_its_loss_is_not(lammps):
     assert value(lmp, "z[2]-z[1]") > 2 * R + 2e-5
     assert value(lmp, "c_ep[1]") == pytest.approx(lost, rel=1e-12)
     lmp.commands_string(f"set atom 1 vz {speed / 2}\nset atom 2 vz {-speed / 2}\nrun 30000")
-    assert value(lmp, "vz[2]-vz[1]") < 0.9 * speed  # a fresh contact yields again
+    assert value(lmp, "vz[2]-vz[1]") < 0.9 * speed  # a new contact yields again
     assert value(lmp, "c_ep[1]") > 1.1 * lost
     assert value(lmp, "c_ep[2]") == 2
 
 
 def test_never_forgotten_sooner(lammps):
-    """Just within the gap the dent is still known, though far beyond the reach of the contact force."""
+    """Just within the gap the dent is kept, although far beyond the range of the contact force."""
     lmp = lammps()
     collide(lmp, gap=1e-3)
     speed, lost = value(lmp, "vz[2]-vz[1]"), value(lmp, "c_ep[1]")
@@ -117,7 +117,7 @@ def test_restart_of_another_format_is_refused(lammps, tmp_path):
 
 
 def test_reports_agree_with_each_other(lammps):
-    """Per contact, per sphere, pair/local and the totals say the same; asking changes nothing."""
+    """Output per contact, per sphere, by pair/local and of the totals is consistent, and does not affect the run."""
     lmp = lammps()
     places = [(0, 0, 0), (0, 0, 2 * R), (0, 0, 4 * R), (0, 0, 6 * R)]
     extra = """compute atoms all gran/hysteretic/atom
@@ -143,7 +143,7 @@ thermo 100"""
     by_id = atoms[np.argsort(tags)]
     assert by_id[:, 1] == pytest.approx([peaks[0], max(peaks[:2]), max(peaks[1:]), peaks[2]], rel=1e-13)
     assert value(lmp, "c_one[3]") == pytest.approx(dents[order[0], 4], rel=1e-13)
-    # first touched in order, and the times are in order too
+    # first contacts are in order, and so are the times
     assert np.all(np.diff(dents[order, 8]) >= 0) and np.all(dents[:, 8] <= dents[:, 9])
     silent = lammps()
     silent.commands_string(script_of(places, velocities=[(0, 0, 6.0)]))
@@ -154,7 +154,7 @@ thermo 100"""
 
 @pytest.mark.parametrize("mixed", ["", "pair_coeff 1 2", "pair_coeff 2 1"])
 def test_softer_sphere_gets_all_the_loss(lammps, mixed):
-    """By mixing or by name; LAMMPS turns 2 1 into 1 2, so the first material is that of the lower type either way."""
+    """Coefficients by mixing or for a pair; LAMMPS converts 2 1 into 1 2: the first material is that of the lower type."""
     lmp = lammps()
     coefficients = ["pair_coeff 1 1 elastoplastic 115e9 0.3 550e6", "pair_coeff 2 2 elastoplastic 210e9 0.3 700e6"]
     if mixed:
@@ -219,13 +219,13 @@ def test_hybrid_clear_and_a_second_instance(lammps):
     second.commands_string(text)
     second.command("run 20000")
     assert value(second, "vz[1]") == value(first, "vz[1]")
-    first.commands_string(f"clear\nplugin load {library()}")  # known again by itself from LAMMPS 2025 on
+    first.commands_string(f"clear\nplugin load {library()}")  # available again automatically from LAMMPS 2025 on
     collide(first)
     assert value(second, "vz[1]") == value(first, "vz[1]")
 
 
 def test_delete_atoms_between_runs(lammps):
-    """The dents follow their spheres when others are deleted and the arrays are packed anew."""
+    """Dents stay with their spheres when others are deleted and the arrays are compacted."""
     lmp = lammps()
     places = [(0.05, 0, 0), (0, 0, 0), (0, 0, 2 * R)]
     lmp.commands_string(script_of(places, velocities=[(0, 0, 0), (0, 0, 1.0), (0, 0, -1.0)]))
@@ -242,7 +242,7 @@ THREE = {"positions": [(0.05, 0, 0), (0, 0, 0), (0, 0, 2 * R)], "velocities": [(
 
 
 @pytest.mark.parametrize("change", ["delete_atoms group gone", "delete_atoms group gone compress no\nreset_atoms id"])
-@pytest.mark.parametrize("steps", [800, 20000])  # touching, parted
+@pytest.mark.parametrize("steps", [800, 20000])  # in contact, separated
 def test_new_ids_of_dented_spheres_are_refused(lammps, change, steps):
     lmp = lammps()
     lmp.commands_string(script_of(**THREE) + f"run {steps}\ngroup gone id 1")
@@ -275,13 +275,13 @@ def test_new_ids_before_any_contact_are_fine(lammps):
     [
         ("pour 1 2 1 vol 0.9 10 diam one {d} dens 8500 8500 vel 0 0 0 0 -5", 0.02, 8500, 1e8),
         ("pour 1 2 1 vol 0.9 10 diam poly 2 {r} 0.0 {d} 1.0 dens 8500 8500 vel 0 0 0 0 -5", 0.02, 8500, 1e8),
-        ("deposit 1 2 100 1 vz -5 -5", 0.5, 1, 1e4),  # new spheres get LAMMPS's own radius and density
+        ("deposit 1 2 100 1 vz -5 -5", 0.5, 1, 1e4),  # new spheres have the default radius and density of LAMMPS
     ],
 )
 def test_spheres_to_come_are_met_at_their_surface(lammps, insertion, large, density, modulus):
     """A sphere four times as large as any present drops onto one of them: no energy is lost."""
     lmp = lammps()
-    half = 0.01 * large if insertion.startswith("deposit") else 1.01 * large  # centres in the region, or whole spheres
+    half = 0.01 * large if insertion.startswith("deposit") else 1.01 * large  # centers in the region, or whole spheres
     bottom, top = (1.5 * large - half, 1.5 * large + half)
     text = script_of(
         [(0, 0, 0), (4 * large, 0, 0)],
@@ -294,7 +294,7 @@ def test_spheres_to_come_are_met_at_their_surface(lammps, insertion, large, dens
         extra=f"region drop block {-half} {half} {-half} {half} {bottom} {top} units box\nfix down all gravity 1e-3 vector 0 0 -1\n"
         f"fix new all {insertion.format(r=large, d=2 * large)} region drop\ntimestep {5e-5 * large}",
     )
-    lmp.commands_string(text + "run 16000")  # one run: the next one would see the new sphere itself
+    lmp.commands_string(text + "run 16000")  # a single run: the next one would include the new sphere in any case
     assert value(lmp, "vz[1]") < -1 and value(lmp, "pe") == 0
     assert value(lmp, "c_ke") == pytest.approx(0.5 * density * 4 / 3 * np.pi * large**3 * 25, rel=1e-3)
 
@@ -328,7 +328,7 @@ def test_periodic_box_has_room_for_one_meeting_of_two_spheres(lammps, axis, leng
 
 
 def test_plane_of_spheres(lammps):
-    """In two dimensions LAMMPS wants a periodic third one, as thin as one likes: nothing meets across it."""
+    """LAMMPS requires a periodic third dimension of any thickness with `dimension 2`: there are no contacts across it."""
     lmp, plane = lammps(), lammps()
     collide(lmp)
     places = [(0, 0, 0), (2 * R, 0, 0)]
@@ -396,7 +396,7 @@ def test_hostile_states_get_a_message(lammps, change, message):
 
 
 def test_quiet_lattice_stays_quiet(lammps):
-    """Spheres that touch to within rounding make no forces of their own, anywhere in space."""
+    """Spheres that touch to within rounding have no spurious forces, at any position."""
     lmp = lammps()
     places = [(0.7 + 2 * R * i, 0.3, 0.5) for i in range(10)]
     lmp.commands_string(script_of(places))
@@ -405,5 +405,5 @@ def test_quiet_lattice_stays_quiet(lammps):
 
 
 def test_yield_scales():
-    """The twin's scales are those of the compiled law."""
+    """Scales of the twin are those of the compiled law."""
     assert (LAW.yield_overlap, LAW.yield_force) == pytest.approx(scales(R), rel=1e-13)

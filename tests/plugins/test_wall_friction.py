@@ -1,8 +1,8 @@
-"""Friction of walls: oblique impact against closed forms, theory and LAMMPS's own Hertz-Mindlin wall; balance; what travels.
+"""Friction of walls: oblique impact against closed forms, theory and the Hertz-Mindlin wall of LAMMPS; balance; migration.
 
-Chung and Ooi, Granular Matter 13 (2011) 643, set the benchmarks: tests 4 and 5 are a sphere that hits a rigid plane, at a constant
-speed and varying angle, and at a constant normal speed and varying spin. In test 6 two equal spheres with equal spins meet:
-the plane between them is the wall here, and both must end alike.
+The benchmarks are those of Chung and Ooi, Granular Matter 13 (2011) 643: in tests 4 and 5 a sphere hits a rigid plane, at a constant
+speed and varying angle, and at a constant normal speed and varying spin. In test 6 two equal spheres with equal spins collide:
+the plane between them is the wall here, and the results must agree.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def contact_time(body, speed):
 
 
 def thrown(lmp, body, normal, across=0.0, spin=0.0, *, law="hertz", steps=1000, wall=None, run=True, extra=""):
-    """A sphere against a plane above it; `steps` to the contact time. Velocity after it: normal, across, spin (rad/s)."""
+    """Rebound of a sphere from a plane above it: normal and tangential velocity, spin (rad/s); `steps` per contact time."""
     timestep = contact_time(body, normal) / steps
     strength = {"hertz": ""}.get(law, "550e6")
     wall = (
@@ -61,7 +61,7 @@ def outcome(lmp, sphere=0):
 
 
 def own_wall(body):
-    """LAMMPS's wall with the same constants: F = k_n a alpha, k_t = 8 G* a."""
+    """Wall of LAMMPS with the same constants: F = k_n a alpha, k_t = 8 G* a."""
     normal = 4 / 3 * body["modulus"] / (1 - body["poisson"] ** 2)
     tangential = 8 * body["modulus"] / (2 * (1 + body["poisson"]) * (2 - body["poisson"]))
     return (
@@ -72,13 +72,13 @@ def own_wall(body):
 
 @pytest.mark.parametrize("angle", [5, 15, 25, 35, 45, 60, 75])
 def test_oblique_impact_at_constant_speed(lammps, angle):
-    """Test 4: 3.9 m/s. Beyond some 33 degrees it slides throughout: impulse mu times the normal one."""
+    """Test 4: 3.9 m/s. Beyond about 33 degrees sliding throughout: impulse mu times the normal one."""
     normal, across = 3.9 * np.cos(np.radians(angle)), 3.9 * np.sin(np.radians(angle))
     lmp = lammps()
     found = thrown(lmp, OXIDE, normal, across)
     theirs = thrown(lammps(), OXIDE, normal, across, wall=own_wall(OXIDE))
     assert found[0] == pytest.approx(normal, rel=1e-5)
-    # theirs has R for the slip and R - alpha/2 for the torque, which the overlap of 0.3 % of R here shows
+    # theirs has R for the slip and R - alpha/2 for the torque, a visible difference at this overlap of 0.3 % of R
     assert found[1] == pytest.approx(theirs[1], rel=3e-3)
     assert found[2] == pytest.approx(theirs[2], rel=1e-2)
     slow, same = (thrown(lammps(), OXIDE, normal / 10, across / 10, wall=wall) for wall in (None, own_wall(OXIDE)))
@@ -95,7 +95,7 @@ def test_oblique_impact_at_constant_speed(lammps, angle):
 
 @pytest.mark.parametrize("spin", [0.5, 2.0, 5.0, 8.0, 15.0])
 def test_spinning_impact_at_constant_normal_speed(lammps, spin):
-    """Test 5: 0.2 m/s; from some 14 rad/s it slides throughout."""
+    """Test 5: 0.2 m/s; from about 14 rad/s on sliding throughout."""
     found = thrown(lammps(), ALLOY, 0.2, spin=spin)
     theirs = thrown(lammps(), ALLOY, 0.2, spin=spin, wall=own_wall(ALLOY))
     assert found == pytest.approx(theirs, rel=5e-3)
@@ -106,8 +106,9 @@ def test_spinning_impact_at_constant_normal_speed(lammps, spin):
 
 @pytest.mark.parametrize("spin", [2.0, 15.0])
 def test_two_spheres_of_equal_spin_are_a_sphere_and_a_wall(lammps, spin):
-    """Test 6: their surfaces slip by twice as much over two compliances in series. They meet at R - alpha_wall from their
-    centres, the sphere and the wall at R - alpha_wall/2: at an overlap of 0.05 % of R.
+    """Test 6: the slip of two spheres is twice as large, with two compliances in series.
+
+    Their lever arms are R - alpha_wall, that of a sphere at a wall R - alpha_wall/2, at an overlap of 0.05 % of R.
     """
     lmp, r = lammps(), ALLOY["radius"]
     law = f"hertz {ALLOY['modulus']} {ALLOY['poisson']}"
@@ -128,7 +129,7 @@ def test_two_spheres_of_equal_spin_are_a_sphere_and_a_wall(lammps, spin):
 
 
 def test_sticking_impact_follows_hertz_and_mindlin(lammps):
-    """No slip: m v' = F, F' = -k_t (v + w R), and F a'/a too while the circle shrinks; by scipy."""
+    """Sticking contact by scipy: m v' = F, F' = -k_t (v + w R), plus F a'/a while the circle shrinks."""
     body, normal, across = BRASS | {"friction": 1000.0}, 0.5, 0.02
     mass, radius, nu = mass_of(body), body["radius"], body["poisson"]
     stiffness = 4 / 3 * body["modulus"] / (1 - nu**2) * np.sqrt(radius)
@@ -174,7 +175,7 @@ def test_plastic_impact_balances_and_loss_never_falls(lammps, across, spin):
 
 
 def test_sliding_does_not_depend_on_the_normal_law(lammps):
-    """The impulse across is mu times that along the normal, mu (1 + e) m v_n, with the restitution of yielding."""
+    """The tangential impulse is mu times the normal one, mu (1 + e) m v_n, with the restitution of the yielding contact."""
     lmp = lammps()
     found = thrown(lmp, BRASS, 2.0, 4.0, law="elastoplastic", steps=2000)
     assert found[0] < 0.7 * 2.0
@@ -183,7 +184,7 @@ def test_sliding_does_not_depend_on_the_normal_law(lammps):
 
 
 def test_two_walls_have_a_spring_each(lammps):
-    """A sphere squeezed between two planes: both drag on it, their torques cancel."""
+    """Both planes exert friction on a sphere squeezed between them, and their torques cancel."""
     lmp, reach = lammps(), BRASS["radius"] - 1e-6
     words = f"{-reach:.17g} {reach:.17g} hertz 115e9 0.3 friction 0.3"
     thrown(lmp, BRASS, 1e-9, 0.02, wall=f"wall/gran/hysteretic zplane {words}", run=False)
@@ -212,7 +213,7 @@ def test_a_sliding_sphere_reports_its_limit(lammps):
     thrown(lmp, BRASS, 2.0, 5.0, law="elastoplastic", run=False)
     lmp.command("run 400")
     force = value(lmp, "f_floor[3]")
-    assert value(lmp, "f_floor[1]") == pytest.approx(0.3 * force, rel=1e-12)  # drags the wall along
+    assert value(lmp, "f_floor[1]") == pytest.approx(0.3 * force, rel=1e-12)  # friction force on the wall
     assert value(lmp, "fx[1]") == pytest.approx(-0.3 * force, rel=1e-12)
     overlap, _, *_, tangential, _, _ = lmp.numpy.extract_fix("floor", 1, 2)[0]
     assert tangential == pytest.approx(0.3 * force, rel=1e-12)
@@ -221,7 +222,7 @@ def test_a_sliding_sphere_reports_its_limit(lammps):
 
 
 def test_the_circle_of_a_dent_sets_the_stiffness(lammps):
-    """A force that a small step of slip makes while the sphere unloads, against k_t of the law's circle."""
+    """Force of a small slip while the sphere unloads, compared with k_t from the contact circle of the law."""
     lmp = lammps()
     thrown(lmp, BRASS, 2.0, law="elastoplastic", run=False)
     lmp.command("run 900")
@@ -284,7 +285,7 @@ run 0
 
 
 def test_springs_move_between_ranks(lmp, tmp_path):
-    """Two spheres that slide over the border between the ranks and the periodic one while pressed down: the same bits."""
+    """Pressed spheres that slide across the boundary between ranks and the periodic one: bitwise identical results."""
     found = []
     for ranks in (1, 2):
         (tmp_path / "in.sliders").write_text(SLIDERS, encoding="utf-8")
@@ -297,7 +298,7 @@ def test_springs_move_between_ranks(lmp, tmp_path):
 
 @pytest.mark.parametrize("given", ["friction 0.3", ""])
 def test_springs_are_in_restart_files(lammps, tmp_path, given):
-    """With friction the same bits; without it they are read over."""
+    """Restarts with friction are bitwise identical; without friction the stored springs are ignored."""
     lmp = lammps()
     thrown(lmp, BRASS, 2.0, 0.3, law="elastoplastic", steps=1000, run=False)
     lmp.commands_string(f"run 500\nwrite_restart {tmp_path}/r\nrun 1000")

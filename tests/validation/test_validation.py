@@ -47,7 +47,7 @@ def test_reference_study(granwave, tmp_path):
 
 
 def test_same_bits_on_any_number_of_ranks(granwave, tmp_path):
-    """A whole impact: every field of every contact, sphere and snapshot."""
+    """Complete impact: all fields of all contacts, spheres and snapshots."""
     words = ["--set", "packing.size=[16,16,10]", "--set", "run.end_time=2e-4"]
     for ranks in (1, 2, 3, 4):
         done = granwave("run", "fcc-impact", *words, "--np", ranks, "-o", tmp_path / str(ranks), timeout=900)
@@ -87,7 +87,7 @@ def test_normalised_velocities(granwave, tmp_path, velocity, normalised):
 
 
 def test_timestep_converges_long_before_2_ns(lmp, tmp_path):
-    """Dissipated fraction, peak force and yielded contacts against the timestep; the thesis took 2 ns."""
+    """Dissipated fraction, peak force and yielded contacts over the timestep; the thesis used 2 ns."""
     rows = {}
     for dt in (2e-7, 1e-7, 5e-8, 3e-8, 2e-9):
         case = load_case(
@@ -113,7 +113,7 @@ def test_timestep_converges_long_before_2_ns(lmp, tmp_path):
 
 @pytest.mark.parametrize(("velocity", "apart"), [(1, 1e-4), (5, 1e-4), (10, 1e-4), (40, 2e-3), (80, 5e-3)])
 def test_fixed_normals_part_from_true_geometry_at_high_velocity(velocity, apart):
-    """The thesis keeps the contact normals of the start (5.1 to 5.3); how much of the dissipated fraction that is."""
+    """Effect of the fixed initial contact normals of the thesis (5.1 to 5.3) on the dissipated fraction."""
     case = load_case(library.find("fcc-small"), ["packing.size=[12,12,8]", "boundary.bottom=free"])
     packing, struck = build_packing(case), struck_spheres(assemble(case).lattice, 1)[0] - 1
     fractions = []

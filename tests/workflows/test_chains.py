@@ -1,4 +1,4 @@
-"""Chains through the whole path, from case to result.h5, against the independent solver; loads, ends, bars, strikers."""
+"""Chains from case to result.h5, against the independent solver; loads, ends, bars, strikers."""
 
 from __future__ import annotations
 
@@ -17,18 +17,10 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows import run_case
 from tests.helpers import chain_twin as twin
+from tests.helpers.chain_cases import BRASS, DIAMETER, PULSE, case_of
 
-BRASS = {"youngs_modulus": 115e9, "poisson_ratio": 0.30, "density": 8500.0, "yield_strength": 550e6}
 SOFT = {"youngs_modulus": 67e9, "poisson_ratio": 0.33, "density": 2700.0, "yield_strength": 150e6}
 HARD = {"youngs_modulus": 210e9, "poisson_ratio": 0.28, "density": 7850.0}
-DIAMETER = 9.52e-3
-PULSE = {"kind": "force", "shape": "half-sine", "amplitude": 4e3, "duration": 2e-5}
-
-
-def case_of(size: int = 12, **tables: Any) -> Case:
-    tables = {"boundary": {"bottom": "free"}, "contact": {"law": "elastoplastic"}, "run": {"end_time": 1.5e-4}} | tables
-    packing = {"kind": "chain", "size": size, "diameter": DIAMETER}
-    return case_from_dict({"name": "chain", "material": BRASS, "packing": packing} | tables)
 
 
 def bead(material: dict[str, float], diameter: float = DIAMETER) -> twin.Bead:
@@ -78,7 +70,9 @@ def test_unlike_beads_under_a_pulse_against_a_wall_of_a_material(tmp_path: Path,
     summary = compare(case, tmp_path / "run", record, slice(0, 11))
     assert summary["wall_peak_force_N"] == pytest.approx(record.peak_force[-1], rel=1e-3)
     assert summary["energy_dissipated_wall_J"] == pytest.approx(record.dissipated[-1], rel=1e-3, abs=1e-12)
-    with Result(tmp_path / "run") as result:  # the wall is softer than brass: what is lost there is lost in it
+    with Result(
+        tmp_path / "run"
+    ) as result:  # the wall is softer than brass: the dissipation of this contact is that of the wall
         between = summary["energy_dissipated_J"] - summary["energy_dissipated_wall_J"]
         assert result["spheres/dissipated_energy"].sum() == pytest.approx(between, rel=1e-6, abs=1e-12)
 
@@ -118,7 +112,7 @@ def test_a_striker_and_a_sensor(tmp_path: Path) -> None:
 
 
 def test_two_bars(tmp_path: Path) -> None:
-    """Energy and force go from the incident bar through the chain into the other one, as in the solver."""
+    """Transmission of energy and force from the incident bar through the chain into the other one, as in the solver."""
     steel = {"youngs_modulus": 200e9, "poisson_ratio": 0.30, "density": 8100.0}
     bar = {"area": 127e-6, "material": steel}
     case = case_of(
@@ -156,7 +150,7 @@ def test_a_driven_end_does_work_on_the_chain(tmp_path: Path) -> None:
 
 
 def test_the_same_bits_on_two_ranks_and_after_a_stop(granwave, tmp_path: Path) -> None:
-    """A chain between bars on two ranks; and one that was stopped half-way and resumed."""
+    """Chain between bars on two ranks, and one that was stopped half-way and resumed."""
     text = case_of(
         load=PULSE,
         bar={"length": 0.1, "elements": 20, "area": 1e-4, "material": HARD},
@@ -175,7 +169,7 @@ def test_the_same_bits_on_two_ranks_and_after_a_stop(granwave, tmp_path: Path) -
 
 
 def test_case_round_trip() -> None:
-    """What is written as case.toml reads back as the same case."""
+    """A case written as case.toml is read back unchanged."""
     case = case_of(
         load={"kind": "force", "shape": "table", "table": [[0, 0], [1e-5, 5.0], [2e-5, 0]]},
         replace=[{"index": 3, "material": SOFT}, {"index": [1, 2], "diameter": 5e-3}],

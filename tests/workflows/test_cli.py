@@ -1,4 +1,4 @@
-"""The command line as a user meets it: exit statuses, messages, directories, resume, ranks."""
+"""Command line from the point of view of a user: exit statuses, messages, directories, resume, ranks."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def without_clock(directory):
 
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory):
-    """A finished tiny run."""
+    """Finished small run."""
     directory = tmp_path_factory.mktemp("runs") / "tiny"
     command = [sys.executable, "-m", "granwave.workflows", "run", "fcc-small", "-o", str(directory), *TINY]
     done = subprocess.run(command, capture_output=True, text=True, env=PLAIN, timeout=300)
@@ -157,7 +157,7 @@ def test_killed_run_goes_on_from_its_checkpoint(uninterrupted, granwave, tmp_pat
     time.sleep(0.3)
     if ranks == 1:
         process.send_signal(signal.SIGKILL)
-    else:  # the ranks themselves die, as when a node goes down
+    else:  # the ranks themselves are killed, as in a node failure
         subprocess.run(["pkill", "-KILL", "-f", f"granwave.workflows run fcc-small -o {directory}"], check=False)
     process.wait(60)
     assert not (directory / "summary.json").exists()
@@ -214,7 +214,7 @@ def test_end_time_auto_settles(granwave, lmp, tmp_path):
     assert done.returncode == 0, done.stderr
     values = summary(tmp_path / "r")
     assert values["end_reason"] == "settled" and values["end_time_s"] < 5e-3
-    # the deck by hand follows the same rule
+    # the same holds for a deck run by hand
     assert granwave("write", "fcc-small", "-o", tmp_path / "deck", *sets).returncode == 0
     assert lmp(tmp_path / "deck" / "in.granwave").returncode == 0
     last = (tmp_path / "deck" / "dumps" / "energy.txt").read_text().splitlines()[-1].split()
@@ -316,7 +316,7 @@ def test_plain_lmp_finds_the_plugin_by_itself(granwave, lmp, tmp_path):
 
 
 def test_automatic_end_is_the_same_after_a_stop(granwave, tmp_path):
-    """A block that was cut by a checkpoint still counts from its own start."""
+    """A block interrupted by a checkpoint is counted from its own start."""
     sets = ["--set", "packing.size=[12,12,6]", "--set", "run.end_time=auto", "--set", "run.frames=3"]
     whole = granwave("run", "fcc-small", "-o", tmp_path / "whole", *sets, "--no-figures")
     assert whole.returncode == 0, whole.stderr
@@ -342,7 +342,7 @@ def test_automatic_end_is_the_same_after_a_stop(granwave, tmp_path):
 
 
 def test_error_on_one_rank_ends_all(granwave, tmp_path):
-    """LAMMPS meets it on one rank alone; the others must not wait for ever."""
+    """The error occurs on one rank only; the others must not wait indefinitely."""
     sets = ["contact.law=thornton", "load.velocity=500", "packing.size=[8,8,4]", "run.end_time=2e-4", "run.frames=2"]
     done = granwave(
         "run",

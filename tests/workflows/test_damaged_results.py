@@ -1,4 +1,4 @@
-"""Results that were cut, lost or edited after the run: made again with --resume, or refused, never mixed."""
+"""Results that were truncated, lost or edited after the run: regenerated with --resume, or an error, never mixed."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def cut(path: Path, size: int = 100) -> None:
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory) -> Path:
-    """A finished run."""
+    """Finished run."""
     directory = tmp_path_factory.mktemp("whole") / "r"
     run_case(CASE, directory, figures=False)
     return directory
@@ -40,12 +40,12 @@ def whole(tmp_path_factory) -> Path:
 
 @pytest.fixture
 def run(whole: Path, tmp_path: Path) -> Path:
-    """A copy of it to be damaged."""
+    """Copy of the finished run, to be damaged."""
     return shutil.copytree(whole, tmp_path / "r")
 
 
 def resumed(directory: Path, whole: Path) -> str:
-    """Resume, and check that all is as it was: "kept", "analysed" or "run", by the clock and the result."""
+    """Resume, and check that results are unchanged: "kept", "analysed" or "run", by modification times and the result."""
     before = directory / "result.h5"
     number = before.stat().st_ino if before.exists() else None
     outcome = run_case(CASE, directory, resume=True, figures=False)
@@ -70,7 +70,7 @@ def resumed(directory: Path, whole: Path) -> str:
         (MARKER, "kept"),
         (f"{MARKER} summary.json", "analysed"),
         ("case.toml summary.json", "analysed"),
-        ("run.json result.h5", "run"),  # nothing tells how it was run
+        ("run.json result.h5", "run"),  # no record of the settings of the run
         ("dumps/energy.txt", "run"),
         ("dumps/contacts.dump summary.json", "run"),
         ("data.granwave result.h5", "run"),
@@ -92,7 +92,7 @@ def test_what_was_cut_is_made_again(run, whole, caplog, damaged, way):
         ("run.json", "analysed"),
         ("case.toml", "kept"),
         (f"{MARKER} case.toml", "kept"),
-        ("dumps/spheres.dump dumps/contacts.dump", "kept"),  # removed to save room
+        ("dumps/spheres.dump dumps/contacts.dump", "kept"),  # removed to save space
         ("dumps/spheres.dump summary.json", "run"),
     ],
 )
@@ -195,7 +195,7 @@ def test_the_python_analysis_refuses_an_edited_case(run):
 
 @pytest.fixture
 def small_disk(tmp_path):
-    """A disk of 3 MB."""
+    """Disk of 3 MB."""
     disk = tmp_path / "disk"
     disk.mkdir()
     if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=3m", "tmpfs", disk], capture_output=True).returncode:
@@ -224,7 +224,7 @@ def test_an_analysis_on_a_full_disk_can_be_resumed(run, whole, small_disk, left)
 
 
 def test_a_full_disk_is_told_with_the_file_and_no_crash(granwave, run, small_disk):
-    """HDF5 ends the program with a segmentation fault where it cannot close a file."""
+    """HDF5 causes a segmentation fault if it cannot close a file."""
     there = shutil.copytree(run, small_disk / "r")
     before = (there / "result.h5").read_bytes()
     fill_up(small_disk, 32768)

@@ -1,4 +1,4 @@
-"""Directories for results, places and disks that are refused, and files that are replaced whole or not at all."""
+"""Directories for results, invalid places and full disks, and files that are replaced completely or not at all."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def ask(directory, *, resume=False, force=False, case=CASE, kind=RUN):
 
 @pytest.fixture
 def filled(tmp_path):
-    """A directory with results of `CASE`, and with something of the user's."""
+    """Directory with results of `CASE` and a file of the user."""
     directory = tmp_path / "r"
     (directory / "figures").mkdir(parents=True)
     claim(directory, RESULTS, kind=RUN, case=TEXT)
@@ -174,7 +174,7 @@ def test_an_error_of_the_system_names_its_file(tmp_path):
         file.write("x" * 100_000)
     assert caught.value.filename == str(path) and caught.value.strerror == os.strerror(28)
     with pytest.raises(OSError) as caught, naming(path):
-        raise OSError("Can't write data (file write failed: errno = 28, error message = ...)")  # as h5py does
+        raise OSError("Can't write data (file write failed: errno = 28, error message = ...)")  # as in h5py
     assert (caught.value.errno, caught.value.filename) == (28, str(path))
     with pytest.raises(FileNotFoundError) as caught, naming(path):
         (tmp_path / "b.txt").read_text()

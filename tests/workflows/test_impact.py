@@ -14,6 +14,7 @@ from granwave.lammps_inputs import load_case
 from granwave.lammps_inputs.deck.deck import write_deck
 from granwave.lammps_inputs.packing.packing import build_packing
 from granwave.workflows import library
+from tests.helpers.contacts import assert_same_contacts
 from tests.helpers.twin import Network
 
 SMALL = ["packing.size=[8,8,5]", "run.end_time=1.2e-4", "run.frames=3"]
@@ -28,7 +29,7 @@ def energies(directory: Path):
 
 
 def test_fcc_impact_against_the_network_twin(lmp, tmp_path):
-    """The same packing as point masses in true geometry: same losses, same peaks, contact by contact."""
+    """Same packing as point masses in true geometry: equal losses and peaks, contact by contact."""
     written = deck(tmp_path, "boundary.bottom=free", "run.timestep=5e-8")
     assert lmp(written.script).returncode == 0
     packing = build_packing(written.case)
@@ -44,8 +45,8 @@ def test_fcc_impact_against_the_network_twin(lmp, tmp_path):
 
 
 def test_three_preferred_directions_are_equal(lmp, tmp_path):
-    """Impact along [111] has a three-fold axis: contacts that it maps on each other have equal peaks, to 1e-7, for as long as
-    nothing has come back from the sides."""
+    """Impact along [111] has a three-fold axis: contacts mapped onto each other have equal peaks, to 1e-7, until
+    reflections from the sides arrive."""
     written = deck(tmp_path, "packing.size=[19,19,8]", "run.end_time=1e-4")
     assert lmp(written.script).returncode == 0
     packing = build_packing(written.case)
@@ -71,7 +72,7 @@ def test_three_preferred_directions_are_equal(lmp, tmp_path):
         (2, ()),
         (2, ("boundary.sides=periodic",)),
         (2, ("load.velocity=40", "load.spheres=7", "boundary.sides=wall")),
-        # more ranks than cores wait for each other in turns: few steps
+        # slow with more ranks than cores: few steps
         (3, ("load.velocity=40", "boundary.sides=periodic", "run.timestep=1e-7", "run.end_time=3e-5")),
         pytest.param(
             4,
@@ -95,30 +96,18 @@ def test_any_number_of_ranks(lmp, tmp_path, ranks, overrides):
     assert_same_contacts(c1, c2)
 
 
-def assert_same_contacts(one, other, *, bits: bool = True):
-    """The same pairs with the same bits: forces are added up in an order-independent way; or, momentary forces, to 1e-8 of the largest."""
-    orders = [np.lexsort((c["j"], c["i"])) for c in (one, other)]
-    assert len(orders[0]) == len(orders[1])
-    for name in one.columns:
-        a, b = one[name][orders[0]], other[name][orders[1]]
-        if bits:
-            assert np.array_equal(a, b), name
-        elif not name.startswith("time"):
-            assert np.abs(a - b).max() <= 1e-8 * np.abs(a).max(), name
-
-
 @pytest.mark.parametrize(
     ("ranks", "balance", "bits"),
     [
         (1, "", True),
         (2, "comm_style tiled\nfix shuffle all balance 150 1.0 rcb\n", True),
         pytest.param(3, "comm_style tiled\nfix shuffle all balance 150 1.0 rcb\n", True, marks=pytest.mark.validation),
-        # this way of balancing, LAMMPS's own, itself moves spheres by rounding
+        # this method of balancing in LAMMPS itself changes positions by rounding
         (2, "fix shuffle all balance 150 1.0 shift xyz 10 1.0\n", False),
     ],
 )
 def test_balanced_and_sorted_ranks_change_nothing(lmp, tmp_path, ranks, balance, bits):
-    """Spheres that migrate between processors after their contacts yielded take their dents along."""
+    """Spheres that migrate between processors after their contacts have yielded keep their dents."""
     plain, moved = deck(tmp_path / "plain", "load.velocity=20"), deck(tmp_path / "moved", "load.velocity=20")
     text = moved.script.read_text()
     more = f"{balance}neigh_modify every 50 check no\natom_modify sort 40 0.02\n# --- run ---"

@@ -1,4 +1,4 @@
-"""Python without assertions and docstrings (-OO, PYTHONOPTIMIZE=2): all but MDAnalysis works."""
+"""Python without assertions and docstrings (-OO, PYTHONOPTIMIZE=2): everything except MDAnalysis works."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Wrong options of the command line: a line that says what was found and expected, exit status 2, nothing written."""
+"""Invalid command-line options: one line with the value found and expected, exit status 2, no files."""
 
 from __future__ import annotations
 

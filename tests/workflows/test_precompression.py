@@ -1,4 +1,4 @@
-"""Precompression: the static stage against closed forms, the wave on top of it, and what is refused."""
+"""Precompression: static stage against closed forms, subsequent wave, and errors."""
 
 from __future__ import annotations
 
@@ -55,14 +55,14 @@ def frame(directory: Path, number: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def hertz(case: Case) -> float:
-    """k of F = k alpha^1.5, N/m^1.5."""
+    """Coefficient k of F = k alpha^1.5, N/m^1.5."""
     law = sphere_contact(case)
     return 4 / 3 * law.effective_modulus * math.sqrt(law.effective_radius)
 
 
 @pytest.fixture(scope="module")
 def chain(tmp_path_factory: pytest.TempPathFactory) -> tuple[Case, Path, dict[str, Any]]:
-    """A long chain under a force, struck so gently that its contacts stay linear."""
+    """Long chain under a force, struck so gently that its contacts stay linear."""
     directory = tmp_path_factory.mktemp("static") / "chain"
     case = make(size=80, load={"velocity": 2e-5}, run={"end_time": 2e-3, "frames": 2})
     return case, directory, ran(case, directory)
@@ -99,8 +99,8 @@ class TestChain:
     def test_velocity_of_small_waves(self, chain: tuple[Case, Path, dict[str, Any]]) -> None:
         """Long waves travel at c = D sqrt(k_t/m), k_t = 3/2 k alpha^0.5 (composite source, eq. 3).
 
-        An impulse leaves a step of the displacement behind, v sqrt(m/k_t) high, whose front is the integral of Airy's
-        function: where it has risen by a third, long waves are.
+        An impulse causes a step of the displacement of height v sqrt(m/k_t), whose front is the integral of the Airy
+        function: long waves are at one third of its height.
         """
         case, directory, _ = chain
         with h5py.File(directory / "result.h5") as file:
@@ -118,7 +118,7 @@ class TestChain:
 
 
 def test_a_long_chain_shortens_by_more_than_a_tenth_of_a_bead(tmp_path: Path) -> None:
-    """Overlaps, and the gaps of dents, add up; that is no loss of shape."""
+    """Overlaps and residual overlaps sum to a displacement that is not a disorder of the packing."""
     sections = {"material": "steel", "contact": {"initial_overlap": {"force": 2e3}}}
     ran(make(size=150, precompression={"kind": "uniaxial", "force": 100.0}, **sections), tmp_path / "r")
     assert table(tmp_path / "r" / "dumps" / "prestage.txt")["displacement"] > 0.1 * D
@@ -126,7 +126,7 @@ def test_a_long_chain_shortens_by_more_than_a_tenth_of_a_bead(tmp_path: Path) ->
 
 class TestPackings:
     def test_fcc_under_uniform_pressure(self, tmp_path: Path) -> None:
-        """Every contact bears p D^2/(2 sqrt 2)."""
+        """The force of every contact is p D^2/(2 sqrt 2)."""
         case = make("fcc", [6, 6, 4], precompression={"kind": "uniform", "pressure": 1e5})
         assert force_of_contact(assemble(case)) == pytest.approx(1e5 * D**2 / (2 * math.sqrt(2)))
         ran(case, tmp_path / "r")
@@ -139,7 +139,7 @@ class TestPackings:
         assert D - apart == pytest.approx((force_of_contact(assemble(case)) / hertz(case)) ** (2 / 3), rel=2e-3)
 
     def test_periodic_fcc_under_a_uniaxial_pressure(self, tmp_path: Path) -> None:
-        """Three contacts hand on the load of a sphere; layers come closer, those in a layer stay a diameter apart."""
+        """Three contacts transmit the load of a sphere; layers approach each other, spheres in one stay a diameter apart."""
         case = make(
             "fcc", [4, 4, 6], boundary={"sides": "periodic"}, precompression={"kind": "uniaxial", "pressure": 1e5}
         )
@@ -157,7 +157,7 @@ class TestPackings:
         assert closer == pytest.approx(math.sqrt(2 / 3) * D - layer, rel=1e-6)
 
     def test_dead_loads_of_faces(self) -> None:
-        """On each face, pressure times area; together nothing."""
+        """The force on each face is pressure times area; their sum is zero."""
         for kind, size in (("fcc", [9, 10, 8]), ("hcp", [8, 8, 8]), ("sc", [5, 6, 7]), ("square", [6, 7])):
             stage = {"kind": "uniform", "pressure": 1e3}
             _, force = dead_loads(assemble(make(kind, size, precompression=stage, boundary={"bottom": "free"})))
@@ -184,7 +184,7 @@ class TestPackings:
             assert table(tmp_path / "r" / "dumps" / "walls.txt")["bottom"][0] == pytest.approx(weight, rel=1e-6)
 
     def test_scattered_diameters_where_nothing_holds_the_packing(self, tmp_path: Path) -> None:
-        """It neither drifts nor turns."""
+        """The packing neither drifts nor rotates."""
         case = make(
             "sc", [4, 4, 4], packing={"diameter_scatter": 2e-7}, boundary={"bottom": "free"},
             precompression={"kind": "uniform", "pressure": 2e4},
@@ -197,7 +197,7 @@ class TestPackings:
         assert np.abs(moment).max() < 1e-9 * assemble(case).sphere_masses().sum() * D
 
     def test_impact_on_top(self, tmp_path: Path) -> None:
-        """The balance closes with contacts that yield, friction, and a plate that gives way."""
+        """Energy is balanced with yielding contacts, friction, and a movable plate."""
         case = make(
             "fcc", [6, 6, 4], load={"velocity": 5.0}, contact={"friction": 0.2}, run={"end_time": 1e-4},
             boundary={"bottom": {"plate": {"mass": 0.1, "stiffness": 1e7, "damping": 5.0}}},
@@ -234,7 +234,7 @@ class TestContinuation:
         for name in names:
             whole, cut = ((tmp_path / one / "dumps" / name).read_text() for one in ("whole", "cut"))
             rows = [{line for line in text.splitlines() if line[:1] != "#"} for text in (whole, cut)]
-            assert rows[0] == rows[1], name  # the row of the checkpoint's step may be there twice
+            assert rows[0] == rows[1], name  # the row of the checkpoint step may occur twice
 
     def test_two_ranks(self, granwave, tmp_path: Path) -> None:
         case = make("fcc", [6, 6, 4], precompression={"kind": "uniform", "pressure": 1e5}, load={"velocity": 5.0})
@@ -259,7 +259,7 @@ class TestContinuation:
 class TestRefused:
     @pytest.mark.parametrize("sides", ["free", "wall"])
     def test_a_pile_without_sides_spreads(self, tmp_path: Path, sides: str) -> None:
-        """Walls at the sides do not hold rows that are set back by half a sphere."""
+        """Walls at the sides do not support rows that are offset by half a sphere."""
         case = make(
             "fcc", [4, 4, 4], packing={"vacancies": [1]}, boundary={"sides": sides},
             precompression={"kind": "uniaxial", "pressure": 1e5},

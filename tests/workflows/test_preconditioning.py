@@ -1,4 +1,4 @@
-"""Dents from before the run: by value, by region, by force, and left by an earlier run."""
+"""Initial dents: by value, by region, by force, and from an earlier run."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ class TestRuns:
         assert 0 < ran(harder, tmp_path / "harder")["n_plastic_contacts"] < plain["n_plastic_contacts"]
 
     def test_hit_twice(self, tmp_path: Path) -> None:
-        """The second impact finds the dents of the first, those on the wall too, and loses less."""
+        """The second impact starts with the dents of the first, including those on the wall, and dissipates less."""
         first = ran(case_of(), tmp_path / "first")
         case = case_of(contact={"initial_overlap": str(tmp_path / "first")})
         second = ran(case, tmp_path / "second")
@@ -108,7 +108,7 @@ class TestRuns:
                 found = _of(two[group], "initial_overlap")
                 assert len(left) > least
                 assert {key: found.get(key) for key in left} == left
-        shutil.rmtree(tmp_path / "first")  # resume and analysis have all that they need
+        shutil.rmtree(tmp_path / "first")  # resume and analysis have all required files
         assert ran(case, tmp_path / "second", resume=True) == second
 
     def test_with_precompression(self, tmp_path: Path) -> None:
@@ -163,7 +163,7 @@ class TestRefused:
 
 
 def _of(group: h5py.Group, name: str, above: float = 0.0) -> dict[tuple[Any, int], float]:
-    """Values by contact, those above a limit."""
+    """Values by contact, if above a limit."""
     first = group["i"][()].tolist() if "i" in group else group["wall"].asstr()[()].tolist()
     second = group["j" if "j" in group else "id"][()].tolist()
     values = zip(first, second, group[name][()].tolist(), strict=True)

@@ -1,6 +1,6 @@
-"""Wrong input of real packings, by the command line: status 2, one clear line, and nothing written.
+"""Invalid input of real packings on the command line: exit status 2, one clear line, and no files.
 
-Friction, tolerances, vacancies, dents, precompression, bottoms that move, contacts by pair, oblique and spinning impacts.
+Friction, tolerances, vacancies, dents, precompression, movable bottoms, contacts by pair, oblique and spinning impacts.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ OF_TABLES = [
 
 @pytest.fixture
 def refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]):
-    """Run a case that is wrong; returns what is said."""
+    """Run an invalid case; returns the messages."""
 
     def run(text: str, packing: str = "", kind: str = "fcc", size: str = "[6, 6, 4]") -> str:
         monkeypatch.chdir(tmp_path)

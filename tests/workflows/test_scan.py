@@ -1,4 +1,4 @@
-"""Scans on this machine as a user meets them: what they leave, exit statuses, failures, kills, resume."""
+"""Scans on this machine from the point of view of a user: output files, exit statuses, failures, kills, resume."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ ranks = {spheres_per_rank = 200, most = 2}
 run.end_time = 5e-5
 run.frames = 2
 """
-#: Two good points, one of them twice; one that LAMMPS refuses at once; one on two ranks.
+#: Two valid points, one of them twice; one with an immediate error of LAMMPS; one on two ranks.
 POINTS = """
 [[points]]
 packing.size = [6, 6, 4]
@@ -45,7 +45,7 @@ load.velocity = 2.0
 packing.size = [8, 8, 4]
 load.velocity = 1
 """
-#: One point of seconds, beside some of a fraction of one.
+#: One point that takes seconds, and some that take a fraction of a second.
 LONG = """
 case = "fcc-small"
 [set]
@@ -62,7 +62,7 @@ Start = Callable[..., subprocess.Popen[str]]
 
 @pytest.fixture
 def start(tmp_path: Path) -> Iterator[Start]:
-    """Start a scan of this text in the directory "out"; what still runs at the end of the test is killed."""
+    """Start a scan of this text in the directory "out"; remaining processes are killed at the end of the test."""
     started: list[subprocess.Popen[str]] = []
 
     def run(text: str, *words: str) -> subprocess.Popen[str]:
@@ -83,7 +83,7 @@ def start(tmp_path: Path) -> Iterator[Start]:
 
 
 def wait_for(condition: Callable[[], object], limit: float = 120, *, beside: subprocess.Popen[str] | None = None):
-    """Poll until the condition holds; returns what it gave."""
+    """Poll until the condition is true; returns its value."""
     end = time.monotonic() + limit
     while not (found := condition()):
         if beside is not None:
@@ -106,7 +106,7 @@ def record(place: Path) -> dict:
 
 
 def marks(directory: Path) -> dict[str, tuple[int, int]]:
-    """Which files the finished points have, so that a point done again is seen."""
+    """Files of the finished points, by which a repeated point is detected."""
     return {
         str(path.relative_to(directory)): (path.stat().st_ino, path.stat().st_mtime_ns)
         for path in (directory / "points").glob("*/*")
@@ -127,7 +127,7 @@ def children(process: int) -> list[int]:
 
 
 def workers(tmp_path: Path) -> set[int]:
-    """Processes of the workers that have a point in work."""
+    """Processes of the workers with a point in progress."""
     return {record(path.parent)["pid"] for path in tmp_path.glob("out/unfinished/*/point.json") if record(path.parent)}
 
 
@@ -138,7 +138,7 @@ def alive(process: int) -> bool:
 
 
 def growing(place: Path, since: int = 20_000) -> bool:
-    """The present attempt at this point has come beyond so many bytes of its ledger."""
+    """True if the ledger of the present attempt at this point exceeds a number of bytes."""
     with contextlib.suppress(OSError):
         ledger, noted = (place / "dumps" / "energy.txt").stat(), record(place)
         return noted.get("state") == "running" and ledger.st_mtime > noted["started"] and ledger.st_size > since
@@ -150,7 +150,7 @@ def growing(place: Path, since: int = 20_000) -> bool:
 
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory) -> tuple[Path, subprocess.CompletedProcess[str]]:
-    """A scan whose third point fails, in a directory with awkward letters in its name."""
+    """Scan whose third point fails, in a directory with special characters in its name."""
     directory = tmp_path_factory.mktemp("scans") / "my {scan} Nö 1"
     directory.mkdir()
     (directory / "notes.txt").write_text("mine")
@@ -219,7 +219,7 @@ def test_a_directory_with_results_is_refused(finished, granwave) -> None:
 def test_resume_does_what_is_missing_and_force_replaces_all(finished, granwave, tmp_path) -> None:
     out = tmp_path / "out"
     shutil.copytree(finished[0], out)
-    # the machine went down: a summary and a case without a byte
+    # machine failure: an empty summary and an empty case
     places = [out / row["directory"] for row in rows(out)]
     (places[0] / "summary.json").write_text("")
     (places[1] / "case.toml").write_text("")
@@ -249,7 +249,7 @@ def test_resume_does_what_is_missing_and_force_replaces_all(finished, granwave, 
 
 
 def test_damaged_points_are_made_again(granwave, tmp_path) -> None:
-    """What the terminal counts is what the table says, and --resume mends it."""
+    """Counts on the terminal agree with the table, and --resume repairs the scan."""
     text = 'case = "two-spheres"\n[set]\nrun.frames = 2\n[grid]\nload.velocity = [1, 2, 3, 4, 5]\n'
     (tmp_path / "my.toml").write_text(text)
     words, out = ("scan", "my.toml", "-o", "out", "--resume"), tmp_path / "out"
@@ -275,7 +275,7 @@ def test_damaged_points_are_made_again(granwave, tmp_path) -> None:
         assert {key: now[key] for key in was if not key.endswith("_s")} == {
             key: value for key, value in was.items() if not key.endswith("_s")
         }
-        # only the cut output made LAMMPS run once more
+        # only the truncated output required another run of LAMMPS
         assert (now["wall_time_s"] == was["wall_time_s"]) == (place != places[2])
     after = marks(out)
     last = [name for name in before if places[4].name in name]
@@ -310,7 +310,7 @@ def test_ctrl_c_and_kills_lose_nothing(start: Start, granwave, tmp_path: Path) -
     busy = granwave("scan", "my.toml", "-o", "out", "--resume", cwd=tmp_path)
     assert busy.returncode == 2 and "at work there" in busy.stderr
 
-    # a point's process is killed: it is tried once more
+    # the process of a point is killed: the point is retried once
     wait_for(lambda: growing(long), beside=process)
     (point,) = children(record(long)["pid"])
     os.kill(point, signal.SIGKILL)
@@ -326,7 +326,7 @@ def test_ctrl_c_and_kills_lose_nothing(start: Start, granwave, tmp_path: Path) -
     assert {row["status"] for row in rows(directory)} == {"done", "missing"}
     before, size = marks(directory), (long / "dumps" / "energy.txt").stat().st_size
 
-    # the driver is killed: what it started ends by itself
+    # the driver is killed: its processes end by themselves
     process = start(text, "--resume")
     wait_for(lambda: growing(long, size), beside=process)
     process.kill()
@@ -339,13 +339,13 @@ def test_ctrl_c_and_kills_lose_nothing(start: Start, granwave, tmp_path: Path) -
     assert float(table[0]["energy_balance_error"]) < 1e-5
     after = marks(directory)
     assert {name: after[name] for name in before} == before
-    # it went on from its checkpoint each time, and nothing of it is there twice
+    # it continued from its checkpoint each time, without duplicate output
     log = (directory / "points" / first / "log.lammps").read_text()
     assert log.count("Reading restart file") == 2 and log.count("Reading data file") == 1
     ledger = (directory / "points" / first / "dumps" / "energy.txt").read_text().splitlines()
     lines = [line for line in ledger if not line.startswith("#")]
     steps = [int(line.split()[0]) for line in lines]
-    # a run that goes on writes the row of its checkpoint's step once more, the same; readers take one
+    # a continued run writes the identical row of its checkpoint step again; readers use one of them
     assert steps == sorted(steps) and len(set(lines)) == len(set(steps)) >= len(steps) - 2
 
 
@@ -358,7 +358,7 @@ def test_a_scan_survives_its_engine_and_a_worker(start: Start, tmp_path: Path) -
     engine = [child for child in children(process.pid) if "snakemake" in Path(f"/proc/{child}/cmdline").read_text()]
     os.kill(engine[0], signal.SIGKILL)
 
-    # the driver starts another one; a worker is killed: its point comes to an end all the same, and counts
+    # the driver starts another one; a worker is killed: its point finishes nevertheless, and counts
     wait_for(lambda: record(long).get("attempts") == 2 and growing(long), beside=process)
     os.kill(record(long)["pid"], signal.SIGKILL)
     _, errors = process.communicate(timeout=200)
@@ -388,7 +388,7 @@ def test_bad_input_writes_nothing(tmp_path: Path, words: list[str], expected: li
     (tmp_path / "bad.toml").write_text('case = "two-spheres"\n[grid]\nload.velocity = [1, -1, 2]\n')
     (tmp_path / "outside.toml").write_text('name = "../x"\n' + TINY)
     before = tree(tmp_path)
-    empty = {**PLAIN, "PATH": str(tmp_path)}  # no Slurm here, whatever the machine has
+    empty = {**PLAIN, "PATH": str(tmp_path)}  # without Slurm, independent of the machine
     done = subprocess.run([*SCAN, *words], cwd=tmp_path, env=empty, capture_output=True, text=True, timeout=120)
     assert done.returncode == 2, done.stderr
     assert all(word in done.stderr for word in expected) and "Traceback" not in done.stderr

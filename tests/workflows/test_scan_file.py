@@ -1,4 +1,4 @@
-"""Scan files: what varies, the points that come of it, their ids and labels."""
+"""Scan files: varied keys, resulting points, their IDs and labels."""
 
 from __future__ import annotations
 

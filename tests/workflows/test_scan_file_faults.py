@@ -1,4 +1,4 @@
-"""Scan files that are wrong: what is said, and that every fault is found at once."""
+"""Invalid scan files: messages, and detection of all errors at once."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def load(tmp_path: Path) -> Load:
 
 @pytest.fixture
 def faults_of(load: Load, tmp_path: Path) -> Callable[..., list[str]]:
-    """The errors of a scan of this text, its path left out."""
+    """Errors of a scan of this text, without its path."""
 
     def errors(text: str, overrides=()) -> list[str]:
         with pytest.raises(InputError) as caught:

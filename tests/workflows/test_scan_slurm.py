@@ -1,4 +1,4 @@
-"""Scans on a real Slurm of two virtual nodes: ranks over nodes, failures, requeued jobs, a killed driver."""
+"""Scans on a Slurm cluster of two virtual nodes: ranks on several nodes, failures, requeued jobs, a killed driver."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def scan(slurm, tmp_path):  # noqa: F811
 
 
 def queue() -> list[list[str]]:
-    """Id and state of every job."""
+    """ID and state of every job."""
     done = subprocess.run(["squeue", "--me", "-h", "-o", "%i %T"], capture_output=True, text=True, check=True)
     return [line.split() for line in done.stdout.splitlines()]
 
@@ -99,12 +99,12 @@ def states(directory: Path) -> list[str]:
 
 
 def attempts(directory: Path) -> list[int]:
-    """How often each point was begun that is not done."""
+    """Number of attempts of each unfinished point."""
     return [json.loads(path.read_text())["attempts"] for path in directory.glob("unfinished/*/point.json")]
 
 
 def jobs_ever() -> int:
-    """The largest job id there has been."""
+    """Largest job ID so far."""
     done = subprocess.run(["scontrol", "-o", "show", "jobs"], capture_output=True, text=True, check=True)
     return max((int(line.split()[0].removeprefix("JobId=")) for line in done.stdout.splitlines()), default=0)
 
@@ -133,7 +133,7 @@ def test_requeued_job_and_killed_driver_lose_and_double_nothing(scan, tmp_path):
     time.sleep(2)
     last = jobs_ever()
 
-    # one job goes back into the queue, with a checkpoint
+    # one job is requeued, with a checkpoint
     victim = queue()[0][0]
     subprocess.run(["scontrol", "requeue", victim], check=True)
     wait_for(lambda: [victim, "PENDING"] in queue(), 60)
@@ -175,7 +175,7 @@ def rows_of(directory: Path) -> list[dict[str, str]]:
 
 
 def test_refused_jobs_have_slurm_s_reason(scan, tmp_path):
-    """A wrong partition; then the same command with the profile mended."""
+    """An invalid partition; then the same command with a corrected profile."""
     small = TINY.replace('run.timestep = ["auto", 1.0e-5]       # the second is far too large: it fails\n', "")
     (tmp_path / "profile.toml").write_text(PROFILE.replace('"main"', '"nix"'))
     out, err = (process := scan(small)).communicate(timeout=120)
@@ -203,7 +203,7 @@ def test_jobs_that_wait_for_what_never_comes_say_so(scan):
 
 
 def kill_points(directory: Path) -> None:
-    """Kill the processes of all points in work, as a machine out of memory does: they write no checkpoint."""
+    """Kill the processes of all points in progress, as if out of memory: they write no checkpoint."""
     for path in directory.glob("unfinished/*/point.json"):
         worker = json.loads(path.read_text())["pid"]
         found = subprocess.run(["pgrep", "-P", str(worker)], capture_output=True, text=True, check=False)
@@ -212,7 +212,7 @@ def kill_points(directory: Path) -> None:
 
 
 def test_jobs_that_are_ended_have_slurm_s_reason(scan, tmp_path):
-    """A point dies with its job, and with the one that takes its place."""
+    """A point fails with its job, and again with the replacement job."""
     out = tmp_path / "out"
     driver = scan(LONG.replace("[5, 6]", "[5]"))
     for attempt in (1, 2):
@@ -263,7 +263,7 @@ def test_how_slurm_ended_a_job(slurm, tmp_path):  # noqa: F811
         wait_for(lambda: not queue(), 60)
         assert end_of(tmp_path, lost).startswith(f"Slurm ended job {lost}: NODE_FAIL (NodeDown)")
     finally:
-        for node in slurm.nodes:  # the controller refuses the lot where one of them is up again already
+        for node in slurm.nodes:  # the controller rejects the whole command if one of the nodes is already up
             subprocess.run(["scontrol", "update", f"NodeName={node}", "State=RESUME"], check=False)
 
 

@@ -1,11 +1,11 @@
-"""Speed beside LAMMPS's own granular styles, on this machine.
+"""Speed compared with LAMMPS's own granular styles on this machine.
 
-All styles run in one process, interleaved, from one state: the reference packing in the middle of its impact, where
-thousands of contacts have yielded. Positions and velocities are put back before each timing, so that every style meets
-the same overlaps, each time. A ratio is formed within a repeat, where both sides met the same machine.
+All styles run in one process, interleaved, from one state: the reference packing during impact, with thousands of
+yielded contacts. Positions and velocities are restored before each timing, so that all styles have the same overlaps
+every time. Ratios are formed within a repeat, so that both timings see the same load of the machine.
 
-How cost depends on size, and how two ranks share the work, is timed on packings whose spheres all rattle: the same
-share of loaded contacts at every size.
+The dependence on size and the scaling to two ranks are timed on packings in which all spheres rattle, so that the share
+of loaded contacts is the same at every size.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ ROUGH_BASELINE = f"{BASELINE}, friction 0.3"
 
 @dataclasses.dataclass(frozen=True)
 class Style:
-    """A style as it is timed: its lines of script, what integrates the motion, and the style that it stands beside."""
+    """Style to be timed: script lines, style of the integrating fix, and style that it is compared with."""
 
     lines: str
     motion: str = "nve"
@@ -64,16 +64,16 @@ STYLES = {
         "pair_style gran/hertz/history {kn} NULL 0.0 NULL 0.3 0\npair_coeff * *", "nve/sphere", ROUGH_BASELINE
     ),
 }
-IMPACT_TIME = 3e-4  # s, after which the styles are compared
+IMPACT_TIME = 3e-4  # s after impact at which the styles are compared
 SIZES = ([24, 24, 18], [72, 72, 30], [160, 160, 78])
 _STEPS, _WARM = 100, 20
 _STATE = ("x", "v", "omega")
-_RATTLE = 0.02  # m/s, largest component of velocity; two brass spheres yield from about 0.05 m/s on
+_RATTLE = 0.02  # m/s, largest velocity component; two brass spheres yield above about 0.05 m/s
 
 
 @dataclasses.dataclass(frozen=True)
 class Timing:
-    """Sphere-steps per second of one thing timed several times."""
+    """Repeated measurements of a speed, in sphere-steps per second."""
 
     name: str
     rates: list[float]
@@ -84,7 +84,7 @@ class Timing:
 
 
 def bench(repeats: int = 5, report: Callable[[str], None] = print, sizes: bool = True) -> dict[str, Any]:
-    """Time everything; the results as a dictionary of plain values."""
+    """Time styles, sizes and ranks; return the results as a dictionary of plain values."""
     results: dict[str, Any] = {"load_before": os.getloadavg(), "cores": os.cpu_count()}
     report(
         f"load of the machine: {results['load_before'][0]:.2f}; on a busy one the ratios still hold, the rates do not"
@@ -133,7 +133,7 @@ def _compare_styles(repeats: int, report: Callable[[str], None]) -> dict[str, An
 
 
 class _stack:
-    """One LAMMPS instance for each style, on the same packing."""
+    """Context of one LAMMPS instance for each style, on the same packing."""
 
     def __init__(self, case: Case, data: Path, scratch: Path) -> None:
         self._exits = contextlib.ExitStack()
@@ -200,7 +200,7 @@ def _restore(engine: Engine, state: tuple[np.ndarray, ...]) -> None:
 
 
 def _time(engine: Engine) -> float:
-    """Wall time of the timed steps, s; set-up and a few steps to warm up are not counted."""
+    """Measure the wall time of the timed steps, s, without set-up and warm-up steps."""
     engine.commands(f"run {_WARM} post no")
     begin = time.perf_counter()
     engine.commands(f"run {_STEPS} pre no post no")
@@ -222,7 +222,7 @@ def _memory(log: Path) -> float:
 
 
 def rattle(size: list[int], repeats: int) -> Timing:
-    """Our elasto-plastic style on a packing whose spheres all rattle, hardly yielding, on all ranks of this program."""
+    """Time our elasto-plastic style on a packing of rattling spheres that hardly yield, on all ranks."""
     comm = mpi.world()
     case = load_case(library.find("fcc-impact"), {"packing.size": size})
     n = assemble(case).lattice.n_spheres
@@ -271,7 +271,7 @@ def _compare_ranks(repeats: int, report: Callable[[str], None]) -> dict[str, lis
 
 
 def triad(megabytes: int = 256, repeats: int = 5) -> float:
-    """Memory bandwidth of one core, a = b + s c on arrays beyond the caches, GB/s."""
+    """Measure the memory bandwidth of one core, GB/s: a = b + s c on arrays larger than the caches."""
     n = megabytes * 2**20 // 8
     a, b, c = np.empty(n), np.ones(n), np.ones(n)
     best = np.inf

@@ -1,4 +1,4 @@
-"""Commands of the command line; every function returns the exit status."""
+"""Commands of the command line; each function returns the exit status."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from granwave.analysis.measures.zone_marks import zone_warnings
+from granwave.analysis.measures.zone.marks import zone_warnings
 from granwave.lammps_inputs.case.material import Material, material, sphere_mass
 from granwave.lammps_inputs.case.overrides import apply_overrides, parse_overrides
 from granwave.lammps_inputs.case.sections import LAWS
@@ -29,14 +29,14 @@ from granwave.workflows.cli.tables import continuum_plan_table, expected_cut, pl
 from granwave.workflows.run import mpi, record
 from granwave.workflows.solvers import CONTINUUM, GRANULAR, SPHERE_CONTACT, solver_of
 
-Words = Sequence[str]
+Arguments = Sequence[str]
 
 
-def run(options: argparse.Namespace, words: Words) -> int:
-    """granwave run"""
+def run(options: argparse.Namespace, arguments: Arguments) -> int:
+    """Execute ``granwave run``."""
     starts_ranks = options.np > 1 and not mpi.launched()
     if starts_ranks:
-        logging.getLogger("granwave").setLevel(logging.ERROR)  # the ranks read the case too, and warn
+        logging.getLogger("granwave").setLevel(logging.ERROR)  # the ranks will give the warnings of the case
     case = library.load_case(options.case, options.overrides)
     directory = results_directory(options.directory or case.name)
     if starts_ranks:
@@ -44,7 +44,7 @@ def run(options: argparse.Namespace, words: Words) -> int:
 
         how = {"resume": options.resume, "force": options.force, "figures": options.figures}
         decide(case, directory, n_ranks=options.np, **how)
-        return mpi.launch(options.np, _without_ranks(words))
+        return mpi.launch(options.np, _without_ranks(arguments))
 
     from granwave.workflows.run.driver import run_case
 
@@ -82,18 +82,18 @@ def run(options: argparse.Namespace, words: Words) -> int:
     return {record.FINISHED: 0, record.INTERRUPTED: 130}.get(outcome.state, 1)
 
 
-def _without_ranks(words: Words) -> list[str]:
+def _without_ranks(arguments: Arguments) -> list[str]:
     kept, skip = [], False
-    for word in words:
-        if skip or word == "--np" or word.startswith("--np="):
-            skip = not skip and word == "--np"
+    for argument in arguments:
+        if skip or argument == "--np" or argument.startswith("--np="):
+            skip = not skip and argument == "--np"
         else:
-            kept.append(word)
+            kept.append(argument)
     return kept
 
 
-def write(options: argparse.Namespace, _: Words) -> int:
-    """granwave write"""
+def write(options: argparse.Namespace, _: Arguments) -> int:
+    """Execute ``granwave write``."""
     from granwave.workflows.run.directory import held, run_files, start
 
     case = library.load_case(options.case, options.overrides)
@@ -116,8 +116,8 @@ def write(options: argparse.Namespace, _: Words) -> int:
     return 0
 
 
-def analyse(options: argparse.Namespace, _: Words) -> int:
-    """granwave analyse"""
+def analyse(options: argparse.Namespace, _: Arguments) -> int:
+    """Execute ``granwave analyse``."""
     from granwave.analysis.errors import MissingOutputError, OutputFormatError
     from granwave.analysis.pipeline import analyse as analyse_directory
     from granwave.workflows.run.directory import held
@@ -138,20 +138,20 @@ def analyse(options: argparse.Namespace, _: Words) -> int:
 
 
 def _warn_of_zone(summary: Mapping[str, Any]) -> None:
-    """Say where the size of the packing or block decides that of the plastic zone."""
+    """Print warnings if the size of the packing or block limits the plastic zone."""
     for warning in zone_warnings(summary):
         print(f"granwave: warning: {summary['name']}: {warning}", file=sys.stderr)
 
 
-def scan(options: argparse.Namespace, _: Words) -> int:
-    """granwave scan"""
+def scan(options: argparse.Namespace, _: Arguments) -> int:
+    """Execute ``granwave scan``."""
     from granwave.workflows.cli.scan import scan as run
 
     return run(options)
 
 
-def continuum(options: argparse.Namespace, _: Words) -> int:
-    """granwave continuum"""
+def continuum(options: argparse.Namespace, _: Arguments) -> int:
+    """Execute ``granwave continuum``."""
     from granwave.workflows.cli.tables import continuum_table
     from granwave.workflows.run.directory import held
 
@@ -167,7 +167,7 @@ def continuum(options: argparse.Namespace, _: Words) -> int:
     case = OwnCase.load(path, options.overrides)
     directory = results_directory(options.directory or case.name)
     expected = kind.cost(case, 1, options.figures)
-    if not options.resume:  # what is finished needs nothing
+    if not options.resume:  # a finished run needs no resources
         kind.check(case, expected, directory)
     with held(directory):
         summary = run_it(
@@ -179,16 +179,16 @@ def continuum(options: argparse.Namespace, _: Words) -> int:
     return 0
 
 
-def report(options: argparse.Namespace, _: Words) -> int:
-    """granwave report"""
+def report(options: argparse.Namespace, _: Arguments) -> int:
+    """Execute ``granwave report``."""
     from granwave.analysis.reports.report import write_report
 
     print(write_report(options.directories, options.output, options.study))
     return 0
 
 
-def export(options: argparse.Namespace, _: Words) -> int:
-    """granwave export"""
+def export(options: argparse.Namespace, _: Arguments) -> int:
+    """Execute ``granwave export``."""
     from granwave.analysis.exports.export import export as export_directory
     from granwave.workflows.run.directory import held
 
@@ -202,8 +202,8 @@ def export(options: argparse.Namespace, _: Words) -> int:
     return 0
 
 
-def check(options: argparse.Namespace, _: Words) -> int:
-    """granwave check"""
+def check(options: argparse.Namespace, _: Arguments) -> int:
+    """Execute ``granwave check``."""
     path = library.find_for(options.case, GRANULAR.verb, CONTINUUM.verb)
     kind = solver_of(read_toml(path))
     changes = parse_overrides(options.overrides)
@@ -220,14 +220,14 @@ def check(options: argparse.Namespace, _: Words) -> int:
     return 0
 
 
-def show(options: argparse.Namespace, _: Words) -> int:
-    """granwave show"""
+def show(options: argparse.Namespace, _: Arguments) -> int:
+    """Execute ``granwave show``."""
     sys.stdout.write(library.text(options.name))
     return 0
 
 
-def law(options: argparse.Namespace, _: Words) -> int:
-    """granwave law"""
+def law(options: argparse.Namespace, _: Arguments) -> int:
+    """Execute ``granwave law``."""
     output = options.output or Path("restitution.png" if options.restitution else "law.png")
     for name, values in (("--material", options.material), ("--radius", options.radius)):
         if len(values) > 2:
@@ -273,15 +273,15 @@ def _write_restitution(options: argparse.Namespace, materials: Sequence[Material
     )
 
 
-def fit(options: argparse.Namespace, _: Words) -> int:
-    """granwave fit"""
+def fit(options: argparse.Namespace, _: Arguments) -> int:
+    """Execute ``granwave fit``."""
     from granwave.workflows.cli.fitting import fit as run_fit
 
     return run_fit(options)
 
 
-def bench(options: argparse.Namespace, _: Words) -> int:
-    """granwave bench"""
+def bench(options: argparse.Namespace, _: Arguments) -> int:
+    """Execute ``granwave bench``."""
     import json
 
     from granwave.workflows.cli.bench import bench as run_bench
@@ -300,8 +300,8 @@ def bench(options: argparse.Namespace, _: Words) -> int:
     return 0
 
 
-def cases(_: argparse.Namespace, __: Words) -> int:
-    """granwave cases"""
+def cases(_: argparse.Namespace, __: Arguments) -> int:
+    """Execute ``granwave cases``."""
     found = [(kind, name) for kind in (library.CASES, library.SCANS) for name in library.names(kind)]
     width = max(len(name) for _, name in found)
     for kind, name in found:
@@ -309,8 +309,8 @@ def cases(_: argparse.Namespace, __: Words) -> int:
     return 0
 
 
-def doctor(_: argparse.Namespace, __: Words) -> int:
-    """granwave doctor"""
+def doctor(_: argparse.Namespace, __: Arguments) -> int:
+    """Execute ``granwave doctor``."""
     from granwave.workflows.cli.doctor import examine
 
     findings = examine()

@@ -1,4 +1,4 @@
-"""Check of the installation, and how to mend what does not work: a line for each part."""
+"""Check of the installation: a line for each part, with a remedy for what does not work."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ run 0
 
 @dataclasses.dataclass(frozen=True)
 class Finding:
-    """One part: what it is, whether it works, what was found, and how to mend it."""
+    """Result of the check of one part: its name, whether it works, details, and remedy."""
 
     part: str
     works: bool
@@ -43,7 +43,7 @@ class Finding:
 
 
 def examine() -> list[Finding]:
-    """Look at every part that a run needs."""
+    """Check all parts that a run needs."""
     return [check() for check in (_versions, _plugin, _release, _module, _command, _ranks)]
 
 

@@ -1,4 +1,4 @@
-"""granwave fit: the constants of the elasto-plastic law from a force-overlap curve."""
+"""Command ``granwave fit``: constants of the elasto-plastic law from a force-overlap curve."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def fit(options: argparse.Namespace) -> int:
-    """Fit the law to ``options.curve`` and write the outcome into ``options.directory``; returns the exit status.
+    """Fit the law to ``options.curve`` and write the result into ``options.directory``; return the exit status.
 
     Raises
     ------
@@ -53,7 +53,7 @@ def fit(options: argparse.Namespace) -> int:
 
 
 def fit_summary(found: Fit) -> str:
-    """The constants with their uncertainties, and the misfits, for the terminal."""
+    """Format the constants with their uncertainties, and the misfits, for the terminal."""
     from granwave.analysis.contact_law.fit_output import constants_table
 
     rows: list[tuple[str, ...]] = [("constant", "value", "+-", "published", "")]
@@ -73,7 +73,7 @@ def fit_summary(found: Fit) -> str:
 
 
 def _columns(rows: list[tuple[str, ...]], left: tuple[int, ...]) -> str:
-    """Rows under each other; the columns ``left`` begin at the left, the others end at the right."""
+    """Format a table; the columns ``left`` are aligned left, the others right."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     aligned = [
         [
@@ -86,7 +86,7 @@ def _columns(rows: list[tuple[str, ...]], left: tuple[int, ...]) -> str:
 
 
 def _material(text: str) -> Material:
-    """A preset, or FILE.toml:NAME of the user's own file of materials."""
+    """Return a preset, or the material FILE.toml:NAME from a file of the user."""
     path, colon, name = text.rpartition(":")
     if not colon:
         return material(text)

@@ -1,7 +1,7 @@
 """The command line.
 
-Exit status: 0 done; 2 the input is wrong and nothing was run; 1 it failed while running; 130 after Ctrl-C; 141 if what
-reads its output has left, as of other commands in a pipe.
+Exit status: 0 done; 1 failed while running; 2 wrong input, nothing was run; 130 stopped by Ctrl-C; 141 the reader of
+the output, such as another command in a pipe, has closed it.
 """
 
 from __future__ import annotations
@@ -34,26 +34,26 @@ from granwave.workflows.run.messages import each_warning_once
 DONE, FAILED, WRONG_INPUT, STOPPED, READER_LEFT = 0, 1, 2, 130, 141
 
 _LONGEST_SHOWN = 300  # characters of a path in a message
-_OF_NAMES = (errno.ENAMETOOLONG, errno.ELOOP)  # errors of the system that no wait and no other machine mends
-_LARGEST_OVERLAP = 1e6  # over that at first yield; spheres end at some 1e4
+_OF_NAMES = (errno.ENAMETOOLONG, errno.ELOOP)  # errors of a path itself, which is wrong input
+_LARGEST_OVERLAP = 1e6  # over the overlap at first yield; the size of spheres limits it to some 1e4
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line; returns the exit status."""
+    """Run the command line; return the exit status."""
     words = list(sys.argv[1:] if arguments is None else arguments)
     _set_up_output()
     options = _parser().parse_args(words)
     _set_up_logging()
     try:
         status = int(options.command(options, words))
-        sys.stdout.flush()  # as long as an error can be told
+        sys.stdout.flush()  # here, where an error can still be reported
         return status
     except InputError as error:
         return _report(error.errors, WRONG_INPUT)
     except GranwaveError as error:
         return _report([str(error)], FAILED)
     except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # where the rest of the output goes, without an error
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # discards the rest of the output without an error
         return READER_LEFT
     except OSError as error:
         return _report_file(error, words)
@@ -65,7 +65,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _set_up_output() -> None:
-    """Whatever the terminal or the user's settings are, text can be printed and figures drawn."""
+    """Make printing and drawing work independently of terminal and settings."""
     if sys.stdout is None:  # it was closed
         sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115
     for stream in (sys.stdout, sys.stderr):
@@ -75,7 +75,7 @@ def _set_up_output() -> None:
 
 
 def _report_file(error: OSError, words: Sequence[str]) -> int:
-    """Return the error of a file: of the input if the command line itself names it, for nothing was run yet then."""
+    """Report the error of a file; it counts as wrong input if the command line names the file."""
     try:
         named = [os.path.abspath(word) for word in words if word]
         wrong = error.errno in _OF_NAMES or (
@@ -83,26 +83,17 @@ def _report_file(error: OSError, words: Sequence[str]) -> int:
         )
     except OSError:
         return _report(["the working directory does not exist any more; change to another"], WRONG_INPUT)
-    # whatever writes a file names it, see `granwave.lammps_inputs.files`
+    # errors of writing name their file, see `granwave.lammps_inputs.files`
     name = error.filename or ("standard output" if error.errno in DISK_IS_FULL else "a file")
     shown = str(name) if len(str(name)) <= _LONGEST_SHOWN else f"{str(name)[:_LONGEST_SHOWN]}..."
     fault = f"{shown}: {error.strerror or error}"
     return _report([fault], WRONG_INPUT if wrong else FAILED)
 
 
-def _flush() -> None:
-    """Write out what was printed, as long as an error can be told."""
-    try:
-        sys.stdout.flush()
-    except OSError as error:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or Python tries once more at its end
-        raise OSError(error.errno, error.strerror, "standard output") from None
-
-
 def _set_up_logging() -> None:
-    """Our own messages from INFO on, warnings marked as such and given once; of the libraries only what went wrong.
+    """Show granwave's messages from INFO, each warning once, and of libraries errors only.
 
-    Of several ranks the first alone speaks.
+    Of several ranks only the first shows messages below ERROR.
     """
     handler = logging.StreamHandler(sys.stderr)
     handler.setFormatter(_Messages())
@@ -119,7 +110,7 @@ class _Messages(logging.Formatter):
 
 def _report(lines: Sequence[str], status: int) -> int:
     if not mpi.launched() or mpi.world().rank == 0:
-        with contextlib.suppress(OSError):  # nobody can be told
+        with contextlib.suppress(OSError):  # standard error is closed
             for line in lines:
                 print(f"granwave: {printable(line)}", file=sys.stderr)
     return status
@@ -322,16 +313,10 @@ def _positive(text: str) -> int:
     return int(value)
 
 
-def _path(text: str) -> Path:
-    if not text.strip() or "\0" in text:
-        raise argparse.ArgumentTypeError(f"found {show(text)}, expected a path")
-    return Path(text)
-
-
 def _radius(text: str) -> float:
     value = _number(text)
     low, high = POSSIBLE["m"]
-    if not (low <= value <= high or value == math.inf):  # infinite: a plane, where one may be
+    if not (low <= value <= high or value == math.inf):  # infinite: a plane, if the command allows one
         raise argparse.ArgumentTypeError(f"found {text}, expected a length from {low:g} to {high:g} m")
     return value
 
@@ -358,7 +343,7 @@ def _number(text: str) -> float:
 
 
 class _Parser(argparse.ArgumentParser):
-    """Says what is wrong in one line, as all errors are said."""
+    """Parser that reports errors in one line, like other errors."""
 
     def error(self, message: str) -> NoReturn:
         choice = re.fullmatch(r"argument (\S+): invalid choice: '(.*?)' \(choose from (.*)\)", message, re.DOTALL)

@@ -1,4 +1,4 @@
-"""`granwave scan` at the terminal: the plan, the bar, what came of it."""
+"""Command ``granwave scan``: plan, run and outcome of scans and suites in the terminal."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from granwave.analysis.formatting.numbers import duration
-from granwave.analysis.measures.zone_marks import LABELS, bounds_in_words, mark_of
+from granwave.analysis.measures.zone.marks import LABELS, bounds_in_words, mark_of
 from granwave.analysis.quantities import SCAN_COLUMNS, Quantity
 from granwave.analysis.scans.result import ScanResult
 from granwave.lammps_inputs.directories import results_directory
@@ -20,22 +20,23 @@ from granwave.lammps_inputs.errors import InputError, RunError, raise_all
 from granwave.lammps_inputs.planning.plan import Plan
 from granwave.lammps_inputs.run_directory import SCAN_REPORT
 from granwave.workflows.cli.tables import lines, static_stage_note
-from granwave.workflows.scanning import driver, needs
+from granwave.workflows.scanning import needs
 from granwave.workflows.scanning.batches import expected_scan_time, expected_time
 from granwave.workflows.scanning.calibrate import slowness_of
-from granwave.workflows.scanning.driver import ScanOutcome, default_jobs, run_scan
+from granwave.workflows.scanning.directory import decide
+from granwave.workflows.scanning.driver import STOPPED, ScanOutcome, default_jobs, run_scan
 from granwave.workflows.scanning.engine import EXECUTORS, LOCAL, SLURM, check_installed
 from granwave.workflows.scanning.needs import check_points
 from granwave.workflows.scanning.profile import Profile, load_profile
 from granwave.workflows.scanning.scan_file import Scan, load_scan
 from granwave.workflows.scanning.suite import Suite, check_suite, is_suite, load_suite, run_suite
 
-_WORTH_MEASURING = 20.0  # s of expected time, beyond which the speed of this machine is measured first
+_WORTH_MEASURING = 20.0  # s; for a longer expected time the speed of this machine is measured first
 _MOST_ROWS = 40
 
 
 def scan(options: argparse.Namespace) -> int:
-    """Run it; returns the exit status."""
+    """Run a scan or suite; return the exit status."""
     profile = _executor(options)
     jobs = options.jobs or default_jobs(profile)
     try:
@@ -43,8 +44,8 @@ def scan(options: argparse.Namespace) -> int:
             return _suite(options, profile, jobs)
         return _scan(options, profile, jobs)
     except BrokenPipeError:
-        raise  # nobody reads the plan any more
-    except OSError as error:  # a full disk, above all
+        raise  # the reader of the plan has closed it
+    except OSError as error:  # usually a full disk
         place = error.filename or options.directory or options.scan
         reason = error.strerror or error
         raise RunError(f"{place}: {reason}; mend that, then the same command with --resume goes on") from error
@@ -55,7 +56,7 @@ def _scan(options: argparse.Namespace, profile: Profile | None, jobs: int) -> in
     directory = results_directory(options.directory or found.name)
     if not options.plan:
         check_installed(options.executor)
-        _check(driver.decide, found, directory, options)
+        _check(decide, found, directory, options)
     slowness = _slowness(found, directory, options, jobs)
     print(plan_text(found, directory, profile, jobs, slowness, fresh=options.force))
     if options.plan:
@@ -113,16 +114,16 @@ def _how(options: argparse.Namespace, profile: Profile | None) -> dict[str, Any]
     }
 
 
-def _check(decide: Callable[..., None], found: Scan | Suite, directory: Path, options: argparse.Namespace) -> None:
+def _check(may_run: Callable[..., None], found: Scan | Suite, directory: Path, options: argparse.Namespace) -> None:
     try:
-        decide(found, directory, resume=options.resume, force=options.force)
+        may_run(found, directory, resume=options.resume, force=options.force)
     except OSError as error:  # it cannot be looked into
         raise InputError(f"{directory}: {error.strerror or error}; choose another directory with -o") from None
 
 
 def _status(stopped: str | None, outcomes: Sequence[ScanOutcome]) -> int:
     """Say what is left to do; returns the exit status."""
-    if stopped == driver.STOPPED:
+    if stopped == STOPPED:
         print("granwave: stopped before its end; the same command with --resume goes on", file=sys.stderr)
         return 130
     if stopped:
@@ -140,7 +141,7 @@ def _status(stopped: str | None, outcomes: Sequence[ScanOutcome]) -> int:
 
 
 def _reasons(outcome: ScanOutcome) -> str:
-    """Why points failed, where all have one reason."""
+    """Return the reason why points failed, if all have the same; empty otherwise."""
     found = {point.reason.strip() for point in ScanResult(outcome.directory).points if point.status == "failed"}
     return f" ({' '.join(found.pop().split())})" if len(found) == 1 else ""
 
@@ -158,7 +159,7 @@ def _executor(options: argparse.Namespace) -> Profile | None:
 
 
 def _slowness(scan: Scan, directory: Path, options: argparse.Namespace, jobs: int) -> float | None:
-    """Measure the time of a point here over that planned; None where it is not worth measuring."""
+    """Measure the time of a point on this machine over the planned one; None if not worth measuring."""
     left = needs.left(scan, directory, fresh=options.force)
     if options.executor == SLURM or sum(map(expected_time, left)) / jobs < _WORTH_MEASURING:
         return None
@@ -211,7 +212,7 @@ def plan_text(
 
 
 def outcome_text(outcome: ScanOutcome) -> str:
-    """The main values of each point, and where everything is."""
+    """Return the table of the main values of all points, and the place of the results."""
     result = ScanResult(outcome.directory)
     points = [point for point in result.points if point.status != "missing"]
     shown = [one for one in SCAN_COLUMNS if any(point.summary.get(one.name) is not None for point in points)]

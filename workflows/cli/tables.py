@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from granwave.analysis.formatting.numbers import duration
-from granwave.analysis.measures.zone_marks import bounds_in_words
+from granwave.analysis.measures.zone.marks import bounds_in_words
 from granwave.analysis.quantities import CONTINUUM_ROWS, FRICTION_SHARES, RUN_ROWS, SHARES, Quantity
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.planning.plan import Plan

@@ -1,12 +1,12 @@
-"""A job of a scan: does the points of one batch, one after the other.
+"""Job of a scan: runs the points of one batch, one after the other.
 
     cd DIR && python -m granwave.workflows.cli.worker .scan/batches/BATCH.json
 
-A point on one rank is a forked copy of this process, which has loaded everything already; one on several ranks is
-started by mpiexec or srun. Either way what kills a point does not kill the others. SIGTERM, the stop file of the scan,
-and the death of the driver that started a local scan make the present point write a checkpoint and end the job.
+A point on one rank runs in a forked copy of this process, which has loaded all modules; one on several ranks is started
+by mpiexec or srun. In both cases a crash of one point does not affect the others. SIGTERM, the stop file of the scan,
+and the end of the driver of a local scan make the current point write a checkpoint, and end the job.
 
-Exit status: 0 when every point is done, or has failed as often as it is tried; 1 when something is left to do.
+Exit status: 0 if every point is done or has failed for good; 1 if some points are unfinished.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from typing import Any
 
 import tomli_w
 
-from granwave.lammps_inputs.directories import free_space, room_words
+from granwave.lammps_inputs.directories import disk_space_message, free_space
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import DISK_IS_FULL, replace_text
 from granwave.lammps_inputs.ownership import clear
@@ -40,11 +40,11 @@ from granwave.workflows.scanning.ended_jobs import end_of
 from granwave.workflows.solvers import GRANULAR, solver_of
 
 _POLL = 0.5  # s
-_RANK_DIED = re.compile(r"(?:EXIT STRING: |^srun: error: .*: tasks? [^:]+: )(.+)")  # as MPICH and Slurm put it
+_RANK_DIED = re.compile(r"(?:EXIT STRING: |^srun: error: .*: tasks? [^:]+: )(.+)")  # messages of MPICH and Slurm
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Do a batch; returns the exit status."""
+    """Run a batch; return the exit status."""
     batch = Path(arguments[0])
     directory = Path.cwd()
     worker = _Worker(directory, json.loads(batch.read_text(encoding="utf-8")), batch)
@@ -56,16 +56,16 @@ class _Worker:
     def __init__(self, directory: Path, batch: dict[str, Any], path: Path) -> None:
         self.directory, self.batch, self.path = directory, batch, path
         self.stopping = threading.Event()
-        self.current: int | None = None  # process of the present point
+        self.current: int | None = None  # process id of the current point
         self.rank_stop: Path | None = None  # stop file of its ranks
         self.driver = int(os.environ.get(layout.DRIVER, 0))
 
     def work(self) -> int:
-        """Returns how many points are neither done nor failed for good."""
+        """Run all points; return the number of those that are neither done nor failed for good."""
         for number in (signal.SIGTERM, signal.SIGINT):
             signal.signal(number, lambda *_: self.stop())
         for name in set(os.environ) - set(mpi.alone()):
-            del os.environ[name]  # the points are no ranks of whatever started this job
+            del os.environ[name]  # the points are not ranks of the program that started this job
         if self._unwanted():
             self.stop()
         elif self.batch["ranks"] == 1:
@@ -85,7 +85,7 @@ class _Worker:
     # ------------------------------------------------------------------ stopping
 
     def stop(self) -> None:
-        """Ask the present point to write a checkpoint, and begin no other."""
+        """Ask the current point to write a checkpoint and stop, and start no other."""
         self.stopping.set()
         if self.rank_stop is not None:
             self.rank_stop.touch()
@@ -106,7 +106,7 @@ class _Worker:
 
     def _attempt(self, point: dict[str, Any]) -> None:
         place = layout.unfinished(self.directory, point["id"])
-        while busy(place):  # a worker of an earlier scan is about to leave it
+        while busy(place):  # a worker of an earlier scan is still there
             if self.stopping.wait(_POLL):
                 return
         if layout.is_done(self.directory, point["id"]) or not self._room(point):
@@ -114,9 +114,9 @@ class _Worker:
         seen = layout.state(self.directory, point["id"])
         before = seen.get("attempts", 0)
         begun = record.read(place)
-        # by a process whose worker was killed
+        # finished by a process whose worker was killed
         ended = (begun is not None and begun.state == record.FINISHED) or (place / SUMMARY_FILE).exists()
-        if before >= layout.MOST_ATTEMPTS and not ended:  # and nobody was left to say so
+        if before >= layout.MOST_ATTEMPTS and not ended:  # the last worker was killed before it recorded the failure
             job = seen.get("job", "")
             reason = seen.get("reason") or (end_of(self.directory, job) if job else "")
             reason = reason or "its job was killed; was the machine out of memory, or the time limit too short?"
@@ -148,22 +148,21 @@ class _Worker:
         free = free_space(self.directory)
         if free > point["disk"] + layout.LEAST_FREE:
             return True
-        self._halt(
-            f"{self.directory}: {room_words('the results of the next point', point['disk'], layout.LEAST_FREE, free)}"
-        )
+        message = disk_space_message("the results of the next point", point["disk"], layout.LEAST_FREE, free)
+        self._halt(f"{self.directory}: {message}")
         return False
 
     def _halt(self, reason: str) -> None:
-        """End the whole scan."""
+        """Stop the whole scan."""
         stop = self.directory / layout.STOP
         if not stop.exists():
-            with contextlib.suppress(OSError):  # the file's presence says it all where not a byte is left
+            with contextlib.suppress(OSError):  # on a full disk the existence of the file suffices
                 stop.touch()
                 stop.write_text(reason, encoding="utf-8")
         self.stopping.set()
 
     def _run(self, point: dict[str, Any], place: Path) -> int:
-        """The exit status of the point's process; negative if a signal killed it."""
+        """Run a point; return the exit status of its process, negative if a signal killed it."""
         case = place / POINT_CASE
         replace_text(case, tomli_w.dumps({**point["case"], "name": _name(point, place)}))
         words = [point["verb"], str(case), "-o", str(place), "--resume"]
@@ -194,7 +193,7 @@ class _Worker:
 
 
 def _load(verb: str) -> None:
-    """Load what every point needs, but do not start MPI: each point starts its own."""
+    """Import the modules that points need, without starting MPI: each point starts its own."""
     import granwave.workflows.cli.parser
 
     if verb != GRANULAR.verb:
@@ -212,11 +211,11 @@ def _load(verb: str) -> None:
 
 
 def _fork(words: Sequence[str], log: int) -> int:
-    """Run a word of the command line in a copy of this process."""
+    """Run a granwave command in a forked copy of this process; return its process id."""
     sys.stdout.flush()
     sys.stderr.flush()
     ours = {signal.SIGTERM, signal.SIGINT}
-    # a request to stop must not meet this process's handlers in the copy
+    # block signals until the copy has replaced the handlers of this process
     signal.pthread_sigmask(signal.SIG_BLOCK, ours)
     process = os.fork()
     if process:
@@ -264,28 +263,28 @@ def _alive(process: int) -> bool:
 
 
 def _name(point: dict[str, Any], place: Path) -> str:
-    """The name that the point's case was begun with; one that cannot be read is begun anew."""
+    """Return the name of the point's case as first run; clear the directory if its case cannot be read."""
     tables = tables_as_run(place) or read_tables(place / CASE_FILE)
     try:
         if tables is not None:
             return str(solver_of(tables).read(tables, place / CASE_FILE).name)
     except InputError:
         tables = None
-    if tables is None and (place / CASE_FILE).exists():  # the machine went down while it was written
+    if tables is None and (place / CASE_FILE).exists():  # the machine crashed while the file was written
         clear(place)
     return str(point["case"]["name"])
 
 
 def _reason(status: int, log: Path, begin: int) -> str:
-    """Why a point failed: the last complaint in its log."""
+    """Return why a point failed: the last error in its log."""
     with contextlib.suppress(OSError):
         with log.open("rb") as stream:
             stream.seek(begin)
             lines = stream.read().decode("utf-8", "replace").strip().splitlines()
-        said = [line.removeprefix("granwave: ") for line in lines if line.startswith("granwave: ")]
-        complaints = [line for line in said if not line.startswith("warning: ")]
-        if complaints:
-            return complaints[-1]
+        messages = [line.removeprefix("granwave: ") for line in lines if line.startswith("granwave: ")]
+        errors = [line for line in messages if not line.startswith("warning: ")]
+        if errors:
+            return errors[-1]
         died = [match[1] for line in lines if (match := _RANK_DIED.search(line))]
         if died:
             return f"a rank died: {died[-1]}; was the machine out of memory?"

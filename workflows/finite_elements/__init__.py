@@ -1,1 +1,1 @@
-"""The finite-element references: a punch on a block, and two spheres pressed together."""
+"""Finite-element references: a punch on a block, and the contact of two spheres."""

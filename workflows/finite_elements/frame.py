@@ -1,52 +1,37 @@
-"""Common parts of the two finite-element problems: the form of their cases, the directory of a run, ``result.h5``."""
+"""Form of the cases of the two finite-element problems."""
 
 from __future__ import annotations
 
 import abc
 import dataclasses
-import json
-import logging
-import os
-import tomllib
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
-import h5py
 import tomli_w
-from numpy.typing import NDArray
 
-from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.lammps_inputs.case.case import KNOWN, read_parts
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.overrides import apply_overrides, parse_overrides
 from granwave.lammps_inputs.case.schema import ErrorList, keys_of, refuse_unknown
-from granwave.lammps_inputs.directories import decide
-from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.files import replace_text
 from granwave.lammps_inputs.memory import refuse_too_large
 from granwave.lammps_inputs.named_files import with_absolute_paths
-from granwave.lammps_inputs.ownership import claim, clear, figure_files, refuse_foreign
-from granwave.lammps_inputs.run_directory import CASE_FILE, CONTINUUM, FIGURES_DIRECTORY, RESULT_FILE
-from granwave.lammps_inputs.run_state import read_summary, restore_case, result_fault
 from granwave.lammps_inputs.toml_files import read_toml
 
-logger = logging.getLogger("granwave")
-
 _MEMORY_BASE = 350e6  # bytes; the interpreter with numba and the drawing library
-_MEMORY_PER_ELEMENT = 2500.0  # measured, setting up included, rounded up
+_MEMORY_PER_ELEMENT = 2500.0  # measured with set-up, rounded up
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class ElementCase(abc.ABC):
-    """A case with a mesh: ``run.elements`` tells how fine.
+    """Base class of the finite-element cases.
 
     Attributes
     ----------
     SECTIONS
-        The dataclass of each table.
+        Dataclass of each table, by name.
     REQUIRED
-        Tables that the case cannot do without.
+        Names of the tables that must be there.
     """
 
     SECTIONS: ClassVar[Mapping[str, type]]
@@ -61,12 +46,12 @@ class ElementCase(abc.ABC):
         source: str | Path = "case",
         overridden: Iterable[str] = (),
     ) -> Self:
-        """Check the nested mapping of a case file and make a case of it; parameters as of `case_from_dict`.
+        """Make a case from the nested mapping of a case file, and check it; parameters as in `case_from_dict`.
 
         Raises
         ------
         InputError
-            With every fault there is.
+            The case is wrong; the message lists all faults.
         """
         known = (*cls.SECTIONS, *keys_of({**cls.SECTIONS, "material": Material}))
         errors, data = ErrorList(str(source), tuple(overridden), known), with_absolute_paths(data, Path())
@@ -83,16 +68,16 @@ class ElementCase(abc.ABC):
     @staticmethod
     @abc.abstractmethod
     def _complete(parts: dict[str, Any], data: Mapping[str, Any], errors: ErrorList) -> None:
-        """Read what is no section, and check what concerns several keys; a part that is wrong is None."""
+        """Read further parts, and check keys against each other; parts that are wrong are None."""
 
     @classmethod
     def load(cls, path: str | Path, overrides: Iterable[str] | Mapping[str, Any] = ()) -> Self:
-        """Read a case file; ``overrides`` as of `granwave.lammps_inputs.load_case`.
+        """Read a case file; ``overrides`` as in `granwave.lammps_inputs.load_case`.
 
         Raises
         ------
         InputError
-            The file or an override is wrong; every fault is named.
+            The file or an override is wrong; the message lists all faults.
         """
         changes = parse_overrides(overrides)
         data = apply_overrides(read_toml(path), changes)
@@ -101,133 +86,32 @@ class ElementCase(abc.ABC):
     @property
     @abc.abstractmethod
     def elements(self) -> int:
-        """About how many elements the mesh has."""
+        """Approximate number of elements of the mesh."""
 
     @property
     def memory(self) -> float:
-        """Bytes that a run needs, an estimate."""
+        """Estimated memory of a run, bytes."""
         return _MEMORY_BASE + _MEMORY_PER_ELEMENT * self.elements
 
     def to_dict(self) -> dict[str, Any]:
-        """The case as nested tables, all defaults filled in, as TOML writes them."""
+        """Return the case as nested tables of TOML values, all defaults filled in."""
         return _without_none(dataclasses.asdict(self))
 
     def to_toml(self) -> str:
-        """The case as a TOML file."""
+        """Return the case as the text of a TOML file."""
         return tomli_w.dumps(self.to_dict())
 
 
 def check_memory(case: ElementCase, available: float | None = None) -> None:
-    """Refuse a mesh that does not fit into memory (``available`` bytes; by default what is free now).
+    """Raise InputError if a mesh does not fit into memory (``available`` bytes; by default that of the machine).
 
     Raises
     ------
     InputError
-        The run needs more than there is.
+        The run needs more memory than available.
     """
     what = f"{case.name}: run.elements: {case.elements} elements"
     refuse_too_large(what, case.memory, "take fewer elements", available)
-
-
-def begin(
-    case: ElementCase,
-    directory: Path,
-    results: Sequence[str],
-    finished: Sequence[str],
-    *,
-    resume: bool,
-    force: bool,
-    figures: Callable[[], Iterable[str]] | None,
-) -> dict[str, Any] | None:
-    """Make a directory ready for a run, or find what a finished run of the same case left.
-
-    Parameters
-    ----------
-    results
-        Names of the files that a run leaves.
-    finished
-        Values of ``end_reason`` of a run that is finished.
-    figures
-        Gives their names; called where others of these names may be there. None: none are drawn.
-
-    Returns
-    -------
-    dict or None
-        What summary.json of the finished run holds; None if there is a run to do, and case.toml has been written.
-
-    Raises
-    ------
-    InputError
-        The directory holds results, or another case, or files that granwave did not write and would overwrite, or the
-        mesh does not fit into memory; nothing was changed.
-    """
-
-    def there(tables: Mapping[str, Any]) -> Mapping[str, Any]:
-        try:
-            return type(case).from_dict(tables, directory / CASE_FILE).to_dict()
-        except InputError:
-            return {}  # of another kind: another case in any event
-
-    names = list(results)
-    if figures and os.path.lexists(directory / FIGURES_DIRECTORY):
-        names += [file for name in figures() for file in figure_files(name)]
-    if decide(directory, CONTINUUM, names, resume=resume, force=force, case=case.to_dict(), read=there):
-        summary, fault = read_summary(directory), result_fault(directory)
-        if summary.get("end_reason") in finished and not fault:
-            restore_case(directory)
-            return summary
-        if summary.get("end_reason") in finished:
-            logger.warning("%s; the case is run again", fault)
-        refuse_foreign(directory, names)
-    check_memory(case)
-    clear(directory)
-    directory.mkdir(parents=True, exist_ok=True)
-    text = case.to_toml()
-    claim(directory, results, kind=CONTINUUM, case=text)
-    replace_text(directory / CASE_FILE, text)
-    return None
-
-
-class ElementResult:
-    """The ``result.h5`` of a finite-element run: all its data sets, its case and its summary.
-
-    Raises
-    ------
-    MissingOutputError
-        There is no result.h5.
-    OutputFormatError
-        It is damaged.
-    """
-
-    def __init__(self, directory: str | Path) -> None:
-        path = Path(directory) / RESULT_FILE
-        if not path.exists():
-            raise MissingOutputError(f"{path} is missing: make it with  granwave continuum CASE -o {directory}")
-        try:
-            with h5py.File(path, "r") as file:
-                self._read(file)
-        except (OSError, KeyError, ValueError) as error:
-            raise OutputFormatError(
-                f"{path}: is damaged ({' '.join(str(error).split())}); run the case again"
-            ) from None
-
-    def _read(self, file: h5py.File) -> None:
-        names: list[str] = []
-        file.visititems(lambda name, item: names.append(name) if isinstance(item, h5py.Dataset) else None)
-        self._values: dict[str, NDArray] = {name: file[name][()] for name in names}
-        self.tables: dict[str, Any] = tomllib.loads(str(file.attrs["case"]))
-        self.summary: dict[str, Any] = json.loads(str(file.attrs["summary"]))
-        self._read_more(file)
-
-    def _read_more(self, file: h5py.File) -> None:
-        """Further values that a kind of result reads."""
-
-    def __getitem__(self, name: str) -> NDArray:
-        """A data set by its name."""
-        return self._values[name]
-
-    def __contains__(self, name: str) -> bool:
-        return name in self._values
 
 
 def _without_none(tables: dict[str, Any]) -> dict[str, Any]:

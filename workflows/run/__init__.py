@@ -1,1 +1,1 @@
-"""One run: LAMMPS driven from case to figures."""
+"""One run from case to figures, with LAMMPS."""

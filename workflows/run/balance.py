@@ -1,4 +1,4 @@
-"""The energy balance of a run as it goes on, read from the tail of its ledger."""
+"""Energy balance during a run, read from the growing ledger."""
 
 from __future__ import annotations
 
@@ -6,17 +6,19 @@ import dataclasses
 import math
 from pathlib import Path
 
-TOLERANCE = 1e-5  # of the input, largest error that is accepted at any instant of the ledger
+TOLERANCE = 1e-5  # largest accepted error at any row of the ledger over the energy input
 
 
 @dataclasses.dataclass
 class Balance:
-    """The ledger up to its last whole line.
+    """Ledger up to its last complete line.
 
     Attributes
     ----------
     error
-        Largest |kinetic + elastic + dissipated - input| so far over the largest input; NaN if one is not a number.
+        Largest |kinetic + elastic + dissipated - input| so far over the largest input; NaN if any value is NaN.
+    row
+        Last row, by column.
     """
 
     path: Path
@@ -28,7 +30,7 @@ class Balance:
     _columns: tuple[str, ...] = ()
 
     def read(self) -> Balance:
-        """Take in what LAMMPS wrote since."""
+        """Read the rows that LAMMPS has written since the last call."""
         try:
             with self.path.open("rb") as stream:
                 stream.seek(self._offset)
@@ -56,5 +58,5 @@ class Balance:
 
     @property
     def closed(self) -> bool:
-        """The balance holds so far."""
+        """True if the balance has closed so far."""
         return self.error <= TOLERANCE  # false for NaN

@@ -1,6 +1,6 @@
-"""Checkpoints of a run: a LAMMPS restart file, and how long every output file was at that moment.
+"""Checkpoints of a run: a LAMMPS restart file, and the sizes of all output files at that step.
 
-A resumed run cuts its output files back to those lengths and appends, so that nothing is there twice.
+A resumed run truncates its output files to these sizes and appends, so that nothing is repeated.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ _FILE = re.compile(re.escape(CHECKPOINT_FILE).replace(r"\{\}", r"\d+"))
 
 
 def write(engine: Engine, comm: Intracomm, directory: Path) -> dict[str, Any]:
-    """Write a checkpoint; the one before stays until `keep_only` is told that this one is on record.
+    """Write a checkpoint; the previous one remains until `keep_only` is called with the new one.
 
     Returns
     -------
     dict
-        What `cut_back` needs, and the file to go on from.
+        Name of the restart file, step, and sizes for `usable` and `cut_back`.
     """
     name = CHECKPOINT_FILE.format(engine.step)
     on_first(comm, lambda: claim(directory, [name]))
@@ -48,9 +48,9 @@ def keep_only(directory: Path, checkpoint: dict[str, Any] | None) -> None:
 
 
 def usable(directory: Path, checkpoint: dict[str, Any] | None) -> bool:
-    """The checkpoint's files are all there: what grows no shorter than it was, the rest as it was.
+    """Return True if all files of the checkpoint exist with the same sizes; output files may have grown.
 
-    False for a record that was damaged.
+    Return False for a damaged record.
     """
     if checkpoint is None:
         return False
@@ -65,7 +65,7 @@ def usable(directory: Path, checkpoint: dict[str, Any] | None) -> bool:
 
 
 def cut_back(directory: Path, checkpoint: dict[str, Any]) -> None:
-    """Bring the output files back to what they were at the checkpoint."""
+    """Truncate the output files to their sizes at the checkpoint."""
     for name in output_names(directory):
         path = own_file(directory, name)
         if path is not None and name in checkpoint["sizes"]:

@@ -1,4 +1,4 @@
-"""The directory of a run: whether to start, go on, or leave it alone, by the rules of `lammps_inputs.directories`."""
+"""Directory of a run: start, continue or refuse, by the rules of `lammps_inputs.directories`; and its lock."""
 
 from __future__ import annotations
 
@@ -49,8 +49,8 @@ def decide(case: Case, directory: Path, *, resume: bool, force: bool, n_ranks: i
     Raises
     ------
     InputError
-        It holds results and neither resume nor force was given, holds another case, or files that granwave did not
-        write and would overwrite; or the machine is too small.
+        The directory holds results and neither resume nor force was given; it holds another case, or files that
+        granwave did not write and would overwrite; or memory or disk space is insufficient.
     """
     expected = plan(case, n_ranks=n_ranks)
     names = run_files(case, expected.schedule)
@@ -64,7 +64,7 @@ def decide(case: Case, directory: Path, *, resume: bool, force: bool, n_ranks: i
         case=case.to_dict(),
         read=lambda there: _case(there, directory),
     ):
-        found = _how_far(directory)
+        found = _remaining_work(directory)
         if found == FINISHED:
             return found
         refuse_foreign(directory, names)
@@ -79,8 +79,8 @@ def decide(case: Case, directory: Path, *, resume: bool, force: bool, n_ranks: i
     return START
 
 
-def _how_far(directory: Path) -> str:
-    """Decide what is left to do in the directory of a run of the same case; warnings say what is damaged."""
+def _remaining_work(directory: Path) -> str:
+    """Decide what remains to be done in the directory of a run of the same case; warn about damaged files."""
     _refuse_by_hand(directory)
     there, fault = record.read(directory), result_fault(directory)
     seen = there or record.recover(directory)
@@ -98,7 +98,7 @@ def _how_far(directory: Path) -> str:
 
 
 def _refuse_by_hand(directory: Path) -> None:
-    """Raise InputError where LAMMPS was run by hand on a deck: nothing tells whether it came to its end."""
+    """Raise InputError if LAMMPS was run on the deck by hand, as it is unknown whether that run finished."""
     marker = read_marker(directory)
     outputs = [name for name in output_names(directory) if (directory / name).is_file()]
     if marker is not None and RECORD_FILE not in marker.files and outputs:
@@ -113,17 +113,17 @@ def _case(tables: Mapping[str, Any], directory: Path) -> dict[str, Any]:
 
 
 def run_files(case: Case, schedule: Schedule) -> list[str]:
-    """Names of the files of a run, without those of its figures."""
+    """Return the names of the files of a run, without figures."""
     return [*deck_files(assemble(case), schedule), RECORD_FILE, RESULT_FILE, SUMMARY_FILE]
 
 
 def start(case: Case, directory: Path) -> None:
-    """Remove what an earlier run left, once it is certain that the deck can be written.
+    """Remove the results of an earlier run, after checking that the deck can be written.
 
     Raises
     ------
     InputError
-        The dents before the run cannot be had; nothing was removed.
+        The initial dents cannot be read; nothing was removed.
     """
     directories.refuse_source(directory, case.name, earlier_result(case))
     if case.contact.initial_overlap:
@@ -132,7 +132,7 @@ def start(case: Case, directory: Path) -> None:
 
 
 def _figure_files(directory: Path) -> list[str]:
-    """Names of figures that a run may leave, where there is a folder that may hold others of these names."""
+    """Return the names of the figures of a run if the folder of figures exists, else none."""
     if not os.path.lexists(directory / FIGURES_DIRECTORY):
         return []
     from granwave.analysis.figures.run_figures import FIGURES  # the drawing library takes a second to load
@@ -144,7 +144,7 @@ def _figure_files(directory: Path) -> list[str]:
 
 
 def busy(directory: Path) -> bool:
-    """Another process holds the directory."""
+    """Return True if another process has locked the directory."""
     try:
         with (directory / LOCK_FILE).open("r") as lock:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -157,19 +157,19 @@ def busy(directory: Path) -> bool:
 
 @contextlib.contextmanager
 def held(directory: Path, comm: Intracomm | None = None, way: str = "; choose another with -o") -> Iterator[None]:
-    """Keep other runs out of a directory for as long as this lasts; one that is not there is made.
+    """Lock a directory against other runs within a ``with`` block; create it if necessary.
 
     Parameters
     ----------
     comm
-        All ranks take part; None for a program that has no MPI.
+        Communicator of all ranks, which call this together; None without MPI.
     way
-        Out of it where it cannot be written to.
+        Advice in the message if the directory cannot be written to.
 
     Raises
     ------
     InputError
-        Another run is at work in it, or it cannot be written to.
+        Another run uses the directory, or it cannot be written to.
     """
     made = [path for path in (directory, *directory.parents) if not path.exists()]
     locks: list[int] = []
@@ -194,11 +194,11 @@ def held(directory: Path, comm: Intracomm | None = None, way: str = "; choose an
             os.close(lock)
         with contextlib.suppress(OSError):
             for path in made if locks else ():
-                path.rmdir()  # only where nothing came of it
+                path.rmdir()  # succeeds only if still empty
 
 
 def _lock(path: Path) -> int:
-    """Open and lock a file; one that its holder removed meanwhile is made anew."""
+    """Open and lock a file; try again if its previous holder removed it meanwhile."""
     while True:
         lock = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o666)
         try:

@@ -1,7 +1,7 @@
 """One run from case to figures: deck, LAMMPS in pieces, energy balance, checkpoints, analysis.
 
-The deck is the whole truth: LAMMPS gets the lines of in.granwave, and only its run section is taken over here, in
-pieces between which the balance is read, the bar moves, and a request to stop is heard.
+LAMMPS executes the lines of in.granwave. Only the run section is replaced by pieces of the run; between them the energy
+balance is checked, the progress bar is updated, and a request to stop is answered.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from granwave.analysis.result.writer import BALANCE_REFUSED
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.deck import Deck, read_deck, write_deck
 from granwave.lammps_inputs.deck.script import input_script, part
-from granwave.lammps_inputs.directories import free_space, results_directory, room_words
+from granwave.lammps_inputs.directories import disk_space_message, free_space, results_directory
 from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.ownership import claim, clear, output_names
 from granwave.lammps_inputs.packing.assembly import assemble
@@ -29,9 +29,10 @@ from granwave.lammps_inputs.run_directory import CASE_FILE, DATA_FILE, DUMPS, EN
 from granwave.lammps_inputs.run_state import note_sizes, read_summary, restore_case
 from granwave.workflows.run import checkpoint, record
 from granwave.workflows.run.balance import TOLERANCE, Balance
+from granwave.workflows.run.coordination import check_coordination
 from granwave.workflows.run.directory import ANALYSE, CONTINUE, FINISHED, START, decide, held, start
 from granwave.workflows.run.equilibrium import check_equilibrium
-from granwave.workflows.run.lammps_engine import Engine, LonelyError, open_engine
+from granwave.workflows.run.lammps_engine import Engine, SingleRankError, open_engine
 from granwave.workflows.run.mpi import StopRequest, abort, nodes, on_first, world
 from granwave.workflows.run.progress import Progress
 from granwave.workflows.run.record import Record
@@ -42,8 +43,8 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
-MOST_ATTEMPTS = 4  # timesteps tried when the balance does not close, each half of the one before
-_PIECE = 1.0  # s of wall time between looks at the balance
+MOST_ATTEMPTS = 4  # timesteps tried if the balance does not close, each half of the previous one
+_PIECE = 1.0  # s of wall time between checks of the balance
 
 
 @dataclasses.dataclass(frozen=True)
@@ -55,7 +56,7 @@ class Outcome:
     state
         ``finished``, ``interrupted`` or ``refused`` (the energy balance does not close).
     summary
-        The contents of summary.json; on ranks other than the first the same.
+        Content of summary.json, the same on all ranks.
     """
 
     directory: Path
@@ -74,31 +75,31 @@ def run_case(
     figures: bool = True,
     comm: Intracomm | None = None,
 ) -> Outcome:
-    """Run a case, and analyse it.
+    """Run a case and analyse it.
 
     Parameters
     ----------
     directory
-        Where everything goes; see the README on its files.
+        Directory of the results; see the README on its files.
     resume
-        Go on with what is there; a finished run is left alone, and an empty directory is a new run.
+        Continue existing results; a finished run is not changed, and an empty directory is a new run.
     force
-        Replace what is there.
+        Replace existing results.
     progress
         Show a bar (on a terminal) or lines (in a log).
     checkpoint_interval
         Wall time between checkpoints, s.
     figures
-        Draw them too.
+        Draw the figures.
     comm
-        MPI communicator; default is that of all ranks.
+        MPI communicator; by default that of all ranks.
 
     Raises
     ------
     InputError
-        The directory holds results, or another case; the machine is too small. Nothing was run.
+        The directory holds results or another case, or memory or disk space is insufficient. Nothing was run.
     RunError
-        LAMMPS failed; what was computed is kept.
+        LAMMPS failed; results so far are kept.
     """
     comm = world() if comm is None else comm
     directory = results_directory(directory)
@@ -122,7 +123,7 @@ def run_case(
 
 
 def _prepare(case: Case, directory: Path, **options: Any) -> str:
-    """Decide what to do in a directory, and make it ready."""
+    """Decide what to do in a directory, and prepare it."""
     what = decide(case, directory, **options)
     if what == START:
         return _start(case, directory)
@@ -144,14 +145,14 @@ class _Run:
         self.checkpoint_interval = checkpoint_interval
         self.record = Record(name=case.name, n_ranks=comm.size)
         self.balance = Balance(directory / DUMPS / ENERGY_FILE)
-        self.state = record.RUNNING  # of the integration; the record says it when the analysis is done
-        self.reserve = plan(case).disk_reserve  # bytes that stay free on the disk
-        self.lost_before_block = 0.0  # dissipated energy at the start of the present block of end_time = "auto", J
+        self.state = record.RUNNING  # of the time integration; recorded after the analysis
+        self.reserve = plan(case).disk_reserve  # disk space to keep free, bytes
+        self.lost_before_block = 0.0  # dissipated energy at the start of the current block of end_time = "auto", J
 
     # ------------------------------------------------------------------ attempts
 
     def integrate(self, stop: StopRequest, *, go_on: bool) -> None:
-        """Integrate in time; a timestep that was chosen here is halved while the balance does not close."""
+        """Integrate in time; halve an automatic timestep as long as the balance does not close."""
         if go_on:
             self.record = on_first(self.comm, lambda: record.read(self.directory) or Record())
         timestep = None
@@ -186,29 +187,29 @@ class _Run:
         self._note(state=self.state if self.state == record.INTERRUPTED else record.INTEGRATED)
 
     def _failure(self, error: RunError | OSError) -> RunError:
-        """Error that ends the run; where the disk is full, with how to go on."""
+        """Return the error that ends the run; if the disk is full, with advice how to resume."""
         if isinstance(error, OSError):
-            return RunError(f"{error.filename or self.directory}: {error.strerror or error}; {self._kept()}")
+            return RunError(f"{error.filename or self.directory}: {error.strerror or error}; {self._resume_advice()}")
         if free_space(self.directory) < self.reserve:
-            return type(error)(f"{self.directory}: the disk is full: {error}; {self._kept()}")
+            return type(error)(f"{self.directory}: the disk is full: {error}; {self._resume_advice()}")
         return error
 
     def _fail(self, error: RunError) -> None:
-        if isinstance(error, LonelyError) and self.comm.size > 1:
-            # the first rank may be waiting inside LAMMPS: this one writes the record, and ends all
+        if isinstance(error, SingleRankError) and self.comm.size > 1:
+            # the first rank may be waiting inside LAMMPS: this rank writes the record and ends all
             dataclasses.replace(self.record, state=record.FAILED, reason=str(error)).write(self.directory)
             abort(self.comm, str(error))
-        with contextlib.suppress(OSError):  # of a full disk: what is on record says how to go on
+        with contextlib.suppress(OSError):  # on a full disk the last record remains
             self._note(state=record.FAILED, reason=str(error))
 
-    def _kept(self) -> str:
-        """Say what a run that cannot go on has, and how it is taken up."""
+    def _resume_advice(self) -> str:
+        """Tell how to resume a run that cannot continue."""
         saved = self.record.checkpoint
         where = f"from the checkpoint at step {saved['step']}" if saved else "from the start, as there is no checkpoint"
         return f"what was computed is kept; make room, then the same command with --resume goes on {where}"
 
     def analyse(self, *, figures: bool, take_up: bool = False) -> Outcome:
-        """Make all that is made of the output; ``take_up``: of that of an earlier session."""
+        """Analyse the output; ``take_up``: that of an earlier session."""
         if take_up:
             self.record = on_first(self.comm, lambda: self._record_there())
             self.state = record.REFUSED if self.record.end_reason == BALANCE_REFUSED else record.FINISHED
@@ -222,13 +223,13 @@ class _Run:
                 f"{where}: {error.strerror or error}; what LAMMPS computed is kept; make room, then the same command "
                 "with --resume analyses it"
             ) from error
-        self._note(state=self.state)  # only now is a finished run finished
+        self._note(state=self.state)  # a run counts as finished only after its analysis
         if self.comm.rank == 0 and self.state != record.INTERRUPTED:
             checkpoint.keep_only(self.directory, None)
         return Outcome(self.directory, self.record.state, summary)
 
     def _record_there(self) -> Record:
-        """The record of an earlier session; one that is damaged is written again."""
+        """Read the record of an earlier session; rewrite it if damaged."""
         found = record.read(self.directory)
         if found is None:
             found = record.recover(self.directory) or Record()
@@ -272,7 +273,7 @@ class _Run:
             if not go_on and self.case.precompression:
                 self._check_equilibrium()
             elif not go_on:
-                self._check_coordination(engine)
+                check_coordination(self.case, engine)
             self._advance(engine, deck, stop)
             engine.commands(part(script, "end"))
 
@@ -280,28 +281,6 @@ class _Run:
         found = on_first(self.comm, lambda: check_equilibrium(self.case, self.directory))
         if found["yielded"] and self.case.contact.entry.elastic_limit > 0:
             self._log(f"{found['yielded']:.0f} contacts yielded, or their dents grew, under the precompression")
-
-    def _check_coordination(self, engine: Engine) -> None:
-        """LAMMPS sees every contact of the lattice, none lost to rounding of positions."""
-        packing, assembly, sites = self.case.packing, assemble(self.case), assemble(self.case).sites
-        if assembly.strikers or assembly.bars or (sites is not None and sites.stacked is not None):
-            return  # one cutoff does not tell contacts of unlike bodies
-        # The sites are one diameter apart, whatever the diameters of the spheres there.
-        expected = assembly.n_neighbours
-        forget_gap = self.case.boundary.forget_gap
-        reach = packing.diameter * (1 + min(1e-6, 0.5 * forget_gap))
-        if sites is not None and sites.least_reach + forget_gap * packing.diameter < reach:
-            return  # LAMMPS lists no pairs of spheres that are so small at neighbouring sites
-        engine.commands(
-            f"compute start_coordination all coord/atom cutoff {reach!r}\n"
-            "compute start_contacts all reduce sum c_start_coordination\nrun 0 post no"
-        )
-        found = engine.lammps.extract_compute("start_contacts", 0, 0) / 2
-        engine.commands("uncompute start_contacts\nuncompute start_coordination")
-        if round(found) != expected:
-            raise RunError(
-                f"{packing.kind}: LAMMPS finds {found:.0f} neighbours at the start, the lattice has {expected}"
-            )
 
     def _advance(self, engine: Engine, deck: Deck, stop: StopRequest) -> None:
         schedule = deck.schedule
@@ -331,7 +310,7 @@ class _Run:
                 self.record.n_steps, self.record.end_time_s = engine.step, engine.step * schedule.timestep
                 self.record.wall_time_s = before + now - begin
                 last = self.state == record.FINISHED
-                bar.update(engine.step, self._where(schedule.end_time), last=last)
+                bar.update(engine.step, self._status_text(schedule.end_time), last=last)
                 if self.state == record.RUNNING and stop.wanted():
                     self.state, self.record.end_reason = record.INTERRUPTED, "interrupted"
                 if self.state == record.INTERRUPTED or (
@@ -344,22 +323,22 @@ class _Run:
             bar.close()
 
     def _check_room(self, engine: Engine) -> None:
-        """End the run with a checkpoint while there is room for one: LAMMPS does not tell what it cannot write."""
+        """Stop with a checkpoint before the disk is full, as LAMMPS does not report failed writes."""
         free = self._shared(free_space(self.directory))
         if self.state != record.RUNNING or free > self.reserve:
             return
         self._checkpoint(engine)
-        words = room_words("a snapshot and a checkpoint", self.reserve, 0.0, free)
-        raise RunError(f"stopped at step {engine.step}: {words}")
+        message = disk_space_message("a snapshot and a checkpoint", self.reserve, 0.0, free)
+        raise RunError(f"stopped at step {engine.step}: {message}")
 
     def _look(self, engine: Engine, deck: Deck) -> None:
-        """Read the ledger, and decide whether this was the end."""
+        """Check the energy balance, and decide if the run has ended."""
         schedule = deck.schedule
 
         def decide() -> tuple[Balance, str, str | None]:
             balance = self.balance.read()
             row, step = balance.row, engine.step
-            given = step * schedule.timestep >= self.case.load.lasts  # nothing more is put in
+            given = step * schedule.timestep >= self.case.load.lasts  # the energy input is complete
             judged = given or step >= schedule.n_steps
             if judged and not balance.closed and self.case.contact.variant != "published":
                 return balance, record.REFUSED, BALANCE_REFUSED
@@ -387,7 +366,7 @@ class _Run:
         if self.comm.rank == 0:
             self.record.write(self.directory)
 
-    def _where(self, end_time: float) -> str:
+    def _status_text(self, end_time: float) -> str:
         row = self.balance.row
         share = row["dissipated"] / row["input"] if row and row["input"] else 0.0
         return (
@@ -396,7 +375,7 @@ class _Run:
         )
 
     def _shared(self, value: Any) -> Any:
-        """The first rank's opinion."""
+        """Return the value on the first rank."""
         return self.comm.bcast(value) if self.comm.size > 1 else value
 
     def _log(self, text: str) -> None:

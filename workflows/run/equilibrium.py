@@ -1,4 +1,4 @@
-"""Is a precompressed packing in balance before the impact? The static stage's own record is checked."""
+"""Check of the static equilibrium of a precompressed packing, from the record of the static stage."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.run_directory import DUMPS, STATIC_STAGE_FILE
 
-LARGEST_RESIDUAL = 1e-6  # of the largest contact force: net force on a sphere
+LARGEST_RESIDUAL = 1e-6  # largest net force on a sphere over the largest contact force
 
 _ADVICE = (
     'the packing is not confined: take boundary.sides = "periodic", or precompression.kind = "uniform" (without '
@@ -20,17 +20,17 @@ _SUPPORT = "; or the bottom gave way: take a stiffer boundary.bottom"
 
 
 def check_equilibrium(case: Case, directory: Path) -> dict[str, float]:
-    """Read the record of the static stage, and check it.
+    """Read and check the record of the static stage.
 
     Returns
     -------
     dict
-        Its columns, see `granwave.lammps_inputs.deck.static_stage.RECORD`; SI units.
+        Values by column, see `granwave.lammps_inputs.deck.static_stage.RECORD`; SI units.
 
     Raises
     ------
     RunError
-        The packing found no balance, or lost its shape.
+        The packing is not in equilibrium, or has rearranged.
     """
     title, values = (directory / DUMPS / STATIC_STAGE_FILE).read_text(encoding="ascii").splitlines()[:2]
     found = dict(zip(title.lstrip("#").split(), map(float, values.split()), strict=True))

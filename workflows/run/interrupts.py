@@ -1,4 +1,4 @@
-"""Ctrl-C and SIGTERM as something to ask about between pieces of work."""
+"""Deferred handling of Ctrl-C and SIGTERM."""
 
 from __future__ import annotations
 
@@ -9,15 +9,21 @@ from typing import Any, Self
 
 
 class Interrupts:
-    """Ctrl-C and SIGTERM, counted instead of obeyed within a ``with`` block; ``heard`` is called at each."""
+    """Counter of Ctrl-C and SIGTERM, which do not stop the program within a ``with`` block.
 
-    def __init__(self, heard: Callable[[], object] = lambda: None) -> None:
+    Parameters
+    ----------
+    on_signal
+        Function called at each signal.
+    """
+
+    def __init__(self, on_signal: Callable[[], object] = lambda: None) -> None:
         self.count = 0
-        self._heard = heard
+        self._on_signal = on_signal
         self._before: dict[int, Any] = {}
 
     def __enter__(self) -> Self:
-        with contextlib.suppress(ValueError):  # of another thread than the main one nobody asks anything
+        with contextlib.suppress(ValueError):  # only the main thread can handle signals
             for number in (signal.SIGINT, signal.SIGTERM):
                 self._before[number] = signal.signal(number, self._note)
         return self
@@ -28,4 +34,4 @@ class Interrupts:
 
     def _note(self, *_: object) -> None:
         self.count += 1
-        self._heard()
+        self._on_signal()

@@ -1,4 +1,4 @@
-"""LAMMPS with the granwave plugin, opened, checked and closed."""
+"""LAMMPS instance with the granwave plugin."""
 
 from __future__ import annotations
 
@@ -14,35 +14,35 @@ if TYPE_CHECKING:
     from mpi4py.MPI import Intracomm
 
 
-class LonelyError(RunError):
-    """LAMMPS failed on this rank alone: the other ranks still wait for it, and must be aborted."""
+class SingleRankError(RunError):
+    """Error of LAMMPS on one rank only; the other ranks wait for it and must be aborted."""
 
 
 class Engine:
-    """One LAMMPS instance; its errors become `RunError`."""
+    """LAMMPS instance whose errors are raised as `RunError`."""
 
     def __init__(self, lammps: Any) -> None:
         self.lammps = lammps
 
     def commands(self, text: str) -> None:
-        """Execute LAMMPS commands, one a line, with `&` at the end of lines that go on."""
+        """Execute LAMMPS commands, one a line, with `&` at the end of continued lines."""
         with _translated():
             self.lammps.commands_string(text)
 
     @property
     def step(self) -> int:
-        """Timesteps done."""
+        """Current timestep."""
         return int(self.lammps.extract_global("ntimestep"))
 
 
 @contextlib.contextmanager
 def open_engine(comm: Intracomm, log: str = "log.lammps") -> Iterator[Engine]:
-    """LAMMPS on all ranks of ``comm``, the plugin loaded.
+    """Open LAMMPS on all ranks of ``comm``, and load the plugin.
 
     Raises
     ------
     RunError
-        LAMMPS cannot be loaded, is another release than the plugin was built for, or lacks the pair style.
+        LAMMPS cannot be loaded, is not the release that the plugin was built for, or lacks the pair style.
     """
     lammps = _import_lammps()
     with _translated():
@@ -60,15 +60,15 @@ def open_engine(comm: Intracomm, log: str = "log.lammps") -> Iterator[Engine]:
 
 
 def check_release() -> str | None:
-    """Find what is wrong with the installed LAMMPS release, or None.
+    """Describe what is wrong with the installed LAMMPS release; None if nothing is.
 
-    LAMMPS promises no binary interface between releases, nor between updates of one.
+    LAMMPS does not guarantee binary compatibility between releases, nor between updates of one.
     """
     wanted = plugins.lammps_release()
     try:
         found = metadata.version("lammps")
     except metadata.PackageNotFoundError:
-        return None  # a site's own LAMMPS: the plugin checks it when it is loaded
+        return None  # LAMMPS from another source: the plugin checks it when it is loaded
     if found == wanted or found.startswith(wanted + "."):
         return None
     return (
@@ -78,7 +78,7 @@ def check_release() -> str | None:
 
 
 def _import_lammps() -> Any:
-    # mpi4py loads the libmpi that the LAMMPS library needs
+    # importing mpi4py loads the libmpi that the LAMMPS library needs
     wrong = check_release()
     if wrong:
         raise RunError(wrong)
@@ -98,8 +98,7 @@ def _translated() -> Iterator[None]:
         raise
     except MemoryError:
         raise
-    except Exception as error:  # the module raises nothing more special
+    except Exception as error:  # the module raises no specific type
         message = "LAMMPS: " + " ".join(str(error).strip("'").split())
-        # an error that LAMMPS met on one rank, which the others know nothing of
-        lonely = type(error).__name__ == "MPIAbortException"
-        raise (LonelyError if lonely else RunError)(message) from error
+        on_one_rank = type(error).__name__ == "MPIAbortException"
+        raise (SingleRankError if on_one_rank else RunError)(message) from error

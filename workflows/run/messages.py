@@ -1,4 +1,4 @@
-"""Log messages that are given once."""
+"""Suppression of repeated log messages."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 
 def each_warning_once() -> Callable[[logging.LogRecord], bool]:
-    """A filter, for a logger or a handler, that holds back warnings it has let through before."""
+    """Make a filter for a logger or a handler that suppresses repeated warnings."""
     seen: set[str] = set()
 
     def fresh(record: logging.LogRecord) -> bool:

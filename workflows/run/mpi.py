@@ -1,6 +1,6 @@
-"""MPI ranks: who am I, do something on the first rank for all, start more ranks, and never hang on an error.
+"""MPI ranks: communicator, work on the first rank, launch of ranks, and abort on errors.
 
-Without MPI in sight (one process, not started by a launcher) nothing here imports mpi4py.
+mpi4py is imported only where a communicator is needed.
 """
 
 from __future__ import annotations
@@ -25,32 +25,32 @@ T = TypeVar("T")
 # set by the launchers of MPICH, Slurm (PMI, PMIx) and Open MPI
 _RANK_VARIABLES = ("PMI_RANK", "PMIX_RANK", "OMPI_COMM_WORLD_RANK")
 _LAUNCHER_PREFIXES = ("PMI_", "PMIX_", "HYDRA_", "HYDI_", "OMPI_", "MPI_LOCAL", "MPIR_")
-STOP_FILE = "GRANWAVE_STOP_FILE"  # variable: a file whose presence asks all ranks to stop
-EXPECTED_RANKS = "GRANWAVE_RANKS"  # variable: how many ranks the launcher was asked for
+STOP_FILE = "GRANWAVE_STOP_FILE"  # environment variable: file whose existence asks all ranks to stop
+EXPECTED_RANKS = "GRANWAVE_RANKS"  # environment variable: number of ranks requested from the launcher
 
 
 def launched() -> bool:
-    """This process was started by an MPI launcher."""
+    """Return True if this process was started by an MPI launcher."""
     return any(name in os.environ for name in _RANK_VARIABLES)
 
 
 def is_first() -> bool:
-    """This process is the first rank of its launcher, or was started by none; asks no MPI library."""
+    """Return True on the first rank, or without a launcher; from the environment, without the MPI library."""
     return all(os.environ.get(name, "0") == "0" for name in _RANK_VARIABLES)
 
 
 def alone() -> dict[str, str]:
-    """The environment without what a launcher left in it: for a process that is no rank of this one's."""
+    """Return the environment without the variables of MPI launchers, for processes that are not ranks."""
     return {name: value for name, value in os.environ.items() if not name.startswith(_LAUNCHER_PREFIXES)}
 
 
 def world() -> Intracomm:
-    """The communicator of all ranks; an uncaught error on one of them aborts all.
+    """Return the communicator of all ranks; an uncaught error on one of them aborts all.
 
     Raises
     ------
     RunError
-        The launcher's ranks do not know of each other: each would run by itself.
+        The ranks of the launcher are not connected, so that each would run alone.
     """
     from mpi4py import MPI
 
@@ -67,7 +67,7 @@ def world() -> Intracomm:
 
 
 def nodes(comm: Intracomm) -> list[str]:
-    """Names of the machines that the ranks run on, each once; a collective call."""
+    """Return the names of the nodes of all ranks, each once; collective."""
     mine = os.environ.get("SLURMD_NODENAME") or os.uname().nodename
     return sorted(set(comm.allgather(mine)))
 
@@ -81,7 +81,7 @@ def _abort_all(kind: type[BaseException], error: BaseException, trace: Traceback
 
 
 def leave(status: int) -> NoReturn:
-    """End this rank with an exit status, in step with the others."""
+    """Finalise MPI and end this rank with an exit status; collective."""
     from mpi4py import MPI
 
     MPI.Finalize()
@@ -91,14 +91,14 @@ def leave(status: int) -> NoReturn:
 
 
 def abort(comm: Intracomm, message: str) -> NoReturn:
-    """End all ranks, wherever they are, with exit status 1."""
+    """Abort all ranks with exit status 1."""
     print(f"granwave: {message}", file=sys.stderr, flush=True)
     comm.Abort(1)
     raise SystemExit(1)
 
 
 def on_first(comm: Intracomm, work: Callable[[], T]) -> T:
-    """Do ``work`` on the first rank and give its result, or its error, to all."""
+    """Do ``work`` on the first rank; return its result, or raise its error, on all ranks."""
     outcome: tuple[T | None, Exception | None] = (None, None)
     if comm.rank == 0:
         try:
@@ -119,7 +119,7 @@ def command(n_ranks: int, arguments: Sequence[str], launcher: Sequence[str] = ()
     Parameters
     ----------
     launcher
-        Such as ``srun --mpi=pmi2``; by default the environment's mpiexec.
+        Command such as ``srun --mpi=pmi2``; by default mpiexec of the environment.
 
     Raises
     ------
@@ -138,12 +138,12 @@ def command(n_ranks: int, arguments: Sequence[str], launcher: Sequence[str] = ()
 
 
 def launch(n_ranks: int, arguments: Sequence[str]) -> int:
-    """Run ``granwave ARGUMENTS`` on several ranks of this machine; Ctrl-C asks them to stop cleanly.
+    """Run ``granwave ARGUMENTS`` on several ranks of this machine; Ctrl-C makes them stop with a checkpoint.
 
     Returns
     -------
     int
-        The exit status.
+        Exit status.
 
     Raises
     ------
@@ -164,7 +164,7 @@ def launch(n_ranks: int, arguments: Sequence[str]) -> int:
 
 
 class StopRequest(Interrupts):
-    """Ctrl-C and SIGTERM as a question that is asked between pieces of work, the same answer on all ranks."""
+    """Requests to stop by Ctrl-C, SIGTERM or stop file, the same on all ranks."""
 
     def __init__(self, comm: Intracomm) -> None:
         super().__init__()
@@ -172,6 +172,6 @@ class StopRequest(Interrupts):
         self._file = os.environ.get(STOP_FILE)
 
     def wanted(self) -> bool:
-        """Somebody asked to stop; a collective call."""
+        """Return True if a stop was requested on any rank; collective."""
         mine = self.count > 0 or bool(self._file and os.path.exists(self._file))
         return mine if self._comm.size == 1 else bool(self._comm.allreduce(int(mine)))

@@ -1,4 +1,4 @@
-"""How far a run is: a bar on a terminal, a line now and then in a batch log."""
+"""Progress of a run: a bar on a terminal, lines in a batch log."""
 
 from __future__ import annotations
 
@@ -12,20 +12,24 @@ from granwave.analysis.formatting.numbers import duration
 
 logger = logging.getLogger(__name__)
 
-_LINE_EVERY = 30.0  # s, between lines of a batch log
+_LINE_EVERY = 30.0  # s between lines of a batch log
 
 
 class Progress:
-    """Steps done of so many, with a note; silent where it is not wanted (other ranks, library use).
+    """Progress display with steps and a note; silent unless enabled (other ranks, library use).
 
     Parameters
     ----------
     total
-        Steps.
+        Total number of steps.
     label
-        In front of the bar.
+        Text in front of the bar.
+    enabled
+        False to show nothing.
+    done
+        Steps that are done at the start.
     at_most
-        There may be fewer steps.
+        True if there may be fewer steps than ``total``.
     """
 
     def __init__(self, total: int, label: str, *, enabled: bool, done: int = 0, at_most: bool = False) -> None:
@@ -41,23 +45,23 @@ class Progress:
             desc=label,
             disable=not self._terminal,
             leave=True,
-            miniters=0,  # the note changes between steps too
+            miniters=0,  # the note also changes between steps
             bar_format="{desc} {percentage:3.0f}%|{bar}|{postfix}",
         )
 
     def update(self, done: int, note: str, times: str | None = None, *, last: bool = False) -> None:
-        """Show how far the run is.
+        """Update the display.
 
         Parameters
         ----------
         done
-            Steps in all.
+            Steps done so far.
         note
-            Where the run is.
+            Description of the state.
         times
-            How long it takes; by default as the steps say.
+            Elapsed and remaining time; by default extrapolated from the steps.
         last
-            There are no more steps, fewer though they are than there might have been.
+            True if the run has ended, possibly before ``total``.
         """
         if last:
             self._total = self._bar.total = done
@@ -79,5 +83,5 @@ class Progress:
         return f"{duration(passed)}, {self._about} {duration(left)} left"
 
     def close(self) -> None:
-        """End the bar where it is."""
+        """Close the bar."""
         self._bar.close()

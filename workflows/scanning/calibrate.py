@@ -1,4 +1,4 @@
-"""How fast this machine is with all jobs at work: the first steps of one point, timed."""
+"""Measurement of the speed of this machine under full load, with the first steps of one point."""
 
 from __future__ import annotations
 
@@ -25,19 +25,19 @@ from granwave.workflows.run.lammps_engine import Engine, open_engine
 from granwave.workflows.scanning.scan_file import Point
 from granwave.workflows.solvers import GRANULAR
 
-_WARM, _SPAN = 1.5, 1.0  # s of wall time: until contacts are loaded, and timed
-_LONGEST = 60.0  # s, after which the measurement is given up
+_WARM, _SPAN = 1.5, 1.0  # s of wall time: warm-up, in which contacts get loaded, and measurement
+_LONGEST = 60.0  # s after which the measurement is given up
 
 
 def slowness_of(point: Point, jobs: int) -> float | None:
-    """Measured over planned wall time of a granular point; None where it could not be measured.
+    """Measure the wall time of a granular point over the planned one; None if not possible.
 
-    The first part of the impact is timed, when nearly all contacts are elastic, without the static stage.
+    The first part of the impact is timed, in which nearly all contacts are elastic, without the static stage.
 
     Parameters
     ----------
     jobs
-        How many are timed at once, as many as fit into the memory: cores that share a cache slow each other down.
+        Number of simultaneous measurements, limited by memory: cores that share a cache slow each other down.
     """
     if point.kind is not GRANULAR:
         return None
@@ -51,7 +51,7 @@ def slowness_of(point: Point, jobs: int) -> float | None:
 
 
 def _timed(document: str) -> float | None:
-    """Wall time of a step by a process of its own, s; None where it failed."""
+    """Measure the wall time of a step in a separate process, s; None on failure."""
     command = [sys.executable, "-m", "granwave.workflows.scanning.calibrate"]
     try:
         done = subprocess.run(
@@ -63,7 +63,7 @@ def _timed(document: str) -> float | None:
 
 
 def _measure(document: str) -> float:
-    """Wall time of a step on one rank, s."""
+    """Measure the wall time of a step on one rank, s."""
     from granwave.lammps_inputs.deck.deck import write_deck
     from granwave.lammps_inputs.deck.script import part
     from granwave.lammps_inputs.load_case import load_case
@@ -80,7 +80,7 @@ def _measure(document: str) -> float:
 
 
 def _run_for(engine: Engine, span: float) -> float:
-    """Run for so many seconds; returns the wall time of a step, s."""
+    """Run for ``span`` seconds of wall time; return the wall time of a step, s."""
     piece, steps, begin = 50, 0, time.monotonic()
     while (elapsed := time.monotonic() - begin) < span:
         engine.commands(f"run {piece} pre no post no")

@@ -1,10 +1,9 @@
-"""One scan from its file to table, figures and report: what is missing is run in rounds until all is done."""
+"""One scan from its file to table, figures and report; missing points are run in rounds."""
 
 from __future__ import annotations
 
 import contextlib
 import dataclasses
-import json
 import logging
 import os
 import time
@@ -12,22 +11,20 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.scans.result import ScanResult
 from granwave.analysis.scans.table import ScanData, read_scan, write_scan_table
-from granwave.lammps_inputs.directories import check_directory, results_directory
-from granwave.lammps_inputs.errors import InputError, RunError
-from granwave.lammps_inputs.files import replace_text
-from granwave.lammps_inputs.ownership import claim, clear, refuse_foreign, refuse_other_kind, refuse_results, results_in
-from granwave.lammps_inputs.run_directory import SCAN, SCAN_FILE, SCAN_INDEX, SCAN_REPORT, SCAN_WORK, is_scan
-from granwave.workflows.run.directory import busy, held
+from granwave.lammps_inputs.directories import results_directory
+from granwave.lammps_inputs.errors import RunError
+from granwave.lammps_inputs.ownership import clear
+from granwave.lammps_inputs.run_directory import SCAN_REPORT
+from granwave.workflows.run.directory import held
 from granwave.workflows.run.interrupts import Interrupts
 from granwave.workflows.run.progress import Progress
 from granwave.workflows.scanning import layout, queue
 from granwave.workflows.scanning.batches import make_batches, start_of_job
+from granwave.workflows.scanning.directory import decide, prepare
 from granwave.workflows.scanning.ended_jobs import note_ended, note_refused
 from granwave.workflows.scanning.engine import SLURM, Engine, check_installed
-from granwave.workflows.scanning.needs import check_points
 from granwave.workflows.scanning.outlook import Outlook
 from granwave.workflows.scanning.profile import Profile
 from granwave.workflows.scanning.scan_file import Point, Scan
@@ -35,14 +32,14 @@ from granwave.workflows.scanning.scan_file import Point, Scan
 logger = logging.getLogger(__name__)
 
 STOPPED = "stopped"  # by Ctrl-C or SIGTERM
-_POLL, _QUEUE_POLL = 0.3, 2.0  # s, between looks at the directory, and at the cluster
-_PATIENCE = 60.0  # s, in which running jobs end by themselves once they are asked to
-_TABLE_EVERY, _FIGURES_EVERY = 5.0, 60.0  # s, at most so often while points come in
-# a round that leaves points behind (jobs were killed, or met their time limit) is followed by another
+_POLL, _QUEUE_POLL = 0.3, 2.0  # s between checks of the directory, and of the queue
+_PATIENCE = 60.0  # s that running jobs have to stop after a request
+_TABLE_EVERY, _FIGURES_EVERY = 5.0, 60.0  # shortest s between updates during the run
+# a round that leaves points unfinished (jobs killed, time limit) is followed by another
 _MOST_ROUNDS = 20
-_MOST_LABELS = 3  # of a point that runs, beside the bar
-_USUAL = ("None", "Resources", "Priority", "BeginTime", "Cleaning", "Prolog")  # why jobs wait
-_GONE = 15.0  # s without a job in the queue, after which a round is over, whatever the engine believes
+_MOST_LABELS = 3  # of a running point, beside the bar
+_USUAL = ("None", "Resources", "Priority", "BeginTime", "Cleaning", "Prolog")  # normal reasons of pending jobs
+_GONE = 15.0  # s without a job in the queue after which a round is over, even if Snakemake still waits
 
 
 @dataclasses.dataclass(frozen=True)
@@ -52,9 +49,9 @@ class ScanOutcome:
     Attributes
     ----------
     done, failed, missing
-        Distinct points.
+        Numbers of distinct points.
     stopped
-        Ctrl-C, or the reason why it could not go on; None when it came to its end.
+        `STOPPED`, or the reason why the scan could not continue; None if it was completed.
     """
 
     directory: Path
@@ -65,12 +62,12 @@ class ScanOutcome:
 
     @property
     def data(self) -> ScanData:
-        """The table: a numpy array for each column, by name."""
+        """Table of the scan: a numpy array for each column, by name."""
         return read_scan(self.directory)
 
     @property
     def complete(self) -> bool:
-        """Every point is done."""
+        """True if all points are done."""
         return not self.failed and not self.missing
 
 
@@ -86,22 +83,22 @@ def run_scan(
     progress: bool = False,
     slowness: float = 1.0,
 ) -> ScanOutcome:
-    """Run a scan, and make its table, figures and report.
+    """Run a scan and make its table, figures and report.
 
     Parameters
     ----------
     directory
-        Where everything goes.
+        Directory of the results.
     executor
         ``local`` or ``slurm``.
     profile
-        Of the cluster, for ``slurm``.
+        Profile of the cluster, for ``slurm``.
     jobs
-        At once: cores of this machine, or jobs on the cluster.
+        Number of cores of this machine, or of simultaneous jobs on the cluster.
     resume
-        Do only what is missing; points that failed are tried again.
+        Run missing points only; points that failed are tried again.
     force
-        Replace what is there.
+        Replace existing results.
     progress
         Show a bar (on a terminal) or lines (in a log).
     slowness
@@ -110,9 +107,9 @@ def run_scan(
     Raises
     ------
     InputError
-        The directory holds results, another scan or is in use; the engine is missing. Nothing was run.
+        The directory holds results or another scan, or is in use; or Snakemake is missing. Nothing was run.
     RunError
-        The engine failed.
+        Snakemake failed.
     """
     directory = results_directory(directory)
     check_installed(executor)
@@ -125,75 +122,15 @@ def run_scan(
         decide(scan, directory, resume=resume, force=force)
         if force:
             clear(directory)
-        _prepare(scan, directory, on_cluster=profile is not None)
+        prepare(scan, directory, on_cluster=profile is not None)
         run = _ScanRun(scan, directory, profile, jobs or default_jobs(profile), stop, progress, slowness)
         run.work()
         return run.outcome()
 
 
 def default_jobs(profile: Profile | None) -> int:
-    """Jobs at once: the cores of this machine, or what the profile says."""
+    """Return the default number of simultaneous jobs: cores of this machine, or that of the profile."""
     return profile.jobs if profile else len(os.sched_getaffinity(0))
-
-
-# ---------------------------------------------------------------------- the directory
-
-
-def decide(scan: Scan, directory: Path, *, resume: bool, force: bool) -> None:
-    """May the scan be run in ``directory``? Changes nothing.
-
-    Raises
-    ------
-    InputError
-        It holds results and neither resume nor force was given, or holds something else, or files that granwave did not
-        write and would overwrite; or the case.toml of a point was changed.
-    """
-    check_directory(directory, resume=resume, force=force)
-    refuse_other_kind(directory, SCAN)
-    if not resume and not force:
-        refuse_results(directory, "--resume does what is missing, --force replaces them")
-    refuse_foreign(directory, [*layout.files(scan.distinct), f"{SCAN_WORK}/"])
-    if resume and is_scan(directory):
-        there = _index(directory)
-        if there and there.name != scan.name and not {point.id for point in there.points} & set(scan.distinct):
-            raise InputError(
-                f"{directory}: holds another scan ({there.name}), without a point of {scan.name}; "
-                "--force replaces it, or choose another directory with -o"
-            )
-    check_points(scan, directory, force=force)
-
-
-def _index(directory: Path) -> ScanResult | None:
-    """The scan that is there; None where its index is damaged, which is written anew."""
-    try:
-        return ScanResult(directory)
-    except OutputFormatError:
-        return None
-
-
-def _prepare(scan: Scan, directory: Path, *, on_cluster: bool) -> None:
-    claim(directory, layout.files(scan.distinct), kind=SCAN)
-    for name in (layout.BATCHES, layout.DONE, layout.LOGS):
-        (directory / name).mkdir(parents=True, exist_ok=True)
-    (directory / layout.STOP).unlink(missing_ok=True)
-    replace_text(directory / SCAN_FILE, scan.text)
-    replace_text(directory / SCAN_INDEX, json.dumps(scan.index(), indent=1) + "\n")
-    adopted = {name for job in queue.jobs_of(directory) for name in job.points} if on_cluster else set()
-    for point in scan.distinct:
-        in_work = point in adopted or busy(layout.unfinished(directory, point))
-        if not in_work and (fault := layout.fault(directory, point)):
-            if results_in(layout.finished(directory, point)):
-                logger.warning("%s; the point is analysed again, or run again", fault)
-            layout.reopen(directory, point)
-        state = layout.state(directory, point)
-        begun = state.get("attempts") or state.get("state") == layout.FAILED
-        if begun and point not in adopted:  # it failed, or was killed with its job: another chance
-            layout.write_state(
-                layout.unfinished(directory, point), **{**state, "state": layout.INTERRUPTED, "attempts": 0}
-            )
-
-
-# ---------------------------------------------------------------------- the rounds
 
 
 class _ScanRun:
@@ -209,20 +146,20 @@ class _ScanRun:
     ) -> None:
         self.scan, self.directory, self.profile, self.jobs, self.stop = scan, directory, profile, jobs, stop
         self.show, self.slowness = show, slowness
-        self.open = dict(scan.distinct)  # points of which it is not known that they are done or failed
-        self.running: dict[str, float] = {}  # when those in work were started, by id
+        self.open = dict(scan.distinct)  # points not known to be done or failed
+        self.running: dict[str, float] = {}  # start times of running points, by id
         self.result = ScanResult(directory)
         self.drawn = self.tabled = time.monotonic()
         self.changed = True
         self.stopped: str | None = None
-        self.finished: set[str] = set()  # those of the closed points that are done
-        self.said: set[str] = set()  # why jobs wait
+        self.finished: set[str] = set()  # ids of the points that are done
+        self.reported: set[str] = set()  # reasons of pending jobs that were reported
         left = [point for name, point in self.open.items() if not layout.is_done(directory, name)]
         self.outlook = Outlook(left, profile, jobs, slowness)
 
     def work(self) -> None:
-        """Rounds of jobs until every point is done or has failed; the table and figures as points come in."""
-        self._take_stock()
+        """Run rounds of jobs until every point is done or has failed; update table and figures."""
+        self._update_points()
         bar = Progress(len(self.scan.distinct), self.scan.name, enabled=self.show, done=self._closed())
         self._bar = bar
         try:
@@ -238,11 +175,11 @@ class _ScanRun:
         self._publish()
 
     def _wait_for_adopted(self) -> None:
-        """Jobs that an earlier start of this scan left on the cluster go on: their points are not done twice."""
+        """Wait for jobs that an earlier start of this scan left on the cluster, so that no point runs twice."""
         while self.profile and not self.stop.wanted and queue.jobs_of(self.directory):
             self._look("jobs of an earlier start go on")
             time.sleep(_QUEUE_POLL)
-        self._take_stock()
+        self._update_points()
 
     def _round(self, points: Sequence[Point], prefix: str) -> None:
         batches = make_batches(
@@ -265,19 +202,19 @@ class _ScanRun:
         self._why_stopped()
         if not self.stopped and not self.stop.wanted:
             if self._states(points) == before:
-                words = engine.refusal()
-                if not words:
+                reason = engine.refusal()
+                if not reason:
                     raise RunError(f"Snakemake started no point; see {engine.log}")
-                note_refused(self.directory, points, words)
+                note_refused(self.directory, points, reason)
             elif self.profile:
                 note_ended(self.directory, points)
-        self._take_stock()
+        self._update_points()
 
     def _states(self, points: Sequence[Point]) -> list[tuple[bool, dict[str, Any]]]:
         return [(layout.is_done(self.directory, p.id), layout.state(self.directory, p.id)) for p in points]
 
     def _watch(self, engine: Engine) -> None:
-        """Until the jobs have ended; on a cluster the engine may learn of it minutes later."""
+        """Wait until the jobs have ended, which on a cluster Snakemake may notice minutes later."""
         asked = last_seen = time.monotonic()
         seen = False
         while engine.running():
@@ -291,40 +228,40 @@ class _ScanRun:
                 try:
                     jobs = queue.jobs_of(self.directory)
                     live = bool(jobs)
-                    self._say_why(jobs)
+                    self._report_pending(jobs)
                 except RunError:
-                    live = True  # nobody knows: the engine may
+                    live = True  # unknown: rely on Snakemake
                 if live:
                     seen, last_seen = True, asked
                 elif seen and (not self.open or asked > last_seen + _GONE):
                     return
 
-    def _say_why(self, jobs: Sequence[queue.Job]) -> None:
-        """Say once why jobs wait, where it is not their turn alone."""
-        for reason in {job.reason for job in jobs if job.pending} - self.said:
-            self.said.add(reason)
+    def _report_pending(self, jobs: Sequence[queue.Job]) -> None:
+        """Log once each unusual reason why jobs are pending."""
+        for reason in {job.reason for job in jobs if job.pending} - self.reported:
+            self.reported.add(reason)
             if reason not in _USUAL:
                 logger.warning(
                     "%s: Slurm lets jobs wait: %s; Ctrl-C takes them back", self.scan.name, reason.strip("()")
                 )
 
     def _stop_jobs(self, engine: Engine) -> None:
-        """The points in work write checkpoints; those that wait are taken back."""
+        """Make running points write checkpoints, and cancel pending jobs."""
         if self.stop.wanted:
             logger.warning("%s: stopping; the points in work write checkpoints ...", self.scan.name)
         with contextlib.suppress(OSError):
             (self.directory / layout.STOP).touch()
         if not self.profile:
             engine.drain()
-            while engine.running() and not self.stop.insists:
+            while engine.running() and not self.stop.forced:
                 time.sleep(_POLL)
             return
-        engine.kill()  # so that nothing new is submitted
+        engine.kill()  # no further job is submitted
         queue.cancel([job for job in queue.jobs_of(self.directory) if job.pending])
         patience = time.monotonic() + _PATIENCE
         while queue.jobs_of(self.directory):
             time.sleep(_QUEUE_POLL)
-            if time.monotonic() > patience or self.stop.insists:
+            if time.monotonic() > patience or self.stop.forced:
                 queue.cancel(queue.jobs_of(self.directory))
                 return
 
@@ -336,12 +273,12 @@ class _ScanRun:
     # ------------------------------------------------------------------ looking
 
     def _look(self, note: str = "") -> None:
-        """Move the bar; bring table and figures up to date now and then."""
-        self._take_stock()
+        """Update the bar and, at intervals, table and figures."""
+        self._update_points()
         failed, running = self._failed(), [_short(self.scan.distinct[name]) for name in self.running]
         parts = [note, f"{failed} failed" if failed else "", f"now {'; '.join(running[:3])}" if running else ""]
         ages = {name: time.time() - started for name, started in self.running.items()}
-        times = self.outlook.words(list(self.open.values()), ages)
+        times = self.outlook.text(list(self.open.values()), ages)
         self._bar.update(self._closed(), ", ".join(part for part in parts if part), times)
         now = time.monotonic()
         if self.changed and now - self.tabled > _TABLE_EVERY:
@@ -351,8 +288,8 @@ class _ScanRun:
                 _draw(self.result, pdf=False)
                 self.drawn = time.monotonic()
 
-    def _take_stock(self) -> None:
-        """Close the points that are done or have failed; see which are in work."""
+    def _update_points(self) -> None:
+        """Update which points are done, have failed or are running."""
         self.running = {}
         for name, point in list(self.open.items()):
             done = layout.is_done(self.directory, name)
@@ -375,7 +312,7 @@ class _ScanRun:
     def _publish(self) -> None:
         write_scan_table(self.result)
         if self.stop.wanted:
-            return  # who stops a scan does not want to wait for figures
+            return  # do not delay the stop by drawing figures
         _draw(self.result)
         from granwave.analysis.reports.inputs import read_inputs
         from granwave.analysis.reports.report import write_report
@@ -387,8 +324,8 @@ class _ScanRun:
         write_report([self.directory], self.directory / SCAN_REPORT)
 
     def outcome(self) -> ScanOutcome:
-        """Outcome of the scan."""
-        # as the table says: one point may stand in it several times
+        """Return the outcome of the scan."""
+        # one point may have several rows in the table
         status = {point.id: point.status for point in ScanResult(self.directory).points}
         done, failed, missing = (sum(one == what for one in status.values()) for what in ("done", "failed", "missing"))
         if not failed and not missing:
@@ -398,14 +335,14 @@ class _ScanRun:
 
 
 def _draw(result: ScanResult, *, pdf: bool = True) -> None:
-    # the drawing library is loaded when the first points are done, not before the first starts
+    # the drawing library is loaded when first points are done, not at the start
     from granwave.analysis.scans.figures import draw_scan_figures
 
     draw_scan_figures(result, pdf=pdf)
 
 
 def _short(point: Point) -> str:
-    """A point in a few words."""
+    """Return the number and main labels of a point."""
     shown = [
         f"{key.split('.')[-1]} {value:.4g}" if isinstance(value, float) else f"{key.split('.')[-1]} {value}"
         for key, value in point.labels.items()
@@ -414,14 +351,14 @@ def _short(point: Point) -> str:
 
 
 class _StopRequest(Interrupts):
-    """Once to stop in an orderly way, three times to stop at once."""
+    """Request to stop: one signal to stop with checkpoints, three to stop at once."""
 
     @property
     def wanted(self) -> bool:
-        """Somebody asked to stop."""
+        """True if a stop was requested."""
         return self.count > 0
 
     @property
-    def insists(self) -> bool:
-        """Somebody asked again and again."""
+    def forced(self) -> bool:
+        """True if a stop was requested three times."""
         return self.count >= 3

@@ -1,4 +1,4 @@
-"""Snakemake as a subprocess: starts the jobs of a scan, here or on a cluster, and once more those that were killed."""
+"""Snakemake as a subprocess: runs the jobs of a scan locally or on a cluster, and retries killed jobs once."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _SNAKEFILE = Path(__file__).with_name("Snakefile")
 
 
 def check_installed(executor: str) -> None:
-    """Raise InputError where the engine, or what it needs for an executor, is missing."""
+    """Raise InputError if Snakemake, or its plugin for an executor, is missing."""
     if util.find_spec("snakemake") is None:
         raise InputError("granwave scan: Snakemake is not installed; pip install 'granwave[scan]'")
     if executor == SLURM and util.find_spec("snakemake_executor_plugin_slurm") is None:
@@ -46,11 +46,13 @@ class Engine:
     Parameters
     ----------
     name, directory
-        Of the scan.
+        Name and directory of the scan.
+    batches
+        Batches of points, the longest first.
     jobs
-        How many may run at once (local: cores).
+        Number of simultaneous jobs (local: cores).
     profile
-        Of the cluster; None for this machine.
+        Profile of the cluster; None for this machine.
     """
 
     def __init__(
@@ -67,7 +69,7 @@ class Engine:
             "--keep-going", "--retries", "1", "--nolock", "--rerun-incomplete",
             "--rerun-triggers", "mtime", "--scheduler", "greedy",
             "--nocolor", "--latency-wait", "30",
-            # the longest first, as far as Snakemake knows a first: so that no worker waits long for the last one
+            # prioritise the longest, so that no worker waits long for the last one
             "--prioritize", *(f"{layout.DONE}/{batch.id}" for batch in batches[: min(len(batches) // 2 + 1, 500)]),
             *self._executor(jobs, batches),
         ]  # fmt: skip
@@ -75,29 +77,29 @@ class Engine:
         if profile is None:
             environment[layout.DRIVER] = str(os.getpid())
         with self.log.open("ab") as log:
-            # a session of its own: Ctrl-C reaches the driver alone, which stops the jobs in an orderly way
+            # a new session: Ctrl-C reaches only the driver, which stops the jobs with checkpoints
             self._process = subprocess.Popen(
                 command, env=environment, stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True
             )
 
     def refusal(self) -> str:
-        """Why a job could not be submitted, in the words of sbatch or of Snakemake; empty if all were."""
+        """Return why a job could not be submitted, from sbatch or Snakemake; empty if all were."""
         text = self.log.read_text(encoding="utf-8", errors="replace")
         found = [match[1] for pattern in _REFUSALS for match in pattern.finditer(text)]
         lines = [line.removeprefix("sbatch: error: ").strip(" .'") for line in found[-1].splitlines()] if found else []
         return "; ".join(dict.fromkeys(filter(None, lines)))
 
     def running(self) -> bool:
-        """Jobs are running, or still to come."""
+        """Return True while jobs are running or pending."""
         return self._process.poll() is None
 
     def drain(self) -> None:
-        """Start no further job; the engine ends when those that run have ended."""
+        """Start no further job; Snakemake ends after the running ones."""
         with contextlib.suppress(ProcessLookupError):
             os.kill(self._process.pid, signal.SIGTERM)
 
     def kill(self) -> None:
-        """End the engine; jobs on a cluster go on."""
+        """Kill Snakemake; jobs on a cluster continue."""
         with contextlib.suppress(ProcessLookupError):
             os.killpg(self._process.pid, signal.SIGKILL)
         self._process.wait()

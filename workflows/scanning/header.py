@@ -1,4 +1,4 @@
-"""Header of a scan file: the keys beside its tables."""
+"""Header of a scan file: its top-level keys."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class RanksBySize:
     most: int = count("most ranks", default=1)
 
     def of(self, n_spheres: int) -> int:
-        """Ranks of a packing."""
+        """Return the number of ranks for a packing."""
         return max(1, min(self.most, math.ceil(n_spheres / self.spheres_per_rank)))
 
 
@@ -50,7 +50,7 @@ def _parse_ranks(value: Any) -> RanksBySize:
 
 
 def parse_studies(value: Any) -> tuple[str, ...]:
-    """Names of studies, from a word or a list of words."""
+    """Parse the name of a study, or a list of names."""
     names = [value] if isinstance(value, str) else value
     if not isinstance(names, list) or not names or not all(isinstance(n, str) and n in STUDIES for n in names):
         raise ValidationError(f"a study, or a list of studies, of: {', '.join(STUDIES)}")
@@ -59,7 +59,7 @@ def parse_studies(value: Any) -> tuple[str, ...]:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Header:
-    """Header of a scan file: the keys beside its tables."""
+    """Top-level keys of a scan file."""
 
     name: str = custom("name of the scan", plain_name, default="")
     case: str = text("a built-in study or a case file")

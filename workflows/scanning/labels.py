@@ -1,4 +1,4 @@
-"""Labels of what varies in a scan, for its tables and figures."""
+"""Labels of the varied values of a scan, for tables and figures."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from granwave.analysis.scans.result import Scalar
 
 
 def labels_of(values: Sequence[Any]) -> list[Scalar]:
-    """A key's values at all points as tables and figures show them.
+    """Return the labels of the values of a key at all points.
 
     Parameters
     ----------
     values
-        As in a case file: tables become words, different ones for each, since points of equal labels are taken for one.
+        Values as in a case file; tables get unique text labels, since points of equal labels count as one.
     """
     return [
         value if isinstance(value, bool | int | float | str) else words

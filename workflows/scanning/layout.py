@@ -1,4 +1,4 @@
-"""Where things are in the directory of a scan; what users and reports read is in `granwave.analysis.scans.result`."""
+"""Layout of the directory of a scan; the reader is `granwave.analysis.scans.result`."""
 
 from __future__ import annotations
 
@@ -30,45 +30,45 @@ from granwave.lammps_inputs.run_directory import (
 from granwave.lammps_inputs.run_state import check_case, read_summary, result_fault, tables_as_run
 from granwave.lammps_inputs.toml_files import read_tables
 
-DRIVER = "GRANWAVE_SCAN_DRIVER"  # variable: process of the driver, on this machine, without which a job ends
+DRIVER = "GRANWAVE_SCAN_DRIVER"  # environment variable: process id of the local driver; jobs stop when it ends
 BATCHES, DONE, LOGS = f"{SCAN_WORK}/batches", f"{SCAN_WORK}/done", f"{SCAN_WORK}/logs"
-STOP = f"{SCAN_WORK}/stop"  # its presence asks all workers to stop; its text says why
+STOP = f"{SCAN_WORK}/stop"  # file whose existence asks all workers to stop; its text is the reason
 _FILES = (SCAN_FILE, SCAN_INDEX, SCAN_TABLE, SCAN_DATA, SCAN_MEANS, SCAN_REPORT)
 
 # states of a point
 RUNNING, INTERRUPTED, FAILED, DONE_STATE = "running", "interrupted", "failed", "done"
 MOST_ATTEMPTS = 2
 
-LEAST_FREE = 50e6  # bytes of disk, beside what a point is expected to write
+LEAST_FREE = 50e6  # bytes of disk space in addition to the expected output of a point
 
 
 def finished(directory: Path, point: str) -> Path:
-    """The directory of a point that is done."""
+    """Return the directory of a finished point."""
     return directory / POINTS / point
 
 
 def unfinished(directory: Path, point: str) -> Path:
-    """The directory of a point in work."""
+    """Return the directory of an unfinished point."""
     return directory / UNFINISHED / point
 
 
 def files(points: Iterable[str]) -> list[str]:
-    """Names of what a scan of these points leaves, figures apart."""
+    """Return the names of the results of a scan of these points, without figures."""
     return [*_FILES, *(f"{place}/{point}/" for point in points for place in (POINTS, UNFINISHED))]
 
 
 def is_done(directory: Path, point: str) -> bool:
-    """The point was run to its end and analysed: it has a summary that can be read."""
+    """Return True if the point was finished and analysed, so that its summary can be read."""
     return bool(read_summary(finished(directory, point)))
 
 
 def fault(directory: Path, point: str) -> str:
-    """Say what is damaged in the directory of a finished point; empty if nothing is, or it is not finished.
+    """Describe the damage in the directory of a finished point; empty if none, or not finished.
 
     Raises
     ------
     InputError
-        Its case.toml was changed after the run.
+        The case.toml of the point was changed after the run.
     """
     place = finished(directory, point)
     if not place.is_dir():
@@ -81,29 +81,29 @@ def fault(directory: Path, point: str) -> str:
 
 
 def is_whole(directory: Path, point: str) -> bool:
-    """The point is done, and none of its files is damaged; raises as `fault`."""
+    """Return True if the point is done and none of its files is damaged; raise as `fault`."""
     return is_done(directory, point) and not fault(directory, point)
 
 
 def reopen(directory: Path, point: str) -> None:
-    """Take a point that is damaged back to those that are not finished: what is whole of it is kept.
+    """Move a damaged point back to the unfinished ones, with its intact files.
 
     Raises
     ------
     InputError
-        Files of somebody else are in the way.
+        Files that granwave did not write are in the way.
     """
-    # the other is there where a version before this one began the point anew
+    # an earlier version may have restarted the point there, so that the target exists
     _move(finished(directory, point), unfinished(directory, point))
 
 
 def close(directory: Path, point: str) -> None:
-    """Put a point among those that are finished; raises as `reopen`."""
+    """Move a point to the finished ones; raise as `reopen`."""
     _move(unfinished(directory, point), finished(directory, point))
 
 
 def _move(place: Path, target: Path) -> None:
-    """Move the directory of a point; what granwave left in the target is replaced."""
+    """Move the directory of a point; results of granwave in the target are replaced."""
     if target.is_dir() and not target.is_symlink():
         clear(target)
         clear(target, POINT_FILES)
@@ -116,12 +116,12 @@ def _move(place: Path, target: Path) -> None:
 
 
 def state(directory: Path, point: str) -> dict[str, Any]:
-    """The record of a point that is not done; empty if it was never begun."""
+    """Read the record of an unfinished point; empty if it was never started."""
     return read_point(unfinished(directory, point))
 
 
 def seconds(directory: Path, point: str) -> float | None:
-    """Wall time of a point that is done, s; None where nobody wrote it down."""
+    """Return the wall time of a finished point, s; None if it was not recorded."""
     return read_point(finished(directory, point)).get("seconds")
 
 
@@ -133,5 +133,5 @@ def write_state(place: Path, **record: Any) -> None:
 
 
 def is_final(directory: Path, point: str) -> bool:
-    """The point is done, or has failed as often as it is tried."""
+    """Return True if the point is done, or has failed for good."""
     return is_done(directory, point) or state(directory, point).get("state") == FAILED

@@ -1,4 +1,4 @@
-"""Needs of the points of a scan that are still to be run: files, and room on the disk."""
+"""Requirements of the remaining points of a scan: files and disk space."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from granwave.workflows.scanning.scan_file import Point, Scan
 
 
 def left(scan: Scan, directory: Path, *, fresh: bool = False) -> list[Point]:
-    """The points that are still to be run, or analysed again; all where the scan starts ``fresh``.
+    """Return the points still to be run or analysed again; all if the scan starts ``fresh``.
 
     Raises
     ------
@@ -36,17 +36,17 @@ def left(scan: Scan, directory: Path, *, fresh: bool = False) -> list[Point]:
 
 
 def check_points(scan: Scan, directory: Path, *, force: bool) -> None:
-    """Check that what is left of a scan can be run: files that its points name, and room on the disk.
+    """Check that the remaining points can be run: files that they name, and disk space.
 
     Parameters
     ----------
     force
-        Points that are done in ``directory`` are replaced.
+        True to replace the points in ``directory``.
 
     Raises
     ------
     InputError
-        With every fault there is.
+        The points cannot be run; the message lists all faults.
     """
     points = sorted(left(scan, directory, fresh=force), key=lambda point: point.number)
     needed = sum(point.plan.disk for point in points)
@@ -63,7 +63,7 @@ def check_points(scan: Scan, directory: Path, *, force: bool) -> None:
 
 
 def _check_files(name: str, points: Sequence[Point]) -> None:
-    """Check the files that points name; what is wrong with all of them is said once."""
+    """Check the files that points name; a fault of all points is reported once."""
     found: dict[str, list[str]] = {}
     for point in points:
         try:

@@ -1,4 +1,4 @@
-"""How long a scan will still take: as planned until a point is done, then at the pace of the points that are."""
+"""Remaining time of a scan: as planned until a point is done, then from the pace of finished points."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from granwave.workflows.scanning.scan_file import Point
 
 
 class Outlook:
-    """Words on the time of a scan that begins now.
+    """Estimate of the remaining time of a scan that begins now.
 
     Parameters
     ----------
     points
-        Those that are to be run.
+        Points to be run.
     profile, workers, slowness
-        As of `expected_scan_time`.
+        As in `expected_scan_time`.
     """
 
     def __init__(self, points: Sequence[Point], profile: Profile | None, workers: int, slowness: float) -> None:
@@ -30,21 +30,21 @@ class Outlook:
         self._begin = time.monotonic()
 
     def done(self, point: Point, seconds: float) -> None:
-        """A point is done, which took so many ``seconds``; one that was done before is left out."""
+        """Register a finished point and its wall time (s); points done earlier are ignored."""
         if point.id not in self._ids:
             return
         self._taken += seconds
         self._expected += expected_time(point)
 
-    def words(self, left: Sequence[Point], ages: Mapping[str, float]) -> str:
-        """Elapsed and remaining time.
+    def text(self, left: Sequence[Point], ages: Mapping[str, float]) -> str:
+        """Return elapsed and remaining time as text.
 
         Parameters
         ----------
         left
-            Points that are not done.
+            Unfinished points.
         ages
-            For how long those in work have run, by id, s.
+            Elapsed time of running points, by id, s.
         """
         seconds = time.monotonic() - self._begin
         passed = duration(seconds)

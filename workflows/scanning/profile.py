@@ -1,4 +1,4 @@
-"""How to use a cluster: the profile file of ``granwave scan --executor slurm --profile FILE``."""
+"""Profile of a cluster: the file of ``granwave scan --executor slurm --profile FILE``."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows.scanning import layout
 
-_LEAST_MINUTES = 10  # of a time limit that nobody gave
-_WARNING = 90  # s before the limit, when points write checkpoints
+_LEAST_MINUTES = 10  # shortest default time limit
+_WARNING = 90  # s before the time limit at which points write checkpoints
 
 
 def _positive(value: Any) -> int:
@@ -39,9 +39,9 @@ def _lines(value: Any) -> str:
     raise ValidationError("shell commands, a string or a list of strings")
 
 
-#: Options of sbatch that Snakemake wants as resources of these names.
+#: Options of sbatch that Snakemake takes as resources, with their names.
 _RESOURCES = {"--constraint": "constraint", "-C": "constraint", "--qos": "qos", "-q": "qos", "--gres": "gres"}
-#: Those that are keys of the profile, and those that nobody may change.
+#: Options that are keys of the profile, and options that granwave sets.
 _KEYS = {
     "--partition": "partition", "-p": "partition", "--account": "account", "-A": "account", "--time": "time",
     "-t": "time", "--mem": "memory", "--mem-per-cpu": "memory", "--nodes": "nodes", "-N": "nodes",
@@ -53,12 +53,12 @@ _OURS = (
 
 
 def _options(value: Any) -> str:
-    """Options of sbatch, as text; those that are given in another way are refused."""
+    """Parse options of sbatch; refuse those of `_KEYS` and `_OURS`."""
     if not isinstance(value, str):
         raise ValidationError("options of sbatch, a string")
     try:
         words = shlex.split(value)
-    except ValueError:  # a quotation mark without its other half
+    except ValueError:  # unbalanced quotation mark
         raise ValidationError("options of sbatch, as in a shell") from None
     for name in (word.partition("=")[0] for word in words):
         if name in _KEYS:
@@ -69,7 +69,7 @@ def _options(value: Any) -> str:
 
 
 def _split(options: str) -> tuple[dict[str, str], list[str]]:
-    """Options that Snakemake wants as resources, and the others."""
+    """Separate options that Snakemake takes as resources from the others."""
     resources, others = {}, []
     words = iter(shlex.split(options))
     for word in words:
@@ -98,7 +98,7 @@ class Job(Protocol):
 
     @property
     def longest(self) -> float:
-        """Wall time where nothing ends as early as expected, s."""
+        """Expected wall time if no point ends early, s."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -122,9 +122,9 @@ class Profile:
     )
 
     def resources(self, batch: Job) -> dict[str, Any]:
-        """Resources of a job, as Snakemake's Slurm plugin names them."""
+        """Return the resources of a job for Snakemake's Slurm plugin."""
         minutes = self.time or max(_LEAST_MINUTES, math.ceil(max(3 * batch.wall_time, batch.longest) / 60))
-        # a request to stop before the limit, to the steps and not to the shell, which it would end at once
+        # signal before the limit, to the job steps and not to the shell, which would end at once
         warning = min(_WARNING, minutes * 60 // 3)
         resources, options = _split(self.options)
         found: dict[str, Any] = {
@@ -138,16 +138,16 @@ class Profile:
         return found
 
     def nodes_of(self, batch: Job) -> int:
-        """Nodes that the ranks of a batch are spread over."""
+        """Return the number of nodes for the ranks of a batch."""
         return min(self.nodes, batch.ranks)
 
     def launcher_of(self, batch: Job) -> list[str]:
-        """Command that starts the ranks of a point."""
+        """Return the command that starts the ranks of a point."""
         words = self.launcher.split()
         return [*words, "-N", str(self.nodes_of(batch))] if words[0] == "srun" else words
 
     def to_snakemake(self, name: str) -> list[str]:
-        """Options of Snakemake for this cluster; ``name`` is that of the scan."""
+        """Return the options of Snakemake for this cluster and the scan ``name``."""
         defaults = [
             *([f"slurm_partition={self.partition}"] if self.partition else []),
             *([f"slurm_account={self.account}"] if self.account else []),
@@ -169,7 +169,7 @@ def load_profile(path: str | Path) -> Profile:
     Raises
     ------
     InputError
-        The file is wrong; every fault is named.
+        The file is wrong; the message lists all faults.
     """
     data = read_toml(path)
     errors = ErrorList(str(path))

@@ -1,4 +1,4 @@
-"""Slurm's queue of a scan: jobs that a killed driver left behind go on, and must not be doubled."""
+"""Jobs of a scan in Slurm's queue, including those that a killed driver left."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.workflows.scanning import layout
 
 _BATCH = re.compile(r"rule_(?:serial|parallel)_wildcards_(\w+)")  # in the comment that Snakemake gives a job
-_ANSWER = 60.0  # s, in which Slurm must answer
+_ANSWER = 60.0  # s, time limit for an answer of Slurm
 
 
 @dataclasses.dataclass(frozen=True)
 class Job:
-    """A job that waits or runs; ``reason``: why it waits, in Slurm's word."""
+    """A pending or running job; ``reason``: why it is pending, as Slurm gives it."""
 
     id: str
     pending: bool
@@ -28,7 +28,7 @@ class Job:
 
 
 def check_slurm() -> None:
-    """Raise InputError where there is no Slurm on this machine, or none that answers."""
+    """Raise InputError if Slurm is not installed on this machine, or does not answer."""
     for command in ("sbatch", "squeue", "srun"):
         if shutil.which(command) is None:
             raise InputError(
@@ -42,12 +42,12 @@ def check_slurm() -> None:
 
 
 def jobs_of(directory: Path) -> list[Job]:
-    """The jobs of a scan that wait or run, whoever submitted them.
+    """Return the pending and running jobs of a scan, including those of earlier drivers.
 
     Raises
     ------
     RunError
-        Slurm does not answer: then nothing is known of its jobs.
+        Slurm does not answer, so that its jobs are unknown.
     """
     jobs = []
     for line in ask(["squeue", "--me", "--array", "--noheader", "--format=%i|%T|%r|%k|%Z"]).splitlines():
@@ -60,7 +60,7 @@ def jobs_of(directory: Path) -> list[Job]:
 
 
 def cancel(jobs: list[Job]) -> None:
-    """Take jobs back; those that run get SIGTERM, and some seconds."""
+    """Cancel jobs; running ones get SIGTERM and some seconds to stop."""
     if jobs:
         ask(["scancel", *(job.id for job in jobs)])
 
@@ -73,7 +73,7 @@ def _points(batch: Path) -> tuple[str, ...]:
 
 
 def ask(command: list[str]) -> str:
-    """Return the output of a command of Slurm; RunError with its own words where it fails."""
+    """Return the output of a command of Slurm; raise RunError with its message on failure."""
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=_ANSWER, check=False)
     except OSError as error:

@@ -1,7 +1,7 @@
-"""A scan file: one case, what varies, and the points that come of it.
+"""A scan file: one case, varied keys, and the resulting points.
 
-Every point is a whole case, checked before anything runs. Its id is made of the resolved case and of the versions that
-its result depends on, so that equal points are one, in one scan and in the next.
+Every point is a complete case, checked before anything runs. Its id is a hash of the resolved case and of the versions
+that its result depends on, so that equal points are run once, within a scan and in repeated scans.
 """
 
 from __future__ import annotations
@@ -9,10 +9,8 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 import hashlib
-import itertools
 import json
 import logging
-import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -20,7 +18,7 @@ from typing import Any
 from granwave.analysis.scans.result import SEED, Scalar
 from granwave.lammps_inputs.case.case import Case, case_keys
 from granwave.lammps_inputs.case.overrides import apply_overrides, parse_overrides
-from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, read_table, show
+from granwave.lammps_inputs.case.schema import ErrorList, read_table, show
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.named_files import with_short_paths
 from granwave.lammps_inputs.packing.disorder import is_random
@@ -30,7 +28,7 @@ from granwave.workflows.run.messages import each_warning_once
 from granwave.workflows.run.versions import versions
 from granwave.workflows.scanning.header import Header
 from granwave.workflows.scanning.labels import labels_of
-from granwave.workflows.scanning.values import MOST_POINTS, SHAPES, values_of
+from granwave.workflows.scanning.variations import flat, variations_of
 from granwave.workflows.solvers import CONTINUUM, GRANULAR, AnyCase, Cost, Kind, solver_of
 
 _LOG = logging.getLogger("granwave")
@@ -45,11 +43,19 @@ class Point:
     Attributes
     ----------
     number
-        From 1, in the order of the scan.
+        Number of the point from 1, in the order of the scan.
     id
-        Stands for the resolved case and the versions that matter.
+        Hash of the resolved case and the relevant versions.
     labels
-        The values of what varies, by dotted key; lists and tables as text.
+        Varied values by dotted key; lists and tables as text.
+    case
+        Resolved case.
+    kind
+        Kind of the case.
+    plan
+        Expected cost.
+    ranks
+        Number of MPI ranks.
     """
 
     number: int
@@ -62,22 +68,22 @@ class Point:
 
     @property
     def size(self) -> int:
-        """Spheres or elements."""
+        """Number of spheres or elements."""
         return self.kind.size(self.case)
 
 
 @dataclasses.dataclass(frozen=True)
 class Scan:
-    """A scan that can be run.
+    """A checked scan.
 
     Attributes
     ----------
     varied
-        Dotted keys, in the order of the file.
+        Varied dotted keys, in the order of the file.
     text
-        The file; what was set from outside stands above it as comments.
+        Text of the file, after comments with the overrides.
     study
-        Names of the studies that its report makes of it.
+        Names of the studies in its report.
     """
 
     name: str
@@ -90,11 +96,11 @@ class Scan:
 
     @property
     def distinct(self) -> dict[str, Point]:
-        """The points by id: equal ones once."""
+        """Distinct points by id."""
         return {point.id: point for point in reversed(self.points)}
 
     def index(self) -> dict[str, Any]:
-        """Content of scan.json."""
+        """Return the content of scan.json."""
         points = [
             {"number": point.number, "id": point.id, "labels": point.labels, "ranks": point.ranks}
             for point in self.points
@@ -109,7 +115,7 @@ class Scan:
 
 
 def find_scan(scan: str | Path, directory: Path = Path()) -> Path:
-    """The file of a scan or a suite, or of the built-in one of that name.
+    """Find the file of a scan or a suite, given as a path or as the name of a built-in one.
 
     Parameters
     ----------
@@ -119,7 +125,7 @@ def find_scan(scan: str | Path, directory: Path = Path()) -> Path:
     Raises
     ------
     InputError
-        There is none, or it cannot be read.
+        There is no such scan, or it cannot be read.
     """
     try:
         return library.find_for(str(scan), library.SCAN, directory=directory)
@@ -133,16 +139,16 @@ def load_scan(scan: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (
     Parameters
     ----------
     scan
-        The file, or the name of a built-in scan.
+        Path of the file, or name of a built-in scan.
     overrides
-        Keys of the case that hold for all points, beside and before those of ``[set]``.
+        Keys of the case for all points, in addition to those of ``[set]`` and with precedence over them.
     here
-        The points are for this machine, and must fit into its memory; those for a cluster need not.
+        True if the points run on this machine and must fit into its memory.
 
     Raises
     ------
     InputError
-        The file, an override, or any point is wrong: a line for each invalid point.
+        The file, an override or any point is wrong; the message has a line for each invalid point.
     """
     changes = parse_overrides(overrides)
     path = find_scan(scan)
@@ -154,106 +160,26 @@ def load_scan(scan: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (
     header = read_table(Header, {"name": path.stem, **data}, "", errors)
     fixed = {
         key: value
-        for key, value in _flat(tables.get("set", {}), "set", errors).items()
+        for key, value in flat(tables.get("set", {}), "set", errors).items()
         if not any(key.startswith(f"{changed}.") for changed in changes)  # --set material=steel, all of it
     } | changes
-    variations = _variations(tables, header, errors)
+    variations = variations_of(tables, header, errors)
     if errors.lines or header is None:
         raise InputError(errors.lines)
     return _build(path, header, fixed, changes, variations, here, path.read_text(encoding="utf-8"))
 
 
 def scan_of_case(case: str, beside: Path, *, here: bool = True) -> Scan:
-    """One case as a scan of a single point, with its figures; raises as `load_scan`.
+    """Make a scan of a single point, with figures, from one case; raise as `load_scan`.
 
     Parameters
     ----------
     case
-        A built-in study, or a case file as seen from the file ``beside``.
+        Name of a built-in study, or path of a case file relative to the file ``beside``.
     """
     text = f'case = "{case}"\nfigures = true\n'
     header = Header(name=Path(case).stem, case=case, figures=True)
     return _build(beside, header, {}, {}, [{}], here, text)
-
-
-# ---------------------------------------------------------------------- what varies
-
-
-def _variations(tables: Mapping[str, Any], header: Header | None, errors: ErrorList) -> list[dict[str, Any]]:
-    """The values of each point, by dotted key."""
-    axes = [
-        [{key: value} for value in values]
-        for key, values in _lists(tables.get("grid", {}), "grid", errors).items()
-        if values
-    ]
-    for n, table in enumerate(_tables(tables.get("zip", []), "zip", errors), start=1):
-        zipped = _lists(table, f"zip {n}", errors)
-        lengths = {key: len(values) for key, values in zipped.items()}
-        if len(set(lengths.values())) > 1:
-            found = ", ".join(f"{key} has {length}" for key, length in lengths.items())
-            errors.add(f"zip {n}", f"found lists of different lengths ({found}), expected one length")
-        elif zipped:
-            axes.append([dict(zip(zipped, values, strict=True)) for values in zip(*zipped.values(), strict=True)])
-    single = [
-        _flat(table, f"points {n}", errors)
-        for n, table in enumerate(_tables(tables.get("points", []), "points", errors), start=1)
-    ]
-    if not axes and not single and not errors.lines:
-        errors.add("grid", "nothing varies: expected [grid], [[zip]] or [[points]] with values")
-    keys = [key for axis in axes for key in axis[0]]
-    for key in dict.fromkeys(key for key in keys if keys.count(key) > 1):
-        errors.add(key, "varies twice; let it stand in one of [grid] and [[zip]]")
-    count = ((math.prod(map(len, axes)) if axes else 0) + len(single)) * (header.replicates if header else 1)
-    if count > MOST_POINTS:
-        errors.add("grid", f"found {count} points, expected at most {MOST_POINTS}")
-    if errors.lines:
-        return []
-    products = itertools.product(*axes) if axes else []
-    points = [{key: value for part in parts for key, value in part.items()} for parts in products] + single
-    return points
-
-
-def _tables(value: Any, name: str, errors: ErrorList) -> list[Mapping[str, Any]]:
-    if isinstance(value, Mapping):
-        value = [value]
-    if not isinstance(value, list) or not all(isinstance(table, Mapping) for table in value):
-        errors.add(name, f"found {show(value)}, expected tables [[{name}]]")
-        return []
-    for n, table in enumerate(value, start=1):
-        if not table:
-            errors.add(f"{name} {n}", "found an empty table, expected keys and values")
-    return value
-
-
-def _flat(table: Any, name: str, errors: ErrorList) -> dict[str, Any]:
-    """Keys and values with dotted keys, whether they were written with quotes or without."""
-    if not isinstance(table, Mapping):
-        errors.add(name, f"found {show(table)}, expected a table of keys and values")
-        return {}
-    flat: dict[str, Any] = {}
-    for key, value in table.items():
-        if not all(part.isidentifier() or part.isdigit() for part in key.split(".")):
-            errors.add(name, f"found the key {show(key)}, expected one such as load.velocity")
-            continue
-        whole_table = "." in key or (key == "material" and isinstance(value, Mapping) and "preset" in value)
-        if isinstance(value, Mapping) and not whole_table and not set(value) & {*SHAPES}:
-            flat |= {f"{key}.{inner}": held for inner, held in value.items()}
-        else:
-            flat[key] = value
-    return flat
-
-
-def _lists(table: Any, name: str, errors: ErrorList) -> dict[str, list[Any]]:
-    lists = {}
-    for key, value in _flat(table, name, errors).items():
-        try:
-            lists[key] = values_of(value)
-        except ValidationError as error:
-            errors.add(f"{name}: {key}", f"found {show(value)}, expected {error}")
-    return lists
-
-
-# ---------------------------------------------------------------------- points
 
 
 def _build(
@@ -313,7 +239,7 @@ def _build(
 def _replicates(
     values: Mapping[str, Any], header: Header, read: Callable[[Mapping[str, Any]], AnyCase]
 ) -> list[Mapping[str, Any]]:
-    """The seeds of a point; one where nothing is random in it."""
+    """Return a point with each of its seeds; one if nothing in it is random."""
     if header.replicates == 1:
         return [values]
     case = read(values)
@@ -324,7 +250,7 @@ def _replicates(
 
 
 def _find_case(case: str, path: Path) -> Path:
-    """A case file as seen from the scan file, or a built-in study."""
+    """Find a built-in study, or a case file relative to the scan file."""
     try:
         return library.find_for(case, GRANULAR.verb, CONTINUUM.verb, directory=path.parent)
     except InputError as error:
@@ -336,8 +262,8 @@ def _find_case(case: str, path: Path) -> Path:
 def _with(
     template: Mapping[str, Any], settings: Mapping[str, Any], path: Path, changes: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """The case with some keys set."""
-    # whole tables first, then what is set inside them
+    """Apply settings to the tables of a case."""
+    # whole tables first, then keys inside them
     ordered = {key: settings[key] for key in sorted(settings, key=lambda key: key.count("."))}
     try:
         return apply_overrides(template, ordered)
@@ -350,7 +276,7 @@ def _with(
 
 @contextlib.contextmanager
 def _each_warning_once() -> Iterator[None]:
-    """Not once for each of a thousand points."""
+    """Suppress repeated warnings, which many points would give."""
     fresh = each_warning_once()
     _LOG.addFilter(fresh)
     try:
@@ -377,7 +303,7 @@ def _point(
 
 
 def _labelled(points: Sequence[Point], varied: Sequence[str], folder: Path) -> list[Point]:
-    """The points with labels in place of the values of what varies; paths as seen from the scan file's folder."""
+    """Replace the varied values of points by labels, with paths relative to the folder of the scan file."""
     columns = {key: labels_of([with_short_paths(point.labels[key], folder, key) for point in points]) for key in varied}
     return [
         dataclasses.replace(point, labels={key: columns[key][n] for key in varied}) for n, point in enumerate(points)
@@ -401,6 +327,6 @@ def _error_lines(path: Path, errors: Sequence[tuple[int, Mapping[str, Any], list
             labels = ", ".join(
                 f"{key} = {show(with_short_paths(value, path.parent, key))}" for key, value in values.items()
             )
-            told = "; ".join(fault.removeprefix(f"{path}: ") for fault in own)
-            lines.append(f"{path}: point {n} ({labels}): {told}")
+            message = "; ".join(fault.removeprefix(f"{path}: ") for fault in own)
+            lines.append(f"{path}: point {n} ({labels}): {message}")
     return lines

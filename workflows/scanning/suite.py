@@ -1,9 +1,9 @@
-"""A suite: several scans that belong together, one after the other into one directory, and one report of all.
+"""Suites: several scans run one after the other in one directory, with a common report.
 
 name = "granular-continuum"
 scans = ["granular-velocity", "continuum-mass"]     # built-in scans, or scan files
 cases = ["half-space"]                              # single runs, each as a scan of one point
-study = ["elastic-long-load"]                       # of all runs, beside the studies of the scans
+study = ["elastic-long-load"]                       # of all runs, in addition to the studies of the scans
 """
 
 from __future__ import annotations
@@ -22,7 +22,8 @@ from granwave.lammps_inputs.ownership import claim, clear, refuse_foreign, refus
 from granwave.lammps_inputs.run_directory import SCAN_FILE, SCAN_REPORT, SUITE, SUITE_INDEX
 from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows.run.directory import held
-from granwave.workflows.scanning.driver import ScanOutcome, decide, run_scan
+from granwave.workflows.scanning.directory import decide
+from granwave.workflows.scanning.driver import ScanOutcome, run_scan
 from granwave.workflows.scanning.header import parse_studies
 from granwave.workflows.scanning.scan_file import Scan, find_scan, load_scan, scan_of_case
 
@@ -48,7 +49,7 @@ class _File:
 
 @dataclasses.dataclass(frozen=True)
 class Suite:
-    """Scans that belong together; each runs in a directory of its name."""
+    """A checked suite; each scan runs in a subdirectory of its name."""
 
     name: str
     scans: tuple[Scan, ...]
@@ -58,7 +59,7 @@ class Suite:
 
 @dataclasses.dataclass(frozen=True)
 class SuiteOutcome:
-    """Outcome of a suite; scans that were not begun have no outcome."""
+    """Outcome of a suite; scans that were not started have no outcome."""
 
     directory: Path
     scans: tuple[ScanOutcome, ...]
@@ -67,7 +68,7 @@ class SuiteOutcome:
 
 
 def is_suite(file: str | Path) -> bool:
-    """The file, or built-in study, is a suite of scans.
+    """Return True if a file, or built-in study, is a suite of scans.
 
     Raises
     ------
@@ -83,14 +84,14 @@ def load_suite(file: str | Path, *, here: bool = True) -> Suite:
     Parameters
     ----------
     file
-        The file, or the name of a built-in suite.
+        Path of the file, or name of a built-in suite.
     here
-        As of `load_scan`.
+        As in `load_scan`.
 
     Raises
     ------
     InputError
-        The file, or any of its scans, is wrong; every fault is named.
+        The file or any of its scans is wrong; the message lists all faults.
     """
     path = find_scan(file)
     data = read_toml(path)
@@ -127,23 +128,23 @@ def run_suite(
     slowness: Mapping[str, float] | None = None,
     **options: Any,
 ) -> SuiteOutcome:
-    """Run all scans of a suite, and make the report of all.
+    """Run all scans of a suite, and make the common report.
 
     Parameters
     ----------
     directory
-        Each scan gets a directory of its name in it.
+        Directory of the suite, with a subdirectory for each scan.
     resume, force
-        As of `run_scan`, for every scan.
+        As in `run_scan`, for every scan.
     slowness
-        Of each scan by name, as of `run_scan`.
+        As in `run_scan`, for each scan by name.
     options
-        Further ones of `run_scan`.
+        Further options of `run_scan`.
 
     Raises
     ------
     InputError, RunError
-        As of `run_scan`; no scan was run if any directory holds something else.
+        As in `run_scan`; no scan was run if any directory holds other results.
     """
     directory = results_directory(directory)
     with held(directory):
@@ -155,7 +156,7 @@ def run_suite(
 
 
 def check_suite(suite: Suite, directory: Path, *, resume: bool, force: bool) -> None:
-    """Raise InputError where a suite cannot be run in ``directory``, see `decide`. Changes nothing."""
+    """Raise InputError if a suite cannot be run in ``directory``, see `decide`, without changing anything."""
     results_directory(directory, force=force)
     refuse_other_kind(directory, SUITE)
     for scan in suite.scans:
@@ -180,16 +181,14 @@ def _run(suite: Suite, directory: Path, slowness: Mapping[str, float], **options
 
 
 def _publish(directory: Path) -> None:
-    """Figures of the comparison with their data, and the report."""
+    """Draw the figures of the comparison and studies, and write the report."""
     # the drawing library is loaded when all points are done
     from granwave.analysis.reports.inputs import read_inputs
     from granwave.analysis.reports.report import write_report
-    from granwave.analysis.reports.sections.comparison import impacts_of
+    from granwave.analysis.reports.sections.comparison import comparison_of
     from granwave.analysis.reports.sections.studies import studies_of
-    from granwave.analysis.studies.granular_continuum.drawings import draw_comparison
     from granwave.analysis.studies.study import draw_studies
 
     inputs = read_inputs([directory], directory)
-    draw_comparison(impacts_of(inputs), directory)
-    draw_studies(studies_of(inputs), directory)
+    draw_studies([*comparison_of(inputs), *studies_of(inputs)], directory)
     write_report([directory], directory / SCAN_REPORT)

@@ -1,4 +1,4 @@
-"""The values that a key of a scan takes: a list, or a range between two numbers."""
+"""Values of a key in a scan: a list, or a range between two numbers."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ SHAPES = ("log", "linear")
 
 
 def values_of(value: Any) -> list[Any]:
-    """The values that a key takes: a list, or a range.
+    """Return the values of a key, from a list or a range.
 
     Raises
     ------
     ValidationError
-        It is neither, or empty.
+        It is neither, or the list is empty.
     """
     expected = "a list of values such as [1, 2, 5], or {log = [1, 100, 9]} or {linear = [0, 10, 11]}"
     if isinstance(value, Mapping):
@@ -48,5 +48,5 @@ def _range(shape: str, limits: Any) -> list[float]:
         raise ValidationError(f"{expected} with numbers that are closer to each other")
     shares = [k / (count - 1) for k in range(1, count - 1)]
     inner = [first + share * span if shape == "linear" else first * span**share for share in shares]
-    # 14 digits: 0.3 shall be the number that a list holds as 0.3, and one point with it
+    # 14 digits, so that 0.3 in a range equals 0.3 in a list, and gives the same point
     return [first, *(float(f"{value:.14g}") for value in inner), last]

@@ -1,4 +1,4 @@
-"""The energy balance of every run, and the contacts that left the range of the contact law."""
+"""Section on the energy balance of all runs, with contacts beyond the range of the contact law."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.reports.inputs import Inputs, Run
 
 SLUG = "balance"
-#: Largest error of the balance, over the input, that is accepted: by kind of run.
+#: Largest accepted error of the balance over the input, by kind of run.
 LIMITS = {"run": 1e-5, "continuum": 2e-2}
 _PARTS = ("kinetic", "elastic", "dissipated", "punch", "viscous", "hourglass")
-#: Parts of these, shown where any run has them.
+#: Parts of these, shown if any run has them.
 _SHARES = ("energy_rotational_J", "energy_dissipated_friction_J", "support_energy_J", "support_lost_J")
 
 
@@ -30,7 +30,7 @@ def verdict(run: Run) -> tuple[str, Tone]:
 
 
 def balance_section(inputs: Inputs) -> Section:
-    """The section of the report."""
+    """Make the section of the report."""
     runs = list(inputs.results())
     if not runs:
         return Section("Energy balance", SLUG, (Note("There is no finished run."),))
@@ -46,7 +46,7 @@ def balance_section(inputs: Inputs) -> Section:
 
 
 def balance_notes(runs: Sequence[Run], section: str = "") -> list[Note]:
-    """Warnings of poor balances and of contacts beyond the law, for the top of the report."""
+    """Return warnings about poor balances and contacts beyond the law, for the top of the report."""
     notes = []
     for kind, largest in LIMITS.items():
         poor = [run for run in runs if run.kind == kind and verdict(run)[1] == "bad"]
@@ -65,7 +65,7 @@ def balance_notes(runs: Sequence[Run], section: str = "") -> list[Note]:
 
 
 def _errors(runs: Sequence[Run]) -> str:
-    """How far the balances of runs are off; those that are not a number apart."""
+    """Describe the errors of the balances of runs, with a note on those that are not a number."""
     errors = [run.number("energy_balance_error") or 0.0 for run in runs]
     finite = [error for error in errors if math.isfinite(error)]
     if not finite:
@@ -75,7 +75,7 @@ def _errors(runs: Sequence[Run]) -> str:
 
 
 def _share(value: float) -> str:
-    """Two digits; in per cent from a tenth of one on."""
+    """Format a share with two digits, in per cent from 0.1 % on."""
     return f"{100 * value:.2g} %" if value >= 1e-3 else plain(f"{value:.2g}")
 
 

@@ -1,4 +1,4 @@
-"""Pictures of a report: those that runs and scans left, made small, and curves of several runs in one."""
+"""Section of figures: reduced pictures of runs and scans, and curves of several runs in one."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ from granwave.analysis.scans.keys import key_of
 from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY, RESULT_FILE
 
 SLUG = "figures"
-WIDTH, POINT_WIDTH = 900, 600  # pixels, at most, of pictures of runs and scans, and of points of scans
-WIDEST = 1200  # pixels, of those that take a whole row
-POINTS_BUDGET = 8_000_000  # bytes, of all pictures of points; those beyond stay in their directories
+WIDTH, POINT_WIDTH = 900, 600  # largest width of pictures of runs and scans, and of points of scans, pixels
+WIDEST = 1200  # largest width of pictures that take a whole row, pixels
+POINTS_BUDGET = 8_000_000  # bytes of all pictures of points; further ones are only linked
 MOST_CURVES = 12
 _COLOURS = 256
-_MOST_INSTANTS = 2000  # drawn of a curve
+_MOST_INSTANTS = 2000  # points of a curve
 
 _CAPTIONS = {
     "peak_force_principal": "Peak contact force, principal plane",
@@ -65,31 +65,31 @@ _CAPTIONS = {
     "collapse_plastic_volume": "Plastic zone against normalised input energy, of all materials",
     "dissipated_fraction_map": "Dissipated fraction by both of what varies",
 }
-_QUANTITIES = {  # of figures of scans, where their names do not tell
+_QUANTITIES = {  # captions of figures of scans that differ from their names
     "plastic_zone_depth": "Depth of the outermost yield",
     "zone_depth_90": "Depth that holds 90 % of the energy of yielding",
     "zone_radius_90": "Radius that holds 90 % of the energy of yielding",
     "zone_volume_90": "Volume that holds 90 % of the energy of yielding",
 }
-_AGAINST = "_vs_"  # in names of figures of scans: of what, against which key
+_AGAINST = "_vs_"  # between quantity and key in names of figures of scans
 
 
 def figures_section(inputs: Inputs, above: Collection[str] = ()) -> Section:
-    """The section of the report.
+    """Make the section of the report.
 
     Parameters
     ----------
     above
-        Names of figures that stand in other sections; scans keep those of their studies as files, too.
+        Names of figures in other sections; scans also keep those of their studies as files.
     """
     blocks: list[Block] = []
     n_items = len(inputs.items)
     for number, item in enumerate(inputs.items, start=1):
         what = "scan" if isinstance(item, Scan) else "run"
-        words = _words_of_keys(item) if isinstance(item, Scan) else {}
+        labels = _labels_of_keys(item) if isinstance(item, Scan) else {}
         left_out = above if isinstance(item, Scan) else ()
         name, label = f"{number}-{item.label}", f"{what} {item.label}"
-        parts = _pictures(item.directory, inputs, name, label, WIDTH, words, left_out)
+        parts = _pictures(item.directory, inputs, name, label, WIDTH, labels, left_out)
         if parts:
             title = f"Figures of {what} {item.label}"
             blocks.append(Group(title, parts, folded=n_items > 2 and isinstance(item, Run)))
@@ -99,7 +99,7 @@ def figures_section(inputs: Inputs, above: Collection[str] = ()) -> Section:
 
 
 def overlay(inputs: Inputs) -> list[Block]:
-    """Dissipated share against time, a curve for each run that was given by itself; nothing for fewer than two."""
+    """Draw the dissipated share against time for all runs given directly; empty for fewer than two."""
     if len(inputs.runs) < 2:
         return []
     curves, missing = [], []
@@ -121,12 +121,12 @@ def overlay(inputs: Inputs) -> list[Block]:
 
 
 def shrunk(path: Path, width: int) -> tuple[bytes, tuple[int, int], float]:
-    """A picture as PNG in at most 256 colours, its size in pixels, and the inches it was drawn for; 0: not known.
+    """Reduce a picture to a PNG with at most 256 colours; return it with its size in pixels and its width in inches.
 
     Parameters
     ----------
     width
-        Pixels, at most; of a wide figure as many as it needs in a row of its own.
+        Largest width in pixels; wide figures may have more, in a row of their own.
 
     Raises
     ------
@@ -148,24 +148,24 @@ def shrunk(path: Path, width: int) -> tuple[bytes, tuple[int, int], float]:
     return stream.getvalue(), image.size, inches
 
 
-def _words_of_keys(scan: Scan) -> dict[str, str]:
-    """Return the captions of the keys of a scan, by their part of a figure's name."""
+def _labels_of_keys(scan: Scan) -> dict[str, str]:
+    """Return the labels of the keys of a scan, by their part of a figure's name."""
     labels = {key: [point.result.labels.get(key, "") for point in scan.points] for key in scan.source.varied}
     keys = [key_of(key, column) for key, column in labels.items()]
-    return {key.slug: key.naming.words[:1].lower() + key.naming.words[1:] for key in keys}
+    return {key.slug: key.naming.label[:1].lower() + key.naming.label[1:] for key in keys}
 
 
-def _caption(stem: str, words: Mapping[str, str]) -> str:
-    """Caption of a figure, by the name of its file."""
+def _caption(stem: str, labels: Mapping[str, str]) -> str:
+    """Return the caption of a figure from the name of its file and the labels of keys."""
     if stem in _CAPTIONS:
         return _CAPTIONS[stem]
     what, against, key = stem.partition(_AGAINST)
     name = _QUANTITIES.get(what, readable(what))
-    return f"{name} against {words.get(key, readable(key).lower())}" if against else readable(stem)
+    return f"{name} against {labels.get(key, readable(key).lower())}" if against else readable(stem)
 
 
 def _points(scan: Scan, inputs: Inputs, number: int) -> list[Block]:
-    """Pictures of the points of a scan, a folded group each, as long as the page stays of a reasonable size."""
+    """Return the pictures of the points of a scan, in folded groups, up to `POINTS_BUDGET`."""
     blocks: list[Block] = []
     left, size = [], 0
     seen = {run.directory.resolve() for run in inputs.runs}
@@ -193,10 +193,10 @@ def _pictures(
     name: str,
     what: str,
     width: int,
-    words: Mapping[str, str],
+    labels: Mapping[str, str],
     left_out: Collection[str] = (),
 ) -> tuple[Gallery | Note, ...]:
-    """The PNG files of a directory's figures, in the order of the figures of a run, others by name after them."""
+    """Return the PNG figures of a directory, in the order of the figures of a run, followed by others by name."""
     order = list(_CAPTIONS)
     paths = sorted(
         (directory / FIGURES_DIRECTORY).glob("*.png"),
@@ -211,7 +211,7 @@ def _pictures(
         except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
             damaged.append(Note(f"{inputs.path(path)} cannot be shown: {_first_line(error)}", "note"))
             continue
-        caption = _caption(path.stem, words)
+        caption = _caption(path.stem, labels)
         data = path.with_suffix(".csv")
         link = inputs.link(data, f"{FIGURES_DIRECTORY}/{data.name}") if data.is_file() else None
         alone = len(inputs.items) == 1 and directory == inputs.items[0].directory
@@ -222,7 +222,7 @@ def _pictures(
 
 
 def _dissipation(run: Run) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
-    """Time, s, and dissipated energy over the final input; None where the result has none."""
+    """Return times, s, and dissipated energy over the final input; None if the result has none."""
     try:
         with h5py.File(run.directory / RESULT_FILE, "r") as file:
             time, lost, given = (np.asarray(file[f"energy/{n}"][()], float) for n in ("time", "dissipated", "input"))

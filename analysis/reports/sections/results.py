@@ -1,4 +1,4 @@
-"""Results: runs side by side, and tables of runs and of the points of scans."""
+"""Section of results: runs side by side, tables of runs and of the points of scans, failures."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from granwave.analysis.document.cells import (
 from granwave.analysis.document.model import Block, Cell, Column, Group, Note, Section, Table, Tone
 from granwave.analysis.formatting.units import shown_unit
 from granwave.analysis.formatting.values import unique_labels
-from granwave.analysis.measures.zone_marks import Mark, bounds_in_words, mark_of
+from granwave.analysis.measures.zone.marks import Mark, bounds_in_words, mark_of
 from granwave.analysis.quantities import FRICTION_SHARES, REPORT_COLUMNS, quantity
 from granwave.analysis.reports.inputs import Inputs, Point, Run, Scan
 from granwave.analysis.reports.sections.figures import overlay
@@ -35,7 +35,7 @@ _OF_ZONE = ("plastic_zone", "zone_", "wave_return")  # keys whose values are mar
 
 
 def results_section(inputs: Inputs) -> Section:
-    """The section of the report."""
+    """Make the section of the report."""
     blocks: list[Block] = []
     explained = meanings([run.summary for run in inputs.results()])
     if len(inputs.runs) > 1:
@@ -53,12 +53,12 @@ def results_section(inputs: Inputs) -> Section:
 
 
 def status_cell(status: str) -> Cell:
-    """Cell of a status."""
+    """Return the cell of a status."""
     return Cell(status, status, _TONES.get(status, ""))
 
 
 def differing(runs: Sequence[Run]) -> list[str]:
-    """Keys of the case that are not the same in all runs, in the order of the cases."""
+    """Return the keys of the case that differ between runs, in the order of the cases."""
     keys = list(dict.fromkeys(key for run in runs for key in run.case))
     keys = [key for key in keys if key not in _REMARKS]
     return [key for key in keys if any(run.case.get(key) != runs[0].case.get(key) for run in runs)]
@@ -101,20 +101,20 @@ def _scan_blocks(scan: Scan, inputs: Inputs) -> list[Block]:
 
 
 def _label(point: Point, key: str) -> Any:
-    """The value of a key that varies; None where the point's case lacks it."""
+    """Return the value of a varied key; None if the case of the point lacks it."""
     value = point.result.labels.get(key)
     return None if value == "" else value
 
 
 def _by_row(settings: Sequence[Sequence[Any]], n_rows: int) -> list[tuple[Cell, ...]]:
-    """Cells of the values of keys, a list for each key; those that are tables in words."""
+    """Return rows of cells from the values of keys, a list for each key; tables are given by their labels."""
     columns = []
     for values in settings:
-        words = unique_labels(values)
-        plain = [is_number(value) or value is None or value == text for value, text in zip(values, words, strict=True)]
+        labels = unique_labels(values)
+        plain = [is_number(value) or value is None or value == text for value, text in zip(values, labels, strict=True)]
         cells = [
             value_cell(value) if flag else Cell(text, text)
-            for value, text, flag in zip(values, words, plain, strict=True)
+            for value, text, flag in zip(values, labels, plain, strict=True)
         ]
         columns.append(cells)
     return list(zip(*columns, strict=True)) if columns else [()] * n_rows
@@ -138,7 +138,7 @@ def _table(
     statuses: Sequence[str],
     summaries: Sequence[Mapping[str, Any]],
 ) -> Table:
-    """First what a row is, then what varies, its status, and the main values that any row has."""
+    """Make a table with the columns ``first``, varied keys, status, and the main values that any row has."""
     settings = [[row[n] for row in values] for n in range(len(keys))]
     numeric = [all(is_number(value) or value is None for value in column) for column in settings]
     shown = _worth_showing(summaries)
@@ -161,7 +161,7 @@ def _table(
 
 
 def _worth_showing(summaries: Sequence[Mapping[str, Any]]) -> list[str]:
-    """The main values that any of them has; the shares of yielding and friction only where there is friction."""
+    """Return the main values that any summary has; shares of yielding and friction only with friction."""
     has_friction = any(summary.get("friction_fraction") for summary in summaries)
     left_out = () if has_friction else FRICTION_SHARES
     there = (key for key in REPORT_COLUMNS if any(summary.get(key) is not None for summary in summaries))
@@ -178,12 +178,12 @@ def _result_cell(key: str, summary: Mapping[str, Any]) -> Cell:
 
 
 def _summary_cell(value: Any, tone: Tone = "") -> Cell:
-    """Cell of a value of a summary; a list is one of bounds."""
+    """Return the cell of a value of a summary; a list holds names of boundaries."""
     return value_cell(bounds_in_words(value) if isinstance(value, list) else value, tone=tone)
 
 
 def _side_by_side(runs: Sequence[Run]) -> Table:
-    """All values of the summaries, a column a run; of two runs the difference too."""
+    """Make a table of all values of the summaries, with a column for each run, and the difference of two runs."""
     keys = list(dict.fromkeys(key for run in runs for key in run.summary if key not in _NOT_COMPARED))
     pair = len(runs) == 2
     columns = [Column("Quantity", key=True), Column("Unit", key=True)]
@@ -210,7 +210,7 @@ def _difference(first: Any, second: Any) -> Cell:
 
 
 def _replicates(scan: Scan) -> list[Block]:
-    """Mean over the seeds and its confidence interval, of points that are otherwise equal."""
+    """Make a table of means over the seeds with confidence intervals, for points that are otherwise equal."""
     found = scan_statistics(scan.source)
     counts = found.get(COUNT, [])
     if not any(count > 1 for count in counts):
@@ -242,7 +242,7 @@ def _replicates(scan: Scan) -> list[Block]:
 
 
 def failures_section(inputs: Inputs) -> Section:
-    """The points that failed or are missing, and why."""
+    """Make the section of points that failed or are missing, with reasons."""
     blocks: list[Block] = []
     for scan in inputs.scans:
         points = [point for point in scan.points if point.run is None]
@@ -292,7 +292,7 @@ def _short(text: str, longest: int = 600) -> str:
 
 
 def settings_blocks(inputs: Inputs) -> list[Block]:
-    """Make tables of what the runs have in common, for each scan and for the runs that were given by themselves."""
+    """Make tables of the settings that runs share, for each scan and for the runs given directly."""
     groups: list[tuple[str, list[Run], list[str]]] = []
     if inputs.runs:
         groups.append(("runs" if len(inputs.runs) > 1 else f"run {inputs.runs[0].label}", list(inputs.runs), []))
@@ -316,7 +316,7 @@ def settings_blocks(inputs: Inputs) -> list[Block]:
 
 
 def _spelt_out(tables: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Values by their full dotted keys, those of tables within tables too."""
+    """Iterate over values by full dotted key, including those of nested tables."""
     for name, value in tables.items():
         if isinstance(value, dict) and value:
             yield from _spelt_out(value, f"{prefix}{name}.")

@@ -1,4 +1,4 @@
-"""Source against ours: what the sources give for the very cases of a report, and the errata that bear on them."""
+"""Section comparing values of the sources with the same cases of a report, with errata of the sources."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from granwave.lammps_inputs.run_directory import CASE_FILE
 
 SLUG = "sources"
 _FILE = Path(__file__).with_name("source_values.toml")
-_SAME = 1e-9  # relative difference of numbers that are one
+_SAME = 1e-9  # relative difference of numbers that count as equal
 _OF_CONTACT = ("F_y", "alpha_y", "yield_force_N", "yield_overlap_m")
 _MOST_NAMED = 4
 
@@ -43,16 +43,16 @@ def source_values() -> dict[str, Any]:
 
 
 def applies(entry: Mapping[str, Any], case: Mapping[str, Any], values: Mapping[str, Any]) -> bool:
-    """A case has everything that an entry asks for.
+    """Return True if a case fulfils all conditions of an entry.
 
     Parameters
     ----------
     entry
-        Of ``[[values]]`` or ``[[errata]]``.
+        Entry of ``[[values]]`` or ``[[errata]]``.
     case
-        By dotted key.
+        Case by dotted key.
     values
-        All of ``source_values.toml``, for the named conditions.
+        Content of ``source_values.toml``, for its named conditions.
     """
     wanted = dict(entry.get("conditions", {}))
     for name in entry.get("cases", ()):
@@ -61,7 +61,7 @@ def applies(entry: Mapping[str, Any], case: Mapping[str, Any], values: Mapping[s
 
 
 def sources_section(inputs: Inputs) -> Section:
-    """The section of the report; without blocks where the sources say nothing of its cases."""
+    """Make the section of the report; without blocks if the sources do not cover its cases."""
     values = source_values()
     runs = list(inputs.results())
     rows = [row for entry in values["values"] for row in _rows(entry, runs, values)]
@@ -84,7 +84,7 @@ def sources_section(inputs: Inputs) -> Section:
 
 
 def _rows(entry: Mapping[str, Any], runs: Iterable[Run], values: Mapping[str, Any]) -> Iterator[tuple[Cell, ...]]:
-    """A row for each value of ours; runs that agree to the last bit share one."""
+    """Iterate over rows, one for each of our values; runs with exactly equal values share a row."""
     found: dict[float, list[str]] = {}
     for run in runs:
         if applies(entry, run.case, values):

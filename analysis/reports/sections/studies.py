@@ -1,18 +1,17 @@
-"""The studies that a report's runs belong to: of the sources beside ours, of tolerances, of protected targets."""
+"""The studies that the scans of a report name: the sources beside ours, tolerances, protected targets."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from granwave.analysis.document.cells import BLANK, percent, value_cell
-from granwave.analysis.document.model import Cell, Column, Gallery, Group, Note, Section, Table
+from granwave.analysis.document.model import Cell, Column, Figure, Gallery, Group, Note, Section, Table
 from granwave.analysis.document.pictures import picture_of
 from granwave.analysis.reports.inputs import Inputs
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Row, Study, make_studies
-from granwave.analysis.studies.tolerance.runs import collect as collect_tolerances
-from granwave.analysis.studies.tolerance.study import studies as tolerance_studies
 from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY
 
 SLUG = "studies"
@@ -40,7 +39,7 @@ def verdicts(found: Sequence[Study]) -> tuple[Group, ...]:
 
 
 def studies_of(inputs: Inputs, named: Sequence[str] = ()) -> list[Study]:
-    """Studies that the scans of a report name, of all runs of the scans that name them.
+    """Studies that the scans of a report name, of all runs of the scans that name them but those that are damaged.
 
     Parameters
     ----------
@@ -48,24 +47,21 @@ def studies_of(inputs: Inputs, named: Sequence[str] = ()) -> list[Study]:
         Further studies, of all runs of the report.
     """
     offered: dict[str, dict[Path, FinishedRun]] = {}
+    undone: dict[str, list[Mapping[str, Any]]] = {}
     read: dict[Path, tuple[FinishedRun, ...]] = {}
     asked = [(run, tuple(named)) for run in inputs.runs]
     asked += [(point.run, (*scan.studies, *named)) for scan in inputs.scans for point in scan.points if point.run]
     for run, names in asked:
-        if not names or run.kind != "run":
+        if not names or run.kind != "run" or run.damaged:
             continue
         if run.directory not in read:
             read[run.directory] = FinishedRun.among([(run.label, run.directory, run.summary)], lambda _: True)
         for name in names:
             offered.setdefault(name, {}).update((one.directory, one) for one in read[run.directory])
-    return make_studies({name: list(runs.values()) for name, runs in offered.items()}) + _guessed(inputs)
-
-
-def _guessed(inputs: Inputs) -> list[Study]:
-    """Studies that still find their runs by themselves."""
-    found = [(run.label, run.directory, run.summary) for run in inputs.whole() if run.kind == "run"]
-    undone = [point.result.labels for scan in inputs.scans for point in scan.points if point.run is None]
-    return tolerance_studies(collect_tolerances(found), undone)
+    for scan in inputs.scans:
+        for name in (*scan.studies, *named):
+            undone.setdefault(name, []).extend(point.result.labels for point in scan.points if point.run is None)
+    return make_studies({name: list(runs.values()) for name, runs in offered.items()}, undone)
 
 
 def _group(study: Study, inputs: Inputs, new: bool) -> Group:
@@ -76,17 +72,28 @@ def _group(study: Study, inputs: Inputs, new: bool) -> Group:
         rows = tuple(map(_cells, study.rows))
         blocks.append(Table(f"{study.title}: {what} against ours", _COLUMNS, rows, sortable=True, by_row=True))
     blocks += study.tables
+    if study.pictures:
+        blocks.append(Gallery(pictures_of(study, inputs, SLUG)))
+    return Group(f"{study.title}: tables and figures" if study.verdict else study.title, tuple(blocks))
+
+
+def pictures_of(study: Study, inputs: Inputs, section: str) -> tuple[Figure, ...]:
+    """Pictures of a study, with links to their data where it was saved.
+
+    Parameters
+    ----------
+    section
+        Slug of the section, before the names of their files.
+    """
     figures = []
     folders = [inputs.base] + [item.directory for item in inputs.items if len(inputs.items) == 1]
     for picture in study.pictures:
         name = f"{FIGURES_DIRECTORY}/{picture.name}.csv"
         data = next((folder / name for folder in folders if (folder / name).is_file()), None)
         link = inputs.link(data, name) if data else None
-        slug = f"studies-{picture.name.replace('_', '-')}"
+        slug = f"{section}-{picture.name.replace('_', '-')}"
         figures.append(picture_of(picture.drawing, slug, picture.caption, link))
-    if figures:
-        blocks.append(Gallery(tuple(figures)))
-    return Group(f"{study.title}: tables and figures" if study.verdict else study.title, tuple(blocks))
+    return tuple(figures)
 
 
 def _cells(row: Row) -> tuple[Cell, ...]:

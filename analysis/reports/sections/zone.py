@@ -1,4 +1,4 @@
-"""Notes on plastic zones that the size of a packing or block decides."""
+"""Notes on plastic zones that the size of a packing or block limits."""
 
 from __future__ import annotations
 
@@ -6,17 +6,17 @@ from collections.abc import Sequence
 
 from granwave.analysis.document.cells import named
 from granwave.analysis.document.model import Note
-from granwave.analysis.measures.zone_marks import NOTED_SHARE, Mark, bounds_in_words, mark_of
+from granwave.analysis.measures.zone.marks import NOTED_SHARE, Mark, bounds_in_words, mark_of
 from granwave.analysis.reports.inputs import Run
 
 
 def zone_notes(runs: Sequence[Run], section: str = "") -> list[Note]:
-    """Return a note on the runs whose zone reaches a bound, and one on those that a wave came back to.
+    """Return notes on runs whose zone reaches a boundary, and on runs in which a wave returned from one.
 
     Parameters
     ----------
     section
-        Where to read on.
+        Name of the section with details.
     """
     notes = []
     cut = [f"{run.label} ({bounds_in_words(run.summary['zone_cut'])})" for run in _marked(runs, Mark.CUT)]

@@ -1,4 +1,4 @@
-"""A report as one HTML page that asks the network for nothing: style, script and pictures are in it."""
+"""Report as one self-contained HTML page with style, script and pictures."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _TEMPLATES = Path(__file__).with_name("templates")
 
 
 def html_page(report: Report) -> str:
-    """The page. Its Content-Security-Policy lets a browser run our one script and show embedded pictures, no more."""
+    """Return the page; its Content-Security-Policy allows only its own script, style and embedded pictures."""
     css, script = _text("report.css"), _text("report.js")
     policy = "; ".join(
         [
@@ -34,12 +34,12 @@ def html_page(report: Report) -> str:
 
 
 def data_uri(png: bytes) -> str:
-    """A picture as a URI that holds it."""
+    """Return the data URI of a picture."""
     return "data:image/png;base64," + base64.b64encode(png).decode("ascii")
 
 
 def breakable(name: str) -> Markup:
-    """A dotted key that may go on in a new line after a dot or an underscore."""
+    """Allow line breaks after dots and underscores of a key."""
     text = str(escape(name))
     return Markup(text.replace(".", ".<wbr>").replace("_", "_<wbr>"))
 

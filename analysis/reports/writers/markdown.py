@@ -1,4 +1,4 @@
-"""A report as Markdown (tables as GitHub has them), with its pictures as files."""
+"""Report as Markdown (with tables of GitHub's form), with pictures as files."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ _WARNINGS: Mapping[str, str] = {"bad": "**Warning:** ", "note": "**Note:** "}
 
 
 def markdown(report: Report, folder: str) -> tuple[str, dict[str, bytes]]:
-    """The text, and the pictures by file name.
+    """Return the text, and the pictures by file name.
 
     Parameters
     ----------
     folder
-        Name of the directory beside the text that will hold the pictures.
+        Name of the directory of the pictures beside the text.
     """
     pictures: dict[str, bytes] = {}
     lines = [f"# {_escape(report.title)}", "", _paragraph(report.lead), ""]
@@ -87,6 +87,6 @@ def _paragraph(text: str) -> str:
 
 
 def _escape(text: str) -> str:
-    """Text that no Markdown reader takes for markup, on one line."""
+    """Escape markup in a text, and put it on one line."""
     text = text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
     return _SPECIAL.sub(r"\\\1", " ".join(text.split()))

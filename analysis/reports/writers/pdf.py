@@ -1,4 +1,4 @@
-"""A report as PDF, A4 across; no browser takes part. Wide tables go on in others, which repeat their key columns."""
+"""Report as PDF, A4 landscape, without a browser; wide tables are split, and each part repeats the key columns."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ _FILES = {_REGULAR: "DejaVuSans.ttf", _BOLD: "DejaVuSans-Bold.ttf"}  # come with
 _PAGE = landscape(A4)
 _MARGIN = 14 * mm
 _WIDTH, _HEIGHT = _PAGE[0] - 2 * _MARGIN, _PAGE[1] - 2 * _MARGIN
-_TEXT, _SMALL = 9.0, 6.5  # points: of text and of tables
-_PAD = 3.5  # points, beside and above the text of a cell
-_CELL = (9 * mm, 52 * mm)  # narrowest and widest column, the latter as long as there is no room
+_TEXT, _SMALL = 9.0, 6.5  # font sizes of text and of tables, points
+_PAD = 3.5  # padding of the text of a cell, points
+_CELL = (9 * mm, 52 * mm)  # narrowest and widest column; columns are wider only if there is space
 _LONGEST = 400  # characters of a cell
 _ACROSS = 3  # figures in a row
 _FIGURE_HEIGHT = 95 * mm
 _GAP = 6 * mm
-_ROOM = 35 * mm  # that a heading needs below it
+_ROOM = 35 * mm  # height below a heading that keeps it on the page
 
 _INK, _SOFT, _LINE, _WASH = (HexColor(c) for c in ("#1d2328", "#5a6570", "#d5dbe0", "#f4f6f8"))
 _TONES = {"good": HexColor("#146c3f"), "note": HexColor("#8a5300"), "bad": HexColor("#a8201a")}
@@ -49,7 +49,7 @@ _GRID = (
 
 
 def pdf_file(report: Report) -> bytes:
-    """The PDF; it holds no date, so that equal reports are equal bytes."""
+    """Return the PDF; it has no date, so that equal reports give equal bytes."""
     _fonts()
     stream = io.BytesIO()
     document = SimpleDocTemplate(
@@ -114,7 +114,7 @@ def _block(block: Block) -> Iterator[Flowable]:
 
 
 def _room(blocks: Sequence[Block]) -> float:
-    """Height that a heading and the beginning of what follows need."""
+    """Return the height that a heading and the start of its content need."""
     if isinstance(blocks[0], Group):
         return 10 * mm + _room(blocks[0].blocks)
     return _FIGURE_HEIGHT + 20 * mm if isinstance(blocks[0], Gallery) else _ROOM
@@ -152,7 +152,7 @@ def _tables(table: Table) -> Iterator[Flowable]:
 
 
 def _parts(columns: Sequence[Column], widths: Sequence[float]) -> list[list[int]]:
-    """Numbers of the columns of each part that fits the page; the key columns lead every part."""
+    """Split columns into parts that fit the page; return their indices, key columns first in every part."""
     keys = [n for n, column in enumerate(columns) if column.key]
     if sum(widths[n] for n in keys) > _WIDTH / 2:
         keys = keys[:1]
@@ -178,7 +178,7 @@ def _length(text: str, font: str) -> float:
 
 
 def _fitted(widths: Sequence[float], wanted: Sequence[float]) -> list[float]:
-    """Widths that fit the page: wider, as far as wanted, where there is room; else narrower in proportion."""
+    """Fit widths to the page: enlarge them up to ``wanted`` if there is space, or else reduce them in proportion."""
     total, missing = sum(widths), sum(wanted) - sum(widths)
     if total >= _WIDTH or not missing:
         return [width * min(1.0, _WIDTH / total) for width in widths]
@@ -204,7 +204,7 @@ def _aligned(column: Column) -> ParagraphStyle:
 
 
 def _gallery(figures: Sequence[Figure]) -> Iterator[Flowable]:
-    """Pictures side by side, wide ones after the others and in fewer columns."""
+    """Arrange pictures in rows, wide ones after the others and in fewer columns."""
     yield from _rows([figure for figure in figures if not figure.wide], _ACROSS)
     yield from _rows([figure for figure in figures if figure.wide], _ACROSS - 1)
 

@@ -5,240 +5,144 @@ Thesis 5.2 and 5.3.1. The impulse is the momentum of the struck spheres.
 
 from __future__ import annotations
 
-import dataclasses
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
 import numpy as np
 from matplotlib.ticker import NullFormatter
 from numpy.typing import NDArray
 
-from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing, new_figure
-from granwave.analysis.measures.dissipation import rays
+from granwave.analysis.document.cells import show
+from granwave.analysis.document.model import Table
+from granwave.analysis.figures.series import label, panels
+from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing
+from granwave.analysis.measures.front import Front, front_of
+from granwave.analysis.measures.impulse import Linearity, linearity, peak_forces
 from granwave.analysis.measures.planes import preferred_directions
 from granwave.analysis.result.reader import Result
+from granwave.analysis.studies.granular_continuum.curves import colour_and_marker
 from granwave.analysis.studies.granular_continuum.impacts import Granular, Impacts
-from granwave.analysis.studies.granular_continuum.scaling import COLOURS, MARKERS
+from granwave.analysis.studies.study import Picture
+from granwave.analysis.studies.tables import numeric, table_of
 from granwave.lammps_inputs.errors import GranwaveError
 
 _FEWEST_RUNS = 3
-_WEAK = 1.0  # of F_y: contacts that stay below at the largest velocity are left out
 _ON_RAY = (1, 2, 4, 8, 12)  # contacts of a preferred direction, from the struck sphere, that are drawn
-_INSIDE = -1e-6  # of a coordinate along a preferred direction: within the cone that these span
+_LAYERS = (1, 4, 8, 16)  # below the struck one, whose uniformity is told
 _MOST_FRONTS = 4
 _BANDS = 5  # of depth
 _MILLI = 1e3
+_UNREADABLE = (GranwaveError, OSError, KeyError)
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
-class Linearity:
-    """Peak force against velocity, contact by contact.
-
-    Attributes
-    ----------
-    velocity
-        Normalised: (n_runs,).
-    ray
-        Largest peak force over F_y of the contacts on the preferred directions: (n_contacts, n_runs).
-    depth
-        Of the contacts, m: (m,).
-    exponent
-        Of force against velocity, a least-squares slope on logarithmic axes: (m,).
-    departure
-        Largest relative departure of a contact's forces from a straight line through zero: (m,).
-    """
-
-    velocity: NDArray[np.float64]
-    ray: NDArray[np.float64]
-    depth: NDArray[np.float64]
-    exponent: NDArray[np.float64]
-    departure: NDArray[np.float64]
-
-
-def linearity(impacts: Impacts, *, lowest: float) -> Linearity | None:
-    """Linearity of runs of the reference at normalised velocities from ``lowest`` on; None for fewer than three.
-
-    Contacts count that lie within the cone of the preferred directions, are pressed beyond F_y at the largest velocity
-    and were pressed at all at every other. Beyond the cone a contact may be loaded by the rebound alone.
-    """
-    runs = [run for run in impacts.reference if run.velocity_normalised >= lowest * (1 - 1e-9)]
+def linear(runs: Sequence[Granular]) -> Linearity | None:
+    """Linearity of runs that differ in velocity, by rising velocity; None for fewer than three. Forces are in F_y."""
     if len(runs) < _FEWEST_RUNS:
         return None
-    velocity = np.array([run.velocity_normalised for run in runs])
-    tables, along = [], []
-    depth: dict[tuple[int, int], float] = {}
+    forces = []
     try:
         for run in runs:
             with Result(run.directory) as result:
-                pairs = list(zip(result["contacts/i"].tolist(), result["contacts/j"].tolist(), strict=True))
-                tables.append(
-                    dict(zip(pairs, (result["contacts/peak_force"] / run.law.yield_force).tolist(), strict=True))
-                )
-                along.append(np.nanmax(rays(result).peak_force, axis=1) / run.law.yield_force)
-                if run is runs[-1]:
-                    inside, z = _in_cone(result)[result.ends], result["spheres/position"][result.ends, 2]
-                    middle = z.mean(axis=1) - result.origin[2]
-                    depth = {pairs[k]: float(middle[k]) for k in np.flatnonzero(inside.all(axis=1))}
-    except (GranwaveError, OSError, KeyError):
+                forces.append(peak_forces(result, run.law.yield_force))
+    except _UNREADABLE:
         return None
-    kept = [pair for pair in depth if tables[-1][pair] > _WEAK and all(t.get(pair, 0) > 0 for t in tables)]
-    if not kept:
-        return None
-    forces = np.array([[table[pair] for table in tables] for pair in kept])
-    x, y = np.log(velocity), np.log(forces)
-    x = x - x.mean()
-    slope = forces @ velocity / (velocity @ velocity)
-    return Linearity(
-        velocity=velocity,
-        ray=np.stack([column[: min(map(len, along))] for column in along], axis=1),
-        depth=np.array([depth[pair] for pair in kept]),
-        exponent=(y @ x) / (x @ x),
-        departure=np.abs(forces / (slope[:, None] * velocity) - 1).max(axis=1),
-    )
+    return linearity([run.velocity_normalised for run in runs], forces)
 
 
-@dataclasses.dataclass(frozen=True)
-class Exponents:
-    """Exponents of peak force against impulse of the contacts between two depths (m): how many, and quantiles."""
+def fronts(runs: Sequence[Granular]) -> list[tuple[float, Front]]:
+    """Normalised velocity and front of up to four runs, spread over their range; forces are in F_y."""
+    if not runs or len(preferred_directions(runs[0].case.packing.kind)) != 3:
+        return []
+    found = []
+    for n in sorted({round(n) for n in np.linspace(0, len(runs) - 1, _MOST_FRONTS)}):
+        try:
+            with Result(runs[n].directory) as result:
+                found.append((runs[n].velocity_normalised, front_of(result, runs[n].law.yield_force)))
+        except _UNREADABLE:
+            continue
+    return found
 
-    top: float
-    bottom: float
-    n: int
-    low: float
-    median: float
-    high: float
+
+def pictures(impacts: Impacts) -> Iterator[Picture]:
+    """Peak force against impulse, and the front, of the reference."""
+    found = linear(impacts.fast)
+    if found is not None:
+        drawing = _peak_force_against_impulse(found)
+        yield Picture("peak_force_impulse", "Granular: peak force against impulse", drawing)
+    there = fronts(impacts.reference)
+    if there:
+        yield Picture("front", "Granular: the front by layer", _front_by_depth(there))
 
 
-def exponents_by_depth(found: Linearity) -> list[Exponents]:
-    """Over fifths of the depth; the quantiles are 5 %, 50 % and 95 %."""
-    edges = np.linspace(0, float(found.depth.max()), _BANDS + 1)
-    rows = []
-    for top, bottom in pairwise(edges):
+def tables(impacts: Impacts) -> Iterator[Table]:
+    """Exponents of force against impulse over fifths of the depth, and the front."""
+    found = linear(impacts.fast)
+    if found is not None:
+        numbers = numeric(("to", "mm"), "Contacts", "5 %", "Median", "95 %")
+        columns = (*numeric(("Depth from", "mm"), key=True), *numbers)
+        caption = (
+            f"Peak force against impulse: exponent over normalised velocities from {show(float(found.velocity[0]))} to "
+            f"{show(float(found.velocity[-1]))} (1: proportional, as the thesis has it)"
+        )
+        yield table_of(caption, columns, _by_depth(found))
+    there = fronts(impacts.reference)
+    if there:
+        numbers = numeric(("Elastic from a depth of", "mm"), *(f"Uniformity, layer {n}" for n in _LAYERS))
+        rows = []
+        for velocity, front in there:
+            elastic = None if front.weak_from is None else _MILLI * front.weak_from
+            uniformity = [float(front.uniformity[n]) if n < len(front.uniformity) else None for n in _LAYERS]
+            rows.append((velocity, elastic, *uniformity))
+        caption = "The front: mean over largest peak force of a layer, within the cone of the preferred directions"
+        yield table_of(caption, (*numeric("Normalised velocity", key=True), *numbers), rows)
+
+
+def _by_depth(found: Linearity) -> Iterator[tuple[float, ...]]:
+    """Top and bottom of a band, mm, how many contacts, and 5 %, 50 % and 95 % of their exponents, over fifths."""
+    for top, bottom in pairwise(np.linspace(0, float(found.depth.max()), _BANDS + 1).tolist()):
         inside = (found.depth >= top) & (found.depth <= bottom)
         if inside.any():
-            low, middle, high = np.quantile(found.exponent[inside], (0.05, 0.5, 0.95))
-            rows.append(Exponents(float(top), float(bottom), int(inside.sum()), float(low), float(middle), float(high)))
-    return rows
+            quantiles = np.quantile(found.exponent[inside], (0.05, 0.5, 0.95))
+            yield _MILLI * top, _MILLI * bottom, int(inside.sum()), *quantiles.tolist()
 
 
-def peak_force_against_impulse(found: Linearity) -> Drawing:
+def _peak_force_against_impulse(found: Linearity) -> Drawing:
     """Force against velocity along a preferred direction, and the exponent of every contact against depth."""
-    figure = new_figure(2.6, 7.0)
-    left, right = figure.subplots(1, 2)
+    figure, left, right = panels(2.6, 2)
     columns: dict[str, NDArray] = {"velocity_normalised": found.velocity}
-    shown = [n for n in _ON_RAY if n <= len(found.ray)]
-    for k, n in enumerate(shown):
-        values = found.ray[n - 1]
-        colour, marker = COLOURS[k % len(COLOURS)], MARKERS[k % len(MARKERS)]
+    for k, n in enumerate(n for n in _ON_RAY if n <= len(found.ray)):
+        values, look = found.ray[n - 1], colour_and_marker(k)
         left.plot(
-            found.velocity, values, marker, color=colour, markerfacecolor="none", markersize=5, label=f"contact {n}"
+            found.velocity, values, label=f"contact {n}", markerfacecolor="none", markersize=5, linestyle="none", **look
         )
-        left.plot(found.velocity, values[-1] * found.velocity / found.velocity[-1], color=colour, linewidth=0.7)
+        proportional = values[-1] * found.velocity / found.velocity[-1]
+        left.plot(found.velocity, proportional, color=look["color"], linewidth=0.7)
         columns[f"contact_{n}_over_Fy"] = values
-    left.set_xscale("log")
-    left.set_yscale("log")
-    left.set_xlabel(r"Impact velocity $\bar v_0$, as impulse")
-    left.set_ylabel(r"Peak force $F_\mathrm{max}/F_\mathrm{y}$")
+    label(left, r"Impact velocity $\bar v_0$, as impulse", r"Peak force $F_\mathrm{max}/F_\mathrm{y}$", log="xy")
     left.xaxis.set_minor_formatter(NullFormatter())
     left.set_ylim(top=30 * float(np.nanmax(found.ray)))
     left.legend(title="lines: proportional", alignment="left", ncols=3, loc="upper left", fontsize=7, columnspacing=1)
     right.plot(found.depth * _MILLI, found.exponent, ".", color=BLUE, markersize=1.5, rasterized=True)
     right.axhline(1, color=ORANGE, linewidth=0.8)
-    right.set_xlabel("Depth of the contact (mm)")
-    right.set_ylabel("Exponent of force against impulse")
     low, high = np.quantile(found.exponent, (0.005, 0.995))
-    right.set_ylim(min(low, 0.8), max(high, 1.2))
+    limits = min(low, 0.8), max(high, 1.2)
+    label(right, "Depth of the contact (mm)", "Exponent of force against impulse", ylim=limits)
     return Drawing(figure, columns | {"depth_m": found.depth, "exponent": found.exponent})
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
-class Front:
-    """Peak forces by layer, within the cone that the preferred directions span; every array (n_layers,).
-
-    Attributes
-    ----------
-    depth
-        Below the struck sphere, m.
-    largest
-        Peak force of a sphere over F_y.
-    uniformity
-        Mean over largest: 1 where the front is planar.
-    """
-
-    velocity: float
-    depth: NDArray[np.float64]
-    largest: NDArray[np.float64]
-    uniformity: NDArray[np.float64]
-
-    @property
-    def elastic_from(self) -> float | None:
-        """Depth of the layer from which on no contact in the cone yields, m; None if all do."""
-        above = np.flatnonzero(self.largest > 1)
-        first = int(above[-1]) + 1 if len(above) else 0
-        return float(self.depth[first]) if first < len(self.depth) else None
-
-
-def fronts(impacts: Impacts) -> list[Front]:
-    """The front at up to four velocities of the reference, spread over its range."""
-    runs = impacts.reference
-    if not runs or len(preferred_directions(runs[0].case.packing.kind)) != 3:
-        return []
-    chosen = sorted({round(n) for n in np.linspace(0, len(runs) - 1, _MOST_FRONTS)})
-    found = [_front(runs[n]) for n in chosen]
-    return [front for front in found if front is not None]
-
-
-def _front(run: Granular) -> Front | None:
-    try:
-        with Result(run.directory) as result:
-            depth = result["spheres/position"][:, 2] - result.origin[2]
-            force = result["spheres/peak_force"] / run.law.yield_force
-            inside = _in_cone(result)
-    except (GranwaveError, OSError, KeyError):
-        return None
-    diameter = run.case.packing.diameter
-    layers, layer = np.unique(np.rint(1e3 * depth[inside] / diameter), return_inverse=True)
-    largest = np.zeros(len(layers))
-    np.maximum.at(largest, layer, force[inside])
-    mean = np.bincount(layer, force[inside]) / np.bincount(layer)
-    reached = largest > 0
-    return Front(
-        run.velocity_normalised, layers[reached] * diameter / 1e3, largest[reached], mean[reached] / largest[reached]
-    )
-
-
-def _in_cone(result: Result) -> NDArray[np.bool_]:
-    """Which spheres lie within the cone that the preferred directions span; all where these are not three."""
-    case = result.case
-    directions = preferred_directions(case.packing.kind)
-    offset = result["spheres/position"] - result.origin
-    if len(directions) != 3:
-        return np.ones(len(offset), dtype=bool)
-    return np.all(offset @ np.linalg.inv(directions) > _INSIDE * case.packing.diameter, axis=1)
-
-
-def front_by_depth(found: Sequence[Front]) -> Drawing:
+def _front_by_depth(found: Sequence[tuple[float, Front]]) -> Drawing:
     """Largest peak force and its uniformity by layer: the front gets elastic, then planar (thesis 5.2)."""
-    figure = new_figure(2.6, 7.0)
-    left, right = figure.subplots(1, 2)
+    figure, left, right = panels(2.6, 2)
     columns: dict[str, NDArray] = {}
-    for n, front in enumerate(found):
-        style = {"color": COLOURS[n % len(COLOURS)], "marker": MARKERS[n % len(MARKERS)], "markersize": 3.5}
-        name = rf"$\bar v_0$ = {front.velocity:.4g}"
-        left.plot(front.depth * _MILLI, front.largest, linewidth=0.8, label=name, **style)
-        right.plot(front.depth * _MILLI, front.uniformity, linewidth=0.8, **style)
-        key = f"v_{front.velocity:.4g}"
-        columns |= {
-            f"depth_m_{key}": front.depth,
-            f"largest_over_Fy_{key}": front.largest,
-            f"mean_over_largest_{key}": front.uniformity,
-        }
+    for n, (velocity, front) in enumerate(found):
+        look = {**colour_and_marker(n), "markersize": 3.5, "linewidth": 0.8}
+        left.plot(front.depth * _MILLI, front.largest, label=rf"$\bar v_0$ = {velocity:.4g}", **look)
+        right.plot(front.depth * _MILLI, front.uniformity, **look)
+        columns[f"depth_m_v_{velocity:.4g}"] = front.depth
+        columns[f"largest_over_Fy_v_{velocity:.4g}"] = front.largest
+        columns[f"mean_over_largest_v_{velocity:.4g}"] = front.uniformity
     left.axhline(1, color=GREY, linestyle=":", linewidth=0.9)
-    left.set_yscale("log")
-    left.set_ylabel(r"Largest peak force of a layer $/F_\mathrm{y}$")
+    label(left, "Depth (mm)", r"Largest peak force of a layer $/F_\mathrm{y}$", log="y")
     left.legend()
-    right.set_ylim(0, 1)
-    right.set_ylabel("Mean / largest peak force of a layer")
-    for axes in (left, right):
-        axes.set_xlabel("Depth (mm)")
+    label(right, "Depth (mm)", "Mean / largest peak force of a layer", ylim=(0, 1))
     return Drawing(figure, columns)

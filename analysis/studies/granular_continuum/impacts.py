@@ -1,30 +1,43 @@
-"""The runs of a comparison: granular and continuum impacts on normalised axes, and groups of them."""
+"""Impacts on packings and on blocks that can be compared, on normalised axes, and groups of them."""
 
 from __future__ import annotations
 
 import dataclasses
 import math
-from collections import defaultdict
-from collections.abc import Hashable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable
 from functools import cached_property
-from pathlib import Path
-from typing import Any
+from typing import TypeVar
 
 from granwave._contact_laws import ContactLaw
-from granwave.analysis.studies.granular_continuum.punch_case import PunchCase, read_punch_case
-from granwave.analysis.studies.runs import FinishedRun
+from granwave.analysis.studies.punch_case import PunchCase
+from granwave.analysis.studies.runs import AnyCase, AnyRun, ContinuumRun, FinishedRun
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.contact.law import sphere_contact
-from granwave.lammps_inputs.errors import GranwaveError
-from granwave.lammps_inputs.load_case import load_case
-from granwave.lammps_inputs.packing.assembly import assemble
-from granwave.lammps_inputs.run_directory import CASE_FILE
 
 SAME = 1e-4  # relative difference of normalised velocities and energies that are meant to be equal
 
+_FAST = 0.1  # of the largest velocity
 
-class Granular(FinishedRun):
+
+class Measured(AnyRun[AnyCase]):
+    """Energies of an impact, whatever was hit."""
+
+    @property
+    def energy(self) -> float:
+        """Input, J."""
+        return self.value("energy_input_J")
+
+    @property
+    def fraction(self) -> float:
+        """Fraction of the input that was dissipated."""
+        return self.value("dissipated_fraction")
+
+
+class Granular(Measured[Case], FinishedRun):
     """An impact on a packing of elasto-plastic spheres."""
+
+    what = "granular"
 
     @cached_property
     def law(self) -> ContactLaw:
@@ -32,9 +45,9 @@ class Granular(FinishedRun):
         return sphere_contact(self.case)
 
     @property
-    def energy(self) -> float:
-        """Input, J."""
-        return float(self.summary["energy_input_J"])
+    def diameter(self) -> float:
+        """Diameter of the spheres, m."""
+        return self.case.packing.diameter
 
     @property
     def energy_normalised(self) -> float:
@@ -44,47 +57,58 @@ class Granular(FinishedRun):
     @property
     def velocity_normalised(self) -> float:
         """Thesis 5.11."""
-        return float(self.summary["velocity_normalised"])
+        return self.value("velocity_normalised")
 
     @property
-    def fraction(self) -> float:
-        """Fraction of the input that was dissipated."""
-        return float(self.summary["dissipated_fraction"])
+    def shape(self) -> Hashable:
+        """Shape of the packing and what holds it; the size of the spheres does not matter."""
+        packing, boundary = self.case.packing, self.case.boundary
+        return packing.kind, packing.size, boundary.bottom, boundary.sides
 
     @property
-    def beyond(self) -> bool:
-        """A contact was pressed beyond the law."""
-        return bool(self.summary.get("contacts_beyond_law"))
+    def substance(self) -> Hashable:
+        """Material, size and law of the spheres."""
+        return constants(self.case.material), self.diameter, self.case.contact
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
-class Continuum:
+class Continuum(Measured[PunchCase], ContinuumRun):
     """An impact of a rigid punch on a block."""
 
-    label: str
-    directory: Path
-    case: PunchCase
-    summary: Mapping[str, Any]
+    what = "continuum"
 
     @property
-    def energy(self) -> float:
-        """Input, J."""
-        return float(self.summary["energy_input_J"])
+    def diameter(self) -> float:
+        """Diameter of the punch, m."""
+        return self.case.punch.diameter
 
     @property
     def energy_normalised(self) -> float:
         """Input over sigma_y^2 D^3/E."""
-        return float(self.summary["energy_input_normalised"])
+        return self.value("energy_input_normalised")
 
     @property
-    def fraction(self) -> float:
-        """Fraction of the input that was dissipated plastically."""
-        return float(self.summary["dissipated_fraction"])
+    def volume(self) -> float:
+        """Largest plastic zone at one instant, over pi D^3/6 with the diameter of the punch."""
+        return self.value("plastic_zone_volume_m3") / (math.pi * self.diameter**3 / 6)
 
-    def volume(self, *, ever: bool = False) -> float:
-        """Plastic zone over pi D^3/6 with the diameter of the punch: largest at one instant, or that ever yielded."""
-        name = "plastic_zone_volume_ever_m3" if ever else "plastic_zone_volume_m3"
-        return float(self.summary[name]) / (math.pi * self.case.punch.diameter**3 / 6)
+    @property
+    def volume_ever(self) -> float:
+        """Volume that ever yielded, in the same unit."""
+        return self.value("plastic_zone_volume_ever_m3") / (math.pi * self.diameter**3 / 6)
+
+    @property
+    def shape(self) -> Hashable:
+        """The punch but for its velocity, the block and the mesh."""
+        return dataclasses.replace(self.case.punch, velocity=0.0), self.case.block, self.case.run
+
+    @property
+    def substance(self) -> Hashable:
+        """Material of the block."""
+        return constants(self.case.material)
+
+
+Impact = TypeVar("Impact", Granular, Continuum)
+Curve = tuple[str, tuple[Impact, ...]]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -97,87 +121,86 @@ class Impacts:
     @cached_property
     def reference(self) -> tuple[Granular, ...]:
         """The largest group of granular runs that differ in velocity alone, one sphere struck; by velocity."""
-        groups = grouped(
-            [run for run in self.granular if run.case.load.spheres == 1], lambda run: (packing(run), substance(run))
-        )
-        largest = max(groups.values(), key=len, default=())
-        return distinct(largest, lambda run: run.velocity_normalised)
+        single = [run for run in self.granular if run.case.load.spheres == 1]
+        return rising(largest(single, lambda run: (run.shape, run.substance)), lambda run: run.velocity_normalised)
+
+    @property
+    def fast(self) -> tuple[Granular, ...]:
+        """Runs of the reference from a tenth of its largest velocity on.
+
+        Below, the peak forces of too many contacts are near F_y, where dissipation is not quadratic in force.
+        """
+        velocity = [run.velocity_normalised for run in self.reference]
+        return tuple(run for run in self.reference if run.velocity_normalised >= _FAST * velocity[-1] * (1 - SAME))
 
     @cached_property
     def like_reference(self) -> tuple[Granular, ...]:
         """Granular runs on the packing of the reference, of whatever material, diameter and loading area."""
-        return tuple(run for run in self.granular if self.reference and packing(run) == packing(self.reference[0]))
+        return tuple(run for run in self.granular if self.reference and run.shape == self.reference[0].shape)
 
     @cached_property
     def continuum_reference(self) -> tuple[Continuum, ...]:
         """The largest group of continuum runs that differ in the energy of the punch alone; by energy."""
-        groups = grouped(self.continuum, lambda run: (punch(run), substance(run)))
-        largest = max(groups.values(), key=len, default=())
-        return distinct(largest, lambda run: run.energy_normalised)
+        same = largest(self.continuum, lambda run: (run.shape, run.substance))
+        return rising(same, lambda run: run.energy_normalised)
 
 
-def collect(runs: Iterable[tuple[str, Path, Mapping[str, Any]]]) -> Impacts:
-    """The runs that can be compared, from labels, directories and summaries; others are left out.
+def collect(runs: Iterable[FinishedRun | ContinuumRun]) -> Impacts:
+    """The runs that can be compared; others are left out.
 
     What is compared: impacts on ideal packings (like spheres, no friction) whose contacts yield by the elasto-plastic
     law, and of punches on blocks.
     """
     granular, continuum = [], []
-    for label, directory, summary in runs:
-        try:
-            if summary.get("kind") == "continuum":
-                continuum.append(Continuum(label, directory, read_punch_case(directory / CASE_FILE), summary))
-            elif "n_spheres" in summary:
-                case = load_case(directory / CASE_FILE)
-                struck = case.load.kind == "impact" and case.packing.kind != "chain"
-                ideal = assemble(case).plain and not case.has_friction
-                if struck and ideal and case.contact.law == "elastoplastic" and summary.get("energy_input_J"):
-                    granular.append(Granular(label, directory, case, summary))
-        except (GranwaveError, OSError):
-            continue  # a summary without a case of ours: the report says so elsewhere
+    for run in runs:
+        if isinstance(run, ContinuumRun):
+            continuum.append(run.seen_as(Continuum))
+        elif (
+            run.case.load.kind == "impact"
+            and run.case.packing.kind != "chain"
+            and run.assembly.plain
+            and not run.case.has_friction
+            and run.case.contact.law == "elastoplastic"
+            and run.summary.get("energy_input_J")
+        ):
+            granular.append(run.seen_as(Granular))
     return Impacts(tuple(granular), tuple(continuum))
 
 
-def grouped(runs: Iterable[Any], key: Any) -> dict[Hashable, tuple[Any, ...]]:
+def grouped(runs: Iterable[Impact], key: Callable[[Impact], Hashable]) -> dict[Hashable, list[Impact]]:
     """Runs by a key, in their order."""
-    groups: dict[Hashable, list[Any]] = defaultdict(list)
+    groups: dict[Hashable, list[Impact]] = {}
     for run in runs:
-        groups[key(run)].append(run)
-    return {name: tuple(members) for name, members in groups.items()}
+        groups.setdefault(key(run), []).append(run)
+    return groups
 
 
-def distinct(runs: Sequence[Any], key: Any) -> tuple[Any, ...]:
-    """Runs in rising order of a number, of those that are equal in it the first."""
-    kept: list[Any] = []
+def largest(runs: Iterable[Impact], key: Callable[[Impact], Hashable]) -> list[Impact]:
+    """The largest group of runs that are equal in a key."""
+    return max(grouped(runs, key).values(), key=len, default=[])
+
+
+def rising(runs: Iterable[Impact], key: Callable[[Impact], float]) -> tuple[Impact, ...]:
+    """Runs in rising order of a number; of those that are meant to be equal in it the first."""
+    kept: list[Impact] = []
     for run in sorted(runs, key=key):
         if not kept or key(run) > key(kept[-1]) * (1 + SAME):
             kept.append(run)
     return tuple(kept)
 
 
-def packing(run: Granular) -> Hashable:
-    """Shape of the packing and what holds it; the size of the spheres does not matter."""
-    boundary = run.case.boundary
-    return run.case.packing.kind, run.case.packing.size, boundary.bottom, boundary.sides
+def substances(runs: Iterable[Impact], reference: tuple[Impact, ...]) -> list[Curve[Impact]]:
+    """The reference, and runs of each other substance by energy; with their names."""
+    curves = [("reference", reference)]
+    for group in grouped(runs, lambda run: run.substance).values():
+        if group[0].substance != reference[0].substance:
+            curves.append((differences(reference[0], group[0]), rising(group, lambda run: run.energy)))
+    return curves
 
 
-def substance(run: Granular | Continuum) -> Hashable:
-    """Material, and for spheres their size and law."""
-    if isinstance(run, Granular):
-        return constants(run), run.case.packing.diameter, run.case.contact
-    return constants(run)
-
-
-def constants(run: Granular | Continuum) -> Hashable:
-    """Constants of the material, whatever it is called."""
-    material = run.case.material
+def constants(material: Material) -> Hashable:
+    """Constants of a material, whatever it is called."""
     return material.youngs_modulus, material.poisson_ratio, material.density, material.yield_strength
-
-
-def punch(run: Continuum) -> Hashable:
-    """The punch but for its velocity, the block and the mesh."""
-    part = run.case.punch
-    return part.diameter, part.mass, part.taper, run.case.block, run.case.run.elements, run.case.run.edge_size
 
 
 def energy_unit(material: Material, diameter: float) -> float:
@@ -186,16 +209,15 @@ def energy_unit(material: Material, diameter: float) -> float:
     return material.yield_strength**2 * diameter**3 / material.youngs_modulus
 
 
-def differences(first: Granular | Continuum, other: Granular | Continuum) -> str:
-    """How another substance differs, for a legend: such as "modulus 230 GPa"."""
+def differences(first: Impact, other: Impact) -> str:
+    """Label of another substance by what differs, for a legend: such as "modulus 230 GPa"."""
     here, there = first.case.material, other.case.material
     pairs = [
+        ("diameter", first.diameter, other.diameter, 1e-3, "mm"),
         ("modulus", here.youngs_modulus, there.youngs_modulus, 1e9, "GPa"),
         ("Poisson's ratio", here.poisson_ratio, there.poisson_ratio, 1.0, ""),
         ("density", here.density, there.density, 1.0, "kg/m³"),
         ("yield strength", here.yield_strength or 0.0, there.yield_strength or 0.0, 1e6, "MPa"),
     ]
-    if isinstance(first, Granular) and isinstance(other, Granular):
-        pairs.insert(0, ("diameter", first.case.packing.diameter, other.case.packing.diameter, 1e-3, "mm"))
     texts = [f"{name} {b / unit:.4g} {word}".rstrip() for name, a, b, unit, word in pairs if a != b]
     return ", ".join(texts) or (there.name or "other")

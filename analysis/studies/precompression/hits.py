@@ -6,27 +6,16 @@ The runs tell by themselves: ``contact.initial_overlap`` of a second hit is the 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from pathlib import Path
-
-import numpy as np
 
 from granwave.analysis.document.model import Table
 from granwave.analysis.figures.style import BLUE, GREEN, Drawing, new_figure
-from granwave.analysis.studies.precompression.runs import (
-    ARRIVAL,
-    DISSIPATED,
-    GREW,
-    IMPACT,
-    PEAK_FORCE,
-    TRANSMITTED,
-    DentedRun,
-    past_runs,
-    released_energy_note,
-)  # fmt: skip
+from granwave.analysis.studies.precompression import quantities
+from granwave.analysis.studies.precompression.runs import DentedRun, past_runs, released_energy_note
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture
 from granwave.analysis.studies.tables import Quantity, columns_of, values_table
 from granwave.analysis.studies.titles import packing_title
+from granwave.lammps_inputs.contact.initial_dents import earlier_result
 
 Series = list[DentedRun]
 
@@ -35,7 +24,7 @@ def select(runs: Sequence[FinishedRun]) -> list[Series]:
     """Runs by hit; where several start from the same one, each series is one of its own."""
     chosen = past_runs(runs)
     at = {run.directory.resolve(): run for run in chosen}
-    before = {run: at.get(where) for run in chosen if (where := _left_by(run)) is not None}
+    before = {run: at.get(left.resolve().parent) for run in chosen if (left := earlier_result(run.case))}
     found = []
     for run in chosen:
         if before.get(run) is None or run in before.values():
@@ -78,25 +67,19 @@ def verdict(series: Series) -> list[str]:
 def pictures(series: Series) -> Iterator[Picture]:
     """Dissipation and transmitted force."""
     figure = new_figure(2.3, 5.6)
-    hit = list(range(1, len(series) + 1))
-    shown = ((DISSIPATED, GREEN, "Dissipated (% of input)"), (TRANSMITTED, BLUE, "Force at the bottom (N)"))
-    for axes, (quantity, colour, label) in zip(figure.subplots(1, 2), shown, strict=True):
-        values = quantity.per_unit * np.array([quantity.value(run) for run in series])
-        axes.bar(hit, values, color=colour, width=0.6)
-        axes.set(xlabel="Hit", ylabel=label, xticks=hit)
+    left, right = figure.subplots(1, 2)
+    hit = range(1, len(series) + 1)
+    left.bar(hit, quantities.DISSIPATED.shown(series), color=GREEN, width=0.6)
+    left.set(xlabel="Hit", ylabel=quantities.DISSIPATED.axis, xticks=hit)
+    right.bar(hit, quantities.TRANSMITTED.shown(series), color=BLUE, width=0.6)
+    right.set(xlabel="Hit", ylabel="Force at the bottom (N)", xticks=hit)
     drawing = Drawing(figure, columns_of(series, _quantities(series)))
     yield Picture("", "Dissipation and transmitted force by number of the hit", drawing)
 
 
 def _quantities(series: Series) -> tuple[Quantity, ...]:
     hit = Quantity("hit", "Hit", "", lambda run: series.index(run) + 1)
-    return hit, IMPACT, DISSIPATED, GREW, PEAK_FORCE, TRANSMITTED, ARRIVAL
-
-
-def _left_by(run: DentedRun) -> Path | None:
-    """Directory of the run whose dents a run starts from."""
-    given = run.case.contact.initial_overlap
-    if not isinstance(given, str):
-        return None
-    path = Path(given).resolve()
-    return path.parent if path.suffix else path
+    return (
+        hit, quantities.IMPACT, quantities.DISSIPATED, quantities.GREW, quantities.PEAK_FORCE, quantities.TRANSMITTED,
+        quantities.ARRIVAL,
+    )  # fmt: skip

@@ -9,34 +9,25 @@ import numpy as np
 
 from granwave.analysis.document.model import Table
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, Drawing, new_figure
-from granwave.analysis.studies.precompression import packing_speed
-from granwave.analysis.studies.precompression.runs import (
-    ARRIVAL,
-    DISSIPATED,
-    GREW,
-    PEAK_FORCE,
-    TRANSMITTED,
-    DentedRun,
-    past_runs,
-    released_energy_note,
-)  # fmt: skip
+from granwave.analysis.studies.precompression import packing_speed, quantities
+from granwave.analysis.studies.precompression.runs import DentedRun, past_runs, released_energy_note
 from granwave.analysis.studies.runs import FinishedRun, grouped, rising
 from granwave.analysis.studies.study import Picture
-from granwave.analysis.studies.tables import Quantity, columns_of, values_table
+from granwave.analysis.studies.tables import columns_of, values_table
 from granwave.analysis.studies.titles import contact_label, load_label, packing_title
 
 _FEWEST = 2  # runs, one of them precompressed
 _OF_YIELDING = (
-    dataclasses.replace(DISSIPATED, heading="Dissipated by the impact"),
-    dataclasses.replace(GREW, heading="Contacts that yielded in it"),
+    dataclasses.replace(quantities.DISSIPATED, heading="Dissipated by the impact"),
+    dataclasses.replace(quantities.GREW, heading="Contacts that yielded in it"),
 )
 _QUANTITIES = (
-    Quantity("pressure_Pa", "Static pressure", "Pa", lambda run: run.pressure),
-    Quantity("static_contact_force_N", "Static force of a contact", "N", lambda run: run.static_force),
-    TRANSMITTED,
-    ARRIVAL,
+    quantities.PRESSURE,
+    quantities.STATIC_FORCE,
+    quantities.TRANSMITTED,
+    quantities.ARRIVAL,
     *_OF_YIELDING,
-    dataclasses.replace(PEAK_FORCE, heading="Largest contact force, the static one in it"),
+    dataclasses.replace(quantities.PEAK_FORCE, heading="Largest contact force, the static one in it"),
 )
 
 
@@ -104,16 +95,18 @@ def verdict(series: Series) -> list[str]:
 
 def pictures(series: Series) -> Iterator[Picture]:
     """Compare the arriving force and, where contacts yield, the dissipated energy."""
-    shown = [(TRANSMITTED, BLUE, "Largest force added at the bottom (N)")]
+    shown = [(quantities.TRANSMITTED, BLUE)]
     if any(run.dissipated for run in series.runs):
-        shown.append((DISSIPATED, GREEN, "Dissipated (% of input)"))
+        shown.append((quantities.DISSIPATED, GREEN))
     figure = new_figure(2.5, 3.3 * len(shown))
-    pressure = np.array([run.pressure for run in series.runs])
+    pressure = quantities.PRESSURE.shown(series.runs)
     loaded = pressure > 0
     panels = figure.subplots(1, len(shown), squeeze=False)[0]
-    for axes, (quantity, colour, label) in zip(panels, shown, strict=True):
-        values = quantity.per_unit * np.array([quantity.value(run) for run in series.runs])
-        axes.set(xlabel="Static pressure (Pa)", ylabel=label, xscale="log", ylim=(0, 1.25 * np.nanmax(values)))
+    for axes, (quantity, colour) in zip(panels, shown, strict=True):
+        values = quantity.shown(series.runs)
+        axes.set(
+            xlabel=quantities.PRESSURE.axis, ylabel=quantity.axis, xscale="log", ylim=(0, 1.25 * np.nanmax(values))
+        )
         axes.set_xlim(pressure[loaded].min() / 2, 2 * pressure[loaded].max())
         axes.plot(pressure[loaded], values[loaded], "o-", color=colour, markersize=4)
         if not loaded.all():

@@ -8,10 +8,8 @@ from itertools import groupby
 
 import numpy as np
 
-from granwave.analysis.figures.series import one_panel
-from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, Drawing
-from granwave.analysis.measures import loaded_line as theory
-from granwave.analysis.measures.line_waves import speed_along_layers
+from granwave.analysis.figures.precompressed import small_wave_speeds
+from granwave.analysis.measures.precompressed.line_waves import speed_along_layers
 from granwave.analysis.measures.signals import Array, power
 from granwave.analysis.result.reader import Result
 from granwave.analysis.studies.precompression.runs import DentedRun, past_runs
@@ -25,13 +23,7 @@ TEXT = (
     "c0 = h sqrt((2 k - f/D)/m), layers h = D sqrt(2/3) apart, k = 3/2 f/alpha, and f = p D^2/(2 sqrt 2) the force "
     "of a contact, by balance on a layer (uniaxial) as by the virial (uniform)."
 )
-SMALL = 0.1  # impact velocity over omega alpha0 up to which everything is linear enough
-_MARKERS = {
-    ("fcc", "uniaxial"): ("o", BLUE, 7),
-    ("hcp", "uniaxial"): ("s", ORANGE, 4),
-    ("fcc", "uniform"): ("x", GREEN, 7),
-    ("hcp", "uniform"): ("+", PURPLE, 7),
-}
+_SMALL = 0.1  # impact velocity over omega alpha0 up to which everything is linear enough
 
 
 class SmallWave(DentedRun):
@@ -44,13 +36,8 @@ class SmallWave(DentedRun):
         return self.case.packing.kind, self.case.precompression.kind
 
     @cached_property
-    def line(self) -> theory.Line:
-        """The line that its layers are."""
-        return theory.line_of(self.case, self.law)
-
-    @cached_property
     def speed(self) -> float:
-        """c0, m/s; see `granwave.analysis.measures.line_waves.speed_along_layers`."""
+        """c0, m/s; see `granwave.analysis.measures.precompressed.line_waves.speed_along_layers`."""
         with Result(self.directory) as result:
             return speed_along_layers(result, self.line)
 
@@ -69,7 +56,7 @@ def fits(run: DentedRun) -> bool:
         return False
     if not run.assembly.plain or case.contact.law != "hertz" or case.load.angle:
         return False
-    return case.load.velocity < SMALL * theory.line_of(case, run.law).velocity
+    return case.load.velocity < _SMALL * run.line.velocity
 
 
 def rows(runs: Sequence[SmallWave]) -> Iterator[Row]:
@@ -89,18 +76,7 @@ def rows(runs: Sequence[SmallWave]) -> Iterator[Row]:
 
 def pictures(runs: Sequence[SmallWave]) -> Iterator[Picture]:
     """Speed against pressure."""
-    figure, axes = one_panel(2.6, "Pressure (Pa)", "Speed of small waves (m/s)")
-    columns: dict[str, Array] = {}
-    for where, pressure, speed, theirs in _series(runs):
-        axes.loglog(pressure, theirs, "-", color=GREY)
-        marker, colour, size = _MARKERS[where]
-        look = {"color": colour, "markersize": size, "markerfacecolor": "none", "label": ", ".join(where)}
-        axes.loglog(pressure, speed, marker, **look)
-        word = "_".join(where)
-        columns |= {f"{word}_pressure_Pa": pressure, f"{word}_speed_m_s": speed, f"{word}_theory_m_s": theirs}
-    axes.plot([], [], "-", color=GREY, label="theory")
-    axes.legend(loc="upper left")
-    yield Picture("", "Speed of small waves against pressure", Drawing(figure, columns))
+    yield Picture("", "Speed of small waves against pressure", small_wave_speeds(_series(runs)))
 
 
 def _series(runs: Sequence[SmallWave]) -> Iterator[tuple[tuple[str, str], Array, Array, Array]]:

@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.measures.target import Reached, reached, risen
+from granwave.analysis.measures.precompressed.loaded_line import Line, line_of
+from granwave.analysis.measures.target.record import Reached, reached, risen
 from granwave.analysis.result.reader import Result
 from granwave.analysis.studies.runs import FinishedRun
-from granwave.analysis.studies.tables import Quantity, of_summary
+from granwave.lammps_inputs.contact.initial_dents import largest_dent
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.contact.static_load import force_of_contact
 
@@ -29,6 +30,20 @@ class DentedRun(FinishedRun):
     def law(self) -> ContactLaw:
         """Between two spheres that are not replaced."""
         return sphere_contact(self.case)
+
+    @cached_property
+    def line(self) -> Line:
+        """The line that a precompressed chain, or the layers of a packing, are for long waves."""
+        return line_of(self.case, self.law)
+
+    @cached_property
+    def level(self) -> float:
+        """Force up to which the contacts were pressed before, N; 0: never; NaN where it is not the same for all."""
+        given = self.case.contact.initial_overlap
+        regions = given if isinstance(given, tuple) else ()
+        if isinstance(given, str) or len(regions) > 1 or any(one.low or one.high for one in regions):
+            return np.nan
+        return float(self.law.loading_force(np.array([largest_dent(self.case, self.law)]))[0])
 
     @cached_property
     def static_force(self) -> float:
@@ -53,7 +68,7 @@ class DentedRun(FinishedRun):
 
     @property
     def arrival(self) -> float:
-        """When that force arrives, s; NaN: never. See `granwave.analysis.measures.target.Reached.arrival`."""
+        """When that force arrives, s; NaN: never. See `granwave.analysis.measures.target.record.Reached.arrival`."""
         found = self._reached.arrival if self._reached else None
         return np.nan if found is None else found
 
@@ -72,14 +87,6 @@ class DentedRun(FinishedRun):
         """Value of the static stage, such as ``contacts`` that bear force; NaN without such a stage."""
         with Result(self.directory) as result:
             return float(result[f"prestage/{name}"][-1]) if f"prestage/{name}" in result else np.nan
-
-
-IMPACT = Quantity("velocity_m_s", "Impact", "m/s", lambda run: run.case.load.velocity)
-DISSIPATED = Quantity("dissipated_share", "Dissipated", "% of input", lambda run: run.dissipated, 100.0)
-GREW = Quantity("contacts_yielded", "Contacts whose dents grew", "", of_summary("n_plastic_contacts"))
-PEAK_FORCE = Quantity("peak_force_N", "Largest contact force", "N", of_summary("peak_force_N"))
-TRANSMITTED = Quantity("transmitted_force_N", "Largest force added at the bottom", "N", lambda run: run.transmitted)
-ARRIVAL = Quantity("arrival_s", "Arrival there", "µs", lambda run: run.arrival, 1e6)
 
 
 def past_runs(runs: Iterable[FinishedRun]) -> list[DentedRun]:

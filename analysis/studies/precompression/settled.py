@@ -22,7 +22,8 @@ from granwave.analysis.statistics import Estimate, differ_significantly, estimat
 from granwave.analysis.studies.precompression.runs import DentedRun, past_runs, released_energy_note
 from granwave.analysis.studies.runs import FinishedRun, grouped
 from granwave.analysis.studies.study import Picture
-from granwave.analysis.studies.titles import load_label, packing_title
+from granwave.analysis.studies.tables import values_table
+from granwave.analysis.studies.titles import load_label, packing_title, state_label
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.packing.disorder import DEFAULT_SEED, is_random
 
@@ -90,16 +91,7 @@ def text(states: Sequence[State]) -> str:
 
 def tables(states: Sequence[State]) -> list[Table]:
     """A row for each state."""
-    columns = (
-        Column("Packing", key=True),
-        Column("Seeds", numeric=True),
-        Column("Contacts that bear force", "a sphere", numeric=True),
-        Column("Residual", numeric=True),
-        Column("Arrival at the bottom", "µs", numeric=True),
-        Column("Largest force added there", "N", numeric=True),
-        Column("Dissipated", "% of input", numeric=True),
-    )
-    return [Table("Settled and as placed", columns, tuple(map(_cells, states)), sortable=True)]
+    return [values_table("Settled and as placed", states, (), _COLUMNS)]
 
 
 def verdict(states: Sequence[State]) -> Iterator[str]:
@@ -171,34 +163,18 @@ def _states(runs: Sequence[DentedRun]) -> list[State]:
 
     for run in sorted(runs, key=order):
         seed = run.case.packing.seed if run.case.packing.seed is not None else DEFAULT_SEED
-        found.setdefault(_words(run.case), {}).setdefault(seed, run)
+        found.setdefault(state_label(run.case), {}).setdefault(seed, run)
     return [State(words, tuple(by_seed[seed] for seed in sorted(by_seed))) for words, by_seed in found.items()]
 
 
-def _words(case: Case) -> str:
-    stage = case.precompression
-    first = "like spheres" if not case.packing.diameter_scatter else "scattered"
-    if stage is None:
-        return f"{first}, as placed"
-    if stage.kind == "gravity":
-        many = stage.acceleration / 9.81
-        return f"{first}, settled under gravity" + (f" times {many:.3g}" if abs(many - 1) > 0.01 else "")
-    size = f"{1e-3 * stage.pressure:.4g} kPa" if stage.pressure is not None else f"{stage.force:.3g} N a sphere"
-    return f"{first}, settled under {size} on {'top' if stage.kind == 'uniaxial' else 'all sides'}"
-
-
-def _cells(state: State) -> tuple[Cell, ...]:
+def _residual(state: State) -> Cell:
     residual = max(run.of_static_stage("residual") for run in state.runs)
     tone: Tone = "bad" if residual > _ENOUGH else ""
-    return (
-        Cell(state.words, state.words),
-        Cell(str(len(state.runs)), len(state.runs)),
-        _with_interval(state.mean(contacts_a_sphere)),
-        Cell(f"{residual:.2g}", residual, tone) if np.isfinite(residual) else Cell(BLANK),
-        _with_interval(state.mean(lambda run: 1e6 * run.arrival)),
-        _with_interval(state.mean(_transmitted)),
-        _with_interval(state.mean(lambda run: 100 * run.dissipated)),
-    )
+    return Cell(f"{residual:.2g}", residual, tone) if np.isfinite(residual) else Cell(BLANK)
+
+
+def _mean(value: Callable[[DentedRun], float]) -> Callable[[State], Cell]:
+    return lambda state: _with_interval(state.mean(value))
 
 
 def _with_interval(found: Estimate | None) -> Cell:
@@ -206,3 +182,14 @@ def _with_interval(found: Estimate | None) -> Cell:
         return Cell(BLANK)
     alone = not found.half_width > 0  # of what is not random, or of a single seed
     return Cell(f"{found.mean:.4g}" if alone else with_interval(found), found.mean)
+
+
+_COLUMNS = (
+    (Column("Packing", key=True), lambda state: Cell(state.words, state.words)),
+    (Column("Seeds", numeric=True), lambda state: Cell(str(len(state.runs)), len(state.runs))),
+    (Column("Contacts that bear force", "a sphere", numeric=True), _mean(contacts_a_sphere)),
+    (Column("Residual", numeric=True), _residual),
+    (Column("Arrival at the bottom", "µs", numeric=True), _mean(lambda run: 1e6 * run.arrival)),
+    (Column("Largest force added there", "N", numeric=True), _mean(_transmitted)),
+    (Column("Dissipated", "% of input", numeric=True), _mean(lambda run: 100 * run.dissipated)),
+)

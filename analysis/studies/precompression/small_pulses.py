@@ -5,18 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from matplotlib.ticker import ScalarFormatter
 
-from granwave.analysis.figures.series import one_panel
-from granwave.analysis.figures.style import BLUE, GREY, Drawing
-from granwave.analysis.measures import loaded_line as theory
-from granwave.analysis.measures.line_waves import FIRST_BEAD
+from granwave.analysis.figures.precompressed import small_pulse_speeds
+from granwave.analysis.measures.precompressed import loaded_line as theory
+from granwave.analysis.measures.precompressed.line_waves import FIRST_BEAD
 from granwave.analysis.measures.signals import Array, power
-from granwave.analysis.studies.precompression.waves import SMALL, WHERE, ChainWave, waves_of
+from granwave.analysis.studies.precompression.waves import SMALL, WHERE, ChainWave, Waves, waves_of
 from granwave.analysis.studies.runs import FinishedRun, rising
 from granwave.analysis.studies.study import Picture, Row
-
-Waves = Sequence[ChainWave]
 
 TITLE = "Precompressed chain: small pulses"
 
@@ -55,17 +51,8 @@ def rows(waves: Waves) -> Iterator[Row]:
 
 def pictures(waves: Waves) -> Iterator[Picture]:
     """Speed against the static force."""
-    force, speed, printed = _speeds(waves)
-    figure, axes = one_panel(2.4, "Static force F0 (N)", "Speed of small pulses (m/s)")
-    axes.loglog(force, printed, "-", color=GREY, label="c0 (composite 3)")
-    label = f"simulation: power {power(force, speed).exponent:.4f}"
-    axes.loglog(force, speed, "o", color=BLUE, markersize=4, label=label)
-    axes.yaxis.set_minor_formatter(ScalarFormatter())
-    axes.xaxis.set_major_formatter("{x:g}")
-    axes.legend(loc="upper left")
-    drawing = Drawing(figure, {"static_force_N": force, "speed_m_s": speed, "printed_m_s": printed})
     caption = "Speed of small pulses against the static force (composite 3)"
-    yield Picture("precompressed_chain_small_pulses", caption, drawing)
+    yield Picture("precompressed_chain_small_pulses", caption, small_pulse_speeds(*_speeds(waves)))
 
 
 def _speeds(waves: Waves) -> tuple[Array, Array, Array]:

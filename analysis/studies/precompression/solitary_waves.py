@@ -4,30 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-import numpy as np
-from matplotlib.axes import Axes
-from numpy.typing import NDArray
-
-from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, Drawing, new_figure
-from granwave.analysis.measures import loaded_line as theory
-from granwave.analysis.measures.signals import Array
-from granwave.analysis.studies.precompression.waves import LARGE, SMALL, WHERE, ChainWave, waves_of
-from granwave.analysis.studies.runs import FinishedRun, rising
+from granwave.analysis.figures.precompressed import speeds_and_heights
+from granwave.analysis.measures.precompressed import loaded_line as theory
+from granwave.analysis.studies.precompression.waves import LARGE, SMALL, WHERE, ChainWave, Waves, series, waves_of
+from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture, Row
-
-Waves = Sequence[ChainWave]
-
-_IMPULSE = 0.7176 * (9 / 16 * 1.5**3) ** 0.2  # (4.5) of the thesis, of the lattice, in units of the static state
 
 
 def select(runs: Sequence[FinishedRun]) -> list[list[ChainWave]]:
     """Waves by rising impact velocity for each static force, of three velocities and more."""
-    waves = waves_of(runs)
-    series = [
-        rising((wave for wave in waves if wave.static == force), lambda wave: wave.velocity)
-        for force in sorted({wave.static for wave in waves})
-    ]
-    return [one for one in series if len(one) > 2]
+    return series(waves_of(runs), lambda wave: wave.static, lambda wave: wave.velocity)
 
 
 def name(waves: Waves) -> str:
@@ -68,44 +54,10 @@ def rows(waves: Waves) -> Iterator[Row]:
         yield Row(f"F_m/F0 at {first.velocity:g} m/s", "", None, first.ratio, "ours", remark, first.linear_ratio)
     if last.ratio > LARGE:
         remark = "Theory: the uncompressed chain of the same impact, plus 1: the limit for small F0."
-        expected = 1 + _IMPULSE * last.reduced_velocity**1.2
+        expected = 1 + float(theory.uncompressed_height(last.reduced_velocity))
         yield Row(f"F_m/F0 at {last.velocity:g} m/s", "", None, last.ratio, "thesis 4.5", remark, expected)
 
 
 def pictures(waves: Waves) -> Iterator[Picture]:
     """Speed against height, and height against impact velocity."""
-    figure = new_figure(2.7, 6.6)
-    left, right = figure.subplots(1, 2)
-    left.set(xlabel=r"$f_r = F_m/F_0$", ylabel=r"Speed over $c_0$")
-    right.set(xlabel=r"Impact velocity over $\omega\alpha_0$", ylabel=r"Crest $F_m/F_0 - 1$")
-    x, ratio, speed = np.array([(wave.reduced_velocity, wave.ratio, wave.speed / wave.c0) for wave in waves]).T
-    steady = np.array([wave.steady for wave in waves])
-    line = np.geomspace(1, 1.5 * ratio.max(), 200)
-    left.semilogx(line, theory.solitary_speed(line), "-", color=GREY, label="composite (3)")
-    left.semilogx(line, theory.lattice_speed(line), ":", color="black", label="lattice")
-    _points(left, ratio, speed, steady)
-    fine = np.geomspace(x.min(), x.max(), 50)
-    linear = 1.5 * float(theory.crest_force(np.array([waves[0].middle + 1]))[0])
-    right.loglog(fine, linear * fine, ":", color=GREEN, label="linear chain")
-    right.loglog(fine, _IMPULSE * fine**1.2, "--", color=ORANGE, label="uncompressed: power 6/5")
-    _points(right, x, ratio - 1, steady)
-    columns = {
-        "static_force_N": [wave.static for wave in waves],
-        "impact_velocity_m_s": [wave.velocity for wave in waves],
-        "reduced_velocity": x,
-        "force_ratio": ratio,
-        "speed_over_c0": speed,
-        "solitary_over_c0": theory.solitary_speed(ratio),
-        "lattice_over_c0": theory.lattice_speed(ratio),
-        "steady": steady.astype(int),
-    }
-    caption = "Speed of the wave and height of its crest on a precompressed chain"
-    yield Picture("", caption, Drawing(figure, columns))
-
-
-def _points(axes: Axes, x: Array, y: Array, steady: NDArray[np.bool_]) -> None:
-    axes.plot(x[steady], y[steady], "o", color=BLUE, markersize=4, label="simulation")
-    if not steady.all():
-        (points,) = axes.plot(x[~steady], y[~steady], "o", color=BLUE, markersize=4, label="still spreading")
-        points.set_markerfacecolor("white")
-    axes.legend(loc="upper left")
+    yield Picture("", "Speed of the wave and height of its crest on a precompressed chain", speeds_and_heights(waves))

@@ -4,26 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-import numpy as np
-
-from granwave.analysis.figures.series import one_panel
-from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing
+from granwave.analysis.figures.precompressed import transition_speeds
 from granwave.analysis.measures.hertz_chain import ChainScales
-from granwave.analysis.studies.precompression.waves import LARGE, WHERE, ChainWave, waves_of
-from granwave.analysis.studies.runs import FinishedRun, rising
+from granwave.analysis.studies.precompression.waves import LARGE, WHERE, ChainWave, Waves, series, waves_of
+from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture, Row
-
-Waves = Sequence[ChainWave]
 
 
 def select(runs: Sequence[FinishedRun]) -> list[list[ChainWave]]:
     """Waves of one impact by rising static force, from far below that of the wave to about it."""
-    waves = waves_of(runs)
-    series = [
-        rising((wave for wave in waves if wave.velocity == velocity), lambda wave: wave.static)
-        for velocity in sorted({wave.velocity for wave in waves})
-    ]
-    return [one for one in series if len(one) > 2 and one[0].ratio > LARGE and one[-1].ratio < 2]
+    found = series(waves_of(runs), lambda wave: wave.velocity, lambda wave: wave.static)
+    return [one for one in found if one[0].ratio > LARGE and one[-1].ratio < 2]
 
 
 def name(waves: Waves) -> str:
@@ -39,7 +30,7 @@ def title(waves: Waves) -> str:
 def text(waves: Waves) -> str:
     """The forces, and where the two limits meet."""
     first, last = waves[0], waves[-1]
-    crossing = (_uncompressed(first) / last.c0) ** 6 * last.static
+    crossing = (first.uncompressed_speed / last.c0) ** 6 * last.static
     return (
         f"One impact, at {first.velocity:g} m/s, on a chain under {len(waves)} static forces from {first.static:g} to "
         f"{last.static:g} N: the wave is that of an uncompressed chain as long as c0 is far below its speed, and a "
@@ -50,7 +41,7 @@ def text(waves: Waves) -> str:
 def rows(waves: Waves) -> Iterator[Row]:
     """Speed and height at both ends."""
     first, last = waves[0], waves[-1]
-    free = _uncompressed(first)
+    free = first.uncompressed_speed
     height = 0.7176 * float(ChainScales(first.run).impulse_force(first.run.mass * first.velocity))
     yield Row(
         f"Speed at F0 = {first.static:g} N over that of an uncompressed chain", "", 1.0, first.speed / free,
@@ -67,21 +58,5 @@ def rows(waves: Waves) -> Iterator[Row]:
 
 def pictures(waves: Waves) -> Iterator[Picture]:
     """Speed against the static force."""
-    first, last = waves[0], waves[-1]
-    force, speed = np.array([(wave.static, wave.speed) for wave in waves]).T
-    figure, axes = one_panel(2.6, "Static force F0 (N)", "Speed of the wave (m/s)")
-    line = np.geomspace(force.min(), force.max(), 50)
-    axes.loglog(line, last.c0 * (line / last.static) ** (1 / 6), "-", color=GREY, label="c0")
-    axes.axhline(_uncompressed(first), color=ORANGE, linestyle="--", label="uncompressed (composite 4)")
-    axes.loglog(force, speed, "o", color=BLUE, markersize=4, label="simulation")
-    axes.set_ylim(top=1.5 * speed.max())
-    axes.legend(loc="upper left")
-    columns = {"static_force_N": force, "speed_m_s": speed}
-    columns |= {"force_ratio": [wave.ratio for wave in waves], "c0_m_s": [wave.c0 for wave in waves]}
-    caption = f"One impact at {first.velocity:g} m/s on chains under static forces"
-    yield Picture("", caption, Drawing(figure, columns))
-
-
-def _uncompressed(wave: ChainWave) -> float:
-    """Speed of Nesterenko's wave of the same largest force added, m/s."""
-    return ChainScales(wave.run).nesterenko(wave.added)
+    caption = f"One impact at {waves[0].velocity:g} m/s on chains under static forces"
+    yield Picture("", caption, transition_speeds(waves, waves[0].uncompressed_speed))

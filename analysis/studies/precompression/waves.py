@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 
-from granwave.analysis.measures.line_waves import Wave
+from granwave.analysis.measures.hertz_chain import ChainScales
+from granwave.analysis.measures.precompressed.line_waves import Wave
 from granwave.analysis.studies.chains.runs import ChainRun
-from granwave.analysis.studies.runs import FinishedRun
+from granwave.analysis.studies.runs import FinishedRun, rising
 
 WHERE = "composite (3)"
 SMALL = 0.05  # F_m/F0 - 1 up to which a pulse is small: the speed of (3) is then within 0.3 % of c0
@@ -21,12 +22,28 @@ class ChainWave(Wave):
         super().__init__(run.case, run.law, run.time, run.force, run.velocity)
         self.run = run
 
+    @property
+    def uncompressed_speed(self) -> float:
+        """Speed of Nesterenko's wave of the same largest force added, m/s."""
+        return ChainScales(self.run).nesterenko(self.added)
+
+
+Waves = Sequence[ChainWave]
+
 
 def waves_of(runs: Iterable[FinishedRun]) -> list[ChainWave]:
     """Waves that came far enough, by rising impact velocity."""
     chains = [run.seen_as(ChainRun) for run in runs if _fits(run)]
     waves = [wave for run in chains if run.recorded and (wave := ChainWave(run)).last >= _FEWEST]
     return sorted(waves, key=lambda wave: wave.velocity)
+
+
+def series(
+    waves: Sequence[ChainWave], same: Callable[[ChainWave], float], key: Callable[[ChainWave], float]
+) -> list[list[ChainWave]]:
+    """Waves of one value each, by rising key; three waves and more."""
+    found = (rising((wave for wave in waves if same(wave) == value), key) for value in sorted(set(map(same, waves))))
+    return [one for one in found if len(one) > 2]
 
 
 def _fits(run: FinishedRun) -> bool:

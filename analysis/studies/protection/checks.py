@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 
-from granwave.analysis.measures.hertz_impact import HertzImpact, after_impulse
-from granwave.analysis.measures.target import period_of
+from granwave.analysis.measures.target.hertz_impact import HertzImpact
+from granwave.analysis.measures.target.sphere_on_target import energy_into_impedance, plate_displacement
 from granwave.analysis.studies.protection.runs import TargetRun, impacts, names
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Row
@@ -18,9 +17,6 @@ TEXT = (
     "hardly changes."
 )
 _MICRO, _MILLI = 1e6, 1e3
-_SHORT = 20.0  # periods in contact times from which on an impact is short
-_SLOW = 0.2  # and up to which it is slow
-_SLIGHT = 0.005  # of the sphere's momentum over that of a target in the same time: it hardly gives way
 
 
 def select(runs: Sequence[FinishedRun]) -> list[list[TargetRun]]:
@@ -36,9 +32,7 @@ def title(runs: Sequence[TargetRun]) -> str:
 
 def rows(runs: Sequence[TargetRun]) -> list[Row]:
     """Checks of each bottom against its closed form."""
-    return [
-        row for run, name in zip(runs, names(runs), strict=True) for row in _rows(run, name, HertzImpact.of(run.case))
-    ]
+    return [row for run, name in zip(runs, names(runs), strict=True) for row in _rows(run, name)]
 
 
 def _alone(run: TargetRun) -> bool:
@@ -46,46 +40,18 @@ def _alone(run: TargetRun) -> bool:
     return run.assembly.lattice.n_spheres == 1 and case.contact.law == "hertz" and case.load.kind == "impact"
 
 
-def _rows(run: TargetRun, name: str, theory: HertzImpact) -> Iterator[Row]:
+def _rows(run: TargetRun, name: str) -> Iterator[Row]:
+    impact = HertzImpact.of(run.case)
     if not run.moves:
-        yield _row(f"Peak force, {name}", "N", run.reached.peak_force, theory.force, "Hertz (1882)")
-        yield _row(f"Impulse, {name}", "mN s", _MILLI * run.reached.impulse[-1], _MILLI * theory.impulse, "2 m v")
+        yield _row(f"Peak force, {name}", "N", 1.0, run.reached.peak_force, (impact.force, "Hertz (1882)"))
+        yield _row(f"Impulse, {name}", "mN s", _MILLI, run.reached.impulse[-1], (impact.impulse, "2 m v"))
     elif run.plate:
-        yield from _of_plate(run, name, theory)
-    else:
-        yield from _of_impedance(run, name, theory)
+        if expected := plate_displacement(impact, run.plate):
+            yield _row(f"Largest displacement, {name}", "µm", _MICRO, run.displacement.max(), expected)
+    elif expected := energy_into_impedance(impact, run.case.boundary):
+        yield _row(f"Energy at the target, {name}", "mJ", _MILLI, run.value("energy_target_J"), expected)
 
 
-def _of_plate(run: TargetRun, name: str, theory: HertzImpact) -> Iterator[Row]:
-    plate = run.plate
-    if plate is None or plate.damping:
-        return
-    period, moved, what = period_of(plate), float(run.displacement.max()), f"Largest displacement, {name}"
-    if period > _SHORT * theory.duration:
-        impulse = theory.impulse * plate.mass / (plate.mass + theory.mass)
-        expected = after_impulse(impulse, plate.mass, plate.stiffness)
-        yield _row(what, "µm", _MICRO * moved, _MICRO * expected, "impulse 2 v m M/(m + M), then J/(M omega)")
-    elif period < _SLOW * theory.duration:
-        force = theory.on_spring(plate.stiffness)
-        yield _row(what, "µm", _MICRO * moved, _MICRO * force / plate.stiffness, "a spring without mass: F/k")
-
-
-def _of_impedance(run: TargetRun, name: str, theory: HertzImpact) -> Iterator[Row]:
-    """A bar without an echo, or a half-space: the force is that on a rigid wall as long as it hardly gives way."""
-    support, material = run.case.boundary.bottom_support, run.case.boundary.bottom_material
-    assert support is not None and material is not None
-    if support.half_space and (radius := support.half_space.radius) is not None:
-        spring, damping = support.half_space.stiffness(material, radius), support.half_space.damping(material, radius)
-    elif support.bar and support.bar.end == "infinite":
-        spring, damping = 0.0, support.bar.area * math.sqrt(material.youngs_modulus * material.density)
-    else:
-        return
-    if theory.mass > _SLIGHT * (damping + spring * theory.duration) * theory.duration:
-        return
-    energy = theory.energy_into(spring, damping)
-    how = "spring and damper under Hertz's force" if spring else "Hertz's force, squared and summed over Z"
-    yield _row(f"Energy at the target, {name}", "mJ", _MILLI * run.value("energy_target_J"), _MILLI * energy, how)
-
-
-def _row(quantity: str, unit: str, ours: float, expected: float, theory: str) -> Row:
-    return Row(quantity, unit, None, float(ours), theory, expected=expected)
+def _row(quantity: str, unit: str, per_unit: float, ours: float, expected: tuple[float, str]) -> Row:
+    value, theory = expected
+    return Row(quantity, unit, None, float(per_unit * ours), theory, expected=per_unit * value)

@@ -6,13 +6,11 @@ import math
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from matplotlib.ticker import FixedLocator, NullLocator, ScalarFormatter
 
 from granwave.analysis.document.model import Table
-from granwave.analysis.figures.series import column_name, legend_outside
-from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing, new_figure
+from granwave.analysis.figures.targets import Heights, reductions
 from granwave.analysis.formatting.numbers import number
-from granwave.analysis.measures.signals import Array, power
+from granwave.analysis.measures.signals import power
 from granwave.analysis.studies.protection import quantities
 from granwave.analysis.studies.protection.runs import TargetRun, impacts, names, series
 from granwave.analysis.studies.runs import FinishedRun
@@ -26,8 +24,6 @@ TEXT = (
     "directly on the target over that on the target below the packing; also over the mass of the packing and over "
     "its height. What a kilogram adds: the reduction less 1, which is that of no packing, over the mass."
 )
-_COLOURS = ("black", ORANGE, BLUE, GREEN, PURPLE, SKY, GREY)
-_LINES, _MARKERS = ("-", "--", ":", "-."), "os^Dv"
 _QUANTITIES = (
     quantities.HEIGHT, quantities.MASS, quantities.FORCE, quantities.UNPROTECTED, quantities.REDUCTION,
     quantities.PER_MASS, quantities.PER_HEIGHT, quantities.GAIN_PER_MASS, quantities.IMPULSE, quantities.ENERGY,
@@ -71,30 +67,19 @@ def verdict(found: AllSeries) -> Iterator[str]:
 
 def pictures(found: AllSeries) -> Iterator[Picture]:
     """Reduction, and what a kilogram adds, against layers."""
-    figure = new_figure(2.9, 7.0)
-    panels = figure.subplots(1, 2, sharex=True)
-    shown = (quantities.REDUCTION, quantities.GAIN_PER_MASS)
-    columns: dict[str, Array] = {}
-    bottoms = list(dict.fromkeys(runs[0].bottom for runs in found))
-    frictions = sorted({runs[0].friction for runs in found})
-    for runs, name in zip(found, names([runs[-1] for runs in found]), strict=True):
-        name = name.replace(f", {runs[-1].layers} layers", "")
-        word, place = column_name(name), frictions.index(runs[0].friction)
-        colour = _COLOURS[bottoms.index(runs[0].bottom) % len(_COLOURS)]
-        look = f"{_MARKERS[place % len(_MARKERS)]}{_LINES[place % len(_LINES)]}"
-        columns[f"{word}_layers"] = np.array([float(run.layers) for run in runs])
-        for axes, key, quantity in zip(panels, ("reduction", "per_kg"), shown, strict=True):
-            columns[f"{word}_{key}"] = np.array([quantity.value(run) for run in runs])
-            lines = axes.plot(columns[f"{word}_layers"], columns[f"{word}_{key}"], look, color=colour, label=name)
-            lines[0].set(markersize=3.5, markerfacecolor="none" if place else colour)
-        columns[f"{word}_mass_kg"] = np.array([run.value("packing_mass_kg") for run in runs])
-    ticks = sorted({run.layers for runs in found for run in runs})
-    for axes, label in zip(panels, ("Peak reduction", "(Peak reduction - 1) per mass (1/kg)"), strict=True):
-        axes.set(xlabel="Layers", ylabel=label, xscale="log")
-        axes.xaxis.set(major_locator=FixedLocator(ticks), minor_locator=NullLocator())
-        axes.xaxis.set_major_formatter(ScalarFormatter())
-    panels[0].set_yscale("log")
-    panels[0].yaxis.set(major_formatter=ScalarFormatter(), minor_formatter=ScalarFormatter())
-    legend_outside(figure, 3, fontsize=7)
+    labels = names([runs[-1] for runs in found])
     caption = "Peak force without the packing over that with it, and what a kilogram adds to it, by layers"
-    yield Picture("", caption, Drawing(figure, columns))
+    yield Picture("", caption, reductions([_heights(runs, name) for runs, name in zip(found, labels, strict=True)]))
+
+
+def _heights(runs: Sequence[TargetRun], name: str) -> Heights:
+    last = runs[-1]
+    return Heights(
+        name.replace(f", {last.layers} layers", ""),
+        last.bottom,
+        last.friction,
+        np.array([float(run.layers) for run in runs]),
+        quantities.REDUCTION.shown(runs),
+        quantities.GAIN_PER_MASS.shown(runs),
+        quantities.MASS.shown(runs),
+    )

@@ -8,8 +8,8 @@ from functools import cached_property
 
 import numpy as np
 
-from granwave.analysis.measures.hertz_impact import Array
-from granwave.analysis.measures.target import Reached, reached
+from granwave.analysis.measures.target.hertz_impact import Array
+from granwave.analysis.measures.target.record import Reached, reached
 from granwave.analysis.result.reader import Result
 from granwave.analysis.studies.runs import FinishedRun, all_but, rising
 from granwave.analysis.studies.titles import bottom_label

@@ -1,9 +1,4 @@
-"""Shock spectrum of what a packing transmits: how far a plate on a spring moves, against its period.
-
-A plate much slower than the force only feels its impulse and moves by J/(M omega); one much faster follows it and
-moves by F/k. In between the oscillator under the force on a wall that is held in place, of the plate's material, tells
-what to expect of a plate that does not give way.
-"""
+"""Shock spectrum of what a packing transmits: how far a plate on a spring moves, against its period."""
 
 from __future__ import annotations
 
@@ -13,12 +8,11 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from granwave.analysis.figures.series import column_name, legend_outside, one_panel
-from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing
+from granwave.analysis.figures.targets import Plates, shock_spectra
 from granwave.analysis.formatting.numbers import number
-from granwave.analysis.measures.hertz_impact import Array, after_impulse, largest_displacement
-from granwave.analysis.measures.signals import width
-from granwave.analysis.measures.target import period_of
+from granwave.analysis.measures.signals import Array
+from granwave.analysis.measures.target.record import period_of
+from granwave.analysis.measures.target.shock_spectrum import expected_displacement, spectrum_curves
 from granwave.analysis.studies.protection.runs import TargetRun, impacts
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture, Row
@@ -34,27 +28,21 @@ TEXT = (
 _FEWEST = 4  # stiffnesses
 _MICRO = 1e6
 _CURVE = 60  # points of the theory
-_FAST, _SLOW = 0.25, 10.0  # periods at which the limits hold, over the peak's width and the time the impulse takes
-_MOST_OF_IT = 0.9  # of the impulse: the time that it takes is that of this part, from its middle
 _GIVES_WAY = 0.95  # of the displacement by theory: below it a remark says so
 _TURNED = 0.98  # of the run: a displacement that is largest later may still grow
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Spectrum:
-    """Plates of one mass on springs, and the force on a wall.
-
-    Attributes
-    ----------
-    runs, plates
-        By rising period.
-    held
-        The same packing on a wall of the plates' material.
-    """
+    """Plates of one mass on springs, by rising period, and the same packing on a wall of their material."""
 
     runs: list[TargetRun]
-    plates: list[Plate]
     held: TargetRun
+
+    @property
+    def plates(self) -> list[Plate]:
+        """The plate of each run."""
+        return [plate for run in self.runs if (plate := run.plate)]
 
     @property
     def period(self) -> Array:
@@ -70,19 +58,7 @@ class Spectrum:
     def without(self) -> Array:
         """The same without the packing, of undamped plates: (n_runs,), m; NaN where it is not known."""
         force = np.array([run.value("unprotected_ground_peak_force_N") for run in self.runs])
-        springs = np.array([math.nan if plate.damping else plate.stiffness for plate in self.plates])
-        return force / springs
-
-    @property
-    def lasts(self) -> float:
-        """How long most of the impulse on the wall takes, s."""
-        time, impulse = self.held.reached.time, self.held.reached.impulse
-        part = np.array([1 - _MOST_OF_IT, 1 + _MOST_OF_IT]) / 2 * impulse[-1]
-        return float(np.diff(np.interp(part, impulse, time))[0])
-
-    def expected(self, plate: Plate, end: float) -> float:
-        """Largest displacement of a plate under the force on the wall, up to a time (s): m."""
-        return largest_displacement(plate, self.held.reached.time, self.held.reached.force, end)
+        return force / [math.nan if plate.damping else plate.stiffness for plate in self.plates]
 
 
 def select(runs: Sequence[FinishedRun]) -> list[list[Spectrum]]:
@@ -92,20 +68,20 @@ def select(runs: Sequence[FinishedRun]) -> list[list[Spectrum]]:
 
 def spectra(runs: Sequence[TargetRun]) -> list[Spectrum]:
     """By height, friction and mass of the plate."""
-    groups: dict[tuple, list[tuple[float, TargetRun, Plate]]] = {}
+    groups: dict[tuple, list[tuple[float, TargetRun]]] = {}
     for run in runs:
         plate = run.plate
         if plate and run.displacement.argmax() < _TURNED * len(run.displacement):
             kind = (run.layers, run.friction, plate.mass, plate.damping)
-            groups.setdefault(kind, []).append((period_of(plate), run, plate))
+            groups.setdefault(kind, []).append((period_of(plate), run))
     found = []
     for (layers, friction, *_), group in sorted(groups.items()):
+        by_period = [run for _, run in sorted(group, key=lambda one: one[0])]
         surface = group[0][1].case.boundary.bottom_material
         alike = [run for run in runs if run.held and (run.layers, run.friction) == (layers, friction)]
         held = [run for run in alike if run.case.boundary.bottom_material == surface]
         if held and len(group) >= _FEWEST:
-            _, by_period, plates = zip(*sorted(group, key=lambda one: one[0]), strict=True)
-            found.append(Spectrum(list(by_period), list(plates), held[0]))
+            found.append(Spectrum(by_period, held[0]))
     return found
 
 
@@ -118,17 +94,10 @@ def title(found: Sequence[Spectrum]) -> str:
 def rows(found: Sequence[Spectrum]) -> Iterator[Row]:
     """The displacement of each plate."""
     for one in found:
-        reached = one.held.reached
-        force, impulse, peak = reached.peak_force, float(reached.impulse[-1]), width(reached.time, reached.force)
-        for run, plate, period, moved in zip(one.runs, one.plates, one.period, one.displacement, strict=True):
-            expected, theory = one.expected(plate, max(run.reached.time[-1], reached.time[-1])), "oscillator"
-            if period < _FAST * peak:
-                expected, theory = force / plate.stiffness, "slow force, F/k"
-            elif period > _SLOW * one.lasts and not plate.damping:
-                expected = after_impulse(impulse, plate.mass, plate.stiffness)
-                theory = "short impulse, J/(M omega)"
+        for run, plate, moved in zip(one.runs, one.plates, one.displacement, strict=True):
+            expected, theory = expected_displacement(one.held.reached, plate, run.reached.time[-1])
             remark = "The plate gives way, and less force reaches it." if moved < _GIVES_WAY * expected else ""
-            what = f"Largest displacement of the plate, {plate.mass:g} kg, {time_label(period)}"
+            what = f"Largest displacement of the plate, {plate.mass:g} kg, {time_label(period_of(plate))}"
             yield Row(what, "µm", None, _MICRO * moved, theory, remark, _MICRO * expected)
 
 
@@ -148,33 +117,13 @@ def verdict(found: Sequence[Spectrum]) -> Iterator[str]:
 
 def pictures(found: Sequence[Spectrum]) -> Iterator[Picture]:
     """Displacement against period, with the theory."""
-    figure, axes = one_panel(4.4, "Period of the plate (µs)", "Largest displacement (µm)", 4.6)
-    columns: dict[str, Array] = {}
-    for one, colour, marker in zip(found, (BLUE, ORANGE, GREY), "os^", strict=False):
-        plate, period, reached = one.plates[0], one.period, one.held.reached
-        friction = f", friction {one.held.friction:g}" if one.held.case.has_friction else ""
-        word = f"{plate.mass:g} kg, {one.held.layers} layers{friction}"
-        line = np.geomspace(period.min(), period.max(), _CURVE)
-        springs = plate.mass * (2 * math.pi / line) ** 2
-        plates = (dataclasses.replace(plate, stiffness=spring) for spring in springs)
-        ends = reached.time[-1] + line
-        theory = np.array([one.expected(other, end) for other, end in zip(plates, ends, strict=True)])
-        short = after_impulse(float(reached.impulse[-1]), plate.mass, 1.0) / np.sqrt(springs)
-        slow = reached.peak_force / springs
-        points = {f"below the packing: {word}": (one.displacement, colour), "without it": (one.without, "none")}
-        for label, (values, face) in points.items():
-            axes.loglog(_MICRO * period, _MICRO * values, marker, color=colour, markerfacecolor=face, markersize=4,
-                        label=label)  # fmt: skip
-        curves = {"oscillator": (theory, "-"), "slow force, F/k": (slow, ":"), "short impulse, J/(Mω)": (short, "--")}
-        for label, (values, dashes) in curves.items():
-            axes.loglog(_MICRO * line, _MICRO * values, dashes, color=colour, linewidth=0.9, label=label)
-        name = column_name(word)
-        columns |= {
-            f"{name}_period_s": period, f"{name}_displacement_m": one.displacement, f"{name}_without_m": one.without,
-            f"{name}_line_period_s": line, f"{name}_oscillator_m": theory, f"{name}_slow_force_m": slow,
-            f"{name}_short_impulse_m": short,
-        }  # fmt: skip
-    axes.set_ylim(0.3 * _MICRO * min(one.displacement.min() for one in found))
-    legend_outside(figure, 2, fontsize=7)
     caption = "Largest displacement of the plate against its period, with what an oscillator does under the same force"
-    yield Picture("", caption, Drawing(figure, columns))
+    yield Picture("", caption, shock_spectra(list(map(_plates, found))))
+
+
+def _plates(one: Spectrum) -> Plates:
+    friction = f", friction {one.held.friction:g}" if one.held.case.has_friction else ""
+    plate, period = one.plates[0], one.period
+    theory = spectrum_curves(one.held.reached, plate, np.geomspace(period.min(), period.max(), _CURVE))
+    words = f"{plate.mass:g} kg, {one.held.layers} layers{friction}"
+    return Plates(words, period, one.displacement, one.without, theory)

@@ -4,26 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-import numpy as np
-from matplotlib.collections import EllipseCollection
-from matplotlib.colors import Normalize
-from numpy.typing import NDArray
-
-from granwave.analysis.figures.series import legend_outside, one_panel
-from granwave.analysis.figures.style import (
-    BLUE,
-    FORCE_MAP,
-    GREEN,
-    GREY,
-    ORANGE,
-    PURPLE,
-    SKY,
-    WIDTH,
-    Drawing,
-    new_figure,
-)  # fmt: skip
-from granwave.analysis.measures.pulses import MEASURES, lengths, theory
-from granwave.analysis.measures.regions import Array, groups, regions
+from granwave.analysis.figures.maps import speed_maps
+from granwave.analysis.figures.regions import energies_by_region, pulse_lengths
+from granwave.analysis.measures.pulses import MEASURES, last_length, lengths, settled_from, theory
+from granwave.analysis.measures.regions import Array, groups
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.square.runs import WAYS, PackingRun, squares
 from granwave.analysis.studies.study import Picture, Row
@@ -31,15 +15,9 @@ from granwave.analysis.studies.study import Picture, Row
 Lengths = dict[str, Array]  # by name of `MEASURES`
 
 _SHOWN = (0.15e-3, 0.30e-3)  # s, of the maps of speed
-_SETTLED = 0.02  # of a length
 _LEAST_PASSED = 6  # spheres for a length of the pulse
-_AT_WALL = 2  # spheres that feel the wall while the pulse passes
 _WHERE = "square packing, Wave Propagation Path"
 _PULSE = "square packing, Pulse Length"
-_COLOURS = {
-    "central chains": BLUE, "edge chains": SKY, "struck spheres": ORANGE, "strikers": PURPLE,
-    "other spheres": "black", "walls": GREY, "dissipated": GREEN,
-}  # fmt: skip
 #: Per cent of the input that the source found.
 _ENERGIES = {
     "in-plane": {"central chains": 71.5, "edge chains": 24.5, "strikers and struck spheres": 4.0},
@@ -84,17 +62,18 @@ def rows(run: PackingRun) -> Iterator[Row]:
         remark = "the source's: the rest" if region == "strikers and struck spheres" and source is not None else ""
         yield Row(f"Energy in {region}, {run.way}", "% of input", source, ours[region], _WHERE, remark)
     for group, found in _measured(run).items():
-        if _last(found) >= _LEAST_PASSED:
+        if last_length(found) >= _LEAST_PASSED:
             yield from _length_rows(run, group, found)
 
 
 def pictures(run: PackingRun) -> Iterator[Picture]:
     """Energies, maps of speed, and lengths where a pulse passed."""
     impact = f"{run.way} impact"
-    yield Picture("_energies", f"Energy by region, {impact}", _draw_energies(run))
-    yield Picture("_speeds", f"Speed of the spheres, {impact} (source Figs 3 and 6)", _draw_maps(run))
+    yield Picture("_energies", f"Energy by region, {impact}", energies_by_region(run.snapshots))
+    speeds = speed_maps(run.snapshots, run.case.packing.diameter, _SHOWN)
+    yield Picture("_speeds", f"Speed of the spheres, {impact} (source Figs 3 and 6)", speeds)
     if measured := _measured(run):
-        yield Picture("_pulses", f"Length of the pulse, {impact} (source Fig. 11)", _draw_lengths(measured))
+        yield Picture("_pulses", f"Length of the pulse, {impact} (source Fig. 11)", pulse_lengths(measured))
 
 
 def _measured(run: PackingRun) -> dict[str, Lengths]:
@@ -105,91 +84,19 @@ def _measured(run: PackingRun) -> dict[str, Lengths]:
         for group, members in groups(seen).items()
         if members
     }
-    return {group: one for group, one in found.items() if _last(one) > 1}
+    return {group: one for group, one in found.items() if last_length(one) > 1}
 
 
 def _length_rows(run: PackingRun, group: str, found: Lengths) -> Iterator[Row]:
     printed = (13.0, 5.0) if run.is_source_impact else (None, None)
-    where, last, expected = f"{group}, {run.way}", _last(found), theory()
+    where, last, expected = f"{group}, {run.way}", last_length(found), theory()
     for measure in MEASURES:
         remark = "expected: Nesterenko's wave" if measure == MEASURES[0] else ""
         ours = float(found[measure][last])
         yield Row(f"Pulse length, {measure}, {where}", "diameters", None, ours, _PULSE, remark, expected[measure])
-    half = found[MEASURES[3]]
-    below = float(100 * (1 - half[last] / expected[MEASURES[3]]))
+    half = MEASURES[3]
+    below = float(100 * (1 - found[half][last] / expected[half]))
     yield Row(f"Half-maximum length below Nesterenko's, {where}", "%", printed[0], below, _PULSE)
-    off = np.flatnonzero(np.abs(half[1 : last + 1] / half[last] - 1) > _SETTLED)
-    passed = float(off[-1] + 3 if len(off) else 1)  # the struck sphere is the first
     remark = "printed: roughly five or six; ours is within 2 % of its last length from there on"
+    passed = float(settled_from(found))
     yield Row(f"Sphere from which on the pulse is settled, {where}", "", printed[1], passed, _PULSE, remark)
-
-
-def _last(found: Lengths) -> int:
-    """The last sphere with a length that no wall touches."""
-    good = np.flatnonzero(np.isfinite(found[MEASURES[3]][:-_AT_WALL]))
-    return int(good[-1]) if len(good) else 0
-
-
-def _draw_energies(run: PackingRun) -> Drawing:
-    seen = run.snapshots
-    time = 1e6 * seen.time
-    figure, axes = one_panel(2.6, "Time (µs)", "Energy (% of input)", xlim=(0, time[-1]), ylim=(0, 105))
-    columns = {"time_s": seen.time}
-    for region, share in regions(seen).items():
-        columns[f"{region.replace(' ', '_')}_over_input"] = share
-        if share.max() > 1e-3:
-            axes.plot(time, 100 * share, color=_COLOURS[region], label=region)
-    axes.legend(loc="upper right")
-    for group, members in groups(seen).items():
-        for chain in members:
-            word = chain.name.replace(" ", "_").replace("+", "plus_").replace("-", "minus_")
-            columns[f"{group.split()[0]}_{word}_over_input"] = seen.energy[:, chain.rows[1:]].sum(axis=1)
-    return Drawing(figure, columns)
-
-
-def _draw_maps(run: PackingRun) -> Drawing:
-    seen, n, radius = run.snapshots, run.assembly.lattice.n_spheres, 500 * run.case.packing.diameter  # mm
-    place = 1e3 * seen.position[:, :2]
-    frames = [int(np.abs(seen.time - time).argmin()) for time in _SHOWN]
-    speeds = [np.linalg.norm(seen.velocity[frame], axis=1) for frame in frames]
-    norm = Normalize(0, max(float(speed[:n].max()) for speed in speeds) or 1.0)
-    low, high = place[:n].min(axis=0) - radius, place[:n].max(axis=0) + radius
-    figure = new_figure(2.6)
-    columns: dict[str, NDArray] = {"id": np.arange(1, len(place) + 1)}
-    columns |= {"x_m": seen.position[:, 0], "y_m": seen.position[:, 1]}
-    panels = figure.subplots(1, 2, sharey=True)
-    for axes, time, speed in zip(panels, seen.time[frames], speeds, strict=True):
-        discs = EllipseCollection(
-            np.full(n, 2 * radius), np.full(n, 2 * radius), np.zeros(n), units="xy", offsets=place[:n],
-            offset_transform=axes.transData, array=speed[:n], cmap=FORCE_MAP, norm=norm,
-        )  # fmt: skip
-        axes.add_collection(discs)
-        axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal", xlabel="x (mm)")
-        axes.set_title(f"{1e3 * time:.2f} ms")
-        columns[f"speed_at_{1e6 * time:.0f}_us_m_s"] = speed
-    panels[0].set_ylabel("y (mm)")
-    figure.colorbar(discs, ax=list(panels), label="Speed (m/s)", location="bottom", shrink=0.8)
-    return Drawing(figure, columns)
-
-
-def _draw_lengths(measured: dict[str, Lengths]) -> Drawing:
-    figure = new_figure(3.4, 1.25 * WIDTH)
-    panels = figure.subplots(2, 2, sharex=True)
-    columns: dict[str, NDArray] = {}
-    for group, found in measured.items():
-        shown = np.arange(1, _last(found) + 1)
-        columns[f"{group.split()[0]}_sphere"] = shown + 1
-        for axes, measure in zip(panels.ravel(), MEASURES, strict=True):
-            values = found[measure][shown]
-            axes.plot(shown + 1, values, "o-", color=_COLOURS[group], markersize=3, label=group)
-            columns[f"{group.split()[0]}_{measure.replace(' ', '_')}_diameters"] = values
-    for axes, measure in zip(panels.ravel(), MEASURES, strict=True):
-        low, expected = min(line.get_ydata().min() for line in axes.lines), theory()[measure]
-        axes.axhline(expected, color="black", linestyle=":", label="Nesterenko")
-        axes.set(title=measure[0].upper() + measure[1:], ylim=(0.95 * low, 1.04 * expected))
-    for axes in panels[1]:
-        axes.set_xlabel("Sphere of the chain")
-    for axes in panels[:, 0]:
-        axes.set_ylabel("Length (diameters)")
-    legend_outside(figure)
-    return Drawing(figure, columns)

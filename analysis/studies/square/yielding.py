@@ -6,8 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from granwave.analysis.figures.series import one_panel
-from granwave.analysis.figures.style import BLUE, GREEN, ORANGE, PURPLE, Drawing
+from granwave.analysis.figures.regions import energies_by_velocity
 from granwave.analysis.measures.regions import groups
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.square.runs import WAYS, PackingRun, squares
@@ -16,7 +15,6 @@ from granwave.analysis.studies.study import Picture, Row
 Series = Sequence[PackingRun]
 
 _PLACES = (2, 6)  # spheres of the chain, from the struck one as 1
-_COLOURS = {"dissipated": GREEN, "central chains": BLUE, "struck spheres": ORANGE, "strikers": PURPLE}
 
 
 def select(runs: Sequence[FinishedRun]) -> list[list[PackingRun]]:
@@ -61,12 +59,7 @@ def rows(series: Series) -> Iterator[Row]:
 
 def pictures(series: Series) -> Iterator[Picture]:
     """Energies by region against velocity."""
-    figure, axes = one_panel(2.4, "Velocity of the striker (m/s)", "Energy (% of input)", xscale="log", ylim=(0, 105))
     speed = np.array([run.speed for run in series])
-    columns = {"striker_velocity_m_s": speed}
-    for region in ("dissipated", *groups(series[0].snapshots), "struck spheres", "strikers"):
-        share = np.array([run.settled[region] for run in series])
-        axes.plot(speed, 100 * share, "o-", markersize=3, color=_COLOURS.get(region, "black"), label=region)
-        columns[f"{region.replace(' ', '_')}_over_input"] = share
-    axes.legend(loc="center right")
-    yield Picture("", f"Where the energy goes, {series[0].way} impact", Drawing(figure, columns))
+    shown = ("dissipated", *groups(series[0].snapshots), "struck spheres", "strikers")
+    shares = {region: np.array([run.settled[region] for run in series]) for region in shown}
+    yield Picture("", f"Where the energy goes, {series[0].way} impact", energies_by_velocity(speed, shares))

@@ -2,41 +2,88 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterator, Sequence
 
 from granwave.analysis.document.cells import BLANK
-from granwave.analysis.document.model import Cell, Column, Table
-from granwave.analysis.figures.style import style
+from granwave.analysis.document.model import Cell, Table
 from granwave.analysis.formatting.numbers import with_interval
-from granwave.analysis.statistics import Estimate, differ_significantly
-from granwave.analysis.studies.study import Picture, Study
+from granwave.analysis.statistics import differ_significantly, exactly
+from granwave.analysis.studies.runs import FinishedRun
+from granwave.analysis.studies.study import Picture
+from granwave.analysis.studies.tables import numeric, table_of
 from granwave.analysis.studies.titles import bottom_label, impact_title
 from granwave.analysis.studies.tolerance import figures
-from granwave.analysis.studies.tolerance.axes import Axis, axes_of
-from granwave.analysis.studies.tolerance.quantities import Measured, Quantity, measure
-from granwave.analysis.studies.tolerance.runs import IDEAL, Packing, Setting, is_ideal
-from granwave.analysis.studies.tolerance.verdict import verdict
+from granwave.analysis.studies.tolerance.packings import Packing, packings
+from granwave.analysis.studies.tolerance.quantities import Quantity
+from granwave.analysis.studies.tolerance.settings import IDEAL, Setting
+from granwave.analysis.studies.tolerance.verdict import missing, verdict
+
+__all__ = ["missing", "name", "pictures", "select", "tables", "title", "verdict"]
+
+TEXT = (
+    "Means over the seeds and their 95 % confidence intervals (Student). Values without an interval are of "
+    "packings in which nothing is random, or of a single seed. With a diameter scatter, diameters lie between the "
+    "nominal one and so much less. A lower peak force and a larger dissipated share protect better."
+)
 
 
-def studies(packings: Sequence[Packing], undone: Sequence[Mapping[str, Any]] = ()) -> list[Study]:
-    """One for each packing.
-
-    Parameters
-    ----------
-    undone
-        Points of scans that failed or were not run, as values of the keys that vary.
-    """
-    titles = [f"{impact_title(packing.case)}, {bottom_label(packing.case)}" for packing in packings]
-    with style():
-        return [
-            _study(measure(packing), number, title, own, any(is_ideal(labels, packing) for labels in undone))
-            for number, (packing, title, own) in enumerate(zip(packings, titles, _own(titles), strict=True), start=1)
-        ]
+def select(runs: Sequence[FinishedRun]) -> list[Packing]:
+    """Packings that were run with at least two settings, named and told apart."""
+    found = packings(runs)
+    titles = [f"{impact_title(packing.case)}, {bottom_label(packing.case)}" for packing in found]
+    return [
+        dataclasses.replace(packing, name="tolerances" + (f"-{n}" if n > 1 else ""), title=title, label=label)
+        for n, (packing, title, label) in enumerate(zip(found, titles, _labels(titles), strict=True), start=1)
+    ]
 
 
-def _own(titles: Sequence[str]) -> list[str]:
+def name(packing: Packing) -> str:
+    """``tolerances``, ``tolerances-2``."""
+    return packing.name
+
+
+def title(packing: Packing) -> str:
+    """By packing and impact."""
+    return f"Tolerances: {packing.title}" + (_told(packing) if packing.label not in packing.title else "")
+
+
+def pictures(packing: Packing) -> Iterator[Picture]:
+    """Quantities against each imperfection, maps of two, and the confidence that the seeds give."""
+    for axis in packing.axes:
+        drawing = figures.against(packing, axis)
+        if drawing is not None:
+            random = any(packing.random(setting) for setting in packing.tried(axis))
+            what = "means, 95 % confidence bands, and single runs as dots" if random else "nothing is random here"
+            yield Picture(f"_{axis.name}", f"Against {axis.words}: {what}{_told(packing)}", drawing)
+    for across, up in itertools.combinations(packing.axes, 2):
+        drawing = figures.left_of_ideal(packing, across, up)
+        if drawing is not None:
+            caption = f"{across.words.capitalize()} and {up.words} together, in per cent of the ideal packing's"
+            yield Picture(f"_{across.name}_{up.name}", caption + _told(packing), drawing)
+    drawing = figures.seeds(packing)
+    if drawing is not None:
+        caption = "Confidence of the mean of the first n seeds, and what the scatter of all of them makes of n"
+        yield Picture("_seeds", caption + _told(packing), drawing)
+
+
+def tables(packing: Packing) -> Iterator[Table]:
+    """Means of all settings, and those of performance against the ideal packing."""
+    axes = numeric(*((axis.words.capitalize(), axis.unit) for axis in packing.axes), key=True)
+    heads = (*axes, *numeric("Seeds"))
+    shown, settings = packing.shown(), packing.settings
+    columns = numeric(*((one.words.capitalize(), one.unit) for one in shown))
+    rows = [(*_heads(packing, s), *(_value(packing, s, one) for one in shown)) for s in settings]
+    yield table_of(f"Mean and 95 % confidence interval{_told(packing)}", (*heads, *columns), rows, sortable=True)
+    kept = [one for one in packing.performance if any(packing.left(one, setting) for setting in settings)]
+    if kept:
+        columns = numeric(*((one.words.capitalize(), "% of the ideal's") for one in kept))
+        rows = [(*_heads(packing, s), *(_over_ideal(packing, s, one) for one in kept)) for s in settings if s != IDEAL]
+        yield table_of(f"Against the ideal packing{_told(packing)}", (*heads, *columns), rows, sortable=True)
+
+
+def _labels(titles: Sequence[str]) -> list[str]:
     """Label each of several packings for captions; empty for a single one."""
     if len(titles) < 2:
         return [""] * len(titles)
@@ -47,94 +94,26 @@ def _own(titles: Sequence[str]) -> list[str]:
     return own
 
 
-def _study(measured: Measured, number: int, title: str, own: str, ideal_undone: bool) -> Study:
-    name = "tolerances" if number == 1 else f"tolerances-{number}"
-    told = f" ({own})" if own else ""
-    title += told if own not in title else ""
-    return Study(
-        name,
-        f"Tolerances: {title}",
-        "Means over the seeds and their 95 % confidence intervals (Student). Values without an interval are of "
-        "packings in which nothing is random, or of a single seed. With a diameter scatter, diameters lie between the "
-        "nominal one and so much less. A lower peak force and a larger dissipated share protect better.",
-        pictures=tuple(_pictures(measured, name.replace("-", "_"), told)),
-        tables=tuple(_tables(measured, told)),
-        verdict=verdict(measured, asked=ideal_undone),
-    )
+def _told(packing: Packing) -> str:
+    """End of a caption: the packing, where there are several."""
+    return f" ({packing.label})" if packing.label else ""
 
 
-def _pictures(measured: Measured, name: str, told: str) -> Iterator[Picture]:
-    """Figures; ``told`` stands behind each caption."""
-    axes = axes_of(measured.packing)
-    for axis in axes:
-        drawing = figures.against(measured, axis)
-        if drawing is not None:
-            random = not measured.random.isdisjoint(axis.tried(measured.packing))
-            what = "means, 95 % confidence bands, and single runs as dots" if random else "nothing is random here"
-            caption = f"Against {axis.words}: {what}"
-            yield Picture(f"{name}_{axis.name}", caption + told, drawing)
-    for across, up in itertools.combinations(axes, 2):
-        drawing = figures.left_of_ideal(measured, across, up)
-        if drawing is not None:
-            caption = f"{across.words.capitalize()} and {up.words} together, in per cent of the ideal packing's"
-            yield Picture(f"{name}_{across.name}_{up.name}", caption + told, drawing)
-    drawing = figures.convergence(measured)
-    if drawing is not None:
-        caption = "Confidence of the mean of the first n seeds, and what the scatter of all of them makes of n"
-        yield Picture(f"{name}_seeds", caption + told, drawing)
-
-
-def _tables(measured: Measured, told: str) -> Iterator[Table]:
-    """Tables; ``told`` stands behind each caption."""
-    axes = axes_of(measured.packing)
-    quantities = measured.shown()
-    heads = tuple(Column(axis.words.capitalize(), axis.unit, numeric=True, key=True) for axis in axes)
-    rows = tuple(
-        (
-            *_setting(setting, axes),
-            _seeds(measured, setting),
-            *(_value(measured.of(one, setting), one.scale) for one in quantities),
-        )
-        for setting in measured.packing.settings
-    )
-    seeds = Column("Seeds", numeric=True)
-    columns = tuple(Column(one.words.capitalize(), one.unit, numeric=True) for one in quantities)
-    yield Table(f"Mean and 95 % confidence interval{told}", (*heads, seeds, *columns), rows, sortable=True)
-    kept = [
-        one for one in measured.performance if any(measured.left(one, setting) for setting in measured.packing.settings)
-    ]
-    if kept:
-        columns = tuple(Column(one.words.capitalize(), "% of the ideal's", numeric=True) for one in kept)
-        rows = tuple(
-            (
-                *_setting(setting, axes),
-                _seeds(measured, setting),
-                *(_over_ideal(measured, setting, one) for one in kept),
-            )
-            for setting in measured.packing.settings
-            if setting != IDEAL
-        )
-        yield Table(f"Against the ideal packing{told}", (*heads, seeds, *columns), rows, sortable=True)
-
-
-def _setting(setting: Setting, axes: Sequence[Axis]) -> Iterator[Cell]:
-    for axis in axes:
+def _heads(packing: Packing, setting: Setting) -> Iterator[Cell]:
+    for axis in packing.axes:
         yield Cell(f"{axis.of(setting):g}", axis.of(setting))
+    n = packing.seeds(setting)
+    yield Cell(str(n), n) if packing.random(setting) else Cell("not random", 0)
 
 
-def _seeds(measured: Measured, setting: Setting) -> Cell:
-    n = measured.seeds(setting)
-    return Cell(str(n), n) if setting in measured.random else Cell("not random", 0)
+def _value(packing: Packing, setting: Setting, quantity: Quantity) -> Cell:
+    found = packing.of(quantity, setting)
+    return Cell(with_interval(found, quantity.scale), found.mean) if found else Cell(BLANK)
 
 
-def _value(found: Estimate | None, scale: float) -> Cell:
-    return Cell(BLANK) if found is None else Cell(with_interval(found, scale), found.mean)
-
-
-def _over_ideal(measured: Measured, setting: Setting, quantity: Quantity) -> Cell:
-    ideal, now = measured.of(quantity, IDEAL), measured.of(quantity, setting)
-    if ideal is None or now is None or not ideal.exact or not ideal.mean:
+def _over_ideal(packing: Packing, setting: Setting, quantity: Quantity) -> Cell:
+    share = packing.over_ideal(quantity, setting)
+    if share is None:
         return Cell(BLANK)
-    share = now.over(ideal.mean / 100)
-    doubt = ", not to be told from it" if differ_significantly(ideal, now) is False and not now.exact else ""
-    return Cell(with_interval(share) + doubt, share.mean)
+    alike = not share.exact and differ_significantly(exactly(1.0), share) is False
+    return Cell(with_interval(share.over(0.01)) + (", not to be told from it" if alike else ""), 100 * share.mean)

@@ -24,7 +24,7 @@ def contact(law="elastoplastic", strength=550e6):
 
 @pytest.mark.parametrize(("peak", "force"), [(2, 2.4711), (10, 24.3497), (50, 197.692), (200, 962.643), (400, 2064.69)])
 def test_loading_ends_at_the_check_values(peak, force):
-    """Check values of the elasto-plastic law, default variant."""
+    """Check values of the elastoplastic law, default variant."""
     table = law_table(contact(), peak)
     loading = table["branch"] == "loading"
     assert table["overlap_normalised"][loading][-1] == pytest.approx(peak, rel=1e-12)

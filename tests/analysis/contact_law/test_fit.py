@@ -1,4 +1,4 @@
-"""granwave fit: known constants found again, honest uncertainties, measured curves, refusals, and a run of what was found."""
+"""Command granwave fit: recovery of known constants, uncertainties, measured curves, errors, a run with a fitted law."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from granwave.lammps_inputs.contact.law import contact_of, sphere_contact
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import load_case
 from granwave.workflows.cli.fitting import fit
-from tests.lammps_inputs.test_contact_constants import OTHER
+from tests.helpers.twin import OTHER
 
 R = 0.005
 BRASS = material("brass")
@@ -76,7 +76,7 @@ def test_exact_curve():
 
 
 def test_published_curve_gives_published_constants(tmp_path):
-    """The file that `granwave law -o` writes."""
+    """Table written by `granwave law -o`."""
     found = fit_law(read_curve(write_law(contact_of([BRASS], [R]), tmp_path / "law.csv")), [BRASS], [R])
     assert found.constants == pytest.approx(LAW_CONSTANTS, rel=1e-6)
 
@@ -91,11 +91,11 @@ SMOOTH = [name for name in OTHER if name != "area_switch"]
 
 
 def test_uncertainties_are_of_the_right_size():
-    """Over many curves with 1 % noise the errors are as large as said, and the mean is right."""
+    """The scatter over many curves with 1 % noise agrees with the stated uncertainties, and the mean is correct."""
     errors = []
     for seed in range(40):
         found = fit_law(sampled(0.01, seed), [BRASS], [R], SMOOTH)
-        # area_switch is held where it is published, which is not where this law has it: compare with the exact curve's fit
+        # area_switch is fixed at its published value, which is not that of this law: compare with the fit of the exact curve
         errors.append([(found.constants[name], found.uncertainty[name]) for name in SMOOTH])
     exact = fit_law(sampled(), [BRASS], [R], SMOOTH).constants
     values, said = np.array(errors).transpose(2, 0, 1)
@@ -150,7 +150,7 @@ def test_what_the_curve_cannot_tell_stays_and_is_said(caplog, curve, held, words
 
 
 def test_a_constant_that_is_not_determined_is_said(tmp_path, capsys):
-    """Loading that ends at a fifth of the way to the pressure's limit, and the area's offset asked for."""
+    """Loading up to a fifth of the pressure limit, with the offset of the area to be fitted."""
     curve = sampled(0.02, 5, largest=12.0, turns=())
     found = fit_law(curve, [BRASS], [R], ["pressure_limit", "pressure_rate", "area_slope", "area_offset"])
     lost = [name for name in found.uncertainty if found.undetermined(name)]
@@ -242,7 +242,7 @@ def test_materials_of_the_user(tmp_path):
 
 
 def test_the_fitted_case_runs(granwave, tmp_path):
-    """fit.toml as it is: two spheres collide, and peak and loss are those of the law that was found."""
+    """Unmodified fit.toml: in a collision of two spheres, peak and loss are those of the fitted law."""
     write_csv(measured(), tmp_path / "m.csv")
     assert fit(options(tmp_path / "m.csv", tmp_path / "out")) == 0
     path = tmp_path / "out" / "fit.toml"

@@ -1,4 +1,4 @@
-"""Exports of any form: what is refused, and that files are put into place whole or not at all."""
+"""Exports in all formats: errors, and files that are written completely or not at all."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Exports to ParaView and OVITO: what is seen there is what result.h5 holds, to the last bit."""
+"""Exports to ParaView and OVITO: their values are bitwise those of result.h5."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def periodic(tmp_path_factory):
 
 
 def arrays_of(data):
-    """The arrays of a vtkFieldData by name."""
+    """Arrays of a vtkFieldData by name."""
     from vtkmodules.util.numpy_support import vtk_to_numpy
 
     return {data.GetArrayName(n): vtk_to_numpy(data.GetArray(n)).copy() for n in range(data.GetNumberOfArrays())}
@@ -84,7 +84,7 @@ def test_vtp_holds_spheres_and_contacts(run, tmp_path):
 
 
 def test_vtp_of_a_packing_with_missing_spheres(tmp_path):
-    """Lines join the spheres that their ids name."""
+    """Lines connect the spheres with their IDs."""
     pytest.importorskip("vtkmodules", reason="vtk is not installed")
     case = synthetic.make_case(packing={"vacancies": [7, 60]}, contact={"friction": 0.1})
     write_result(synthetic.write_run(tmp_path, case))
@@ -109,7 +109,7 @@ def test_vtp_collections_have_times_in_seconds(run, tmp_path):
 
 
 def test_vtp_of_a_periodic_packing(periodic, tmp_path):
-    """No contact crosses the packing, and overlaps are those that LAMMPS had at the end."""
+    """No contact crosses the packing, and overlaps are those of LAMMPS at the end of the run."""
     pytest.importorskip("vtkmodules", reason="vtk is not installed")
     export(periodic, "vtp", tmp_path)
     points, lines, _, values, _ = read_vtp(tmp_path / "contacts_0002.vtp")
@@ -159,7 +159,7 @@ print(json.dumps({
     assert done.returncode == 0, done.stderr
     seen = json.loads(done.stdout)
     assert seen["bonds"] == loaded and seen["spheres"] == [64] * 3 and seen["steps"][0] == 0 < seen["steps"][2]
-    assert np.allclose(seen["radius"], 0.005, rtol=1e-6)  # which OVITO keeps in single precision
+    assert np.allclose(seen["radius"], 0.005, rtol=1e-6)  # stored in single precision by OVITO
     assert seen["strongest"] == strongest
     assert seen["longest"] < 1.01 * synthetic.DIAMETER
     assert np.allclose(np.array(seen["z"])[np.argsort(seen["id"])], positions[:, 2], rtol=0, atol=1e-11)

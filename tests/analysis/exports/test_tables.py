@@ -1,4 +1,4 @@
-"""Exports to CSV and NetCDF: what other programs read back is what result.h5 holds, to the last bit."""
+"""Exports to CSV and NetCDF: values read by other programs are bitwise those of result.h5."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from tests.helpers.export_inputs import equal, write_chain_run, write_periodic_r
 
 TABLES = ("spheres", "contacts", "wall_contacts", "energy")
 UNITS = {"J": "_J", "N": "_N", "m": "_m", "s": "_s", "kg": "_kg", "m s-1": "_m_s", "1": ""}
-#: Of pandas.read_csv; from 3.1 on its default is exact.
+#: Options of pandas.read_csv for exact values; from version 3.1 on its default is exact.
 EXACT = (
     {} if find_spec("pandas") and Version(version("pandas")) >= Version("3.1") else {"float_precision": "round_trip"}
 )
@@ -53,7 +53,7 @@ def scan(tmp_path_factory):
 
 
 def csv_columns(result, group):
-    """What a table is expected to hold, by column."""
+    """Expected contents of a table, by column."""
     found = {}
     for name in result.names(group):
         values, suffix = result[f"{group}/{name}"], UNITS[result.unit(f"{group}/{name}")]

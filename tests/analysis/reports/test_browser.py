@@ -1,4 +1,4 @@
-"""A report in a browser: no complaint, no request, and tables that sort."""
+"""Report in a browser: no error messages, no network requests, and sortable tables."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def runs(tmp_path):
 
 
 def test_in_a_browser(runs, tmp_path):
-    """No complaint, no request, no sideways scrolling on a phone, and tables that sort by keyboard."""
+    """No error messages, no requests, no horizontal scrolling on a phone, and tables that can be sorted by keyboard."""
     write_report([*runs, *nasty_inputs(tmp_path / "more")], tmp_path / "report.html")
     with Browser(CHROMIUM, tmp_path / "profile") as browser:
         for width in (390, 1200):
@@ -31,7 +31,7 @@ def test_in_a_browser(runs, tmp_path):
             assert browser.evaluate("document.documentElement.scrollWidth") <= width
             assert browser.evaluate("innerWidth") == width
             wide = "[...document.querySelectorAll('.box')].some((b) => b.scrollWidth > b.clientWidth)"
-            assert browser.evaluate(wide) is True  # tables scroll in their own boxes
+            assert browser.evaluate(wide) is True  # tables scroll within their own elements
             assert browser.evaluate("[...document.images].every((i) => i.complete && i.naturalWidth > 0)") is True
             assert browser.evaluate("parseFloat(getComputedStyle(document.body).fontSize)") >= 16
         sort = "[...document.querySelectorAll('table.sortable')].find((t) => t.caption?.innerText == 'Scan scan')"
@@ -57,7 +57,7 @@ def test_in_a_browser(runs, tmp_path):
 
 @pytest.mark.parametrize("alone", [True, False])
 def test_a_wide_figure_has_the_whole_row(tmp_path, alone):
-    """Drawn for two columns: with letters as large as the page's, alone in its gallery or not; others share a row."""
+    """A two-column figure has the font size of the page, alone in its gallery or not; others share a row."""
     run = write_run(tmp_path / "run", figures=False)
     (run / "figures").mkdir()
     sizes = {"wave_front": (2100, 1300)} | ({} if alone else {"energies": (1020, 1080), "probes": (1020, 700)})
@@ -76,7 +76,7 @@ def test_a_wide_figure_has_the_whole_row(tmp_path, alone):
 
 
 def test_the_browser_test_would_notice(tmp_path):
-    """A page that does ask the network and does complain is caught by the same means."""
+    """A page with a request and an error message is detected by the same check."""
     page = tmp_path / "bad.html"
     page.write_text("<body><img src='http://127.0.0.1:9/x.png'><p style='width:2000px'>x</p><script>nope()</script>")
     with Browser(CHROMIUM, tmp_path / "profile") as browser:

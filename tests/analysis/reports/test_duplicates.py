@@ -1,4 +1,4 @@
-"""A report of several kinds of runs says nothing twice: no picture, table, caption or heading stands in it two times."""
+"""Report of several kinds of runs without duplicates of figures, tables, captions or headings."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ from granwave.analysis.studies.study import draw_studies
 from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY
 from granwave.workflows import run_case
 from tests.helpers import synthetic
+from tests.helpers.chain_cases import PULSE, case_of
 from tests.helpers.synthetic_report import build
 from tests.helpers.synthetic_scan import grid, write_scan
-from tests.workflows.test_chains import PULSE, case_of
 
 
 @pytest.fixture(scope="module")
 def tolerances(tmp_path_factory) -> Path:
-    """A scan with the files that the driver leaves: packings hit at two velocities, with friction and without."""
+    """Scan with the files written by the driver: packings hit at two velocities, with friction and without."""
     points = grid(load__velocity=[2.0, 5.0], contact__friction=[0.0, 0.1, 0.2])
-    scan = write_scan(tmp_path_factory.mktemp("scans") / "tolerances", points)
+    scan = write_scan(tmp_path_factory.mktemp("scans") / "tolerances", points, study=["tolerance"])
     for point in ScanResult(scan).points:
         path, values = scan / "points" / point.id / "summary.json", (float(v) for v in point.labels.values())
         velocity, friction = values
@@ -42,7 +42,7 @@ def tolerances(tmp_path_factory) -> Path:
 
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory) -> list[Path]:
-    """A packing with its figures, a chain with a bar, a target below a packing."""
+    """Packing with its figures, chain with a bar, target below a packing."""
     folder = tmp_path_factory.mktemp("runs")
     packing = synthetic.write_run(folder / "packing", synthetic.make_case())
     analyse(packing)
@@ -55,7 +55,7 @@ def runs(tmp_path_factory) -> list[Path]:
 
 
 def parts(blocks: Sequence[Block]) -> Iterator[Block | Figure]:
-    """Blocks and pictures, those of groups included."""
+    """Blocks and figures, including those of groups."""
     for block in blocks:
         yield block
         if isinstance(block, Group):
@@ -76,7 +76,7 @@ def repeated(report: Report) -> dict[str, list[object]]:
     headings += [part.title for part in everything if isinstance(part, Group)]
     headings += [part.caption for part in tables if part.captioned]
     verdicts = [section for section in report.sections if section.slug == "verdict"]
-    said = {id(part) for section in verdicts for part in parts(section.blocks)}  # of each packing its own
+    said = {id(part) for section in verdicts for part in parts(section.blocks)}  # one per packing
     notes = [part.text for part in everything if isinstance(part, Note) and id(part) not in said]
     assert figures and tables and notes
     return {
@@ -90,7 +90,7 @@ def repeated(report: Report) -> dict[str, list[object]]:
 
 
 def test_report_of_a_scan(tolerances):
-    """Its pictures of studies are files, too; the studies show them with the packing that they are of."""
+    """Figures of studies are files, too; the studies show them with the packing that they belong to."""
     report = build([tolerances], tolerances)
     assert not any(repeated(report).values()), repeated(report)
     figures = [part for section in report.sections for part in parts(section.blocks) if isinstance(part, Figure)]

@@ -1,4 +1,4 @@
-"""The three formats of a report: the same bytes for the same inputs, and texts that may hold anything."""
+"""Three formats of a report: identical bytes for identical inputs, and arbitrary characters in texts."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def runs(tmp_path):
 
 @pytest.mark.parametrize("suffix", ["html", "pdf", "md"])
 def test_same_inputs_same_bytes(runs, tmp_path, suffix):
-    """In another process, with other hashes, from another place, of files made in another order."""
+    """Reports are identical in another process and directory, with other hashes and files made in another order."""
     write_report(runs, tmp_path / f"report.{suffix}")
     there = tmp_path / "elsewhere"
     there.mkdir()
@@ -48,7 +48,7 @@ def test_same_inputs_same_bytes(runs, tmp_path, suffix):
 
 
 class Page(HTMLParser):
-    """Tags and what they point to."""
+    """Tags and their link targets."""
 
     def __init__(self, text: str) -> None:
         super().__init__()

@@ -1,4 +1,4 @@
-"""What no report is written of, and where none is written."""
+"""Errors of the report command: inputs and output places that are not accepted."""
 
 from __future__ import annotations
 

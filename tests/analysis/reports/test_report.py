@@ -1,4 +1,4 @@
-"""The content of a report: what it says of runs, scans and continuum runs, and which figures it shows."""
+"""Contents of a report: statements on runs, scans and continuum runs, and figures."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def test_scan_table_has_the_varied_keys_first_and_every_status(runs, tmp_path):
     assert rows[0]["load.velocity"].value == 10.0
     summary = json.loads(next((runs[2] / "points").glob("*/summary.json")).read_text())
     assert any(row["Peak contact force"].value == pytest.approx(summary["peak_force_N"]) for row in rows)
-    assert rows[2]["Peak contact force"].text == ""  # of a point that failed
+    assert rows[2]["Peak contact force"].text == ""  # for a failed point
 
 
 def test_failed_and_missing_points_say_why(runs, tmp_path):
@@ -184,7 +184,7 @@ def test_versions_common_once_and_differences_by_run(tmp_path):
 
 
 def test_programs_of_another_kind_of_run_are_no_difference(tmp_path):
-    """The continuum needs no LAMMPS; one granular run that does not tell its LAMMPS is another matter."""
+    """Continuum runs need no LAMMPS version; a granular run without one is reported."""
     versions = {"granwave": "1", "lammps": "2"}
     grains = write_run(tmp_path / "grains", figures=False, versions=versions)
     block = write_run(tmp_path / "block", figures=False, versions={"granwave": "1", "numba": "3"}, n_elements=100)

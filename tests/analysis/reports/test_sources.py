@@ -1,4 +1,4 @@
-"""What a report says about the sources: their values beside ours, and their errata."""
+"""Sources in a report: their values next to computed ones, and their errata."""
 
 from __future__ import annotations
 

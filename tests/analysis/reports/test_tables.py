@@ -1,4 +1,4 @@
-"""Tables and notes of a report: no empty column, no digits that say nothing, the bottoms of runs, names of sections."""
+"""Tables and notes of a report: no empty columns, no insignificant digits, the bottoms of runs, names of sections."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from tests.helpers.synthetic_scan import grid, write_scan
 
 
 def made(heads: list[str], rows: list[list], *, by_row: bool = False) -> Table:
-    """``Energy:J`` is a numeric column with its unit, ``Run`` one of names."""
+    """Table from headings: ``Energy:J`` is a numeric column with its unit, ``Run`` a column of names."""
     columns = [Column(name, unit, numeric=name[0].isupper() and colon == ":") for name, colon, unit in
                (head.partition(":") for head in heads)]  # fmt: skip
     cells = [[value if isinstance(value, Cell) else value_cell(value) for value in row] for row in rows]
@@ -53,7 +53,7 @@ def test_rounding_is_no_number():
 
 
 def test_small_runs_of_a_wide_scan_keep_their_energies():
-    """Of one run the input is the scale, however much larger that of another run is."""
+    """The scale of each run is its own input energy, even if that of another run is much larger."""
     of = made(["Run", "Input:J", "Kinetic:J"], [["x", 1e-13, 4e-14], ["y", 10.0, 5.0]])
     assert texts(of) == [["x", "1e-13", "4e-14"], ["y", "10", "5"]]
 
@@ -77,7 +77,7 @@ def test_means_of_rounding():
 
 
 def test_bottoms_of_runs_are_told_in_one_column(tmp_path):
-    """Of a wall, a plate, a half-space and a bar; units and single values are in the settings."""
+    """Bottoms that are a wall, a plate, a half-space and a bar; units and single values are in the settings."""
     bottoms = {
         "wall": "wall",
         "plate": "{plate = {mass = 5.0, stiffness = 5e9}}",
@@ -137,7 +137,7 @@ def test_a_continuum_balance_has_its_own_limits(tmp_path):
 
 
 def test_sections_have_names_of_their_own(tmp_path):
-    """Studies have values of the sources too, so their section is not called after them."""
+    """Studies include values of the sources, too, so their section is not named after the sources."""
     run = write_run(tmp_path / "run", figures=False)
     inputs = read_inputs([run], tmp_path)
     study = Study(
@@ -147,7 +147,7 @@ def test_sections_have_names_of_their_own(tmp_path):
     assert section.title == "Studies"
     part = next(block for block in section.blocks[0].blocks if isinstance(block, Table))
     assert part.caption == "A chain: source against ours"
-    assert [row[3].text for row in part.rows] == ["+50 %", "-25 %"]  # from the source, else from theory
+    assert [row[3].text for row in part.rows] == ["+50 %", "-25 %"]  # from the source, otherwise from theory
     titles = [one.title for one in build([run], tmp_path).sections] + [section.title]
     assert len({re.sub(r"\W", "", title).lower() for title in titles}) == len(titles)
 
@@ -158,7 +158,7 @@ def test_sources_that_say_nothing_have_no_section(tmp_path):
 
 
 def test_templates_give_a_wide_figure_the_whole_row():
-    """No rule for a figure alone in its gallery narrows a wide one."""
+    """The style of a figure alone in its gallery does not reduce the width of a wide one."""
     css = (Path(__file__).parents[3] / "analysis/reports/writers/templates/report.css").read_text()
     for rule in re.findall(r"([^{}]*only-child[^{}]*)\{[^}]*max-width", css):
         assert ":not(.wide)" in rule

@@ -1,4 +1,4 @@
-"""Figures of a scan as they look: labels that do not touch or leave the figure, curves of one kind, nothing but zeros."""
+"""Appearance of the figures of a scan: labels without overlap inside the figure, curves of one kind, data of zeros only."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ BOTTOMS = [
 
 @pytest.fixture(autouse=True)
 def as_drawn():
-    """Letters as large as in the figures."""
+    """Font size of the figures."""
     with style():
         yield
 
@@ -43,7 +43,7 @@ def series_of(x, values=None, label="", row=0):
 
 
 def shown_labels(figure: Figure) -> list[list[tuple[str, Bbox]]]:
-    """Tick labels within sight and where they are, by axis."""
+    """Visible tick labels and their positions, by axis."""
     figure.draw_without_rendering()
     renderer = figure.canvas.get_renderer()
     found = []
@@ -58,13 +58,13 @@ def shown_labels(figure: Figure) -> list[list[tuple[str, Bbox]]]:
 
 
 def touching(figure: Figure) -> list[tuple[str, str]]:
-    """Labels of an axis that run together."""
+    """Labels of an axis that overlap."""
     pairs = itertools.chain.from_iterable(map(itertools.pairwise, shown_labels(figure)))
     return [(a, b) for (a, first), (b, second) in pairs if first.overlaps(second)]
 
 
 def outside(figure: Figure) -> list[str]:
-    """Texts that the figure cuts off."""
+    """Texts that are cut off by the edge of the figure."""
     boxes = list(itertools.chain.from_iterable(shown_labels(figure)))
     renderer, whole = figure.canvas.get_renderer(), figure.bbox
     legends = [*figure.legends, *(axes.get_legend() for axes in figure.axes if axes.get_legend())]
@@ -138,7 +138,7 @@ def test_columns_of_a_map_do_not_run_together():
 
 
 def test_what_is_zero_everywhere_has_no_figure(tmp_path):
-    """No dissipation without yielding: no curves, no bars, no map of it; one yielding point is enough for them."""
+    """Without yielding there are no curves, bars or maps of dissipation; one yielding point is sufficient for them."""
     points = grid(load__velocity=[1, 2], packing__diameter=[0.005, 0.01], contact__law=["hertz"])
     elastic = write_scan(tmp_path / "elastic", points)
     assert {path.stem.partition("_vs_")[0] for path in draw_scan_figures(elastic, pdf=False)} == {
@@ -157,7 +157,7 @@ def rows_of(path):
 
 
 def test_a_key_that_sorts_the_points_tells_the_curves_apart(tmp_path):
-    """Each velocity occurs with one number of struck spheres only: they are curves all the same."""
+    """Curves are drawn although each velocity occurs with one number of struck spheres only."""
     points = [{"load.velocity": v, "load.spheres": n} for n, speeds in ((1, (1, 4, 9)), (3, (2, 5, 8))) for v in speeds]
     scan = write_scan(tmp_path, points)
     draw_scan_figures(scan, pdf=False)

@@ -1,4 +1,4 @@
-"""The table and the figures of a scan, and the speed of a wave, against numbers that are known."""
+"""Table and figures of a scan, and the wave speed, against known values."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ QUANTITIES = {"dissipated_fraction", "plastic_zone_depth", "plastic_spheres", "p
 
 @pytest.fixture(scope="module")
 def scan(tmp_path_factory):
-    """Three velocities of two materials: point 2 failed, point 5 was never begun."""
+    """Three velocities of two materials: point 2 failed, point 5 was never started."""
     points = grid(load__velocity=[1, 5, 20], material=["brass", "steel"])
     reason = 'ERROR: "lost atoms",\nrank 0: \udcff\0µ'
     return write_scan(tmp_path_factory.mktemp("scan"), points, failed={2: reason}, missing=[5])
@@ -73,7 +73,7 @@ def test_csv_gives_every_number_back(scan):
         "" if value is None else value for value in table["peak_force_N"]
     ]
     assert rows[1]["reason"] == 'ERROR: "lost atoms",\nrank 0: ?µ'
-    assert [path.name for path in scan.iterdir() if path.name.startswith(".")] == [".granwave"]  # no scratch file
+    assert [path.name for path in scan.iterdir() if path.name.startswith(".")] == [".granwave"]  # no temporary file
 
 
 def test_hdf5_has_types_and_units(scan):
@@ -143,7 +143,7 @@ def test_replicates_have_means_and_deviations(tmp_path):
 
 
 def test_two_thousand_points_are_quick(tmp_path):
-    """The summaries are read once; then the table is written again within a second."""
+    """Summaries are read once; the table is then rewritten within a second."""
     points = [{"load.velocity": 1 + n / 1000} for n in range(2000)]
     summary = summary_of(case_of({}))
     for labels in points:
@@ -215,7 +215,7 @@ def test_independent_keys():
 
 def test_sizes_are_numbers():
     key = key_of("packing.size", ["[24, 24, 6]", "[24, 24, 12]"])
-    assert key.numeric and key.values == (6, 12) and key.naming.words == "Layers"
+    assert key.numeric and key.values == (6, 12) and key.naming.label == "Layers"
     assert key_of("packing.size", ["[4, 4, 6]", "[5, 5, 6]"]).values == (96, 150)
     assert key_of("packing.size", [20, 40]).values == (20, 40)
     assert not key_of("run.end_time", [1e-3, "auto"]).numeric
@@ -250,7 +250,7 @@ def test_categories_as_bars(tmp_path):
 
 
 def test_keys_varied_together_and_text_with_commas(tmp_path):
-    """A size that goes with the kind: curves over the one, bars by the other, no legend; in a CSV file it is quoted."""
+    """Size that varies with the kind: curves over the one, bars by the other, no legend; it is quoted in a CSV file."""
     zipped = [{"packing.kind": kind, "packing.size": f"[12, 12, {n}]"} for kind, n in (("fcc", 10), ("hcp", 12))]
     write_scan(tmp_path / "zip", zipped)
     names = stems(draw_scan_figures(tmp_path / "zip", pdf=False))
@@ -296,7 +296,7 @@ def test_figures_that_make_no_sense_any_more_go(tmp_path):
 
 
 def test_wave_speed_of_known_arrivals(tmp_path):
-    """Contacts of the synthetic chain were first loaded at their distance over 1000 m/s."""
+    """Contacts of the synthetic chain are first loaded at their distance divided by 1000 m/s."""
     case = synthetic.make_case("chain", 20)
     synthetic.write_run(tmp_path, case)
     write_result(tmp_path)
@@ -304,7 +304,7 @@ def test_wave_speed_of_known_arrivals(tmp_path):
 
 
 def test_wave_speed_takes_the_first_arrival_of_deep_layers():
-    """Two spheres a layer; the upper layers, a later sphere and layers never reached do not count."""
+    """Packing with two spheres per layer; the upper layers, a later sphere and layers that were not reached are ignored."""
     layer = np.arange(16)
     depth = np.repeat(layer * 0.01, 2) + 1e-9 * np.tile([0, 1], 16)
     arrival = np.repeat(layer * 0.01 / 500.0, 2)
@@ -318,7 +318,7 @@ def test_wave_speed_takes_the_first_arrival_of_deep_layers():
 
 
 def test_wave_speed_of_a_hertz_chain(granwave, tmp_path):
-    """A solitary wave: Nesterenko's speed, with the peak force that the chain carries."""
+    """Speed of a solitary wave after Nesterenko, with the peak force of the chain."""
     settings = ["contact.law=hertz", "packing.kind=chain", "packing.size=40", "run.end_time=5.5e-4", "run.frames=2"]
     options = [word for setting in settings for word in ("--set", setting)]
     assert granwave("run", "fcc-small", "-o", tmp_path / "r", *options).returncode == 0
@@ -333,7 +333,7 @@ def test_wave_speed_of_a_hertz_chain(granwave, tmp_path):
 def test_wave_speed_in_a_packing_that_yields(lmp, tmp_path):
     """The first force in a layer comes with the peak force about four layers above.
 
-    The lead grows by half a layer over the depth, since the wave gets weaker: the speed is 10 % above that of the peak.
+    The lead increases by half a layer over the depth, since the wave is attenuated: the speed is 10 % above that of the peak.
     """
     settings = ["packing.size=[14,14,14]", "run.end_time=1.9e-4", "run.frames=2", "boundary.bottom=free"]
     written = write_deck(load_case(library.find("fcc-small"), settings), tmp_path)

@@ -1,4 +1,4 @@
-"""Elastic bars and chains that end on them: closed forms, the independent chain solver, studies, bad input."""
+"""Elastic bars and chains in contact with them: closed forms, the independent chain solver, studies, invalid input."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def test_errors_of_a_bar_fall_with_its_elements(lone_bars):
 
 def test_study_of_bars(lone_bars):
     (study,) = make_studies({"elastic-bar": lone_bars})
-    assert [picture.name for picture in study.pictures] == ["bar_pulse"]  # two meshes are no convergence
+    assert [picture.name for picture in study.pictures] == ["bar_pulse"]  # convergence needs more than two meshes
     assert sum(row.quantity.startswith("Speed") for row in study.rows) == 1
     assert all(np.isfinite(row.ours) for row in study.rows)
     assert all(abs(row.ours / row.expected - 1) < 5e-3 for row in study.rows if row.expected)
@@ -79,7 +79,7 @@ def test_applied_force(load, expected):
 
 @pytest.fixture(scope="module")
 def chains(tmp_path_factory: pytest.TempPathFactory) -> list[ChainRun]:
-    """8 beads of brass on a bar, and with one of aluminium at places 2, 5 and 8."""
+    """Chains of 8 brass beads on a bar, also with one of aluminium at positions 2, 5 and 8."""
     folder = tmp_path_factory.mktemp("intruder")
     changes = SHORT | {"output.history": 0}
     alike = run(folder / "alike", "intruder", changes | {"replace.1.index": 1, "replace.1.material": "brass"})
@@ -107,7 +107,7 @@ def test_study_of_places(chains):
 
 
 def test_study_of_properties(tmp_path):
-    """Heavier and softer intruders let less through; the study finds what differs by itself."""
+    """Heavier and softer intruders transmit less; the study determines the differing parameter."""
     changes = SHORT | {"output.history": 0, "replace.1.index": 4, "run.end_time": 6e-4, "bar.length": 1.6}
     steel = {"preset": "steel"}
     kinds = [

@@ -1,4 +1,4 @@
-"""Composite chains, the homogeneous chain of the same source, and two unlike spheres: against closed forms and the twin."""
+"""Composite chains, the homogeneous chain of the same source, and two unlike spheres, against closed forms and the twin."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def homogeneous(tmp_path_factory: pytest.TempPathFactory) -> Study:
 
 
 def test_homogeneous_chain_is_the_discrete_wave(homogeneous: Study) -> None:
-    """Force and speed to 0.2 % of theory, which the source's finite elements miss by 0.7 to 71 and 2 to 18 %."""
+    """Force and speed agree with theory to 0.2 %; finite elements of the source deviate by 0.7 to 71 and 2 to 18 %."""
     rows = rows_of(homogeneous)
     force = rows["Peak force; source: penalty 1.5, automatic solver"]
     speed = rows["Wave speed; source: penalty 1.5, automatic solver"]
@@ -54,7 +54,7 @@ def test_homogeneous_chain_is_the_discrete_wave(homogeneous: Study) -> None:
 
 
 def test_speed_of_the_discrete_wave() -> None:
-    """Against a wave that has run through 65 contacts of the twin, at the force that it has there."""
+    """Comparison with a wave after 65 contacts of the twin, at its force there."""
     bead, force = Bead(radius=2.38e-3, strength=None, **STEEL), []
     twin = Chain([bead] * 75, "hertz").run(5.6e-4, 5e-8, velocity={0: 0.626}, every=2)
     for contact in (45, 65):
@@ -87,7 +87,7 @@ STRENGTHS = {
 
 @pytest.fixture(scope="module")
 def chains(tmp_path_factory: pytest.TempPathFactory) -> list[ChainRun]:
-    """N2 = 3 and 6 of brass: elastic and yielding, the shorter ones until the output pulse has passed."""
+    """Chains with N2 = 3 and 6 of brass, elastic and yielding; the shorter ones until the output pulse has passed."""
     folder = tmp_path_factory.mktemp("composite")
     three = {"replace.1.index": {"first": 8, "last": 10}, "sensor.2.id": 12, "run.end_time": 4e-4}
     return [
@@ -134,7 +134,7 @@ def test_loss_in_the_section_lowers_the_pulse(chains: list[ChainRun]) -> None:
 
 
 def test_reflections(chains: list[ChainRun]) -> None:
-    """The pulse from the end comes back when the source says it does; the back reflection is weak and comes before."""
+    """The pulse reflected at the end returns at the time given in the source; the back reflection is weak and earlier."""
     waves = chain_of(chains, 6, elastic=True).reflections
     assert waves["end"].time == pytest.approx(1.25e-3, rel=0.03)
     assert not waves["end"].forth
@@ -214,13 +214,13 @@ def test_unlike_study(pairs: list[ChainRun]) -> None:
     (study,) = make_studies({"unlike-spheres": pairs})
     assert len(study.pictures) == 4
     spread = next(row for row in study.rows if row.quantity.startswith("Spread"))
-    assert abs(spread.ours) < 0.1  # per cent: one normalised curve for ratios 1 and 4
+    assert abs(spread.ours) < 0.1  # per cent: one normalized curve for ratios 1 and 4
     assert all(row.ours == pytest.approx(row.expected, rel=1e-3) for row in study.rows if row.expected)
     assert not make_studies({"unlike-spheres": pairs[:1]})
 
 
 def test_materials_of_the_composite_source() -> None:
-    """Its Table 1; densities in kg/m^3, where it prints g/m^3."""
+    """Table 1 of the source; densities are in kg/m^3, printed there as g/m^3."""
     for name, values in {
         "stainless-steel": (209e9, 0.28, 7925),
         "brass-composite": (103e9, 0.34, 8398),

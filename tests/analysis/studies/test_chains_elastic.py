@@ -136,7 +136,7 @@ def test_studies_of_several_runs_are_numbered(loaded: ChainRun) -> None:
 
 
 def test_only_runs_that_show_an_endless_chain(loaded: ChainRun, struck: list[ChainRun], tmp_path: Path) -> None:
-    """What has come to the end, or is of another law, or ends too soon, yields nothing."""
+    """Runs whose wave has reached the end, of another law, or that end too soon give no values."""
     assert from_thesis(loaded)
     assert not from_thesis(struck[0])
     assert loaded.undisturbed
@@ -153,7 +153,7 @@ def test_only_runs_that_show_an_endless_chain(loaded: ChainRun, struck: list[Cha
 
 @pytest.fixture(scope="module")
 def pulses(tmp_path_factory: pytest.TempPathFactory) -> list[ChainRun]:
-    """Brass at 40 N and steel at 1000 N, three durations each, alike in the chain's own units."""
+    """Runs of brass at 40 N and steel at 1000 N, with three durations each that are equal in the units of the chain."""
     directory, runs = tmp_path_factory.mktemp("pulses"), []
     for changes, amplitude in (({}, 40.0), (STEEL, 1000.0)):
         case = load_case("elastic-long-load", changes)

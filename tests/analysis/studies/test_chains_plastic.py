@@ -1,4 +1,4 @@
-"""Elasto-plastic and bilinear chains: the studies' measures and models, on short chains."""
+"""Elastoplastic and bilinear chains: quantities and models of the studies, for short chains."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def row(study: Study, *words: str) -> Row:
 
 
 def test_the_linear_chain_in_closed_form():
-    """Momentum stays that of the impulse; the force is what accelerates all beads behind it; k alpha is the force."""
+    """Momentum is conserved; the force equals the rate of momentum of all beads behind it, and k alpha."""
     phase = np.array([0.7, 1.15, 3.0])
     assert sum(bead_velocity(n, phase) for n in range(1, 40)) == pytest.approx(np.ones(3), abs=1e-12)
     for contact in (1, 2, 5):
@@ -91,7 +91,7 @@ def test_the_closed_forms_of_a_long_load():
     theory = LongLoad(SPRING, 8e3, 2.5e-3)
     assert (theory.velocity, theory.trailing, theory.later) == pytest.approx((26.234, 14.502, 10.021), rel=1e-4)
     assert (theory.later_force, theory.meeting) == pytest.approx((3055.7, 3.419), rel=1e-4)
-    # the two meet: the leading front from 0 at c, the trailing one from T at c_u
+    # intersection of the leading front, from 0 at c, with the trailing one, from T at c_u
     assert theory.meeting / 9.52e-3 == pytest.approx(SPRING.unloading_rate * (theory.meeting_time - 2.5e-3))
     assert LongLoad(Spring(1e7, 0.0, 1e-3, 1e-2), 1.0, 1.0).meeting_time == np.inf
 
@@ -121,7 +121,7 @@ def test_a_short_pulse_on_bilinear_chains(short):
 
 
 def test_other_beads_and_an_impact_give_the_same_numbers(short, tmp_path):
-    """In units of I/m and sqrt(k/m) I the chain has no scale but beta."""
+    """The only parameter of the chain in units of I/m and sqrt(k/m) I is beta."""
     other = run("bilinear-pulse", tmp_path / "steel", material="steel", packing__size=30, packing__diameter=6e-3,
                 load={"kind": "impact", "velocity": 12.0}, run__end_time=1.5e-4, run__timestep=2e-8,
                 output__history=1500)  # fmt: skip
@@ -141,7 +141,7 @@ def test_a_long_load_on_a_bilinear_chain(tmp_path):
     assert not make_studies({"bilinear-long-load": [], "bilinear-pulse": [found]})
 
 
-# elasto-plastic chains
+# elastoplastic chains
 
 
 @pytest.fixture(scope="module")
@@ -210,7 +210,7 @@ def test_the_study_of_elastoplastic_chains(plastic, tmp_path):
 
 
 def test_other_beads_stand_alone(tmp_path):
-    """The source's constants are those of its brass: no source values beside another material."""
+    """Constants of the source are those of its brass: no source values are shown for another material."""
     found = run("elastoplastic-pulse", tmp_path / "soft", material="aluminium", packing__size=60, run__end_time=2e-3,
                 output__history=400)  # fmt: skip
     study = one("elastoplastic-pulse", [found])
@@ -226,7 +226,7 @@ def test_the_studies_are_found_among_all_runs(plastic, short):
 
 
 def test_the_models_of_dissipation():
-    """The sum has the source's peak forces; its integral is that of the same curve over contacts."""
+    """Sum and integral of peak forces: the sum uses those of the source, the integral the same curve over contacts."""
     n = np.arange(1.0, 88)
     peak = 0.4598 * 357915.4
     d0, d1, d2 = QUADRATIC

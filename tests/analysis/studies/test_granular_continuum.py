@@ -1,4 +1,4 @@
-"""Granular against continuum: a small suite is run once; what the comparison says of it, and how a suite behaves."""
+"""Granular and continuum models: comparison for a small suite that is run once, and behavior of suites."""
 
 from __future__ import annotations
 
@@ -13,9 +13,10 @@ import pytest
 
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.report import write_report
-from granwave.analysis.reports.sections.comparison import impacts_of
-from granwave.analysis.studies.granular_continuum import both, continuum, forces, granular, zone
+from granwave.analysis.studies.granular_continuum import blocks, forces, packings, sides, zone
 from granwave.analysis.studies.granular_continuum.impacts import Impacts, collect
+from granwave.analysis.studies.granular_continuum.study import select
+from granwave.analysis.studies.runs import read_run
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.ownership import claim
 from granwave.lammps_inputs.run_directory import RUN
@@ -23,7 +24,7 @@ from granwave.workflows import library, load_scan
 from granwave.workflows.cli.parser import main
 from granwave.workflows.scanning.suite import load_suite, run_suite
 
-#: The reference, and the same normalised velocities with E doubled (v/4); and three spheres with the energy of one.
+#: Reference, equal normalized velocities with E doubled (v/4), and three spheres with the energy of one.
 GRANULAR = """
 case = "fcc-impact"
 [set]
@@ -46,13 +47,13 @@ punch.mass = [0.1, 0.1, 0.1, 0.01, 0.1]
 punch.velocity = [8, 12, 16, 37.94733, 11.31371]
 material.youngs_modulus = [115e9, 115e9, 115e9, 115e9, 230e9]
 """
-pytestmark = pytest.mark.xdist_group("comparison")  # one process makes the suite, not each
+pytestmark = pytest.mark.xdist_group("comparison")  # the suite is made by one process only
 SUITE = 'name = "small"\nscans = ["granular.toml", "continuum.toml"]\n'
 
 
 @pytest.fixture(scope="module")
 def suite(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The directory of a suite that ran to its end."""
+    """Directory of a finished suite."""
     files = tmp_path_factory.mktemp("suite")
     for name, text in (("granular", GRANULAR), ("continuum", CONTINUUM), ("suite", SUITE)):
         (files / f"{name}.toml").write_text(text, encoding="utf-8")
@@ -62,7 +63,8 @@ def suite(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def impacts(suite: Path) -> Impacts:
-    return impacts_of(read_inputs([suite], suite))
+    (found,) = select([read_run(run.label, run.directory, run.summary) for run in read_inputs([suite], suite).whole()])
+    return found
 
 
 def test_both_kinds_are_collected(impacts: Impacts) -> None:
@@ -72,26 +74,26 @@ def test_both_kinds_are_collected(impacts: Impacts) -> None:
 
 
 def test_granular_fractions_collapse_on_normalised_axes(impacts: Impacts) -> None:
-    (row,) = granular.collapse(impacts)
+    (row,) = packings.collapse(impacts)
     assert (row.name, row.n) == ("modulus 230 GPa", 2)
-    assert row.largest < 5e-4  # the equations are the same; steps differ, and overlaps beside the diameter
+    assert row.largest < 5e-4  # the equations are the same; timesteps and the ratios of overlap to diameter differ
 
 
 def test_continuum_fractions_collapse_on_normalised_axes(impacts: Impacts) -> None:
-    (row,) = continuum.collapse(impacts)
+    (row,) = blocks.collapse(impacts)
     assert (row.name, row.energy) == ("modulus 230 GPa", pytest.approx(4.866, abs=1e-3))
     assert abs(row.fraction) < 0.01
-    assert abs(row.volume) < 0.03  # sampled every 0.2 us, whatever the material
+    assert abs(row.volume) < 0.03  # sampled every 0.2 us, for all materials
 
 
 def test_masses_are_compared_at_equal_energy(impacts: Impacts) -> None:
-    light, heavy = (dict(continuum.masses(impacts))[name] for name in ("m = 0.01 kg", "m = 0.1 kg"))
+    light, heavy = (dict(blocks.masses(impacts))[name] for name in ("m = 0.01 kg", "m = 0.1 kg"))
     assert light[0].energy_normalised == pytest.approx(heavy[1].energy_normalised, rel=1e-6)
     assert light[0].fraction == pytest.approx(heavy[1].fraction, rel=0.5)
 
 
 def test_loading_area_is_compared_at_equal_energy(impacts: Impacts) -> None:
-    ((energy, fractions),) = granular.area_table(impacts)
+    ((energy, fractions),) = packings.area_table(packings.by_area(impacts))
     assert set(fractions) == {1, 3}
     run = next(run for run in impacts.reference if run.case.load.velocity == 8)
     assert energy == pytest.approx(run.energy_normalised)
@@ -105,7 +107,7 @@ def test_quadratic_law_is_found_in_made_up_runs(impacts: Impacts) -> None:
         v = run.velocity_normalised
         lost = np.polynomial.polynomial.polyval(v, constants)
         made.append(dataclasses.replace(run, summary={**run.summary, "dissipated_fraction": lost / (0.5 * v**2)}))
-    fit = granular.quadratic_fit(Impacts(tuple(made), ()))
+    fit = packings.quadratic_fit(Impacts(tuple(made), ()))
     assert fit is None  # too few from a tenth of the largest velocity on
     more = [
         dataclasses.replace(
@@ -119,7 +121,7 @@ def test_quadratic_law_is_found_in_made_up_runs(impacts: Impacts) -> None:
         )
         for v in np.linspace(60, 290, 8)
     ]
-    fit = granular.quadratic_fit(Impacts((*made, *more), ()))
+    fit = packings.quadratic_fit(Impacts((*made, *more), ()))
     assert fit is not None
     np.testing.assert_allclose(fit.constants, constants, rtol=1e-8)
     assert fit.misfit < 1e-10
@@ -127,18 +129,20 @@ def test_quadratic_law_is_found_in_made_up_runs(impacts: Impacts) -> None:
 
 def test_involved_material_did_the_dissipation(impacts: Impacts) -> None:
     for run in (impacts.reference[-1], impacts.continuum_reference[-1]):
-        found = both.involved(run)
+        found = sides.involved(run)
         assert found is not None
         assert found.fraction[-1] == pytest.approx(run.fraction, rel=1e-3)
         assert np.all(np.diff(np.diff(found.fraction) / np.diff(found.volume)) <= 1e-6 * found.fraction[0])
-        assert 0.9 <= found.energy / (run.fraction * run.energy) <= 1.0
-    spheres = both.involved(impacts.reference[-1])
-    assert spheres is not None
-    assert spheres.bulk / (spheres.mass / 8500) == pytest.approx(math.sqrt(18) / math.pi)
+        fraction, volume = found.part(0.9)
+        assert 0.9 <= fraction / run.fraction <= 1.0
+        assert volume < found.volume[-1]
+    (table,) = sides.tables(impacts)
+    mass, bulk = (cell.value for cell in table.rows[0][4:6])  # kg, cm^3 with voids
+    assert 1e-6 * bulk / (mass / 8500) == pytest.approx(math.sqrt(18) / math.pi)
 
 
 def test_peak_forces_grow_about_as_the_impulse(impacts: Impacts) -> None:
-    found = forces.linearity(impacts, lowest=40)
+    found = forces.linear([run for run in impacts.reference if run.velocity_normalised >= 40])
     assert found is not None
     assert np.median(found.exponent) == pytest.approx(1, abs=0.15)
     assert found.ray.shape[1] == len(found.velocity)
@@ -146,25 +150,25 @@ def test_peak_forces_grow_about_as_the_impulse(impacts: Impacts) -> None:
 
 
 def test_front_loses_its_peak(impacts: Impacts) -> None:
-    found = forces.fronts(impacts)
+    found = forces.fronts(impacts.reference)
     assert len(found) == 4
-    for front in found:
+    for _, front in found:
         assert front.depth[0] == 0
         assert np.all(np.diff(front.largest[1:4]) < 0)
         assert np.all((front.uniformity > 0) & (front.uniformity <= 1))
 
 
 def test_zones_are_those_of_the_runs(impacts: Impacts) -> None:
-    packings, blocks = zone.packing_zones(impacts), zone.continuum_zones(impacts)
-    assert [one.run.case.load.velocity for one in packings] == [1, 2, 4, 8, 16, 32]
-    assert len(blocks) == 3
-    for one, diameter in ((packings[-1], 0.01), (blocks[-1], 0.01)):
+    of_packings, of_blocks = zone.packing_zones(impacts), zone.continuum_zones(impacts)
+    assert [one.run.case.load.velocity for one in of_packings] == [1, 2, 4, 8, 16, 32]
+    assert len(of_blocks) == 3
+    for one, diameter in ((of_packings[-1], 0.01), (of_blocks[-1], 0.01)):
         summary = one.run.summary
-        assert one.depth == tuple(summary[f"zone_depth_{share}_m"] / diameter for share in (50, 90, 99))
-        assert one.volume[1] == pytest.approx(summary["zone_volume_90_m3"] / (math.pi * diameter**3 / 6))
+        assert one.zone.depth == tuple(summary[f"zone_depth_{share}_m"] / diameter for share in (50, 90, 99))
+        assert one.zone.volume[1] == pytest.approx(summary["zone_volume_90_m3"] / (math.pi * diameter**3 / 6))
         assert one.energy == pytest.approx(one.run.energy / 2.630, rel=1e-3)  # J, of brass and 10 mm
-    assert packings[-1].mark == zone.Mark.CUT
-    assert all(one.mark != zone.Mark.CUT for one in blocks)
+    assert of_packings[-1].zone.mark == zone.Mark.CUT
+    assert all(one.zone.mark != zone.Mark.CUT for one in of_blocks)
 
 
 def test_zones_are_shown_in_the_largest_packing(impacts: Impacts) -> None:
@@ -215,7 +219,9 @@ def test_finished_scan_of_a_suite_is_not_computed_again(suite: Path, capfd: pyte
 
 def test_runs_that_cannot_be_compared_are_left_out(impacts: Impacts, tmp_path: Path) -> None:
     run = impacts.reference[0]
-    assert collect([("x", tmp_path, run.summary), ("y", run.directory, {})]) == Impacts((), ())
+    assert read_run("x", tmp_path, run.summary) is None
+    assert collect([read_run("y", run.directory, {})]) == Impacts((), ())
+    assert select([]) == []
 
 
 @pytest.mark.parametrize(

@@ -11,14 +11,13 @@ import numpy as np
 import pytest
 
 from granwave.analysis.figures.style import save, style
-from granwave.analysis.measures import loaded_line as theory
 from granwave.analysis.measures.hertz_chain import discrete_speed
+from granwave.analysis.measures.precompressed import loaded_line as theory
 from granwave.analysis.reports.inputs import Point, Scan, read_inputs
 from granwave.analysis.reports.sections.studies import studies_of
 from granwave.analysis.studies.chains.runs import ChainRun
 from granwave.analysis.studies.precompression import hits
 from granwave.analysis.studies.precompression.packing_speed import SmallWave
-from granwave.analysis.studies.precompression.preconditioned import level_of
 from granwave.analysis.studies.precompression.runs import DentedRun
 from granwave.analysis.studies.precompression.settled import contacts_a_sphere
 from granwave.analysis.studies.precompression.waves import ChainWave
@@ -56,7 +55,7 @@ def row(study: Study, start: str) -> Row:
 
 
 def test_limits_of_the_composite_source_equation_3() -> None:
-    """f_r to 1: c0; f_r to infinity: equation 4. So nothing in it is misprinted but a last digit."""
+    """Limits of the closed form: c0 for f_r to 1, equation 4 for f_r to infinity. Only a last digit is misprinted."""
     assert theory.solitary_speed(np.array([1 + 1e-9, 1 + 1e-3])) == pytest.approx([1, 1 + 1e-3 / 18], abs=1e-7)
     far = np.array([1e12])
     assert theory.solitary_speed(far) / far ** (1 / 6) == pytest.approx(math.sqrt(8 / 15), rel=1e-6)
@@ -77,7 +76,7 @@ def test_lattice_waves_lie_between_small_pulses_and_the_uncompressed_chain() -> 
 
 
 def test_crests_of_a_struck_linear_line() -> None:
-    """The closed form against integrated equations of motion (k = m = v = 1)."""
+    """Closed form against integrated equations of motion (k = m = v = 1)."""
     n, dt = 40, 2e-3
     u, v = np.zeros(n), np.zeros(n)
     v[0] = 1.0
@@ -96,7 +95,7 @@ def test_crests_of_a_struck_linear_line() -> None:
 
 
 def test_contact_force_of_a_packing_is_that_of_its_mean_stress() -> None:
-    """f = p D^2/(2 sqrt 2): uniaxial by balance on a layer, uniform by the virial; sides that hold flatten it."""
+    """Force f = p D^2/(2 sqrt 2): uniaxial by equilibrium of a layer, uniform by the virial; flattened by fixed sides."""
     pressure = 1e4
     for kind, sides in (("uniaxial", "periodic"), ("uniform", "free")):
         case = load_case("precompressed-fcc", {"precompression.kind": kind, "precompression.pressure": pressure,
@@ -146,7 +145,7 @@ def test_chains_follow_the_formulas(chains: list[DentedRun]) -> None:
 
 
 def test_precompressed_chains_are_no_runs_of_other_studies(chains: list[DentedRun]) -> None:
-    """Reports show them in their own studies alone; a chain at rest between small forces is another problem."""
+    """Reports show these runs in their own studies only; a chain at rest between small forces is another problem."""
     assert all(chain.case.has_initial_dents for chain in chains)
     names = [name for name, module in STUDIES.items() if module.startswith("chains.")]
     assert make_studies({name: chains for name in names}) == []
@@ -185,7 +184,7 @@ def test_impact_on_top_of_pressure(tmp_path: Path) -> None:
 
 
 def test_more_than_the_input_is_dissipated(tmp_path: Path) -> None:
-    """A weak impact on contacts that are near yield lets the packing sink under its load; the study says so."""
+    """A weak impact on contacts near yield causes the packing to settle under its load, as stated in the study."""
     changes = {"packing.size": [5, 5, 3], "run.end_time": 2e-4, "load.velocity": 0.2, "precompression.kind": "uniform"}
     runs = [run(tmp_path / f"{p:g}", "fcc-small", changes | {"precompression.pressure": p}) for p in (1e4, 1.4e5)]
     assert runs[1].dissipated > 1 > runs[0].dissipated
@@ -198,7 +197,7 @@ def test_more_than_the_input_is_dissipated(tmp_path: Path) -> None:
 
 
 def test_settled_packing_beside_the_same_as_placed(tmp_path: Path) -> None:
-    """Settled without friction it stands on about three contacts a sphere, those with the bottom among them."""
+    """Packings settled without friction have about three contacts per sphere, including those with the bottom."""
     changes = {"packing.size": [5, 6, 5], "run.end_time": 2e-4}
     runs = [run(tmp_path / "settled", "settled-fcc", changes)]
     placed = dataclasses.replace(runs[0].case, precompression=None)
@@ -228,7 +227,7 @@ def test_preconditioned_chain_is_elastic_up_to_its_level(tmp_path: Path) -> None
         for level, velocity in ((0, 2.0), (2e3, 1.0), (2e3, 2.0), (2e3, 10.0))
     ]  # fmt: skip
     fresh, slow, elastic, losing = runs
-    assert [level_of(one) for one in runs] == pytest.approx([0, 2e3, 2e3, 2e3], rel=1e-9)
+    assert [one.level for one in runs] == pytest.approx([0, 2e3, 2e3, 2e3], rel=1e-9)
     assert fresh.dissipated > 0.5
     assert max(slow.dissipated, elastic.dissipated) < 1e-9
     assert elastic.summary["peak_force_N"] < 2e3 < losing.summary["peak_force_N"]
@@ -270,7 +269,7 @@ def test_pair_without_materials() -> None:
 
 
 def test_packing_hit_three_times(tmp_path: Path) -> None:
-    """Each hit starts from the dents of the one before, and dissipates less, farther away from the struck sphere."""
+    """A hit starts from the dents of the previous one, and dissipates less, farther away from the struck sphere."""
     changes: dict[str, Any] = {"packing.size": [6, 6, 4], "run.end_time": 3e-4}
     runs = [run(tmp_path / "hit1", "fcc-small", changes)]
     for n in (2, 3):

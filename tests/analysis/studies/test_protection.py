@@ -1,4 +1,4 @@
-"""Protected targets: closed forms of single spheres and oscillators, momentum and energy that arrive, the studies."""
+"""Protected targets: closed forms of single spheres and oscillators, transmitted momentum and energy, the studies."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from scipy.integrate import cumulative_trapezoid
 
-from granwave.analysis.measures.hertz_impact import HertzImpact, after_impulse, response
+from granwave.analysis.measures.target.hertz_impact import HertzImpact, after_impulse, response
 from granwave.analysis.result.reader import Result
 from granwave.analysis.result.writer import BALANCE_REFUSED
 from granwave.analysis.studies.protection.runs import TargetRun, impacts, names, series
@@ -55,7 +55,7 @@ def spheres(tmp_path_factory: pytest.TempPathFactory) -> Found:
 
 @pytest.fixture(scope="module")
 def packings(tmp_path_factory: pytest.TempPathFactory) -> Found:
-    """Small packings of three heights on a rigid wall, the lowest on a plate and on concrete too."""
+    """Small packings of three heights on a rigid wall, the lowest one also on a plate and on concrete."""
     folder = tmp_path_factory.mktemp("packings")
     bottoms = {"wall": "wall", "plate": PLATE, "concrete": {"half_space": {}, "material": CONCRETE}}
     wanted = [("wall", 2), ("wall", 3), ("wall", 4), ("plate", 2), ("concrete", 2)]
@@ -71,7 +71,7 @@ def collect(found: Found) -> list[list[TargetRun]]:
 
 
 def work_on(run: TargetRun) -> np.ndarray:
-    """Of the force on a target along its motion, at the instants of the force, J."""
+    """Work of the force on a target along its motion, at the instants of the force, J."""
     if not run.moves:
         return np.zeros_like(run.reached.time)
     with Result(run.directory) as result:
@@ -86,7 +86,7 @@ def test_hertz_impact_is_consistent() -> None:
     assert np.trapezoid(force, time) == pytest.approx(one.impulse, rel=5e-4)
     assert np.trapezoid(force**2, time) == pytest.approx(one.square, rel=1e-3)
     assert one.on_spring(1e15) == pytest.approx(one.force, rel=1e-6)
-    soft = 1e4  # so soft that the contact holds no energy
+    soft = 1e4  # so soft that the energy of the contact is negligible
     assert one.on_spring(soft) == pytest.approx(math.sqrt(one.mass * soft) * one.velocity, rel=1e-2)
 
 
@@ -112,7 +112,7 @@ def test_single_spheres_obey_the_closed_forms(spheres: Found) -> None:
         assert row.ours == pytest.approx(row.expected, rel=1e-2), row.quantity
     exact = [row for row in found.rows if row.quantity.startswith(("Peak", "Impulse"))]
     assert [row.ours for row in exact] == pytest.approx([row.expected for row in exact], rel=3e-4)
-    assert not make_studies({"protected-bottoms": group})  # a sphere is no packing
+    assert not make_studies({"protected-bottoms": group})  # a single sphere is not a packing
 
 
 def test_momentum_and_energy_that_arrive(packings: Found) -> None:
@@ -158,7 +158,7 @@ def test_studies_of_bottoms_and_heights(packings: Found, tmp_path: Path) -> None
 
 
 def test_spectrum_follows_the_oscillator(tmp_path: Path) -> None:
-    """Heavy plates below three elastic spheres: they do not change the force, and are oscillators under it."""
+    """Heavy plates below three elastic spheres do not change the force and respond to it as oscillators."""
     more = {"packing.size": 3, "packing.kind": "chain", "run.end_time": 1.2e-3}
     found = [ran("protected-sphere", tmp_path / "wall", **{"boundary.bottom": "wall"}, **more)]
     for n, stiffness in enumerate((2e13, 1e11, 5e9, 5e8)):
@@ -176,13 +176,13 @@ def test_spectrum_follows_the_oscillator(tmp_path: Path) -> None:
 def test_only_runs_that_compare_make_a_study(packings: Found, tmp_path: Path) -> None:
     by_name = {label: (label, path, summary) for label, path, summary in packings}
     assert collect([by_name["wall2"]]) == []
-    assert collect([by_name["wall2"], by_name["wall3"]]) == []  # two heights on a rigid wall are no series
+    assert collect([by_name["wall2"], by_name["wall3"]]) == []  # a series needs more than two heights on a rigid wall
     assert len(collect([by_name["wall2"], by_name["plate2"]])) == 1
     _, path, summary = by_name["wall2"]
     shorter = dataclasses.replace(load_case(path / "case.toml"), run=Run(end_time=1e-4))
     (tmp_path / "case.toml").write_text(shorter.to_toml(), encoding="utf-8")
     (group,) = collect([("shorter", tmp_path, {**summary, "end_time_s": 1e-4}), *packings])
-    assert [run.label for run in group] == [label for label, _, _ in packings]  # of equal cases the longest run
+    assert [run.label for run in group] == [label for label, _, _ in packings]  # the longest run of equal cases
     refused = [(label, path, {**summary, "end_reason": BALANCE_REFUSED}) for label, path, summary in packings]
     assert collect(refused) == []
 
@@ -191,7 +191,7 @@ def test_hertz_of_a_run(spheres: Found) -> None:
     runs = {run.label: run for run in collect(spheres)[0]}
     wall: TargetRun = runs["wall"]
     assert HertzImpact.of(wall.case).force == pytest.approx(wall.summary["unprotected_peak_force_N"], rel=1e-6)
-    for name in ("slow", "fast", "ground", "bar"):  # nothing between: the run is the impact without a packing
+    for name in ("slow", "fast", "ground", "bar"):  # no spheres in between: the run is the impact without a packing
         assert runs[name].summary["peak_reduction"] == pytest.approx(1, abs=1e-3)
 
 

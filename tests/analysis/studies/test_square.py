@@ -1,4 +1,4 @@
-"""Square packings that strikers hit: energies, waves and lengths of the source; sensors; directions; lighter spheres."""
+"""Square packings hit by strikers: energies, waves and lengths of the source; sensors; directions; lighter spheres."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def test_energies_of_the_source(in_plane: PackingRun, out_of_plane: PackingRun) 
     assert 100 * found["struck spheres"] == pytest.approx(47.7, abs=0.1)
     for one in (in_plane, out_of_plane):
         shares = regions(one.snapshots)
-        np.testing.assert_allclose(sum(shares.values()), 1.0, atol=2e-5)  # every joule is somewhere
+        np.testing.assert_allclose(sum(shares.values()), 1.0, atol=2e-5)  # all energy is accounted for
         assert shares["other spheres"].max() < 1e-6
 
 

@@ -1,4 +1,4 @@
-"""The study of tolerances: how runs are put together, what it says of made-up ones, and a small real scan."""
+"""Study of tolerances: grouping of runs, results for synthetic runs, and a small real scan."""
 
 from __future__ import annotations
 
@@ -14,15 +14,17 @@ import pytest
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.sections.studies import studies_of
 from granwave.analysis.statistics import estimate
+from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Study
-from granwave.analysis.studies.tolerance.axes import RUBBING, SCATTER
-from granwave.analysis.studies.tolerance.quantities import DISSIPATED, FORCE, measure
-from granwave.analysis.studies.tolerance.runs import IDEAL, Packing, Setting, collect
+from granwave.analysis.studies.tolerance.packings import Packing
+from granwave.analysis.studies.tolerance.quantities import DISSIPATED, FORCE
+from granwave.analysis.studies.tolerance.settings import IDEAL, RUBBING, SCATTER, Setting
+from granwave.analysis.studies.tolerance.study import select
 from granwave.analysis.studies.tolerance.verdict import tolerance
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.disorder import is_random
-from granwave.workflows import load_case, run_case
+from granwave.workflows import load_case, load_scan, run_case
 from tests.helpers.synthetic_report import build, notes, table
 from tests.helpers.synthetic_scan import case_of, grid, write_json, write_scan
 
@@ -31,7 +33,7 @@ TABLE = "Mean and 95 % confidence interval"
 
 
 def summary_of(case: Case, **others: Any) -> dict[str, Any]:
-    """Force halves with every 2 um, dissipation falls by 2 % with every um, friction takes from both."""
+    """Summary in which force halves with every 2 um, dissipation decreases by 2 % per um, and friction reduces both."""
     scatter, friction = 1e6 * case.packing.diameter_scatter, case.contact.friction
     rng = np.random.default_rng([case.packing.seed or 1, round(scatter * 10)])
     noise = 1 + 0.05 * rng.standard_normal() if is_random(case) else 1.0
@@ -84,11 +86,12 @@ def settings(
 
 
 def found_in(paths: Iterable[Path], base: Path) -> list[Study]:
-    return studies_of(read_inputs(list(paths), base))
+    return studies_of(read_inputs(list(paths), base), ["tolerance"])
 
 
 def packings_in(paths: Iterable[Path], base: Path) -> list[Packing]:
-    return collect((run.label, run.directory, run.summary) for run in read_inputs(list(paths), base).runs)
+    found = [(run.label, run.directory, run.summary) for run in read_inputs(list(paths), base).runs]
+    return select(FinishedRun.among(found, lambda _: True))
 
 
 def test_runs_are_put_together_by_what_is_hit(tmp_path: Path) -> None:
@@ -98,20 +101,29 @@ def test_runs_are_put_together_by_what_is_hit(tmp_path: Path) -> None:
     paths += write(tmp_path / "d", settings([1], seeds=1, **{"run.end_time": 2e-3}), end_time_s=2e-3)
     brass, steel = packings_in(paths, tmp_path)
     assert brass.settings == steel.settings == [IDEAL, Setting(scatter=1e-6)]
-    assert [run.seed for run in brass.runs[Setting(1e-6)]] == [1, 2]
+    assert [run.case.packing.seed for run in brass.runs[Setting(1e-6)]] == [1, 2]
     longer, other = brass.runs[Setting(1e-6)]
-    assert longer.directory.parent.name == "d" and other.directory.parent.name == "a"  # of equal ones the longest
+    assert longer.directory.parent.name == "d" and other.directory.parent.name == "a"  # the longest of equal ones
     assert steel.case.material.name == "steel"
 
 
-def test_many_packings_with_friction_and_without_are_another_study(tmp_path: Path) -> None:
+def test_many_packings_with_friction_and_without_are_a_study_where_it_is_named(tmp_path: Path) -> None:
     materials = ["brass", "steel", "aluminium", "stainless-steel-316"]
     paths = [write(tmp_path / m, settings([0], frictions=(0, 0.3), material=m)) for m in materials]
-    assert packings_in(itertools.chain(*paths), tmp_path) == []
-    assert len(packings_in(itertools.chain(*paths[:3]), tmp_path)) == 3
-    paths.append(write(tmp_path / "more", settings([0, 5], **{"load.velocity": 9.0})))
-    (kept,) = packings_in(itertools.chain(*paths), tmp_path)
-    assert kept.case.load.velocity == 9.0
+    assert studies_of(read_inputs(list(itertools.chain(*paths)), tmp_path)) == []
+    found = packings_in(itertools.chain(*paths), tmp_path)
+    assert [packing.case.material.name for packing in found] == materials
+    assert [packing.name for packing in found] == ["tolerances", "tolerances-2", "tolerances-3", "tolerances-4"]
+    assert found[1].label == "FCC packing of 24 x 24 x 12 steel spheres of 10 mm"
+
+
+def test_a_scan_names_the_study(tmp_path: Path) -> None:
+    points = grid(contact__friction=[0.0, 0.1, 0.2])
+    plain = write_scan(tmp_path / "plain", points)
+    named = write_scan(tmp_path / "named", points, study=["tolerance"])
+    assert [len(studies_of(read_inputs([scan], tmp_path))) for scan in (plain, named)] == [0, 1]
+    for name in ("tolerance-scatter", "tolerance-friction", "tolerance"):
+        assert load_scan(name).study == ("tolerance",)
 
 
 def test_neither_one_setting_nor_other_loads_are_a_study(tmp_path: Path) -> None:
@@ -121,21 +133,20 @@ def test_neither_one_setting_nor_other_loads_are_a_study(tmp_path: Path) -> None
 
 def test_means_and_what_is_left(tmp_path: Path) -> None:
     (packing,) = packings_in(write(tmp_path, settings([0, 2, 5, 10], [0, 0.2])), tmp_path)
-    measured = measure(packing)
     five = Setting(scatter=5e-6)
     forces = [run.summary["wall_peak_force_N"] for run in packing.runs[five]]
-    assert measured.of(FORCE, five) == estimate(forces) and len(forces) == 6
-    assert measured.of(FORCE, IDEAL).exact and measured.of(FORCE, Setting(friction=0.2)).exact
-    assert measured.left(DISSIPATED, five).mean == pytest.approx(0.9)
-    assert measured.left(FORCE, five).mean == pytest.approx(FORCE_IDEAL / np.mean(forces))  # less force is better
-    assert tolerance(measured, DISSIPATED, SCATTER) == pytest.approx(5.0)
-    assert tolerance(measured, FORCE, SCATTER) is None and tolerance(measured, FORCE, RUBBING) is None
-    assert [axis.name for axis in (SCATTER, RUBBING) if axis.bases(packing)] == ["scatter", "friction"]
+    assert packing.of(FORCE, five) == estimate(forces) and len(forces) == 6
+    assert packing.of(FORCE, IDEAL).exact and packing.of(FORCE, Setting(friction=0.2)).exact
+    assert packing.left(DISSIPATED, five).mean == pytest.approx(0.9)
+    assert packing.left(FORCE, five).mean == pytest.approx(FORCE_IDEAL / np.mean(forces))  # less force is better
+    assert tolerance(packing, DISSIPATED, SCATTER) == pytest.approx(5.0)
+    assert tolerance(packing, FORCE, SCATTER) is None and tolerance(packing, FORCE, RUBBING) is None
+    assert [axis.name for axis in (SCATTER, RUBBING) if packing.bases(axis)] == ["scatter", "friction"]
 
 
 def test_the_report_says_what_is_left(tmp_path: Path) -> None:
     paths = write(tmp_path, settings([0, 0.01, 2, 10], [0, 0.2]))
-    report = build(paths, tmp_path)
+    report = build(paths, tmp_path, "tolerance")
     assert [section.slug for section in report.sections][:2] == ["short", "verdict"]
     said = " ".join(note.text for note in notes(report, "verdict"))
     for words in (
@@ -163,6 +174,14 @@ def test_the_report_says_what_is_left(tmp_path: Path) -> None:
     assert set(columns["quantity"]) >= {"wall_peak_force_N", "friction_fraction", "base_arrival_s"}
     chosen = (columns["quantity"] == "wall_peak_force_N") & (columns["diameter_scatter_m"] > 0)
     assert np.all(columns["n"][chosen] == 6) and np.all(columns["low_95"][chosen] < columns["mean"][chosen])
+
+
+def test_a_damaged_result_is_left_out(tmp_path: Path) -> None:
+    paths = write(tmp_path, settings([0, 2], seeds=3))
+    (paths[-1] / "result.h5").write_bytes(b"no")
+    (study,) = found_in(paths, tmp_path)
+    assert [row[1].text for row in study.tables[0].rows] == ["not random", "2"]
+    assert "so studies and comparisons leave it out" in str(build(paths, tmp_path, "tolerance"))
 
 
 def test_doubt_is_said_where_it_is_due(tmp_path: Path) -> None:
@@ -198,7 +217,7 @@ def test_real_packings(tmp_path: Path) -> None:
         changes = size | {"packing.diameter_scatter": scatter, "packing.seed": seed}
         run_case(load_case("fcc-small", changes), tmp_path / name, figures=False)
     inputs = read_inputs([tmp_path / name for name in ("d", "b", "ideal", "a", "c")], tmp_path)
-    (study,) = studies_of(inputs)
+    (study,) = studies_of(inputs, ["tolerance"])
     assert "FCC packing of 6 x 6 x 4 brass spheres of 10 mm, elasto-plastic contacts, 5 m/s, rigid wall" in study.title
     (found,) = [part for part in study.tables if part.caption == TABLE]
     heads = [column.heading for column in found.columns]

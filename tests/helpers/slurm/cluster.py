@@ -1,11 +1,11 @@
-"""A real Slurm of two virtual nodes on this machine, for tests of scans: `python tests/helpers/slurm/cluster.py start|status|stop`.
+"""Slurm cluster of two virtual nodes for tests of scans: `python tests/helpers/slurm/cluster.py start|status|stop`.
 
-slurmctld, one slurmd a node (`slurmd -N n1`, `-N n2`) and a munged of their own, on local ports, without accounting. It wants Linux
-as root (a container will do) and the packages of Debian 12: `apt-get install slurmctld slurmd slurm-client munge`. State and logs lie
-in one directory: the one given with `--state`, or a new temporary one. Only /etc/slurm/slurm.conf has to stand outside, as job steps
-look nowhere else; its first line marks it as ours and names the directory, and a file without that mark is never touched.
+It consists of slurmctld, one slurmd per node (`slurmd -N n1`, `-N n2`) and a separate munged, on local ports, without accounting. It
+requires Linux as root (a container is sufficient) and the packages of Debian 12: `apt-get install slurmctld slurmd slurm-client munge`.
+State and logs are in one directory: the one given with `--state`, or a new temporary one. Only /etc/slurm/slurm.conf is outside of it,
+as job steps read no other file; its first line marks it as ours and contains the directory, and a file without that mark is not changed.
 
-Exit codes: 0 done (`status`: up), 1 it went wrong, 3 (`status`) down, 77 this machine cannot have such a cluster.
+Exit codes: 0 success (`status`: up), 1 failure, 3 (`status`) down, 77 the cluster is not possible on this machine.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ MARK = "# granwave test cluster, state in "
 CLUSTER = "granwave-test"
 PARTITION = "main"
 NODES = ("n1", "n2")
-CPUS = 2  # of each node, whatever the machine has
+CPUS = 2  # per node, independent of the machine
 CONTROL_PORT = 16817
-NODE_PORT = 17001  # and those that follow
+NODE_PORT = 17001  # and the subsequent ones
 KILL_WAIT = 10  # s between SIGTERM and SIGKILL at a job's time limit
-PATIENCE = 30.0  # s for any one step
+PATIENCE = 30.0  # s for any single step
 PROGRAMS = ("slurmctld", "slurmd", "munged", "sinfo", "squeue", "scancel")
 PACKAGES = "slurmctld slurmd slurm-client munge"
 DAEMONS = ("slurmctld", *(f"slurmd-{node}" for node in NODES), "munged")
@@ -42,28 +42,28 @@ CANNOT, DOWN = 77, 3
 
 
 class CannotError(RuntimeError):
-    """This machine cannot have a cluster; nothing was changed."""
+    """Cluster that is not possible on this machine; nothing was changed."""
 
 
 def start(state: Path | None = None) -> Path:
-    """Bring the cluster up and wait until every node is idle.
+    """Start the cluster and wait until all nodes are idle.
 
     Parameters
     ----------
     state
-        Directory for state and logs, made if missing; None makes a temporary one.
+        Directory for state and logs, created if missing; None creates a temporary one.
 
     Returns
     -------
     Path
-        The directory in use: that of a cluster of ours that is up already, if there is one.
+        Directory in use: that of a cluster of ours that is already running, if any.
 
     Raises
     ------
     CannotError
-        Not root, programs missing, a slurm.conf or a Slurm of somebody else, or a host name that does not resolve.
+        Not root, missing programs, another slurm.conf or Slurm, or a host name that does not resolve.
     RuntimeError
-        A daemon failed or the nodes did not become idle in time; the last lines of the logs are in the message.
+        A daemon failed or the nodes did not become idle in time; the message contains the last lines of the logs.
     """
     _check_machine()
     with _lock():
@@ -85,13 +85,13 @@ def start(state: Path | None = None) -> Path:
 
 
 def stop() -> bool:
-    """Cancel all jobs, end the daemons, remove slurm.conf and what the daemons left; False if there was nothing to stop."""
+    """Cancel all jobs, stop the daemons, and remove slurm.conf and their files; False if there was nothing to stop."""
     with _lock():
         return _remove()
 
 
 def is_up() -> bool:
-    """Whether our cluster answers and all of its nodes take jobs."""
+    """True if our cluster responds and all of its nodes accept jobs."""
     state = _state()
     if state is None or not all(_pid(state, name) for name in DAEMONS):
         return False
@@ -119,9 +119,10 @@ def _check_machine() -> None:
 
 
 def _conf(state: Path) -> str:
-    """Text of slurm.conf; every number that makes a scheduler slow on purpose is turned down.
+    """Text of slurm.conf, with minimal values of all intervals that delay scheduling.
 
-    Processes are tracked by their group: by descent (linuxproc), those whose parent died at SIGTERM would outlive their job.
+    Processes are tracked by their group: with tracking by parent (linuxproc), those whose parent ended at SIGTERM would outlive
+    their job.
     """
     host = socket.gethostname().split(".")[0]
     names = f"{NODES[0][0]}[1-{len(NODES)}]"
@@ -175,7 +176,7 @@ def _launch(state: Path) -> None:
 
 
 def _run(*command: str) -> None:
-    """Run a program that goes to the background by itself."""
+    """Run a program that detaches itself to the background."""
     with tempfile.TemporaryFile("w+") as said:  # not a pipe: the daemon would keep it open
         code = subprocess.run(
             command, stdin=subprocess.DEVNULL, stdout=said, stderr=said, timeout=PATIENCE, env=_environment(), cwd="/"
@@ -186,7 +187,7 @@ def _run(*command: str) -> None:
 
 
 def _ask(*command: str) -> str:
-    """What a client of Slurm says, "" if it fails."""
+    """Output of a Slurm client, "" if it fails."""
     try:
         run = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, env=_environment())
     except subprocess.TimeoutExpired:
@@ -195,12 +196,12 @@ def _ask(*command: str) -> str:
 
 
 def _nodes() -> str:
-    """A line "name state" for each node."""
+    """One line "name state" per node."""
     return _ask("sinfo", "--noheader", "--Node", "--format=%N %T")
 
 
 def _remove() -> bool:
-    """Undo `start`, wherever it got to."""
+    """Undo a complete or partial `start`."""
     state = _state()
     if state is None:
         return False
@@ -217,7 +218,7 @@ def _remove() -> bool:
         with contextlib.suppress(RuntimeError):
             _wait(lambda: not any(_pid(state, name) for name in DAEMONS), "the daemons to end", patience=10.0)
             break
-    _kill_jobs()  # those that a dead slurmctld could not cancel
+    _kill_jobs()  # jobs that slurmctld could not cancel because it had ended
     _kill_steps(state)
     for daemon in ("slurmctld", *(f"slurmd-{node}" for node in NODES)):
         shutil.rmtree(state / daemon, ignore_errors=True)
@@ -231,7 +232,7 @@ def _remove() -> bool:
 
 
 def _pid(state: Path, name: str) -> int | None:
-    """Process of a daemon of ours, None if it is gone: the pid file's number must still belong to that program."""
+    """Process of a daemon of ours, None if it has ended: the number in the pid file must still belong to that program."""
     try:
         pid = int((state / f"{name}.pid").read_text())
         program = Path(f"/proc/{pid}/cmdline").read_bytes().partition(b"\0")[0].decode()  # empty for a zombie
@@ -241,7 +242,7 @@ def _pid(state: Path, name: str) -> int | None:
 
 
 def _kill_jobs() -> None:
-    """SIGKILL to what jobs of ours have started, known by the cluster's name in their environment."""
+    """Send SIGKILL to processes started by jobs of ours, identified by the name of the cluster in their environment."""
     mark = f"SLURM_CLUSTER_NAME={CLUSTER}".encode()
     for process in Path("/proc").glob("[0-9]*"):
         with contextlib.suppress(OSError):
@@ -250,7 +251,7 @@ def _kill_jobs() -> None:
 
 
 def _kill_steps(state: Path) -> None:
-    """SIGKILL to slurmstepd processes of ours, which would look for their slurmctld for minutes; they work in our directory."""
+    """Send SIGKILL to slurmstepd processes in our directory, which would otherwise try to reach slurmctld for minutes."""
     for process in Path("/proc").glob("[0-9]*"):
         with contextlib.suppress(OSError):
             if (process / "exe").readlink().name.startswith("slurmstepd") and (process / "cwd").readlink() == state:
@@ -286,14 +287,14 @@ def _path() -> str:
 
 
 def _environment() -> dict[str, str]:
-    """This process's environment without what would point Slurm's programs to another cluster or format."""
+    """Environment of this process without variables that select another cluster or output format of Slurm."""
     ours = ("SLURM_", "SLURMD_", "SLURMCTLD_", "SINFO_", "SQUEUE_", "SCANCEL_")
     return {name: value for name, value in os.environ.items() if not name.startswith(ours)} | {"PATH": _path()}
 
 
 @contextlib.contextmanager
 def _lock() -> Iterator[None]:
-    """One start or stop at a time on this machine."""
+    """Lock that allows one start or stop at a time on this machine."""
     try:
         file = LOCK.open("w")
     except OSError as error:

@@ -1,4 +1,4 @@
-"""The case of a continuum run: a block, a punch, a material, as read from a TOML file."""
+"""Case of a continuum run, as read from a TOML file: block, punch and material."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from granwave.lammps_inputs.case.schema import ErrorList, count, number
 from granwave.lammps_inputs.case.si_values import DIAMETER, INTERVAL, MASS, TIME, VELOCITY, Usual
 from granwave.workflows.finite_elements.frame import ElementCase
 
-AUTO_END_TIME = 5e-3  # s, the longest that `end_time = "auto"` goes on
+AUTO_END_TIME = 5e-3  # s, upper limit of `end_time = "auto"`
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Block:
-    """``[block]``: a cylinder, its bottom fixed, its other surfaces free."""
+    """``[block]``: a cylinder with a fixed bottom and otherwise free surfaces."""
 
     diameter: float = number(
         "diameter of the block", unit="m", above=0, default=0.10, usual=Usual(1e-5, 10.0, ("mm", "um"))
@@ -29,7 +29,7 @@ class Block:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Punch:
-    """``[punch]``: rigid, flat, frictionless, edge rounded over ``taper``."""
+    """``[punch]``: a rigid, flat, frictionless punch with an edge of radius ``taper``."""
 
     diameter: float = number("diameter of the punch", unit="m", above=0, default=0.010, usual=DIAMETER)
     mass: float = number("mass of the punch", unit="kg", above=0, default=0.10, usual=MASS)
@@ -40,13 +40,13 @@ class Punch:
 
     @property
     def energy(self) -> float:
-        """Kinetic energy of the punch at the start: all the input there is, J."""
-        return 0.5 * self.mass * self.velocity * self.velocity  # infinite, not an error, where it is beyond all numbers
+        """Initial kinetic energy of the punch, which is the energy input, J."""
+        return 0.5 * self.mass * self.velocity * self.velocity  # products overflow to infinity, powers to an error
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class ContinuumRun:
-    """``[run]``: how long, on how fine a mesh, in what steps."""
+    """``[run]``: end time, mesh, timestep and snapshots."""
 
     end_time: float | Literal["auto"] = number(
         "when the run ends; auto: when the punch has left and 10 us add less than 1e-4 of the input to dissipation",
@@ -83,13 +83,13 @@ class ContinuumRun:
 
     @property
     def longest(self) -> float:
-        """The latest time the run can reach, s."""
+        """Latest time that the run can reach, s."""
         return AUTO_END_TIME if isinstance(self.end_time, str) else self.end_time
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class ContinuumCase(ElementCase):
-    """One impact of a punch on a block."""
+    """Impact of a punch on a block."""
 
     SECTIONS: ClassVar[Mapping[str, type]] = {"block": Block, "punch": Punch, "run": ContinuumRun}
 
@@ -100,14 +100,14 @@ class ContinuumCase(ElementCase):
 
     @property
     def energy_unit(self) -> float:
-        """sigma_y^2 D^3/E with the diameter of the punch, J (thesis 5.30)."""
+        """Energy unit sigma_y^2 D^3/E with the diameter of the punch, J (thesis 5.30)."""
         material = self.material
         assert material.yield_strength is not None  # checked when read
         return material.yield_strength**2 * self.punch.diameter**3 / material.youngs_modulus
 
     @property
     def elements(self) -> int:
-        """About how many elements the mesh has."""
+        """Approximate number of elements of the mesh."""
         return self.run.elements
 
     @staticmethod

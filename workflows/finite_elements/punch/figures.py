@@ -1,4 +1,4 @@
-"""Figures of a continuum run; each leaves NAME.png, NAME.pdf and NAME.csv in ``figures``."""
+"""Figures of a continuum run, each written as NAME.png, NAME.pdf and NAME.csv to ``figures``."""
 
 from __future__ import annotations
 
@@ -27,36 +27,36 @@ from granwave.analysis.figures.style import (
     style,
 )
 from granwave.analysis.figures.zone import draw_zone_size
-from granwave.analysis.measures.zone_size import BOTTOM, SIDES
-from granwave.workflows.finite_elements.frame import ElementResult
+from granwave.analysis.measures.zone.size import BOTTOM, SIDES
 from granwave.workflows.finite_elements.punch.solver import AT_YIELD
+from granwave.workflows.finite_elements.result_file import ElementResult
 
 _MICRO, _MILLI, _MEGA = 1e6, 1e3, 1e-6
-_SHOWN = 1.5  # punch diameters in depth, and to either side, that a section shows at least
+_SHOWN = 1.5  # smallest depth, and width, of a section in punch diameters
 _PANELS = 6
 _YIELDED_MAP = ListedColormap([BLANK, SKY, ORANGE])
 
 
 class ContinuumResult(ElementResult):
-    """The ``result.h5`` of a continuum run, with what the figures need of its mesh; raises as `ElementResult`."""
+    """The ``result.h5`` of a continuum run with its mesh; raise as `ElementResult`."""
 
     def __init__(self, directory: str | Path) -> None:
         super().__init__(directory)
         self.r, self.z = np.unique(self["nodes"][:, 0]), np.unique(self["nodes"][:, 1])
 
     def grid(self, values: NDArray) -> NDArray:
-        """Values of the elements as (n_z, n_r)."""
+        """Return the values of the elements as an array (n_z, n_r)."""
         return values.reshape(len(self.z) - 1, len(self.r) - 1)
 
     @property
     def centres(self) -> dict[str, NDArray[np.float64]]:
-        """Radius and depth of the elements' centres, (n_elements,), m."""
+        """Radii and depths of the elements' centres, (n_elements,), m."""
         r, z = np.meshgrid((self.r[1:] + self.r[:-1]) / 2, (self.z[1:] + self.z[:-1]) / 2)
         return {"r_m": r.ravel(), "z_m": z.ravel()}
 
 
 def energies(result: ContinuumResult) -> Drawing:
-    """Where the energy is, and how far the sum is from the input."""
+    """Draw all energies, and the residual of their sum."""
     time, given = result["energy/time"], result["energy/input"]
     names = ("punch", "kinetic", "elastic", "plastic", "viscous", "hourglass", "contact")
     parts = {name: result[f"energy/{name}"] for name in names}
@@ -78,7 +78,7 @@ def energies(result: ContinuumResult) -> Drawing:
 
 
 def plastic_zone_volume(result: ContinuumResult) -> Drawing:
-    """Volume at yield now, and volume that ever yielded, over that of a sphere of the punch's diameter."""
+    """Draw the volumes at yield and ever yielded over that of a sphere of the punch's diameter."""
     time = result["plastic_zone/time"]
     sphere = math.pi / 6 * result.tables["punch"]["diameter"] ** 3
     now, ever = result["plastic_zone/volume"], result["plastic_zone/volume_ever"]
@@ -94,7 +94,7 @@ def plastic_zone_volume(result: ContinuumResult) -> Drawing:
 
 
 def plastic_zone_size(result: ContinuumResult) -> Drawing | None:
-    """Share of the plastic work beyond a depth and beyond a radius, with the sizes of the zone; None without any."""
+    """Draw the shares of plastic work beyond a depth and a radius, with the sizes of the zone; None without any."""
     centres, ever = result.centres, result.grid(result["fields/ever_yielded"])
     distances = {"depth": centres["z_m"], "radius": centres["r_m"]}
     bounds = {BOTTOM: float(result.z[-1])} if ever[-1].any() else {}
@@ -104,7 +104,7 @@ def plastic_zone_size(result: ContinuumResult) -> Drawing | None:
 
 
 def punch(result: ContinuumResult) -> Drawing:
-    """Force on the punch and its velocity."""
+    """Draw the force on the punch and its velocity."""
     time, force, velocity = (result[f"punch/{name}"] for name in ("time", "force", "velocity"))
     figure = new_figure(3.0)
     upper, lower = figure.subplots(2, 1, sharex=True)
@@ -119,7 +119,7 @@ def punch(result: ContinuumResult) -> Drawing:
 
 
 def von_mises(result: ContinuumResult) -> Drawing:
-    """Von Mises stress in a section, at the snapshot nearest to when the plastic zone is largest."""
+    """Draw the von Mises stress in a section, at the snapshot nearest to the time of the largest plastic zone."""
     frame = _frame_of_largest_zone(result)
     stress = result["fields/von_mises"][frame]
     limit = result.tables["material"]["yield_strength"]
@@ -133,7 +133,7 @@ def von_mises(result: ContinuumResult) -> Drawing:
 
 
 def plastic_zone(result: ContinuumResult) -> Drawing:
-    """Draw the elements at yield, now and before, at times spread over the growth of the zone."""
+    """Draw the elements at yield, now and earlier, at several times of the growth of the zone."""
     times, stresses = result["fields/time"], result["fields/von_mises"]
     at_yield = stresses >= AT_YIELD * result.tables["material"]["yield_strength"]
     active = np.flatnonzero(at_yield.any(axis=1))
@@ -154,7 +154,7 @@ def plastic_zone(result: ContinuumResult) -> Drawing:
 
 
 def plastic_strain(result: ContinuumResult) -> Drawing:
-    """Equivalent plastic strain at the end, in a section."""
+    """Draw the final equivalent plastic strain in a section."""
     strain = result["fields/plastic_strain"]
     largest = float(np.quantile(strain[strain > 0], 0.99)) if np.any(strain > 0) else 1.0
     figure = new_figure(2.6)
@@ -166,7 +166,7 @@ def plastic_strain(result: ContinuumResult) -> Drawing:
     return Drawing(figure, result.centres | {"plastic_strain": strain})
 
 
-#: Each draws a figure of a result.
+#: Functions that draw a figure of a result, by name.
 FIGURES: dict[str, Callable[[ContinuumResult], Drawing | None]] = {
     "energies": energies,
     "plastic_zone": plastic_zone,
@@ -179,7 +179,7 @@ FIGURES: dict[str, Callable[[ContinuumResult], Drawing | None]] = {
 
 
 def draw_figures(directory: str | Path) -> list[Path]:
-    """Draw the figures of a continuum run from its ``result.h5``; the PNG files that were written.
+    """Draw the figures of a continuum run from its ``result.h5``; return the paths of the PNG files.
 
     Raises
     ------
@@ -199,7 +199,7 @@ def _frame_of_largest_zone(result: ContinuumResult) -> int:
 
 
 def _section(axes: Axes, result: ContinuumResult, values: NDArray, colours: str | ListedColormap, scale) -> None:
-    """Both sides of the axis, the punch above them, cropped to what happens."""
+    """Draw a section, mirrored at the axis, below the punch, cropped to the plastic zone."""
     diameter = result.tables["punch"]["diameter"]
     zone = max(result.summary["plastic_zone_depth_m"], result.summary["plastic_zone_radius_m"])
     reach = max(_SHOWN * diameter / 2, 1.3 * zone)

@@ -1,4 +1,4 @@
-"""A run in time: instants, snapshots, and when to end."""
+"""Time history of a run: ledger, snapshots, and end of the run."""
 
 from __future__ import annotations
 
@@ -16,24 +16,29 @@ from granwave.workflows.finite_elements.punch.material import Elastoplastic
 from granwave.workflows.finite_elements.punch.mesh import Mesh, block_mesh
 from granwave.workflows.finite_elements.punch.solver import Instant, Solver
 
-SAMPLED = 2e-7  # s, the longest time between two instants of the ledger
-WINDOW, QUIET = 1e-5, 1e-4  # s, and the part of the input that it may add to dissipation
-MOST_FRAMES = 64  # snapshots; when there are more every second one is dropped
-TOLERANCE = 0.02  # of the input, largest error of the energy balance that is accepted
+SAMPLED = 2e-7  # s, longest time between two rows of the ledger
+WINDOW, QUIET = 1e-5, 1e-4  # a settled run adds less than QUIET of the input to dissipation in a WINDOW, s
+MOST_FRAMES = 64  # snapshots; if there are more, every second one is dropped
+TOLERANCE = 0.02  # largest accepted error of the energy balance over the input
 
 
 @dataclasses.dataclass
 class History:
-    """History so far.
+    """Time history of a run, filled by `integrate`.
 
     Attributes
     ----------
     end_reason
-        ``end_time``; ``settled`` or ``longest`` (end_time = "auto"); ``refused`` (energy balance); ``interrupted``.
+        Why the run ended: ``end_time``; ``settled`` or ``longest`` (end_time = "auto"); ``refused`` (energy balance);
+        ``interrupted``.
     instants
-        The ledger.
+        Rows of the ledger.
+    touches
+        Numbers of steps with contact so far, at the same instants.
     frame_times, von_mises
-        Snapshots: s, and (n_z, n_r) each, Pa.
+        Times (s) and von Mises stresses ((n_z, n_r), Pa) of the snapshots.
+    balance_error
+        Largest error of the energy balance so far, over the input.
     """
 
     end_reason: str = "interrupted"
@@ -44,19 +49,19 @@ class History:
     balance_error: float = 0.0
 
     def add(self, touches: int, instant: Instant, given: float) -> None:
-        """One more instant; ``given`` is the energy input, J."""
+        """Add one instant; ``given`` is the energy input, J."""
         self.touches.append(touches)
         self.instants.append(instant)
         error = abs(instant.total / given - 1)
         self.balance_error = error if math.isnan(error) else max(self.balance_error, error)
 
     def column(self, name: str) -> NDArray[np.float64]:
-        """One quantity of the ledger, (n_instants,)."""
+        """Return one quantity of the ledger, (n_instants,)."""
         return np.array([getattr(instant, name) for instant in self.instants])
 
 
 def mesh_of(case: ContinuumCase) -> Mesh:
-    """The mesh of a case."""
+    """Make the mesh of a case."""
     punch, run = case.punch, case.run
     edge = None if isinstance(run.edge_size, str) else run.edge_size
     material = Elastoplastic.of(case.material)
@@ -65,7 +70,7 @@ def mesh_of(case: ContinuumCase) -> Mesh:
 
 
 def make_solver(case: ContinuumCase) -> Solver:
-    """The solver of a case, at its start."""
+    """Make the solver of a case, at its start."""
     mesh, punch, run = mesh_of(case), case.punch, case.run
     return Solver(
         mesh,
@@ -80,7 +85,7 @@ def make_solver(case: ContinuumCase) -> Solver:
 def integrate(
     case: ContinuumCase, solver: Solver, history: History, report: Callable[[History], None] | None = None
 ) -> None:
-    """Run ``solver`` to the end of the case, filling ``history``; ``report`` is called after each entry."""
+    """Run ``solver`` to the end of the case and fill ``history``; call ``report`` after each instant."""
     given, steps = case.punch.energy, solver.every(SAMPLED)
     back = math.ceil(WINDOW / (steps * solver.timestep))
     longest = case.run.longest
@@ -104,7 +109,7 @@ def integrate(
             history.end_reason = "settled"
         else:
             continue
-        if left > 0:  # the solver has gone on since the last entry
+        if left > 0:  # the solver has advanced since the last instant
             history.add(solver.touches, solver.look(), given)
         _snapshot(solver, history)
         return
@@ -124,5 +129,5 @@ def _snapshot(solver: Solver, history: History) -> None:
 
 
 def equivalent_strain(solver: Solver) -> NDArray[np.float64]:
-    """Elastic plus plastic equivalent strain of the elements, (n_z, n_r)."""
+    """Return the sum of elastic and plastic equivalent strain of the elements, (n_z, n_r)."""
     return solver.von_mises / solver.material.youngs_modulus + solver.state[:, :, kernels.STRAIN]

@@ -1,4 +1,4 @@
-"""The inner loops of the explicit solver, compiled by numba.
+"""Inner loops of the explicit solver, compiled by numba.
 
 Per step and element: strain increment from the nodal velocities, radial return, bulk viscosity, hourglass
 forces, nodal forces. All elements are rectangles of a tensor-product mesh, so the tables of the one-point
@@ -30,20 +30,19 @@ N_TALLY = 10
 
 
 def compiled(function: Callable) -> Callable:
-    """Compile at the first call, keeping the code on disk for the next process where that is possible."""
+    """Compile at the first call, and cache the code on disk if possible."""
     options: dict[str, Any] = {"fastmath": {"contract", "arcp", "nsz", "reassoc"}, "error_model": "numpy"}
     try:
         return njit(cache=True, **options)(function)
-    except RuntimeError:  # neither the package's directory nor the user's cache can be written to
+    except RuntimeError:  # neither the package's directory nor the user's cache is writable
         return njit(**options)(function)
 
 
 @compiled
 def _stress(vr, vz, fr, fz, state, br, bz, bt, area, height, length, hourglass, constants, dt):
-    """Bring the elements to the end of a step; ``fr``, ``fz`` get the internal forces.
+    """Update the elements to the end of a step and set the internal forces ``fr``, ``fz``.
 
-    Returns the viscous and the hourglass work, J.
-    constants: lambda, mu, yield strength, rho c_L b1, rho b2^2.
+    Returns the viscous and the hourglass work, J. ``constants``: lambda, mu, yield strength, rho c_L b1, rho b2^2.
     """
     lam, mu, limit, linear, quadratic = constants
     n_z, n_r = state.shape[0], state.shape[1]
@@ -92,7 +91,7 @@ def _stress(vr, vz, fr, fz, state, br, bz, bt, area, height, length, hourglass, 
                 bulk -= quadratic * side * side * rate * rate
             viscous += 0.5 * (s[BULK] + bulk) * e_v * volume
             s[BULK] = bulk
-            # hourglass force: elastic, and relaxed by plastic flow as the deviator is
+            # hourglass force: elastic, and reduced by plastic flow like the deviator
             stiffness = hourglass[j, i]
             q_r, q_z = 0.25 * (r11 - r10 - r01 + r00) * dt, 0.25 * (z11 - z10 - z01 + z00) * dt
             new_r, new_z = back * (s[HOUR_R] + q_r), back * (s[HOUR_Z] + q_z)
@@ -118,7 +117,7 @@ def _stress(vr, vz, fr, fz, state, br, bz, bt, area, height, length, hourglass, 
 
 @compiled
 def _touch(u, v, before, mass, gap, tally, punch_mass, dt):
-    """Keep the nodes of the top out of the punch: exact, by the smallest impulses; see `contact`."""
+    """Apply the contact impulses between punch and nodes of the top surface; see `contact`."""
     free = tally[PUNCH_Z] + dt * tally[PUNCH_V]
     place, count = free, -1
     for _ in range(len(gap) + 1):
@@ -142,7 +141,7 @@ def _touch(u, v, before, mass, gap, tally, punch_mass, dt):
             v[i] += (place - reach) / dt
             slip, left = tally[PUNCH_V] - before[i], speed - v[i]
             tally[CONTACT] += impulse * (slip + left) / 2
-            tally[CONTACT_NOW] += impulse * (3 * slip + left) / 8  # of the first half of the impulse
+            tally[CONTACT_NOW] += impulse * (3 * slip + left) / 8  # work of the first half of the impulse
             force += impulse / dt
     if count > 0:
         tally[TOUCHED] += 1
@@ -153,16 +152,16 @@ def _touch(u, v, before, mass, gap, tally, punch_mass, dt):
 
 @compiled
 def advance(n_steps, motion, mass, mobility, gap, punch_mass, tally, state, tables, fields, constants, dt):
-    """Take ``n_steps`` central-difference steps; the kinetic energies of ``tally`` are those at the first instant.
+    """Take ``n_steps`` central-difference steps; the kinetic energies in ``tally`` are those at the first instant.
 
     Parameters
     ----------
     motion
         (6, n_z + 1, n_r + 1): displacement (m), velocity half a step before (m/s), internal force (N), each r and z.
     mass, mobility
-        Of the nodes, (n_z + 1, n_r + 1), kg; 1/mass in r and z, (2, ...), zero where held.
+        Nodal masses, (n_z + 1, n_r + 1), kg, and 1/mass in r and z, (2, n_z + 1, n_r + 1), zero where fixed.
     gap
-        From each node of the top to the punch where that begins to touch, m; only nodes that it can touch.
+        Initial gaps between the nodes of the top and the punch, m; only nodes that it can touch.
     tables, fields
         ``(br, bz, bt, area, height)`` and ``(length, hourglass)``.
     """
@@ -202,13 +201,13 @@ def advance(n_steps, motion, mass, mobility, gap, punch_mass, tally, state, tabl
 
 @compiled
 def measure(state, tables, constants, tolerance, ever):
-    """Energies stored and lost in the elements now, and what is at yield.
+    """Return the present energies of the elements, and the volume at yield.
 
     Returns
     -------
     tuple
         Elastic and plastic energy (J), volume at yield (m^3), volume that was ever at yield (m^3), largest
-        equivalent strain. ``ever`` is brought up to date.
+        equivalent strain. ``ever`` is updated.
     """
     lam, mu, limit = constants[0], constants[1], constants[2]
     area, height = tables[3], tables[4]

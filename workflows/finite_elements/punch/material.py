@@ -1,4 +1,4 @@
-"""An elastic-perfectly-plastic material: von Mises yield, associative flow.
+"""Elastic-perfectly-plastic material: von Mises yield, associative flow.
 
     sigma = lambda tr(e_el) 1 + 2 mu e_el        q = sqrt(3/2 s:s) <= sigma_y        de_pl = dgamma s
 
@@ -19,7 +19,7 @@ from granwave.lammps_inputs.case.material import Material
 
 @dataclasses.dataclass(frozen=True)
 class Elastoplastic:
-    """The constants of the material, SI; a yield strength of infinity keeps it elastic."""
+    """Constants of the material, SI units; an infinite yield strength makes it elastic."""
 
     youngs_modulus: float
     poisson_ratio: float
@@ -28,37 +28,37 @@ class Elastoplastic:
 
     @classmethod
     def of(cls, material: Material) -> Elastoplastic:
-        """From the material of a case."""
+        """Make it from the material of a case."""
         limit = math.inf if material.yield_strength is None else material.yield_strength
         return cls(material.youngs_modulus, material.poisson_ratio, material.density, limit)
 
     @property
     def lame(self) -> tuple[float, float]:
-        """lambda and mu, Pa."""
+        """Lame constants lambda and mu, Pa."""
         nu = self.poisson_ratio
         mu = self.youngs_modulus / (2 * (1 + nu))
         return 2 * mu * nu / (1 - 2 * nu), mu
 
     @property
     def longitudinal_modulus(self) -> float:
-        """lambda + 2 mu, Pa."""
+        """Longitudinal modulus lambda + 2 mu, Pa."""
         lam, mu = self.lame
         return lam + 2 * mu
 
     @property
     def bulk_modulus(self) -> float:
-        """Pa."""
+        """Bulk modulus, Pa."""
         lam, mu = self.lame
         return lam + 2 * mu / 3
 
     @property
     def longitudinal_speed(self) -> float:
-        """Longitudinal speed of plane elastic waves, m/s."""
+        """Speed of plane longitudinal waves, m/s."""
         return math.sqrt(self.longitudinal_modulus / self.density)
 
     @property
     def stiffness(self) -> NDArray[np.float64]:
-        """Stress (rr, zz, tt, rz) over strain (rr, zz, tt, gamma_rz), (4, 4), Pa."""
+        """Stiffness matrix of stress (rr, zz, tt, rz) over strain (rr, zz, tt, gamma_rz), (4, 4), Pa."""
         lam, mu = self.lame
         matrix = np.zeros((4, 4))
         matrix[:3, :3] = lam

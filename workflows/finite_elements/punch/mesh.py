@@ -1,25 +1,25 @@
-"""The mesh: rectangles of a tensor product that grow in proportion to the distance from the punch's edge.
+"""Tensor-product mesh of rectangles that grow in proportion to the distance from the punch's edge.
 
     h_r = s (L + |r - a|)        h_z = s (k L + z)        s = sqrt(I_r I_z / elements)
 
-with L = `NEAR` of the radius a, k = `ASPECT` and ``I`` the integrals of ``s dx/h``: one number, ``elements``,
-refines the whole mesh without changing its shape. The plastic zone begins at the edge and grows from there, and waves
-are as long as the contact lasts, so the same share of elements goes to every scale. With an edge size given, L follows
-from it instead.
+with L = `NEAR` times the radius a, k = `ASPECT` and ``I`` the integrals of ``s dx/h``: the number ``elements`` refines
+the whole mesh without changing its grading. The plastic zone begins at the edge and grows from there, and the
+wavelength scales with the contact time, so every length scale gets the same share of elements. If an edge size is
+given, L follows from it.
 
-The place a, where contact ends (`contact_end` in `punch.contact`), lies midway between two nodes, as
-the contact of a mesh ends half an element beyond the last node that touches. On the rounded edge it moves out as the
-load grows, on fine meshes by 26 um at 4 m/s and 60 um at 8 m/s (0.1 kg, taper 0.1 mm), on coarse ones a node at a time.
-The stress under the edge needs elements finer than that, not another contact: forces spread over the segments between
-nodes (penalty, 1 to 8 points each) leave the same scatter. Of the dissipated share, with the nodes moved by parts of an
+The radius a of the contact area (`contact_end` in `punch.contact`) lies midway between two nodes, as the contact of a
+mesh ends half an element beyond the last touching node. On the rounded edge it grows with the load, on fine meshes by
+26 um at 4 m/s and 60 um at 8 m/s (0.1 kg, taper 0.1 mm), on coarse ones node by node. The stress under the edge needs
+finer elements, not another contact formulation: with forces distributed over the segments between nodes (penalty, 1 to
+8 points each) the scatter is the same. Scatter of the dissipated fraction when nodes are shifted by fractions of an
 element:
 
     elements at the edge (um)      37      25      18
     0.1 kg, 8 m/s, scatter (%)     3.3     2.3     1.5
     0.1 kg, 4 m/s                  19      14      7
 
-The default has elements of 32 um there; finer ones cost timesteps. Brass, D = 10 mm, taper 0.1 mm, against 62 500
-elements with 8 um at the edge:
+By default the elements there are 32 um wide; finer ones reduce the timestep. Brass, D = 10 mm, taper 0.1 mm, compared
+with 62 500 elements and 8 um at the edge:
 
     kg, m/s     input    fraction dissipated        plastic volume (mm^3)
                          default  finer             default  finer
@@ -30,8 +30,8 @@ elements with 8 um at the edge:
     0.1, 12      2.74    0.296    0.298  -0.6 %         580     577  0.6 %
     0.1, 20      7.60    0.532    0.533  -0.2 %        1550    1505    3 %
 
-With 16 000 elements, half and twice the hourglass stiffness change the fraction by 1 and -1.5 %, the volume by -2 and
-3 %; half and twice the bulk viscosity change the fraction by up to 1.4 and -0.4 %, the volume by -3 and 0.6 %.
+With 16 000 elements, half and twice the hourglass stiffness change the fraction by 1 and -1.5 % and the volume by -2
+and 3 %; half and twice the bulk viscosity change the fraction by up to 1.4 and -0.4 % and the volume by -3 and 0.6 %.
 """
 
 from __future__ import annotations
@@ -44,13 +44,13 @@ from numpy.typing import NDArray
 
 Line = NDArray[np.float64]
 
-NEAR = 0.455  # of the radius of contact
-ASPECT = 2.5  # of the smallest elements, depth over width
+NEAR = 0.455  # L over the contact radius
+ASPECT = 2.5  # depth over width of the smallest elements
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Mesh:
-    """Rectangles between the lines ``r`` and ``z``; z = 0 is the struck top and depth goes along +z.
+    """Rectangles between the lines ``r`` and ``z``; the struck top is at z = 0, depth along +z.
 
     Attributes
     ----------
@@ -63,23 +63,23 @@ class Mesh:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Rows in depth, columns in radius."""
+        """Numbers of elements in depth and in radius."""
         return len(self.z) - 1, len(self.r) - 1
 
     @property
     def n_elements(self) -> int:
-        """Elements in all."""
+        """Number of elements."""
         return self.shape[0] * self.shape[1]
 
     @property
     def nodes(self) -> NDArray[np.float64]:
-        """(n_nodes, 2), m: (r, z), r fastest."""
+        """Coordinates (r, z) of the nodes, r fastest: (n_nodes, 2), m."""
         r, z = np.meshgrid(self.r, self.z)
         return np.column_stack([r.ravel(), z.ravel()])
 
     @property
     def elements(self) -> NDArray[np.int64]:
-        """(n_elements, 4): nodes of each element in turn around it, elements with r fastest."""
+        """Nodes of the elements in cyclic order, elements with r fastest: (n_elements, 4)."""
         rows, columns = self.shape
         first = (np.arange(rows)[:, None] * (columns + 1) + np.arange(columns)).ravel()
         return np.column_stack([first, first + 1, first + columns + 2, first + columns + 1])
@@ -91,18 +91,18 @@ class Mesh:
 
 
 def block_mesh(radius: float, height: float, edge: float, elements: int, *, edge_size: float | None = None) -> Mesh:
-    """The mesh of a block under a punch.
+    """Make the mesh of a block under a punch.
 
     Parameters
     ----------
     radius, height
-        Of the block, m.
+        Radius and height of the block, m.
     edge
-        Radius at which contact ends, m; midway between two nodes.
+        Contact radius, m; midway between two nodes.
     elements
-        About how many.
+        Approximate number of elements.
     edge_size
-        Width of the elements there, m, if not that of the rule; what is too large gives equal elements.
+        Width of the elements at the edge in place of that of the rule, m; too large a width gives equal elements.
     """
 
     def counts(near: float) -> tuple[float, float, float]:

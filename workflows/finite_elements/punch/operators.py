@@ -1,10 +1,10 @@
-"""Tables of the one-point quadrilateral and the lumped mass, from scikit-fem, and the stable timestep.
+"""Operators of the one-point quadrilateral and lumped masses, from scikit-fem, and the stable timestep.
 
-One quadrature point does not lock in plastic flow: it asks one incompressibility condition of an element. What it does
-not see, the two hourglass modes, `hourglass_stiffness` resists. The radius at the point, the element's centre, is never
-zero, so the axis needs no special case; for rectangles one point integrates the volume 2 pi r dr dz exactly, and a
-field of equal radial and hoop stress is in equilibrium exactly. The mass is lumped with the same point, a quarter of
-the element to each node: then a plane wave stays plane up to the axis, as forces and masses are shared alike.
+One quadrature point does not lock in plastic flow, as it imposes one incompressibility condition per element. The two
+hourglass modes, which it does not see, are resisted by `hourglass_stiffness`. The radius at the centre of an element is
+never zero, so that the axis needs no special treatment; for rectangles one point integrates the volume 2 pi r dr dz
+exactly, and a field of equal radial and hoop stress is exactly in equilibrium. The mass is lumped with the same point,
+a quarter of the element to each node; as forces are distributed alike, a plane wave stays plane up to the axis.
 """
 
 from __future__ import annotations
@@ -20,17 +20,17 @@ from granwave.workflows.finite_elements.punch.material import Elastoplastic
 from granwave.workflows.finite_elements.punch.mesh import Line, Mesh
 
 LINEAR_VISCOSITY, QUADRATIC_VISCOSITY = 0.06, 1.2
-ONE_POINT = (np.array([[0.5], [0.5]]), np.array([1.0]))  # the centre of the reference square, its weight
-HOURGLASS = 0.1  # of the stiffness that full integration would give the hourglass modes
-_NEAR_STIFFEST = 0.7  # elements whose bound is below this part of the largest cannot decide the timestep
-_SAFETY = 0.98
+ONE_POINT = (np.array([[0.5], [0.5]]), np.array([1.0]))  # centre of the reference square, and its weight
+HOURGLASS = 0.1  # fraction of the stiffness in `hourglass_stiffness`
+_NEAR_STIFFEST = 0.7  # elements whose bound is below this fraction of the largest cannot limit the timestep
+_SAFETY = 0.98  # timestep over the stability limit
 
 Grid = NDArray[np.float64]
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Operators:
-    """Arrays of mesh and material for the inner loops.
+    """Arrays of the mesh and the material for the inner loops.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class Operators:
     hourglass
         Stiffness of the hourglass modes, (n_z, n_r), N/m.
     mass
-        Lumped, (n_z + 1, n_r + 1), kg.
+        Lumped nodal masses, (n_z + 1, n_r + 1), kg.
     """
 
     br: Line
@@ -62,12 +62,12 @@ class Operators:
 
 
 def library_basis(mesh: Mesh) -> Basis:
-    """scikit-fem's bilinear basis on the mesh, with one quadrature point."""
+    """Return scikit-fem's bilinear basis on the mesh, with one quadrature point."""
     return Basis(MeshQuad(mesh.nodes.T.copy(), mesh.elements.T.copy()), ElementQuad1(), quadrature=ONE_POINT)
 
 
 def make_operators(mesh: Mesh, material: Elastoplastic) -> Operators:
-    """The tables for a mesh and a material."""
+    """Make the operators for a mesh and a material."""
     rows, columns = mesh.shape
     point = library_basis(mesh)
     gradient = np.abs(point.basis[0][0].grad[:, :, 0]).reshape(2, rows, columns)
@@ -91,19 +91,19 @@ def make_operators(mesh: Mesh, material: Elastoplastic) -> Operators:
 
 
 def hourglass_stiffness(volume: Grid, squares: Grid, material: Elastoplastic) -> Grid:
-    """Stiffness (N/m) against the amplitude of an hourglass mode, u = q xi eta.
+    """Return the stiffness (N/m) for the amplitude q of an hourglass mode, u = q xi eta.
 
-    Full integration would give ``(4/3) V [(lambda + 2 mu)/dr^2 + mu/dz^2]`` (r mode); the control takes a small part of
-    ``(16/3) V (lambda + 2 mu) (br^2 + bz^2)`` (Flanagan and Belytschko 1981, stiffness form).
+    Full integration would give ``(4/3) V [(lambda + 2 mu)/dr^2 + mu/dz^2]`` (r mode); the control takes the fraction
+    `HOURGLASS` of ``(16/3) V (lambda + 2 mu) (br^2 + bz^2)`` (Flanagan and Belytschko 1981, stiffness form).
     """
     return HOURGLASS * 16 / 3 * volume * material.longitudinal_modulus * squares
 
 
 def stable_timestep(operators: Operators, material: Elastoplastic) -> float:
-    """A timestep below the limit of central differences, s.
+    """Return a timestep below the stability limit of central differences, s.
 
     ``dt = (2/omega) (sqrt(1 + xi^2) - xi)`` with xi the share of critical damping that the linear bulk viscosity adds
-    and omega the highest frequency of any single element (which bounds that of the mesh).
+    and omega the highest frequency of any single element, which bounds that of the mesh.
     """
     br, bz = np.meshgrid(operators.br, operators.bz)
     bt = np.broadcast_to(operators.bt, br.shape)
@@ -123,8 +123,8 @@ def stable_timestep(operators: Operators, material: Elastoplastic) -> float:
     mode = np.outer(h, h) / 16 * hourglass[:, None, None]
     stiffness[:, :4, :4] += mode
     stiffness[:, 4:, 4:] += mode
-    scale = np.repeat(2 / np.sqrt(material.density * volume)[:, None], 8, axis=1)  # of a quarter of the mass
-    scale[np.ix_(axis, [0, 3])] = 0.0  # held on the axis
+    scale = np.repeat(2 / np.sqrt(material.density * volume)[:, None], 8, axis=1)  # for a quarter of the mass
+    scale[np.ix_(axis, [0, 3])] = 0.0  # no radial motion on the axis
     scaled = stiffness * scale[:, :, None] * scale[:, None, :]
     omega = math.sqrt(np.linalg.eigvalsh(scaled)[:, -1].max())
     damping = math.sqrt(2) * LINEAR_VISCOSITY

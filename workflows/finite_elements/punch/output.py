@@ -1,4 +1,4 @@
-"""``result.h5`` and ``summary.json`` of a continuum run, each replaced whole or not at all.
+"""``result.h5`` of a continuum run, replaced whole or not at all.
 
     /nodes, /elements              (r, z) of the nodes; the four nodes of each element
     /element_volume                of each element
@@ -7,61 +7,39 @@
     /plastic_zone/{time, volume, volume_ever}
     /fields/{time, von_mises, plastic_strain, plastic_energy, ever_yielded, displacement}
 
-``von_mises`` is (n_frames, n_elements) at ``time``; the other fields are those at the end. The root carries ``kind``,
-``name``, ``case`` (TOML), ``summary`` and ``versions`` (JSON) as attributes; every data set a ``unit``.
+``von_mises`` is (n_frames, n_elements) at ``time``; the other fields are final values. The root has the attributes
+``kind``, ``name``, ``case`` (TOML), ``summary`` and ``versions`` (JSON); every data set has a ``unit``.
 """
 
 from __future__ import annotations
 
-import json
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import h5py
 import numpy as np
-from numpy.typing import ArrayLike
 
-from granwave.analysis.result.hdf5_file import new_hdf5
-from granwave.analysis.result.trajectory import COMPRESSION
-from granwave.lammps_inputs.files import replace_text
-from granwave.lammps_inputs.run_directory import RESULT_FILE, SUMMARY_FILE
 from granwave.workflows.finite_elements.punch import kernels
 from granwave.workflows.finite_elements.punch.case import ContinuumCase
 from granwave.workflows.finite_elements.punch.history import History
 from granwave.workflows.finite_elements.punch.solver import Solver
+from granwave.workflows.finite_elements.result_file import new_result, put_dataset
 
 _ENERGIES = ("kinetic", "elastic", "plastic", "viscous", "hourglass", "contact", "punch")
-_COMPRESSED_FROM = 4096  # values; smaller data sets are kept plain
 
 
 def write_result(
     directory: Path, case: ContinuumCase, solver: Solver, history: History, summary: dict[str, Any]
-) -> Path:
+) -> None:
     """Write ``result.h5`` into ``directory``."""
-    path = directory / RESULT_FILE
-    with new_hdf5(path, libver="v110") as file:
+    with new_result(directory, "continuum", case, summary) as file:
         _write(file, case, solver, history)
-        file.attrs["kind"] = "continuum"
-        file.attrs["name"] = case.name
-        file.attrs["case"] = case.to_toml()
-        file.attrs["summary"] = json.dumps(summary)
-        file.attrs["versions"] = json.dumps(summary["versions"])
-    return path
-
-
-def write_summary(directory: Path, summary: dict[str, Any]) -> None:
-    """Write ``summary.json`` into ``directory``."""
-    replace_text(directory / SUMMARY_FILE, json.dumps(summary, indent=2, allow_nan=False) + "\n")
 
 
 def _write(file: h5py.File, case: ContinuumCase, solver: Solver, history: History) -> None:
+    put = partial(put_dataset, file)
     n = solver.mesh.n_elements
-
-    def put(name: str, values: ArrayLike, unit: str) -> None:
-        array = np.asarray(values)
-        options: dict[str, Any] = dict(COMPRESSION) if array.size >= _COMPRESSED_FROM else {}
-        file.create_dataset(name, data=array, **options).attrs["unit"] = unit
-
     put("nodes", solver.mesh.nodes, "m")
     put("elements", solver.mesh.elements.astype(np.int32), "1")
     put("element_volume", solver.operators.volume.ravel(), "m3")

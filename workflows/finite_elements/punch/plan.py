@@ -1,4 +1,4 @@
-"""Cost of a continuum run before it is run: estimates."""
+"""Estimated cost of a continuum run before it is run."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ _ELEMENT_STEPS_PER_SECOND = 25e6  # measured on one core
 _START = 1.0  # s, set-up and results
 _STEP_OVER_CROSSING = 0.95  # stable timestep over the time that a wave takes through the thinnest element
 _DISK_PER_ELEMENT = 400.0  # bytes, with some 20 compressed snapshots
-_DISK_BASE = 1e6  # bytes, of the figures too
+_DISK_BASE = 1e6  # bytes, including figures
 
 
 @dataclasses.dataclass(frozen=True)
 class ContinuumPlan:
-    """The size and cost of a continuum run.
+    """Size and cost of a continuum run.
 
     Attributes
     ----------
     memory, disk, disk_reserve
-        Bytes; nothing is written before the end, and no reserve is needed.
+        Estimates in bytes; files are written at the end, so that no reserve is needed.
     wall_time
-        s.
+        Estimated wall time, s.
     """
 
     name: str
@@ -40,7 +40,7 @@ class ContinuumPlan:
 
 
 def plan(case: ContinuumCase) -> ContinuumPlan:
-    """Plan the run of a case; raises InputError where it has too many steps."""
+    """Plan the run of a case; raise InputError if it has too many steps."""
     mesh = mesh_of(case)
     material = Elastoplastic.of(case.material)
     thinnest = min(np.diff(mesh.r).min(), np.diff(mesh.z).min())
@@ -58,7 +58,7 @@ def plan(case: ContinuumCase) -> ContinuumPlan:
 
 
 def _expected_end(case: ContinuumCase) -> float:
-    """When the punch has left, s: a mass on the spring that an elastic half-space is to a flat punch, and some rest."""
+    """Estimate the end time, s: rebound of a mass on an elastic half-space under a flat punch, with a margin."""
     if not isinstance(case.run.end_time, str):
         return case.run.end_time
     material = case.material

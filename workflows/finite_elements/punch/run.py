@@ -3,27 +3,20 @@
 from __future__ import annotations
 
 import logging
-import time
-from collections.abc import Iterable
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
-from tqdm import tqdm
-
-from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import RunError
-from granwave.lammps_inputs.files import plain
 from granwave.lammps_inputs.run_directory import CASE_FILE, RESULT_FILE, SUMMARY_FILE
-from granwave.workflows.finite_elements.frame import begin
-from granwave.workflows.finite_elements.punch import output
 from granwave.workflows.finite_elements.punch.case import ContinuumCase
 from granwave.workflows.finite_elements.punch.history import TOLERANCE, History, integrate, make_solver
+from granwave.workflows.finite_elements.punch.output import write_result
 from granwave.workflows.finite_elements.punch.summary import LARGE_STRAIN, summarise
+from granwave.workflows.finite_elements.runner import ElementRun, run_elements
 
 logger = logging.getLogger("granwave")
-
-_RESULTS = (CASE_FILE, RESULT_FILE, SUMMARY_FILE)
-_FINISHED = ("end_time", "settled", "longest")
 
 
 def run_continuum(
@@ -37,90 +30,55 @@ def run_continuum(
 ) -> dict[str, Any]:
     """Run a continuum case; leaves case.toml, result.h5, summary.json and figures in ``directory``.
 
-    Parameters
-    ----------
-    progress
-        Show a bar on a terminal.
-    force
-        Replace the results that are there.
-    resume
-        Accept the finished results of the same case that are there; an unfinished run begins anew.
-
-    Returns
-    -------
-    dict
-        What summary.json holds.
-
-    Raises
-    ------
-    InputError
-        The directory holds results, or another case, or the mesh does not fit into memory; nothing was changed.
-    RunError
-        The energy balance was refused; what was computed is kept.
+    Parameters and errors are those of `granwave.workflows.finite_elements.runner.run_elements`.
     """
-    directory = results_directory(directory)
-    there = begin(
-        case, directory, _RESULTS, _FINISHED, resume=resume, force=force, figures=_figures if figures else None
-    )
-    if there is not None:
-        return there
-    solver, history = make_solver(case), History()
-    started = time.perf_counter()
-    try:
-        with _Bar(case, enabled=progress) as bar:
-            integrate(case, solver, history, bar.show)
-    finally:
-        if history.instants:
-            summary = plain(summarise(case, solver, history, time.perf_counter() - started))
-            output.write_result(directory, case, solver, history, summary)
-            output.write_summary(directory, summary)
-    if summary["plastic_zone_strain"] > LARGE_STRAIN:
-        logger.warning(
-            "%s: strains are not small: 1 %% of the plastic zone exceeds %.2f, the largest is %.2f; expected below %g. "
-            "The solution is one of small strains: lower punch.velocity or punch.mass to trust it",
-            case.name,
-            summary["plastic_zone_strain"],
-            summary["largest_strain"],
-            LARGE_STRAIN,
-        )
-    if figures:
-        # the drawing library takes longer to load than a small run to compute
-        from granwave.workflows.finite_elements.punch.figures import draw_figures
-
-        draw_figures(directory)
-    if history.end_reason == "refused":
-        raise RunError(
-            f"{case.name}: the energy balance is off by {100 * history.balance_error:.3g} % of the input at "
-            f"{1e6 * history.instants[-1].time:.4g} us, at most {100 * TOLERANCE:g} % is accepted; "
-            f'what was computed is kept in {directory}. Take run.timestep = "auto" or a smaller one, or more '
-            "run.elements"
-        )
-    return summary
+    return run_elements(_Run, case, directory, progress=progress, force=force, resume=resume, figures=figures)
 
 
-def _figures() -> Iterable[str]:
-    from granwave.workflows.finite_elements.punch.figures import FIGURES  # the drawing library takes a second to load
+class _Run(ElementRun):
+    RESULTS = (CASE_FILE, RESULT_FILE, SUMMARY_FILE)
+    FINISHED = ("end_time", "settled", "longest")
+    UNIT = "us"
 
-    return FIGURES
+    def __init__(self, case: ContinuumCase) -> None:
+        self.case, self.solver, self.history = case, make_solver(case), History()
+        self.total = None if isinstance(case.run.end_time, str) else round(1e6 * case.run.end_time, 2)
 
+    @staticmethod
+    def figures() -> ModuleType:
+        from granwave.workflows.finite_elements.punch import figures
 
-class _Bar:
-    """Time done of the time to do; with end_time = "auto" only the time done."""
+        return figures
 
-    def __init__(self, case: ContinuumCase, *, enabled: bool) -> None:
-        self._given = case.punch.energy
-        total = None if isinstance(case.run.end_time, str) else round(1e6 * case.run.end_time, 2)
-        self._bar = tqdm(total=total, desc=case.name, unit="us", disable=None if enabled else True)
+    def integrate(self, report: Callable[[], None]) -> None:
+        integrate(self.case, self.solver, self.history, lambda _: report())
 
-    def __enter__(self) -> _Bar:
-        return self
+    def progress(self) -> tuple[float, str]:
+        """Time done, us."""
+        last, given = self.history.instants[-1], self.case.punch.energy
+        return 1e6 * last.time, f"dissipated {last.plastic / given:.3f}, balance {self.history.balance_error:.1e}"
 
-    def __exit__(self, *_: object) -> None:
-        self._bar.close()
+    def summarise(self, wall_time: float) -> dict[str, Any] | None:
+        return summarise(self.case, self.solver, self.history, wall_time) if self.history.instants else None
 
-    def show(self, history: History) -> None:
-        """Bring the bar up to the last instant."""
-        last = history.instants[-1]
-        note = f"dissipated {last.plastic / self._given:.3f}, balance {history.balance_error:.1e}"
-        self._bar.set_postfix_str(note, refresh=False)
-        self._bar.update(round(1e6 * last.time - self._bar.n, 2))
+    def write(self, directory: Path, summary: dict[str, Any]) -> None:
+        write_result(directory, self.case, self.solver, self.history, summary)
+
+    def conclude(self, directory: Path, summary: Mapping[str, Any], draw: Callable[[], None]) -> None:
+        if summary["plastic_zone_strain"] > LARGE_STRAIN:
+            logger.warning(
+                "%s: strains are not small: 1 %% of the plastic zone exceeds %.2f, the largest is %.2f; expected below "
+                "%g. The solution is one of small strains: lower punch.velocity or punch.mass to trust it",
+                self.case.name,
+                summary["plastic_zone_strain"],
+                summary["largest_strain"],
+                LARGE_STRAIN,
+            )
+        draw()
+        if self.history.end_reason == "refused":
+            raise RunError(
+                f"{self.case.name}: the energy balance is off by {100 * self.history.balance_error:.3g} % of the input "
+                f"at {1e6 * self.history.instants[-1].time:.4g} us, at most {100 * TOLERANCE:g} % is accepted; "
+                f'what was computed is kept in {directory}. Take run.timestep = "auto" or a smaller one, or more '
+                "run.elements"
+            )

@@ -1,9 +1,9 @@
-"""The explicit solver: central differences with lumped masses on an axisymmetric block.
+"""Explicit solver: central differences with lumped masses on an axisymmetric block.
 
     v(n+1/2) = v(n-1/2) + dt (f_contact - f_internal(n))/m        u(n+1) = u(n) + dt v(n+1/2)
 
-Energies close by construction of their parts, not by difference: elastic from the stresses, plastic from stress times
-plastic strain increment, viscous and contact losses from their own work, kinetic at whole steps.
+All energies are computed independently, so that their sum checks the solution: elastic from the stresses, plastic from
+stress times plastic strain increment, viscous and contact losses from their work, kinetic at whole steps.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ from granwave.workflows.finite_elements.punch.operators import (
     stable_timestep,
 )
 
-AT_YIELD = 0.99  # of the yield strength: von Mises stresses from here up count as at yield
+AT_YIELD = 0.99  # von Mises stress over yield strength from which on an element counts as at yield
 
 
 @dataclasses.dataclass(frozen=True)
 class Instant:
-    """Where the energy is at one time: s, J, m^3; and the state of the punch."""
+    """Energies (J), volumes (m^3) and state of the punch at one time (s)."""
 
     time: float
     kinetic: float
@@ -54,20 +54,20 @@ class Instant:
 
 
 class Solver:
-    """A block that a rigid punch hits.
+    """Block struck by a rigid punch.
 
     Parameters
     ----------
     gap
-        From the nodes of the top, from the axis outwards, to the punch, m; as many nodes as it can touch.
+        Gaps between the nodes of the top, from the axis outwards, and the punch, m; only nodes that it can touch.
     punch_mass, punch_velocity
-        kg, m/s (along +z, into the block).
+        Mass of the punch, kg, and initial velocity along +z, into the block, m/s.
     sides
-        ``free``, or ``roller``: no radial motion.
+        ``free``, or ``roller`` for no radial motion.
     bottom
         ``fixed`` or ``free``.
     timestep
-        s; the stable one if not given.
+        Timestep, s; by default the stable one.
     """
 
     def __init__(
@@ -109,27 +109,27 @@ class Solver:
 
     @property
     def time(self) -> float:
-        """s."""
+        """Time, s."""
         return self.n_steps * self.timestep
 
     @property
     def touches(self) -> int:
-        """Steps so far in which the punch touched the block."""
+        """Number of steps so far in which the punch touched the block."""
         return int(self._tally[kernels.TOUCHED])
 
     @property
     def von_mises(self) -> NDArray[np.float64]:
-        """Von Mises stress, (n_z, n_r), Pa."""
+        """Von Mises stresses, (n_z, n_r), Pa."""
         rr, zz, tt, rz = np.moveaxis(self.state[:, :, :4], 2, 0)
         return np.sqrt(0.5 * ((rr - zz) ** 2 + (zz - tt) ** 2 + (tt - rr) ** 2) + 3 * rz**2)
 
     def set_velocity(self, radial: NDArray[np.float64], axial: NDArray[np.float64]) -> None:
-        """Give the nodes velocities, (n_z + 1, n_r + 1), m/s; those that are held stay at rest."""
+        """Set the velocities of the nodes, (n_z + 1, n_r + 1), m/s; fixed nodes stay at rest."""
         self.motion[2] = np.where(self._mobility[0] > 0, radial, 0.0)
         self.motion[3] = np.where(self._mobility[1] > 0, axial, 0.0)
 
     def advance(self, n_steps: int) -> Instant:
-        """Take ``n_steps`` (one or more); the instant is the one before them."""
+        """Take ``n_steps`` (one or more); return the instant before them."""
         elastic, plastic, now, ever, strain = kernels.measure(
             self.state, self._tables, self._constants, AT_YIELD, self.ever
         )
@@ -169,7 +169,7 @@ class Solver:
         )
 
     def look(self) -> Instant:
-        """The present instant; changes nothing."""
+        """Return the present instant, without advancing."""
         kept = [part.copy() for part in (self.motion, self.state, self._tally)]
         instant = self.advance(1)
         self.n_steps -= 1
@@ -177,5 +177,5 @@ class Solver:
         return instant
 
     def every(self, interval: float) -> int:
-        """Steps that take at most ``interval`` seconds, at least one."""
+        """Return the largest number of steps in ``interval`` (s), at least one."""
         return max(1, math.floor(interval / self.timestep))

@@ -1,4 +1,4 @@
-"""The numbers that sum a continuum run up, for ``summary.json``: SI units."""
+"""Summary of a continuum run for ``summary.json``, in SI units."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from granwave.analysis.measures.zone_size import BOTTOM, SIDES, wave_returns, zone_sizes
+from granwave.analysis.measures.zone.size import BOTTOM, SIDES, wave_returns, zone_sizes
 from granwave.analysis.versions import versions_of
 from granwave.workflows.finite_elements.punch import kernels
 from granwave.workflows.finite_elements.punch.case import ContinuumCase
@@ -14,7 +14,7 @@ from granwave.workflows.finite_elements.punch.history import History, equivalent
 from granwave.workflows.finite_elements.punch.solver import Solver
 
 _PACKAGES = ("numpy", "numba", "scikit-fem", "h5py", "matplotlib")
-_RARE = 0.01  # of the plastic zone: the strain that more than this part exceeds is called that of the zone
+_RARE = 0.01  # volume fraction of the plastic zone in which the strain exceeds the reported one
 LARGE_STRAIN = 0.1
 
 
@@ -24,7 +24,7 @@ def summarise(case: ContinuumCase, solver: Solver, history: History, wall_time: 
     Parameters
     ----------
     wall_time
-        Of the time integration, s.
+        Wall time of the time integration, s.
     """
     last, given = history.instants[-1], case.punch.energy
     volumes = history.column("plastic_volume")
@@ -68,10 +68,10 @@ def summarise(case: ContinuumCase, solver: Solver, history: History, wall_time: 
 
 
 def zone_summary(case: ContinuumCase, solver: Solver, history: History) -> dict[str, Any]:
-    """Return the size of the plastic zone, the bounds that it reaches, and the waves that come back from them.
+    """Return the size of the plastic zone, the boundaries that it reaches, and the return of waves from them.
 
-    The fastest wave goes from the punch straight to the bound and back to the border of what holds 99 % of the plastic
-    work, at the speed of compression waves.
+    The fastest wave travels at the longitudinal wave speed from the punch straight to the boundary and back to the zone
+    that holds 99 % of the plastic work.
     """
     volume = solver.operators.volume
     r, z = solver.mesh.centres
@@ -90,9 +90,9 @@ def zone_summary(case: ContinuumCase, solver: Solver, history: History) -> dict[
 
 
 def zone_strain(solver: Solver) -> float:
-    """The equivalent strain that 1 % of the volume that ever yielded exceeds; 0 if none did.
+    """Return the equivalent strain exceeded in 1 % of the volume that ever yielded; 0 if none did.
 
-    The largest strain of all is that of one element at the punch's edge and grows as elements get smaller.
+    The largest strain occurs in one element at the punch's edge and depends on the element size.
     """
     strain, volume = equivalent_strain(solver)[solver.ever], solver.operators.volume[solver.ever]
     if not len(strain):
@@ -103,7 +103,7 @@ def zone_strain(solver: Solver) -> float:
 
 
 def _extent(solver: Solver) -> tuple[float, float]:
-    """Depth and radius, m, of the lowest and the outermost side of an element that ever yielded."""
+    """Return the largest depth and radius of elements that ever yielded, m."""
     if not solver.ever.any():
         return 0.0, 0.0
     rows, columns = np.nonzero(solver.ever)

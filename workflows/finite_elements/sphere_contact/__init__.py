@@ -1,4 +1,4 @@
-"""The static contact of two elastic-perfectly-plastic spheres (thesis 2.1, 3.1): where the contact law comes from.
+"""Static contact of two elastic-perfectly-plastic spheres, the basis of the contact law (thesis 2.1, 3.1).
 
 Axisymmetric, large displacement, von Mises plasticity. See `granwave.workflows.finite_elements.sphere_contact.solver`.
 """

@@ -1,4 +1,4 @@
-"""The case of a contact of two spheres: radii, materials, how far, as read from a TOML file."""
+"""Case of a contact of two spheres, as read from a TOML file: radii, materials, overlaps."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Sphere:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Partner:
-    """``[partner]``: the second sphere where it differs from the first."""
+    """``[partner]``: the second sphere, if it differs from the first."""
 
     radius: float
     material: Material
@@ -34,7 +34,7 @@ class Partner:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class SphereContactRun:
-    """``[run]``: how far, how often back, how fine and how slowly."""
+    """``[run]``: largest overlap, unloadings, mesh and speed."""
 
     max_overlap: float = number("largest overlap, over R*", at_least=1e-6, at_most=0.3, default=0.2)
     unloadings: int = count(
@@ -48,7 +48,7 @@ class SphereContactRun:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class SphereContactCase(ElementCase):
-    """Two spheres that are pressed together."""
+    """Contact of two spheres pressed together."""
 
     SECTIONS: ClassVar[Mapping[str, type]] = {"sphere": Sphere, "run": SphereContactRun}
     REQUIRED: ClassVar[tuple[str, ...]] = ("material", "sphere")
@@ -75,22 +75,22 @@ class SphereContactCase(ElementCase):
 
     @property
     def identical(self) -> bool:
-        """Both spheres are alike: one of them on the plane of symmetry tells all."""
+        """True if both spheres are equal, so that one of them on the plane of symmetry is sufficient."""
         first, second = (_constants(material) for material in self.materials)
         return self.radii[0] == self.radii[1] and first == second
 
     @property
     def yields(self) -> bool:
-        """At least one sphere can yield."""
+        """True if at least one sphere can yield."""
         return any(material.yield_strength is not None for material in self.materials)
 
     @cached_property
     def law(self) -> ContactLaw:
-        """The project's contact law of this pair; Hertz's where neither sphere can yield."""
+        """Elasto-plastic contact law of this pair; Hertz's law if neither sphere can yield."""
         return self.contact_law("elastoplastic" if self.yields else "hertz")
 
     def contact_law(self, name: str) -> ContactLaw:
-        """Any law of this pair; a sphere without a yield strength stays elastic."""
+        """Return a contact law of this pair by name; a sphere without a yield strength is elastic."""
         from granwave.lammps_inputs.contact.law import contact_of
 
         return contact_of([_or_elastic(material) for material in self.materials], self.radii, name)
@@ -102,12 +102,12 @@ class SphereContactCase(ElementCase):
 
     @property
     def elements(self) -> int:
-        """About how many elements the mesh has, both spheres together."""
+        """Approximate number of elements of both spheres together."""
         return self.run.elements
 
 
 def _read_partner(table: Any, parts: Mapping[str, Any], errors: ErrorList) -> Partner | None:
-    """The partner; what it leaves out is as of the first sphere."""
+    """Read the partner; values that it does not give are those of the first sphere."""
     own = {key: value for key, value in table.items() if key != "material"} if isinstance(table, Mapping) else table
     sphere: Sphere | None = parts.get("sphere")
     if isinstance(own, Mapping) and "radius" not in own and sphere is not None:

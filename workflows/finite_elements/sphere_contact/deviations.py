@@ -1,4 +1,4 @@
-"""Deviations of a study from the project's contact law: on loading, and for each unloading and reloading."""
+"""Deviations of finite-element contacts from the contact law, on loading and for each unload-reload cycle."""
 
 from __future__ import annotations
 
@@ -12,26 +12,28 @@ from scipy.optimize import least_squares
 from granwave.workflows.finite_elements.sphere_contact.case import SphereContactCase
 from granwave.workflows.finite_elements.sphere_contact.study import LOADING, RELOADING, UNLOADING, History, yield_unit
 
-RESOLVED = 0.3  # alpha_y: below, the contact has too few elements to be compared
+RESOLVED = 0.3  # overlap over alpha_y below which the contact has too few elements for a comparison
 #: ranges of the overlap over alpha_y, by name
 RANGES = {"elastic": (RESOLVED, 1.0), "1_to_10": (1.0, 10.0), "10_to_50": (10.0, 50.0), "50_to_178": (50.0, 177.6),
           "beyond_178": (177.6, math.inf)}  # fmt: skip
-_NEAR_ZERO = 0.05  # of the largest force: the last part of unloading, which gives the residual overlap
-_FITTED = 0.02  # of the largest force: the exponent is fitted from here up
+_NEAR_ZERO = 0.05  # force over the largest one: the last part of unloading, which gives the residual overlap
+_FITTED = 0.02  # force over the largest one from which on the exponent is fitted
 
 Array = NDArray[np.float64]
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Loading:
-    """First loading beside the law, deviations in per cent of the law's value; each (n_entries,).
+    """First loading compared with the law; all arrays are (n_entries,).
 
     Attributes
     ----------
     overlap, force, contact_radius, mean_pressure
-        m, N, m, Pa.
+        Overlaps, m, forces, N, contact radii, m, and mean contact pressures, Pa.
     law_force, law_contact_radius
-        N, m.
+        Forces, N, and contact radii, m, of the law at these overlaps.
+    unit
+        Overlap that scales the ranges, m; see `yield_unit`.
     """
 
     overlap: Array
@@ -44,7 +46,7 @@ class Loading:
 
     @property
     def deviations(self) -> dict[str, Array]:
-        """Per cent, by quantity."""
+        """Deviations from the law by quantity, per cent of its value."""
         law_pressure = self.law_force / (math.pi * self.law_contact_radius**2)
         return {
             "force": 100 * (self.force / self.law_force - 1),
@@ -53,7 +55,7 @@ class Loading:
         }
 
     def worst(self) -> dict[str, float]:
-        """Largest and root mean square deviations, per cent, over all that is resolved and by range."""
+        """Return the largest and root mean square deviations, per cent, over all resolved overlaps and by range."""
         found: dict[str, float] = {}
         scaled = self.overlap / self.unit
         for name, values in self.deviations.items():
@@ -72,23 +74,23 @@ class Cycle:
     Attributes
     ----------
     number
-        From 1.
+        Number of the cycle, from 1.
     peak_overlap, peak_force
-        Where unloading began, m, N.
+        Overlap, m, and force, N, at the start of unloading.
     residual_overlap
-        Where the force vanishes, m.
+        Overlap at which the force vanishes, m.
     exponent
         n of ``F/F_max = ((alpha - alpha_R)/(alpha_max - alpha_R))^n``, fitted.
     misfit
-        Largest difference from that, over F_max.
+        Largest deviation from this fit over F_max.
     reloading_difference
-        Largest difference of reloading from unloading at the same overlap, over F_max.
+        Largest difference between reloading and unloading at the same overlap over F_max.
     plastic_share
-        Plastic work of the cycle over the elastic energy that was released.
+        Plastic work of the cycle over the elastic energy released.
     law_residual_overlap, law_exponent
-        Of the law, for the same peak overlap.
+        Residual overlap, m, and exponent of the law for the same peak overlap.
     law_difference
-        Largest difference of unloading from the law, over the law's F_max.
+        Largest difference between unloading and the law over the law's F_max.
     """
 
     number: int
@@ -105,7 +107,7 @@ class Cycle:
 
 
 def compare_loading(case: SphereContactCase, history: History) -> Loading:
-    """First loading beside the law."""
+    """Compare first loading with the law."""
     rows = history.rows(LOADING)
     overlap, force = history.column("overlap")[rows], history.column("force")[rows]
     radius = np.array(history.contact_radii)[rows]
@@ -123,7 +125,7 @@ def compare_loading(case: SphereContactCase, history: History) -> Loading:
 
 
 def compare_cycles(case: SphereContactCase, history: History) -> list[Cycle]:
-    """The cycles that came to their end and began under load."""
+    """Compare with the law the cycles that were completed and began under load."""
     force = history.column("force")
     ended = [n for n in range(1, max(history.cycles, default=0) + 1) if len(history.rows(RELOADING, n))]
     return [_cycle(case, history, n) for n in ended if (force[history.rows(UNLOADING, n)] > 0).any()]
@@ -162,7 +164,7 @@ def _cycle(case: SphereContactCase, history: History, number: int) -> Cycle:
 
 
 def _residual(overlap: Array, force: Array, most: float) -> float:
-    """Where the force vanishes: by a line through its power 2/3 (Hertz's exponent) in the last part of unloading."""
+    """Extrapolate unloading to zero force, by a line through F^(2/3) (Hertz) in the last part."""
     near = (force > 0) & (force < _NEAR_ZERO * most)
     if near.sum() < 2:
         return float(overlap[force > 0].min())

@@ -1,4 +1,4 @@
-"""Figures of a sphere-contact study, after thesis 2.2 to 2.8 and 3.1; each leaves NAME.png, .pdf and .csv."""
+"""Figures of a sphere contact, after thesis 2.2 to 2.8 and 3.1, each written as NAME.png, .pdf and .csv."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ from granwave.workflows.finite_elements.sphere_contact.result import SphereConta
 from granwave.workflows.finite_elements.sphere_contact.study import LOADING, RELOADING, UNLOADING
 
 _MILLI, _MEGA = 1e3, 1e-6
-_SHOWN = 2.5  # contact radii that the section shows
+_SHOWN = 2.5  # half-width of the section, contact radii
 _CURVE = 500  # points of a curve of a law
-_LIMIT = 6.0  # per cent, the source's own claim for its law
+_LIMIT = 6.0  # per cent, accuracy of the law as stated by its source
 
 
 def force_overlap(result: SphereContactResult) -> Drawing:
-    """Force against overlap with all cycles, beside the law, Hertz and Thornton (thesis 2.2)."""
+    """Draw force against overlap with all cycles, the law, Hertz and Thornton (thesis 2.2)."""
     unit, force_unit = result.units
     overlap, force = result["history/overlap"] / unit, result["history/force"] / force_unit
     curve = result.overlaps
@@ -84,7 +84,7 @@ def force_overlap(result: SphereContactResult) -> Drawing:
 
 
 def pressure_profiles(result: SphereContactResult) -> Drawing:
-    """Contact pressure along the surface (thesis 2.3)."""
+    """Draw the contact pressure along the surface (thesis 2.3)."""
     effective = result.law.effective_radius
     figure = new_figure(2.9)
     axes = figure.subplots()
@@ -103,7 +103,7 @@ def pressure_profiles(result: SphereContactResult) -> Drawing:
 
 
 def mean_pressure(result: SphereContactResult) -> Drawing:
-    """Mean contact pressure against overlap (thesis 2.4)."""
+    """Draw the mean contact pressure against overlap (thesis 2.4)."""
     unit, _ = result.units
     overlap = result["loading/overlap"]
     found = result["loading/mean_pressure"] / result.strength
@@ -123,7 +123,7 @@ def mean_pressure(result: SphereContactResult) -> Drawing:
 
 
 def contact_area(result: SphereContactResult) -> Drawing:
-    """Contact area against overlap (thesis 2.5)."""
+    """Draw the contact area against overlap (thesis 2.5)."""
     unit, _ = result.units
     overlap = result["loading/overlap"] / unit
     area_unit = result.law.effective_radius * unit
@@ -141,7 +141,7 @@ def contact_area(result: SphereContactResult) -> Drawing:
 
 
 def unloading(result: SphereContactResult) -> Drawing:
-    """Unloading curves, normalised (thesis 2.6)."""
+    """Draw the normalised unloading curves (thesis 2.6)."""
     figure = new_figure(2.9)
     axes = figure.subplots()
     columns: dict[str, NDArray] = {}
@@ -170,7 +170,7 @@ def unloading(result: SphereContactResult) -> Drawing:
 
 
 def residual_overlap(result: SphereContactResult) -> Drawing:
-    """Residual overlap and unloading exponent against the largest overlap (thesis 2.7)."""
+    """Draw residual overlap and unloading exponent against the largest overlap (thesis 2.7)."""
     unit, _ = result.units
     peak, residual, exponent = (result[f"cycles/{name}"] for name in ("peak_overlap", "residual_overlap", "exponent"))
     curve = np.geomspace(min(unit, peak.min()), peak.max(), _CURVE)
@@ -192,7 +192,7 @@ def residual_overlap(result: SphereContactResult) -> Drawing:
 
 
 def deviation(result: SphereContactResult) -> Drawing:
-    """Force on loading beside the law, and how far it deviates (thesis 2.8)."""
+    """Draw the loading force with the law, and its deviation (thesis 2.8)."""
     unit, force_unit = result.units
     overlap, force, law = (result[f"loading/{name}"] for name in ("overlap", "force", "law_force"))
     order = np.argsort(overlap)
@@ -219,7 +219,7 @@ def deviation(result: SphereContactResult) -> Drawing:
 
 
 def quasi_static(result: SphereContactResult) -> Drawing:
-    """Energies that a static solution has none of over the internal energy, and force at the face, in loading."""
+    """Draw the non-static energies over the internal energy, and the force balance, during loading."""
     rows = result.branch(LOADING)
     overlap = result["history/overlap"] / result.units[0]
     rows = rows[(overlap[rows] >= RESOLVED) & (result["history/force"][rows] > 0)]
@@ -243,7 +243,7 @@ def quasi_static(result: SphereContactResult) -> Drawing:
 
 
 def von_mises(result: SphereContactResult) -> Drawing:
-    """Von Mises stress at the largest overlap, both spheres (thesis 3.1)."""
+    """Draw the von Mises stress in both spheres at the largest overlap (thesis 3.1)."""
     position, elements = result["fields/position"] * _MILLI, result["fields/elements"]
     body, stress = result["fields/body"], result["fields/von_mises"] * _MEGA
     radius = result.summary["contact_radius_m"] * _MILLI
@@ -252,7 +252,7 @@ def von_mises(result: SphereContactResult) -> Drawing:
     figure = new_figure(3.2)
     axes = figure.subplots()
     corners = position[elements]
-    for half, up in ((0, 1), (int(body.max()), -1)):  # of identical spheres the mirror image
+    for half, up in ((0, 1), (int(body.max()), -1)):  # the second half of equal spheres is a mirror image
         own = body == half
         quads = corners[own] - [0.0, position[elements[own].min(), 1]]  # its first node is the contact point
         for side in (-1, 1):
@@ -268,7 +268,7 @@ def von_mises(result: SphereContactResult) -> Drawing:
     return Drawing(figure, {"body": body, "r_m": centre[:, 0], "z_m": centre[:, 1], "von_mises_Pa": stress / _MEGA})
 
 
-#: Each draws a figure of a result.
+#: Functions that draw a figure of a result, by name.
 FIGURES: dict[str, Callable[[SphereContactResult], Drawing]] = {
     "force_overlap": force_overlap,
     "pressure_profiles": pressure_profiles,
@@ -284,7 +284,7 @@ _OF_CYCLES = ("unloading", "residual_overlap")
 
 
 def draw_figures(directory: str | Path) -> list[Path]:
-    """Draw the figures of a study from its ``result.h5``; the PNG files that were written.
+    """Draw the figures of a sphere contact from its ``result.h5``; return the paths of the PNG files.
 
     Raises
     ------

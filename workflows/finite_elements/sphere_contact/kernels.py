@@ -1,17 +1,17 @@
-"""The inner loops of the slow explicit solver with updated geometry, compiled by numba.
+"""Inner loops of the quasi-static explicit solver with updated geometry, compiled by numba.
 
-Time is counted in steps: a velocity is a displacement per step (m), a mass is N per (m/step^2). The masses are chosen
-for that (`masses`): the problem is static, so they are free.
+Time is counted in steps: a velocity is a displacement per step (m), a mass has the unit N/(m/step^2). As the problem is
+static, the masses can be chosen freely (`masses`).
 
-Each element has one point, its centre. With b = grad N there, from present coordinates,
+Each element has one quadrature point, its centre. With b = grad N there, from current coordinates,
 
     D = sym(b v), W = skew(b v)      at the middle of the step (no strain under any finite rotation)
     sigma <- Q sigma Q^T, + C : D    Q: rotation by Hughes and Winget (1980); then radial return
     f = V b^T sigma                  at the end of the step, V = 2 pi r A
 
-Hourglass control is that of Flanagan and Belytschko (1981) in stiffness form, its displacement turning with the
-element and relaxed by plastic flow as the deviator is. The state of an element is laid out as in
-`granwave.workflows.finite_elements.punch.kernels`; ``PLASTIC`` is in J here, as volumes change.
+Hourglass control is that of Flanagan and Belytschko (1981) in stiffness form; the hourglass displacement rotates with
+the element and is reduced by plastic flow like the deviator. The state of an element has the layout of
+`granwave.workflows.finite_elements.punch.kernels`, but ``PLASTIC`` is in J, as volumes change.
 """
 
 from __future__ import annotations
@@ -33,24 +33,24 @@ from granwave.workflows.finite_elements.punch.kernels import (
     compiled,
 )
 
-#: the overlap (m), its change in a step, the change before smoothing, force (N); sums of work and losses (J)
-OVERLAP, RATE, WISH, FORCE, WORK, VISCOUS, HOURGLASS, DAMPING, KINETIC, PENALTY = range(10)
+#: overlap (m), its change in a step, that change before smoothing (m), force (N); sums of work and losses (J)
+OVERLAP, RATE, TARGET_RATE, FORCE, WORK, VISCOUS, HOURGLASS, DAMPING, KINETIC, PENALTY = range(10)
 N_TALLY = 10
-STABLE = 0.9  # of the limit of central differences
-#: places of the two points on a segment of a surface (Gauss)
+STABLE = 0.9  # timestep over the stability limit of central differences
+#: positions of the two Gauss points on a segment of a surface
 NEAR_END, FAR_END = 0.5 - 0.5 / math.sqrt(3), 0.5 + 0.5 / math.sqrt(3)
 
 
 @compiled
 def stress(x, v, elements, kind, constants, hourglass, state, f):
-    """Bring the elements to the end of a step and set the internal forces ``f``.
+    """Update the elements to the end of a step and set the internal forces ``f``.
 
     Parameters
     ----------
     x, v
         Positions at the end of the step and displacements in it, (n_nodes, 2), m.
     kind, constants
-        Material of each element; for each material lambda, mu, yield strength (Pa) and the viscosity, Pa step.
+        Material index of each element; for each material lambda, mu, yield strength (Pa) and viscosity (Pa step).
 
     Returns
     -------
@@ -76,7 +76,7 @@ def stress(x, v, elements, kind, constants, hourglass, state, f):
         pm_r, pm_z, qm_r, qm_z = p_r - 0.5 * u_r, p_z - 0.5 * u_z, q_r - 0.5 * w_r, q_z - 0.5 * w_z
         sum_v = v[n0, 0] + v[n1, 0] + v[n2, 0] + v[n3, 0]
         sum_r = x[n0, 0] + x[n1, 0] + x[n2, 0] + x[n3, 0]
-        # b of nodes 0 and 1; nodes 2 and 3 have the opposite
+        # b of nodes 0 and 1; that of nodes 2 and 3 is opposite
         inverse = 1.0 / (pm_r * qm_z - qm_r * pm_z)
         g_rr = inverse * (qm_z * u_r - pm_z * w_r)
         g_rz = inverse * (pm_r * w_r - qm_r * u_r)
@@ -120,7 +120,7 @@ def stress(x, v, elements, kind, constants, hourglass, state, f):
         bulk = viscosity * e_v
         viscous += 0.5 * (s[BULK] + bulk) * e_v * volume
         s[BULK] = bulk
-        # hourglass, orthogonal to linear motion
+        # hourglass force, orthogonal to linear velocity fields
         factor = 0.5 / area
         b0_r, b1_r, b0_z, b1_z = factor * q_z, -factor * p_z, -factor * q_r, factor * p_r
         h_r = x[n0, 0] - x[n1, 0] + x[n2, 0] - x[n3, 0]
@@ -154,23 +154,23 @@ def stress(x, v, elements, kind, constants, hourglass, state, f):
 
 @compiled
 def press(x, f, around, weights, line, stiffness, approach, gaps):
-    """Contact forces, into ``f``, between the points of a surface and the ``line`` that faces it.
+    """Add to ``f`` the contact forces between the Gauss points of a surface and the opposite ``line``.
 
-    The gap at the two Gauss points of each segment is g = z + z_line(r) - approach, both z into their own body; where
-    it is negative the energy ``stiffness g^2/2`` gives forces to the nodes of both: equal, opposite, normal to the
+    The gap at the two Gauss points of each segment is g = z + z_line(r) - approach, with each z into its own body. If
+    it is negative, the energy ``stiffness g^2/2`` gives equal and opposite forces on the nodes of both, normal to the
     line.
 
     Parameters
     ----------
     around, weights
-        Four nodes for each segment, the two in the middle its ends, (n_segments, 4), and what they add to z at its
-        Gauss points, (n_segments, 2, 4): the surface is curved between nodes.
+        Four nodes for each segment, the middle two its ends, (n_segments, 4), and their weights in z at its Gauss
+        points, (n_segments, 2, 4): the surface is curved between nodes.
     line
-        Nodes from the axis outwards, curved between them too; two nodes: straight.
+        Nodes from the axis outwards, also curved between them; two nodes: straight.
     stiffness
-        (n_segments, 2), N/m.
+        Penalty stiffness at the Gauss points, (n_segments, 2), N/m.
     gaps
-        Gets g, (n_segments, 2), m.
+        Output: gaps g, (n_segments, 2), m.
 
     Returns
     -------
@@ -198,7 +198,7 @@ def press(x, f, around, weights, line, stiffness, approach, gaps):
             slope = (x[d, 1] - x[c, 1]) / (d_r - c_r)
             height = x[c, 1] + slope * (r - c_r)
             before, after, to_before, to_after = c, d, 0.0, 0.0
-            if j < last:  # curved: the mean of the parabolas through three of four nodes
+            if j < last:  # curved: mean of the two parabolas through three of four nodes
                 before, before_r = line[j - 1], x[line[j - 1], 0]
                 if j == 0:
                     before, before_r = d, -d_r
@@ -237,9 +237,9 @@ def press(x, f, around, weights, line, stiffness, approach, gaps):
 
 @compiled
 def masses(x, elements, kind, constants, extra, mass):
-    """Set the masses of the nodes so that a step of 1 is `STABLE` times the limit in every element.
+    """Set the nodal masses so that a step of 1 is `STABLE` times the stability limit of every element.
 
-    An element's highest frequency is at most that of ``V (lambda + 2 mu) sum(b^2)`` over a nodal mass.
+    The square of an element's highest frequency is at most ``V (lambda + 2 mu) sum(b^2)`` over a nodal mass.
     """
     mass[:] = extra
     for e in range(len(elements)):
@@ -260,27 +260,27 @@ def masses(x, elements, kind, constants, extra, mass):
 
 @compiled
 def advance(n_steps, wanted, growth, smoothing, damping, memory, halves, tally, motion, mass, free, mesh, contact):
-    """Take ``n_steps``; the energies and the force of ``tally`` are those at the end.
+    """Take ``n_steps``; energies and force in ``tally`` are those at the end.
 
     Parameters
     ----------
     wanted, growth
-        The overlap is to change by ``wanted + growth * overlap`` in a step, ...
+        Target for the change of the overlap in a step: ``wanted + growth * overlap``.
     smoothing
-        ... which it approaches within some of so many steps, without a jump in its rate or the change of that.
+        Time constant, in steps, of the two low-pass filters through which the rate follows this target.
     damping, memory
-        The share that a node loses in a step of how much its velocity differs from its mean over about so many steps:
-        what swings is damped, what creeps is not.
+        Fraction that a node loses in a step of the difference between its velocity and its mean velocity over about
+        ``memory`` steps: oscillations are damped, steady motion is not.
     halves
         Approach over overlap: 1 for two bodies, 1/2 for one on the plane of symmetry.
     motion
         (4, n_nodes, 2): position (m), displacement in the last step (m), force (N), mean displacement in a step (m).
     free
-        (n_nodes, 2): 1 where a node may move, else 0.
+        (n_nodes, 2): 1 for free, 0 for fixed degrees of freedom.
     mesh
         ``elements, kind, constants, hourglass, state``.
     contact
-        For each surface ``line, around, weights, stiffness, gaps``, as of `press`; a plane has no segments.
+        For each surface ``line, around, weights, stiffness, gaps``, as in `press`; a plane has no segments.
     """
     x, v, f = motion[0], motion[1], motion[2]
     elements, kind, constants, hourglass, state = mesh
@@ -289,8 +289,8 @@ def advance(n_steps, wanted, growth, smoothing, damping, memory, halves, tally, 
     keep, gain = (1 - 0.5 * damping) / (1 + 0.5 * damping), 1 / (1 + 0.5 * damping)
     drift = 1 / memory
     for step in range(n_steps):
-        tally[WISH] += (wanted + growth * tally[OVERLAP] - tally[WISH]) / smoothing
-        tally[RATE] += (tally[WISH] - tally[RATE]) / smoothing
+        tally[TARGET_RATE] += (wanted + growth * tally[OVERLAP] - tally[TARGET_RATE]) / smoothing
+        tally[RATE] += (tally[TARGET_RATE] - tally[RATE]) / smoothing
         tally[OVERLAP] += tally[RATE]
         lost = 0.0
         for i in range(len(mass)):
@@ -326,7 +326,7 @@ def advance(n_steps, wanted, growth, smoothing, damping, memory, halves, tally, 
 
 @compiled
 def stored(x, elements, kind, constants, state):
-    """Elastic and plastic energy now, J."""
+    """Return the present elastic and plastic energy, J."""
     elastic = plastic = 0.0
     for e in range(len(elements)):
         lam, mu = constants[kind[e], 0], constants[kind[e], 1]
@@ -342,6 +342,6 @@ def stored(x, elements, kind, constants, state):
 
 
 def von_mises(state: np.ndarray) -> np.ndarray:
-    """Von Mises stress, (n_elements,), Pa."""
+    """Return the von Mises stresses, (n_elements,), Pa."""
     rr, zz, tt, rz = state[:, RR], state[:, ZZ], state[:, TT], state[:, RZ]
     return np.sqrt(0.5 * ((rr - zz) ** 2 + (zz - tt) ** 2 + (tt - rr) ** 2) + 3 * rz**2)

@@ -1,15 +1,15 @@
-"""The mesh of a half-sphere: squares at the contact point, rings around them that grow with distance.
+"""Mesh of a half-sphere: squares at the contact point, surrounded by rings that grow with distance.
 
-A block of ``n`` by ``n`` equal squares covers the first contact. Around it lie rings of ``2 n`` elements, each ring
-thicker by the same share, so that elements stay about square and the contact is resolved by the same number of elements
-(``4 n/pi`` on its radius) however large it has become. The last ring ends at the flat face.
+A block of ``n`` by ``n`` equal squares covers the initial contact. Around it lie rings of ``2 n`` elements, each ring
+thicker by the same factor, so that elements stay about square and the contact radius is resolved by the same number of
+elements (``4 n/pi``) at any size. The last ring ends at the flat face.
 
 Coordinates: r from the axis, z from the contact point (0) to the flat face (R). With ``phi`` the arc from the contact
 point over R and ``theta`` the angle from the surface (0) to the axis (pi/2),
 
     r = R sin(phi) c      z = S + (A - S) s      S = R (1 - cos phi)      A = R (phi + k phi^2),  A(pi/2) = R
 
-with ``c, s`` from cos, sin near the contact to straight lines at the face: theta = 0 is the sphere, exactly.
+where ``c, s`` change from cos, sin near the contact to linear functions at the face; theta = 0 is exactly the sphere.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ Indices = NDArray[np.int64]
 _QUARTER = math.pi / 2
 _CLOSING = (1 - _QUARTER) / _QUARTER**2  # k above
 _ROUNDING = math.log(4.0)  # rings turn from squares to circles within a factor of 4 of the distance
-_FAR = 1.0  # of R: beyond it rings grow faster than elements are wide
+_FAR = 1.0  # distance over R beyond which rings grow faster than the width of their elements
 _SAMPLES = 4000
 
 
@@ -38,11 +38,11 @@ class HalfSphere:
     Attributes
     ----------
     radius
-        m.
+        Radius of the sphere, m.
     nodes
-        (n_nodes, 2), m.
+        Coordinates (r, z) of the nodes: (n_nodes, 2), m.
     elements
-        (n_elements, 4): nodes in turn, anticlockwise.
+        Nodes of the elements in anticlockwise order: (n_elements, 4).
     surface
         Nodes of the curved surface, from the contact point to the rim.
     axis, face
@@ -58,7 +58,7 @@ class HalfSphere:
 
 
 def half_sphere(radius: float, core: float, n: int) -> HalfSphere:
-    """The mesh with ``n`` squares on the length ``core`` (m) at the contact point."""
+    """Make the mesh with ``n`` squares on the length ``core`` (m) at the contact point."""
     ticks = np.arange(n + 1)
     x, y = np.meshgrid(ticks * core / n, ticks * core / n, indexing="ij")
     nodes = [_place(radius, x.ravel(), y.ravel())]
@@ -91,7 +91,7 @@ def half_sphere(radius: float, core: float, n: int) -> HalfSphere:
 
 
 def squares_for(elements: int, radii: tuple[float, ...], core: float) -> int:
-    """``n`` for about that many elements in half-spheres of these radii (m), at least 4."""
+    """Return ``n`` for about ``elements`` elements in half-spheres of these radii (m), at least 4."""
     n = 4
     while sum((n + 1) ** 2 + 2 * (n + 1) * _n_rings(radius, core, n + 1) for radius in radii) <= elements:
         n += 1
@@ -99,7 +99,7 @@ def squares_for(elements: int, radii: tuple[float, ...], core: float) -> int:
 
 
 def _place(radius: float, x: Array, y: Array) -> Array:
-    """Points (r, z) of points at x along the surface and y into depth, as if the surface were flat."""
+    """Map points at distance x along a flat surface and depth y to (r, z) in the half-sphere."""
     phi, theta = np.hypot(x, y) / radius, np.arctan2(y, x)
     straight = (phi / _QUARTER) ** 2
     part = theta / _QUARTER
@@ -111,7 +111,7 @@ def _place(radius: float, x: Array, y: Array) -> Array:
 
 
 def _counted(radius: float, core: float, n: int) -> tuple[Array, Array]:
-    """Distances from the core to the rim along the surface, and how many rings there are up to each."""
+    """Return distances along the surface from the core to the rim, and the number of rings up to each."""
     distance = np.geomspace(core, _QUARTER * radius, _SAMPLES)
     density = 2 * n / _QUARTER / (1 + (distance / (_FAR * radius)) ** 2)  # rings per unit of ln(distance)
     steps = 0.5 * (density[1:] + density[:-1]) * np.diff(np.log(distance))

@@ -1,4 +1,4 @@
-"""``result.h5``, ``contact.csv`` and ``summary.json`` of a sphere-contact study, each replaced whole or not at all.
+"""``result.h5`` and ``contact.csv`` of a sphere-contact study, each replaced whole or not at all.
 
     /history/{branch, cycle, overlap, force, face_force, contact_radius, mean_pressure, penetration}
     /energy/{kinetic, elastic, plastic, hourglass, viscous, damping, contact, input}     at the same instants
@@ -16,20 +16,19 @@
 from __future__ import annotations
 
 import dataclasses
-import json
 import math
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import h5py
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from granwave.analysis.figures.style import write_csv
-from granwave.analysis.result.hdf5_file import new_hdf5
-from granwave.analysis.result.trajectory import COMPRESSION
-from granwave.lammps_inputs.files import replace_text, replacing
-from granwave.lammps_inputs.run_directory import CONTACT_TABLE, RESULT_FILE, SUMMARY_FILE
+from granwave.lammps_inputs.files import replacing
+from granwave.lammps_inputs.run_directory import CONTACT_TABLE
+from granwave.workflows.finite_elements.result_file import new_result, put_dataset
 from granwave.workflows.finite_elements.sphere_contact.case import SphereContactCase
 from granwave.workflows.finite_elements.sphere_contact.deviations import Cycle, compare_cycles, compare_loading
 from granwave.workflows.finite_elements.sphere_contact.solver import Solver
@@ -40,23 +39,16 @@ _ENERGIES = {name: name for name in ("kinetic", "elastic", "plastic", "hourglass
     "input": "work",
 }
 _UNITS = {"peak_overlap": "m", "residual_overlap": "m", "law_residual_overlap": "m", "peak_force": "N"}
-_COMPRESSED_FROM = 4096  # values; smaller data sets are kept plain
 
 
 def write_results(
     directory: Path, case: SphereContactCase, solver: Solver, history: History, summary: dict[str, Any]
 ) -> None:
-    """Write all three files into ``directory``."""
+    """Write ``contact.csv`` and ``result.h5`` into ``directory``."""
     with replacing(directory / CONTACT_TABLE) as scratch:
         write_csv(contact_table(case, history), scratch)
-    with new_hdf5(directory / RESULT_FILE, libver="v110") as file:
+    with new_result(directory, "sphere-contact", case, summary) as file:
         _write(file, case, solver, history)
-        file.attrs["kind"] = "sphere-contact"
-        file.attrs["name"] = case.name
-        file.attrs["case"] = case.to_toml()
-        file.attrs["summary"] = json.dumps(summary)
-        file.attrs["versions"] = json.dumps(summary["versions"])
-    replace_text(directory / SUMMARY_FILE, json.dumps(summary, indent=2, allow_nan=False) + "\n")
 
 
 def contact_table(case: SphereContactCase, history: History) -> dict[str, NDArray]:
@@ -97,11 +89,7 @@ def _mean_pressure(force: NDArray[np.float64], radius: NDArray[np.float64]) -> N
 
 
 def _write(file: h5py.File, case: SphereContactCase, solver: Solver, history: History) -> None:
-    def put(name: str, values: ArrayLike, unit: str) -> None:
-        array = np.asarray(values)
-        options: dict[str, Any] = dict(COMPRESSION) if array.size >= _COMPRESSED_FROM else {}
-        file.create_dataset(name, data=array, **options).attrs["unit"] = unit
-
+    put = partial(put_dataset, file)
     force, radius = history.column("force"), np.array(history.contact_radii)
     put("history/branch", np.array(history.branches, dtype=np.int32), "1")
     put("history/cycle", np.array(history.cycles, dtype=np.int32), "1")

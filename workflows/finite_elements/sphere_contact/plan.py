@@ -1,4 +1,4 @@
-"""Cost of a sphere-contact study before it is run: estimates."""
+"""Estimated cost of a sphere contact before it is run."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from granwave.workflows.finite_elements.sphere_contact.study import (
 
 _ELEMENT_STEPS_PER_SECOND = 18e6  # measured on one core
 _BEGINNING = 2.0  # s, set-up, results and figures
-_TURNS = 5.2  # times `SMOOTHING`, in a cycle
+_TURNS = 5.2  # steps of the changes of rate in a cycle over `SMOOTHING`
 _DISK_PER_ELEMENT = 100.0  # bytes
-_DISK_BASE = 4e6  # bytes, of the record and the figures
+_DISK_BASE = 4e6  # bytes, history and figures
 
 
 def plan(case: SphereContactCase) -> ContinuumPlan:
-    """Plan the study of a case; raises InputError where it has too many steps."""
+    """Plan the run of a case; raise InputError if it has too many steps."""
     n, start = squares(case), START * yield_unit(case)
     loading = STEPS_PER_E_FOLD * math.log1p(case.max_overlap / start)
     cycle = 2 * STEPS_PER_UNLOADING + _TURNS * SMOOTHING

@@ -1,4 +1,4 @@
-"""The ``result.h5`` of a sphere-contact study, read back."""
+"""Reader of the ``result.h5`` of a sphere contact."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.workflows.finite_elements.frame import ElementResult
+from granwave.workflows.finite_elements.result_file import ElementResult
 from granwave.workflows.finite_elements.sphere_contact.case import SphereContactCase
 from granwave.workflows.finite_elements.sphere_contact.study import yield_unit
 
@@ -23,7 +23,7 @@ _CURVE = 500  # points of a curve of a law
 
 
 class SphereContactResult(ElementResult):
-    """The ``result.h5`` of a study, with what the figures need of its case; raises as `ElementResult`."""
+    """The ``result.h5`` of a sphere contact, with quantities for its figures; raise as `ElementResult`."""
 
     def _read_more(self, file: h5py.File) -> None:
         self.case = SphereContactCase.from_dict(self.tables)
@@ -32,42 +32,42 @@ class SphereContactResult(ElementResult):
 
     @cached_property
     def law(self) -> ContactLaw:
-        """The project's law of the pair."""
+        """Contact law of the pair."""
         return self.case.law
 
     @property
     def units(self) -> tuple[float, float]:
-        """Overlap (m) and force (N) that normalise: of first yield, or of the overlap that stands for it."""
+        """Overlap (m) and force (N) for normalisation: those at first yield, or at the overlap in its place."""
         unit = yield_unit(self.case)
         return unit, float(self.hertz(np.array([unit]))[0])
 
     @property
     def plastic(self) -> bool:
-        """The first yield was reached."""
+        """True if first yield is reached."""
         return self.law.yield_overlap < self.case.max_overlap
 
     @property
     def overlap_label(self) -> str:
-        """Scale of overlaps."""
+        """Axis label of normalised overlaps."""
         return r"Overlap $\alpha/\alpha_\mathrm{y}$" if self.plastic else r"Overlap, 400 $\alpha/\alpha_\mathrm{max}$"
 
     @property
     def strength(self) -> float:
-        """Yield strength of the softer sphere, Pa; the Hertzian mean pressure at the unit where nothing yields."""
+        """Yield strength of the softer sphere, Pa; without yielding, the Hertzian mean pressure at the unit overlap."""
         strength = self.law.yield_strength
         unit, force = self.units
         return strength if math.isfinite(strength) else force / (math.pi * self.law.effective_radius * unit)
 
     def hertz(self, overlap: Array) -> Array:
-        """Force, N."""
+        """Return the force of Hertz's law at overlaps (m), N."""
         return 4 / 3 * self.law.effective_modulus * math.sqrt(self.law.effective_radius) * overlap**1.5
 
     def thornton(self) -> ContactLaw | None:
-        """Thornton's law of the same pair."""
+        """Return Thornton's law of the same pair; None if no sphere can yield."""
         return self.case.contact_law("thornton") if self.case.yields else None
 
     def branch(self, branch: int, cycle: int = 0) -> NDArray[np.int64]:
-        """Entries of one branch."""
+        """Return the indices of the entries of one branch."""
         return np.flatnonzero((self["history/branch"] == branch) & (self["history/cycle"] == cycle))
 
     @property
@@ -77,5 +77,5 @@ class SphereContactResult(ElementResult):
 
     @property
     def overlaps(self) -> Array:
-        """From 0 to the largest, for curves, m."""
+        """Overlaps from 0 to the largest, for curves of laws, m."""
         return np.linspace(0, self["loading/overlap"].max(), _CURVE)

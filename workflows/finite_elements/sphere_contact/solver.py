@@ -1,20 +1,19 @@
-"""Two half-spheres that are pressed together slowly: explicit steps with updated geometry and free masses.
+"""Two half-spheres pressed together slowly: explicit steps with updated geometry and scaled masses.
 
-The flat faces are displaced towards each other and may move radially; the curved surfaces are free of traction but for
-the contact, which is frictionless. Each body is solved in the frame of its own flat face: there the face is at rest and
-the overlap enters the contact alone,
+The flat faces are displaced towards each other and may move radially; the curved surfaces are free of traction except
+for the frictionless contact. Each body is solved in the frame of its own flat face, where the face is at rest and the
+overlap enters the contact only,
 
     gap(r) = z_1(r) + z_2(r) - overlap        z: height of the surface over the contact point, into its body
 
-so that moving the faces costs no inertia. Identical spheres mirror each other in the plane of contact: one of them
-against a rigid frictionless plane that advances by half the overlap is the same problem, exactly.
+so that moving the faces causes no inertia forces. Equal spheres are symmetric about the contact plane: one of them
+against a rigid frictionless plane that advances by half the overlap is exactly the same problem.
 
-The contact is a penalty on the gap at two points of each surface segment, of both bodies alike, its stiffness `PENALTY`
-times that of an element, which mass added to the surface nodes makes stable. What the surfaces overlap by is reported.
+The contact is a penalty on the gap at two points of each surface segment of both bodies, with `PENALTY` times the
+stiffness of an element; mass added to the surface nodes keeps it stable. The remaining penetration is reported.
 
-The overlap is that of the flat faces, as in the source, not of points far away as in Hertz's theory: a half-sphere
-between its face and its contact is somewhat stiffer than a half-space. See `sphere_contact.study` for
-how much.
+The overlap is that of the flat faces, as in the source, not of remote points as in Hertz's theory: a half-sphere
+between its face and its contact is somewhat stiffer than a half-space, by the amount given in `sphere_contact.study`.
 """
 
 from __future__ import annotations
@@ -32,15 +31,15 @@ from granwave.workflows.finite_elements.sphere_contact import kernels
 from granwave.workflows.finite_elements.sphere_contact.mesh import HalfSphere
 
 PENALTY = 20.0  # stiffness of the contact over that of the elements at it
-_REFRESH = 500  # steps between two settings of the masses
-_STEEPEST = 1.2  # rad: the surface beyond this angle from the contact point never touches
+_REFRESH = 500  # steps between updates of the masses
+_STEEPEST = 1.2  # rad; the surface beyond this angle from the contact point never touches
 
 Array = NDArray[np.float64]
 
 
 @dataclasses.dataclass(frozen=True)
 class Ledger:
-    """Forces (N), energies and work (J) now, of both spheres together."""
+    """Present overlap (m), forces (N), energies and work (J) of both spheres together."""
 
     overlap: float
     force: float
@@ -56,23 +55,23 @@ class Ledger:
 
     @property
     def balance(self) -> float:
-        """All energies less the work of the faces, J."""
+        """Sum of all energies minus the work of the faces, J."""
         stored = self.kinetic + self.elastic + self.penalty + self.hourglass
         return stored + self.plastic + self.viscous + self.damping - self.work
 
 
 @dataclasses.dataclass(frozen=True)
 class Contact:
-    """The contact along the surface of the first sphere.
+    """Contact along the surface of the first sphere.
 
     Attributes
     ----------
     radius, pressure
-        Of the nodes of the surface but its ends (that on the axis has next to no area), (n_nodes - 2,), m, Pa.
+        Radii, m, and pressures, Pa, of the surface nodes except the ends, (n_nodes - 2,).
     contact_radius
-        Where the pressure drops to zero, m.
+        Radius at which the pressure drops to zero, m.
     penetration
-        What the surfaces overlap by at most, m.
+        Largest penetration of the surfaces, m.
     """
 
     radius: Array
@@ -89,11 +88,9 @@ class Solver:
     bodies
         One or two meshes.
     materials
-        As many.
-    smoothing
-        Steps over which the rate of the overlap follows what is asked for.
-    damping, memory
-        As of `kernels.advance`.
+        Material of each body.
+    smoothing, damping, memory
+        As in `kernels.advance`.
     """
 
     def __init__(
@@ -136,43 +133,43 @@ class Solver:
             np.add.at(self._extra, surface.around[:, 1], on_segment / 2)
             np.add.at(self._extra, surface.around[:, 2], on_segment / 2)
         if len(bodies) == 1:
-            self._extra[-2:] = 1.0  # the plane's, never used
+            self._extra[-2:] = 1.0  # nodes of the plane, which do not move
         self._contact = tuple(surface.tables for surface in self._surfaces)
         self.mass = np.zeros(len(nodes))
         self._set_masses()
 
     @property
     def n_elements(self) -> int:
-        """Elements in all."""
+        """Number of elements."""
         return len(self.elements)
 
     @property
     def overlap(self) -> float:
-        """Overlap of the flat faces now, m."""
+        """Present overlap of the flat faces, m."""
         return float(self.tally[kernels.OVERLAP])
 
     @property
     def force(self) -> float:
-        """Force of the contact now, N."""
+        """Present contact force, N."""
         return float(self.tally[kernels.FORCE])
 
     @property
     def rate(self) -> float:
-        """Change of the overlap in a step now, m."""
+        """Present change of the overlap in a step, m."""
         return float(self.tally[kernels.RATE])
 
     @property
-    def wish(self) -> float:
-        """The rate that is being approached, m."""
-        return float(self.tally[kernels.WISH])
+    def target_rate(self) -> float:
+        """Change of the overlap in a step that the rate approaches, m."""
+        return float(self.tally[kernels.TARGET_RATE])
 
     @property
     def von_mises(self) -> Array:
-        """Von Mises stress, (n_elements,), Pa."""
+        """Von Mises stresses, (n_elements,), Pa."""
         return kernels.von_mises(self.state)
 
     def advance(self, n_steps: int, wanted: float, growth: float = 0.0) -> None:
-        """Take ``n_steps`` in which the overlap is to change by ``wanted + growth * overlap`` (m) each."""
+        """Take ``n_steps`` with the target ``wanted + growth * overlap`` (m) for the change of overlap in a step."""
         while n_steps > 0:
             part = min(n_steps, _REFRESH - self.n_steps % _REFRESH)
             kernels.advance(
@@ -196,7 +193,7 @@ class Solver:
                 self._set_masses()
 
     def ledger(self) -> Ledger:
-        """Forces and energies now."""
+        """Return the present forces and energies."""
         elastic, plastic = kernels.stored(self.motion[0], self.elements, self.kind, self._constants, self.state)
         both, tally = 1 / self._halves, self.tally
         face = self.bodies[0].face
@@ -215,7 +212,7 @@ class Solver:
         )
 
     def contact(self) -> Contact:
-        """The contact now."""
+        """Return the present contact."""
         line = self.motion[0, self._surfaces[0].line]
         r, force, places, gaps = line[:, 0], np.zeros(len(line)), [], []
         for surface in self._surfaces:
@@ -274,10 +271,10 @@ class _Surface:
 
 
 def _edge(radius: Array, gap: Array) -> float:
-    """The contact radius, m, from the gaps (m) at the Gauss points.
+    """Return the contact radius, m, from the gaps (m) at the Gauss points.
 
-    A gap opens as ``(r - a)^(3/2)`` beyond the edge: the line through its power 2/3 at the two points next to the
-    contact gives a, kept between those that press and those that do not.
+    Beyond the edge the gap opens as ``(r - a)^(3/2)``: a line through its power 2/3 at the first two open points gives
+    a, which is limited to the interval between the last closed and the first open point.
     """
     pressed = np.flatnonzero(gap < 0)
     if not len(pressed):
@@ -297,14 +294,15 @@ def _plane(node: int) -> _Surface:
 
 
 def _gauss_points(values: Array) -> Array:
-    """Values of the nodes of a line at the Gauss points of its segments, (n_segments, 2)."""
+    """Interpolate nodal values of a line to the Gauss points of its segments, (n_segments, 2)."""
     return values[:-1, None] + np.diff(values)[:, None] * np.array([kernels.NEAR_END, kernels.FAR_END])
 
 
 def _curve(line: NDArray[np.int64], arc: Array) -> tuple[NDArray[np.int64], Array]:
-    """``around`` and ``weights`` of a surface: between two nodes the mean of the parabolas through three of four.
+    """Return ``around`` and ``weights`` of a surface, which interpolate it by the mean of two parabolas.
 
-    Straight segments would lie down on the other surface one at a time, and the force would climb in stairs.
+    Each parabola passes through three of the four nodes around a segment. Straight segments would come into contact one
+    at a time, and the force would grow in steps.
     """
     n = len(line) - 1
     around = np.column_stack([np.append(line[1], line[: n - 1]), line[:-1], line[1:], np.append(line[2:], line[-1])])
@@ -330,6 +328,6 @@ def _constants_of(material: Elastoplastic) -> tuple[float, float, float, float]:
 
 
 def _facing(body: HalfSphere) -> NDArray[np.int64]:
-    """Surface nodes that may touch, from the axis outwards."""
+    """Return the surface nodes that may touch, from the axis outwards."""
     r, z = body.nodes[body.surface].T
     return body.surface[np.arctan2(r, body.radius - z) <= _STEEPEST]

@@ -1,18 +1,19 @@
-"""The study: loading in steps of a share of the overlap, with unloadings and reloadings between.
+"""Loading programme of a sphere contact: exponential loading, with unload-reload cycles.
 
-In loading the overlap grows by the same share in every step, so that small overlaps get as much time as large ones;
-unloading goes on until the contact is free of force, at a rate chosen from the elastic stiffness 2 E* a. Changes of
-rate are smooth. All of it is slow beside the time that a wave takes through the mesh, which is counted in elements,
-hence the numbers of steps below are multiples of ``n``, the elements along a side of the mesh's core.
+On loading the overlap grows by the same fraction in every step, so that every decade of overlap takes the same time.
+Unloading continues until the contact force vanishes, at a rate chosen from the elastic stiffness 2 E* a. Changes of
+rate are smooth. All this is slow compared with the transit time of waves through the mesh, which is proportional to its
+number of elements in a row; hence the numbers of steps below are multiples of ``n``, the elements along a side of the
+mesh's core.
 
-The overlap is that of the flat faces, and Hertz's that of points far away in half-spaces. What lies between makes a
-half-sphere the stiffer: elastic, the force at a given overlap exceeds Hertz's by 0.3 a/R to 0.45 a/R (1 % at
-a = 0.03 R, 3.5 % at a = 0.08 R; a: contact radius). At yield of brass, a = 0.011 R, that is 0.4 %.
+The overlap is that of the flat faces; Hertz's is that of remote points in half-spaces. A half-sphere is therefore
+stiffer: the elastic force at a given overlap exceeds Hertz's by 0.3 a/R to 0.45 a/R (1 % at a = 0.03 R, 3.5 % at
+a = 0.08 R; a: contact radius). At yield of brass, a = 0.011 R, the difference is 0.4 %.
 
-Chosen by convergence for brass up to 0.2 R*. The contact grows an element at a time, so that the force climbs in small
-stairs: with 6000 elements by +-0.5 % beyond 50 alpha_y. Averaged over a few stairs the force changes by at most 0.2 %
-when the speed is halved and by at most 0.2 % from 6000 to 12 000 elements (0.4 % from 1500 to 6000, but 1 % below
-alpha_y); single entries beyond 50 alpha_y differ by up to 1.2 % and 2 %, as stairs shift.
+The constants were chosen by convergence for brass up to 0.2 R*. The contact grows by one element at a time, so that the
+force has small steps: +-0.5 % with 6000 elements beyond 50 alpha_y. Averaged over a few of them the force changes by at
+most 0.2 % if the speed is halved, and by at most 0.2 % from 6000 to 12 000 elements (0.4 % from 1500 to 6000, but 1 %
+below alpha_y); single values beyond 50 alpha_y differ by up to 1.2 % and 2 %, as the steps shift.
 """
 
 from __future__ import annotations
@@ -32,31 +33,31 @@ from granwave.workflows.finite_elements.sphere_contact.solver import Contact, Le
 
 STEPS_PER_E_FOLD, STEPS_PER_UNLOADING = 600, 300  # times n, at speed 1
 SMOOTHING, DAMPING, MEMORY = 40, 0.1, 20  # times n, over n, times n
-TOLERANCE = 0.02  # of the work of the faces, largest error of the energy balance that is accepted
+TOLERANCE = 0.02  # largest accepted error of the energy balance over the work of the faces
 PROFILES = (2e-3, 6e-3, 1e-2, 1.4e-2, 1.8e-2, 4e-2, 8e-2, 0.12, 0.16, 0.20)  # overlaps over R*, thesis 2.3
 _CORE = 3.0  # size of the mesh's finest part over the contact radius at first yield
-_FIRST_PEAK = 4.0  # alpha_y, of the first unloading
-START = 0.3  # alpha_y: below, the rate of loading is about constant
-_ELASTIC_UNIT = 1 / 400  # of the largest overlap: stands for alpha_y where that is not reached
-_ENTRIES = 200, 100  # of the record, in an e-fold of loading and in an unloading
+_FIRST_PEAK = 4.0  # overlap of the first unloading over alpha_y
+START = 0.3  # overlap over alpha_y below which the loading rate is about constant
+_ELASTIC_UNIT = 1 / 400  # unit in place of alpha_y, if that is not reached, over the largest overlap
+_ENTRIES = 200, 100  # entries of the history in an e-fold of loading and in an unloading
 
-_AT_REST = 1e-3  # of the rate of loading
+_AT_REST = 1e-3  # rate over the loading rate at which the faces count as at rest
 
 LOADING, UNLOADING, RELOADING = range(3)
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Field:
-    """The bodies at one instant.
+    """Fields of the bodies at one instant.
 
     Attributes
     ----------
     overlap
-        m.
+        Overlap, m.
     position
-        Of the nodes, each body in its own frame, (n_nodes, 2), m.
+        Positions of the nodes, each body in its own frame, (n_nodes, 2), m.
     von_mises, plastic_strain
-        (n_elements,), Pa and 1.
+        Von Mises stresses, Pa, and equivalent plastic strains of the elements, (n_elements,).
     """
 
     overlap: float
@@ -67,20 +68,20 @@ class Field:
 
 @dataclasses.dataclass
 class History:
-    """History so far.
+    """History of a sphere contact, filled by `integrate`.
 
     Attributes
     ----------
     end_reason
-        ``done``, ``refused`` (energy balance) or ``interrupted``.
+        Why it ended: ``done``, ``refused`` (energy balance) or ``interrupted``.
     branches, cycles
-        `LOADING`, `UNLOADING` or `RELOADING`, and which cycle (from 1; 0: loading) each entry is of.
+        `LOADING`, `UNLOADING` or `RELOADING`, and number of the cycle (from 1; 0: loading) of each entry.
     ledgers, contact_radii, penetrations
-        One for each entry; the last two in m.
+        Ledger, contact radius (m) and penetration (m) of each entry.
     profiles
-        Overlap and contact where loading passes `PROFILES`.
+        Overlap (m) and contact at which loading passes `PROFILES`.
     field
-        At the largest overlap.
+        Fields at the largest overlap.
     """
 
     end_reason: str = "interrupted"
@@ -93,42 +94,42 @@ class History:
     field: Field | None = None
 
     def column(self, name: str) -> NDArray[np.float64]:
-        """One quantity of the ledgers, (n_entries,)."""
+        """Return one quantity of the ledgers, (n_entries,)."""
         return np.array([getattr(ledger, name) for ledger in self.ledgers])
 
     def rows(self, branch: int, cycle: int = 0) -> NDArray[np.int64]:
-        """Entries of one branch, in the order of time."""
+        """Return the indices of the entries of one branch, in the order of time."""
         return np.flatnonzero((np.array(self.branches) == branch) & (np.array(self.cycles) == cycle))
 
 
 def yield_unit(case: SphereContactCase) -> float:
-    """alpha_y, m; a part of the largest overlap where that does not reach it."""
+    """Return alpha_y, m, or a fraction of the largest overlap if that does not reach it."""
     unit = case.law.yield_overlap
     return unit if unit < case.max_overlap else case.max_overlap * _ELASTIC_UNIT
 
 
 def peaks(case: SphereContactCase) -> NDArray[np.float64]:
-    """Overlaps from which to unload, m: spread evenly over their logarithm, the last the largest overlap."""
+    """Return the overlaps at which to unload, m: evenly spaced in their logarithm up to the largest overlap."""
     number, largest = case.run.unloadings, case.max_overlap
     first = min(_FIRST_PEAK * yield_unit(case), 0.5 * largest)
     return np.geomspace(first, largest, number) if number > 1 else np.full(number, largest)
 
 
 def core_size(case: SphereContactCase) -> float:
-    """Size of the finest part of the mesh, m."""
+    """Return the size of the finest part of the mesh, m."""
     law = case.law
     radius = math.sqrt(law.effective_radius * min(yield_unit(case), case.max_overlap / 4))
     return min(_CORE * radius, 0.2 * min(case.radii))
 
 
 def squares(case: SphereContactCase) -> int:
-    """The ``n`` of the mesh."""
+    """Return the ``n`` of the mesh."""
     radii = case.radii[:1] if case.identical else case.radii
     return squares_for(case.run.elements, radii, core_size(case))
 
 
 def make_solver(case: SphereContactCase) -> Solver:
-    """The solver of a case, at its start."""
+    """Make the solver of a case, at its start."""
     n, core = squares(case), core_size(case)
     number = 1 if case.identical else 2
     return Solver(
@@ -143,15 +144,17 @@ def make_solver(case: SphereContactCase) -> Solver:
 def integrate(
     case: SphereContactCase, solver: Solver, history: History, report: Callable[[History], None] | None = None
 ) -> None:
-    """Run ``solver`` through the case, filling ``history``; ``report`` is called after each entry."""
-    _Course(case, solver, history, report).run()
+    """Run ``solver`` through the case and fill ``history``; call ``report`` after each entry."""
+    _LoadingProgramme(case, solver, history, report).run()
 
 
 class _Refused(Exception):
-    """The energy balance is off."""
+    """Error of an energy balance that does not close."""
 
 
-class _Course:
+class _LoadingProgramme:
+    """Run of a solver through loading and all cycles."""
+
     def __init__(
         self, case: SphereContactCase, solver: Solver, history: History, report: Callable[[History], None] | None
     ) -> None:
@@ -183,12 +186,12 @@ class _Course:
         history.end_reason = "done"
 
     def _load(self, peak: float, *, turns: bool = True) -> None:
-        """Up to where the overlap will not exceed ``peak`` if the faces turn, or stop, from there on."""
+        """Load until turning, or stopping, would just not exceed the overlap ``peak``."""
         solver = self._solver
         every = max(1, round(self._fold / _ENTRIES[0]))
         while True:
             back = self._unloading_rate() if turns and solver.force > 0 else 0.0
-            left = peak - solver.overlap - _overrun(solver.rate, solver.wish, back, solver.smoothing)
+            left = peak - solver.overlap - _overrun(solver.rate, solver.target_rate, back, solver.smoothing)
             steps = every if solver.rate <= 0 else min(every, math.ceil(left / solver.rate))
             if steps <= 0:
                 return
@@ -203,7 +206,7 @@ class _Course:
             self._enter(LOADING, 0)
 
     def _cycle(self, cycle: int) -> None:
-        """Unload until the contact is free of force, and reload to where unloading began."""
+        """Unload until the contact force vanishes, and reload to the overlap at which unloading began."""
         solver = self._solver
         rate = self._unloading_rate()
         every = max(1, round(self._way / _ENTRIES[1]))
@@ -225,7 +228,7 @@ class _Course:
             self._enter(RELOADING, cycle)
 
     def _unloading_rate(self) -> float:
-        """Change of the overlap in a step that frees the contact in about the time set for it, m."""
+        """Return the change of overlap in a step that unloads the contact in about the set time, m."""
         radius = max(self._solver.contact().contact_radius, 1e-12)
         return 1.5 * self._solver.force / (self._stiffness * radius) / self._way
 
@@ -252,14 +255,14 @@ class _Course:
             raise _Refused
 
 
-def _overrun(rate: float, wish: float, back: float, smoothing: float) -> float:
-    """How far the overlap still grows, m, when ``-back`` is asked for from now on (`kernels.advance`).
+def _overrun(rate: float, target_rate: float, back: float, smoothing: float) -> float:
+    """Return the further growth of the overlap, m, if the target is ``-back`` from now on (`kernels.advance`).
 
-    The rate is then ``(rate + back + (wish + back) t) exp(-t) - back``, t in units of ``smoothing``.
+    The rate is then ``(rate + back + (target_rate + back) t) exp(-t) - back``, with t in units of ``smoothing``.
     """
     if rate <= 0:
         return 0.0
-    here, there = rate + back, wish + back
+    here, there = rate + back, target_rate + back
     low, high = 0.0, 50.0
     for _ in range(60):
         middle = 0.5 * (low + high)

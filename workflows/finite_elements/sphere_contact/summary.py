@@ -1,4 +1,4 @@
-"""The numbers that sum a sphere-contact study up, for ``summary.json``: SI units, deviations in per cent."""
+"""Summary of a sphere contact for ``summary.json``, in SI units; deviations in per cent."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def summarise(case: SphereContactCase, solver: Solver, history: History, wall_ti
     Parameters
     ----------
     wall_time
-        Of the time integration, s.
+        Wall time of the time integration, s.
     """
     law, last = case.law, history.ledgers[-1]
     loading = compare_loading(case, history)
@@ -64,7 +64,7 @@ def summarise(case: SphereContactCase, solver: Solver, history: History, wall_ti
 
 
 def significant(case: SphereContactCase, history: History) -> NDArray[np.bool_]:
-    """Entries beyond the first yield overlap (0.1 of the largest where nothing yields), (n_entries,)."""
+    """Return True for entries beyond first yield (0.1 of the largest overlap if nothing yields), (n_entries,)."""
     return history.column("overlap") >= min(yield_unit(case), 0.1 * case.max_overlap)
 
 
@@ -88,7 +88,7 @@ def _of_cycles(cycles: list[Cycle]) -> dict[str, float]:
 
 
 def _quasi_static(case: SphereContactCase, history: History) -> dict[str, float]:
-    """Kinetic over internal energy, and force at the face against that of the contact, from first yield on."""
+    """Compare, from first yield on, kinetic and internal energy, forces at face and contact, and penetrations."""
     kept = significant(case, history)
     loading = kept & (np.array(history.branches) == LOADING) & (history.column("force") > 0)
     internal = history.column("elastic") + history.column("plastic")
@@ -106,7 +106,7 @@ def _quasi_static(case: SphereContactCase, history: History) -> dict[str, float]
 
 
 def _balance_error(case: SphereContactCase, history: History) -> float:
-    """Largest error of the energy balance over the work done so far, from first yield on."""
+    """Return the largest error of the energy balance over the work done so far, from first yield on."""
     kept = significant(case, history)
     if not kept.any():
         return math.nan

@@ -1,25 +1,23 @@
-"""How curves of a comparison look, and the figure of a scaling: in joules and on normalised axes, side by side."""
+"""Look of the curves of a comparison, and the figure of a scaling: in joules and on normalised axes, side by side."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, Literal
 
-from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing, new_figure
-from granwave.analysis.studies.granular_continuum.impacts import Continuum, Granular
+from granwave.analysis.figures.series import label, panels
+from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing
+from granwave.analysis.studies.granular_continuum.impacts import Curve
 
 COLOURS = ("black", BLUE, ORANGE, GREEN, PURPLE, SKY, GREY)
 MARKERS = "os^DvP*"
 FRACTION = "Dissipation / input energy"
 GRANULAR_ENERGY = r"Input energy $e_\mathrm{in}/(F_\mathrm{y}\,\alpha_\mathrm{y})$"
 CONTINUUM_ENERGY = r"Input energy $e_\mathrm{in} E/(\sigma_\mathrm{y}^2 D^3)$"
-_FEWEST_CURVES = 2
-
-Curve = tuple[str, Sequence[Granular] | Sequence[Continuum]]
 
 
-def draw_scaling(curves: Sequence[Curve], title: str, scale: Literal["linear", "log"]) -> Drawing | None:
-    """Dissipated fraction against input energy, in J and normalised; None for a single curve.
+def draw_scaling(curves: Sequence[Curve], title: str, scale: Literal["linear", "log"]) -> Drawing:
+    """Dissipated fraction against input energy, in J and normalised.
 
     Parameters
     ----------
@@ -30,10 +28,7 @@ def draw_scaling(curves: Sequence[Curve], title: str, scale: Literal["linear", "
     scale
         Of the axes of energy.
     """
-    if len(curves) < _FEWEST_CURVES:
-        return None
-    figure = new_figure(2.6, 7.0)
-    left, right = figure.subplots(1, 2, sharey=True)
+    figure, left, right = panels(2.6, 2, sharey=True)
     columns: dict[str, list] = {"curve": [], "energy_J": [], "energy_normalised": [], "dissipated_fraction": []}
     for n, (name, runs) in enumerate(curves):
         style = reference_and_marks(n)
@@ -41,14 +36,9 @@ def draw_scaling(curves: Sequence[Curve], title: str, scale: Literal["linear", "
         fraction = [run.fraction for run in runs]
         left.plot(energy, fraction, label=name, **style)
         right.plot(normalised, fraction, **style)
-        columns["curve"] += [name] * len(runs)
-        columns["energy_J"] += energy
-        columns["energy_normalised"] += normalised
-        columns["dissipated_fraction"] += fraction
-    left.set_xlabel("Input energy (J)")
-    right.set_xlabel(title)
-    left.set_ylabel(FRACTION)
-    left.set_ylim(bottom=0)
+        add(columns, [name] * len(runs), energy, normalised, fraction)
+    label(left, "Input energy (J)", FRACTION, ylim=(0, None))
+    label(right, title)
     left.legend(fontsize=7, loc="lower right")
     for axes in (left, right):
         axes.set_xscale(scale)
@@ -57,14 +47,19 @@ def draw_scaling(curves: Sequence[Curve], title: str, scale: Literal["linear", "
     return Drawing(figure, columns)
 
 
+def add(columns: dict[str, list], *values: Iterable[Any]) -> None:
+    """Append a curve's values to the columns of a figure, in their order."""
+    for column, more in zip(columns.values(), values, strict=True):
+        column.extend(more)
+
+
 def reference_and_marks(n: int) -> dict[str, Any]:
     """The reference as a line with points, the others as open marks."""
     if n == 0:
         return {"color": COLOURS[0], "marker": ".", "linewidth": 0.8}
-    return {
-        "color": COLOURS[n % len(COLOURS)],
-        "marker": MARKERS[n % len(MARKERS)],
-        "markerfacecolor": "none",
-        "linestyle": "none",
-        "markersize": 5,
-    }
+    return {**colour_and_marker(n), "markerfacecolor": "none", "linestyle": "none", "markersize": 5}
+
+
+def colour_and_marker(n: int) -> dict[str, Any]:
+    """Colour and marker of the n-th curve."""
+    return {"color": COLOURS[n % len(COLOURS)], "marker": MARKERS[n % len(MARKERS)]}

@@ -33,7 +33,7 @@ class Punch:
 
 @dataclasses.dataclass(frozen=True)
 class Mesh:
-    """How fine the mesh was.
+    """Fineness of the mesh.
 
     Attributes
     ----------
@@ -55,13 +55,6 @@ class PunchCase:
     block: Block
     punch: Punch
     run: Mesh
-
-    @property
-    def energy_unit(self) -> float:
-        """sigma_y^2 D^3/E with the diameter of the punch, J (thesis 5.30)."""
-        material = self.material
-        assert material.yield_strength is not None  # the block yields
-        return material.yield_strength**2 * self.punch.diameter**3 / material.youngs_modulus
 
 
 def read_punch_case(path: Path) -> PunchCase:

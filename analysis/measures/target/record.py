@@ -1,9 +1,9 @@
 """Force, impulse and energy at the target, the bottom of the packing, and how much less they are than without it.
 
-Peak reduction: the largest force on the target without the packing (`granwave.analysis.measures.bare_target`) over
-the largest with it. The ground is what the target itself rests on: the force on it is that out of the last spring or
-damper, and the force on the target where that does not move. Of a precompressed packing what it presses with from the
-start is no part of what the impact brings.
+Peak reduction: the largest force on the target without the packing (`granwave.analysis.measures.target.bare_target`)
+over the largest with it. The ground is what the target itself rests on: the force on it is that out of the last spring
+or damper, and the force on the target where that does not move. Of a precompressed packing what it presses with from
+the start is no part of what the impact brings.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid
 
-from granwave.analysis.measures.bare_target import bare_target_peak
-from granwave.lammps_inputs.packing.assembly import BAR
+from granwave.analysis.measures.target.bare_target import bare_target_peak
+from granwave.lammps_inputs.packing.bars import BAR
 
 if TYPE_CHECKING:
     from granwave.analysis.result.reader import Result

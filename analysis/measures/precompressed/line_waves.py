@@ -1,7 +1,7 @@
 """Waves along lines of like bodies under a static force, a struck chain or the layers of a packing.
 
-What is found is compared with `granwave.analysis.measures.loaded_line`: in the units of the static state (speeds over
-c0, forces over F0, velocities over omega alpha0) every line of like Hertz contacts is one curve.
+The waves found are compared with `granwave.analysis.measures.precompressed.loaded_line`: in the units of the static
+state (speeds over c0, forces over F0, velocities over omega alpha0) every line of like Hertz contacts is one curve.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from granwave.analysis.measures import loaded_line as theory
+from granwave.analysis.measures.precompressed import loaded_line as theory
 from granwave.analysis.measures.signals import Array, first_peak
 
 if TYPE_CHECKING:

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.measures.target import reached
-from granwave.analysis.measures.zone_size import BOTTOM, SIDES, WAVE_KEYS, Array, wave_returns, zone_sizes
+from granwave.analysis.measures.target.record import reached
+from granwave.analysis.measures.zone.size import BOTTOM, SIDES, WAVE_KEYS, Array, wave_returns, zone_sizes
 from granwave.analysis.result.reader import Result
 
 _SAME = 1e-9  # relative, of lengths that are equal but for rounding

@@ -48,6 +48,7 @@ PRINTED_FACTOR = 0.9314  # of c0, composite source (3)
 EXACT_FACTOR = math.sqrt(9 / math.pi) * 3 ** (-1 / 3) * 4 ** (-1 / 6)
 SPACING = {"chain": 1.0, "fcc": math.sqrt(2 / 3), "hcp": math.sqrt(2 / 3)}  # of layers, diameters
 
+_IMPULSE = 0.7176 * (9 / 16 * 1.5**3) ** 0.2  # (4.5) of the thesis, of the lattice, in units of the static state
 _GEOMETRY_ROUNDS = 20
 _PER_BODY = 64  # grid points of the travelling wave
 _ROUNDS = 1000
@@ -141,6 +142,11 @@ def lattice_speed(ratio: Array) -> Array:
     known, speed = _lattice_waves()
     x = np.log(ratio)
     return np.exp(np.interp(x, known, speed) + np.maximum(x - known[-1], 0) / 6)
+
+
+def uncompressed_height(velocity: Array | float) -> Array | float:
+    """F_m/F0 - 1 of impacts so fast that a chain is as good as uncompressed, from the velocity over omega alpha0."""
+    return _IMPULSE * velocity**1.2
 
 
 def _travelling(speed: float) -> float:

@@ -1,0 +1,144 @@
+"""Figures of targets side by side: what reaches them, by height of the packing, and how far plates on springs move."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+from itertools import product
+from typing import Any
+
+from matplotlib.ticker import FixedLocator, NullLocator, ScalarFormatter
+
+from granwave.analysis.figures.series import column_name, legend_outside, one_panel
+from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing, new_figure
+from granwave.analysis.measures.signals import Array
+from granwave.analysis.measures.target.record import Reached
+from granwave.analysis.measures.target.shock_spectrum import Curves
+
+_STYLES = tuple(product(("-", "--", ":"), ("black", BLUE, ORANGE, GREEN, PURPLE, SKY, GREY)))
+_COLOURS = ("black", ORANGE, BLUE, GREEN, PURPLE, SKY, GREY)  # of bottoms
+_LINES, _MARKERS = ("-", "--", ":", "-."), "os^Dv"  # of friction
+_MICRO = 1e6
+
+
+def reached_targets(targets: Mapping[str, tuple[Reached, Array, Array]]) -> Drawing:
+    """Force, impulse and energy against time.
+
+    Parameters
+    ----------
+    targets
+        By name: record of the target, and times, s, with the work on the target by then, J, (n_instants,) each.
+    """
+    figure = new_figure(5.6, 4.6)
+    panels = figure.subplots(3, 1, sharex=True)
+    columns: dict[str, Array] = {}
+    for (name, (reached, ledger, energy)), (line, colour) in zip(targets.items(), _STYLES, strict=False):
+        word = column_name(name)
+        columns |= {f"{word}_time_s": reached.time, f"{word}_energy_time_s": ledger}
+        shown = (
+            ("Force (N)", reached.time, reached.force, 1.0, "force_N"),
+            ("Impulse (mN s)", reached.time, reached.impulse, 1e-3, "impulse_Ns"),
+            ("Energy (mJ)", ledger, energy, 1e-3, "energy_J"),
+        )
+        for axes, (label, time, values, unit, column) in zip(panels, shown, strict=True):
+            axes.plot(_MICRO * time, values / unit, line, color=colour, linewidth=1.0, label=name)
+            axes.set_ylabel(label)
+            columns[f"{word}_{column}"] = values
+    panels[-1].set(xlabel="Time (µs)", xlim=(0, _MICRO * max(reached.time[-1] for reached, _, _ in targets.values())))
+    legend_outside(figure, 2, fontsize=7)
+    return Drawing(figure, columns)
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Heights:
+    """Packings of several heights on one bottom.
+
+    Attributes
+    ----------
+    name
+        Of the bottom, and of what else tells these packings from others.
+    layers, reduction, gain_per_mass, mass
+        Of each: layers, peak reduction, what a kilogram adds to it, 1/kg, and mass, kg: (n_packings,).
+    """
+
+    name: str
+    bottom: str
+    friction: float
+    layers: Array
+    reduction: Array
+    gain_per_mass: Array
+    mass: Array
+
+
+def reductions(found: Sequence[Heights]) -> Drawing:
+    """Peak reduction, and what a kilogram adds to it, against layers: a colour for each bottom, a mark for friction."""
+    figure = new_figure(2.9, 7.0)
+    panels = figure.subplots(1, 2, sharex=True)
+    columns: dict[str, Array] = {}
+    bottoms, frictions = list(dict.fromkeys(one.bottom for one in found)), sorted({one.friction for one in found})
+    for one in found:
+        place, colour = frictions.index(one.friction), _COLOURS[bottoms.index(one.bottom) % len(_COLOURS)]
+        look = f"{_MARKERS[place % len(_MARKERS)]}{_LINES[place % len(_LINES)]}"
+        for axes, values in zip(panels, (one.reduction, one.gain_per_mass), strict=True):
+            (line,) = axes.plot(one.layers, values, look, color=colour, label=one.name)
+            line.set(markersize=3.5, markerfacecolor="none" if place else colour)
+        word = column_name(one.name)
+        columns |= {f"{word}_layers": one.layers, f"{word}_reduction": one.reduction}
+        columns |= {f"{word}_per_kg": one.gain_per_mass, f"{word}_mass_kg": one.mass}
+    ticks = sorted({float(layers) for one in found for layers in one.layers})
+    for axes, label in zip(panels, ("Peak reduction", "(Peak reduction - 1) per mass (1/kg)"), strict=True):
+        axes.set(xlabel="Layers", ylabel=label, xscale="log")
+        axes.xaxis.set(major_locator=FixedLocator(ticks), minor_locator=NullLocator())
+        axes.xaxis.set_major_formatter("{x:g}")
+    panels[0].set_yscale("log")
+    panels[0].yaxis.set(major_formatter=ScalarFormatter(), minor_formatter=ScalarFormatter())
+    legend_outside(figure, 3, fontsize=7)
+    return Drawing(figure, columns)
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Plates:
+    """Plates of one mass on springs, below a packing.
+
+    Attributes
+    ----------
+    name
+        Of the plates and the packing.
+    period, displacement, without
+        Of each: period, s, largest displacement below the packing and without it, m: (n_plates,).
+    theory
+        Of plates that do not give way.
+    """
+
+    name: str
+    period: Array
+    displacement: Array
+    without: Array
+    theory: Curves
+
+
+def shock_spectra(found: Sequence[Plates]) -> Drawing:
+    """Largest displacement of plates on springs against their period, with the theory."""
+    figure, axes = one_panel(4.4, "Period of the plate (µs)", "Largest displacement (µm)", 4.6)
+    axes.set(xscale="log", yscale="log")
+    columns: dict[str, Array] = {}
+    for one, colour, marker in zip(found, (BLUE, ORANGE, GREY), "os^", strict=False):
+        period, theory, word = _MICRO * one.period, one.theory, column_name(one.name)
+        points: dict[str, Any] = {"color": colour, "markersize": 4}
+        curves: dict[str, Any] = {"color": colour, "linewidth": 0.9}
+        label = f"below the packing: {one.name}"
+        axes.plot(period, _MICRO * one.displacement, marker, label=label, **points)
+        axes.plot(period, _MICRO * one.without, marker, markerfacecolor="none", label="without it", **points)
+        period = _MICRO * theory.period
+        axes.plot(period, _MICRO * theory.oscillator, "-", label="oscillator", **curves)
+        axes.plot(period, _MICRO * theory.slow_force, ":", label="slow force, F/k", **curves)
+        axes.plot(period, _MICRO * theory.short_impulse, "--", label="short impulse, J/(Mω)", **curves)
+        columns |= {
+            f"{word}_period_s": one.period, f"{word}_displacement_m": one.displacement,
+            f"{word}_without_m": one.without, f"{word}_line_period_s": theory.period,
+            f"{word}_oscillator_m": theory.oscillator, f"{word}_slow_force_m": theory.slow_force,
+            f"{word}_short_impulse_m": theory.short_impulse,
+        }  # fmt: skip
+    axes.set_ylim(0.3 * _MICRO * min(one.displacement.min() for one in found))
+    legend_outside(figure, 2, fontsize=7)
+    return Drawing(figure, columns)

@@ -1,0 +1,1 @@
+"""Waves along chains and layers under a static force."""

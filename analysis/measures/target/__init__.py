@@ -1,0 +1,1 @@
+"""Protected targets: what reaches them, with and without a packing."""

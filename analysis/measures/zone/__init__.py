@@ -1,0 +1,1 @@
+"""Size of the plastic zone, and what cuts it."""
