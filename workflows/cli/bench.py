@@ -254,7 +254,8 @@ def _compare_ranks(repeats: int, report: Callable[[str], None]) -> dict[str, lis
     rates = {}
     for n_ranks in (1, 2):
         script = (
-            f"from granwave.workflows import bench, mpi; import json; t = bench.rattle({SIZES[1]}, {repeats}); "
+            "import json; from granwave.workflows.cli import bench; from granwave.workflows.run import mpi; "
+            f"t = bench.rattle({SIZES[1]}, {repeats}); "
             "print(json.dumps(t.rates)) if mpi.world().rank == 0 else None"
         )
         launcher = Path(sys.prefix) / "bin" / "mpiexec"
