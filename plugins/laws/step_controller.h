@@ -25,14 +25,14 @@ class StepController {
  public:
   /* What a run that is continued needs. */
   struct State {
-    std::int64_t ticks = 1;            // of the present step
-    std::int64_t wanted = 1;           // of a step that need not end early for an output
-    std::int64_t steps = 0;            // taken
-    std::int64_t since = 0;            // steps since it was last changed
-    double start = 0.0;                // s when the present step was taken up
-    double left = 0.0;                 // error that earlier changes of the step left
-    double swing = 0.0;                // largest |s| of late
-    double swing_before = 0.0;         // that when the wanted step was last changed
+    std::int64_t ticks = 1;       // of the present step
+    std::int64_t wanted = 1;      // of a step that need not end early for an output
+    std::int64_t steps = 0;       // taken
+    std::int64_t since = 0;       // steps since it was last changed
+    double start = 0.0;           // s when the present step was taken up
+    double left = 0.0;            // error that earlier changes of the step left
+    double swing = 0.0;           // largest |s| of late
+    double swing_before = 0.0;    // that when the wanted step was last changed
   };
 
   StepController(std::int64_t first, std::int64_t longest) : longest(longest) { state_.ticks = state_.wanted = first; }
@@ -80,14 +80,14 @@ class StepController {
 
  private:
   static constexpr double LN_2 = 0.6931471805599453;
-  static constexpr double MEMORY = 50.0;             // steps in which half of the swing is forgotten, at the start,
-  static constexpr double MEMORY_SHARE = 0.03;       // and share of all steps so far: what comes back does so later and later
-  static constexpr std::int64_t DWELL = 32;          // steps between two doublings
-  static constexpr double USED = 0.9;                // of what is left of the allowed error: more makes the step shorter
-  static constexpr double USED_WHILE_GROWING = 0.3;  // the same while s grows, as it will for some steps more
-  static constexpr double USED_WHEN_LONGER = 0.6;    // after a doubling
-  static constexpr double LEAST_USED = 0.01;         // of what is allowed: this much does not make the step shorter
-  static constexpr double LEFT = 0.25;               // of what is allowed: left by changes of the step without more ado
+  static constexpr double MEMORY = 50.0;          // steps in which half of the swing is forgotten, at the start,
+  static constexpr double MEMORY_SHARE = 0.03;    // and share of all steps so far: what comes back does so later and later
+  static constexpr std::int64_t DWELL = 32;       // steps between two doublings
+  static constexpr double USED = 0.9;             // of what is left of the allowed error: more makes the step shorter
+  static constexpr double USED_WHILE_GROWING = 0.3;    // the same while s grows, as it will for some steps more
+  static constexpr double USED_WHEN_LONGER = 0.6;      // after a doubling
+  static constexpr double LEAST_USED = 0.01;           // of what is allowed: this much does not make the step shorter
+  static constexpr double LEFT = 0.25;                 // of what is allowed: left by changes of the step without more ado
 
   static double square(std::int64_t ticks) { return static_cast<double>(ticks) * static_cast<double>(ticks); }
 
@@ -113,7 +113,8 @@ class StepController {
   void lengthen(double s, double allowed, std::int64_t now)
   {
     const std::int64_t longer = 2 * state_.wanted;
-    if (longer <= longest && static_cast<double>(longer) <= bound_ && now % longer == 0 && state_.swing <= state_.swing_before) {
+    if (longer <= longest && static_cast<double>(longer) <= bound_ && now % longer == 0 &&
+        state_.swing <= state_.swing_before) {
       // changes that add up are kept small: one waits for a moment at which it takes back what the others left
       const double made = std::fabs(centre(state_.ticks, s)), then = std::fabs(centre(longer, s));
       if (then <= std::max(made, LEFT * allowed) && square(longer) * state_.swing <= USED_WHEN_LONGER * (allowed - then))

@@ -237,7 +237,7 @@ double FixGranLoad::force_on_group() const
 void FixGranLoad::initial_integrate(int)
 {
   if (stepper) stepper->begin_step();    // so that the clock is right
-  resistance = force_on_group();    // includes the forces of all other fixes
+  resistance = force_on_group();         // includes the forces of all other fixes
   const double before = place;
   place = shape.value(granwave::simulated_time(*update));
   moved = place - before;

@@ -31,8 +31,8 @@ constexpr std::int64_t STEPS_BETWEEN_ENERGIES = 16;
 constexpr const char *USAGE = "expected N TOLERANCE ENERGY, and then maybe first M, until T, balance v_NAME K";
 
 // Fixed-point sums have the same bits in any order. A term is at most 2 energies, in units of 2^-50 of one.
-constexpr double UNITS = 1125899906842624.0;              // 2^50
-constexpr double MAGIC = 6755399441055744.0;              // 1.5 2^52: adding it leaves an integer in the mantissa
+constexpr double UNITS = 1125899906842624.0;               // 2^50
+constexpr double MAGIC = 6755399441055744.0;               // 1.5 2^52: adding it leaves an integer in the mantissa
 constexpr std::int64_t MAGIC_BITS = 0x4338000000000000;    // its bits
 
 std::int64_t units_of(double term)
@@ -93,7 +93,8 @@ FixGranTimestep::FixGranTimestep(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, n
     }
   }
   for (const auto *other : modify->get_fix_list())
-    if (std::strcmp(other->style, STYLE) == 0) error->all(FLERR, "Fix {} {}: there is one already, {}", STYLE, id, other->id);
+    if (std::strcmp(other->style, STYLE) == 0)
+      error->all(FLERR, "Fix {} {}: there is one already, {}", STYLE, id, other->id);
   controller = granwave::StepController(taken, longest);
   tick = update->dt;
   origin = update->atime - static_cast<double>(update->atimestep) * tick;
@@ -135,15 +136,16 @@ void FixGranTimestep::init()
       error->all(FLERR, "Fix {} {}: fix dt/reset changes the timestep, too", STYLE, id);
     if (other->nevery == 0 || !(modify->get_fix_mask(const_cast<Fix *>(other)) & FixConst::END_OF_STEP)) continue;
     if (later)
-      error->all(FLERR, "Fix {} {} must come after all fixes that act at the end of a step, and fix {} follows it", STYLE, id,
-                 other->id);
+      error->all(FLERR, "Fix {} {} must come after all fixes that act at the end of a step, and fix {} follows it", STYLE,
+                 id, other->id);
     if (other->nevery > 1) others.push_back(other);
   }
   for (const auto &name : {energy_name, balance_name}) {
     if (name.empty()) continue;
     const int found = input->variable->find(name.c_str());
     if (found < 0) error->all(FLERR, "Fix {} {}: there is no variable {}", STYLE, id, name);
-    if (!input->variable->equalstyle(found)) error->all(FLERR, "Fix {} {}: variable {} is not of style equal", STYLE, id, name);
+    if (!input->variable->equalstyle(found))
+      error->all(FLERR, "Fix {} {}: variable {} is not of style equal", STYLE, id, name);
   }
   reached = update->ntimestep;
   take(taken);
@@ -382,7 +384,8 @@ void FixGranTimestep::restart(char *buffer)
   if (const double format = next(); format != RESTART_FORMAT)
     error->all(FLERR, "Restart file holds format {} of fix {}; this version reads format {}", format, STYLE, RESTART_FORMAT);
   if (const double given = next(); given != tick)
-    error->all(FLERR, "Restart file holds fix {} {} with ticks of {:.17g}, found a timestep of {:.17g}", STYLE, id, given, tick);
+    error->all(FLERR, "Restart file holds fix {} {} with ticks of {:.17g}, found a timestep of {:.17g}", STYLE, id, given,
+               tick);
   origin = next();
   energy = next();
   bound = next();

@@ -69,10 +69,10 @@ class FixGranTimestep : public Fix {
   double s = 0.0;
   Sums last;
   double reported[5] = {};    // output: the same throughout a step, and when a run goes on from a restart file
-  bigint reached = 0;      // step counter when the last step ended
-  bool pending = false;    // the counter is to be set as the next step begins
+  bigint reached = 0;         // step counter when the last step ended
+  bool pending = false;       // the counter is to be set as the next step begins
   bool rotates = false;
-  std::vector<const Fix *> others;                            // that act at the end of some steps
+  std::vector<const Fix *> others;                           // that act at the end of some steps
   std::vector<const class FixWallGranHysteretic *> walls;    // that may move
 };
 

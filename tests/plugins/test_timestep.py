@@ -68,7 +68,7 @@ def test_a_looser_tolerance_takes_fewer_steps(lammps):
         setup(lmp, f"64 {tolerance} v_given first 4", every=64)
         lmp.command("run 16000")
         taken.append(value(lmp, "f_step[3]"))
-    assert taken[0] < taken[1] < taken[2] < 16000
+    assert taken[0] <= taken[1] < taken[2] < 16000  # one sphere has all of the energy for most of the time
 
 
 @pytest.mark.parametrize("style", [HERTZ, BRASS])
