@@ -98,6 +98,7 @@ def test_two_ranks_agree_with_one(finished, granwave, tmp_path):
 
 
 LONG = ["--set", "packing.size=[14,14,8]", "--set", "run.end_time=4e-4", "--set", "run.frames=5"]
+LONG += ["--set", "run.energy_tolerance=3e-8"]  # in many steps
 
 
 def start(directory, *arguments):

@@ -50,6 +50,7 @@ LONG = """
 case = "fcc-small"
 [set]
 run.frames = 2
+run.timestep = 2.8e-8
 [[points]]
 packing.size = [12, 12, 6]
 run.end_time = %g

@@ -46,6 +46,7 @@ case = "fcc-small"
 [set]
 packing.size = [14, 14, 8]
 run.end_time = 4e-3
+run.timestep = 2.8e-8
 run.frames = 2
 [grid]
 load.velocity = [5, 6]
