@@ -28,6 +28,7 @@ constexpr std::int64_t MOST_TICKS = std::int64_t(1) << 20;
 constexpr double LEAST_TOLERANCE = 1e-12, MOST_TOLERANCE = 1e-3;
 constexpr std::int64_t STEPS_BETWEEN_ENERGIES = 16;
 
+constexpr double SHARE_OF_TOLERANCE = 1.0 / 65536;    // to which a measured error is taken
 constexpr const char *USAGE = "expected N TOLERANCE ENERGY, and then maybe first M, until T, balance v_NAME K";
 
 // Fixed-point sums have the same bits in any order. A term is at most 2 energies, in units of 2^-50 of one.
@@ -316,7 +317,9 @@ void FixGranTimestep::end_of_step()
   last = now;
   if (balance_every > 0 && reached % balance_every == 0 && energy > 0.0) {
     const double measured = value_of(balance_name, reached + balance_every);
-    if (std::isfinite(measured)) controller.correct(s, std::copysign(rounded(std::fabs(measured)), measured));
+    // the last bits of the sums in it depend on the number of processors
+    const double unit = SHARE_OF_TOLERANCE * tolerance * energy;
+    if (std::isfinite(measured)) controller.correct(s, std::round(measured / unit) * unit);
   }
   const bool held = origin + static_cast<double>(reached) * tick < until;
   const double most = held ? std::min(bound, static_cast<double>(first)) : bound;
