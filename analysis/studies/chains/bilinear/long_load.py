@@ -7,11 +7,11 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from granwave.analysis.figures.chain_labels import FORCE, VELOCITY
 from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import Drawing
 from granwave.analysis.measures.chains.bilinear import spring_of
 from granwave.analysis.measures.chains.bilinear_long_load import HeldLoad
-from granwave.analysis.studies.chains.labels import FORCE, VELOCITY
 from granwave.analysis.studies.chains.runs import from_thesis, uniform
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture, Row

@@ -7,10 +7,9 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from granwave.analysis.figures.series import MARKS, label, map_of_forces, panels
-from granwave.analysis.figures.style import BLUE, GREY, WIDTH, Drawing
+from granwave.analysis.figures import composite_chains
+from granwave.analysis.figures.composite_chains import Kinds
 from granwave.analysis.measures.chains.composite_section import Composite, composite_of
 from granwave.analysis.measures.chains.groups import columns
 from granwave.analysis.measures.signals import decay
@@ -19,12 +18,9 @@ from granwave.analysis.studies.runs import FinishedRun, rising
 from granwave.analysis.studies.study import Picture, Row
 from granwave.lammps_inputs.case.material import material
 
-_MICRO, _MILLI, _MEGA = 1e6, 1e3, 1e6
+_MILLI, _MEGA = 1e3, 1e6
 _WATCHED = 6  # beads in the section whose reflections are shown, as in source Fig. 6
-_SHOWN = 4  # lengths of the section whose pulses are shown
 _CHANGES = 0.05  # relative: below it a ratio is as good as constant, and its fit tells nothing
-_LEAST = 3e-3  # of the largest force at a contact: where its axis begins
-_FAINT = 0.01  # of the largest force: where the colours of the map begin to be linear
 _PLACE = "composite chain, "
 
 _REMARKS_OF_SPEED = {
@@ -48,8 +44,6 @@ _REFLECTIONS = {
     "DFRW": "Delayed forth reflection (DFRW)",
 }
 _MEASURED, _FITTED = _PLACE + "section 4, measured", _PLACE + "Fig. 11"
-
-Kinds = dict[str, list[Composite]]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -159,12 +153,12 @@ def pictures(group: Group) -> Iterator[Picture]:
     """Pulses, reflections, and both quantities against the section's length."""
     light, slug, watched = group.light, group.slug, group.watched
     caption = f"{light}: pulse at the second sensor (source Figs. 7, 10)"
-    yield Picture(f"composite_{slug}_pulses", caption, _pulses(group.kinds))
+    yield Picture(f"composite_{slug}_pulses", caption, composite_chains.pulses(group.kinds))
     caption = f"{light}, {watched.n} beads: waves in the chain, and at one contact of the section (source Fig. 6)"
-    yield Picture(f"composite_{slug}_reflections", caption, _reflections(watched))
+    yield Picture(f"composite_{slug}_reflections", caption, composite_chains.reflections(watched))
     if group.chains[0].n != group.chains[-1].n:
         caption = f"{light}: speed and height of the output pulse against the section's length (source Fig. 11)"
-        drawing = _against_length(group.kinds, group.source.speeds)
+        drawing = composite_chains.against_length(group.kinds, group.source.speeds)
         yield Picture(f"composite_{slug}_length", caption, drawing)
 
 
@@ -231,73 +225,3 @@ def _rows_of_stress(chain: Composite, sources: Sequence[float | None]) -> Iterat
     for source, bead, place, remark in ends:
         what = f"Largest von Mises stress, {place} contact of the section, N2 = {chain.n}, elastic"
         yield Row(what, "MPa", source, chain.stress(bead) / _MEGA, _PLACE + "3.3", remark if source else "")
-
-
-def _pulses(kinds: Kinds) -> Drawing:
-    """Force at both sensors for some lengths of the section."""
-    figure, *row = panels(2.6, len(kinds), width=WIDTH * len(kinds), sharey=True)
-    data: dict[str, ArrayLike] = {}
-    for axes, (name, chains) in zip(row, kinds.items(), strict=True):
-        slug, some, shortest = name.replace(" ", "_"), _some(chains), chains[0]
-        for chain in some:
-            time, force = chain.run.time, chain.run.sensors[chain.behind]
-            axes.plot(_MICRO * time, force, label=rf"$N_2$ = {chain.n}")
-            data |= {f"{slug}_{chain.n}_time_s": time, f"{slug}_{chain.n}_output_N": force}
-        time, incident = shortest.run.time, shortest.run.sensors[shortest.before]
-        until = time < shortest.output[0]
-        axes.plot(_MICRO * time[until], incident[until], color="black", label="incident")
-        data |= {f"{slug}_incident_time_s": time, f"{slug}_incident_N": incident}
-        latest = max(chain.output[0] for chain in some)
-        label(axes, "Time (µs)", title=name, xlim=(0, 1.25 * _MICRO * latest), ylim=(0, None))
-    label(row[0], y="Sensor force (N)")
-    row[-1].legend(fontsize=7)
-    return Drawing(figure, data)
-
-
-def _some(chains: Sequence[Composite]) -> list[Composite]:
-    """A few, at about equal ratios of length."""
-    wanted = np.geomspace(chains[0].n, chains[-1].n, _SHOWN)
-    return rising((min(chains, key=lambda chain: abs(chain.n - n)) for n in wanted), lambda chain: chain.n)
-
-
-def _reflections(chain: Composite) -> Drawing:
-    """Waves forth and back in place and time; beside it, on the same scale of time, the force at one contact."""
-    run, flow, k = chain.run, chain.flow(), chain.run.contact_between(chain.middle)
-    time, force, place = _MICRO * run.time, run.force[:, k], _MILLI * run.place[: flow.shape[1]]
-    highest = float(force.max())
-    figure, left, right = panels(4.2, 2, sharey=True, width_ratios=(1.5, 1))
-    mesh = map_of_forces(left, place, time, flow, _FAINT)
-    for bead in (chain.first - 1, chain.last):
-        left.axvline(place[run.contact_between(bead)], color="black", linewidth=0.6, linestyle="--")
-    left.axvline(place[k], color=GREY, linewidth=0.6, linestyle=":")
-    label(left, "Place (mm)", "Time (µs)")
-    figure.colorbar(mesh, ax=left, location="top", label="Contact force (N), negative while the beads move back")
-    right.plot(np.maximum(force, 1e-9 * highest), time, color=BLUE)
-    for name, wave in chain.reflections.items():
-        right.annotate("from the end" if name == "end" else name, (wave.force, _MICRO * wave.time), (6, 0),
-                       textcoords="offset points", va="center", fontsize=7)  # fmt: skip
-    label(right, f"Force (N) between beads {chain.middle} and {chain.middle + 1}", log="x",
-          xlim=(_LEAST * highest, 20 * highest), ylim=(0, time[-1]))  # fmt: skip
-    watched = f"contact_{chain.middle}_{chain.middle + 1}_N"
-    return Drawing(figure, {"time_s": run.time, watched: force, "flow_N": flow[:, k]})
-
-
-def _against_length(kinds: Kinds, measured: Mapping[int, float]) -> Drawing:
-    """Speed and height of the output pulse with their exponential laws."""
-    figure, left, right = panels(2.6, 2)
-    data: dict[str, ArrayLike] = {}
-    for (name, chains), marker in zip(kinds.items(), MARKS, strict=False):
-        n, speed, ratio = columns(chains, "n", "speed", "ratio")
-        slug = name.replace(" ", "_")
-        data |= {f"{slug}_n": n.astype(float), f"{slug}_speed_m_s": speed, f"{slug}_ratio": ratio}
-        for axes, values in ((left, speed), (right, ratio)):
-            (marks,) = axes.plot(n, values, marker, markersize=4, label=name)
-            if fit := decay(n, values):
-                fine = np.linspace(n[0], n[-1], 200)
-                axes.plot(fine, fit(fine), color=marks.get_color())
-    if measured:
-        left.plot(list(measured), list(measured.values()), "k*", label="source, measured")
-    label(left, r"Beads in the section $N_2$", r"Speed $V$ (m/s)")
-    label(right, r"Beads in the section $N_2$", r"$\lambda$, output over incident peak", ylim=(0, None))
-    left.legend()
-    return Drawing(figure, data)
