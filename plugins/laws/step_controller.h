@@ -86,7 +86,7 @@ class StepController {
   static constexpr double USED = 0.9;             // of what is left of the allowed error: more makes the step shorter
   static constexpr double USED_WHILE_GROWING = 0.3;    // the same while s grows, as it will for some steps more
   static constexpr double USED_WHEN_LONGER = 0.6;      // after a doubling
-  static constexpr double LEAST_USED = 0.01;           // of what is allowed: this much does not make the step shorter
+  static constexpr double LEAST_USED = 0.02;           // of what is allowed: used whatever error was made before
   static constexpr double LEFT = 0.25;                 // of what is allowed: left by changes of the step without more ado
 
   static double square(std::int64_t ticks) { return static_cast<double>(ticks) * static_cast<double>(ticks); }
@@ -117,8 +117,8 @@ class StepController {
         state_.swing <= state_.swing_before) {
       // changes that add up are kept small: one waits for a moment at which it takes back what the others left
       const double made = std::fabs(centre(state_.ticks, s)), then = std::fabs(centre(longer, s));
-      if (then <= std::max(made, LEFT * allowed) && square(longer) * state_.swing <= USED_WHEN_LONGER * (allowed - then))
-        return want(longer);
+      const double most = std::max(USED_WHEN_LONGER * (allowed - then), LEAST_USED * allowed);
+      if (then <= std::max(made, LEFT * allowed) && square(longer) * state_.swing <= most) return want(longer);
     }
     if (state_.since % DWELL == 0) state_.swing_before = state_.swing;
   }

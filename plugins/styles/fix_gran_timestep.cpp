@@ -28,6 +28,7 @@ constexpr std::int64_t MOST_TICKS = std::int64_t(1) << 20;
 constexpr double LEAST_TOLERANCE = 1e-12, MOST_TOLERANCE = 1e-3;
 constexpr std::int64_t STEPS_BETWEEN_ENERGIES = 16;
 
+constexpr double AIM = 0.85;                          // of the tolerance: what the choice reckons with
 constexpr double SHARE_OF_TOLERANCE = 1.0 / 65536;    // to which a measured error is taken
 constexpr const char *USAGE = "expected N TOLERANCE ENERGY, and then maybe first M, until T, balance v_NAME K";
 
@@ -323,7 +324,7 @@ void FixGranTimestep::end_of_step()
   }
   const bool held = origin + static_cast<double>(reached) * tick < until;
   const double most = held ? std::min(bound, static_cast<double>(first)) : bound;
-  const std::int64_t next = controller.choose(s, tolerance * energy, most, reached, next_due());
+  const std::int64_t next = controller.choose(s, AIM * tolerance * energy, most, reached, next_due());
   // what is due now is written here, as the run would do right after this, before the counter moves on
   if (reached == output->next) {
     const double dt = update->dt;
