@@ -129,7 +129,7 @@ def test_what_is_imported_exists(module: str) -> None:
         if not isinstance(node, ast.ImportFrom) or not (node.module or "").startswith("granwave."):
             continue
         source = str(node.module)
-        if source == "granwave._contact_laws":
+        if source in ("granwave._contact_laws", "granwave._number_reader"):
             continue
         assert source in MODULES, source
         for alias in node.names:

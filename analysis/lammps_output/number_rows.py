@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave._number_reader import read_numbers
 from granwave.analysis.errors import OutputFormatError
 
 AGAIN = "run the case again with --force"
@@ -40,8 +40,8 @@ def read_rows(rows: Sequence[str], columns: Sequence[str], place: Callable[[int]
         A row has more or fewer values, a value is not a finite number, or an id or a step is not an integer.
     """
     shape = len(rows), len(columns)
-    values = _parsed(rows)
-    if values is not None and values.size == shape[0] * shape[1] and np.isfinite(values).all():
+    values = read_numbers(" ".join(rows))
+    if values is not None and values.size == shape[0] * shape[1]:
         table = values.reshape(shape)
         whole = [n for n, name in enumerate(columns) if name in _WHOLE]
         if np.array_equal(table[:, whole], np.rint(table[:, whole])):
@@ -61,19 +61,6 @@ def whole_number(text: str, name: str, place: str) -> int:
     if value < 0:
         raise OutputFormatError(f"{place}: found {text.strip()!r}, expected the {name}, a whole number; {DAMAGED}")
     return value
-
-
-def _parsed(rows: Sequence[str]) -> NDArray[np.float64] | None:
-    """Read all numbers at once; None, or the numbers up to the first fault, if there is any."""
-    text = " ".join(rows)
-    if not text.strip():
-        return np.empty(0)  # numpy would return one number for empty text
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", DeprecationWarning)  # of older numpy, for text that is not a number
-            return np.fromstring(text, dtype=float, sep=" ")  # numpy's fastest parser
-    except ValueError:
-        return None
 
 
 def _fault(words: Sequence[str], columns: Sequence[str]) -> str:

@@ -7,6 +7,7 @@ import time
 import numpy as np
 import pytest
 
+from granwave._number_reader import read_numbers
 from granwave.analysis import MissingOutputError, OutputFormatError
 from granwave.analysis.lammps_output.dumps import read_contacts, read_data, read_frames, read_wall_contacts
 from granwave.analysis.lammps_output.time_series import read_energy, read_probes, read_walls
@@ -118,3 +119,20 @@ def test_reading_is_fast_enough(tmp_path):
     (frame,) = read_frames(tmp_path)
     assert time.perf_counter() - start < 2.0  # 0.25 s on an idle core
     assert np.array_equal(frame.values, rows)
+
+
+@pytest.mark.parametrize("form", ["%.17g", "%.9g", "%.10e", "%d"])
+def test_numbers_in_text_are_those_of_python(form):
+    random = np.random.default_rng(7)
+    values = random.standard_normal(5000) * 10.0 ** random.integers(-300, 12, 5000)
+    text = " \n".join(form % value for value in values)
+    assert read_numbers(text).tolist() == [float(word) for word in text.split()]
+
+
+@pytest.mark.parametrize("text", ["1 2 x", "1 nan", "1 inf", "1 2e400", "1-2", "0x10", "1,2", "1 2."[:-1] + "e"])
+def test_text_that_is_not_all_numbers_is_not_read(text):
+    assert read_numbers(text) is None
+
+
+def test_empty_text_has_no_numbers():
+    assert read_numbers(" \n").tolist() == [] and read_numbers("+1 -2\t3\r\n").tolist() == [1, -2, 3]
