@@ -7,7 +7,7 @@
 
    The balance is thus off by dt^2 (s_0 - s), with s_0 at the start; a change of the step moves s_0, and leaves
    (dt_new^2 - dt_old^2) s of that moment in the balance for good. Steps are a power of two times a tick. The step is
-   doubled where half of what is left of the allowed error would do for it if s went on swinging as it did, and only at
+   doubled where 60 % of what is left of the allowed error would do for it if s went on swinging as it did, and only at
    multiples of the longer step; it is halved, at any time, before the error passes what is allowed.
 
    s is in units of energy/tick^2. */
@@ -23,7 +23,7 @@ namespace granwave {
 
 class StepController {
  public:
-  /* What a run that is continued needs. */
+  /* State, which a restart file holds. */
   struct State {
     std::int64_t ticks = 1;       // of the present step
     std::int64_t wanted = 1;      // of a step that need not end early for an output
