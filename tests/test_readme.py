@@ -9,7 +9,9 @@ from pathlib import Path
 
 import pytest
 
+from granwave._contact_laws import LAWS
 from granwave.lammps_inputs import load_case
+from granwave.lammps_inputs.lattices import KINDS
 from granwave.workflows import library, load_profile, load_scan
 from tests.conftest import PLAIN
 from tests.golden import outputs
@@ -47,6 +49,13 @@ def test_built_in_studies_that_commands_name_exist():
     for command, name in named:
         assert name in library.names(library.SCANS if command == "scan" else library.CASES), (command, name)
     assert {command for command, _ in named} == {"run", "check", "show", "scan", "continuum"}
+
+
+def test_kinds_of_packings_and_laws():
+    case = blocks("toml")[0]
+    for key, names in (("kind", KINDS), ("law", LAWS)):
+        (comment,) = re.findall(rf"^{key} = .*# (.*)$", case, re.MULTILINE)
+        assert set(comment.split(" | ")) == set(names)
 
 
 def test_values_of_a_summary():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -20,38 +21,77 @@ from granwave.analysis.figures import (
 from granwave.analysis.figures.style import Drawing, FigureFolder, style
 from granwave.analysis.result.reader import Result
 
-#: Functions that draw a figure of a result, or return None if it does not apply.
-FIGURES: dict[str, Callable[[Result], Drawing | None]] = {
-    "peak_force_principal": partial(sections.peak_force_section, name="principal"),
-    "peak_force_orthogonal": partial(sections.peak_force_section, name="orthogonal"),
-    "peak_force_depth": dissipation.peak_force_depth,
-    "dissipation_principal": partial(sections.dissipation_section, name="principal"),
-    "dissipation_orthogonal": partial(sections.dissipation_section, name="orthogonal"),
-    "dissipation_parts_principal": partial(sections.dissipation_parts_section, name="principal"),
-    "dissipation_parts_orthogonal": partial(sections.dissipation_parts_section, name="orthogonal"),
-    "dents_principal": partial(sections.dents_section, name="principal"),
-    "dents_orthogonal": partial(sections.dents_section, name="orthogonal"),
-    "dissipation_ranked": dissipation.dissipation_ranked,
-    "dissipation_cumulated": dissipation.dissipation_cumulated,
-    "plastic_zone_growth": dissipation.plastic_zone_growth,
-    "plastic_zone_size": zone.plastic_zone_size,
-    "energies": histories.energies,
-    "timestep": timestep.timestep,
-    "bottom_force": histories.bottom_force,
-    "target": target.target,
-    "impactor_velocity": histories.impactor_velocity,
-    "wave_front": sections.wave_front,
-    "packing_3d": packing3d.packing_3d,
-    "packing_3d_dissipation": packing3d.packing_3d_dissipation,
-    "probes": histories.probes,
-    "force_map": chain.force_map,
-    "force_histories": chain.force_histories,
-    "along_chain": chain.along_chain,
-    "bead_velocities": chain.bead_velocities,
-    "bars": chain.bars,
-    "sensors": chain.sensors,
-    "accelerations": histories.sensors,
-    "directions": directions.directions,
+
+@dataclasses.dataclass(frozen=True)
+class RunFigure:
+    """A figure of a run.
+
+    Attributes
+    ----------
+    caption
+        Its caption in reports.
+    draw
+        Function that draws it from a result, or returns None if it does not apply.
+    """
+
+    caption: str
+    draw: Callable[[Result], Drawing | None]
+
+
+#: Figures by name, in the order of reports.
+FIGURES: dict[str, RunFigure] = {
+    "peak_force_principal": RunFigure(
+        "Peak contact force, principal plane", partial(sections.peak_force_section, name="principal")
+    ),
+    "peak_force_orthogonal": RunFigure(
+        "Peak contact force, plane orthogonal to it", partial(sections.peak_force_section, name="orthogonal")
+    ),
+    "peak_force_depth": RunFigure("Peak contact force against depth", dissipation.peak_force_depth),
+    "dissipation_principal": RunFigure(
+        "Dissipation, principal plane", partial(sections.dissipation_section, name="principal")
+    ),
+    "dissipation_orthogonal": RunFigure(
+        "Dissipation, plane orthogonal to it", partial(sections.dissipation_section, name="orthogonal")
+    ),
+    "dissipation_parts_principal": RunFigure(
+        "Dissipation by yielding and by friction, principal plane",
+        partial(sections.dissipation_parts_section, name="principal"),
+    ),
+    "dissipation_parts_orthogonal": RunFigure(
+        "Dissipation by yielding and by friction, plane orthogonal to it",
+        partial(sections.dissipation_parts_section, name="orthogonal"),
+    ),
+    "dents_principal": RunFigure(
+        "Dents from before the run, principal plane", partial(sections.dents_section, name="principal")
+    ),
+    "dents_orthogonal": RunFigure(
+        "Dents from before the run, plane orthogonal to it", partial(sections.dents_section, name="orthogonal")
+    ),
+    "dissipation_ranked": RunFigure("Dissipation of spheres in descending order", dissipation.dissipation_ranked),
+    "dissipation_cumulated": RunFigure(
+        "Cumulated dissipation against the volume involved", dissipation.dissipation_cumulated
+    ),
+    "plastic_zone_growth": RunFigure("Growth of the plastic zone", dissipation.plastic_zone_growth),
+    "plastic_zone_size": RunFigure(
+        "Size of the plastic zone: energy of yielding that lies farther out", zone.plastic_zone_size
+    ),
+    "energies": RunFigure("Energies and the error of their balance", histories.energies),
+    "timestep": RunFigure("Timestep, and the error of the energy balance that it follows", timestep.timestep),
+    "bottom_force": RunFigure("Force and impulse on the bottom", histories.bottom_force),
+    "target": RunFigure("What reaches the target, and the force there without the packing", target.target),
+    "impactor_velocity": RunFigure("Velocity of the struck sphere", histories.impactor_velocity),
+    "packing_3d": RunFigure("Packing cut open, peak contact force", packing3d.packing_3d),
+    "packing_3d_dissipation": RunFigure("Packing cut open, dissipation", packing3d.packing_3d_dissipation),
+    "probes": RunFigure("Probes", histories.probes),
+    "wave_front": RunFigure("Wave front", sections.wave_front),
+    "force_map": RunFigure("Contact force in place and time", chain.force_map),
+    "force_histories": RunFigure("Forces of single contacts", chain.force_histories),
+    "along_chain": RunFigure("Peak force and dissipation along the chain", chain.along_chain),
+    "bead_velocities": RunFigure("Velocities along the chain", chain.bead_velocities),
+    "bars": RunFigure("Bars: contact force and energy", chain.bars),
+    "sensors": RunFigure("Sensors", chain.sensors),
+    "accelerations": RunFigure("Accelerations of the sensors", histories.sensors),
+    "directions": RunFigure("Energy and dissipation by direction from the impact point", directions.directions),
 }
 
 
@@ -86,5 +126,5 @@ def draw_figures(
         for name in FIGURES if names is None else names:
             if progress is not None:
                 progress(name)
-            folder.save(FIGURES[name](result), name)
+            folder.save(FIGURES[name].draw(result), name)
     return folder.written

@@ -23,7 +23,8 @@ AnyLaw make_thornton(const LawOptions &o, const LawScales &) { return Thornton(o
 
 const std::vector<LawEntry> &law_table()
 {
-  // name, elastic limit, fitted, options, doubles of history beyond the largest overlap
+  // name, elastic limit, fitted, options, doubles of history beyond the largest overlap; new laws last, since restart files
+  // have the number of the line
   static const std::vector<LawEntry> TABLE = {
       {"hertz", INFINITE, false, 0, 0, make_hertz},
       {"elastoplastic", 1.0, true, VARIANT | YIELD_FACTOR | CONSTANTS, 0, make_elastoplastic},

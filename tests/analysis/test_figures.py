@@ -17,6 +17,7 @@ from tests.helpers import synthetic
 
 MOVING = {"energies", "bottom_force", "target", "impactor_velocity"}
 PLANES = {"peak_force_principal", "peak_force_orthogonal", "wave_front", "packing_3d", "directions"}
+PRESSED = {"peak_force_depth"}  # of packings with contacts
 LOST = {"dissipation_ranked", "dissipation_cumulated", "plastic_zone_growth", "plastic_zone_size"}
 LOST_PLANES = {"dissipation_principal", "dissipation_orthogonal", "packing_3d_dissipation"}
 
@@ -30,7 +31,7 @@ def makes_sense(directory, case):
     """Names of the figures of a run, drawn but not saved."""
     write_result(synthetic.write_run(directory, case))
     with Result(directory) as result:
-        return {name for name, draw in FIGURES.items() if draw(result) is not None}
+        return {name for name, figure in FIGURES.items() if figure.draw(result) is not None}
 
 
 def drawn(directory, case, **options):
@@ -45,18 +46,16 @@ def drawn(directory, case, **options):
 
 @pytest.mark.parametrize("kind", ["fcc", "hcp", "bcc", "sc"])
 def test_figures_of_packings(tmp_path, kind):
-    assert makes_sense(tmp_path, synthetic.make_case(kind, (6, 6, 4))) == MOVING | PLANES | LOST | LOST_PLANES | {
-        "peak_force_depth"
-    }
+    assert makes_sense(tmp_path, synthetic.make_case(kind, (6, 6, 4))) == MOVING | PLANES | PRESSED | LOST | LOST_PLANES
 
 
 def test_figures_of_a_hertzian_packing(tmp_path):
-    assert makes_sense(tmp_path, synthetic.make_case(law="hertz")) == MOVING | PLANES | {"peak_force_depth"}
+    assert makes_sense(tmp_path, synthetic.make_case(law="hertz")) == MOVING | PLANES | PRESSED
 
 
 @pytest.mark.parametrize("size", [2, 12])
 def test_figures_of_a_chain(tmp_path, size):
-    assert makes_sense(tmp_path, synthetic.make_case("chain", size)) == MOVING | LOST | {"peak_force_depth"}
+    assert makes_sense(tmp_path, synthetic.make_case("chain", size)) == MOVING | PRESSED | LOST
 
 
 def test_figures_of_one_sphere(tmp_path):
@@ -73,16 +72,16 @@ def test_figures_of_friction_dents_and_missing_spheres(tmp_path):
     case = synthetic.make_case(contact={"friction": 0.2, "initial_overlap": 4e-6}, packing={"vacancies": [3, 80]})
     names = makes_sense(tmp_path, case)
     own = {f"{what}_{plane}" for what in ("dissipation_parts", "dents") for plane in ("principal", "orthogonal")}
-    assert names == MOVING | PLANES | LOST | LOST_PLANES | own | {"peak_force_depth"}
+    assert names == MOVING | PLANES | PRESSED | LOST | LOST_PLANES | own
     with Result(tmp_path) as result:
-        columns = FIGURES["energies"](result).columns
+        columns = FIGURES["energies"].draw(result).columns
         total = sum(columns[f"{part}_J"] for part in ("kinetic", "rotation", "elastic", "yielding", "friction"))
         assert np.allclose(total, columns["input_J"], rtol=1e-6)
-        columns = FIGURES["dissipation_parts_principal"](result).columns
+        columns = FIGURES["dissipation_parts_principal"].draw(result).columns
         assert 3 not in columns["id"] and np.isin(columns["id"], result["spheres/id"]).all()
         whole = result["spheres/dissipated_energy"][result.rows(columns["id"])] / result.energy_input
         assert np.allclose(columns["yielding_over_input"] + columns["friction_over_input"], whole, rtol=1e-12)
-        force = FIGURES["target"](result).columns["without_packing_force_N"]
+        force = FIGURES["target"].draw(result).columns["without_packing_force_N"]
         assert force.max() == pytest.approx(bare_target_peak(case, 1.0)[0], rel=1e-6)
 
 
@@ -172,14 +171,14 @@ def test_spheres_of_two_sizes_cover_their_discs():
 
 def test_a_sphere_struck_across_has_no_figure_of_its_velocity():
     time = np.linspace(0, 1e-3, 9)
-    assert FIGURES["impactor_velocity"]({"energy/time": time, "energy/struck_velocity": np.zeros(9)}) is None
-    assert FIGURES["impactor_velocity"]({"energy/time": time, "energy/struck_velocity": time}) is not None
+    assert FIGURES["impactor_velocity"].draw({"energy/time": time, "energy/struck_velocity": np.zeros(9)}) is None
+    assert FIGURES["impactor_velocity"].draw({"energy/time": time, "energy/struck_velocity": time}) is not None
 
 
 def test_the_legend_of_the_energies_lies_on_no_curve(tmp_path):
     write_result(synthetic.write_run(tmp_path, synthetic.make_case("chain", 20)))
     with Result(tmp_path) as result:
-        figure = FIGURES["energies"](result).figure
+        figure = FIGURES["energies"].draw(result).figure
     figure.draw_without_rendering()
     axes = figure.axes[0]
     assert not axes.get_legend().get_window_extent().overlaps(axes.get_window_extent().shrunk(0.99, 0.99))

@@ -12,6 +12,7 @@ from typing import Any
 from granwave.analysis import velocity_normalised
 from granwave.lammps_inputs import Case, sphere_contact
 from granwave.lammps_inputs.case.overrides import apply_overrides, parse_overrides
+from granwave.lammps_inputs.lattices import KINDS
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
 
@@ -22,7 +23,6 @@ BASE = {
     "load": {"velocity": 5.0},
 }
 VERSIONS = {"granwave": "0.1.0", "lammps": "1"}
-_NEIGHBOURS = {"fcc": 12, "hcp": 12, "bcc": 8, "sc": 6, "square": 4, "chain": 2}
 
 Labels = dict[str, Any]
 Change = Mapping[int, str]
@@ -101,7 +101,8 @@ def summary_of(case: Case) -> dict[str, Any]:
     yields = case.contact.yields
     unit = law.yield_force * law.yield_overlap if yields else 1.0
     reduced = velocity_normalised(velocity, law.effective_modulus, case.material.density, strength) if yields else None
-    fraction = noise * 0.9 * reduced / (reduced + 8) * (_NEIGHBOURS[case.packing.kind] / 12) ** 0.1 if reduced else 0.0
+    neighbours = KINDS[case.packing.kind].coordination
+    fraction = noise * 0.9 * reduced / (reduced + 8) * (neighbours / 12) ** 0.1 if reduced else 0.0
     n_plastic = round(noise * 3 * (given / unit) ** 0.6) if yields else 0
     return {
         "name": case.name,

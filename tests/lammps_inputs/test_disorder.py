@@ -36,12 +36,13 @@ LATTICES = [kind for kind in KINDS if kind != "chain"]  # those that can be peri
 
 D = 0.01
 SIZES = {"fcc": (7, 8, 6), "hcp": (6, 8, 5), "bcc": (6, 7, 8), "sc": (5, 6, 7), "square": (9, 8), "chain": (12,)}
+ANY_SIZE = (6, 8, 7)  # of other kinds
 INNER = 200  # sphere (3, 4, 3) of the fcc packing
 BALL = {"index": INNER, "diameter": (2 * math.sqrt(2) - 1) * D}  # in fcc without its neighbors: touches the six next
 
 
 def case_of(kind: str = "fcc", size: tuple[int, ...] | None = None, **tables: Any) -> Case:
-    size = size or SIZES[kind]
+    size = size or SIZES.get(kind, ANY_SIZE)
     packing = {
         "kind": kind,
         "size": list(size) if len(size) > 1 else size[0],

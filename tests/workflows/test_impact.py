@@ -8,10 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from granwave._contact_laws import LAWS
 from granwave.analysis.lammps_output.dumps import read_contacts
 from granwave.analysis.lammps_output.time_series import read_energy
 from granwave.lammps_inputs import load_case
 from granwave.lammps_inputs.deck.deck import write_deck
+from granwave.lammps_inputs.lattices import KINDS
 from granwave.lammps_inputs.packing.packing import build_packing
 from granwave.workflows import library
 from tests.helpers.contacts import assert_same_contacts
@@ -133,8 +135,8 @@ def test_a_quarter_of_the_step_cuts_the_error_tenfold(lmp, tmp_path):
     assert errors[0] > 10 * errors[1]
 
 
-@pytest.mark.parametrize("kind", ["fcc", "hcp", "bcc", "sc", "square", "chain"])
-@pytest.mark.parametrize("law", ["elastoplastic", "hertz", "bilinear", "thornton"])
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("law", LAWS)
 def test_every_packing_with_every_law_balances(lmp, tmp_path, kind, law):
     size = {"square": "[7,7]", "chain": "12"}.get(kind, "[5,5,4]")
     written = deck(tmp_path, f"packing.kind={kind}", f"packing.size={size}", f"contact.law={law}", "run.end_time=6e-5")

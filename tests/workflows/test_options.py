@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from granwave._contact_laws import LAWS
 from granwave.workflows.cli.parser import main
 
 
@@ -28,8 +29,7 @@ from granwave.workflows.cli.parser import main
         (["law", "--radius", "1e300"], "--radius: found 1e300, expected a length from 1e-18 to 1e+06 m"),
         (["law", "--radius", "nan"], "--radius: found nan, expected a length from 1e-18 to 1e+06 m"),
         (["law", "--max-overlap", "1e300"], "--max-overlap: found 1e300, expected a number above 0 and at most 1e+06"),
-        (["law", "--law", "hertzz"], '--law: found "hertzz", expected one of hertz, elastoplastic, bilinear, thornton; '
-         "did you mean hertz?"),
+        (["law", "--law", "hertzz"], f'--law: found "hertzz", expected one of {", ".join(LAWS)}; did you mean hertz?'),
         (["rn", "fcc-small"], "did you mean run?"),
         (["run"], "the following arguments are required: CASE; granwave run --help tells more"),
         (["run", "fcc-small", "--velocity", "3"], "unrecognized arguments: --velocity 3; keys of a case are set by --set"),

@@ -15,6 +15,7 @@ from PIL import Image
 
 from granwave.analysis.document.model import Block, Figure, Gallery, Group, Note, Section
 from granwave.analysis.document.pictures import RESOLUTION, picture_of
+from granwave.analysis.figures.run_figures import FIGURES
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing, new_figure, style
 from granwave.analysis.formatting.values import as_label
 from granwave.analysis.quantities import readable
@@ -30,37 +31,7 @@ MOST_CURVES = 12
 _COLOURS = 256
 _MOST_INSTANTS = 2000  # points of a curve
 
-_CAPTIONS = {
-    "peak_force_principal": "Peak contact force, principal plane",
-    "peak_force_orthogonal": "Peak contact force, plane orthogonal to it",
-    "peak_force_depth": "Peak contact force against depth",
-    "dissipation_principal": "Dissipation, principal plane",
-    "dissipation_orthogonal": "Dissipation, plane orthogonal to it",
-    "dissipation_parts_principal": "Dissipation by yielding and by friction, principal plane",
-    "dissipation_parts_orthogonal": "Dissipation by yielding and by friction, plane orthogonal to it",
-    "dents_principal": "Dents from before the run, principal plane",
-    "dents_orthogonal": "Dents from before the run, plane orthogonal to it",
-    "dissipation_ranked": "Dissipation of spheres in descending order",
-    "dissipation_cumulated": "Cumulated dissipation against the volume involved",
-    "plastic_zone_growth": "Growth of the plastic zone",
-    "plastic_zone_size": "Size of the plastic zone: energy of yielding that lies farther out",
-    "energies": "Energies and the error of their balance",
-    "timestep": "Timestep, and the error of the energy balance that it follows",
-    "bottom_force": "Force and impulse on the bottom",
-    "target": "What reaches the target, and the force there without the packing",
-    "impactor_velocity": "Velocity of the struck sphere",
-    "packing_3d": "Packing cut open, peak contact force",
-    "packing_3d_dissipation": "Packing cut open, dissipation",
-    "probes": "Probes",
-    "wave_front": "Wave front",
-    "force_map": "Contact force in place and time",
-    "force_histories": "Forces of single contacts",
-    "along_chain": "Peak force and dissipation along the chain",
-    "bead_velocities": "Velocities along the chain",
-    "bars": "Bars: contact force and energy",
-    "sensors": "Sensors",
-    "accelerations": "Accelerations of the sensors",
-    "directions": "Energy and dissipation by direction from the impact point",
+_CAPTIONS = {name: figure.caption for name, figure in FIGURES.items()} | {  # those of scans last
     "collapse_dissipated_fraction": "Dissipated fraction against normalised velocity, of all materials",
     "collapse_plastic_volume": "Plastic zone against normalised input energy, of all materials",
     "dissipated_fraction_map": "Dissipated fraction by both of what varies",
