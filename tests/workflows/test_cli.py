@@ -45,8 +45,10 @@ def test_a_run_leaves_everything(finished):
     figures = finished / "figures"
     for picture in figures.glob("*.png"):
         assert picture.with_suffix(".pdf").exists() and picture.with_suffix(".csv").exists()
-    assert len(list(figures.glob("*.png"))) >= 8
+    assert len(list(figures.glob("*.png"))) >= 8 and (figures / "timestep.png").exists()
     values = summary(finished)
+    assert 0 < values["timestep_smallest_s"] <= values["timestep_s"] <= values["timestep_largest_s"]
+    assert values["timestep_s"] * values["n_steps"] == pytest.approx(values["end_time_s"])
     assert values["energy_balance_error"] < 1e-5 and values["n_spheres"] == 48 and values["end_reason"] == "end_time"
 
 
