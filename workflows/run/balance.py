@@ -15,6 +15,8 @@ class Balance:
 
     Attributes
     ----------
+    accepted
+        Largest error that is accepted: `TOLERANCE`, or ``run.energy_tolerance`` if that is larger.
     error
         Largest |kinetic + elastic + dissipated - input| so far over the largest input; NaN if any value is NaN.
     row
@@ -22,6 +24,7 @@ class Balance:
     """
 
     path: Path
+    accepted: float = TOLERANCE
     error: float = 0.0
     _missed: float = 0.0
     _input: float = 0.0
@@ -59,4 +62,4 @@ class Balance:
     @property
     def closed(self) -> bool:
         """True if the balance has closed so far."""
-        return self.error <= TOLERANCE  # false for NaN
+        return self.error <= self.accepted  # false for NaN

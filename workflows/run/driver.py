@@ -144,7 +144,7 @@ class _Run:
         self.show = show and comm.rank == 0
         self.checkpoint_interval = checkpoint_interval
         self.record = Record(name=case.name, n_ranks=comm.size)
-        self.balance = Balance(directory / DUMPS / ENERGY_FILE)
+        self.balance = Balance(directory / DUMPS / ENERGY_FILE, max(TOLERANCE, case.run.energy_tolerance))
         self.state = record.RUNNING  # of the time integration; recorded after the analysis
         self.reserve = plan(case).disk_reserve  # disk space to keep free, bytes
         self.lost_before_block = 0.0  # dissipated energy at the start of the current block of end_time = "auto", J
@@ -170,14 +170,15 @@ class _Run:
             chosen = self.case.run.timestep == "auto"
             if not chosen or len(self.record.attempts) + 1 >= MOST_ATTEMPTS:
                 self._log(
-                    f"the energy balance does not close: {misses:.1e} of the input, {TOLERANCE:.0e} is accepted"
+                    f"the energy balance does not close: {misses:.1e} of the input, "
+                    f"{self.balance.accepted:.0e} is accepted"
                     + ("" if chosen else '; give a shorter run.timestep, or leave it to "auto"')
                 )
                 break
             tried = deck.schedule.first_timestep
             self.record.attempts.append({"timestep_s": tried, "energy_balance_error": misses})
             timestep, go_on = tried / 2, False
-            self.balance = Balance(self.balance.path)
+            self.balance = Balance(self.balance.path, self.balance.accepted)
             self._log(
                 f"the energy balance misses by {misses:.1e} of the input; "
                 f"once more with half the timestep, {timestep:.3g} s"
