@@ -212,6 +212,7 @@ def kill_points(directory: Path) -> None:
             os.kill(process, signal.SIGKILL)
 
 
+@pytest.mark.validation
 def test_jobs_that_are_ended_have_slurm_s_reason(scan, tmp_path):
     """A point fails with its job, and again with the replacement job."""
     out = tmp_path / "out"
@@ -228,6 +229,7 @@ def test_jobs_that_are_ended_have_slurm_s_reason(scan, tmp_path):
     assert re.match(r"Slurm ended job \d+: CANCELLED", row["reason"]), row["reason"]
 
 
+@pytest.mark.validation
 def test_how_slurm_ended_a_job(slurm, tmp_path):  # noqa: F811
     logs = tmp_path / ".scan" / "logs" / "rule_serial" / "batch"
     logs.mkdir(parents=True)
