@@ -1,4 +1,4 @@
-"""How directional a wave is: shares of energy and dissipation by direction from the impact point, for any packing.
+"""Directionality of a wave: shares of energy and dissipation by direction from the impact point, for any packing.
 
 The direction of a sphere is that from the nearest struck sphere. In a layer it is an angle; in a packing of several
 layers a point of the half sphere below, cut into cells of equal solid angle.
@@ -27,7 +27,7 @@ _REACHED = 0.02  # share of the energy at the outermost spheres from which on th
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Spread:
-    """How something that spheres hold is spread over the directions from the impact point.
+    """Distribution of a quantity of the spheres over the directions from the impact point.
 
     Attributes
     ----------

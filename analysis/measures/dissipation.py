@@ -158,7 +158,7 @@ def peak_force_by_depth(result: Result) -> tuple[NDArray[np.float64], NDArray[np
 
 
 def dissipation_mismatch(result: Result) -> float:
-    """How far the last snapshot and ``/contacts`` differ in the dissipation of a sphere, over the input.
+    """Largest difference of the dissipation of a sphere between the last snapshot and ``/contacts``, over the input.
 
     The two come from different dumps; they differ by rounding and, in an interrupted run, by what happened
     between.

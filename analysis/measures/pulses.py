@@ -59,7 +59,7 @@ class ChainSpeeds:
 
 
 def peaks(time: Array, velocity: Array, diameter: float) -> Peaks:
-    """When the pulse passes each sphere of a chain.
+    """Times at which the pulse passes each sphere of a chain.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Where the energy of a struck square packing is: the chains that start at struck spheres, these, and the strikers."""
+"""Energy of a struck square packing by region: the chains that start at struck spheres, these, and the strikers."""
 
 from __future__ import annotations
 

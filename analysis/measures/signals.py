@@ -51,7 +51,7 @@ def at_time(time: float, times: Array, rows: Array) -> Array:
 
 
 def arrival(time: Array, signal: Array, level: float) -> float:
-    """When a signal first passes a level, between samples by a straight line, s; NaN: never."""
+    """Time at which a signal first passes a level, between samples by a straight line, s; NaN: never."""
     above = np.flatnonzero(signal >= level)
     if not len(above):
         return np.nan

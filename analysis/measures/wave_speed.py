@@ -1,4 +1,4 @@
-"""How fast the wave goes down into a packing."""
+"""Speed of the wave down into a packing."""
 
 from __future__ import annotations
 

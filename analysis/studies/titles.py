@@ -52,7 +52,7 @@ def law_label(case: Case) -> str:
 
 
 def load_label(case: Case) -> str:
-    """How fast the fastest sphere comes, ``5 m/s``; of a force or a prescribed motion that it acts on top."""
+    """Velocity of the fastest sphere, ``5 m/s``; for a force or a prescribed motion, that it acts on top."""
     if case.load.driven:
         return f"{case.load.kind} on top"
     return f"{max((math.hypot(*velocity) for velocity in velocities_of(assemble(case)).values()), default=0.0):g} m/s"

@@ -1,4 +1,4 @@
-"""When things happen in a run, in counts of LAMMPS's step counter.
+"""Schedule of a run, in counts of LAMMPS's step counter.
 
 With an automatic timestep (fix gran/timestep of the plugin) a count is a tick, and a step is a power of two of them. A
 tick is shortened until the end time (or a block, for ``end_time = "auto"``) is a whole number of ledger intervals: the

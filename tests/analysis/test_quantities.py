@@ -29,7 +29,7 @@ CONTACT = {"sphere": {"radius": 0.005}, "run": {"elements": 500, "unloadings": 1
 
 @pytest.fixture(scope="module")
 def summaries(tmp_path_factory):
-    """Of runs of all kinds; most granular ones are golden, and held against runs there."""
+    """Summaries of runs of all kinds; most granular ones are golden, and held against runs there."""
     place = tmp_path_factory.mktemp("runs")
     common = {"name": "small", "material": "brass"}
     found = list(json.loads((FOLDER / SUMMARIES).read_text()).values())

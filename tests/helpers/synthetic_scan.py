@@ -78,7 +78,7 @@ def point_id(labels: Labels) -> str:
 
 
 def finish_point(folder: Path, labels: Labels) -> None:
-    """What a finished run leaves, as far as a scan reads it."""
+    """Write what a finished run leaves, as far as a scan reads it."""
     case = case_of(labels)
     (folder / "case.toml").write_text(case.to_toml(), encoding="utf-8")
     write_json(folder / "point.json", {"state": "finished", "attempts": 1, "reason": None})

@@ -134,7 +134,7 @@ def _bound(zone: ExpectedZone, name: str) -> str:
 
 
 def _parts(times: WallTime) -> str:
-    """Which parts the time of a run has."""
+    """Describe the parts of the time of a run."""
     parts = {
         "static stage": times.static,
         "steps": times.steps,

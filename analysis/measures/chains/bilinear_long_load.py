@@ -66,7 +66,7 @@ class HeldLoad:
 
     @property
     def meeting(self) -> float:
-        """Where the largest force falls half-way from F_1 to F_2, m from the centre of bead 1."""
+        """Place at which the largest force has fallen half-way from F_1 to F_2, m from the centre of bead 1."""
         level = (self.force(0) + self.force(2)) / 2
         k = int(np.flatnonzero(self.largest < level)[0])
         return float(np.interp(-level, -self.largest[k - 1 : k + 1], self.run.place[k - 1 : k + 1]))

@@ -85,7 +85,7 @@ class ShortPulse:
         return at_time(self.peak_time(contact), self.near.time, self.near.force)
 
     def peak_time(self, contact: int) -> float:
-        """When the beads of a contact (from 1) are first equally fast after touching, s."""
+        """Time at which the beads of a contact (from 1) are first equally fast after touching, s."""
         closing = self.near.velocity[:, contact - 1] - self.near.velocity[:, contact]
         k = int(np.flatnonzero((closing <= 0) & (self.near.force[:, contact - 1] > 0))[0])
         return float(np.interp(0.0, -closing[k - 1 : k + 1], self.near.time[k - 1 : k + 1]))

@@ -53,14 +53,14 @@ class PlasticWave:
 
     @cached_property
     def arrivals(self) -> Array:
-        """When the leading disturbance reaches each contact: (n_contacts,), s; NaN: never."""
+        """Times at which the leading disturbance reaches each contact: (n_contacts,), s; NaN: never."""
         pairs = zip(self.force.T, self.peak_force, strict=True)
         times = [arrival(self.time, force, _THRESHOLD * top) if top > 0 else np.nan for force, top in pairs]
         return np.array(times)
 
     @cached_property
     def contacts(self) -> int:
-        """How many contacts from the struck end are measured."""
+        """Number of contacts, from the struck end, that are measured."""
         with np.errstate(invalid="ignore"):
             late = np.flatnonzero(~(self.arrivals < _AFTER * self.time[-1]))
         reached = int(late[0]) if len(late) else len(self.arrivals)

@@ -193,7 +193,7 @@ def crest_force(n: NDArray[np.int64]) -> Array:
 
 @cache
 def _crest(order: int) -> float:
-    """Where J_order(tau)/tau has its first maximum; order from 2."""
+    """First maximum of J_order(tau)/tau; order from 2."""
     if order < 2:
         return 0.0
 

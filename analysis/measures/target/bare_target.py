@@ -97,7 +97,7 @@ class Target:
 
     @property
     def settles(self) -> float:
-        """How long after a push the force on the ground may still rise, s."""
+        """Time after a push during which the force on the ground may still rise, s."""
         if not self.moves or not self.mass[0]:
             return 0.0
         if len(self.mass) > 1:

@@ -67,7 +67,7 @@ class Reached:
 
     @property
     def arrival(self) -> float | None:
-        """When the force first has risen by 1 % of its largest rise, s; None if it never does."""
+        """Time at which the force has first risen by 1 % of its largest rise, s; None if it never does."""
         rise = risen(self.force)
         felt = np.flatnonzero(rise > max(ARRIVED * float(rise.max()), _NOISE * abs(float(self.force[0]))))
         return float(self.time[felt[0]]) if len(felt) else None

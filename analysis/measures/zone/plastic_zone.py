@@ -1,4 +1,4 @@
-"""Which contacts and spheres have yielded, how large the plastic zone is, and how far the law holds.
+"""Contacts and spheres that have yielded, size of the plastic zone, and range of the contact law.
 
 A contact has yielded when its largest overlap passed alpha_y (elastoplastic, thornton) or when it was loaded
 at all (bilinear); with hertz none yields. A dent from before the run must have grown in it. The elasto-plastic law was

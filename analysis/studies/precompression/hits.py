@@ -42,7 +42,7 @@ def title(series: Series) -> str:
 
 
 def text(series: Series) -> str:
-    """Where each run starts."""
+    """Describe where each run starts."""
     return (
         "Each run starts with the spheres in their first places and with the dents that the run before left."
         + released_energy_note(series)

@@ -51,7 +51,7 @@ def text(runs: Runs) -> str:
 
 
 def rows(runs: Runs) -> Iterator[Row]:
-    """How far the contacts stay elastic, and what is dissipated just beyond."""
+    """Range in which contacts stay elastic, and dissipation just beyond."""
     for level, series in _by_level(runs):
         elastic = [run for run in series if run.dissipated < _ELASTIC]
         losing = [run for run in series if run.dissipated >= _ELASTIC]

@@ -68,7 +68,7 @@ class DentedRun(FinishedRun):
 
     @property
     def arrival(self) -> float:
-        """When that force arrives, s; NaN: never. See `granwave.analysis.measures.target.record.Reached.arrival`."""
+        """Arrival of that force, s; NaN: never. See `granwave.analysis.measures.target.record.Reached.arrival`."""
         found = self._reached.arrival if self._reached else None
         return np.nan if found is None else found
 

@@ -24,7 +24,7 @@ def select(runs: Sequence[FinishedRun]) -> list[list[ChainWave]]:
 
 
 def text(waves: Waves) -> str:
-    """How c0 is found."""
+    """Describe how c0 is found."""
     crest = waves[len(waves) // 2]
     return (
         f"The first bead of a precompressed chain is struck so that F_m/F0 stays below {1 + SMALL:g}, at {len(waves)} "

@@ -102,7 +102,7 @@ def rows(found: Sequence[Spectrum]) -> Iterator[Row]:
 
 
 def verdict(found: Sequence[Spectrum]) -> Iterator[str]:
-    """Which plates the packing helps."""
+    """Say which plates the packing helps."""
     for one in found:
         ratio = one.without / one.displacement
         if np.isfinite(ratio).all():

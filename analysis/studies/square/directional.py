@@ -1,4 +1,4 @@
-"""How directional waves stay: packings of any kind that strikers hit, side by side."""
+"""Directionality of waves: packings of any kind that strikers hit, side by side."""
 
 from __future__ import annotations
 

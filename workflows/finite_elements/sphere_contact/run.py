@@ -65,7 +65,7 @@ class _Run(ElementRun):
         integrate(self.case, self.solver, self.history, lambda _: report())
 
     def progress(self) -> tuple[float, str]:
-        """How far loading has come, by the logarithm of the overlap, as its rate goes."""
+        """Share of the loading that is done, by the logarithm of the overlap, as its rate goes."""
         overlap = self.history.ledgers[-1].overlap
         return self._place(overlap), f"overlap {overlap / self._unit:.1f} alpha_y, cycle {self.history.cycles[-1]}"
 
