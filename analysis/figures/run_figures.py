@@ -7,7 +7,7 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-from granwave.analysis.figures import (
+from granwave.analysis.figures.run import (
     chain,
     directions,
     dissipation,

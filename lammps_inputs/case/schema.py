@@ -104,6 +104,11 @@ def number(
     return _field(description, unit, default, parse, usual)
 
 
+def positive_or_auto(description: str, *, unit: str, usual: Usual, default: float | str = "auto") -> Any:
+    """A positive number, or "auto"."""
+    return number(description, unit=unit, above=0, word="auto", default=default, usual=usual)
+
+
 def choice(description: str, options: tuple[Any, ...], *, default: Any = REQUIRED) -> Any:
     """Field of one of the listed words, whole numbers or booleans."""
     expected = "one of " + ", ".join(show(option) for option in options)

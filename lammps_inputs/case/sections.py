@@ -18,6 +18,7 @@ from granwave.lammps_inputs.case.schema import (
     finite,
     number,
     parse_point,
+    positive_or_auto,
     whole,
 )
 from granwave.lammps_inputs.case.si_values import (
@@ -311,20 +312,15 @@ class Precompression:
 class Run:
     """``[run]``: end time, timestep and snapshots."""
 
-    end_time: float | Literal["auto"] = number(
+    end_time: float | Literal["auto"] = positive_or_auto(
         "when the run ends; auto: when 50 us add less than 1e-4 of the input to dissipation, at most 5 ms",
         unit="s",
-        above=0,
-        word="auto",
-        default=1e-3,
         usual=TIME,
+        default=1e-3,
     )
-    timestep: float | Literal["auto"] = number(
+    timestep: float | Literal["auto"] = positive_or_auto(
         "auto: follows the error of the energy balance; a number: all steps are that long",
         unit="s",
-        above=0,
-        word="auto",
-        default="auto",
         usual=INTERVAL,
     )
     energy_tolerance: float = number(
@@ -333,20 +329,14 @@ class Run:
         at_most=1e-3,
         default=ENERGY_TOLERANCE,
     )
-    smallest_timestep: float | Literal["auto"] = number(
+    smallest_timestep: float | Literal["auto"] = positive_or_auto(
         "lower bound of an automatic timestep; auto: a quarter of that for the stiffest contact expected",
         unit="s",
-        above=0,
-        word="auto",
-        default="auto",
         usual=INTERVAL,
     )
-    largest_timestep: float | Literal["auto"] = number(
+    largest_timestep: float | Literal["auto"] = positive_or_auto(
         "upper bound of an automatic timestep; auto: eight times that for the stiffest contact expected",
         unit="s",
-        above=0,
-        word="auto",
-        default="auto",
         usual=INTERVAL,
     )
     frames: int | tuple[float, ...] = custom(
@@ -369,12 +359,9 @@ class Output:
     """``[output]``: records besides snapshots and energies."""
 
     probes: tuple[Probe, ...] = custom("spheres and contacts recorded at their own rate", _parse_probes, default=())
-    probe_interval: float | Literal["auto"] = number(
+    probe_interval: float | Literal["auto"] = positive_or_auto(
         "time between records of probes and walls; auto: five timesteps",
         unit="s",
-        above=0,
-        word="auto",
-        default="auto",
         usual=INTERVAL,
     )
     history: int | Literal["auto"] = custom(

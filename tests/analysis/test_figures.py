@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from granwave.analysis import MissingOutputError, Result, analyse, write_result
-from granwave.analysis.figures import packing3d, sphere_renderer
+from granwave.analysis.figures.run import packing3d, sphere_renderer
 from granwave.analysis.figures.run_figures import FIGURES
 from granwave.analysis.measures.target.bare_target import bare_target_peak
 from granwave.lammps_inputs import struck_spheres

@@ -47,10 +47,8 @@ def extent_holding(distance: Array, energy: Array, share: float) -> float:
         Distance of one of the parts, m; 0 where there is no energy.
     """
     order = np.lexsort((energy, distance))  # equal parts are alike, so that their order in the file does not matter
-    held = np.cumsum(energy[order])
-    if not len(held) or held[-1] <= 0:
-        return 0.0
-    return float(distance[order][np.searchsorted(held, (1 - _ROUNDING) * share * held[-1])])
+    n = _parts_holding(energy[order], share)
+    return float(distance[order][n - 1]) if n else 0.0
 
 
 def volume_holding(volume: Array, energy: Array, share: float) -> float:
@@ -71,11 +69,15 @@ def volume_holding(volume: Array, energy: Array, share: float) -> float:
         m^3; 0 where there is no energy.
     """
     order = np.lexsort((volume, -energy / volume))
-    held = np.cumsum(energy[order])
+    return float(np.sum(volume[order][: _parts_holding(energy[order], share)]))
+
+
+def _parts_holding(energy: Array, share: float) -> int:
+    """Number of parts, from the first, that hold a share of the energy; 0 where there is none."""
+    held = np.cumsum(energy)
     if not len(held) or held[-1] <= 0:
-        return 0.0
-    last = int(np.searchsorted(held, (1 - _ROUNDING) * share * held[-1]))
-    return float(np.sum(volume[order][: last + 1]))
+        return 0
+    return int(np.searchsorted(held, (1 - _ROUNDING) * share * held[-1])) + 1
 
 
 def zone_sizes(

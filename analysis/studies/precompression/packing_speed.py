@@ -8,7 +8,7 @@ from itertools import groupby
 
 import numpy as np
 
-from granwave.analysis.figures.precompressed import small_wave_speeds
+from granwave.analysis.figures.chains.precompressed import small_wave_speeds
 from granwave.analysis.measures.precompressed.line_waves import speed_along_layers
 from granwave.analysis.measures.signals import Array, power
 from granwave.analysis.result.reader import Result

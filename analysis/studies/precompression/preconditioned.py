@@ -13,7 +13,7 @@ from itertools import groupby
 import numpy as np
 
 from granwave.analysis.document.model import Table
-from granwave.analysis.figures.preconditioned import dissipation_by_level, forces_by_level
+from granwave.analysis.figures.chains.preconditioned import dissipation_by_level, forces_by_level
 from granwave.analysis.studies.chains.runs import ChainRun
 from granwave.analysis.studies.precompression import quantities
 from granwave.analysis.studies.precompression.runs import DentedRun, past_runs, released_energy_note

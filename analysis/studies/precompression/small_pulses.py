@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from granwave.analysis.figures.precompressed import small_pulse_speeds
+from granwave.analysis.figures.chains.precompressed import small_pulse_speeds
 from granwave.analysis.measures.precompressed import loaded_line as theory
 from granwave.analysis.measures.precompressed.line_waves import FIRST_BEAD
 from granwave.analysis.measures.signals import Array, power

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from granwave.analysis.figures.precompressed import speeds_and_heights
+from granwave.analysis.figures.chains.precompressed import speeds_and_heights
 from granwave.analysis.measures.precompressed import loaded_line as theory
 from granwave.analysis.studies.precompression.waves import LARGE, SMALL, WHERE, ChainWave, Waves, series, waves_of
 from granwave.analysis.studies.runs import FinishedRun

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from granwave.analysis.figures.maps import speed_maps
-from granwave.analysis.figures.regions import energies_by_region, pulse_lengths
+from granwave.analysis.figures.packings.maps import speed_maps
+from granwave.analysis.figures.packings.regions import energies_by_region, pulse_lengths
 from granwave.analysis.measures.pulses import MEASURES, last_length, lengths, settled_from, theory
 from granwave.analysis.measures.regions import Array, groups
 from granwave.analysis.studies.runs import FinishedRun

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from granwave.analysis.figures.regions import wave_speeds
+from granwave.analysis.figures.packings.regions import wave_speeds
 from granwave.analysis.measures.pulses import ChainSpeeds, peaks, speed_between, speed_of
 from granwave.analysis.measures.regions import groups
 from granwave.analysis.studies.runs import FinishedRun

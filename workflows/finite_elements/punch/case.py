@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import Any, ClassVar, Literal
 
 from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.case.schema import ErrorList, count, number
+from granwave.lammps_inputs.case.schema import ErrorList, count, number, positive_or_auto
 from granwave.lammps_inputs.case.si_values import DIAMETER, INTERVAL, MASS, TIME, VELOCITY, Usual
 from granwave.workflows.finite_elements.frame import ElementCase
 
@@ -48,29 +48,20 @@ class Punch:
 class ContinuumRun:
     """``[run]``: end time, mesh, timestep and snapshots."""
 
-    end_time: float | Literal["auto"] = number(
+    end_time: float | Literal["auto"] = positive_or_auto(
         "when the run ends; auto: when the punch has left and 10 us add less than 1e-4 of the input to dissipation",
         unit="s",
-        above=0,
-        word="auto",
-        default="auto",
         usual=TIME,
     )
     elements: int = count("about how many elements the mesh has", at_least=100, at_most=1_000_000_000, default=62_500)
-    timestep: float | Literal["auto"] = number(
+    timestep: float | Literal["auto"] = positive_or_auto(
         "auto: just below the limit of stability",
         unit="s",
-        above=0,
-        word="auto",
-        default="auto",
         usual=INTERVAL,
     )
-    edge_size: float | Literal["auto"] = number(
+    edge_size: float | Literal["auto"] = positive_or_auto(
         "width of the elements at the punch's edge; auto: follows from elements (32 um for 62500 and a punch of 10 mm)",
         unit="m",
-        above=0,
-        word="auto",
-        default="auto",
         usual=Usual(1e-9, 0.1, ("mm", "um")),
     )
     frame_interval: float = number(

@@ -12,6 +12,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import ListedColormap, Normalize
 from numpy.typing import NDArray
 
+from granwave.analysis.figures.run.zone import draw_zone_size
 from granwave.analysis.figures.style import (
     BLANK,
     BLUE,
@@ -26,7 +27,6 @@ from granwave.analysis.figures.style import (
     new_figure,
     style,
 )
-from granwave.analysis.figures.zone import draw_zone_size
 from granwave.analysis.measures.zone.size import BOTTOM, SIDES
 from granwave.workflows.finite_elements.punch.solver import AT_YIELD
 from granwave.workflows.finite_elements.result_file import ElementResult

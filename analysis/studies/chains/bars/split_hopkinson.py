@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from granwave.analysis.figures.chain import force_map
+from granwave.analysis.figures.run.chain import force_map
 from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import BLUE, Drawing
 from granwave.analysis.measures.chains.bar_pulse import passage

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from granwave.analysis.figures.chain_labels import FORCE, VELOCITY
+from granwave.analysis.figures.chains.labels import FORCE, VELOCITY
 from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import Drawing
 from granwave.analysis.measures.chains.bilinear import spring_of

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from granwave.analysis.figures import bilinear_pulses
+from granwave.analysis.figures.chains import bilinear_pulses
 from granwave.analysis.measures.chains.bilinear import PRINTED, first_coefficients
 from granwave.analysis.measures.chains.bilinear_pulse import INVERSE, ShortPulse, short_pulses
 from granwave.analysis.studies.chains.runs import from_thesis, uniform

@@ -8,8 +8,8 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from granwave.analysis.figures import composite_chains
-from granwave.analysis.figures.composite_chains import Kinds
+from granwave.analysis.figures.chains import composite as composite_figures
+from granwave.analysis.figures.chains.composite import Kinds
 from granwave.analysis.measures.chains.composite_section import Composite, composite_of
 from granwave.analysis.measures.chains.groups import columns
 from granwave.analysis.measures.signals import decay
@@ -153,12 +153,12 @@ def pictures(group: Group) -> Iterator[Picture]:
     """Pulses, reflections, and both quantities against the section's length."""
     light, slug, watched = group.light, group.slug, group.watched
     caption = f"{light}: pulse at the second sensor (source Figs. 7, 10)"
-    yield Picture(f"composite_{slug}_pulses", caption, composite_chains.pulses(group.kinds))
+    yield Picture(f"composite_{slug}_pulses", caption, composite_figures.pulses(group.kinds))
     caption = f"{light}, {watched.n} beads: waves in the chain, and at one contact of the section (source Fig. 6)"
-    yield Picture(f"composite_{slug}_reflections", caption, composite_chains.reflections(watched))
+    yield Picture(f"composite_{slug}_reflections", caption, composite_figures.reflections(watched))
     if group.chains[0].n != group.chains[-1].n:
         caption = f"{light}: speed and height of the output pulse against the section's length (source Fig. 11)"
-        drawing = composite_chains.against_length(group.kinds, group.source.speeds)
+        drawing = composite_figures.against_length(group.kinds, group.source.speeds)
         yield Picture(f"composite_{slug}_length", caption, drawing)
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from granwave.analysis.figures import plastic_pulses
+from granwave.analysis.figures.chains import plastic_pulses
 from granwave.analysis.measures.chains import elastoplastic_model as model
 from granwave.analysis.measures.chains.elastoplastic_pulse import PlasticWave, Pulses, collect_pulses
 from granwave.analysis.measures.hertz_chain import IMPULSE_LIMIT

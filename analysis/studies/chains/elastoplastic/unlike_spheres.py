@@ -8,7 +8,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterator, Sequence
 
-from granwave.analysis.figures.probed_pairs import contact_curves, loading_curves
+from granwave.analysis.figures.chains.probed_pairs import contact_curves, loading_curves
 from granwave.analysis.measures.chains.probed_pair import Pair, probed_name
 from granwave.analysis.studies.chains.runs import chain_runs, elastic_constants
 from granwave.analysis.studies.runs import FinishedRun, rising

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from granwave.analysis.figures.histories import thinned, time_axis
+from granwave.analysis.figures.run.histories import thinned, time_axis
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, Drawing, legend_above, new_figure
 from granwave.analysis.measures.target.bare_target import unprotected
 from granwave.analysis.measures.target.record import reached

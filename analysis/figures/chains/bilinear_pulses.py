@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from granwave.analysis.figures.chain_labels import FORCE, PEAK_FORCE, TIME, VELOCITY
+from granwave.analysis.figures.chains.labels import FORCE, PEAK_FORCE, TIME, VELOCITY
 from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import BLUE, GREEN, ORANGE, Drawing
 from granwave.analysis.measures.chains.bilinear_pulse import ShortPulse

@@ -8,8 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 
-from granwave.analysis.figures.sections import Colouring, colour_bar, dissipation_colouring, peak_force_colouring
-from granwave.analysis.figures.sphere_renderer import Camera, Picture, render
+from granwave.analysis.figures.run.sections import Colouring, colour_bar, dissipation_colouring, peak_force_colouring
+from granwave.analysis.figures.run.sphere_renderer import Camera, Picture, render
 from granwave.analysis.figures.style import BLANK, WIDTH, Drawing, new_figure
 from granwave.analysis.result.reader import Result
 

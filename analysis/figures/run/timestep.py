@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from granwave.analysis.figures.histories import time_axis
+from granwave.analysis.figures.run.histories import time_axis
 from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing, legend_above, new_figure
 from granwave.analysis.result.reader import Result
 

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from granwave.analysis.figures.sections import force_scale, spheres_beyond_law
+from granwave.analysis.figures.run.sections import force_scale, spheres_beyond_law
 from granwave.analysis.figures.style import BLUE, GREEN, ORANGE, Drawing, new_figure
 from granwave.analysis.measures.dissipation import cumulated, peak_force_by_depth, ranked, rays, zone_growth
 from granwave.analysis.measures.zone.marks import bounds_in_words

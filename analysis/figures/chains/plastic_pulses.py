@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.ticker import NullLocator
 from numpy.typing import ArrayLike
 
-from granwave.analysis.figures.chain_labels import FORCE, PEAK_FORCE, PLACE, TIME
+from granwave.analysis.figures.chains.labels import FORCE, PEAK_FORCE, PLACE, TIME
 from granwave.analysis.figures.series import COLOURS, label, map_of_forces, panels
 from granwave.analysis.figures.style import BLUE, ORANGE, Drawing
 from granwave.analysis.measures.chains import elastoplastic_model as model

@@ -1,0 +1,1 @@
+"""Figures of chains, several runs together."""

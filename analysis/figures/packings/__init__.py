@@ -1,0 +1,1 @@
+"""Figures of packings, several runs together."""
