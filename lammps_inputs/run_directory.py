@@ -34,7 +34,8 @@ FIGURE_SUFFIXES = (".png", ".pdf", ".csv")  # raster image, vector image, data
 # In DUMPS.
 DUMPS = "dumps"
 ENERGY_FILE, WALLS_FILE, PROBES_FILE = "energy.txt", "walls.txt", "probes.txt"
-FRAMES_FILE, HISTORY_FILE, FORCES_FILE = "spheres.dump", "history.dump", "forces.dump"
+FRAMES_FILES = {"binary": "spheres.bin", "text": "spheres.dump"}  # by `output.dump_format`
+HISTORY_FILE, FORCES_FILE = "history.dump", "forces.dump"
 CONTACTS_FILE, WALL_CONTACTS_FILE = "contacts.dump", "wall_{}.dump"  # with the name of the wall's fix
 STATIC_STAGE_FILE, STATIC_FILE = "prestage.txt", "static.lmp"
 

@@ -121,7 +121,7 @@ def _check_format(to: str) -> None:
 
 
 def _export_recipe(directory: Path, output: Path) -> list[Path]:
-    if missing := [name for name in ovito_scene.NEEDED if not (directory / name).is_file()]:
+    if missing := ovito_scene.missing_files(directory):
         raise InputError(
             f"{directory}: {', '.join(missing)} missing; OVITO reads what LAMMPS wrote: expected the directory of a "
             "finished run"

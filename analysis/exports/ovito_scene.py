@@ -4,7 +4,8 @@
 
 needs only the ``ovito`` package (``pip install ovito``); OVITO Pro runs it as it is (File > Run Python Script). It
 saves a scene that OVITO Basic opens too, without Python. Spheres come from ``data.granwave`` and
-``dumps/spheres.dump``; contacts are bonds, from ``dumps/contacts.dump``. Lengths are metres.
+``dumps/spheres.bin`` (``spheres.dump`` if the snapshots are text); contacts are bonds, from ``dumps/contacts.dump``.
+Lengths are metres.
 
 Spheres are drawn at `SPHERE_SCALE` of their radius, so that the contacts between them are seen, and coloured by the
 decimal logarithm of their peak force so far (N). A contact appears with the snapshot that follows its first load;
@@ -21,7 +22,8 @@ from pathlib import Path
 from typing import Any
 
 RUN = ".."  # the run's directory, as seen from this file
-NEEDED = ("case.toml", "data.granwave", "dumps/spheres.dump", "dumps/contacts.dump")
+NEEDED = ("case.toml", "data.granwave", "dumps/contacts.dump")
+SNAPSHOTS = ("dumps/spheres.bin", "dumps/spheres.dump")  # one of these
 SPHERE_SCALE = 0.4
 CONTACT_WIDTH = 0.25  # width of the strongest contact, diameters
 DECADES = 4  # range of the colour scale of peak forces
@@ -35,7 +37,7 @@ def build(run: Path) -> Any:
     Parameters
     ----------
     run
-        Directory with case.toml, data.granwave, dumps/spheres.dump and dumps/contacts.dump.
+        Directory with the files `NEEDED` and one of `SNAPSHOTS`.
 
     Returns
     -------
@@ -63,7 +65,7 @@ def build(run: Path) -> Any:
         contacts.source.load(str(contacts_file), columns=columns)
         pipeline.modifiers.append(contacts)
     snapshots = LoadTrajectoryModifier()
-    snapshots.source.load(str(run / "dumps" / "spheres.dump"))
+    snapshots.source.load(str(next(run / name for name in SNAPSHOTS if (run / name).is_file())))
     pipeline.modifiers.append(snapshots)
 
     last = pipeline.compute(pipeline.num_frames - 1)
@@ -113,6 +115,12 @@ def show(pipeline: Any) -> Any:
     return viewport
 
 
+def missing_files(run: Path) -> list[str]:
+    """Return the files that `build` needs and does not find."""
+    found = [name for name in SNAPSHOTS if (run / name).is_file()]
+    return [name for name in (*NEEDED, *([] if found else SNAPSHOTS[:1])) if not (run / name).is_file()]
+
+
 def _columns(path: Path) -> list[str]:
     """Return OVITO's names for the columns of the contacts, from the header; empty without contacts."""
     ids = {"i": "Particle Identifiers.1", "j": "Particle Identifiers.2"}
@@ -138,7 +146,7 @@ def main() -> None:
     parser.add_argument("--picture", type=Path, help="render the last snapshot too (.png)")
     options = parser.parse_args()
     run = options.run.resolve()
-    if missing := [name for name in NEEDED if not (run / name).is_file()]:
+    if missing := missing_files(run):
         raise SystemExit(f"{run}: {', '.join(missing)} missing; give the directory of a finished run")
 
     import ovito

@@ -7,17 +7,17 @@ at a time.
 from __future__ import annotations
 
 import dataclasses
-import itertools
 import logging
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
+from granwave.analysis.lammps_output.binary_dump import BINARY, binary_frames
+from granwave.analysis.lammps_output.frame import CutShortError, Frame
 from granwave.analysis.lammps_output.number_rows import AGAIN, CUT, DAMAGED, read_rows, whole_number
+from granwave.analysis.lammps_output.text_dump import Lines, text_frames
 from granwave.lammps_inputs.deck import columns
 from granwave.lammps_inputs.ownership import output_names
 from granwave.lammps_inputs.run_directory import (
@@ -26,7 +26,7 @@ from granwave.lammps_inputs.run_directory import (
     DATA_FILE,
     DUMPS,
     FORCES_FILE,
-    FRAMES_FILE,
+    FRAMES_FILES,
     HISTORY_FILE,
     WALL_CONTACTS_FILE,
 )
@@ -38,96 +38,13 @@ SPHERE_COLUMNS = tuple(
 CONTACT_COLUMNS = columns.names(columns.CONTACTS)
 WALL_COLUMNS = columns.names(columns.WALL_CONTACTS)
 HISTORY_COLUMNS = columns.names(columns.HISTORY)
-_COUNTS = {"TIMESTEP": "timestep", "NUMBER OF": "number of rows"}  # in the header of a snapshot
 DATA_COLUMNS = ("id", "type", "diameter", "density", "x", "y", "z")
 
 log = logging.getLogger(__name__)
 
 
-@dataclass(frozen=True, eq=False)
-class Frame:
-    """One snapshot of a dump.
-
-    Attributes
-    ----------
-    step
-        Timestep.
-    box
-        Lower and upper bound along x, y, z: (3, 2), m.
-    columns
-        Names of the columns.
-    values
-        Rows: (n_rows, n_columns).
-    """
-
-    step: int
-    box: NDArray[np.float64]
-    columns: tuple[str, ...]
-    values: NDArray[np.float64]
-
-    def __len__(self) -> int:
-        return len(self.values)
-
-    def __getitem__(self, name: str) -> NDArray[np.float64]:
-        """Return one column: (n_rows,)."""
-        return self.values[:, self.columns.index(name)]
-
-    def get(self, name: str) -> NDArray[np.float64]:
-        """Return one column, or zeros if it was not recorded: (n_rows,)."""
-        return self[name] if name in self.columns else np.zeros(len(self))
-
-    def rows(self, ids: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return the rows of the spheres with these ids in a frame sorted by id; raise as `rows_of`."""
-        return rows_of(self["id"].astype(np.int64), ids)
-
-    def up_to(self, number: int) -> Frame:
-        """Return the rows with ids up to ``number`` of a frame sorted by id."""
-        n = int(np.searchsorted(self["id"], number, side="right"))
-        return self if n == len(self) else Frame(self.step, self.box, self.columns, self.values[:n])
-
-    def vector(self, *names: str) -> NDArray[np.float64]:
-        """Return several columns: (n_rows, len(names))."""
-        return self.values[:, [self.columns.index(name) for name in names]]
-
-    @property
-    def displacement(self) -> NDArray[np.float64]:
-        """Displacements of spheres from the start: (n_rows, 3), m."""
-        return self.vector("ux", "uy", "uz")
-
-    @property
-    def velocity(self) -> NDArray[np.float64]:
-        """Velocities of spheres: (n_rows, 3), m/s."""
-        return self.vector("vx", "vy", "vz")
-
-
-def rows_of(ids: NDArray[np.int64], wanted: ArrayLike) -> NDArray[np.int64]:
-    """Return the rows of spheres in a table sorted by id: id - 1 unless spheres are missing.
-
-    Parameters
-    ----------
-    ids
-        Ids in the table, rising: (n,).
-    wanted
-        Ids of the spheres, of any shape.
-
-    Raises
-    ------
-    KeyError
-        There is no such sphere, for instance at a vacancy.
-    """
-    wanted = np.asarray(wanted, dtype=np.int64)
-    if not len(ids) or ids[-1] == len(ids):  # none is missing
-        rows, found = wanted - 1, (wanted >= 1) & (wanted <= len(ids))
-    else:
-        rows = np.minimum(np.searchsorted(ids, wanted), len(ids) - 1)
-        found = ids[rows] == wanted
-    if not np.all(found):
-        raise KeyError(f"there is no sphere {wanted[~found].flat[0]} among the {len(ids)} of the packing")
-    return rows
-
-
 def read_frames(directory: str | Path, *, partial: bool = True) -> Iterator[Frame]:
-    """Iterate over the snapshots of ``dumps/spheres.dump``, `SPHERE_COLUMNS`, rows sorted by id.
+    """Iterate over the snapshots of ``dumps/spheres.bin`` or ``spheres.dump``, `SPHERE_COLUMNS`, rows sorted by id.
 
     If a step was written twice (resumed run), the first is used.
 
@@ -143,7 +60,15 @@ def read_frames(directory: str | Path, *, partial: bool = True) -> Iterator[Fram
     OutputFormatError
         The file lacks a column, a snapshot is damaged, or none is complete.
     """
-    yield from _rising(_frames(_dump(directory, FRAMES_FILE), SPHERE_COLUMNS, sort_by="id", partial=partial))
+    yield from _rising(_frames(frames_path(directory), SPHERE_COLUMNS, sort_by="id", partial=partial))
+
+
+def frames_path(directory: str | Path) -> Path:
+    """Return the path of the dump of snapshots, binary or text; raise MissingOutputError if there is none."""
+    names = [*FRAMES_FILES.values()]
+    there = [name for name in names if (Path(directory) / DUMPS / name).exists()]
+    listed = [name for name in names if f"{DUMPS}/{name}" in output_names(directory)]
+    return _dump(directory, (there or listed or names)[0])
 
 
 def read_history(directory: str | Path) -> Iterator[Frame]:
@@ -217,7 +142,7 @@ def read_data(directory: str | Path) -> Frame:
     n_spheres = 0
     columns: tuple[str, ...] = DATA_COLUMNS
     box = np.zeros((3, 2))
-    with _Lines(path) as lines:
+    with Lines(path) as lines:
         lines.take(1)  # the title
         while found := lines.take(1):
             words = found[0].split()
@@ -273,94 +198,22 @@ def _frames(
 ) -> Iterator[Frame]:
     """Iterate over the snapshots of a dump; with ``partial`` a truncated last one is skipped with a warning."""
     number = 0
-    with _Lines(path) as lines:
-        try:
-            while (frame := _next_frame(lines, number)) is not None:
-                if missing := [name for name in required if name not in frame.columns]:
-                    raise OutputFormatError(
-                        f"{path}: snapshot {number} lacks the columns {', '.join(missing)}; it has "
-                        f"{' '.join(frame.columns)}; {AGAIN}"
-                    )
-                number += 1
-                yield _sorted(frame, sort_by) if sort_by else frame
-        except _CutShortError:
-            if not partial:
-                raise OutputFormatError(f"{lines.place()}: snapshot {number} is cut short; {CUT}") from None
-            log.warning("%s: snapshot %d is cut short and left out", path, number)
+    read = binary_frames if path.suffix == BINARY else text_frames
+    try:
+        for frame in read(path):
+            if missing := [name for name in required if name not in frame.columns]:
+                raise OutputFormatError(
+                    f"{path}: snapshot {number} lacks the columns {', '.join(missing)}; it has "
+                    f"{' '.join(frame.columns)}; {AGAIN}"
+                )
+            number += 1
+            yield _sorted(frame, sort_by) if sort_by else frame
+    except CutShortError as error:
+        if not partial:
+            raise OutputFormatError(f"{error}; {CUT}") from None
+        log.warning("%s: snapshot %d is cut short and left out", path, number)
     if not number:
         raise OutputFormatError(f"{path} holds no complete snapshot; {AGAIN}")
-
-
-class _Lines:
-    """Lines of a text file, counted for messages."""
-
-    def __init__(self, path: Path) -> None:
-        self.path, self.n_read = path, 0
-
-    def __enter__(self) -> _Lines:
-        self._file = open(self.path, encoding="ascii", errors="replace")  # other bytes give an error with their line
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._file.close()
-
-    def take(self, n: int) -> list[str]:
-        """Return the next n lines, or those that are left."""
-        found = list(itertools.islice(self._file, n))
-        self.n_read += len(found)
-        return found
-
-    def place(self, back: int = 0) -> str:
-        """Return the file and the number of the last line read, or of one ``back`` lines before it."""
-        return f"{self.path}: line {self.n_read - back}"
-
-
-class _CutShortError(Exception):
-    """Error of a snapshot that ends before its last row."""
-
-
-def _next_frame(lines: _Lines, number: int) -> Frame | None:
-    """Read the next snapshot; None at the end of the file."""
-    header = _header(lines, number)
-    if header is None:
-        return None
-    columns, n_rows = tuple(header["columns"][0].split()[2:]), int(header["NUMBER OF"][0])
-    rows = lines.take(n_rows)
-    if len(rows) < n_rows or (rows and not rows[-1].endswith("\n")):
-        raise _CutShortError
-    values = read_rows(rows, columns, lambda row: f"{lines.place(n_rows - 1 - row)} (snapshot {number})")
-    bounds = [" ".join(line.split()[:2]) for line in header["BOX BOUNDS"]]
-    box = read_rows(bounds, ("low", "high"), lambda _: f"{lines.path}: box of snapshot {number}")
-    return Frame(int(header["TIMESTEP"][0]), box, columns, values)
-
-
-def _header(lines: _Lines, number: int) -> dict[str, list[str]] | None:
-    """Read the header of a snapshot: lines by title, and that of its rows as ``columns``; None at the file's end."""
-    header: dict[str, list[str]] = {}
-    while titles := lines.take(1):
-        title = titles[0]
-        if not title.endswith("\n"):
-            raise _CutShortError
-        if not title.startswith("ITEM:"):
-            raise OutputFormatError(
-                f"{lines.place()}: expected the header of snapshot {number}, found {title.strip()[:60]!r}; {DAMAGED}"
-            )
-        if title.startswith(("ITEM: ATOMS", "ITEM: ENTRIES")):
-            header["columns"] = titles
-            break
-        name = " ".join(title.split()[1:3])
-        if name in header:
-            raise OutputFormatError(f"{lines.place()}: a second {name} in snapshot {number}; {DAMAGED}")
-        header[name] = lines.take(3 if name == "BOX BOUNDS" else 1)
-        if name in _COUNTS and header[name]:
-            whole_number(header[name][0], _COUNTS[name], lines.place())
-    if not header:
-        return None
-    if "columns" not in header:
-        raise _CutShortError
-    if missing := [name for name in (*_COUNTS, "BOX BOUNDS") if name not in header]:
-        raise OutputFormatError(f"{lines.place()}: snapshot {number} lacks its {', '.join(missing)}; {DAMAGED}")
-    return header
 
 
 def _sorted(frame: Frame, name: str) -> Frame:

@@ -14,7 +14,7 @@ from granwave.analysis.errors import OutputFormatError
 AGAIN = "run the case again with --force"
 DAMAGED = f"the file is damaged, {AGAIN}"
 CUT = f"the file was cut, {AGAIN}"
-_WHOLE = ("step", "id", "type", "i", "j")  # columns of integers
+WHOLE = ("step", "id", "type", "i", "j")  # columns of integers
 
 
 def read_rows(rows: Sequence[str], columns: Sequence[str], place: Callable[[int], str]) -> NDArray[np.float64]:
@@ -43,7 +43,7 @@ def read_rows(rows: Sequence[str], columns: Sequence[str], place: Callable[[int]
     values = read_numbers(" ".join(rows))
     if values is not None and values.size == shape[0] * shape[1]:
         table = values.reshape(shape)
-        whole = [n for n, name in enumerate(columns) if name in _WHOLE]
+        whole = [n for n, name in enumerate(columns) if name in WHOLE]
         if np.array_equal(table[:, whole], np.rint(table[:, whole])):
             return table
     for n, row in enumerate(rows):
@@ -74,6 +74,6 @@ def _fault(words: Sequence[str], columns: Sequence[str]) -> str:
             return f"found {word!r} for {name}, expected a number"
         if not math.isfinite(value):
             return f"found {word} for {name}, expected a finite number"
-        if name in _WHOLE and value != round(value):
+        if name in WHOLE and value != round(value):
             return f"found {word} for {name}, expected a whole number"
     return ""

@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.errors import OutputFormatError
-from granwave.analysis.lammps_output.dumps import Frame, check_ids, read_forces, read_history
+from granwave.analysis.lammps_output.dumps import check_ids, read_forces, read_history
+from granwave.analysis.lammps_output.frame import Frame
 from granwave.analysis.lammps_output.number_rows import AGAIN, CUT
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.packing.assembly import assemble

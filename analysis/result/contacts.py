@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from granwave.analysis.lammps_output.dumps import Frame, rows_of
+from granwave.analysis.lammps_output.frame import Frame, rows_of
 
 LISTED_FROM = 1e-6  # peak overlap over alpha_y from which on pairs that did not touch at the start are listed
 
@@ -92,9 +92,9 @@ def list_contacts(
     """
     stride = 1 + max(touching.max(initial=0), merged["j"].max(initial=0))
     dented = merged["i"] * stride + merged["j"]
-    at_start = np.unique(touching[:, 0] * stride + touching[:, 1]).astype(np.int64)
+    at_start = _sorted_once(touching[:, 0] * stride + touching[:, 1])
     threshold = np.where(np.isfinite(yield_overlap), LISTED_FROM * np.asarray(yield_overlap), 0.0)
-    keys = np.union1d(at_start, dented[merged["peak_overlap"] > threshold])
+    keys = _sorted_once(np.concatenate([at_start, dented[merged["peak_overlap"] > threshold]]))
     target = np.searchsorted(keys, dented)
     known = target < len(keys)
     known[known] = keys[target[known]] == dented[known]
@@ -103,8 +103,15 @@ def list_contacts(
         if name not in result:
             result[name] = np.full(len(keys), np.nan if name in _TIMES else 0, dtype=column.dtype)
             result[name][target[known]] = column[known]
-    result["touching"] = np.isin(keys, at_start, assume_unique=True)
+    result["touching"] = np.zeros(len(keys), dtype=bool)
+    result["touching"][np.searchsorted(keys, at_start)] = True
     return result
+
+
+def _sorted_once(keys: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return sorted keys, each once; many times as fast as np.unique where the keys come in sorted runs."""
+    keys = np.sort(keys.astype(np.int64), kind="stable")
+    return keys[np.concatenate([[True], keys[1:] != keys[:-1]])] if len(keys) else keys
 
 
 def touching_pairs(

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from granwave.analysis.errors import MissingDataError, MissingOutputError, OutputFormatError
-from granwave.analysis.lammps_output.dumps import rows_of
+from granwave.analysis.lammps_output.frame import rows_of
 from granwave.analysis.result.damage import damage_of
 from granwave.analysis.result.trajectory import GROUP, QUANTITIES
 from granwave.lammps_inputs.case.case import Case

@@ -18,7 +18,7 @@ import h5py
 import numpy as np
 
 from granwave.analysis.errors import OutputFormatError
-from granwave.analysis.lammps_output.dumps import Frame
+from granwave.analysis.lammps_output.frame import Frame
 from granwave.analysis.lammps_output.number_rows import AGAIN
 
 GROUP = "particles/spheres"

@@ -31,13 +31,14 @@ import granwave
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.lammps_output.dumps import (
     WALL_COLUMNS,
-    Frame,
     check_ids,
+    frames_path,
     read_contacts,
     read_data,
     read_frames,
     read_wall_contacts,
 )
+from granwave.analysis.lammps_output.frame import Frame
 from granwave.analysis.lammps_output.number_rows import CUT
 from granwave.analysis.lammps_output.run_record import read_record
 from granwave.analysis.lammps_output.time_series import Table, read_energy, read_probes, read_static_stage, read_walls
@@ -142,7 +143,7 @@ def _write(file: h5py.File, directory: Path) -> None:
     write_metadata(file, versions["granwave"])
 
     timestep = _timestep(text, ledger)
-    path = directory / "dumps" / "spheres.dump"
+    path = frames_path(directory)
     frames = (frame.up_to(last) for frame in read_frames(directory, partial=False))
     end = write_trajectory(file, start, frames, timestep, _periodic(case), path, friction=case.has_friction).step
     n_steps = int(ledger["step"][-1])

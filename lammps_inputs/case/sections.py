@@ -356,8 +356,13 @@ class Run:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Output:
-    """``[output]``: records besides snapshots and energies."""
+    """``[output]``: form of the snapshots, and records besides snapshots and energies."""
 
+    dump_format: Literal["binary", "text"] = choice(
+        "form of the dump of snapshots: binary is written and read ten times as fast, text is read by every program",
+        ("binary", "text"),
+        default="binary",
+    )
     probes: tuple[Probe, ...] = custom("spheres and contacts recorded at their own rate", _parse_probes, default=())
     probe_interval: float | Literal["auto"] = positive_or_auto(
         "time between records of probes and walls; auto: five timesteps",

@@ -29,7 +29,7 @@ from granwave.lammps_inputs.run_directory import (
     DUMPS,
     ENERGY_FILE,
     FORCES_FILE,
-    FRAMES_FILE,
+    FRAMES_FILES,
     HISTORY_FILE,
     PROBES_FILE,
     STATIC_FILE,
@@ -163,7 +163,8 @@ def frames(case: Case, schedule: Schedule, *, resumed: bool = False) -> list[str
     """Return the commands of snapshots of all spheres."""
     every, chosen = schedule.frame_every, []
     columns = sources(SNAPSHOT, *_recorded(case))
-    form = _FRAME_FORMAT + " %.9g" * (len(columns) - len(names(SNAPSHOT)))
+    form = f' format line "{_FRAME_FORMAT}{" %.9g" * (len(columns) - len(names(SNAPSHOT)))}"'
+    text = case.output.dump_format == "text"
     if not every:
         every = schedule.n_steps
         chosen = [
@@ -176,11 +177,16 @@ def frames(case: Case, schedule: Schedule, *, resumed: bool = False) -> list[str
         *([] if case.precompression else displacements(case)[:1]),
         "compute         sphere all gran/hysteretic/atom",
         "compute         contacts all gran/hysteretic/local",
-        *command("dump            frames all custom", f"{every}", f"{DUMPS}/{FRAMES_FILE}", *columns.values()),
-        f'dump_modify     frames {_first(resumed)} sort id format line "{form}"',
+        *command("dump            frames all custom", f"{every} {DUMPS}/{frames_file(case)}", *columns.values()),
+        f"dump_modify     frames {_first(resumed)} sort id{form if text else ''}",
         *command("dump_modify     frames", *_names(columns)),
         *chosen,
     ]
+
+
+def frames_file(case: Case) -> str:
+    """Return the name of the dump of snapshots."""
+    return FRAMES_FILES[case.output.dump_format]
 
 
 def history(case: Case, schedule: Schedule, *, resumed: bool = False) -> list[str]:
@@ -252,7 +258,7 @@ def output_files(assembly: Assembly, schedule: Schedule) -> list[str]:
     """Return the names of the files that LAMMPS writes to dumps/."""
     case = assembly.case
     planes = [fix for wall in walls(assembly) if not wall.held_layer for fix, _, _ in wall_fixes(assembly, wall)]
-    files = [ENERGY_FILE, FRAMES_FILE, CONTACTS_FILE, *(WALL_CONTACTS_FILE.format(fix) for fix in planes)]
+    files = [ENERGY_FILE, frames_file(case), CONTACTS_FILE, *(WALL_CONTACTS_FILE.format(fix) for fix in planes)]
     files += [WALLS_FILE] if wall_forces(assembly, schedule) else []
     files += [PROBES_FILE] if case.probes else []
     files += [HISTORY_FILE, FORCES_FILE] if schedule.history_every else []

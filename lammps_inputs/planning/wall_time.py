@@ -40,7 +40,7 @@ _MOST_ITERATIONS_OF_DISORDER = 1e5
 
 # s in addition to the steps
 _START = 0.3  # set-up and analysis, independent of size
-_SNAPSHOT = 12e-6  # a particle in a snapshot: writing, reading, storing in result.h5, analysis
+_SNAPSHOT, _TEXT_SNAPSHOT = 1.5e-6, 6e-6  # a particle in a snapshot: writing, reading, storing in result.h5, analysis
 _HISTORY = 3e-6  # a particle at an instant of a chain's history
 _FIGURES_OF_CHAIN, _FIGURES = 4.0, 12.0  # all figures of a run, including the start of program and library
 
@@ -101,7 +101,8 @@ def expected_wall_time(assembly: Assembly, schedule: Schedule, *, n_ranks: int =
     most_steps = schedule.n_steps / schedule.first_step
     gain = (_GAIN if case.contact.yields or case.has_friction else _ELASTIC_GAIN) if schedule.adaptive else 1.0
     each = (seconds_per_step(assembly) + _of_yielding(assembly)) / n_ranks
-    records = _SNAPSHOT * max(2.0, part * schedule.n_frames)
+    snapshot = _TEXT_SNAPSHOT if case.output.dump_format == "text" else _SNAPSHOT
+    records = snapshot * max(2.0, part * schedule.n_frames)
     records += _HISTORY * part * schedule.n_steps / schedule.history_every if schedule.history_every else 0.0
     an_iteration = _ITERATION * _seconds(assembly, loaded=1.0, has_friction=False) / n_ranks
     usual, most = _iterations(case)

@@ -31,7 +31,7 @@ TABLES = ("energy.txt", "walls.txt", "probes.txt")
 def plate(tmp_path_factory):
     """A packing on a wall, with a probe."""
     directory = tmp_path_factory.mktemp("plate")
-    case = synthetic.make_case("fcc", (4, 4, 2), output={"probes": [{"sphere": 5}]}, boundary={"bottom": "wall"},
+    case = synthetic.make_case("fcc", (4, 4, 2), output={"probes": [{"sphere": 5}], "dump_format": "text"}, boundary={"bottom": "wall"},
                                run={"end_time": 8e-5, "frames": 3})  # fmt: skip
     run_case(case, directory, figures=False)
     return directory

@@ -43,7 +43,7 @@ def make_case(
             "material": BRASS,
             "contact": {"law": law},
             "run": {"end_time": STEPS * TIMESTEP, "timestep": TIMESTEP, "frames": 5},
-            "output": {"history": 0},
+            "output": {"history": 0, "dump_format": "text"},
             **tables,
         }
     )

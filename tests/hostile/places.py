@@ -115,8 +115,8 @@ def edited_case(folder: Path) -> None:
 
 
 def noise_for_spheres(folder: Path) -> None:
-    """Write ``run/dumps/spheres.dump`` with bytes that are not text."""
-    (folder / "run" / "dumps" / "spheres.dump").write_bytes(bytes(range(256)) * 100)
+    """Write ``run/dumps/spheres.bin`` with bytes that are no snapshot."""
+    (folder / "run" / "dumps" / "spheres.bin").write_bytes(bytes(range(256)) * 100)
 
 
 def nan_in_contacts(folder: Path) -> None:

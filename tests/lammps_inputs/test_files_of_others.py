@@ -68,7 +68,7 @@ def test_folders_are_shared_and_force_removes_what_is_ours(says, tmp_path):
         ("summary.json", ["run", *TINY]),
         ("log.lammps", ["run", *TINY]),
         ("figures/energies.csv", ["run", *TINY]),
-        ("dumps/spheres.dump", ["run", *TINY]),
+        ("dumps/spheres.bin", ["run", *TINY]),
         ("summary.json", ["continuum", "half-space"]),
         ("figures/von_mises.png", ["continuum", "half-space"]),
         ("contact.csv", ["continuum", "sphere-contact"]),

@@ -75,7 +75,7 @@ def test_figures_and_what_is_recorded_count() -> None:
     with_figures, without = plan(make()), plan(make(), figures=False)
     assert with_figures.wall_time - without.wall_time == with_figures.times.figures > 3 and not without.times.figures
     many = plan(make(run={"frames": 200}), figures=False)
-    assert many.times.rest > 5 * without.times.rest and many.times.steps == without.times.steps
+    assert many.times.rest > 1.5 * without.times.rest and many.times.steps == without.times.steps
 
 
 def test_the_static_stage_of_a_lattice_is_known_and_that_of_disorder_is_not() -> None:
@@ -127,7 +127,7 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> list[float]:
 def test_a_scan_takes_its_points_and_what_is_around_them(points: list[Point]) -> None:
     alone = sum(map(expected_time, points))
     assert alone + 5 < expected_scan_time(points, None, 1) < alone + 40
-    assert expected_scan_time(points, None, 2) < expected_scan_time(points, None, 1)
+    assert expected_scan_time(points, None, 2, slowness=50) < expected_scan_time(points, None, 1, slowness=50)
     assert expected_scan_time(points, None, 100, slowness=50) > 50 * expected_time(points[-1])
     assert expected_scan_time([], None, 2) == batches.PUBLISH
     assert expected_scan_time(points, Profile(), 1) > expected_scan_time(points, None, 1)

@@ -153,7 +153,7 @@ def test_killed_run_goes_on_from_its_checkpoint(uninterrupted, granwave, tmp_pat
     wait_for(
         lambda: (
             len(list(directory.glob("checkpoint-*.restart")))
-            and (directory / "dumps" / "spheres.dump").stat().st_size > 2e5
+            and (directory / "dumps" / "spheres.bin").stat().st_size > 2e5
         ),
         process,
     )

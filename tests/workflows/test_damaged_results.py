@@ -92,8 +92,8 @@ def test_what_was_cut_is_made_again(run, whole, caplog, damaged, way):
         ("run.json", "analysed"),
         ("case.toml", "kept"),
         (f"{MARKER} case.toml", "kept"),
-        ("dumps/spheres.dump dumps/contacts.dump", "kept"),  # removed to save space
-        ("dumps/spheres.dump summary.json", "run"),
+        ("dumps/spheres.bin dumps/contacts.dump", "kept"),  # removed to save space
+        ("dumps/spheres.bin summary.json", "run"),
     ],
 )
 def test_what_was_lost_is_made_again_where_it_is_needed(run, whole, lost, way):
@@ -102,7 +102,7 @@ def test_what_was_lost_is_made_again_where_it_is_needed(run, whole, lost, way):
     assert resumed(run, whole) == way
 
 
-@pytest.mark.parametrize("name", ["spheres.dump", "energy.txt", "contacts.dump"])
+@pytest.mark.parametrize("name", ["spheres.bin", "energy.txt", "contacts.dump"])
 @pytest.mark.parametrize("garbage", [b"\0" * 400, bytes(range(256)) * 2])
 def test_garbage_in_the_output_is_run_again(run, whole, name, garbage):
     with (run / "dumps" / name).open("r+b") as file:

@@ -225,6 +225,7 @@ class TestContinuation:
         case = make(
             "fcc", [6, 6, 4], packing={"diameter_scatter": 1e-6}, precompression={"kind": "uniform", "pressure": 5e4},
             load={"velocity": 5.0, "angle": 20.0}, contact={"friction": friction}, run={"end_time": 6e-5},
+            output={"dump_format": "text"},
         )  # fmt: skip
         ran(case, tmp_path / "whole")
         self.stopped(case, tmp_path / "cut", monkeypatch)

@@ -138,7 +138,7 @@ def test_split_hopkinson(tmp_path):
 
 
 def test_two_ranks_change_no_bit(lmp, tmp_path):
-    changes = SHORT | {"run.end_time": 1e-4, "output.history": 50, "replace.1.index": 5}
+    changes = SHORT | {"run.end_time": 1e-4, "output.history": 50, "replace.1.index": 5, "output.dump_format": "text"}
     files = []
     for ranks in (1, 2):
         deck = write_deck(load_case("intruder", changes), tmp_path / str(ranks))

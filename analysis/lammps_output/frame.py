@@ -1,0 +1,105 @@
+"""One snapshot of a dump of LAMMPS: step, box, and a table of values."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """One snapshot of a dump.
+
+    Attributes
+    ----------
+    step
+        Timestep.
+    box
+        Lower and upper bound along x, y, z: (3, 2), m.
+    columns
+        Names of the columns.
+    values
+        Rows: (n_rows, n_columns).
+    """
+
+    step: int
+    box: NDArray[np.float64]
+    columns: tuple[str, ...]
+    values: NDArray[np.float64]
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    def __getitem__(self, name: str) -> NDArray[np.float64]:
+        """Return one column: (n_rows,)."""
+        return self.values[:, self.columns.index(name)]
+
+    def get(self, name: str) -> NDArray[np.float64]:
+        """Return one column, or zeros if it was not recorded: (n_rows,)."""
+        return self[name] if name in self.columns else np.zeros(len(self))
+
+    def rows(self, ids: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Return the rows of the spheres with these ids in a frame sorted by id; raise as `rows_of`."""
+        return rows_of(self["id"].astype(np.int64), ids)
+
+    def up_to(self, number: int) -> Frame:
+        """Return the rows with ids up to ``number`` of a frame sorted by id."""
+        n = int(np.searchsorted(self["id"], number, side="right"))
+        return self if n == len(self) else Frame(self.step, self.box, self.columns, self.values[:n])
+
+    def vector(self, *names: str) -> NDArray[np.float64]:
+        """Return several columns: (n_rows, len(names))."""
+        return self.values[:, [self.columns.index(name) for name in names]]
+
+    @property
+    def displacement(self) -> NDArray[np.float64]:
+        """Displacements of spheres from the start: (n_rows, 3), m."""
+        return self.vector("ux", "uy", "uz")
+
+    @property
+    def velocity(self) -> NDArray[np.float64]:
+        """Velocities of spheres: (n_rows, 3), m/s."""
+        return self.vector("vx", "vy", "vz")
+
+
+def rows_of(ids: NDArray[np.int64], wanted: ArrayLike) -> NDArray[np.int64]:
+    """Return the rows of spheres in a table sorted by id: id - 1 unless spheres are missing.
+
+    Parameters
+    ----------
+    ids
+        Ids in the table, rising: (n,).
+    wanted
+        Ids of the spheres, of any shape.
+
+    Raises
+    ------
+    KeyError
+        There is no such sphere, for instance at a vacancy.
+    """
+    wanted = np.asarray(wanted, dtype=np.int64)
+    if not len(ids) or ids[-1] == len(ids):  # none is missing
+        rows, found = wanted - 1, (wanted >= 1) & (wanted <= len(ids))
+    else:
+        rows = np.minimum(np.searchsorted(ids, wanted), len(ids) - 1)
+        found = ids[rows] == wanted
+    if not np.all(found):
+        raise KeyError(f"there is no sphere {wanted[~found].flat[0]} among the {len(ids)} of the packing")
+    return rows
+
+
+class CutShortError(Exception):
+    """Error of a dump that ends within a snapshot.
+
+    Parameters
+    ----------
+    place
+        File and place in it, for messages.
+    number
+        Number of the snapshot, from 0.
+    """
+
+    def __init__(self, place: str, number: int) -> None:
+        super().__init__(f"{place}: snapshot {number} is cut short")
