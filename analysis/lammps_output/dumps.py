@@ -67,7 +67,7 @@ def frames_path(directory: str | Path) -> Path:
     """Return the path of the dump of snapshots, binary or text; raise MissingOutputError if there is none."""
     names = [*FRAMES_FILES.values()]
     there = [name for name in names if (Path(directory) / DUMPS / name).exists()]
-    listed = [name for name in names if f"{DUMPS}/{name}" in output_names(directory)]
+    listed = [name for name in names if f"{DUMPS}/{name}" in output_names(Path(directory))]
     return _dump(directory, (there or listed or names)[0])
 
 
