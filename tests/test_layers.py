@@ -17,6 +17,7 @@ PACKAGES = ("workflows", "analysis", "lammps_inputs", "plugins")
 FLOORS = """
 workflows/__main__
 workflows/cli
+workflows/bench
 workflows/scanning
 workflows/run
 workflows/library

@@ -25,6 +25,7 @@ from granwave.workflows.cli.parser import main
         (["scan", "restitution", "--jobs", ""], "--jobs: found nothing, expected a number"),
         (["scan", "restitution", "--profile", " "], "--profile: is for --executor slurm; leave it out"),
         (["bench", "--repeats", "0"], "--repeats: found 0, expected a whole number, 1 or more"),
+        (["bench", "--parts", "styles,speed"], "--parts: found speed, expected some of styles,sizes,ranks,study"),
         (["law", "--radius", "x"], "--radius: found x, expected a number"),
         (["law", "--radius", "1e300"], "--radius: found 1e300, expected a length from 1e-18 to 1e+06 m"),
         (["law", "--radius", "nan"], "--radius: found nan, expected a length from 1e-18 to 1e+06 m"),

@@ -284,17 +284,13 @@ def bench(options: argparse.Namespace, _: Arguments) -> int:
     """Execute ``granwave bench``."""
     import json
 
-    from granwave.workflows.cli.bench import bench as run_bench
+    from granwave.workflows.bench.bench import bench as run_bench
 
     if options.json and not options.json.absolute().parent.is_dir():
         raise InputError(f"--json {options.json}: there is no directory {options.json.absolute().parent}")
     if options.json:
         refuse_other_file(options.json, rb'"triad_GB_per_s"')
-    results = run_bench(options.repeats, sizes=not options.styles_only)
-    print(
-        f"\nmemory bandwidth of one core (triad): {results['triad_GB_per_s']:.1f} GB/s; "
-        f"load now {results['load_after'][0]:.2f}"
-    )
+    results = run_bench(options.parts, options.repeats)
     if options.json:
         replace_text(options.json, json.dumps(results, indent=2) + "\n")
     return 0

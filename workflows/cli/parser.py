@@ -27,6 +27,7 @@ from granwave.lammps_inputs.case.si_values import POSSIBLE
 from granwave.lammps_inputs.directories import output_path
 from granwave.lammps_inputs.errors import GranwaveError, InputError
 from granwave.lammps_inputs.files import DISK_IS_FULL
+from granwave.workflows import bench
 from granwave.workflows.cli import commands
 from granwave.workflows.run import mpi
 from granwave.workflows.run.messages import each_warning_once
@@ -245,10 +246,18 @@ def _parser() -> argparse.ArgumentParser:
     fit.add_argument("-o", dest="directory", type=_output, metavar="DIR", help="where everything goes (default: ./fit)")
     fit.add_argument("--force", action="store_true", help="replace the fit that is there")
 
-    bench = _verb(verbs, "bench", commands.bench, "speed beside LAMMPS's own granular styles, on this machine")
-    bench.add_argument("--json", type=_output, metavar="FILE", help="write the results there too")
-    bench.add_argument("--repeats", type=_positive, default=5, metavar="N", help="timings of each (default: 5)")
-    bench.add_argument("--styles-only", action="store_true", help="leave out sizes and ranks")
+    timing = _verb(verbs, "bench", commands.bench, "speed beside LAMMPS's own granular styles, on this machine")
+    timing.add_argument("--json", type=_output, metavar="FILE", help="write the results there too")
+    timing.add_argument("--repeats", type=_positive, default=5, metavar="N", help="timings of each (default: 5)")
+    parts = timing.add_mutually_exclusive_group()
+    parts.add_argument(
+        "--parts",
+        type=_parts,
+        default=bench.PARTS,
+        metavar="PART,...",
+        help=f"what to measure: {', '.join(bench.PARTS)} (default: all, some ten minutes)",
+    )
+    parts.add_argument("--styles-only", action="store_const", const=("styles",), dest="parts", help="--parts styles")
 
     _verb(verbs, "cases", commands.cases, "the studies that come with the package")
     _verb(verbs, "doctor", commands.doctor, "versions, plugin, MPI: what works and how to mend what does not")
@@ -311,6 +320,13 @@ def _positive(text: str) -> int:
     if not value.is_integer() or value < 1:
         raise argparse.ArgumentTypeError(f"found {text}, expected a whole number, 1 or more")
     return int(value)
+
+
+def _parts(text: str) -> tuple[str, ...]:
+    found = tuple(text.split(","))
+    if unknown := [name for name in found if name not in bench.PARTS]:
+        raise argparse.ArgumentTypeError(f"found {unknown[0]}, expected some of {','.join(bench.PARTS)}")
+    return found
 
 
 def _radius(text: str) -> float:
