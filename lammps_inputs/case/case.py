@@ -16,7 +16,7 @@ from granwave.lammps_inputs.case.load import Load, read_load
 from granwave.lammps_inputs.case.material import SELECTORS, Material, read_material, sphere_mass
 from granwave.lammps_inputs.case.schema import ErrorList, keys_of, read_name, read_table, refuse_unknown, show
 from granwave.lammps_inputs.case.sections import Boundary, Contact, Output, PackingSection, Precompression, Probe, Run
-from granwave.lammps_inputs.case.supports import read_bottom
+from granwave.lammps_inputs.case.supports import SUPPORTS, read_bottom
 from granwave.lammps_inputs.named_files import with_absolute_paths
 
 _SECTIONS: dict[str, type] = {
@@ -182,6 +182,20 @@ def case_keys() -> tuple[str, ...]:
     tables = {**_SECTIONS, _PRECOMPRESSION: Precompression, "material": Material, **dict.fromkeys(_BARS, Bar)}
     numbered = {f"{name}.1": section for name, section in _LISTS.items()}
     return (*KNOWN, *keys_of(tables), *(f"material.{name}" for name in SELECTORS), *keys_of(numbered))
+
+
+def case_tables() -> dict[str, type]:
+    """Return the section of each table of a case file whose keys are fields of a section, by heading."""
+    first = {"[packing]": PackingSection, "[material]": Material}
+    supports = {f"[boundary.bottom.{name}]": section for name, section in SUPPORTS.items()}
+    return {
+        **first,
+        **{f"[{name}]": section for name, section in _SECTIONS.items()},
+        **supports,
+        f"[{_PRECOMPRESSION}]": Precompression,
+        **{f"[[{name}]]": section for name, section in _LISTS.items()},
+        **{f"[{name}]": Bar for name in _BARS},
+    }
 
 
 def unit_of(key: str) -> str:

@@ -25,6 +25,7 @@ Parse = Callable[[Any], Any]
 _LOG = logging.getLogger("granwave")
 REQUIRED: Any = dataclasses.MISSING
 LARGEST_COUNT = 2**31 - 1  # ids and counts are 32-bit integers in the default build of LAMMPS
+_NOT_A_VALUE = object()  # no key accepts it
 _SHOWN_CHARACTERS = 60
 _LONGEST_NAME = 200  # bytes; file systems allow 255, including suffixes
 
@@ -169,7 +170,7 @@ def whole(value: Any, expected: str, *, at_least: int = 1, at_most: int = LARGES
 
 def count(description: str, *, default: Any = REQUIRED, at_least: int = 1, at_most: int = LARGEST_COUNT) -> Any:
     """Field of a whole number within bounds."""
-    expected = f"a whole number from {at_least} up"
+    expected = f"a whole number from {at_least} " + ("up" if at_most == LARGEST_COUNT else f"to {at_most}")
     return _field(description, None, default, lambda value: whole(value, expected, at_least=at_least, at_most=at_most))
 
 
@@ -269,6 +270,16 @@ def refuse_unknown(table: Mapping[str, Any], known: Collection[str], prefix: str
         key = f"{prefix}.{name}" if prefix else name
         if name not in known:
             errors.add_unknown(key, f"unknown key; {hint_for(name, known, prefix, errors.vocabulary)}")
+
+
+def accepted(field: dataclasses.Field[Any]) -> str:
+    """Return what the ``parse`` function of a field expects, as its error messages say it, without the unit."""
+    try:
+        field.metadata["parse"](_NOT_A_VALUE)
+    except ValidationError as error:
+        unit = field.metadata["unit"]
+        return str(error).replace(f" ({unit})", "") if unit else str(error)
+    return "any value"
 
 
 def keys_of(sections: Mapping[str, type]) -> list[str]:

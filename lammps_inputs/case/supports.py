@@ -189,15 +189,15 @@ class Support:
         )
 
 
-_KINDS: dict[str, type] = {"plate": Plate, "half_space": HalfSpace, "bar": SupportBar}
+SUPPORTS: dict[str, type] = {"plate": Plate, "half_space": HalfSpace, "bar": SupportBar}
 
 
 def read_bottom(table: Mapping[str, Any], key: str, errors: ErrorList) -> tuple[Material | None, Support | None]:
     """Read material and support from ``bottom = {...}``; faults are added to ``errors``."""
-    refuse_unknown(table, ("material", *_KINDS), key, errors)
-    chosen = [name for name in _KINDS if name in table]
+    refuse_unknown(table, ("material", *SUPPORTS), key, errors)
+    chosen = [name for name in SUPPORTS if name in table]
     if not table:
-        errors.add(key, f'found {show(table)}, expected a word, {{material = "..."}}, or one of {", ".join(_KINDS)}')
+        errors.add(key, f'found {show(table)}, expected a word, {{material = "..."}}, or one of {", ".join(SUPPORTS)}')
     if len(chosen) > 1:
         errors.add(key, f"found {' and '.join(chosen)}, expected one of them")
         return None, None
@@ -206,7 +206,7 @@ def read_bottom(table: Mapping[str, Any], key: str, errors: ErrorList) -> tuple[
         return material, None
     if "material" not in table and chosen[0] != "plate":
         errors.add(f"{key}.material", f"missing; a {chosen[0]} needs it")
-    section = read_table(_KINDS[chosen[0]], table[chosen[0]], f"{key}.{chosen[0]}", errors)
+    section = read_table(SUPPORTS[chosen[0]], table[chosen[0]], f"{key}.{chosen[0]}", errors)
     return material, None if section is None else Support(**{chosen[0]: section})
 
 

@@ -226,6 +226,14 @@ def show(options: argparse.Namespace, _: Arguments) -> int:
     return 0
 
 
+def keys(options: argparse.Namespace, _: Arguments) -> int:
+    """Execute ``granwave keys``."""
+    from granwave.workflows.cli.keys import as_text, find, overview
+
+    print(overview() if options.table is None else "\n\n\n".join(map(as_text, find(options.table))))
+    return 0
+
+
 def law(options: argparse.Namespace, _: Arguments) -> int:
     """Execute ``granwave law``."""
     output = options.output or Path("restitution.png" if options.restitution else "law.png")

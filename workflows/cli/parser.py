@@ -202,6 +202,11 @@ def _parser() -> argparse.ArgumentParser:
     show = _verb(verbs, "show", commands.show, "an editable copy of a built-in study, on stdout")
     show.add_argument("name", metavar="NAME")
 
+    listing = _verb(verbs, "keys", commands.keys, "keys of all files: unit, default, accepted values, example")
+    listing.add_argument(
+        "table", nargs="?", metavar="TABLE", help="a table, as packing, or a key, as packing.diameter (default: a list)"
+    )
+
     law = _verb(verbs, "law", commands.law, "force-overlap curves of a contact: a plot or a table")
     law.add_argument(
         "--material", nargs="+", default=["brass"], metavar="M", help="one material or two (default: brass)"

@@ -38,8 +38,8 @@ def _parse_scans(value: Any) -> tuple[str, ...]:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class _File:
-    """Content of a suite file."""
+class SuiteFile:
+    """Keys of a suite file."""
 
     name: str = custom("name of the suite", plain_name, default="")
     scans: tuple[str, ...] = custom("built-in scans, or scan files as seen from this file", _parse_scans)
@@ -96,7 +96,7 @@ def load_suite(file: str | Path, *, here: bool = True) -> Suite:
     path = find_scan(file)
     data = read_toml(path)
     errors = ErrorList(str(path))
-    header = read_table(_File, {"name": path.stem, **data}, "", errors)
+    header = read_table(SuiteFile, {"name": path.stem, **data}, "", errors)
     if header is None or errors.lines:
         raise InputError(errors.lines)
     scans: list[Scan] = []

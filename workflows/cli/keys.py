@@ -1,0 +1,309 @@
+"""Reference of the keys of all files that a user writes, collected from the code that reads them.
+
+``granwave keys`` prints it, and the site of the documents shows it. Description, unit and default are those of the
+field, the accepted values are the words of its validator, and the examples stand in `key_examples.toml`.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import difflib
+import inspect
+import math
+import tomllib
+from collections.abc import Iterable, Mapping
+from functools import cache
+from importlib import resources
+from typing import Any
+
+from granwave.lammps_inputs.case.case import case_tables
+from granwave.lammps_inputs.case.contact_pairs import Pair
+from granwave.lammps_inputs.case.hints import hint_for
+from granwave.lammps_inputs.case.schema import REQUIRED, accepted, show
+from granwave.lammps_inputs.case.si_values import Usual
+from granwave.lammps_inputs.errors import InputError
+from granwave.workflows.finite_elements.punch.case import ContinuumCase
+from granwave.workflows.finite_elements.sphere_contact.case import Sphere, SphereContactCase
+from granwave.workflows.scanning.header import Header, RanksBySize
+from granwave.workflows.scanning.profile import Profile
+from granwave.workflows.scanning.suite import SuiteFile
+
+CASE, CONTINUUM, SPHERE_CONTACT, SCAN, SUITE, PROFILE = FILES = (
+    "case", "continuum", "sphere-contact", "scan", "suite", "profile",
+)  # fmt: skip
+#: What each kind of file is, and the command that reads it.
+TITLES = {
+    CASE: "Case files (granwave run)",
+    CONTINUUM: "Continuum cases (granwave continuum)",
+    SPHERE_CONTACT: "Cases of the contact of two spheres (granwave continuum)",
+    SCAN: "Scan files (granwave scan)",
+    SUITE: "Suites of scans (granwave scan)",
+    PROFILE: "Profiles of a cluster (granwave scan --profile)",
+}
+_MATERIAL = "the name of a material, or a table of its values as in [material]"
+_TABLE_OF_KEYS = "a table of dotted keys of the case"
+_LISTS_OF_VALUES = (
+    "a list of values, {linear = [first, last, how many]} or {log = [first, last, how many]} for each key"
+)
+_NOT_OF_A_PAIR = ("initial_overlap",)
+
+
+@dataclasses.dataclass(frozen=True)
+class Key:
+    """One key of a file.
+
+    Attributes
+    ----------
+    unit, default
+        As in a file; empty if it has none.
+    accepts
+        Accepted values, in words.
+    usual
+        Magnitudes outside which a warning is given; empty if there are none.
+    example
+        A value as in a file.
+    """
+
+    name: str
+    description: str
+    accepts: str
+    unit: str = ""
+    default: str = ""
+    required: bool = False
+    usual: str = ""
+    example: str = ""
+
+
+@dataclasses.dataclass(frozen=True)
+class Table:
+    """One table of a file.
+
+    Attributes
+    ----------
+    file
+        Kind of the file, one of `FILES`.
+    name
+        Its dotted name; that of the kind of file for the keys above all tables.
+    heading
+        Its heading in a file; empty for the keys above all tables.
+    """
+
+    file: str
+    name: str
+    heading: str
+    description: str
+    keys: tuple[Key, ...]
+
+
+@cache
+def tables() -> tuple[Table, ...]:
+    """Return all tables of all kinds of files."""
+    return (
+        _table(CASE, "", "name, material and the tables below", _TOP),
+        *(_of_section(CASE, heading, section) for heading, section in case_tables().items()),
+        _pair(),
+        _table(CONTINUUM, "", "name, material and the tables below", _TOP),
+        *(_of_section(CONTINUUM, f"[{name}]", section) for name, section in ContinuumCase.SECTIONS.items()),
+        _table(SPHERE_CONTACT, "", "name, material and the tables below", _TOP),
+        *(_of_section(SPHERE_CONTACT, f"[{name}]", section) for name, section in SphereContactCase.SECTIONS.items()),
+        _of_section(SPHERE_CONTACT, "[partner]", Sphere, "the second sphere, if it differs from the first"),
+        _of_section(SCAN, "", Header, "top-level keys and the tables of what varies"),
+        _of_section(SCAN, "[ranks]", RanksBySize),
+        _of_section(SUITE, "", SuiteFile),
+        _of_section(PROFILE, "[slurm]", Profile, "how the cluster is used; every key may be left out"),
+    )
+
+
+def find(name: str) -> list[Table]:
+    """Return the tables of this name; a dotted key gives its table with that key alone.
+
+    Raises
+    ------
+    InputError
+        There is none; the message names similar ones.
+    """
+    wanted = name.strip("[]")
+    found = [table for table in tables() if table.name == wanted]
+    if not found:
+        table_name, _, key = wanted.rpartition(".")
+        found = [
+            dataclasses.replace(table, keys=(entry,))
+            for table in tables()
+            for entry in table.keys
+            if entry.name == key and table.name in (table_name or table.file,)
+        ]
+    if not found:
+        raise InputError(f"{show(name)[1:-1] or '(empty)'}: no such table or key; {_hint(wanted)}")
+    return found
+
+
+def overview() -> str:
+    """Return a list of all tables, by kind of file."""
+    width = max(len(table.name) for table in tables())
+    parts = []
+    for file in FILES:
+        rows = [f"  {table.name:{width}}  {table.description}" for table in tables() if table.file == file]
+        parts.append("\n".join([TITLES[file], *rows]))
+    return "\n\n".join([*parts, "granwave keys TABLE lists the keys of a table, granwave keys TABLE.KEY one of them."])
+
+
+def as_text(table: Table) -> str:
+    """Return a table and its keys for the terminal."""
+    lines = [f"{table.heading or 'top level'}  {table.description}  ({TITLES[table.file]})"]
+    for key in table.keys:
+        title = "  ".join([key.name, *([key.unit] if key.unit else []), state(key)])
+        facts = [
+            key.description,
+            f"expects {key.accepts}",
+            *([key.usual] if key.usual else []),
+            f"example: {key.example}",
+        ]
+        lines += ["", title, *(f"    {fact}" for fact in facts if fact)]
+    return "\n".join(lines)
+
+
+def state(key: Key) -> str:
+    """Return the default of a key in words."""
+    if key.required:
+        return "required"
+    return f"default {key.default}" if key.default else "optional"
+
+
+def _of_section(file: str, heading: str, section: type, description: str = "") -> Table:
+    name = heading.strip("[]") or file
+    found = [
+        Key(
+            name=field.name,
+            description=field.metadata["description"],
+            accepts=accepted(field) + _ALSO.get((file, f"{name}.{field.name}"), ""),
+            unit=field.metadata["unit"] or "",
+            default=_default(field),
+            required=field.default is REQUIRED and field.default_factory is REQUIRED,
+            usual=_usual(field.metadata["usual"], field.metadata["unit"]),
+        )
+        for field in dataclasses.fields(section)
+        if field.metadata
+    ]
+    if any(field.name == "material" and not field.metadata for field in dataclasses.fields(section)):
+        found.append(Key("material", "of this body; that of the case by default", _MATERIAL))
+    return _table(file, heading, description or _first_line(section), [*found, *_FURTHER.get((file, name), ())])
+
+
+def _table(file: str, heading: str, description: str, found: Iterable[Key]) -> Table:
+    name = heading.strip("[]") or file
+    examples = _examples()[file].get(name, {})
+    complete = [dataclasses.replace(key, example=_example(key, examples.get(key.name))) for key in found]
+    return Table(file, name, heading, description, tuple(complete))
+
+
+def _pair() -> Table:
+    """Return the table ``[[pair]]``: materials and keys of ``[contact]``."""
+    contact = _of_section(CASE, "[contact]", case_tables()["[contact]"])
+    materials = Key("materials", "of the two bodies", 'two names of materials; "rigid" for a rigid wall', required=True)
+    own = [
+        dataclasses.replace(key, default="that of [contact]") for key in contact.keys if key.name not in _NOT_OF_A_PAIR
+    ]
+    made = _table(CASE, "[[pair]]", _first_line(Pair), [materials])
+    return dataclasses.replace(made, keys=(*made.keys, *own))
+
+
+def _example(key: Key, value: Any) -> str:
+    """Return an assignment as in a file; the default is the example where no other is given."""
+    shown = _written(value) if value is not None else key.default
+    return f"{key.name} = {shown}"
+
+
+def _written(value: Any) -> str:
+    """Write a value as in a TOML file, in full."""
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{_key(name)} = {_written(item)}" for name, item in value.items()) + "}"
+    if isinstance(value, list):
+        return "[" + ", ".join(map(_written, value)) + "]"
+    return _short(value) if isinstance(value, float) else show(value)
+
+
+def _key(name: str) -> str:
+    return name if name.isidentifier() else f'"{name}"'
+
+
+def _short(value: float) -> str:
+    """Write a float as one would type it: 115e9, 0.01, 5.0."""
+    shown = f"{value:.10g}"
+    if 1e-3 <= abs(value) < 1e4 or not value:
+        return shown if "." in shown else f"{shown}.0"
+    power = 9 if abs(value) >= 1e10 else 6 if abs(value) >= 1e8 else math.floor(math.log10(abs(value)))
+    return f"{value / 10.0**power:.10g}e{power}"
+
+
+def _default(field: dataclasses.Field[Any]) -> str:
+    if field.default is REQUIRED or field.default is None or field.default == "":
+        return ""
+    value = dataclasses.asdict(field.default) if dataclasses.is_dataclass(field.default) else field.default  # type: ignore[arg-type]
+    return _written(list(value) if isinstance(value, tuple) else value)
+
+
+def _usual(usual: Usual | None, unit: str | None) -> str:
+    if usual is None:
+        return ""
+    return f"usual: {usual.low:g} to {usual.high * usual.beyond:g}{f' {unit}' if unit else ''}; others give a warning"
+
+
+def _first_line(section: type) -> str:
+    """Return the first line of a class's docstring, without the heading that it may begin with."""
+    line = (inspect.getdoc(section) or "").partition("\n")[0].rstrip(".")
+    text = (line.rpartition("``: ")[2] if line.startswith("``") else line).replace("``", "")
+    return text if text[:2].isupper() else text[:1].lower() + text[1:]
+
+
+@cache
+def _examples() -> dict[str, dict[str, dict[str, Any]]]:
+    file = resources.files("granwave.workflows.cli") / "key_examples.toml"
+    return tomllib.loads(file.read_text(encoding="utf-8"))
+
+
+def _hint(wanted: str) -> str:
+    names = list(dict.fromkeys(table.name for table in tables()))
+    vocabulary = [f"{table.name}.{key.name}" for table in tables() for key in table.keys]
+    near = difflib.get_close_matches(wanted.lower(), [*names, *vocabulary], n=1, cutoff=0.75)
+    if near:
+        return f"did you mean {near[0]}?"
+    hint = hint_for(wanted.rpartition(".")[2], names, "", list(dict.fromkeys(vocabulary)))
+    return hint.replace("known here:", "known:")
+
+
+_TOP = (
+    Key(
+        "name",
+        "of the case, and of the directory of its results",
+        "a plain name, as of a directory",
+        default="that of the file",
+    ),
+    Key("material", "of all spheres, if not said otherwise", _MATERIAL, required=True),
+)
+#: Values that a key accepts besides those of its validator, read by code of their own.
+_ALSO = {
+    (CASE, "boundary.bottom"): (
+        "; or {material = ...} for an elastic-plastic wall, or {plate = ...}, {half_space = ...} or {bar = ...} for one "
+        "that moves: tables [boundary.bottom.plate] and so on"
+    ),
+    (CASE, "boundary.sides"): "; or {material = ...} for walls of a material",
+}
+#: Keys that are read by code of their own, without a field.
+_FURTHER: dict[tuple[str, str], tuple[Key, ...]] = {
+    (CASE, "load"): (
+        Key("file", "the table as a file: two columns, time (s) and force (N) or displacement (m)", "a path"),
+    ),
+    (CASE, "material"): (
+        Key("preset", "material whose values hold where the table gives none", "the name of a material"),
+        Key("file", "TOML file that the preset is taken from; without it, those of the package", "a path"),
+    ),
+    (SPHERE_CONTACT, "partner"): (
+        Key("material", "of the second sphere; that of the case by default", _MATERIAL),
+    ),
+    (SCAN, "scan"): (
+        Key("set", "values that hold for all points", _TABLE_OF_KEYS),
+        Key("grid", "values of which every combination is a point", _LISTS_OF_VALUES),
+        Key("zip", "tables [[zip]] of values that vary together, beside the grid", f"{_LISTS_OF_VALUES}, of one length"),
+        Key("points", "tables [[points]], each a single point", _TABLE_OF_KEYS),
+    ),
+}  # fmt: skip
