@@ -264,9 +264,10 @@ def _examples() -> dict[str, dict[str, dict[str, Any]]]:
 def _hint(wanted: str) -> str:
     names = list(dict.fromkeys(table.name for table in tables()))
     vocabulary = [f"{table.name}.{key.name}" for table in tables() for key in table.keys]
-    near = difflib.get_close_matches(wanted.lower(), [*names, *vocabulary], n=1, cutoff=0.75)
+    same = list(dict.fromkeys(key for key in vocabulary if wanted and key.endswith(f".{wanted}")))
+    near = same or difflib.get_close_matches(wanted.lower(), [*names, *vocabulary], n=1, cutoff=0.75)
     if near:
-        return f"did you mean {near[0]}?"
+        return f"did you mean {' or '.join(near)}?"
     hint = hint_for(wanted.rpartition(".")[2], names, "", list(dict.fromkeys(vocabulary)))
     return hint.replace("known here:", "known:")
 
@@ -303,7 +304,7 @@ _FURTHER: dict[tuple[str, str], tuple[Key, ...]] = {
     (SCAN, "scan"): (
         Key("set", "values that hold for all points", _TABLE_OF_KEYS),
         Key("grid", "values of which every combination is a point", _LISTS_OF_VALUES),
-        Key("zip", "tables [[zip]] of values that vary together, beside the grid", f"{_LISTS_OF_VALUES}, of one length"),
+        Key("zip", "tables [[zip]] of values that vary together, beside the grid", _LISTS_OF_VALUES + ", equally long"),
         Key("points", "tables [[points]], each a single point", _TABLE_OF_KEYS),
     ),
 }  # fmt: skip
