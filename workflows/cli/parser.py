@@ -43,7 +43,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; return the exit status."""
     words = list(sys.argv[1:] if arguments is None else arguments)
     _set_up_output()
-    options = _parser().parse_args(words)
+    options = make_parser().parse_args(words)
     _set_up_logging()
     try:
         status = int(options.command(options, words))
@@ -117,7 +117,8 @@ def _report(lines: Sequence[str], status: int) -> int:
     return status
 
 
-def _parser() -> argparse.ArgumentParser:
+def make_parser() -> argparse.ArgumentParser:
+    """Make the parser of all commands."""
     parser = _Parser(prog="granwave", description="Impact and waves in ordered granular packings, on LAMMPS.")
     parser.add_argument("--version", action="version", version=f"granwave {__version__}")
     verbs = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")

@@ -1,0 +1,207 @@
+"""Parts of the reference that are generated from the code's own tables, so that they cannot part from it.
+
+A page contains a mark such as ``<!-- keys: case -->``, which is replaced by Markdown when the page is read. The manual
+pages of the LAMMPS styles are copied from plugins/doc.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+from pygments.lexers.special import TextLexer
+from sphinx.application import Sphinx
+
+from granwave.analysis.formatting.units import printed_unit
+from granwave.analysis.quantities import ENTRIES
+from granwave.analysis.studies.registry import STUDIES
+from granwave.lammps_inputs import presets
+from granwave.lammps_inputs.lattices import KINDS
+from granwave.workflows import library
+from granwave.workflows.cli.keys import CASE, Key, Table, state, tables
+from granwave.workflows.cli.parser import make_parser as command_line
+
+ROOT = Path(__file__).parents[2]
+MANUAL = ROOT / "plugins" / "doc"
+_MARK = re.compile(r"^<!-- (\w+)(?:: ([\w.-]+))? -->$", re.MULTILINE)
+
+
+def keys_of(file: str) -> str:
+    """Return all tables of one kind of file as sections with a list of keys each."""
+    return "\n\n".join(_section(table) for table in tables() if table.file == file)
+
+
+def _section(table: Table) -> str:
+    title = f"`{table.heading}`" if table.heading else "Keys above all tables"
+    anchor = f"(keys-{table.file}-{table.name.replace('.', '-')})=\n"
+    text = f"{table.description[:1].upper()}{table.description[1:]}."
+    level = "##" if table.file == CASE else "###"  # the pages of others have several kinds of files
+    return "\n\n".join([f"{anchor}{level} {title}", text, *(_entry(table, key) for key in table.keys)])
+
+
+def _entry(table: Table, key: Key) -> str:
+    anchor = f"{table.file}.{table.name}.{key.name}".replace(".", "-").replace("_", "-")
+    unit = f" in {printed_unit(key.unit)}" if key.unit else ""
+    facts = [f"Accepts {_escape(key.accepts)}.", *([f"{_sentence(key.usual)}"] if key.usual else [])]
+    return "\n".join(
+        [
+            f"[`{key.name}`]{{#{anchor}}}{unit}, {_state(key)}",
+            f": {_sentence(key.description)} {' '.join(facts)}",
+            "",
+            f"  `{key.example}`",
+        ]
+    )
+
+
+def _state(key: Key) -> str:
+    if key.default:
+        return f"default `{key.default}`"
+    return f"**{state(key)}**" if key.required else state(key)
+
+
+def _sentence(text: str) -> str:
+    return f"{_escape(text[:1].upper() + text[1:])}."
+
+
+def _escape(text: str) -> str:
+    """Escape what Markdown would take for its own."""
+    return re.sub(r"([\[\]{}*_<>|$`])", r"\\\1", text)
+
+
+def quantities() -> str:
+    """Return the table of the values of summary.json."""
+    rows = [
+        f"| `{entry.name}` | {printed_unit(entry.unit)} | {_escape(f'{entry.label}. {entry.meaning}'.rstrip('. '))} |"
+        for entry in ENTRIES
+    ]
+    return "\n".join(["| value | unit | what |", "|---|---|---|", *rows])
+
+
+def commands() -> str:
+    """Return all commands with their arguments and options."""
+    (verbs,) = (action for action in command_line()._actions if isinstance(action, argparse._SubParsersAction))
+    helps = {action.dest: action.help or "" for action in verbs._choices_actions}
+    return "\n\n".join(_command(name, helps[name], parser) for name, parser in verbs.choices.items())
+
+
+def _command(name: str, what: str, parser: argparse.ArgumentParser) -> str:
+    usage = " ".join(parser.format_usage().removeprefix("usage: ").split())
+    entries = [_argument(action) for action in parser._actions if action.dest != "help"]
+    return "\n\n".join([f"(command-{name})=\n## granwave {name}", _sentence(what), f"```text\n{usage}\n```", *entries])
+
+
+def _argument(action: argparse.Action) -> str:
+    value = action.metavar or ""
+    shown = " ".join(value) if isinstance(value, tuple) else str(value)
+    name = ", ".join(f"`{option} {shown}`".replace(" `", "`") for option in action.option_strings) or f"`{shown}`"
+    choices = f" One of {', '.join(map(str, action.choices))}." if action.choices else ""
+    what = (action.help or "").replace("%%", "%")
+    return f"{name}\n: {_sentence(what) if what else ''}{choices}"
+
+
+def studies_of(kind: str) -> Callable[[], str]:
+    """Return a function that makes the table of the built-in cases or scans."""
+
+    def table() -> str:
+        rows = [f"| `{name}` | {_escape(library.title(name))} |" for name in library.names(kind)]
+        return "\n".join(["| name | what |", "|---|---|", *rows])
+
+    return table
+
+
+def report_studies() -> str:
+    """Return the table of the studies that a report can make."""
+    rows = []
+    for name, module in STUDIES.items():
+        found = importlib.import_module(f"granwave.analysis.studies.{module}")
+        title = getattr(found, "TITLE", "") or (getattr(found, "__doc__", "") or "").partition("\n")[0]
+        rows.append(f"| `{name}` | {_escape(title.rstrip('.'))} |")
+    return "\n".join(["| name | title |", "|---|---|", *rows])
+
+
+def materials() -> str:
+    """Return the table of the materials that come with the package."""
+    rows = [
+        f"| `{name}` | {one.youngs_modulus / 1e9:g} | {one.poisson_ratio:g} | {one.density:g} | "
+        f"{'-' if one.yield_strength is None else f'{one.yield_strength / 1e6:g}'} | {_escape(one.source or '')} |"
+        for name, one in presets().items()
+    ]
+    head = "| name | Young's modulus, GPa | Poisson's ratio | density, kg/m³ | yield strength, MPa | source |"
+    return "\n".join([head, "|---|---|---|---|---|---|", *rows])
+
+
+def lattices() -> str:
+    """Return the table of the packings."""
+    return "\n".join(
+        ["| kind | name |", "|---|---|", *(f"| `{name}` | {kind.label} |" for name, kind in KINDS.items())]
+    )
+
+
+def interface(package: str) -> str:
+    """Return the public names of a package as autodoc directives."""
+    module = importlib.import_module(package)
+    lines = []
+    for name in sorted(module.__all__):
+        found = getattr(module, name)
+        directive = "autoexception" if isinstance(found, type) and issubclass(found, Exception) else None
+        directive = directive or ("autoclass" if isinstance(found, type) else "autofunction")
+        lines.append(f".. {directive}:: {found.__module__}.{found.__qualname__}")
+        lines += ["   :members:", ""] if directive == "autoclass" else [""]
+    return "\n".join(["```{eval-rst}", *lines, "```"])
+
+
+_PARTS: dict[str, Callable[..., str]] = {
+    "keys": keys_of,
+    "quantities": quantities,
+    "commands": commands,
+    "cases": studies_of(library.CASES),
+    "scans": studies_of(library.SCANS),
+    "studies": report_studies,
+    "materials": materials,
+    "lattices": lattices,
+    "interface": interface,
+}
+
+
+def fill_in(_: Sphinx, __: str, source: list[str]) -> None:
+    """Replace the marks of a page by what they stand for."""
+
+    def part(mark: re.Match[str]) -> str:
+        name, argument = mark.groups()
+        return _PARTS[name](*([argument] if argument else [])) if name in _PARTS else mark[0]  # another extension's
+
+    source[0] = _MARK.sub(part, source[0])
+
+
+def copy_manual(app: Sphinx) -> None:
+    """Copy the manual pages of the styles into the site's sources, where git ignores them."""
+    folder = Path(app.srcdir) / "reference" / "styles"
+    folder.mkdir(exist_ok=True)
+    pages = {path: folder / path.name.replace("README", "index") for path in sorted(MANUAL.glob("*.md"))}
+    for old in set(folder.glob("*.md")) - set(pages.values()):
+        old.unlink()
+    names = [page.stem for page in pages.values() if page.stem != "index"]
+    for path, page in pages.items():
+        text = path.read_text(encoding="utf-8").replace("(README.md", "(index.md")
+        if page.stem == "index":
+            text += "\n".join(["\n```{toctree}", ":hidden:", "", *names, "```\n"])
+        if not page.exists() or page.read_text(encoding="utf-8") != text:
+            page.write_text(text, encoding="utf-8")
+
+
+class LammpsLexer(TextLexer):
+    """Plain text for input scripts of LAMMPS, which Pygments does not know."""
+
+    name = "LAMMPS"
+    aliases = ("LAMMPS", "lammps")
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    """Connect to Sphinx."""
+    app.add_lexer("LAMMPS", LammpsLexer)
+    app.connect("builder-inited", copy_manual)
+    app.connect("source-read", fill_in)
+    return {"parallel_read_safe": True}
