@@ -25,6 +25,7 @@ myst_enable_extensions = ["attrs_inline", "colon_fence", "deflist", "dollarmath"
 myst_heading_anchors = 4
 exclude_patterns = ["_ext", "gallery/*.py"]
 default_role = "code"
+smartquotes = False  # values are quoted as in files
 nitpicky = True
 nitpick_ignore_regex = [("py:.*", ".*")]  # types in signatures; links that pages write are checked
 

@@ -48,17 +48,15 @@ def _entry(table: Table, key: Key) -> str:
     facts = [f"Accepts {_escape(key.accepts)}.", *([f"{_sentence(key.usual)}"] if key.usual else [])]
     return "\n".join(
         [
-            f"[`{key.name}`]{{#{anchor}}}{unit}, {_state(key)}",
-            f": {_sentence(key.description)} {' '.join(facts)}",
-            "",
-            f"  `{key.example}`",
+            f"[**`{key.name}`**]{{#{anchor}}}{unit}, {_state(key)}",
+            f": {_sentence(key.description)} {' '.join(facts)} Example: `{key.example}`",
         ]
     )
 
 
 def _state(key: Key) -> str:
     if key.default:
-        return f"default `{key.default}`"
+        return f"default {key.default}" if key.default.startswith("that of ") else f"default `{key.default}`"
     return f"**{state(key)}**" if key.required else state(key)
 
 

@@ -71,8 +71,8 @@ class Replace:
     high: tuple[float, float, float] | None = custom(
         "opposite corner", lambda value: parse_point(value, _POINT_FORM), unit="m", default=None
     )
-    share: float | None = number("of the spheres, chosen at random", above=0, at_most=1, default=None)
-    diameter: float | None = number("of these spheres", unit="m", above=0, default=None, usual=DIAMETER)
+    share: float | None = number("share of the spheres, chosen at random", above=0, at_most=1, default=None)
+    diameter: float | None = number("diameter of these spheres", unit="m", above=0, default=None, usual=DIAMETER)
     material: Material | None = None
 
 
@@ -82,7 +82,7 @@ class Striker:
 
     touches: tuple[int, ...] = custom("ids of the spheres that it touches", _parse_index)
     velocity: tuple[float, float, float] = custom(
-        "of the striker",
+        "velocity of the striker",
         lambda value: parse_point(value, _VECTOR_FORM),
         unit="m/s",
         default=(0.0, 0.0, 0.0),
@@ -96,7 +96,7 @@ class Striker:
         usual=Usual(1e-6, 1e6),
     )
     diameter: float | None = number(
-        "of the striker; that of the packing by default", unit="m", above=0, default=None, usual=DIAMETER
+        "diameter of the striker; that of the packing by default", unit="m", above=0, default=None, usual=DIAMETER
     )
     material: Material | None = None
 
@@ -110,9 +110,9 @@ class Striker:
 class Bar:
     """``[bar]``, ``[incident_bar]``: a slender elastic bar along the chain, of linear elements with lumped mass."""
 
-    length: float = number("of the bar", unit="m", above=0, usual=LENGTH)
-    area: float = number("of its cross-section", unit="m^2", above=0, usual=AREA)
-    elements: int = count("of equal length", at_most=10_000_000, default=1000)
+    length: float = number("length of the bar", unit="m", above=0, usual=LENGTH)
+    area: float = number("area of its cross-section", unit="m^2", above=0, usual=AREA)
+    elements: int = count("number of elements of equal length", at_most=10_000_000, default=1000)
     material: Material | None = None
 
 
@@ -123,8 +123,8 @@ class Sensor:
     In a chain the mean of its two contact forces is recorded; in other packings its acceleration.
     """
 
-    name: str = custom("of the sensor", plain_name)
-    id: int = custom("of its sphere", lambda value: whole(value, "an id from 1 up"))
+    name: str = custom("name of the sensor", plain_name)
+    id: int = custom("id of its sphere", lambda value: whole(value, "an id from 1 up"))
 
 
 def read_list(section: type[Entry], tables: Any, prefix: str, errors: ErrorList) -> tuple[Entry, ...]:

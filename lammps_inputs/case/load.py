@@ -92,10 +92,14 @@ class Load:
         default="impact",
     )
     velocity: float = number(
-        "of the struck spheres, into the packing", unit="m/s", above=0, default=DEFAULT_VELOCITY, usual=VELOCITY
+        "velocity of the struck spheres, into the packing",
+        unit="m/s",
+        above=0,
+        default=DEFAULT_VELOCITY,
+        usual=VELOCITY,
     )
     angle: float = number(
-        "of an impact, between the velocity and +z, towards +x", unit="degrees", at_least=0, below=90, default=0.0
+        "angle of an impact between the velocity and +z, towards +x", unit="degrees", at_least=0, below=90, default=0.0
     )
     spin: tuple[float, float, float] = custom(
         "angular velocity of the struck spheres at the start",
@@ -106,14 +110,19 @@ class Load:
     )
     spheres: Literal[1, 3, 7] = choice("how many spheres are struck", (1, 3, 7), default=1)
     shape: Literal["half-sine", "rectangle", "harmonic", "table"] | None = choice(
-        "of the force or displacement in time", _SHAPES, default=None
+        "shape of the force or displacement in time", _SHAPES, default=None
     )
     amplitude: float | None = number(
-        "of the force on all struck spheres together, along +z; of a displacement in m", unit="N", above=0, default=None
+        "amplitude of the force on all struck spheres together, along +z; of a displacement, in m",
+        unit="N",
+        above=0,
+        default=None,
     )
-    duration: float | None = number("of a half-sine or a rectangle", unit="s", above=0, default=None, usual=TIME)
+    duration: float | None = number(
+        "duration of a half-sine or a rectangle", unit="s", above=0, default=None, usual=TIME
+    )
     frequency: float | None = number(
-        "of a harmonic force or displacement", unit="Hz", above=0, default=None, usual=FREQUENCY
+        "frequency of a harmonic force or displacement", unit="Hz", above=0, default=None, usual=FREQUENCY
     )
     table: tuple[tuple[float, float], ...] | None = custom(
         "points of force (N) or displacement (m) against time (s)", _parse_table, default=None

@@ -183,14 +183,14 @@ class PackingSection:
         usual=Usual(1e-12, 0.1, ("mm", "um")),
     )
     scatter_distribution: Literal["uniform", "normal"] = choice(
-        "of the diameters in the tolerance band; normal: three standard deviations to either side of its middle",
+        "distribution of the diameters in the tolerance band; normal: three standard deviations to either side",
         ("uniform", "normal"),
         default="uniform",
     )
     vacancies: float | tuple[int, ...] = custom(
         "spheres left out: a share of them, chosen at random, or their ids", _parse_vacancies, default=0.0
     )
-    seed: int | None = custom("of what is random in the packing", _parse_seed, default=None)
+    seed: int | None = custom("seed of all that is random in the packing", _parse_seed, default=None)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -267,11 +267,11 @@ class Boundary:
     """``[boundary]``: bottom and sides of the packing; the struck top is always free."""
 
     bottom: Literal["wall", "fixed", "free"] = choice(
-        "below the last layer: a plane, the layer held in place, or nothing", BOTTOMS, default="wall"
+        "what is below the last layer: a plane, the layer held in place, or nothing", BOTTOMS, default="wall"
     )
     bottom_material: Material | None = None  # of the bottom plane: bottom = {material = ...}; None: rigid
     sides: Literal["free", "wall", "periodic"] = choice(
-        "at the sides: nothing, planes, or the packing again",
+        "what is at the sides: nothing, planes, or the packing again",
         ("free", "wall", "periodic"),
         default="free",
     )
@@ -285,7 +285,7 @@ class Boundary:
         usual=FRICTION,
     )
     forget_gap: float = number(
-        "a dent is forgotten when the gap exceeds it, never sooner",
+        "gap beyond which a dent is forgotten, never sooner",
         unit="diameters",
         above=0,
         at_most=2,
@@ -301,11 +301,13 @@ class Precompression:
         "a load along z on the top layer, the same pressure on all free faces, or the spheres' weight along +z",
         ("uniaxial", "uniform", "gravity"),
     )
-    pressure: float | None = number("on the faces of the packing", unit="Pa", above=0, default=None, usual=PRESSURE)
-    force: float | None = number(
-        "on each sphere of the top layer (uniaxial)", unit="N", above=0, default=None, usual=FORCE
+    pressure: float | None = number(
+        "pressure on the faces of the packing", unit="Pa", above=0, default=None, usual=PRESSURE
     )
-    acceleration: float = number("of gravity", unit="m/s^2", above=0, default=9.81, usual=ACCELERATION)
+    force: float | None = number(
+        "force on each sphere of the top layer (uniaxial)", unit="N", above=0, default=None, usual=FORCE
+    )
+    acceleration: float = number("acceleration of gravity", unit="m/s^2", above=0, default=9.81, usual=ACCELERATION)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

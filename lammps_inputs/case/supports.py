@@ -36,9 +36,9 @@ _OF_DECAY = 0.05  # timestep over damping/stiffness of a massless surface
 class Plate:
     """Rigid plate on a spring and a damper."""
 
-    mass: float = number("of the plate", unit="kg", above=0, usual=MASS)
-    stiffness: float = number("of the spring between plate and ground", unit="N/m", above=0)
-    damping: float = number("of the damper beside the spring", unit="N s/m", at_least=0, default=0.0)
+    mass: float = number("mass of the plate", unit="kg", above=0, usual=MASS)
+    stiffness: float = number("stiffness of the spring between plate and ground", unit="N/m", above=0)
+    damping: float = number("constant of the damper beside the spring", unit="N s/m", at_least=0, default=0.0)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -46,7 +46,7 @@ class HalfSpace:
     """Surface of an elastic half-space under the packing, moving as a rigid disc."""
 
     radius: float | None = number(
-        "of the disc that moves; that of the packing's footprint by default",
+        "radius of the disc that moves; that of the packing's footprint by default",
         unit="m",
         above=0,
         default=None,
@@ -68,9 +68,9 @@ class HalfSpace:
 class SupportBar:
     """Elastic bar under the whole packing."""
 
-    length: float = number("of the bar", unit="m", above=0, usual=LENGTH)
-    area: float = number("of its cross-section", unit="m^2", above=0, usual=AREA)
-    elements: int = count("of equal length", at_most=10_000_000, default=200)
+    length: float = number("length of the bar", unit="m", above=0, usual=LENGTH)
+    area: float = number("area of its cross-section", unit="m^2", above=0, usual=AREA)
+    elements: int = count("number of elements of equal length", at_most=10_000_000, default=200)
     end: Literal["free", "fixed", "infinite"] = choice(
         "far end: free, fixed, or going on without an echo", ("free", "fixed", "infinite"), default="infinite"
     )

@@ -185,7 +185,7 @@ def _of_section(file: str, heading: str, section: type, description: str = "") -
         if field.metadata
     ]
     if any(field.name == "material" and not field.metadata for field in dataclasses.fields(section)):
-        found.append(Key("material", "of this body; that of the case by default", _MATERIAL))
+        found.append(Key("material", "material of this body; that of the case by default", _MATERIAL))
     return _table(file, heading, description or _first_line(section), [*found, *_FURTHER.get((file, name), ())])
 
 
@@ -199,7 +199,9 @@ def _table(file: str, heading: str, description: str, found: Iterable[Key]) -> T
 def _pair() -> Table:
     """Return the table ``[[pair]]``: materials and keys of ``[contact]``."""
     contact = _of_section(CASE, "[contact]", case_tables()["[contact]"])
-    materials = Key("materials", "of the two bodies", 'two names of materials; "rigid" for a rigid wall', required=True)
+    materials = Key(
+        "materials", "materials of the two bodies", 'two names of materials; "rigid" for a rigid wall', required=True
+    )
     own = [
         dataclasses.replace(key, default="that of [contact]") for key in contact.keys if key.name not in _NOT_OF_A_PAIR
     ]
@@ -275,11 +277,11 @@ def _hint(wanted: str) -> str:
 _TOP = (
     Key(
         "name",
-        "of the case, and of the directory of its results",
+        "name of the case, and of the directory of its results",
         "a plain name, as of a directory",
         default="that of the file",
     ),
-    Key("material", "of all spheres, if not said otherwise", _MATERIAL, required=True),
+    Key("material", "material of all bodies that have none of their own", _MATERIAL, required=True),
 )
 #: Values that a key accepts besides those of its validator, read by code of their own.
 _ALSO = {
@@ -299,7 +301,7 @@ _FURTHER: dict[tuple[str, str], tuple[Key, ...]] = {
         Key("file", "TOML file that the preset is taken from; without it, those of the package", "a path"),
     ),
     (SPHERE_CONTACT, "partner"): (
-        Key("material", "of the second sphere; that of the case by default", _MATERIAL),
+        Key("material", "material of the second sphere; that of the case by default", _MATERIAL),
     ),
     (SCAN, "scan"): (
         Key("set", "values that hold for all points", _TABLE_OF_KEYS),

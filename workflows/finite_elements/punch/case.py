@@ -33,7 +33,7 @@ class Punch:
 
     diameter: float = number("diameter of the punch", unit="m", above=0, default=0.010, usual=DIAMETER)
     mass: float = number("mass of the punch", unit="kg", above=0, default=0.10, usual=MASS)
-    velocity: float = number("of the punch, into the block", unit="m/s", above=0, default=10.0, usual=VELOCITY)
+    velocity: float = number("velocity of the punch, into the block", unit="m/s", above=0, default=10.0, usual=VELOCITY)
     taper: float = number(
         "radius of the rounded edge", unit="m", at_least=0, default=1e-4, usual=Usual(1e-9, 0.1, ("mm", "um"))
     )
