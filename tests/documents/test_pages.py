@@ -1,0 +1,169 @@
+"""Code, files, commands and names of the README and of the pages of the site, as they stand there."""
+
+from __future__ import annotations
+
+import argparse
+import re
+import subprocess
+import sys
+import tomllib
+from collections.abc import Collection
+from pathlib import Path
+
+import pytest
+
+from granwave._contact_laws import LAWS
+from granwave.analysis.quantities import ENTRIES
+from granwave.lammps_inputs import load_case, load_materials
+from granwave.lammps_inputs.lattices import KINDS
+from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.workflows import library, load_profile, load_scan
+from granwave.workflows.cli.keys import tables
+from granwave.workflows.cli.parser import make_parser
+from granwave.workflows.scanning.suite import load_suite
+from tests.conftest import PLAIN
+from tests.documents.pages import README, ROOT, Block, blocks, name_of, pages, write_files
+
+PAGES = pages()
+WITH_PYTHON = [page for page in PAGES if any(block.language == "python" for block in blocks(page))]
+WITH_FILES = [page for page in PAGES if any(block.language == "toml" for block in blocks(page))]
+WITH_COMMANDS = [page for page in PAGES if any(block.commands for block in blocks(page))]
+BASE = {"name": "base", "material": "brass", "packing": {"kind": "fcc", "size": [6, 6, 4], "diameter": 0.01}}
+SELECTED = {"run": "case", "check": "case", "write": "case", "continuum": "case", "scan": "scan", "show": "name"}
+
+
+def test_pages_are_found():
+    assert README in PAGES and len(PAGES) > 40
+    assert WITH_PYTHON and len(WITH_FILES) > 10 and len(WITH_COMMANDS) > 20
+
+
+def test_the_readme_is_short():
+    assert len(README.read_text(encoding="utf-8").splitlines()) <= 200
+
+
+@pytest.mark.parametrize("page", WITH_PYTHON, ids=name_of)
+def test_python(page, tmp_path):
+    pytest.importorskip("snakemake")
+    (tmp_path / "page.py").write_text("\n".join(block.text for block in blocks(page) if block.language == "python"))
+    done = subprocess.run(
+        [sys.executable, "page.py"], cwd=tmp_path, env=PLAIN, capture_output=True, text=True, timeout=300
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout
+
+
+def load(block: Block, folder: Path) -> None:
+    """Load a file of a page by the function that reads its kind; parts of a case are put into a small one."""
+    data = tomllib.loads(block.text)
+    path = folder / (block.caption or "unnamed.toml")
+    path.write_text(block.text, encoding="utf-8")
+    if "slurm" in data:
+        load_profile(path)
+    elif "scans" in data:
+        load_suite(path)
+    elif "grid" in data or "zip" in data or "points" in data:
+        assert load_scan(path).points
+    elif "packing" in data and "material" in data:
+        load_case(path)
+    elif (
+        all("youngs_modulus" in table for table in data.values() if isinstance(table, dict)) and "material" not in data
+    ):
+        load_materials(path)
+    else:
+        case_from_dict({**BASE, **data}, path)
+
+
+@pytest.mark.parametrize("page", WITH_FILES, ids=name_of)
+def test_files(page, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    write_files(page, tmp_path)
+    for block in blocks(page):
+        if block.language == "toml":
+            load(block, tmp_path)
+
+
+@pytest.mark.parametrize("page", WITH_COMMANDS, ids=name_of)
+def test_commands(page, tmp_path, monkeypatch):
+    """Every command is read by the parser, names what there is, and sets keys that its case has."""
+    monkeypatch.chdir(tmp_path)
+    write_files(page, tmp_path)
+    made = known_directories(page) | {"fit"}  # directories and files that commands of the page leave
+    for words in (words for block in blocks(page) for words in block.commands):
+        if words[-1] in ("--version", "--help"):
+            continue
+        words, files = (words[:-2], words[-1:]) if ">" in words else (words, [])
+        options = make_parser().parse_args(words)
+        made |= {*files, str(getattr(options, "directory", None) or Path(words[-1]).stem), Path([*words, "x"][1]).stem}
+        check_command(words[0], options, made)
+
+
+def check_command(verb: str, options: argparse.Namespace, made: Collection[str]) -> None:
+    """Check what a command names; ``made`` are directories and files that commands of its page leave."""
+
+    def is_there(name: object) -> bool:
+        return Path(str(name)).exists() or str(name).partition("/")[0] in made
+
+    if verb == "keys":
+        assert options.table is None or options.table in {table.name for table in tables()}
+    if verb in SELECTED:
+        name = getattr(options, SELECTED[verb])
+        kind = library.SCANS if verb == "scan" else library.CASES
+        built_in = name in library.names(kind)
+        assert built_in or is_there(name), f"{name}: no such study"
+        if verb in ("run", "check", "write") and (built_in or Path(name).is_file()):
+            library.load_case(name, [change for change in options.overrides if "initial_overlap" not in change])
+    for name in [*getattr(options, "directories", []), *filter(None, [getattr(options, "profile", None)])]:
+        assert is_there(name), f"{name}: no command of the page makes it"
+
+
+def known_directories(page: Path) -> set[str]:
+    """Return the directories that the cases of a page run into if no other is named."""
+    return {str(tomllib.loads(block.text).get("name")) for block in blocks(page) if block.language == "toml"}
+
+
+def test_targets_of_make_exist():
+    targets = set(re.findall(r"^(\w+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE))
+    named = {
+        target
+        for page in PAGES
+        for target in re.findall(r"(?:^ {4}|`)make (\w+)", page.read_text(encoding="utf-8"), re.MULTILINE)
+    }
+    assert {"demo", "test"} <= named <= targets
+
+
+@pytest.mark.parametrize("name", ["docs/howto/case-files.md", "docs/tutorials/first-impact.md"])
+def test_kinds_of_packings_and_laws(name):
+    case = next(block.text for block in blocks(ROOT / name) if block.language == "toml")
+    for key, names in (("kind", KINDS), ("law", LAWS)):
+        (comment,) = re.findall(rf"^{key} = .*# (.*)$", case, re.MULTILINE)
+        assert set(comment.split(" | ")) == set(names)
+
+
+def test_every_packing_and_law_has_a_line():
+    packings = (ROOT / "docs/reference/materials.md").read_text(encoding="utf-8")
+    laws = (ROOT / "docs/howto/fit-a-law.md").read_text(encoding="utf-8")
+    assert all(f"| `{kind}` |" in packings for kind in KINDS)
+    assert all(f"| `{law}` |" in laws for law in LAWS)
+
+
+def test_values_of_a_summary_that_tables_name_exist():
+    known = {entry.name for entry in ENTRIES}
+    named = set()
+    for page in PAGES:
+        for table in re.findall(
+            r"^\| value \| what \|\n\|.*\n((?:\|.*\n)+)", page.read_text(encoding="utf-8"), re.MULTILINE
+        ):
+            named |= set(re.findall(r"^\| `(\w+)`", table, re.MULTILINE))
+    assert len(named) > 10 and named <= known
+
+
+def test_overrides_in_text_are_keys():
+    """Dotted keys in the running text, as ``run.end_time``, exist."""
+    known = {f"{table.name}.{key.name}" for table in tables() for key in table.keys}
+    heads = {key.partition(".")[0] for key in known} - {"scan"}
+    for page in PAGES:
+        if "changelog" not in page.name:
+            for key in re.findall(r"`([a-z_]+\.[a-z_]+)`", page.read_text(encoding="utf-8")):
+                head, _, end = key.partition(".")
+                if head in heads and end not in ("toml", "csv", "h", "json", "html", "md", "png", "txt"):
+                    assert key in known, (name_of(page), key)
