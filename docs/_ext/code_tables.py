@@ -92,12 +92,11 @@ def _command(name: str, what: str, parser: argparse.ArgumentParser) -> str:
 
 
 def _argument(action: argparse.Action) -> str:
-    value = action.metavar or ""
+    value = action.metavar or ("|".join(map(str, action.choices)) if action.choices else "")
     shown = " ".join(value) if isinstance(value, tuple) else str(value)
     name = ", ".join(f"`{option} {shown}`".replace(" `", "`") for option in action.option_strings) or f"`{shown}`"
-    choices = f" One of {', '.join(map(str, action.choices))}." if action.choices else ""
     what = (action.help or "").replace("%%", "%")
-    return f"{name}\n: {_sentence(what) if what else ''}{choices}"
+    return f"{name}\n: {_sentence(what)}"
 
 
 def studies_of(kind: str) -> Callable[[], str]:
@@ -139,14 +138,14 @@ def lattices() -> str:
 
 
 def interface(package: str) -> str:
-    """Return the public names of a package as autodoc directives."""
+    """Return the public names of a package as autodoc directives, functions first."""
     module = importlib.import_module(package)
     lines = []
-    for name in sorted(module.__all__):
+    for name in sorted(module.__all__, key=lambda name: (isinstance(getattr(module, name), type), name)):
         found = getattr(module, name)
         directive = "autoexception" if isinstance(found, type) and issubclass(found, Exception) else None
         directive = directive or ("autoclass" if isinstance(found, type) else "autofunction")
-        lines.append(f".. {directive}:: {found.__module__}.{found.__qualname__}")
+        lines.append(f".. {directive}:: {package}.{name}")
         lines += ["   :members:", ""] if directive == "autoclass" else [""]
     return "\n".join(["```{eval-rst}", *lines, "```"])
 

@@ -139,11 +139,13 @@ def make_parser() -> argparse.ArgumentParser:
 
     write = _verb(verbs, "write", commands.write, "write the LAMMPS deck alone; it runs by hand: lmp -in in.granwave")
     _case(write)
-    write.add_argument("-o", dest="directory", type=_output, metavar="DIR", required=True)
+    write.add_argument(
+        "-o", dest="directory", type=_output, metavar="DIR", required=True, help="where the deck goes; required"
+    )
     write.add_argument("--force", action="store_true", help="replace what is there")
 
     analyse = _verb(verbs, "analyse", commands.analyse, "once more from the dumps: result.h5, figures, summary.json")
-    analyse.add_argument("directory", type=_input, metavar="DIR")
+    analyse.add_argument("directory", type=_input, metavar="DIR", help="directory of a run")
     _figures(analyse)
 
     scan = _verb(verbs, "scan", commands.scan, "run a case many times with some keys varied; table, figures and report")
@@ -174,7 +176,7 @@ def make_parser() -> argparse.ArgumentParser:
     _again(continuum)
 
     report = _verb(verbs, "report", commands.report, "a page that compares any number of runs and scans")
-    report.add_argument("directories", nargs="+", type=_input, metavar="DIR")
+    report.add_argument("directories", nargs="+", type=_input, metavar="DIR", help="directories of runs and scans")
     report.add_argument(
         "-o",
         dest="output",
@@ -192,7 +194,7 @@ def make_parser() -> argparse.ArgumentParser:
     )
 
     export = _verb(verbs, "export", commands.export, "the results for other programs: ParaView, pandas, xarray, OVITO")
-    export.add_argument("directory", type=_input, metavar="DIR")
+    export.add_argument("directory", type=_input, metavar="DIR", help="directory of a run or a scan")
     export.add_argument("--to", required=True, metavar="FORMAT", help="vtp, csv, netcdf or ovito")
     export.add_argument("-o", dest="output", type=_output, metavar="DIR", help="where to (default: DIR/export)")
 
@@ -201,7 +203,7 @@ def make_parser() -> argparse.ArgumentParser:
     check.add_argument("--np", type=_positive, default=1, metavar="N", help="number of MPI ranks (default: 1)")
 
     show = _verb(verbs, "show", commands.show, "an editable copy of a built-in study, on stdout")
-    show.add_argument("name", metavar="NAME")
+    show.add_argument("name", metavar="NAME", help="name of a built-in case or scan")
 
     listing = _verb(verbs, "keys", commands.keys, "keys of all files: unit, default, accepted values, example")
     listing.add_argument(
@@ -215,8 +217,13 @@ def make_parser() -> argparse.ArgumentParser:
     law.add_argument(
         "--radius", nargs="+", type=_radius, default=[0.005], metavar="R", help="one radius or two, m (default: 0.005)"
     )
-    law.add_argument("--law", default="elastoplastic", choices=list(LAWS))
-    law.add_argument("--variant", default="continuous", choices=["continuous", "published"])
+    law.add_argument("--law", default="elastoplastic", choices=list(LAWS), help="contact law (default: elastoplastic)")
+    law.add_argument(
+        "--variant",
+        default="continuous",
+        choices=["continuous", "published"],
+        help="constants of the elasto-plastic law, as contact.variant (default: continuous)",
+    )
     law.add_argument(
         "--max-overlap",
         type=_overlap,
