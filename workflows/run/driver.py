@@ -80,7 +80,7 @@ def run_case(
     Parameters
     ----------
     directory
-        Directory of the results; see the README on its files.
+        Directory of the results; the page 'What a run leaves' of the documents lists its files.
     resume
         Continue existing results; a finished run is not changed, and an empty directory is a new run.
     force
