@@ -13,7 +13,7 @@ copyright = "the granwave developers; GPL-2.0"
 version = release = granwave.__version__
 
 extensions = [
-    "myst_parser",
+    "myst_nb",  # Markdown, and notebooks, which are run
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
     "sphinx_design",
@@ -23,6 +23,10 @@ extensions = [
 ]
 myst_enable_extensions = ["attrs_inline", "colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 4
+nb_execution_mode = "force"
+nb_execution_in_temp = True
+nb_execution_raise_on_error = True
+nb_execution_timeout = 60
 exclude_patterns = ["_ext", "gallery/*.py"]
 default_role = "code"
 smartquotes = False  # values are quoted as in files

@@ -126,7 +126,7 @@ def fit_toml(fit: Fit) -> str:
         lines.append(
             "# The curve is of two materials: [material] below is the softer; --pair A B writes the law between both."
         )
-    lines += ["", 'name = "fit"', "", "[contact]", *_law_lines(fit)]
+    lines += ["", 'name = "fitted"', "", "[contact]", *_law_lines(fit)]
     return (
         "\n".join(lines)
         + "\n\n"
