@@ -81,4 +81,4 @@ coverage: setup
 	$(BIN)/python -m coverage combine -q && $(BIN)/python -m coverage report --skip-covered --sort=cover
 
 clean:
-	rm -rf $(VENV) $(OLD) build dist runs .pytest_cache .ruff_cache .mypy_cache
+	rm -rf $(VENV) $(OLD) build docs/reference/styles docs/gallery/studies dist runs .pytest_cache .ruff_cache .mypy_cache
