@@ -18,7 +18,7 @@ QUESTIONS = {
     "energy balance poor": (["run.timestep=auto", "run.energy_tolerance"], "howto/balance.md"),
     "How big must my packing be": (["granwave check", "zone_cut"], "howto/packing-size.md"),
     "cite": (["LAMMPS", "source of the contact law"], "howto/cite.md"),
-    "stop a run and go on": (["--resume"], "howto/stop-and-resume.md"),
+    "restart": (["--resume"], "howto/stop-and-resume.md"),
     "its own MPI": (["launcher", "slurm"], "howto/own-lammps.md"),
     "contact law differs": (["granwave fit", "thornton"], "howto/fit-a-law.md"),
 }
