@@ -16,7 +16,7 @@ from pygments.lexers.special import TextLexer
 from sphinx.application import Sphinx
 
 from granwave.analysis.formatting.units import printed_unit
-from granwave.analysis.quantities import ENTRIES
+from granwave.analysis.quantities import ENTRIES, NOTES
 from granwave.analysis.studies.registry import STUDIES
 from granwave.lammps_inputs import presets
 from granwave.lammps_inputs.lattices import KINDS
@@ -71,10 +71,10 @@ def _escape(text: str) -> str:
 
 def quantities() -> str:
     """Return the table of the values of summary.json."""
-    rows = [
-        f"| `{entry.name}` | {printed_unit(entry.unit)} | {_escape(f'{entry.label}. {entry.meaning}'.rstrip('. '))} |"
-        for entry in ENTRIES
-    ]
+    rows = []
+    for entry in ENTRIES:
+        what = " ".join(filter(None, [f"{entry.label}.", entry.meaning, NOTES.get(entry.name, "")]))
+        rows.append(f"| `{entry.name}` | {printed_unit(entry.unit)} | {_escape(what)} |")
     return "\n".join(["| value | unit | what |", "|---|---|---|", *rows])
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from granwave._contact_laws import LAWS
-from granwave.analysis.quantities import ENTRIES
+from granwave.analysis.quantities import ENTRIES, NOTES
 from granwave.lammps_inputs import load_case, load_materials
 from granwave.lammps_inputs.lattices import KINDS
 from granwave.lammps_inputs.load_case import case_from_dict
@@ -155,6 +155,18 @@ def test_values_of_a_summary_that_tables_name_exist():
         ):
             named |= set(re.findall(r"^\| `(\w+)`", table, re.MULTILINE))
     assert len(named) > 10 and named <= known
+
+
+def test_every_value_of_a_summary_is_explained():
+    unexplained = [entry.name for entry in ENTRIES if not entry.meaning and entry.name not in NOTES]
+    assert set(unexplained) <= {
+        "packing_mass_kg",
+        "packing_height_m",
+        "yield_overlap_m",
+        "yield_force_N",
+        "max_overlap_m",
+    }
+    assert set(NOTES) <= {entry.name for entry in ENTRIES}
 
 
 def test_overrides_in_text_are_keys():
