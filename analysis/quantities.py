@@ -347,8 +347,8 @@ NOTES = {
     "mean_pressure_Pa": "At the end of the first loading: force over the area of contact.",
     "force_deviation_max_percent": "Largest deviation of the force of first loading from the law's.",
     "force_deviation_rms_percent": "The same, root mean square.",
-    "*_deviation_*max_percent": "The same of force, contact_radius or mean_pressure, perhaps within a range of overlaps "
-    "over that at first yield: elastic, 1_to_10, 10_to_50, 50_to_178, beyond_178.",
+    "*_deviation_*max_percent": "The same of force, contact_radius or mean_pressure, perhaps within a range of "
+    "overlaps over that at first yield: elastic, 1_to_10, 10_to_50, 50_to_178, beyond_178.",
     "*_deviation_*rms_percent": "The same, root mean square.",
     "n_unloadings": "Cycles of unloading and reloading.",
     "unloading_exponent_min": "n of F/F_max = ((alpha - alpha_R)/(alpha_max - alpha_R))^n, fitted to each unloading.",

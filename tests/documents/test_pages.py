@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from granwave._contact_laws import LAWS
+from granwave.analysis.figures.run_figures import FIGURES
 from granwave.analysis.quantities import ENTRIES, NOTES
 from granwave.lammps_inputs import load_case, load_materials
 from granwave.lammps_inputs.lattices import KINDS
@@ -155,6 +156,12 @@ def test_values_of_a_summary_that_tables_name_exist():
         ):
             named |= set(re.findall(r"^\| `(\w+)`", table, re.MULTILINE))
     assert len(named) > 10 and named <= known
+
+
+def test_figures_that_tables_name_exist():
+    text = (ROOT / "docs/tutorials/first-impact.md").read_text(encoding="utf-8")
+    (table,) = re.findall(r"^\| figure \|.*\n\|.*\n((?:\|.*\n)+)", text, re.MULTILINE)
+    assert set(re.findall(r"^\| `(\w+)`", table, re.MULTILINE)) <= set(FIGURES)
 
 
 def test_every_value_of_a_summary_is_explained():
