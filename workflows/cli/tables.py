@@ -80,7 +80,7 @@ def plan_table(case: Case, plan: Plan) -> str:
             ("case", plan.name),
             ("spheres", f"{plan.n_spheres}"),
             ("contacts at the start", f"{plan.n_contacts}"),
-            ("memory", f"about {plan.memory / 2**30:.2f} GiB"),
+            ("memory", _memory(plan)),
             ("disk", f"about {plan.disk / 1e9:.3g} GB"),
             ("timestep", _timestep(schedule)),
             ("steps", f"{at_most}{_steps(schedule)}, to {schedule.end_time:.4g} s"),
@@ -92,6 +92,14 @@ def plan_table(case: Case, plan: Plan) -> str:
             *([("outermost yield", _expected(plan.zone))] if plan.zone else []),
         ]
     )
+
+
+def _memory(plan: Plan) -> str:
+    text = f"about {plan.memory / 2**30:.2f} GiB"
+    if plan.n_ranks == 1:
+        return text
+    first, other = plan.space.first_rank / 2**30, plan.space.other_rank / 2**30
+    return f"{text}: first rank, which makes the analysis, {first:.2f}, each other {other:.2f}"
 
 
 def _timestep(schedule: Schedule) -> str:
