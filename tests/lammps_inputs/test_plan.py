@@ -217,7 +217,7 @@ def test_at_the_end_nothing_is_left(settles: bool, clock: list[float], caplog: p
 
 def test_memory_of_each_rank() -> None:
     """The steps are shared by the ranks, the analysis is not."""
-    case = make(packing={"size": [60, 60, 30]})
+    case = make(packing={"size": [120, 120, 60]})
     one, four = plan(case), plan(case, n_ranks=4)
     assert one.memory == one.space.first_rank and one.disk == four.disk
     assert four.memory == four.space.first_rank + 3 * four.space.other_rank
