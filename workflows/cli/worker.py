@@ -26,6 +26,7 @@ from typing import Any
 
 import tomli_w
 
+from granwave.analysis.figures.side_by_side import PROCESSES
 from granwave.lammps_inputs.directories import disk_space_message, free_space
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import DISK_IS_FULL, replace_text
@@ -66,6 +67,7 @@ class _Worker:
             signal.signal(number, lambda *_: self.stop())
         for name in set(os.environ) - set(mpi.alone()):
             del os.environ[name]  # the points are not ranks of the program that started this job
+        os.environ[PROCESSES] = "1"  # other points use the other cores
         if self._unwanted():
             self.stop()
         elif self.batch["ranks"] == 1:

@@ -9,6 +9,7 @@ import os
 import subprocess
 import sys
 import tempfile
+import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from types import TracebackType
@@ -25,6 +26,7 @@ T = TypeVar("T")
 # set by the launchers of MPICH, Slurm (PMI, PMIx) and Open MPI
 _RANK_VARIABLES = ("PMI_RANK", "PMIX_RANK", "OMPI_COMM_WORLD_RANK")
 _LAUNCHER_PREFIXES = ("PMI_", "PMIX_", "HYDRA_", "HYDI_", "OMPI_", "MPI_LOCAL", "MPIR_")
+_IMPATIENT, _PAUSE = 0.1, 0.01  # s of waiting at full speed, and then between looks
 STOP_FILE = "GRANWAVE_STOP_FILE"  # environment variable: file whose existence asks all ranks to stop
 EXPECTED_RANKS = "GRANWAVE_RANKS"  # environment variable: number of ranks requested from the launcher
 
@@ -106,11 +108,20 @@ def on_first(comm: Intracomm, work: Callable[[], T]) -> T:
         except Exception as error:
             outcome = (None, error)
     if comm.size > 1:
+        _meet(comm)
         outcome = comm.bcast(outcome)
     result, fault = outcome
     if fault is not None:
         raise fault
     return result  # type: ignore[return-value]
+
+
+def _meet(comm: Intracomm) -> None:
+    """Wait for all ranks, after a short time without use of the processor, which work of the first rank may need."""
+    request, begin = comm.Ibarrier(), time.monotonic()
+    while not request.Test():
+        if time.monotonic() > begin + _IMPATIENT:
+            time.sleep(_PAUSE)
 
 
 def command(n_ranks: int, arguments: Sequence[str], launcher: Sequence[str] = ()) -> list[str]:
