@@ -71,7 +71,7 @@ class _Worker:
         if self._unwanted():
             self.stop()
         elif self.batch["ranks"] == 1:
-            _load(self.batch["points"][0]["verb"])
+            _load(self.batch["points"][0]["verb"], figures=self.batch["figures"])
         threading.Thread(target=self._watch, daemon=True).start()
         points = self.batch["points"]
         for point in points:
@@ -194,7 +194,7 @@ class _Worker:
         return status
 
 
-def _load(verb: str) -> None:
+def _load(verb: str, *, figures: bool) -> None:
     """Import the modules that points need, without starting MPI: each point starts its own."""
     import granwave.workflows.cli.parser
 
@@ -209,7 +209,10 @@ def _load(verb: str) -> None:
     from mpi4py import MPI  # noqa: F401
 
     import granwave.analysis.pipeline
-    import granwave.workflows.run.driver  # noqa: F401
+    import granwave.workflows.run.driver
+
+    if figures:
+        import granwave.analysis.figures.run_figures  # noqa: F401
 
 
 def _fork(words: Sequence[str], log: int) -> int:
