@@ -23,7 +23,7 @@ from granwave.analysis.figures.run_figures import painter
 
 
 def work(
-    connection: Connection, queue: int, directory: Path, names: Sequence[str], settings: Mapping[str, Any]
+    connection: Connection, queue: int, directory: Path, names: Sequence[str], settings: Mapping[Any, Any]
 ) -> None:
     """Draw figures until the queue is empty, and send what they give.
 

@@ -128,6 +128,8 @@ def draw_figures(
         There is no result.h5.
     KeyError
         There is no figure of that name.
+    InputError
+        The environment does not give a number of processes.
     """
     chosen = tuple(FIGURES if names is None else names)
     folder = FigureFolder(directory)

@@ -19,9 +19,13 @@ from multiprocessing import Pipe
 from multiprocessing.connection import Connection
 from typing import Any
 
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.memory import available_memory
+
 PROCESSES = "GRANWAVE_FIGURE_PROCESSES"  # environment variable: largest number of processes that draw
 _MOST_PROCESSES = 4  # with more, loading the drawing library costs more than they gain
 _LEAST_FIGURES = 4  # for each process
+_MEMORY = 0.5e9  # bytes for each helper: 0.4 with 155 520 spheres
 _HELPER = "granwave.analysis.figures.helper"
 
 Contents = Mapping[str, bytes]  # of the files of a figure, by suffix
@@ -30,7 +34,13 @@ Outcome = Contents | None  # None: the figure does not apply
 
 @contextlib.contextmanager
 def helpers(n_figures: int) -> Iterator[Helpers]:
-    """Start helpers for so many figures, none on a single core; they end with the ``with`` block."""
+    """Start helpers for so many figures, none on a single core; they end with the ``with`` block.
+
+    Raises
+    ------
+    InputError
+        The environment does not give a number of processes.
+    """
     found = Helpers()
     try:
         with contextlib.suppress(OSError):  # with fewer helpers this process draws more
@@ -43,8 +53,11 @@ def helpers(n_figures: int) -> Iterator[Helpers]:
 
 def _processes(n_figures: int) -> int:
     """Return the number of processes that draw, this one included."""
-    most = int(os.environ.get(PROCESSES, _MOST_PROCESSES))
-    return max(1, min(most, len(os.sched_getaffinity(0)), n_figures // _LEAST_FIGURES))
+    asked = os.environ.get(PROCESSES, str(_MOST_PROCESSES))
+    if not asked.isdecimal():
+        raise InputError(f"{PROCESSES}: found {asked!r} in the environment, expected a number of processes")
+    room = 1 + int(available_memory() / _MEMORY)
+    return max(1, min(int(asked), len(os.sched_getaffinity(0)), n_figures // _LEAST_FIGURES, room))
 
 
 class Helpers:
@@ -114,7 +127,7 @@ class Helpers:
         own: dict[int, tuple[bool, Outcome]] = {}
         for number, name in enumerate(names):
             while number not in own and number not in self._received and (taken := self._take()) is not None:
-                own[taken] = _attempt(draw, names[taken])
+                own[taken] = (True, draw(name)) if taken == number else _attempt(draw, names[taken])
             succeeded, outcome = own.pop(number) if number in own else self._wait_for(number)
             yield outcome if succeeded else draw(name)
 

@@ -16,6 +16,7 @@ from granwave.analysis.errors import MissingDataError
 from granwave.analysis.figures import side_by_side, style
 from granwave.analysis.figures.side_by_side import PROCESSES
 from granwave.analysis.pipeline import analyse
+from granwave.lammps_inputs.errors import InputError
 from tests.helpers import synthetic
 
 NAMES = ("energies", "probes", "impactor_velocity", "bottom_force")
@@ -186,6 +187,18 @@ def test_number_of_processes(monkeypatch, cores, most, figures, expected):
         monkeypatch.setenv(PROCESSES, most)
     with side_by_side.helpers(figures) as others:
         assert len(others._processes) == expected - 1
+
+
+def test_number_of_processes_in_a_small_memory(several, monkeypatch):
+    monkeypatch.setattr(side_by_side, "available_memory", lambda: 0.3e9)
+    with side_by_side.helpers(18) as others:
+        assert not others._processes
+
+
+def test_no_number_of_processes(monkeypatch):
+    monkeypatch.setenv(PROCESSES, "many")
+    with pytest.raises(InputError, match="found 'many' in the environment"), side_by_side.helpers(18):
+        pass
 
 
 def test_analysis_starts_helpers(tmp_path, monkeypatch, several):
