@@ -31,7 +31,7 @@ logger = logging.getLogger(__name__)
 
 WIDTH = 3.4  # inches, one column of a journal
 RESOLUTION = 300  # dots per inch
-_COMPRESSION = 3  # of PNG files; the usual 6 takes 1.6 times as long, for files of -1 to 6 % less
+_COMPRESSION = 3  # of PNG files; the usual 6 takes 1.6 times as long, for files up to 6 % smaller
 _MAKER = "granwave"  # program name in the metadata of pictures
 _OWN = {".png": rb"tEXtSoftware\x00granwave", ".pdf": rb"/Creator \(granwave\)"}  # its form in the files
 
@@ -124,7 +124,7 @@ def save(drawing: Drawing, path: Path, *, pdf: bool = True) -> None:
     path
         Path without a suffix; its directory must exist. Existing files are replaced.
     pdf
-        False to omit the PDF, which takes two thirds of the time.
+        False to omit the PDF, which takes half of the time.
     """
     for suffix, content in contents(drawing, pdf=pdf).items():
         replace_bytes(path.with_name(path.name + suffix), content)
