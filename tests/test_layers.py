@@ -27,6 +27,7 @@ analysis/reports analysis/exports
 analysis/studies
 analysis/scans analysis/contact_law
 analysis/document
+analysis/films
 analysis/pipeline
 analysis/figures analysis/summary
 analysis/measures

@@ -18,8 +18,8 @@ from granwave.lammps_inputs.directories import refuse_other_file
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import replacing
 
-#: Forms of films by suffix, and the pattern by which a file of ours is known again.
-FORMS = {".mp4": rb"granwave", ".gif": rb"granwave", ".webp": rb"granwave"}
+FORMS = (".mp4", ".gif", ".webp")
+_OWN = rb"granwave"  # in the notes of the files that are written here
 SLIDE, LEAST_WIDTH, MOST_WIDTH = 1200, 100, 4000  # pixels
 _SECONDS = 6.0  # usual length
 _SLOWEST, _FASTEST = 3.0, 25.0  # frames per second
@@ -65,7 +65,9 @@ def write_film(
     """
     path = Path(path)
     _check(path, quantity, view, width, rate)
-    refuse_other_file(path, FORMS[path.suffix.lower()])
+    if not path.absolute().parent.is_dir():
+        raise InputError(f"-o {path}: there is no directory {path.absolute().parent}")
+    refuse_other_file(path, _OWN)
     with Result(directory) as result, style():
         found = scene(result, quantity, view)
         n = len(found.times)
