@@ -18,6 +18,7 @@
 #include "../laws/contact_history.h"
 #include "../laws/contact_law.h"
 #include "../laws/law_arguments.h"
+#include "../laws/plastic_batch.h"
 #include "../laws/resting_blocks.h"
 #include "../laws/touching_pairs.h"
 #include "pair.h"
@@ -160,10 +161,10 @@ class PairGranHysteretic : public Pair {
   void update_history(Batch &);
   void compute_tangential(Batch &);
   void tally(const Batch &, Tally);
-  double plastic_force(int k, double overlap, const granwave::ScaledLaw &, bool raised);
+  void compute_plastic(Batch &, const int *yielded, int n_yielded, const bool *is_raised);
+  void discard_turning(int k);
   void release_spring(int k);
   void raise_reached(int k, double overlap);
-  double circle_squared(int k, double overlap, const granwave::ScaledLaw &);
   int cached_turning(int k, const granwave::ScaledLaw &);
   granwave::LawHistory law_history(int k) const;
   granwave::Dent dent_of(int k) const;

@@ -19,7 +19,7 @@ using granwave::ScaledLaw;
 using granwave::TangentialSpring;
 using granwave::TouchingPairs;
 
-/* Turning point of a contact that has yielded, recomputed if its history has changed. */
+/* Turning point of a contact that has yielded, recomputed if its history has changed since. */
 
 int PairGranHysteretic::cached_turning(int k, const ScaledLaw &contact)
 {
@@ -31,33 +31,19 @@ int PairGranHysteretic::cached_turning(int k, const ScaledLaw &contact)
     if (has_friction) c.circle.push_back(0.0);
   }
   const int t = c.turning[k];
-  const double peak = contact.normalised(c.peak[k]);
-  if (c.turnings[t].peak != peak) {
+  if (c.turnings[t].peak < 0.0) {
     c.turnings[t] = contact.turning(law_history(k));
     c.work_lost[t] = -1.0;
-    if (has_friction) c.circle[t] = contact.law().area(peak);
+    if (has_friction) c.circle[t] = contact.law().area(c.turnings[t].peak);
   }
   return t;
 }
 
-/* Force of a contact beyond its elastic limit, on loading (the peak has just been increased) or below its peak. */
+/* Have the turning point of a contact recomputed when it is needed next. */
 
-double PairGranHysteretic::plastic_force(int k, double overlap, const ScaledLaw &contact, bool raised)
+inline void PairGranHysteretic::discard_turning(int k)
 {
-  if (raised) {
-    if (contacts.time_yield[k] < 0.0) contacts.time_yield[k] = now;
-    return contact.loading_beyond_yield(overlap, law_history(k).extra);
-  }
-  return contact.unloading(overlap, contacts.turnings[cached_turning(k, contact)]);
-}
-
-/* Squared present radius of the contact circle of a contact beyond its elastic limit. */
-
-double PairGranHysteretic::circle_squared(int k, double overlap, const ScaledLaw &contact)
-{
-  if (overlap >= contacts.peak[k]) return contact.loading_circle(overlap);
-  const int t = cached_turning(k, contact);
-  return contact.unloading_circle(overlap, contacts.turnings[t], contacts.circle[t]);
+  if (contacts.turning[k] >= 0) contacts.turnings[contacts.turning[k]].peak = -1.0;
 }
 
 inline void PairGranHysteretic::release_spring(int k)
@@ -104,9 +90,8 @@ void PairGranHysteretic::update_history(Batch &batch)
   if (c.n_extra > 0)
     for (int m = 0; m < batch.size; m++) {
       const int k = batch.k[m];
-      if (batch.pair[m]->contact.update(batch.overlap[m], c.peak[k], c.extra.data() + std::size_t(k) * c.n_extra) &&
-          c.turning[k] >= 0)
-        c.turnings[c.turning[k]].peak = -1.0;    // invalid after a change of history
+      if (batch.pair[m]->contact.update(batch.overlap[m], c.peak[k], c.extra.data() + std::size_t(k) * c.n_extra))
+        discard_turning(k);
     }
   int raised[Batch::CAPACITY], yielded[Batch::CAPACITY], n_raised = 0, n_yielded = 0;
   bool is_raised[Batch::CAPACITY];
@@ -119,20 +104,52 @@ void PairGranHysteretic::update_history(Batch &batch)
   }
   for (int n = 0; n < n_raised; n++) {
     const int m = raised[n], k = batch.k[m];
-    if (c.peak[k] == 0.0) c.time_first[k] = now;
+    const double before = c.peak[k];
+    if (before == 0.0) c.time_first[k] = now;
+    if ((before <= batch.elastic_limit[m] || has_initial_dents) && batch.overlap[m] > batch.elastic_limit[m] &&
+        c.time_yield[k] < 0.0)
+      c.time_yield[k] = now;
     c.peak[k] = batch.overlap[m];
     c.time_peak[k] = now;
   }
   if (has_initial_dents)
     for (int m = 0; m < batch.size; m++)
       if (batch.overlap[m] > c.reached[batch.k[m]]) raise_reached(batch.k[m], batch.overlap[m]);
+  if (n_yielded > 0) compute_plastic(batch, yielded, n_yielded, is_raised);
+}
+
+/* Compute the forces and contact circles of those pairs of a batch that are beyond their elastic limit: on their loading curves
+   if the peak has just been raised, or below their peaks. */
+
+void PairGranHysteretic::compute_plastic(Batch &batch, const int *yielded, int n_yielded, const bool *is_raised)
+{
+  Contacts &c = contacts;
+  granwave::LoadingBatch loading;
+  granwave::UnloadingBatch unloading;
+  for (int n = 0; n < n_yielded; n++) __builtin_prefetch(&c.turning[batch.k[yielded[n]]]);
+  for (int n = 0; n < n_yielded; n++) {
+    const int t = c.turning[batch.k[yielded[n]]];
+    if (t >= 0) __builtin_prefetch(&c.turnings[t], 1);
+  }
   for (int n = 0; n < n_yielded; n++) {
     const int m = yielded[n], k = batch.k[m];
-    const PairParameters &p = *batch.pair[m];
-    const double overlap = batch.overlap[m];
-    batch.force[m] = plastic_force(k, overlap, p.contact, is_raised[m]);
-    if (has_friction) batch.circle[m] = circle_squared(k, overlap, p.contact);
+    const ScaledLaw &law = batch.pair[m]->contact;
+    if (is_raised[m]) {
+      discard_turning(k);
+      loading.extra[loading.add(m, law, batch.overlap[m])] = law_history(k).extra;
+    } else {
+      const int t = cached_turning(k, law);
+      unloading.set(unloading.add(m, law, batch.overlap[m]), c.turnings[t], has_friction ? c.circle[t] : 0.0);
+    }
   }
+  loading.compute();
+  unloading.compute();
+  for (const granwave::PlasticBatch *part :
+       {static_cast<granwave::PlasticBatch *>(&loading), static_cast<granwave::PlasticBatch *>(&unloading)})
+    for (int n = 0; n < part->size; n++) {
+      batch.force[part->place[n]] = part->force[n];
+      batch.circle[part->place[n]] = part->circle[n];
+    }
 }
 
 /* Advance the tangential springs of touching pairs and compute the forces on the spheres, including friction. */
