@@ -48,69 +48,56 @@ FOR_EACH_PROCESSOR void ContactBatch::compute_forces_and_torques()
   for (int m = 0; m < size; m++) {
     pair_force[m] = force[m] / r[m];
     const double inverse = 1.0 / r[m];
-    double n[3], f[3], torque[3];
+    double n[3], f[3], per_lever[3];
     for (int d = 0; d < 3; d++) {
       n[d] = direction[d][m] * inverse;
       f[d] = tangential[d][m];
       force_i[d][m] = direction[d][m] * pair_force[m] + f[d];
     }
-    torque_per_lever(n, f, torque);
-    const double lever_i = radius_i[m] - 0.5 * overlap[m], lever_j = radius_j[m] - 0.5 * overlap[m];
-    for (int d = 0; d < 3; d++) {
-      torque_i[d][m] = lever_i * torque[d];
-      torque_j[d][m] = lever_j * torque[d];
-    }
+    torque_per_lever(n, f, per_lever);
+    for (int d = 0; d < 3; d++) torque[d][m] = per_lever[d];
+    lever_i[m] = radius_i[m] - 0.5 * overlap[m];
+    lever_j[m] = radius_j[m] - 0.5 * overlap[m];
   }
 }
 
-namespace {
-
-/* Add forces to the sums of both spheres. Pairs of one row are consecutive: the sum of sphere i stays in registers. */
-template <class Force>
-__attribute__((always_inline)) inline void add(const ContactBatch &batch, TwofoldSums &sums, int owned, char *reached,
-                                               int block, const Force &force)
-{
-  for (int m = 0; m < batch.size;) {
-    const int i = batch.i[m];
-    TwofoldSum sum = sums[i];
-    reached[i / block] = 1;
-    for (; m < batch.size && batch.i[m] == i; m++) {
-      Components f;
-      force(m, f);
-      const int j = batch.j[m];
-      sum.add(f);
-      if (j >= owned) continue;
-      sums[j].add(-f);
-      reached[j / block] = 1;
-    }
-    sums[i] = sum;
-  }
-}
-
-}    // namespace
+// Pairs of one row are consecutive: the sums of sphere i stay in registers.
 
 FOR_EACH_PROCESSOR void ContactBatch::add_normal(TwofoldSums &sums, int owned, char *reached, int block) const
-{
-  add(*this, sums, owned, reached, block, [this](int m, Components &f) { f = del[m] * pair_force[m]; });
-}
-
-FOR_EACH_PROCESSOR void ContactBatch::add_forces(TwofoldSums &sums, int owned, char *reached, int block) const
-{
-  add(*this, sums, owned, reached, block,
-      [this](int m, Components &f) { f = Components{force_i[0][m], force_i[1][m], force_i[2][m], 0.0}; });
-}
-
-FOR_EACH_PROCESSOR void ContactBatch::add_torques(TwofoldSums &sums, int owned) const
 {
   for (int m = 0; m < size;) {
     const int of = i[m];
     TwofoldSum sum = sums[of];
+    reached[of / block] = 1;
     for (; m < size && i[m] == of; m++) {
-      const Components on_i = {torque_i[0][m], torque_i[1][m], torque_i[2][m], 0.0};
-      const Components on_j = {torque_j[0][m], torque_j[1][m], torque_j[2][m], 0.0};
-      sum.add(on_i);
-      if (j[m] < owned) sums[j[m]].add(on_j);
+      const Components f = del[m] * pair_force[m];
+      sum.add(f);
+      if (j[m] >= owned) continue;
+      sums[j[m]].add(-f);
+      reached[j[m] / block] = 1;
     }
     sums[of] = sum;
+  }
+}
+
+FOR_EACH_PROCESSOR void ContactBatch::add_forces_and_torques(TwofoldSums &forces, TwofoldSums &torques, int owned,
+                                                             char *reached, int block) const
+{
+  for (int m = 0; m < size;) {
+    const int of = i[m];
+    TwofoldSum sum = forces[of], turning = torques[of];
+    reached[of / block] = 1;
+    for (; m < size && i[m] == of; m++) {
+      const Components f = {force_i[0][m], force_i[1][m], force_i[2][m], 0.0};
+      const Components t = {torque[0][m], torque[1][m], torque[2][m], 0.0};
+      sum.add(f);
+      turning.add(lever_i[m] * t);
+      if (j[m] >= owned) continue;
+      forces[j[m]].add(-f);
+      torques[j[m]].add(lever_j[m] * t);
+      reached[j[m] / block] = 1;
+    }
+    forces[of] = sum;
+    torques[of] = turning;
   }
 }

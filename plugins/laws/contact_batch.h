@@ -43,8 +43,8 @@ struct ContactBatch {
   double tangential[3][CAPACITY];                 // tangential force on i, before and after
   double compliance[CAPACITY], loss[CAPACITY];    // as in TangentialSpring, before and after
   // friction, output
-  double force_i[3][CAPACITY];                            // on sphere i, the opposite on j
-  double torque_i[3][CAPACITY], torque_j[3][CAPACITY];    // on the spheres
+  double force_i[3][CAPACITY];                                         // on sphere i, the opposite on j
+  double torque[3][CAPACITY], lever_i[CAPACITY], lever_j[CAPACITY];    // torque on either sphere per unit of its lever arm
 
   /* Compute distance, overlap, Hertzian force and contact circle. Returns true if an overlap is too large or not a number. */
   bool compute_overlap();
@@ -56,10 +56,8 @@ struct ContactBatch {
   void compute_forces_and_torques();
   /* Add the normal forces to the sums of both spheres, of j only if j < owned, and set reached[i / block] of those summed. */
   void add_normal(TwofoldSums &, int owned, char *reached, int block) const;
-  /* Add the forces including friction likewise. */
-  void add_forces(TwofoldSums &, int owned, char *reached, int block) const;
-  /* Add the torques likewise. */
-  void add_torques(TwofoldSums &, int owned) const;
+  /* Add forces and torques including friction likewise. */
+  void add_forces_and_torques(TwofoldSums &forces, TwofoldSums &torques, int owned, char *reached, int block) const;
 };
 
 }    // namespace granwave

@@ -37,13 +37,12 @@ template <bool UNIFORM, bool FRICTION> __attribute__((always_inline)) inline boo
       batch.rsq[n] = rsq;
       n += touches;
       is_far |= rsq > forget_sq;
-      __builtin_prefetch(peak + (k & of_touching), 1);
+      // needed soon, and then not before the next step: it should not displace others from the cache
+      __builtin_prefetch(peak + (k & of_touching), 0, 0);
       if (!FRICTION) continue;
       released[loose] = k;
       loose += (1 - touches) & has_spring[k];
-      __builtin_prefetch(spring + (k & of_touching), 1);
-      __builtin_prefetch(v + 3 * (j & of_touching));
-      __builtin_prefetch(omega + 3 * (j & of_touching));
+      __builtin_prefetch(spring + (k & of_touching), 0, 0);
     }
     far[outside] = at;
     outside += is_far;

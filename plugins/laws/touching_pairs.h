@@ -26,10 +26,9 @@ struct TouchingPairs {
   double uniform_radius, gap;
   const char *has_spring;    // by pair; null without friction
 
-  // read soon if a pair touches: by pair, and by sphere with friction
+  // by pair: read soon if it touches
   const double *peak;
   const TangentialSpring *spring;
-  const double *v, *omega;
 
   // found by collect(), for the caller to deal with
   int n_released, n_far;

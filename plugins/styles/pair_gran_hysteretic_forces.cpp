@@ -186,7 +186,6 @@ void PairGranHysteretic::compute_tangential(Batch &batch)
     }
   }
   batch.compute_forces_and_torques();
-  batch.add_torques(torque_sums, atom->nlocal);
 }
 
 void PairGranHysteretic::tally(const Batch &batch, Tally what)
@@ -232,7 +231,7 @@ void PairGranHysteretic::compute_batch(Batch &batch, Tally what)
   update_history(batch);
   if (has_friction) {
     compute_tangential(batch);
-    batch.add_forces(force_sums, atom->nlocal, reached.data(), RestingBlocks::SIZE);
+    batch.add_forces_and_torques(force_sums, torque_sums, atom->nlocal, reached.data(), RestingBlocks::SIZE);
   } else {
     batch.compute_normal();
     batch.add_normal(force_sums, atom->nlocal, reached.data(), RestingBlocks::SIZE);
@@ -283,8 +282,6 @@ void PairGranHysteretic::compute_forces(Tally what)
   pairs.has_spring = has_friction ? c.has_spring.data() : nullptr;
   pairs.peak = c.peak.data();
   pairs.spring = c.spring.data();
-  pairs.v = atom->v[0];
-  pairs.omega = has_friction ? atom->omega[0] : nullptr;
   Batch batch;
   if (uniform) batch.set_all(pair_parameters(atom->type[0], atom->type[0], atom->radius[0], atom->radius[0]));
 
