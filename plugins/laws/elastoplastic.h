@@ -191,9 +191,12 @@ class Elastoplastic : public NormalLaw {
     static constexpr double w[5] = {0.2955242247147529, 0.2692667193099963, 0.2190863625159820, 0.1494513491505806,
                                     0.0666713443086881};
     const double mid = 0.5 * (lo + hi), half = 0.5 * (hi - lo);
-    double sum = 0.0;
-    for (int k = 0; k < 5; k++)
-      for (const double at : {mid - half * x[k], mid + half * x[k]}) sum += w[k] * pressure(at) * power(at, area_exponent_);
+    double value[10], sum = 0.0;
+    for (int n = 0; n < 10; n++) {    // several powers at a time
+      const double at = mid + (n % 2 == 0 ? -half : half) * x[n / 2];
+      value[n] = w[n / 2] * pressure(at) * power(at, area_exponent_);
+    }
+    for (const double term : value) sum += term;
     return half * sum;
   }
 

@@ -13,10 +13,11 @@ namespace {
 FOR_EACH_PROCESSOR void load(const Elastoplastic &of, int n, const double *overlap, double *force, double *area)
 {
   const Elastoplastic law = of;    // a copy, which stores do not change
-  for (int m = 0; m < n; m++) {
-    force[m] = law.loading_beyond_yield(overlap[m]);
-    area[m] = law.area_beyond_yield(overlap[m]);
-  }
+  for (int first = 0; first < n; first += PlasticBatch::GROUP)
+    for (int m = first; m < first + PlasticBatch::GROUP; m++) {
+      force[m] = law.loading_beyond_yield(overlap[m]);
+      area[m] = law.area_beyond_yield(overlap[m]);
+    }
 }
 
 }    // namespace
@@ -52,10 +53,11 @@ void LoadingBatch::compute()
 
 FOR_EACH_PROCESSOR void UnloadingBatch::compute()
 {
-  for (int m = 0; m < size; m++) {
-    const Turning t{peak[m], peak_force[m], residual[m], exponent[m]};
-    const double a = overlap[m] / yield_overlap[m];
-    force[m] = yield_force[m] * t.unloading(a);
-    circle[m] = effective_radius[m] * yield_overlap[m] * t.area(a, peak_area[m]);
-  }
+  for (int first = 0; first < size; first += GROUP)
+    for (int m = first; m < first + GROUP; m++) {
+      const Turning t{peak[m], peak_force[m], residual[m], exponent[m]};
+      const double a = overlap[m] / yield_overlap[m];
+      force[m] = yield_force[m] * t.unloading(a);
+      circle[m] = effective_radius[m] * yield_overlap[m] * t.area(a, peak_area[m]);
+    }
 }

@@ -10,11 +10,13 @@
 
 namespace granwave {
 
-/* What contacts on their loading curves and below their peaks have in common. */
+/* What contacts on their loading curves and below their peaks have in common. Contacts are computed in groups, the last of
+   which may hold numbers of earlier batches. */
 struct PlasticBatch {
-  static constexpr int CAPACITY = ContactBatch::CAPACITY;
+  static constexpr int GROUP = 8;
+  static constexpr int CAPACITY = ContactBatch::CAPACITY + GROUP;
 
-  int size = 0;
+  int size = 0;           // at most that of a ContactBatch
   int place[CAPACITY];    // index in the batch of touching pairs
   const ScaledLaw *law[CAPACITY];
   double overlap[CAPACITY];    // present one

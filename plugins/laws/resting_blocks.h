@@ -48,8 +48,9 @@ class RestingBlocks {
     last_.clear();
   }
 
-  /* Compare the coordinates of n spheres, and radii, with those of the last call. */
-  void compare(const double *x, int n, const double *radius, int radii)
+  /* Compare the coordinates of n spheres, and radii, with those of the last call. Returns true in the first call, and if a
+     radius has changed. */
+  bool compare(const double *x, int n, const double *radius, int radii)
   {
     moved_.resize(number(n));
     if (last_.size() != 3 * static_cast<std::size_t>(n) + 1 || last_radius_.size() != static_cast<std::size_t>(radii) ||
@@ -58,7 +59,7 @@ class RestingBlocks {
       last_.push_back(0.0);
       last_radius_.assign(radius, radius + radii);
       std::fill(moved_.begin(), moved_.end(), 1);
-      return;
+      return true;
     }
     for (int b = 0; b < number(n); b++) {
       const std::size_t begin = 3 * static_cast<std::size_t>(b) * SIZE,
@@ -66,6 +67,7 @@ class RestingBlocks {
       moved_[b] = std::memcmp(last_.data() + begin, x + begin, bytes) != 0;
       if (moved_[b]) std::memcpy(last_.data() + begin, x + begin, bytes);
     }
+    return false;
   }
 
   /* Coordinates of the spheres as of the last comparison, and one number more, so that four can be read for each sphere. */

@@ -132,9 +132,8 @@ class PairGranHysteretic : public Pair {
 
   struct Batch : granwave::ContactBatch {
     const PairParameters *pair[CAPACITY];
-    PairParameters parameters[CAPACITY];    // of each pair, or only the first if all are equal
+    PairParameters parameters[CAPACITY];    // of each pair, or only the first if all are equal; unused if known by type
     void set(int m, const PairParameters &);
-    void set_all(const PairParameters &);
   };
 
   /* Effective radius of two spheres, or of a sphere and a flat face (radius 0). */
@@ -156,7 +155,8 @@ class PairGranHysteretic : public Pair {
   enum class Tally { NONE, VIRIAL, EACH_PAIR };
   void compute_forces(Tally);
   void forget_far_pairs(int r);
-  void compute_batch(Batch &, Tally);
+  void set_parameters();
+  void compute_batch(Tally);
   void give_sums(int begin, int end);
   void update_history(Batch &);
   void compute_tangential(Batch &);
@@ -189,6 +189,11 @@ class PairGranHysteretic : public Pair {
   bool has_friction = false;         // true from the first pair_coeff with friction on
   bool has_initial_dents = false;    // true if initial dents are stored
   Contacts contacts;
+  Batch batch;                         // of the pairs found last
+  granwave::LoadingBatch loading{};    // those beyond their elastic limit
+  granwave::UnloadingBatch unloading{};
+  granwave::TouchingPairs pairs{};
+  std::vector<PairParameters> parameters_by_type;    // empty if they are not determined by the types
   granwave::TwofoldSums force_sums, torque_sums;
   std::vector<char> reached;       // of each block of spheres: 1 if one of its sums may not be zero
   double now = 0.0;                // simulation time of this force evaluation

@@ -76,10 +76,29 @@ inline void PairGranHysteretic::Batch::set(int m, const PairParameters &p)
   keeps[m] = p.tangential_model == granwave::TangentialModel::MINDLIN ? 1.0 : 0.0;
 }
 
-inline void PairGranHysteretic::Batch::set_all(const PairParameters &p)
+/* Set the parameters of the pairs as far as they are the same in all steps: of all pairs if all spheres are equal, and by types
+   if spheres of a type are. */
+
+void PairGranHysteretic::set_parameters()
 {
-  parameters[0] = p;
-  for (int m = 0; m < CAPACITY; m++) set(m, parameters[0]);
+  parameters_by_type.clear();
+  if (uniform) {
+    batch.parameters[0] = pair_parameters(atom->type[0], atom->type[0], atom->radius[0], atom->radius[0]);
+    for (int m = 0; m < Batch::CAPACITY; m++) batch.set(m, batch.parameters[0]);
+    return;
+  }
+  const int n = atom_types + 1;
+  std::vector<double> radius(n, -1.0);    // of the spheres of a type
+  for (int i = 0; i < atom->nlocal + atom->nghost; i++) {
+    double &of_type = radius[atom->type[i]];
+    if (of_type >= 0.0 && of_type != atom->radius[i]) return;
+    of_type = atom->radius[i];
+  }
+  parameters_by_type.resize(n * n);
+  for (int i = 1; i < n; i++)
+    for (int j = 1; j < n; j++)
+      if (radius[i] >= 0.0 && radius[j] >= 0.0 && radius[i] + radius[j] > 0.0)
+        parameters_by_type[i * n + j] = pair_parameters(i, j, radius[i], radius[j]);
 }
 
 /* Update the history of touching pairs, and the forces of those that have yielded. */
@@ -124,8 +143,7 @@ void PairGranHysteretic::update_history(Batch &batch)
 void PairGranHysteretic::compute_plastic(Batch &batch, const int *yielded, int n_yielded, const bool *is_raised)
 {
   Contacts &c = contacts;
-  granwave::LoadingBatch loading;
-  granwave::UnloadingBatch unloading;
+  loading.size = unloading.size = 0;
   for (int n = 0; n < n_yielded; n++) __builtin_prefetch(&c.turning[batch.k[yielded[n]]]);
   for (int n = 0; n < n_yielded; n++) {
     const int t = c.turning[batch.k[yielded[n]]];
@@ -142,8 +160,8 @@ void PairGranHysteretic::compute_plastic(Batch &batch, const int *yielded, int n
       unloading.set(unloading.add(m, law, batch.overlap[m]), c.turnings[t], has_friction ? c.circle[t] : 0.0);
     }
   }
-  loading.compute();
-  unloading.compute();
+  if (loading.size > 0) loading.compute();
+  if (unloading.size > 0) unloading.compute();
   for (const granwave::PlasticBatch *part :
        {static_cast<granwave::PlasticBatch *>(&loading), static_cast<granwave::PlasticBatch *>(&unloading)})
     for (int n = 0; n < part->size; n++) {
@@ -217,13 +235,17 @@ void PairGranHysteretic::tally(const Batch &batch, Tally what)
 
 /* Compute forces and history of a batch of touching pairs. */
 
-void PairGranHysteretic::compute_batch(Batch &batch, Tally what)
+void PairGranHysteretic::compute_batch(Tally what)
 {
   if (!uniform)
     for (int m = 0; m < batch.size; m++) {
-      const int i = batch.i[m], j = batch.j[m];
-      batch.parameters[m] = pair_parameters(atom->type[i], atom->type[j], atom->radius[i], atom->radius[j]);
-      batch.set(m, batch.parameters[m]);
+      const int i = batch.i[m], j = batch.j[m], itype = atom->type[i], jtype = atom->type[j];
+      if (!parameters_by_type.empty()) {
+        batch.set(m, parameters_by_type[itype * (atom_types + 1) + jtype]);
+      } else {
+        batch.parameters[m] = pair_parameters(itype, jtype, atom->radius[i], atom->radius[j]);
+        batch.set(m, batch.parameters[m]);
+      }
     }
   if (batch.compute_overlap())
     for (int m = 0; m < batch.size; m++)
@@ -270,8 +292,7 @@ void PairGranHysteretic::compute_forces(Tally what)
 {
   Contacts &c = contacts;
   const int nlocal = atom->nlocal, nall = nlocal + atom->nghost, rows = static_cast<int>(c.row.size());
-  c.resting.compare(atom->x[0], nall, atom->radius, uniform ? 1 : nall);
-  TouchingPairs pairs;
+  if (c.resting.compare(atom->x[0], nall, atom->radius, uniform ? 1 : nall)) set_parameters();
   pairs.row = c.row.data();
   pairs.begin = c.begin.data();
   pairs.partner = c.partner.data();
@@ -282,8 +303,6 @@ void PairGranHysteretic::compute_forces(Tally what)
   pairs.has_spring = has_friction ? c.has_spring.data() : nullptr;
   pairs.peak = c.peak.data();
   pairs.spring = c.spring.data();
-  Batch batch;
-  if (uniform) batch.set_all(pair_parameters(atom->type[0], atom->type[0], atom->radius[0], atom->radius[0]));
 
   const int in_use = c.ordered ? c.span + 2 * RestingBlocks::SIZE : nlocal;
   force_sums.reserve(in_use);
@@ -299,7 +318,7 @@ void PairGranHysteretic::compute_forces(Tally what)
         for (int n = 0; n < pairs.n_released; n++) release_spring(pairs.released[n]);
         for (int n = 0; n < pairs.n_far; n++) forget_far_pairs(pairs.far[n]);
         if (batch.size == 0) continue;
-        compute_batch(batch, what);
+        compute_batch(what);
         quiet = false;
       }
       c.resting.set_quiet(block, quiet);
