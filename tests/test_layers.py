@@ -28,12 +28,12 @@ analysis/studies
 analysis/scans analysis/contact_law
 analysis/document
 analysis/pipeline
-analysis/figures analysis/summary
+analysis/figures analysis/summary analysis/summary_table
 analysis/measures
 analysis/result
 analysis/lammps_output
 analysis/formatting
-analysis/quantities analysis/statistics analysis/errors analysis/versions
+analysis/quantities analysis/statistics analysis/errors analysis/versions analysis/progress_bar
 lammps_inputs/deck
 lammps_inputs/load_case
 lammps_inputs/planning lammps_inputs/checks
