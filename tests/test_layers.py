@@ -16,13 +16,14 @@ PACKAGES = ("workflows", "analysis", "lammps_inputs", "plugins")
 # From top to bottom: a file imports from its own folder and from folders on lower levels. A name denotes a folder or a file.
 FLOORS = """
 workflows/__main__
-workflows/cli
+workflows/cli workflows/python
 workflows/bench
 workflows/scanning
 workflows/run
 workflows/library
 workflows/solvers
 workflows/finite_elements
+analysis/notebook
 analysis/reports analysis/exports
 analysis/studies
 analysis/scans analysis/contact_law
