@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -26,6 +27,9 @@ class _OnDemand(BackendArray):
         self.source: h5py.Dataset = result.file[name]
         self.shape, self.dtype = self.source.shape, self.source.dtype
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _reopened, (self.result.path, self.name)
+
     def __getitem__(self, key: indexing.ExplicitIndexer) -> Any:
         return indexing.explicit_indexing_adapter(key, self.shape, indexing.IndexingSupport.BASIC, self._read)
 
@@ -34,6 +38,11 @@ class _OnDemand(BackendArray):
             return np.asarray(self.source[key])
         except OSError as error:
             raise OutputFormatError(self.result.damaged(f"{self.name}: {error}")) from None
+
+
+def _reopened(path: Path, name: str) -> _OnDemand:
+    """Open a data set again, in another process for instance."""
+    return _OnDemand(Result(path), name)
 
 
 def fields(result: Result) -> Dataset:
@@ -78,7 +87,9 @@ def chain(result: Result) -> Dataset:
         The run is not one of a chain, or its history was not recorded.
     """
     if "chain" not in result:
-        raise MissingDataError(f"{result.path}: has no history of a chain; its snapshots are the fields")
+        raise MissingDataError(
+            f"{result.path}: has no history of a chain; run one with output.history, the number of its instants"
+        )
     found = {}
     for name in result.names("chain"):
         own = "contact" if name.startswith("contact_") else "bead"
@@ -98,5 +109,7 @@ def _variable(result: Result, path: str, dimensions: tuple[str, ...], name: str)
     source = result.file[path]
     if source.ndim == 1:
         return Variable("time" if name == "time" else dimensions[-1], result[path], attributes)
-    values = indexing.LazilyIndexedArray(_OnDemand(result, path))
+    # as `xarray.open_dataset` does: kept in memory once it was read whole, and copied when it is changed
+    lazy = indexing.LazilyIndexedArray(_OnDemand(result, path))
+    values = indexing.MemoryCachedArray(indexing.CopyOnWriteArray(lazy))
     return Variable(dimensions[: source.ndim], values, attributes)

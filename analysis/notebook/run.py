@@ -87,6 +87,9 @@ class Run(Mapping[str, Any]):
     def __len__(self) -> int:
         return len(self.summary)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.directory, self.labels)  # read again, as open files cannot be sent to other processes
+
     def __repr__(self) -> str:
         return f"{lines([(row.label, row.text) for row in self._rows])}\n\nresults in {self.directory}"
 
@@ -202,10 +205,10 @@ class Run(Mapping[str, Any]):
 
     @property
     def figures(self) -> tuple[str, ...]:
-        """Names of the figures of runs; not each of them applies to each run."""
+        """Names of the figures of packings and chains, not all of which apply to each run; none of continuum runs."""
         from granwave.analysis.figures.run_figures import FIGURES
 
-        return tuple(FIGURES)
+        return () if self._is_continuum else tuple(FIGURES)
 
     def figure(self, name: str) -> Axes | list[Axes]:
         """Draw a figure, to go on with; it is not saved.
@@ -223,8 +226,8 @@ class Run(Mapping[str, Any]):
         from granwave.analysis.figures.run_figures import FIGURES
         from granwave.analysis.notebook.axes import draw_axes, no_figure
 
-        if name not in FIGURES:
-            raise no_figure(self.name, name, FIGURES)
+        if name not in self.figures:
+            raise no_figure(self.name, name, self.figures)
         axes = draw_axes(lambda: FIGURES[name].draw(self.result))
         if axes is None:
             raise MissingDataError(f"{self.name}: figure {name} does not apply to this run ({FIGURES[name].caption})")
