@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from granwave.workflows.python import __all__ as names
+from granwave.workflows.python.api import __all__ as names
 from tests.conftest import PLAIN
 
 PAGE = (Path(__file__).parent.parent / "docs" / "howto" / "python.md").read_text(encoding="utf-8")

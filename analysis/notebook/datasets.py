@@ -110,6 +110,6 @@ def _variable(result: Result, path: str, dimensions: tuple[str, ...], name: str)
     if source.ndim == 1:
         return Variable("time" if name == "time" else dimensions[-1], result[path], attributes)
     # as `xarray.open_dataset` does: kept in memory once it was read whole, and copied when it is changed
-    lazy = indexing.LazilyIndexedArray(_OnDemand(result, path))
+    lazy: Any = indexing.LazilyIndexedArray(_OnDemand(result, path))
     values = indexing.MemoryCachedArray(indexing.CopyOnWriteArray(lazy))
     return Variable(dimensions[: source.ndim], values, attributes)

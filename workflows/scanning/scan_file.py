@@ -189,7 +189,7 @@ def scan_from_dict(
         key: value
         for key, value in flat(tables.get("set", {}), "set", errors).items()
         if not any(key.startswith(f"{changed}.") for changed in changes)  # --set material=steel, all of it
-    } | changes
+    } | dict(changes)
     variations = variations_of(tables, header, errors)
     if errors.lines or header is None:
         raise InputError(errors.lines)
