@@ -63,7 +63,7 @@ def table(result: Result, name: str) -> pandas.DataFrame:
     if name not in tables_of(result):
         raise MissingDataError(f"{result.path}: has no table {name}; it has {', '.join(tables_of(result))}")
     columns = sorted(result.names(name), key=place_of_column)
-    values = {column: result[f"{name}/{column}"] for column in columns}
+    values = {column: result.read(f"{name}/{column}") for column in columns}
     units = {column: result.unit(f"{name}/{column}") for column in columns}
     return frame_of(values, units, _INDEX.get(name, ""))
 
@@ -78,7 +78,7 @@ def walls(result: Result) -> pandas.DataFrame:
     units, parts = {"wall": "1", "time": "s", "force": "N"}, []
     for wall in result.names("walls"):
         columns = sorted(result.names(f"walls/{wall}"), key=place_of_column)
-        parts.append(pandas.DataFrame({"wall": wall} | {name: result[f"walls/{wall}/{name}"] for name in columns}))
+        parts.append(pandas.DataFrame({"wall": wall} | {name: result.read(f"walls/{wall}/{name}") for name in columns}))
         units |= {name: result.unit(f"walls/{wall}/{name}") for name in columns}
     found = pandas.concat(parts, ignore_index=True) if parts else pandas.DataFrame({name: [] for name in units})
     found.attrs[UNITS] = {str(name): units[str(name)] for name in found.columns}

@@ -87,6 +87,9 @@ class Run(Mapping[str, Any]):
     def __len__(self) -> int:
         return len(self.summary)
 
+    def _ipython_key_completions_(self) -> list[str]:
+        return list(self)
+
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.directory, self.labels)  # read again, as open files cannot be sent to other processes
 

@@ -62,8 +62,9 @@ class Progress:
         last
             True if the run has ended, possibly before ``total``.
         """
-        if last:
-            self._total = self._bar.total = done
+        if last and done != self._total:
+            self._bar.reset(total=done)  # a widget has a copy of the total
+            self._total, self._done = done, 0
         text = f"{note} [{times or self._times(done)}]".lstrip()
         self._bar.set_postfix_str(text, refresh=False)
         self._bar.update(done - self._done)
