@@ -244,6 +244,14 @@ def test_scan(tmp_path):
         gw.scan(asked, directory=tmp_path / "pairs")
 
 
+def test_points_that_fail_are_reported(tmp_path, caplog):
+    pytest.importorskip("snakemake")
+    scan = gw.scan({"case": PAIR, "grid": {"run.timestep": [1e-8, 5e-6]}}, directory=tmp_path, jobs=1)
+    assert scan.table["status"].tolist() == ["done", "failed"] and len(scan) == 1
+    assert "the energy balance was refused" in scan.table.loc[2, "reason"]
+    assert f"{tmp_path}: of 2 points 1 failed; table.reason tells why" in caplog.text
+
+
 def test_continuum(tmp_path):
     run = gw.run("half-space", directory=tmp_path, run__elements=200, run__end_time=2e-6)
     assert run["n_elements"] > 100 and "elements" in repr(run) and run.figures == ()

@@ -226,7 +226,8 @@ def scan(
             raise KeyboardInterrupt(f"{place}: stopped before its end; resume=True goes on")
         if outcome.stopped:
             raise RunError(f"{place}: {outcome.stopped}; make room, then resume=True goes on")
-        for count, what in ((outcome.failed, "failed"), (outcome.missing, "are missing")):
+        for count, what in ((outcome.failed, "failed"), (outcome.missing, "missing")):
             if count:
-                logger.warning("%s: %d points %s; table.reason tells why, resume=True tries again", place, count, what)
+                text = "%s: of %d points %d %s; table.reason tells why, resume=True tries again"
+                logger.warning(text, place, len(found.distinct), count, what)
         return ScanRuns(place)
