@@ -28,6 +28,7 @@ analysis/reports analysis/exports
 analysis/studies
 analysis/scans analysis/contact_law
 analysis/document
+analysis/films
 analysis/pipeline
 analysis/figures analysis/summary analysis/summary_table
 analysis/measures
@@ -47,7 +48,7 @@ lammps_inputs/ownership
 lammps_inputs/unmarked_results
 lammps_inputs/lattices lammps_inputs/run_directory
 lammps_inputs/toml_files lammps_inputs/memory
-lammps_inputs/files lammps_inputs/named_files
+lammps_inputs/files lammps_inputs/named_files lammps_inputs/roots
 lammps_inputs/errors
 plugins
 """

@@ -35,7 +35,7 @@ def unit_of_value(key: str) -> str:
 
 def value_column(key: str) -> Column:
     """Column of a value of the summary."""
-    return Column(quantity(key).label, unit_of_value(key), numeric=True)
+    return Column(quantity(key).label, unit_of_value(key), numeric=True, meaning=quantity(key).meaning)
 
 
 def case_column(key: str, *, numeric: bool) -> Column:
