@@ -6,7 +6,7 @@ import html
 from collections.abc import Iterator
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from granwave.analysis.errors import MissingDataError
 from granwave.analysis.notebook.frames import frame_of
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _POINT = "point"  # name of the index of the table
-_MOST_ROWS = 20  # shown of the table
+_SHOWN: dict[str, Any] = {"max_rows": 20, "float_format": "{:.5g}".format, "na_rep": ""}  # of the table
 
 
 class ScanRuns:
@@ -138,12 +138,12 @@ class ScanRuns:
         return axes
 
     def __repr__(self) -> str:
-        table = self._brief.to_string(max_rows=_MOST_ROWS) if self.points else ""
+        table = self._brief.to_string(**_SHOWN) if self.points else ""
         return f"{self._title}\n{table}\n\nresults in {self.directory}"
 
     def _repr_html_(self) -> str:
         title, place = html.escape(self._title), html.escape(f"results in {self.directory}")
-        return f"<p>{title}</p>\n{self._brief.to_html(max_rows=_MOST_ROWS)}\n<p>{place}</p>"
+        return f"<p>{title}</p>\n{self._brief.to_html(**_SHOWN)}\n<p>{place}</p>"
 
     @property
     def _title(self) -> str:

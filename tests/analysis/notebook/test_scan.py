@@ -50,6 +50,7 @@ def test_points_are_runs(scan):
 def test_text_and_html(scan, directory):
     text = repr(scan)
     assert text.startswith("scan synthetic: 6 points, 4 done") and "dissipated_fraction" in text
+    assert f"{scan[1]['plastic_zone_volume_m3']:.5g}" in text and "NaN" not in text  # small values have their digits
     assert text.endswith(f"results in {directory}")
     page = scan._repr_html_()
     assert "<th>dissipated_fraction</th>" in page and "failed" in page
