@@ -6,11 +6,10 @@ import logging
 from collections.abc import Callable
 from pathlib import Path
 
-from tqdm import tqdm
-
 from granwave.analysis.errors import MissingOutputError
 from granwave.analysis.figures.side_by_side import helpers
 from granwave.analysis.lammps_output.completeness import check_complete
+from granwave.analysis.progress_bar import progress_bar
 from granwave.analysis.result.not_a_run import is_continuum, why_no_run
 from granwave.analysis.result.writer import write_result
 from granwave.analysis.summary import Summary, summarise
@@ -30,7 +29,8 @@ def analyse(directory: str | Path, progress: bool | Callable[[str], None] = Fals
     directory
         Of the run.
     progress
-        True for a bar on a terminal; or a function, called with the name of each part before it is made.
+        True for a bar on a terminal or in a notebook; or a function, called with the name of each part before it is
+        made.
     figures
         Draw them too.
 
@@ -51,7 +51,7 @@ def analyse(directory: str | Path, progress: bool | Callable[[str], None] = Fals
     if callable(progress):
         return _analyse(Path(directory), progress, figures)
     parts = 2 + (len(_figures()) if figures else 0)
-    with tqdm(total=parts, desc="analysis", disable=None if progress else True, leave=False) as bar:
+    with progress_bar(progress, total=parts, desc="analysis", leave=False) as bar:
 
         def report(part: str) -> None:
             logger.debug("%s: %s", directory, part)

@@ -326,7 +326,8 @@ CONTINUUM_ROWS = _quantities(
 
 #: Columns at the terminal at the end of a scan: numbers, with the unit in the head.
 SCAN_COLUMNS = _quantities(
-    "dissipated_fraction", "n_plastic_spheres", "plastic_zone_volume_m3", "zone_depth_90_m", "zone_volume_90_m3",
+    _changed("restitution", digits=".5f"), "dissipated_fraction",
+    "n_plastic_spheres", "plastic_zone_volume_m3", "zone_depth_90_m", "zone_volume_90_m3",
     "zone_cut", _changed("peak_force_N", short="peak force", digits=".5g"),
     _changed("max_force_N", short="largest force"),
     _changed("force_deviation_rms_percent", short="less the law (%, rms)", digits=".2f"),

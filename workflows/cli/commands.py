@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from granwave.analysis.measures.zone.marks import zone_warnings
+from granwave.analysis.summary_table import continuum_table, summary_table
 from granwave.lammps_inputs.case.material import Material, material, sphere_mass
 from granwave.lammps_inputs.case.overrides import apply_overrides, parse_overrides
 from granwave.lammps_inputs.case.sections import LAWS
@@ -27,7 +28,7 @@ from granwave.lammps_inputs.run_directory import CASE_FILE, EXPORT_DIRECTORY, RE
 from granwave.lammps_inputs.run_state import restore_case
 from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows import library
-from granwave.workflows.cli.tables import continuum_plan_table, expected_cut, plan_table, summary_table
+from granwave.workflows.cli.tables import continuum_plan_table, expected_cut, plan_table
 from granwave.workflows.run import mpi, record
 from granwave.workflows.solvers import CONTINUUM, GRANULAR, SPHERE_CONTACT, solver_of
 
@@ -151,7 +152,6 @@ def scan(options: argparse.Namespace, _: Arguments) -> int:
 
 def continuum(options: argparse.Namespace, _: Arguments) -> int:
     """Execute ``granwave continuum``."""
-    from granwave.workflows.cli.tables import continuum_table
     from granwave.workflows.run.directory import held
 
     path = library.find_for(options.case, CONTINUUM.verb)

@@ -154,8 +154,13 @@ def command(n_ranks: int, arguments: Sequence[str], launcher: Sequence[str] = ()
     return [*launcher, "-n", str(n_ranks), sys.executable, "-m", "mpi4py", "-m", "granwave.workflows", *arguments]
 
 
-def launch(n_ranks: int, arguments: Sequence[str]) -> int:
+def launch(n_ranks: int, arguments: Sequence[str], *, stdout: int | None = None, stderr: int | None = None) -> int:
     """Run ``granwave ARGUMENTS`` on several ranks of this machine; Ctrl-C makes them stop with a checkpoint.
+
+    Parameters
+    ----------
+    stdout, stderr
+        File descriptors that the ranks write to; by default those of this process.
 
     Returns
     -------
@@ -171,7 +176,7 @@ def launch(n_ranks: int, arguments: Sequence[str]) -> int:
     with tempfile.TemporaryDirectory(prefix="granwave-") as scratch:
         stop = Path(scratch) / "stop"
         environment = {**os.environ, STOP_FILE: str(stop), EXPECTED_RANKS: str(n_ranks)}
-        ranks = subprocess.Popen(words, env=environment, start_new_session=True)
+        ranks = subprocess.Popen(words, env=environment, stdout=stdout, stderr=stderr, start_new_session=True)
         with Interrupts(stop.touch):
             status = ranks.wait()
     if status not in (0, 1, 2, 130):
