@@ -139,17 +139,20 @@ class Beside:
     kind: Literal["beside"] = "beside"
 
 
+Part = Table | Gallery | Note | Beside
+
+
 @dataclasses.dataclass(frozen=True)
 class Group:
     """Blocks under a heading of their own; folded where the format can fold."""
 
     title: str
-    blocks: tuple[Table | Gallery | Note | Beside, ...]
+    blocks: tuple[Part, ...]
     folded: bool = False
     kind: Literal["group"] = "group"
 
 
-Block = Table | Gallery | Note | Group | Beside
+Block = Part | Group
 
 
 @dataclasses.dataclass(frozen=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -135,7 +136,7 @@ def _write_mp4(path: Path, pictures: Iterator[NDArray[np.uint8]], rate: float) -
         writer.close()
 
 
-def _write_moving(path: Path, pictures: Iterator[NDArray[np.uint8]], rate: float, **options: object) -> None:
+def _write_moving(path: Path, pictures: Iterator[NDArray[np.uint8]], rate: float, **options: Any) -> None:
     images = [Image.fromarray(picture) for picture in pictures]
     durations = [round(1000 / rate)] * len(images)
     durations[-1] += round(1000 * _LAST)

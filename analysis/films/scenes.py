@@ -15,7 +15,6 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from granwave.analysis.errors import MissingDataError
 from granwave.analysis.figures.run.packing3d import draw_packing
 from granwave.analysis.figures.run.sections import (
     Colouring,
@@ -181,7 +180,7 @@ class _Chain(Scene):
         self._all_times, self._place = time, result["chain/contact_position"] * _MILLI
         self._largest = float(np.max(self._force, initial=0.0))
         if not self._largest > 0:
-            raise MissingDataError(f"{result.directory}: no contact bore a force; there is nothing to film")
+            raise InputError(f"{result.case.name}: no contact bore a force; there is nothing to film")
         self._rows = np.unique(np.linspace(0, len(time) - 1, min(_MOST_INSTANTS, len(time))).round().astype(int))
         self.times = time[self._rows]
 

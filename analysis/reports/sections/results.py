@@ -18,7 +18,7 @@ from granwave.analysis.document.cells import (
     value_cell,
     value_column,
 )
-from granwave.analysis.document.model import Block, Cell, Column, Group, Note, Section, Table, Tone
+from granwave.analysis.document.model import Block, Cell, Column, Group, Note, Part, Section, Table, Tone
 from granwave.analysis.formatting.units import shown_unit
 from granwave.analysis.formatting.values import unique_labels
 from granwave.analysis.measures.zone.marks import Mark, bounds_in_words, mark_of
@@ -99,7 +99,7 @@ def _runs_table(runs: Sequence[Run]) -> Table:
     )
 
 
-def _scan_blocks(scan: Scan, inputs: Inputs) -> list[Block]:
+def _scan_blocks(scan: Scan, inputs: Inputs) -> list[Part]:
     points = scan.points
     keys = list(scan.source.varied)
     table = _table(
@@ -111,7 +111,7 @@ def _scan_blocks(scan: Scan, inputs: Inputs) -> list[Block]:
         [_status(point) for point in points],
         [point.run.summary if point.run else {} for point in points],
     )
-    blocks: list[Block] = [table]
+    blocks: list[Part] = [table]
     if SEED in keys and all(isinstance(point.result.summary, dict) for point in points):
         blocks += _replicates(scan)
     files = [scan.directory / name for name in (SCAN_TABLE, SCAN_MEANS)]
@@ -230,7 +230,7 @@ def _difference(first: Any, second: Any) -> Cell:
     return Cell(percent(value), value)
 
 
-def _replicates(scan: Scan) -> list[Block]:
+def _replicates(scan: Scan) -> list[Table]:
     """Make a table of means over the seeds with confidence intervals, for points that are otherwise equal."""
     found = scan_statistics(scan.source)
     counts = found.get(COUNT, [])

@@ -52,8 +52,8 @@ def _block(block: Block, folder: str, pictures: dict[str, bytes]) -> Iterator[st
         for figure in block.figures:
             yield from _figure(figure, folder, pictures)
     elif isinstance(block, Beside):
-        for part in (block.gallery, block.table):
-            yield from _block(part, folder, pictures)
+        yield from _block(block.gallery, folder, pictures)
+        yield from _block(block.table, folder, pictures)
     elif isinstance(block, Group):
         yield from (f"### {_escape(block.title)}", "")
         for part in block.blocks:

@@ -107,8 +107,8 @@ def _block(block: Block) -> Iterator[Flowable]:
     elif isinstance(block, Gallery):
         yield from _gallery(block.figures)
     elif isinstance(block, Beside):
-        for part in (block.gallery, block.table):
-            yield from _block(part)
+        yield from _block(block.gallery)
+        yield from _block(block.table)
     elif isinstance(block, Group):
         yield CondPageBreak(_room(block.blocks))
         yield Paragraph(escape(_cut(block.title)), _style(10, bold=True, spaceBefore=8, spaceAfter=4))
