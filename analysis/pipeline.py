@@ -6,10 +6,10 @@ import logging
 from collections.abc import Callable
 from pathlib import Path
 
-from tqdm import tqdm
-
 from granwave.analysis.errors import MissingOutputError
+from granwave.analysis.figures.side_by_side import helpers
 from granwave.analysis.lammps_output.completeness import check_complete
+from granwave.analysis.progress_bar import progress_bar
 from granwave.analysis.result.not_a_run import is_continuum, why_no_run
 from granwave.analysis.result.writer import write_result
 from granwave.analysis.summary import Summary, summarise
@@ -17,6 +17,8 @@ from granwave.lammps_inputs.deck.deck import CASE_FILE
 from granwave.lammps_inputs.run_state import check_case
 
 logger = logging.getLogger(__name__)
+
+_USUAL_FIGURES = 18  # of a packing; a chain has ten
 
 
 def analyse(directory: str | Path, progress: bool | Callable[[str], None] = False, *, figures: bool = True) -> Summary:
@@ -27,7 +29,8 @@ def analyse(directory: str | Path, progress: bool | Callable[[str], None] = Fals
     directory
         Of the run.
     progress
-        True for a bar on a terminal; or a function, called with the name of each part before it is made.
+        True for a bar on a terminal or in a notebook; or a function, called with the name of each part before it is
+        made.
     figures
         Draw them too.
 
@@ -48,7 +51,7 @@ def analyse(directory: str | Path, progress: bool | Callable[[str], None] = Fals
     if callable(progress):
         return _analyse(Path(directory), progress, figures)
     parts = 2 + (len(_figures()) if figures else 0)
-    with tqdm(total=parts, desc="analysis", disable=None if progress else True, leave=False) as bar:
+    with progress_bar(progress, total=parts, desc="analysis", leave=False) as bar:
 
         def report(part: str) -> None:
             logger.debug("%s: %s", directory, part)
@@ -69,13 +72,14 @@ def _analyse(directory: Path, report: Callable[[str], None], figures: bool) -> S
         raise MissingOutputError(why_no_run(directory))
     check_case(directory)
     check_complete(directory)
-    report("result.h5")
-    write_result(directory)
-    report("summary.json")
-    summary = summarise(directory)
-    if figures:
-        # the drawing library takes longer to load than many a small run to compute
-        from granwave.analysis.figures.run_figures import draw_figures
+    with helpers(_USUAL_FIGURES if figures else 0) as others:
+        report("result.h5")
+        write_result(directory)
+        report("summary.json")
+        summary = summarise(directory)
+        if figures:
+            # the drawing library takes longer to load than many a small run to compute
+            from granwave.analysis.figures.run_figures import draw_figures
 
-        draw_figures(directory, report)
+            draw_figures(directory, report, helpers=others)
     return summary

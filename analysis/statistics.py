@@ -15,7 +15,6 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import stdtrit
 
 CONFIDENCE = 0.95
 _MOST_SEEDS = 1_000_000
@@ -144,4 +143,6 @@ def crossing(x: Sequence[float], y: Sequence[float], level: float) -> float | No
 
 
 def _student(confidence: float, freedom: float) -> float:
+    from scipy.special import stdtrit  # takes longer to load than most commands need
+
     return float(stdtrit(freedom, 0.5 + 0.5 * confidence))

@@ -9,7 +9,10 @@ from pathlib import Path
 
 import pytest
 
+from granwave.analysis.figures.side_by_side import PROCESSES
+
 BIN = Path(sys.prefix) / "bin"
+os.environ.setdefault(PROCESSES, "1")  # tests run side by side already
 PLAIN = {name: value for name, value in os.environ.items() if not name.startswith(("PMI_", "LAMMPS_PLUGIN"))}
 
 

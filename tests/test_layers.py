@@ -16,24 +16,27 @@ PACKAGES = ("workflows", "analysis", "lammps_inputs", "plugins")
 # From top to bottom: a file imports from its own folder and from folders on lower levels. A name denotes a folder or a file.
 FLOORS = """
 workflows/__main__
-workflows/cli
+workflows/cli workflows/python
 workflows/bench
 workflows/scanning
 workflows/run
 workflows/library
 workflows/solvers
 workflows/finite_elements
+analysis/notebook
 analysis/reports analysis/exports
 analysis/studies
 analysis/scans analysis/contact_law
 analysis/document
+analysis/films
 analysis/pipeline
-analysis/figures analysis/summary
+analysis/figures analysis/summary analysis/summary_table
 analysis/measures
 analysis/result
 analysis/lammps_output
 analysis/formatting
-analysis/quantities analysis/statistics analysis/errors analysis/versions
+analysis/quantity_notes
+analysis/quantities analysis/statistics analysis/errors analysis/versions analysis/progress_bar
 lammps_inputs/deck
 lammps_inputs/load_case
 lammps_inputs/planning lammps_inputs/checks
@@ -46,7 +49,7 @@ lammps_inputs/ownership
 lammps_inputs/unmarked_results
 lammps_inputs/lattices lammps_inputs/run_directory
 lammps_inputs/toml_files lammps_inputs/memory
-lammps_inputs/files lammps_inputs/named_files
+lammps_inputs/files lammps_inputs/named_files lammps_inputs/roots
 lammps_inputs/errors
 plugins
 """

@@ -11,6 +11,7 @@ from granwave.analysis.formatting.numbers import interval, plain
 from granwave.analysis.formatting.units import printed_unit, shown_unit
 from granwave.analysis.formatting.values import as_label
 from granwave.analysis.quantities import ENTRIES, quantity
+from granwave.analysis.quantity_notes import meaning_of
 
 BLANK = "\u2013"  # a value that does not apply
 _DIGITS = 5
@@ -35,7 +36,7 @@ def unit_of_value(key: str) -> str:
 
 def value_column(key: str) -> Column:
     """Column of a value of the summary."""
-    return Column(quantity(key).label, unit_of_value(key), numeric=True)
+    return Column(quantity(key).label, unit_of_value(key), numeric=True, meaning=meaning_of(key))
 
 
 def case_column(key: str, *, numeric: bool) -> Column:

@@ -12,7 +12,7 @@ import math
 from collections.abc import Sequence
 
 from granwave.analysis.document.cells import BLANK
-from granwave.analysis.document.model import Block, Cell, Group, Report, Table
+from granwave.analysis.document.model import Beside, Block, Cell, Group, Part, Report, Table
 
 _ROUNDING = 1e-12
 _LEAST = 1e-100
@@ -29,9 +29,14 @@ def tidied(report: Report) -> Report:
 
 def _block(block: Block) -> Block:
     if isinstance(block, Group):
-        parts = (tidied_table(part) if isinstance(part, Table) else part for part in block.blocks)
-        return dataclasses.replace(block, blocks=tuple(parts))
-    return tidied_table(block) if isinstance(block, Table) else block
+        return dataclasses.replace(block, blocks=tuple(map(_part, block.blocks)))
+    return _part(block)
+
+
+def _part(part: Part) -> Part:
+    if isinstance(part, Beside):
+        return dataclasses.replace(part, table=tidied_table(part.table))
+    return tidied_table(part) if isinstance(part, Table) else part
 
 
 def tidied_table(table: Table) -> Table:

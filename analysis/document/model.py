@@ -9,7 +9,7 @@ from __future__ import annotations
 import dataclasses
 from typing import Any, Literal, TypeVar
 
-Tone = Literal["", "good", "note", "bad"]
+Tone = Literal["", "lead", "good", "note", "bad"]
 _COLUMN = 4.3  # inches: a column of a journal, and a quarter
 Model = TypeVar("Model")
 
@@ -32,22 +32,29 @@ class Cell:
         What is shown.
     value
         What rows are sorted by; None sorts last.
+    meaning
+        A sentence that explains it, shown on hover.
     """
 
     text: str
     value: float | str | None = None
     tone: Tone = ""
     link: Link | None = None
+    meaning: str = ""
 
 
 @dataclasses.dataclass(frozen=True)
 class Column:
-    """Head of a column; ``key`` columns say what a row is, and are repeated where a table is too wide for a page."""
+    """Head of a column; ``key`` columns say what a row is, and are repeated where a table is too wide for a page.
+
+    ``meaning`` is a sentence that explains the quantity, shown on hover.
+    """
 
     heading: str
     unit: str = ""
     numeric: bool = False
     key: bool = False
+    meaning: str = ""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -111,7 +118,10 @@ class Gallery:
 
 @dataclasses.dataclass(frozen=True)
 class Note:
-    """A sentence that must not be overlooked, or with no tone a plain paragraph; ``section`` is where to read on."""
+    """A sentence: one that must not be overlooked, the answer (``lead``), or with no tone a plain paragraph.
+
+    ``section`` is where to read on.
+    """
 
     text: str
     tone: Tone = ""
@@ -121,16 +131,28 @@ class Note:
 
 
 @dataclasses.dataclass(frozen=True)
+class Beside:
+    """A picture and a table side by side; one after the other where there is no room."""
+
+    gallery: Gallery
+    table: Table
+    kind: Literal["beside"] = "beside"
+
+
+Part = Table | Gallery | Note | Beside
+
+
+@dataclasses.dataclass(frozen=True)
 class Group:
     """Blocks under a heading of their own; folded where the format can fold."""
 
     title: str
-    blocks: tuple[Table | Gallery | Note, ...]
+    blocks: tuple[Part, ...]
     folded: bool = False
     kind: Literal["group"] = "group"
 
 
-Block = Table | Gallery | Note | Group
+Block = Part | Group
 
 
 @dataclasses.dataclass(frozen=True)

@@ -35,7 +35,7 @@ OUTDATED = (
     r"snapshot_\d{4,}\.csv|walls_(bottom|[xy]lo|[xy]hi|bar|incident_bar)\.csv|(probes|prestage)\.csv"
     r"|chain_\w+\.csv|bar_(bar|incident_bar)_\w+\.csv"
 )
-_TABLES = ("spheres", "contacts", "wall_contacts", "energy", "probes", "prestage")
+TABLES = ("spheres", "contacts", "wall_contacts", "energy", "probes", "prestage")
 #: Columns in this order, followed by the others in the order of their names.
 _FIRST = ("id", "i", "j", "wall", "step", "time", "position", "radius", "mass")
 _ROWS = 65_536  # formatted at once, as text takes many times the memory of numbers
@@ -43,10 +43,10 @@ _ROWS = 65_536  # formatted at once, as text takes many times the memory of numb
 
 def export_run(result: Result, staging: Staging) -> None:
     """Write the tables of a run."""
-    tables = {name: name for name in _TABLES if name in result}
+    tables = {name: name for name in TABLES if name in result}
     tables |= {f"walls/{wall}": f"walls_{wall}" for wall in result.names("walls")}
     for group, name in tables.items():
-        names = sorted(result.names(group), key=_place)
+        names = sorted(result.names(group), key=place_of_column)
         columns = {column: result.file[group][column] for column in names}
         _write(staging.path(f"{name}.csv"), columns, {column: result.unit(f"{group}/{column}") for column in columns})
     _write_chain(result, staging)
@@ -100,7 +100,8 @@ def column_name(name: str, unit: str) -> str:
     return name if suffix in ("", "1") or name.endswith(f"_{suffix}") else f"{name}_{suffix}"
 
 
-def _place(column: str) -> int:
+def place_of_column(column: str) -> int:
+    """Sort key that puts the columns that name a row first."""
     return _FIRST.index(column) if column in _FIRST else len(_FIRST)
 
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from functools import partial
 from pathlib import Path
 
@@ -18,7 +19,9 @@ from granwave.analysis.figures.run import (
     timestep,
     zone,
 )
-from granwave.analysis.figures.style import Drawing, FigureFolder, style
+from granwave.analysis.figures.side_by_side import Helpers
+from granwave.analysis.figures.side_by_side import helpers as start_helpers
+from granwave.analysis.figures.style import Drawing, FigureFolder, contents, settings, style
 from granwave.analysis.result.reader import Result
 
 
@@ -96,7 +99,10 @@ FIGURES: dict[str, RunFigure] = {
 
 
 def draw_figures(
-    directory: str | Path, progress: Callable[[str], None] | None = None, names: tuple[str, ...] | None = None
+    directory: str | Path,
+    progress: Callable[[str], None] | None = None,
+    names: tuple[str, ...] | None = None,
+    helpers: Helpers | None = None,
 ) -> list[Path]:
     """Draw the figures of a run from its ``result.h5``.
 
@@ -108,6 +114,8 @@ def draw_figures(
         Function called with the name of each figure before it is drawn.
     names
         Names of the figures to draw; by default all.
+    helpers
+        Processes that draw beside this one, started before; by default as many as there are cores, up to four.
 
     Returns
     -------
@@ -120,11 +128,37 @@ def draw_figures(
         There is no result.h5.
     KeyError
         There is no figure of that name.
+    InputError
+        The environment does not give a number of processes.
     """
+    chosen = tuple(FIGURES if names is None else names)
     folder = FigureFolder(directory)
-    with Result(directory) as result, style():
-        for name in FIGURES if names is None else names:
+    with painter(directory) as draw, _helpers(len(chosen), helpers) as others:
+        outcomes = others.draw(chosen, draw, (Path(directory).absolute(), chosen, settings()))
+        for name in chosen:
             if progress is not None:
                 progress(name)
-            folder.save(FIGURES[name].draw(result), name)
+            folder.place(next(outcomes), name)
     return folder.written
+
+
+def _helpers(n_figures: int, started: Helpers | None) -> AbstractContextManager[Helpers]:
+    return nullcontext(started) if started else start_helpers(n_figures)
+
+
+@contextmanager
+def painter(directory: str | Path) -> Iterator[Callable[[str], dict[str, bytes] | None]]:
+    """Open a run; give a function that draws the figure of a name, as contents of its files by suffix.
+
+    Raises
+    ------
+    MissingOutputError
+        There is no result.h5.
+    """
+
+    def draw(name: str) -> dict[str, bytes] | None:
+        drawing = FIGURES[name].draw(result)
+        return None if drawing is None else contents(drawing)
+
+    with Result(directory) as result, style():
+        yield draw

@@ -8,6 +8,7 @@ from granwave.analysis.document.cells import named, show
 from granwave.analysis.document.cleanup import tidied
 from granwave.analysis.document.model import Block, Cell, Column, Group, Note, Report, Section, Table
 from granwave.analysis.reports.inputs import Inputs, Run, Scan
+from granwave.analysis.reports.sections.answer import answer_blocks, main_figures
 from granwave.analysis.reports.sections.balance import SLUG as BALANCE
 from granwave.analysis.reports.sections.balance import balance_notes, balance_section
 from granwave.analysis.reports.sections.comparison import comparison_section
@@ -33,19 +34,20 @@ def build_report(inputs: Inputs, named: Sequence[str] = ()) -> Report:
     """
     labels = [item.label for item in inputs.items]
     names = ", ".join(labels[:_IN_TITLE]) + (f" and {len(labels) - _IN_TITLE} more" if len(labels) > _IN_TITLE else "")
+    asked = named or any(scan.studies for scan in inputs.scans)  # what the sources say is for their studies
     failures, studies = failures_section(inputs), studies_of(inputs, named)
     above = {picture.name for study in studies for picture in study.pictures}
     sections = (
-        _attention(inputs, failures.slug),
         Section("Verdict", "verdict", verdicts(studies)),
-        _what_was_run(inputs),
-        results_section(inputs),
-        comparison_section(inputs),
+        _answer(inputs, failures.slug),
         studies_section(inputs, studies),
-        sources_section(inputs),
-        balance_section(inputs),
+        comparison_section(inputs),
+        *([sources_section(inputs)] if asked else []),
+        figures_section(inputs, above, main_figures(inputs)),
         failures,
-        figures_section(inputs, above),
+        results_section(inputs),
+        balance_section(inputs),
+        _what_was_run(inputs),
     )
     return tidied(Report(f"Report: {names}", _lead(inputs), tuple(section for section in sections if section.blocks)))
 
@@ -62,7 +64,14 @@ def _lead(inputs: Inputs) -> str:
     return " and ".join(parts) + ". SI units."
 
 
-def _attention(inputs: Inputs, failures: str) -> Section:
+def _answer(inputs: Inputs, failures: str) -> Section:
+    """Make the first section: what must not be overlooked, what came out, and notes on it."""
+    notes = _notes(inputs, failures)
+    bad, others = ([note for note in notes if (note.tone == "bad") is wanted] for wanted in (True, False))
+    return Section("In short", "short", (*bad, *answer_blocks(inputs), *others))
+
+
+def _notes(inputs: Inputs, failures: str) -> list[Note]:
     notes: list[Note] = []
     for scan in inputs.scans:
         failed, missing = scan.count("failed"), sum(point.run is None for point in scan.points) - scan.count("failed")
@@ -84,8 +93,7 @@ def _attention(inputs: Inputs, failures: str) -> Section:
     if not notes:
         text = "Every run finished, its energy balance closed, and no contact left the range of its law."
         notes.append(Note(text, "good"))
-    notes.sort(key=lambda note: note.tone != "bad")
-    return Section("In short", "short", tuple(notes))
+    return notes
 
 
 def _damaged(run: Run, inputs: Inputs) -> Note:
@@ -104,7 +112,7 @@ def _what_was_run(inputs: Inputs) -> Section:
     )
     rows = tuple(_input_row(item, inputs) for item in inputs.items)
     blocks: list[Block] = [Table("What this report is about", columns, rows), *settings_blocks(inputs)]
-    return Section("What was run", "inputs", (*blocks, *_versions(list(inputs.results()))))
+    return Section("Settings and versions", "inputs", (*blocks, *_versions(list(inputs.results()))))
 
 
 def _input_row(item: Run | Scan, inputs: Inputs) -> tuple[Cell, ...]:

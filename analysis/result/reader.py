@@ -101,7 +101,13 @@ class Result:
         return name in self.file
 
     def __getitem__(self, name: str) -> NDArray:
-        """Read a data set, such as ``energy/time``.
+        """Read a data set, such as ``energy/time``, and keep it; raise as `read`."""
+        if name not in self._read:
+            self._read[name] = self.read(name)
+        return self._read[name]
+
+    def read(self, name: str) -> NDArray:
+        """Read a data set without keeping it.
 
         Raises
         ------
@@ -110,16 +116,14 @@ class Result:
         OutputFormatError
             The data set is damaged.
         """
-        if name not in self._read:
-            found = self.file.get(name)
-            if not isinstance(found, h5py.Dataset):
-                remedy = f"make it anew with  granwave analyse {self.path.parent}"
-                raise MissingDataError(f"{self.path} has no data set {name}; {remedy}")
-            try:
-                self._read[name] = found.asstr()[()] if h5py.check_string_dtype(found.dtype) else found[()]
-            except OSError as error:
-                raise OutputFormatError(self.damaged(f"{name}: {error}")) from None
-        return self._read[name]
+        found = self.file.get(name)
+        if not isinstance(found, h5py.Dataset):
+            remedy = f"make it anew with  granwave analyse {self.path.parent}"
+            raise MissingDataError(f"{self.path} has no data set {name}; {remedy}")
+        try:
+            return found.asstr()[()] if h5py.check_string_dtype(found.dtype) else found[()]
+        except OSError as error:
+            raise OutputFormatError(self.damaged(f"{name}: {error}")) from None
 
     def get(self, name: str) -> NDArray | None:
         """Read a data set; None if the run does not have it."""

@@ -45,7 +45,7 @@ def draw_scan_figures(scan: str | Path | ScanResult, *, pdf: bool = True) -> lis
     scan
         Directory of the scan, or the scan itself, whose summaries are cached if figures are drawn repeatedly.
     pdf
-        False to omit the PDF of each figure, which saves two thirds of the time, and to remove earlier ones.
+        False to omit the PDF of each figure, which saves half of the time, and to remove earlier ones.
 
     Returns
     -------

@@ -205,18 +205,12 @@ class ScanData(Mapping[str, NDArray]):
         return dataclasses.replace(self, columns={name: column[chosen] for name, column in self.columns.items()})
 
     def to_pandas(self) -> pandas.DataFrame:
-        """Convert the table to a DataFrame.
+        """Convert the table to a DataFrame, with the unit of every column in ``attrs["units"]``."""
+        import pandas
 
-        Raises
-        ------
-        ImportError
-            pandas is not installed.
-        """
-        try:
-            import pandas
-        except ImportError as error:
-            raise ImportError(f"to_pandas needs pandas ({error}): pip install pandas") from error
-        return pandas.DataFrame(self.columns)
+        table = pandas.DataFrame(self.columns)
+        table.attrs["units"] = {name: column_unit(name) for name in self.columns}
+        return table
 
     def to_xarray(self) -> xarray.Dataset:
         """Convert the table to a Dataset with a dimension for each independent key.
@@ -225,15 +219,11 @@ class ScanData(Mapping[str, NDArray]):
 
         Raises
         ------
-        ImportError
-            xarray is not installed.
         ValueError
             The points do not fill a grid with one point at each place.
         """
-        try:
-            import xarray
-        except ImportError as error:
-            raise ImportError(f"to_xarray needs xarray ({error}): pip install xarray") from error
+        import xarray
+
         labels = {key: self[key].tolist() for key in self.varied}
         axes = independent_keys(labels)
         values = {key: list(dict.fromkeys(labels[key])) for key in axes}

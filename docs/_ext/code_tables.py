@@ -16,7 +16,8 @@ from pygments.lexers.special import TextLexer
 from sphinx.application import Sphinx
 
 from granwave.analysis.formatting.units import printed_unit
-from granwave.analysis.quantities import ENTRIES, NOTES
+from granwave.analysis.quantities import ENTRIES
+from granwave.analysis.quantity_notes import NOTES
 from granwave.analysis.studies.registry import STUDIES
 from granwave.lammps_inputs import presets
 from granwave.lammps_inputs.lattices import KINDS

@@ -14,7 +14,6 @@ in the body. Hence C = 1 / max |sigma_z - sigma_r| with p0 = 1: 1.613 at nu = 0.
 from __future__ import annotations
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 
 DEFAULT_YIELD_FACTOR = 1.60
 FITTED_POISSON_RATIO = 0.30
@@ -23,6 +22,7 @@ _DEEPEST = 3.0  # in contact radii; the largest stress lies above 0.7 for every 
 
 def hertz_von_mises_yield_factor(poisson_ratio: float) -> float:
     """Return the exact C for a Poisson's ratio (above -1, below 0.5)."""
+    from scipy.optimize import minimize_scalar  # takes longer to load than most commands need
 
     def stress(depth: float | np.ndarray) -> np.ndarray:
         zeta = np.maximum(depth, 1e-300)

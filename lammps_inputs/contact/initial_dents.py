@@ -12,10 +12,8 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import h5py
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import KDTree
 
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.case.sections import Dents
@@ -116,6 +114,8 @@ class _Earlier:
     @classmethod
     def read(cls, path: Path) -> _Earlier:
         """Read a result.h5; raise one of `_UNREADABLE` for other or damaged files."""
+        import h5py  # takes longer to load than most commands need
+
         with h5py.File(path, "r") as file:
 
             def column(name: str, kind: type, *width: int) -> NDArray:
@@ -307,6 +307,8 @@ def _near(
     assembly: Assembly, positions: NDArray[np.float64], radii: NDArray[np.float64], reach: float
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
     """Return the pairs of rows (i < j) whose surfaces are at most ``reach`` apart, and the vectors between centres."""
+    from scipy.spatial import KDTree  # takes longer to load than most commands need
+
     box, origin = None, positions.min(axis=0)
     if assembly.lattice.periodic:
         box = np.array([*assembly.lattice.lengths, 0.0])

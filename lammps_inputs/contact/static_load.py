@@ -17,7 +17,6 @@ import math
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import KDTree
 
 from granwave.lammps_inputs.case.sections import Contact
 from granwave.lammps_inputs.contact.law import law_between
@@ -113,6 +112,8 @@ def _missing_neighbours(assembly: Assembly) -> NDArray[np.float64]:
     own = lattice.positions(1, lattice.n_spheres) / lattice.diameter
     if sites is not None and not sites.present.all():
         missing = np.concatenate([missing, _open_to(missing, own[~sites.present])])
+    from scipy.spatial import KDTree  # takes longer to load than most commands need
+
     near = KDTree(missing).query_ball_point(own, 1 + TOUCHING)
     result = np.zeros_like(own)
     for site, found in enumerate(near):
@@ -123,6 +124,8 @@ def _missing_neighbours(assembly: Assembly) -> NDArray[np.float64]:
 
 def _open_to(outside: NDArray[np.float64], vacant: NDArray[np.float64]) -> NDArray[np.float64]:
     """Select the vacant sites that are connected to the outside, directly or through others: (n, 3)."""
+    from scipy.spatial import KDTree
+
     found, border = np.zeros(len(vacant), dtype=bool), outside
     while len(border):
         distance, _ = KDTree(border).query(vacant)

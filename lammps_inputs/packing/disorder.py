@@ -21,7 +21,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import ndtr, ndtri
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.bodies import Replace
@@ -50,6 +49,8 @@ def diameter_losses(packing: PackingSection, n: int) -> NDArray[np.float64]:
     """Draw the deficits of the diameters from the nominal one: (n,), m, from 0 to ``diameter_scatter``."""
     place = _uniform(packing.seed, n, DIAMETERS)
     if packing.scatter_distribution == "normal":
+        from scipy.special import ndtr, ndtri  # takes longer to load than most commands need
+
         least, most = ndtr(-_DEVIATIONS), ndtr(_DEVIATIONS)
         place = (ndtri(least + (most - least) * place) / _DEVIATIONS + 1) / 2
         place = np.clip(np.rint(place / _GRID) * _GRID, 0, 1)

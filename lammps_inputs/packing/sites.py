@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import KDTree
 
 from granwave.lammps_inputs.case.bodies import Replace, Sensor, Striker
 from granwave.lammps_inputs.case.material import Material
@@ -136,6 +135,8 @@ class Sites:
         none = np.empty((0, 2), dtype=np.int64), np.empty(0)
         if not large.size:
             return none
+        from scipy.spatial import KDTree  # takes longer to load than most commands need
+
         centres = self.positions(1, len(self.present))
         tree = KDTree(centres[present])
         slack = TOUCHING * self.lattice.diameter

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
 
 from granwave.lammps_inputs.case.bodies import Striker
 from granwave.lammps_inputs.lattices import Lattice
@@ -83,6 +82,8 @@ def _touching(at: NDArray[np.float64], reach: NDArray[np.float64], side: NDArray
     middle = at.mean(axis=0)
     if len(at) == 1:
         return middle + reach[0] * side
+    from scipy.optimize import least_squares  # takes longer to load than most commands need
+
     _, sizes, directions = np.linalg.svd(at - middle)
     spanned = directions[: len(sizes)][sizes > _TELLING * sizes[0]]
     axes = np.vstack([spanned, side])

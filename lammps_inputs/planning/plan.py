@@ -17,6 +17,7 @@ from granwave.lammps_inputs.errors import InputError, raise_all
 from granwave.lammps_inputs.memory import refuse_too_large
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.planning.schedule import Schedule, make_schedule
+from granwave.lammps_inputs.planning.space import Space, expected_space
 from granwave.lammps_inputs.planning.timestep import auto_timestep, expected_peak_overlap
 from granwave.lammps_inputs.planning.wall_time import WallTime, expected_wall_time
 from granwave.lammps_inputs.planning.zone_estimate import ExpectedZone, expected_zone
@@ -26,17 +27,7 @@ if TYPE_CHECKING:
 
 _LOG = logging.getLogger("granwave")
 
-# Measured on fcc packings of 1.5e5 spheres (whole runs) and 1e7 spheres (set-up and first steps), rounded up.
-_MEMORY_BASE = 300e6  # bytes; the interpreter with LAMMPS, or with matplotlib, loaded
-_MEMORY_PER_SPHERE = 450.0
-_MEMORY_PER_CONTACT = 100.0
-_DISK_DATA_PER_SPHERE = 75.0
-_DISK_FRAME_PER_SPHERE = 230.0  # dump of all digits, and its compressed copy in result.h5
-_DISK_PER_CONTACT = 110.0
-_DISK_CHECKPOINT_PER_SPHERE, _DISK_CHECKPOINT_PER_CONTACT = 250.0, 250.0  # measured with friction, all yielded
-_DISK_PER_ROW = 400.0
 _FAR_TOO_LONG = 20.0  # times the automatic timestep: energy error above 1e-4, half of the stability limit
-_ROWS_PER_PARTICLE = 0.25  # disk space of a particle at an instant of a chain's history, in rows of the ledger
 
 
 @dataclasses.dataclass(frozen=True)
@@ -45,10 +36,10 @@ class Plan:
 
     Attributes
     ----------
-    memory, disk
-        Memory of all ranks together and disk space, bytes.
-    disk_reserve
-        Space that must stay free during the run, for one more snapshot and checkpoint, bytes.
+    n_ranks
+        Number of ranks that it is planned for.
+    space
+        Memory of each rank, and disk space.
     peak_overlap
         Upper bound on the largest overlap of two spheres, m.
     peak_overlap_yield
@@ -65,14 +56,28 @@ class Plan:
     n_spheres: int
     n_contacts: int
     schedule: Schedule
-    memory: float
-    disk: float
-    disk_reserve: float
+    n_ranks: int
+    space: Space
     peak_overlap: float
     peak_overlap_yield: float | None
     peak_overlap_radius: float
     times: WallTime
     zone: ExpectedZone | None = None
+
+    @property
+    def memory(self) -> float:
+        """Memory of all ranks together, bytes."""
+        return self.space.memory(self.n_ranks)
+
+    @property
+    def disk(self) -> float:
+        """Disk space, bytes."""
+        return self.space.disk
+
+    @property
+    def disk_reserve(self) -> float:
+        """Space that must stay free during the run, for one more snapshot and checkpoint, bytes."""
+        return self.space.disk_reserve
 
     @property
     def wall_time(self) -> float:
@@ -105,22 +110,13 @@ def plan(case: Case | Assembly, *, n_ranks: int = 1, figures: bool = True) -> Pl
             f"{case.name}: no timestep can be found for these values ({error}); are they all in SI units?"
         ) from None
     _note_times(case, schedule)
-    rows = schedule.n_steps / schedule.ledger_every + schedule.n_steps / schedule.probe_every
-    if schedule.history_every:
-        rows += _ROWS_PER_PARTICLE * assembly.n_particles * schedule.n_steps / schedule.history_every
     return Plan(
         name=case.name,
         n_spheres=assembly.n_spheres,
         n_contacts=assembly.n_contacts,
         schedule=schedule,
-        memory=n_ranks * _MEMORY_BASE
-        + assembly.n_particles * _MEMORY_PER_SPHERE
-        + assembly.n_neighbours * _MEMORY_PER_CONTACT,
-        disk=assembly.n_particles * (_DISK_DATA_PER_SPHERE + schedule.n_frames * _DISK_FRAME_PER_SPHERE)
-        + assembly.n_neighbours * _DISK_PER_CONTACT
-        + rows * _DISK_PER_ROW,
-        disk_reserve=assembly.n_particles * (_DISK_FRAME_PER_SPHERE + _DISK_CHECKPOINT_PER_SPHERE)
-        + assembly.n_neighbours * _DISK_CHECKPOINT_PER_CONTACT,
+        n_ranks=n_ranks,
+        space=expected_space(assembly, schedule, n_ranks),
         peak_overlap=overlap,
         peak_overlap_yield=overlap / law.yield_overlap if case.contact.yields else None,
         peak_overlap_radius=overlap / law.effective_radius,

@@ -42,7 +42,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from granwave.lammps_inputs.case.sections import ENERGY_TOLERANCE
 from granwave.lammps_inputs.case.supports import BAR_COURANT_NUMBER
@@ -52,6 +51,7 @@ from granwave.lammps_inputs.contact.static_load import force_of_contact
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble, struck_of, velocities_of
 from granwave.lammps_inputs.packing.bars import INCIDENT_BAR
 from granwave.lammps_inputs.packing.walls import support_timestep
+from granwave.lammps_inputs.roots import brentq
 
 if TYPE_CHECKING:
     from granwave._contact_laws import ContactLaw

@@ -42,7 +42,7 @@ _MOST_ITERATIONS_OF_DISORDER = 1e5
 _START = 0.3  # set-up and analysis, independent of size
 _SNAPSHOT, _TEXT_SNAPSHOT = 1.5e-6, 6e-6  # a particle in a snapshot: writing, reading, storing in result.h5, analysis
 _HISTORY = 3e-6  # a particle at an instant of a chain's history
-_FIGURES_OF_CHAIN, _FIGURES = 4.0, 12.0  # all figures of a run, including the start of program and library
+_FIGURES_OF_CHAIN, _FIGURES = 2.5, 5.5  # all figures of a run, including the start of program and library
 
 # first timesteps that an automatic one makes up for over a run: 1 to 1.5 in elastic packings and chains, else 2 to 7
 _GAIN, _ELASTIC_GAIN = 3.0, 1.2

@@ -136,6 +136,9 @@ PYBIND11_MODULE(_contact_laws, module)
       "Force-overlap laws of a contact: the functions that the LAMMPS pair style uses, for numpy arrays in SI units.";
   module.attr("LAMMPS_RELEASE") = GRANWAVE_LAMMPS_RELEASE;
   module.attr("LAW_CONSTANTS") = by_name({});
+  module.def("power", py::vectorize(granwave::power), py::arg("x"), py::arg("y"),
+             "x^y as the laws compute it, for positive x.");
+  module.def("exponential", py::vectorize(granwave::exponential), py::arg("x"), "exp(x) as the laws compute it.");
   py::class_<LawEntry>(module, "LawEntry", "A contact law of the table LAWS.")
       .def_readonly("name", &LawEntry::name)
       .def_readonly("elastic_limit", &LawEntry::elastic_limit,

@@ -34,11 +34,12 @@ class ContactLaw {
   {
     const double ratio = options.yield_factor * yield_ / modulus_;
     overlap_per_radius_ = std::isfinite(yield_) ? 0.25 * PI * PI * ratio * ratio : INFINITE;
-    force_per_area_ = std::isfinite(yield_) ? 4.0 / 3.0 * modulus_ * std::pow(overlap_per_radius_, 1.5) : INFINITE;
+    force_per_area_ = std::isfinite(yield_) ? 4.0 / 3.0 * modulus_ * power(overlap_per_radius_, 1.5) : INFINITE;
     normal_ = entry.make(options, {yield_, overlap_per_radius_, force_per_area_});
   }
 
   const LawEntry &entry() const { return *entry_; }
+  const AnyLaw &normal() const { return normal_; }
   const LawConstants &constants() const { return constants_; }
   std::string fault() const
   {

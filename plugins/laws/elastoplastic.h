@@ -77,7 +77,8 @@ class Elastoplastic : public NormalLaw {
     return std::string(fault_) + where;
   }
 
-  double loading(double a, const double *) const { return a <= 1.0 ? hertz_force(a) : amplitude_ * pressure(a) * area(a); }
+  double loading(double a, const double *) const { return a <= 1.0 ? hertz_force(a) : loading_beyond_yield(a); }
+  double loading_beyond_yield(double a) const { return amplitude_ * pressure(a) * area_beyond_yield(a); }
 
   double loading_work(double a, const double *) const
   {
@@ -104,10 +105,12 @@ class Elastoplastic : public NormalLaw {
     return energy_lost(loading_work(t.peak, extra), t);
   }
 
-  double area(double a) const
+  double area(double a) const { return a <= 1.0 ? a : area_beyond_yield(a); }
+  /* Without branches (plastic_batch.h). */
+  double area_beyond_yield(double a) const
   {
-    if (a <= 1.0) return a;
-    return a < constants_.area_switch ? std::pow(a, area_exponent_) : linear_area(a);
+    const double curved = power(a, area_exponent_);
+    return a < constants_.area_switch ? curved : linear_area(a);
   }
 
  private:
@@ -125,7 +128,7 @@ class Elastoplastic : public NormalLaw {
   double pressure(double a) const
   {
     const double limit = constants_.pressure_limit;
-    return limit - (limit - pressure_at_yield_) * std::exp(-constants_.pressure_rate * (a - 1.0));
+    return limit - (limit - pressure_at_yield_) * exponential(-constants_.pressure_rate * (a - 1.0));
   }
 
   double linear_area(double a) const { return constants_.area_slope * a - constants_.area_offset; }
@@ -133,7 +136,7 @@ class Elastoplastic : public NormalLaw {
   double residual(double peak) const
   {
     return constants_.residual_slope * peak - constants_.residual_offset +
-           residual_amplitude_ * std::exp(-constants_.residual_rate * (peak - 1.0));
+           residual_amplitude_ * exponential(-constants_.residual_rate * (peak - 1.0));
   }
 
   /* Check peaks from first yield to far beyond those of all contacts. A law is passive if the loading force increases, if
@@ -188,10 +191,12 @@ class Elastoplastic : public NormalLaw {
     static constexpr double w[5] = {0.2955242247147529, 0.2692667193099963, 0.2190863625159820, 0.1494513491505806,
                                     0.0666713443086881};
     const double mid = 0.5 * (lo + hi), half = 0.5 * (hi - lo);
-    double sum = 0.0;
-    for (int k = 0; k < 5; k++)
-      for (const double at : {mid - half * x[k], mid + half * x[k]})
-        sum += w[k] * pressure(at) * std::pow(at, area_exponent_);
+    double value[10], sum = 0.0;
+    for (int n = 0; n < 10; n++) {    // several powers at a time
+      const double at = mid + (n % 2 == 0 ? -half : half) * x[n / 2];
+      value[n] = w[n / 2] * pressure(at) * power(at, area_exponent_);
+    }
+    for (const double term : value) sum += term;
     return half * sum;
   }
 
@@ -207,7 +212,7 @@ class Elastoplastic : public NormalLaw {
   double linear_primitive(double a) const
   {
     const double limit = constants_.pressure_limit, slope = constants_.area_slope, b = constants_.pressure_rate;
-    const double decay = std::exp(-b * (a - 1.0));
+    const double decay = exponential(-b * (a - 1.0));
     return limit * a * (0.5 * slope * a - constants_.area_offset) +
            (limit - pressure_at_yield_) * decay * (linear_area(a) / b + slope / (b * b));
   }

@@ -18,6 +18,8 @@
 #ifndef GRANWAVE_NORMAL_LAW_H
 #define GRANWAVE_NORMAL_LAW_H
 
+#include "power.h"
+
 #include <cmath>
 #include <string>
 
@@ -30,11 +32,12 @@ struct Turning {
   double residual;    // a_R
   double exponent;    // n
 
+  /* Without branches (plastic_batch.h). */
   double unloading(double a) const
   {
-    if (a <= residual) return 0.0;
-    const double part = (a - residual) / (peak - residual);
-    return exponent == 1.0 ? force * part : force * std::pow(part, exponent);
+    const double part = (a - residual) / (peak - residual), powered = power(part, exponent);
+    const double unloaded = force * (exponent == 1.0 ? part : powered);
+    return a > residual ? unloaded : 0.0;
   }
 
   /* Area under the branch up to a: the recoverable energy of the contact. */
@@ -42,7 +45,7 @@ struct Turning {
   {
     if (a <= residual || peak <= residual) return 0.0;
     const double span = peak - residual;
-    return force * span / (exponent + 1.0) * std::pow((a - residual) / span, exponent + 1.0);
+    return force * span / (exponent + 1.0) * power((a - residual) / span, exponent + 1.0);
   }
 
   /* Slope at the start of unloading. */

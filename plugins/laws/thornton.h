@@ -23,8 +23,8 @@ class Thornton : public NormalLaw {
   Turning turning(double peak, const double *extra) const
   {
     const double force = loading(peak, extra);
-    const double radius = std::pow(yield_factor_ * (2.0 * force + 1.0) / 3.0, 1.5) / force;    // R*_p / R*
-    return {peak, force, peak - std::pow(force / std::sqrt(radius), 2.0 / 3.0), 1.5};
+    const double radius = power(yield_factor_ * (2.0 * force + 1.0) / 3.0, 1.5) / force;    // R*_p / R*
+    return {peak, force, peak - power(force / std::sqrt(radius), 2.0 / 3.0), 1.5};
   }
 
   double dissipated_energy(const Turning &t, const double *extra) const

@@ -13,19 +13,17 @@
 
 namespace granwave {
 
-struct alignas(64) TwofoldSum {
-  double high[3] = {}, low[3] = {};
-  double any = 0.0;    // 1 if anything was added
+/* Three components and one unused, which the compiler adds at once (extension of GCC and Clang). */
+typedef double Components __attribute__((vector_size(4 * sizeof(double))));
 
-  void add(double x, double y, double z)
+struct alignas(64) TwofoldSum {
+  Components high = {}, low = {};
+
+  void add(const Components &term)
   {
-    const double term[3] = {x, y, z};
-    for (int d = 0; d < 3; d++) {
-      const double total = high[d] + term[d], rounded = total - high[d];
-      low[d] += (high[d] - (total - rounded)) + (term[d] - rounded);    // rounding error of the addition (Knuth)
-      high[d] = total;
-    }
-    any = 1.0;
+    const Components total = high + term, rounded = total - high;
+    low += (high - (total - rounded)) + (term - rounded);    // rounding error of the addition (Knuth)
+    high = total;
   }
 };
 
@@ -48,7 +46,6 @@ class TwofoldSums {
   void give(int i, double *to)
   {
     TwofoldSum &sum = ring[i & mask];
-    if (sum.any == 0.0) return;
     for (int d = 0; d < 3; d++) to[d] += sum.high[d] + sum.low[d];
     sum = TwofoldSum{};
   }

@@ -9,6 +9,7 @@
 #include "error.h"
 #include "finite_motion.h"
 #include "../laws/law_arguments.h"
+#include "neighbor.h"
 #include "simulated_time.h"
 #include "update.h"
 
@@ -82,7 +83,7 @@ FixWallGranHysteretic::FixWallGranHysteretic(LAMMPS *lmp, int narg, char **arg) 
 
 int FixWallGranHysteretic::setmask()
 {
-  const int forces = FixConst::POST_FORCE | FixConst::MIN_POST_FORCE;
+  const int forces = FixConst::POST_FORCE | FixConst::MIN_POST_FORCE | FixConst::POST_NEIGHBOR | FixConst::MIN_POST_NEIGHBOR;
   return support ? forces | FixConst::INITIAL_INTEGRATE | FixConst::FINAL_INTEGRATE : forces;
 }
 
@@ -104,8 +105,20 @@ void FixWallGranHysteretic::reset_dt()
 
 /* ---------------------------------------------------------------------- motion of the plane */
 
-void FixWallGranHysteretic::setup(int) { evaluate(); }
-void FixWallGranHysteretic::min_setup(int) { evaluate(); }
+void FixWallGranHysteretic::setup(int)
+{
+  listed = false;
+  evaluate();
+}
+
+void FixWallGranHysteretic::min_setup(int)
+{
+  listed = false;
+  evaluate();
+}
+
+void FixWallGranHysteretic::post_neighbor() { listed = false; }
+void FixWallGranHysteretic::min_post_neighbor() { listed = false; }
 
 void FixWallGranHysteretic::initial_integrate(int) { support->advance(update->dt); }
 void FixWallGranHysteretic::post_force(int) { evaluate(); }
@@ -166,7 +179,8 @@ void FixWallGranHysteretic::evaluate()
   std::fill_n(wall_force, 3, 0.0);
   pressed = stiffness = {};
   tallied = -1;
-  for (int i = 0; i < atom->nlocal; i++) {
+  if (!listed || (support && std::fabs(level(moving) - listed_level) > 0.5 * neighbor->skin)) list_spheres();
+  for (const int i : spheres) {
     if (!(atom->mask[i] & groupbit) || radius[i] == 0.0) continue;    // flat faces do not interact with walls
     const double overlap[2] = {at[0] + radius[i] - x[i][axis], x[i][axis] + radius[i] - at[1]};
     const double least = ROUNDING * radius[i];

@@ -36,6 +36,8 @@ class FixWallGranHysteretic : public Fix {
   void setup(int) override;
   void min_setup(int) override;
   void initial_integrate(int) override;
+  void post_neighbor() override;
+  void min_post_neighbor() override;
   void post_force(int) override;
   void min_post_force(int) override;
   void final_integrate() override;
@@ -95,6 +97,7 @@ class FixWallGranHysteretic : public Fix {
     double circle_sq;    // squared radius of the contact circle; with friction only
   };
 
+  void list_spheres();
   void evaluate();
   double level(int side) const;
   double depth(int i, int side) const;
@@ -122,6 +125,9 @@ class FixWallGranHysteretic : public Fix {
 
   std::vector<char>
       near;    // 0: the sphere touched no wall at the last evaluation, and has not just arrived on this processor
+  std::vector<int> spheres;                           // that can reach a wall before the next reneighboring, in their order
+  bool listed = false;                                // true if this list is current
+  double listed_level = 0.0;                          // position of the movable plane when it was made
   std::vector<Side> sides;                            // two per sphere: lower and upper wall
   std::vector<granwave::TangentialSpring> springs;    // two per sphere, if there is friction
   std::vector<double> extras;    // further history variables of the law: lower and upper wall, present and initial

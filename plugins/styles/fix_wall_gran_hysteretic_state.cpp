@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Fix wall/gran/hysteretic: per-sphere state, initial dents, restart files. */
+/* Fix wall/gran/hysteretic: spheres within reach, per-sphere state, initial dents, restart files. */
 
 #include "fix_wall_gran_hysteretic.h"
 
@@ -7,6 +7,7 @@
 #include "comm.h"
 #include "error.h"
 #include "memory.h"
+#include "neighbor.h"
 
 #include <algorithm>
 #include <cmath>
@@ -33,6 +34,24 @@ FixWallGranHysteretic::~FixWallGranHysteretic()
   atom->delete_callback(id, Atom::GROW);
   atom->delete_callback(id, Atom::RESTART);
   memory->destroy(array_atom);
+}
+
+/* ---------------------------------------------------------------------- spheres within reach */
+
+/* List the spheres that can reach a wall before the next reneighboring: until then no sphere moves by more than half the skin
+   of the neighbor lists. The other half is for the motion of the plane. */
+
+void FixWallGranHysteretic::list_spheres()
+{
+  const double *const *x = atom->x;
+  const double *radius = atom->radius;
+  const double reach[2] = {level(0) + neighbor->skin, level(1) - neighbor->skin};
+  listed_level = level(moving);
+  spheres.clear();
+  for (int i = 0; i < atom->nlocal; i++)
+    if ((near[i] && atom->mask[i] & groupbit) || !(x[i][axis] - radius[i] > reach[0] && x[i][axis] + radius[i] < reach[1]))
+      spheres.push_back(i);
+  listed = true;
 }
 
 /* ---------------------------------------------------------------------- initial dents */
@@ -107,6 +126,7 @@ void FixWallGranHysteretic::grow_arrays(int nmax)
 void FixWallGranHysteretic::copy_arrays(int i, int j, int)
 {
   near[j] = 1;
+  listed = false;
   std::copy_n(array_atom[i], static_cast<int>(N_REPORTED), array_atom[j]);
   std::copy_n(&sides[2 * i], 2, &sides[2 * j]);
   if (friction > 0.0) std::copy_n(&springs[2 * i], 2, &springs[2 * j]);
@@ -116,6 +136,7 @@ void FixWallGranHysteretic::copy_arrays(int i, int j, int)
 void FixWallGranHysteretic::set_arrays(int i)
 {
   near[i] = 1;
+  listed = false;
   std::fill_n(array_atom[i], static_cast<int>(N_REPORTED), 0.0);
   array_atom[i][TIME_FIRST] = array_atom[i][TIME_PEAK] = array_atom[i][TIME_YIELD] = -1.0;
   std::fill_n(&sides[2 * i], 2, Side{});
@@ -135,6 +156,7 @@ int FixWallGranHysteretic::pack_exchange(int i, double *buf)
 int FixWallGranHysteretic::unpack_exchange(int i, double *buf)
 {
   near[i] = 1;
+  listed = false;
   std::copy_n(buf, static_cast<int>(N_REPORTED), array_atom[i]);
   std::copy_n(buf + N_REPORTED, 2 * N_SIDE, numbers(&sides[2 * i]));
   if (friction > 0.0) std::copy_n(buf + N_REPORTED + 2 * N_SIDE, 2 * N_SPRING, numbers(&springs[2 * i]));
@@ -178,7 +200,7 @@ int FixWallGranHysteretic::maxsize_restart() { return n_state() + 2; }
 double FixWallGranHysteretic::memory_usage()
 {
   const double of_sides = double(sides.capacity()) * sizeof(Side) + double(springs.capacity()) * sizeof(TangentialSpring) +
-                          double(extras.capacity()) * sizeof(double);
+                          double(extras.capacity()) * sizeof(double) + double(spheres.capacity()) * sizeof(int);
   return double(atom->nmax) * (N_REPORTED * sizeof(double) + 1) + of_sides;
 }
 

@@ -186,7 +186,7 @@ PairGranHysteretic::PairParameters PairGranHysteretic::pair_parameters(int itype
   p.radius_i = ri;
   p.radius_j = rj;
   p.radsum = ri + rj;
-  p.touch_sq = touch_squared(p.radsum);
+  p.touch_sq = granwave::TouchingPairs::touch_squared(p.radsum);
   p.largest_overlap = largest_overlap(ri, rj);
   p.contact = ScaledLaw(contact_law, effective_radius(ri, rj));
   p.friction = ri > 0.0 && rj > 0.0 ? args.friction : 0.0;
@@ -198,7 +198,7 @@ PairGranHysteretic::PairParameters PairGranHysteretic::pair_parameters(int itype
 double PairGranHysteretic::memory_usage()
 {
   const Contacts &c = contacts;
-  double bytes = Pair::memory_usage() + force_sums.bytes() + torque_sums.bytes();
+  double bytes = Pair::memory_usage() + force_sums.bytes() + torque_sums.bytes() + c.resting.bytes();
   bytes += double(c.partner.capacity()) * (2 * sizeof(int) + 4 * sizeof(double) + sizeof(tagint));
   bytes += double(c.partner_radius.capacity()) * (sizeof(double) + sizeof(int));
   bytes += double(c.row.capacity()) * (2 * sizeof(int) + sizeof(tagint));

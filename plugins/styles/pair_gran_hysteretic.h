@@ -18,6 +18,9 @@
 #include "../laws/contact_history.h"
 #include "../laws/contact_law.h"
 #include "../laws/law_arguments.h"
+#include "../laws/plastic_batch.h"
+#include "../laws/resting_blocks.h"
+#include "../laws/touching_pairs.h"
 #include "pair.h"
 #include "../laws/twofold_sum.h"
 
@@ -87,15 +90,9 @@ class PairGranHysteretic : public Pair {
                  const std::function<void(tagint, tagint, DentStatus)> &report);
 
  private:
-  // Spheres of a lattice that just touch have an overlap or gap due to the rounding of their positions. Overlaps below this
-  // fraction of the distance are neglected: their force would be below 1e-12 F_y.
-  static constexpr double ROUNDING = 5e-13;
-
   // Spheres with no other within reach are checked so rarely that the cost is negligible; near others a NaN is found at once.
   static constexpr int STEPS_BETWEEN_CHECKS = 100;
   int evaluations = 0;
-
-  static constexpr int FLAGS_AT_A_TIME = 8;    // number of elements of has_spring read together
 
   enum { OVERLAP, PEAK_OVERLAP, PEAK_FORCE, LOST, TIME_FIRST, TIME_PEAK, TIME_YIELD, N_SINGLE };    // of compute pair/local
 
@@ -103,7 +100,7 @@ class PairGranHysteretic : public Pair {
   struct Contacts {
     bool valid = false, published = false;
     int owned = 0;                  // number of owned spheres when the list was built
-    bool ordered = true;            // rows increase, and no partner precedes its row
+    bool ordered = true;            // each sphere has a row, in their order, and no partner precedes its row
     int span = 0;                   // largest difference of indices between a row and an owned partner
     std::vector<int> row, begin;    // sphere of each row; index of its first pair (one element longer)
     std::vector<int> partner;       // local or ghost index
@@ -116,12 +113,13 @@ class PairGranHysteretic : public Pair {
     std::vector<double> work_lost;    // normalized dissipated energy at the turning point; -1 if not yet computed
     std::vector<double> circle;       // with friction: normalized area at the turning point
     std::vector<granwave::TangentialSpring> spring;    // with friction: force on the sphere of the row
-    std::vector<char> has_spring;    // with friction: 1 if there is a spring at present; FLAGS_AT_A_TIME elements longer
-    std::vector<double> initial, reached;    // with initial dents: initial dent, largest overlap of this run
-    std::vector<double> initial_extra;       // with initial dents: initial doubles of the law
+    std::vector<char> has_spring;                      // with friction: 1 if there is a spring at present
+    std::vector<double> initial, reached;              // with initial dents: initial dent, largest overlap of this run
+    std::vector<double> initial_extra;                 // with initial dents: initial doubles of the law
     std::vector<tagint> row_tag, partner_tag;
     std::vector<double> row_radius, partner_radius;    // only the first element is used if all spheres are equal
     std::vector<int> row_type, partner_type;
+    granwave::RestingBlocks resting;
   };
 
   struct PairParameters {    // parameters of a contact, from its two spheres
@@ -134,6 +132,7 @@ class PairGranHysteretic : public Pair {
 
   struct Batch : granwave::ContactBatch {
     const PairParameters *pair[CAPACITY];
+    PairParameters parameters[CAPACITY];    // of each pair, or only the first if all are equal; unused if known by type
     void set(int m, const PairParameters &);
   };
 
@@ -148,25 +147,24 @@ class PairGranHysteretic : public Pair {
 
   void allocate();
   granwave::ContactLaw &law(int itype, int jtype) { return laws[itype * (atom_types + 1) + jtype]; }
-  static double touch_squared(double radsum) { return radsum * radsum * (1.0 - 2.0 * ROUNDING); }
   PairParameters pair_parameters(int itype, int jtype, double ri, double rj);
   void build_contacts();
   void check_displacements();
   void restore_history();
   void require_contacts();
   enum class Tally { NONE, VIRIAL, EACH_PAIR };
-  template <bool UNIFORM> void compute_forces(Tally);
-  void compute_batch(Batch &, Tally);
+  void compute_forces(Tally);
+  void forget_far_pairs(int r);
+  void set_parameters();
+  void compute_batch(Tally);
+  void give_sums(int begin, int end);
   void update_history(Batch &);
   void compute_tangential(Batch &);
-  void accumulate(const Batch &, granwave::TwofoldSums &, const double (&on_i)[3][Batch::CAPACITY],
-                  const double (&on_j)[3][Batch::CAPACITY]);
   void tally(const Batch &, Tally);
-  double plastic_force(int k, double overlap, const granwave::ScaledLaw &, bool raised);
+  void compute_plastic(Batch &, const int *yielded, int n_yielded, const bool *is_raised);
+  void discard_turning(int k);
   void release_spring(int k);
-  bool any_spring(int begin, int end) const;
   void raise_reached(int k, double overlap);
-  double circle_squared(int k, double overlap, const granwave::ScaledLaw &);
   int cached_turning(int k, const granwave::ScaledLaw &);
   granwave::LawHistory law_history(int k) const;
   granwave::Dent dent_of(int k) const;
@@ -191,7 +189,13 @@ class PairGranHysteretic : public Pair {
   bool has_friction = false;         // true from the first pair_coeff with friction on
   bool has_initial_dents = false;    // true if initial dents are stored
   Contacts contacts;
+  Batch batch;                         // of the pairs found last
+  granwave::LoadingBatch loading{};    // those beyond their elastic limit
+  granwave::UnloadingBatch unloading{};
+  granwave::TouchingPairs pairs{};
+  std::vector<PairParameters> parameters_by_type;    // empty if they are not determined by the types
   granwave::TwofoldSums force_sums, torque_sums;
+  std::vector<char> reached;       // of each block of spheres: 1 if one of its sums may not be zero
   double now = 0.0;                // simulation time of this force evaluation
   bool springs_advance = false;    // true if springs are updated in this force evaluation
   FixGranHystereticHistory *fix_history = nullptr;

@@ -48,7 +48,7 @@ void PairGranHysteretic::build_contacts()
   c.partner_tag.clear();
   c.owned = atom->nlocal;
   c.span = 0;
-  c.ordered = std::is_sorted(list->ilist, list->ilist + list->inum);
+  c.ordered = list->inum == atom->nlocal;
   std::size_t pairs = 0;
   for (int ii = 0; ii < list->inum; ii++) pairs += list->numneigh[list->ilist[ii]];
   c.row.reserve(list->inum);
@@ -58,6 +58,7 @@ void PairGranHysteretic::build_contacts()
   for (int ii = 0; ii < list->inum; ii++) {
     const int i = list->ilist[ii];
     const int *jlist = list->firstneigh[i];
+    if (i != ii) c.ordered = false;
     c.row.push_back(i);
     c.begin.push_back(static_cast<int>(c.partner.size()));
     for (int jj = 0; jj < list->numneigh[i]; jj++) {
@@ -85,7 +86,7 @@ void PairGranHysteretic::build_contacts()
   c.turnings.clear();
   c.work_lost.clear();
   c.circle.clear();
-  if (has_friction) c.has_spring.assign(n + FLAGS_AT_A_TIME, 0);
+  if (has_friction) c.has_spring.assign(n, 0);
   if (has_friction) c.spring.assign(n, granwave::TangentialSpring());
   if (has_initial_dents) {
     c.initial.assign(n, 0.0);
@@ -110,6 +111,7 @@ void PairGranHysteretic::build_contacts()
     c.partner_radius[k] = radius[c.partner[k]];
     c.partner_type[k] = type[c.partner[k]];
   }
+  c.resting.build(c.row, c.begin, c.partner);
   check_displacements();
   restore_history();
   c.valid = true;
@@ -350,6 +352,7 @@ void PairGranHysteretic::begin_initial_dents()
     }
   }
   for (int i = 0; i < atom->nlocal; i++) fix_history->history.forget_sphere(i);
+  contacts.resting.disturb();
   contacts.published = false;
 }
 
@@ -381,5 +384,6 @@ void PairGranHysteretic::set_dents(const std::function<double(tagint, tagint)> &
       }
     }
   }
+  contacts.resting.disturb();
   contacts.published = false;
 }

@@ -12,15 +12,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <cstring>
 
 using namespace LAMMPS_NS;
+using granwave::RestingBlocks;
 using granwave::ScaledLaw;
 using granwave::TangentialSpring;
-using granwave::TwofoldSum;
+using granwave::TouchingPairs;
 
-/* Turning point of a contact that has yielded, recomputed if its history has changed. */
+/* Turning point of a contact that has yielded, recomputed if its history has changed since. */
 
 int PairGranHysteretic::cached_turning(int k, const ScaledLaw &contact)
 {
@@ -32,51 +31,25 @@ int PairGranHysteretic::cached_turning(int k, const ScaledLaw &contact)
     if (has_friction) c.circle.push_back(0.0);
   }
   const int t = c.turning[k];
-  const double peak = contact.normalised(c.peak[k]);
-  if (c.turnings[t].peak != peak) {
+  if (c.turnings[t].peak < 0.0) {
     c.turnings[t] = contact.turning(law_history(k));
     c.work_lost[t] = -1.0;
-    if (has_friction) c.circle[t] = contact.law().area(peak);
+    if (has_friction) c.circle[t] = contact.law().area(c.turnings[t].peak);
   }
   return t;
 }
 
-/* Force of a contact beyond its elastic limit, on loading (the peak has just been increased) or below its peak. */
+/* Have the turning point of a contact recomputed when it is needed next. */
 
-double PairGranHysteretic::plastic_force(int k, double overlap, const ScaledLaw &contact, bool raised)
+inline void PairGranHysteretic::discard_turning(int k)
 {
-  if (raised) {
-    if (contacts.time_yield[k] < 0.0) contacts.time_yield[k] = now;
-    return contact.loading_beyond_yield(overlap, law_history(k).extra);
-  }
-  return contact.unloading(overlap, contacts.turnings[cached_turning(k, contact)]);
-}
-
-/* Squared present radius of the contact circle of a contact beyond its elastic limit. */
-
-double PairGranHysteretic::circle_squared(int k, double overlap, const ScaledLaw &contact)
-{
-  if (overlap >= contacts.peak[k]) return contact.loading_circle(overlap);
-  const int t = cached_turning(k, contact);
-  return contact.unloading_circle(overlap, contacts.turnings[t], contacts.circle[t]);
+  if (contacts.turning[k] >= 0) contacts.turnings[contacts.turning[k]].peak = -1.0;
 }
 
 inline void PairGranHysteretic::release_spring(int k)
 {
   release(contacts.spring[k]);
   contacts.has_spring[k] = 0;
-}
-
-/* True if any contact of a row has a spring. Eight flags are read at a time, so those of the next row may be included. */
-
-inline bool PairGranHysteretic::any_spring(int begin, int end) const
-{
-  std::uint64_t any = 0, eight;
-  for (int k = begin; k < end; k += FLAGS_AT_A_TIME) {
-    std::memcpy(&eight, contacts.has_spring.data() + k, FLAGS_AT_A_TIME);
-    any |= eight;
-  }
-  return any != 0;
 }
 
 /* Increase the largest overlap of this run, which may be smaller than the initial dent. */
@@ -98,7 +71,34 @@ inline void PairGranHysteretic::Batch::set(int m, const PairParameters &p)
   effective_radius[m] = p.contact.effective_radius();
   hertz[m] = p.contact.hertz();
   shear_stiffness[m] = p.shear_stiffness;
+  largest_overlap[m] = p.largest_overlap;
+  elastic_limit[m] = p.contact.elastic_limit();
   keeps[m] = p.tangential_model == granwave::TangentialModel::MINDLIN ? 1.0 : 0.0;
+}
+
+/* Set the parameters of the pairs as far as they are the same in all steps: of all pairs if all spheres are equal, and by types
+   if spheres of a type are. */
+
+void PairGranHysteretic::set_parameters()
+{
+  parameters_by_type.clear();
+  if (uniform) {
+    batch.parameters[0] = pair_parameters(atom->type[0], atom->type[0], atom->radius[0], atom->radius[0]);
+    for (int m = 0; m < Batch::CAPACITY; m++) batch.set(m, batch.parameters[0]);
+    return;
+  }
+  const int n = atom_types + 1;
+  std::vector<double> radius(n, -1.0);    // of the spheres of a type
+  for (int i = 0; i < atom->nlocal + atom->nghost; i++) {
+    double &of_type = radius[atom->type[i]];
+    if (of_type >= 0.0 && of_type != atom->radius[i]) return;
+    of_type = atom->radius[i];
+  }
+  parameters_by_type.resize(n * n);
+  for (int i = 1; i < n; i++)
+    for (int j = 1; j < n; j++)
+      if (radius[i] >= 0.0 && radius[j] >= 0.0 && radius[i] + radius[j] > 0.0)
+        parameters_by_type[i * n + j] = pair_parameters(i, j, radius[i], radius[j]);
 }
 
 /* Update the history of touching pairs, and the forces of those that have yielded. */
@@ -106,25 +106,68 @@ inline void PairGranHysteretic::Batch::set(int m, const PairParameters &p)
 void PairGranHysteretic::update_history(Batch &batch)
 {
   Contacts &c = contacts;
-  for (int m = 0; m < batch.size; m++) {
-    const int k = batch.k[m];
-    const PairParameters &p = *batch.pair[m];
-    const double overlap = batch.overlap[m];
-    if (!(overlap <= p.largest_overlap)) overlap_error(batch.i[m], batch.j[m], overlap);
-    if (c.n_extra > 0 && p.contact.update(overlap, c.peak[k], c.extra.data() + std::size_t(k) * c.n_extra) &&
-        c.turning[k] >= 0)
-      c.turnings[c.turning[k]].peak = -1.0;    // invalid after a change of history
-    const bool raised = overlap > c.peak[k];
-    if (raised) {
-      if (c.peak[k] == 0.0) c.time_first[k] = now;
-      c.peak[k] = overlap;
-      c.time_peak[k] = now;
+  if (c.n_extra > 0)
+    for (int m = 0; m < batch.size; m++) {
+      const int k = batch.k[m];
+      if (batch.pair[m]->contact.update(batch.overlap[m], c.peak[k], c.extra.data() + std::size_t(k) * c.n_extra))
+        discard_turning(k);
     }
-    if (has_initial_dents && overlap > c.reached[k]) raise_reached(k, overlap);
-    if (!p.contact.yielded(c.peak[k])) continue;
-    batch.force[m] = plastic_force(k, overlap, p.contact, raised);
-    if (has_friction) batch.circle[m] = circle_squared(k, overlap, p.contact);
+  int raised[Batch::CAPACITY], yielded[Batch::CAPACITY], n_raised = 0, n_yielded = 0;
+  bool is_raised[Batch::CAPACITY];
+  for (int m = 0; m < batch.size; m++) {    // without branches, which would be unpredictable
+    const double overlap = batch.overlap[m], before = c.peak[batch.k[m]];
+    raised[n_raised] = yielded[n_yielded] = m;
+    is_raised[m] = overlap > before;
+    n_raised += overlap > before;
+    n_yielded += std::max(overlap, before) > batch.elastic_limit[m];
   }
+  for (int n = 0; n < n_raised; n++) {
+    const int m = raised[n], k = batch.k[m];
+    const double before = c.peak[k];
+    if (before == 0.0) c.time_first[k] = now;
+    if ((before <= batch.elastic_limit[m] || has_initial_dents) && batch.overlap[m] > batch.elastic_limit[m] &&
+        c.time_yield[k] < 0.0)
+      c.time_yield[k] = now;
+    c.peak[k] = batch.overlap[m];
+    c.time_peak[k] = now;
+  }
+  if (has_initial_dents)
+    for (int m = 0; m < batch.size; m++)
+      if (batch.overlap[m] > c.reached[batch.k[m]]) raise_reached(batch.k[m], batch.overlap[m]);
+  if (n_yielded > 0) compute_plastic(batch, yielded, n_yielded, is_raised);
+}
+
+/* Compute the forces and contact circles of those pairs of a batch that are beyond their elastic limit: on their loading curves
+   if the peak has just been raised, or below their peaks. */
+
+void PairGranHysteretic::compute_plastic(Batch &batch, const int *yielded, int n_yielded, const bool *is_raised)
+{
+  Contacts &c = contacts;
+  loading.size = unloading.size = 0;
+  for (int n = 0; n < n_yielded; n++) __builtin_prefetch(&c.turning[batch.k[yielded[n]]]);
+  for (int n = 0; n < n_yielded; n++) {
+    const int t = c.turning[batch.k[yielded[n]]];
+    if (t >= 0) __builtin_prefetch(&c.turnings[t], 1);
+  }
+  for (int n = 0; n < n_yielded; n++) {
+    const int m = yielded[n], k = batch.k[m];
+    const ScaledLaw &law = batch.pair[m]->contact;
+    if (is_raised[m]) {
+      discard_turning(k);
+      loading.extra[loading.add(m, law, batch.overlap[m])] = law_history(k).extra;
+    } else {
+      const int t = cached_turning(k, law);
+      unloading.set(unloading.add(m, law, batch.overlap[m]), c.turnings[t], has_friction ? c.circle[t] : 0.0);
+    }
+  }
+  if (loading.size > 0) loading.compute();
+  if (unloading.size > 0) unloading.compute();
+  for (const granwave::PlasticBatch *part :
+       {static_cast<granwave::PlasticBatch *>(&loading), static_cast<granwave::PlasticBatch *>(&unloading)})
+    for (int n = 0; n < part->size; n++) {
+      batch.force[part->place[n]] = part->force[n];
+      batch.circle[part->place[n]] = part->circle[n];
+    }
 }
 
 /* Advance the tangential springs of touching pairs and compute the forces on the spheres, including friction. */
@@ -142,6 +185,7 @@ void PairGranHysteretic::compute_tangential(Batch &batch)
     }
     const TangentialSpring &spring = c.spring[k];
     for (int d = 0; d < 3; d++) {
+      batch.direction[d][m] = batch.del[m][d];
       batch.velocity[d][m] = v[i + d] - v[j + d];
       batch.omega_i[d][m] = omega[i + d];
       batch.omega_j[d][m] = omega[j + d];
@@ -160,15 +204,16 @@ void PairGranHysteretic::compute_tangential(Batch &batch)
     }
   }
   batch.compute_forces_and_torques();
-  accumulate(batch, torque_sums, batch.torque_i, batch.torque_j);
 }
 
 void PairGranHysteretic::tally(const Batch &batch, Tally what)
 {
   const int nlocal = atom->nlocal;
   for (int m = 0; m < batch.size; m++) {
-    const double delx = batch.del[0][m], dely = batch.del[1][m], delz = batch.del[2][m];
-    const double fx = batch.force_i[0][m], fy = batch.force_i[1][m], fz = batch.force_i[2][m];
+    const double delx = batch.del[m][0], dely = batch.del[m][1], delz = batch.del[m][2];
+    double f[3];
+    for (int d = 0; d < 3; d++) f[d] = has_friction ? batch.force_i[d][m] : batch.del[m][d] * batch.pair_force[m];
+    const double fx = f[0], fy = f[1], fz = f[2];
     if (what == Tally::VIRIAL) {
       const double share = batch.j[m] < nlocal ? 1.0 : 0.5;
       virial[0] += share * delx * fx;
@@ -188,117 +233,99 @@ void PairGranHysteretic::tally(const Batch &batch, Tally what)
   }
 }
 
-/* Add the forces to the sums of both spheres. Pairs of one row are consecutive. */
-
-void PairGranHysteretic::accumulate(const Batch &batch, granwave::TwofoldSums &sums,
-                                    const double (&on_i)[3][Batch::CAPACITY], const double (&on_j)[3][Batch::CAPACITY])
-{
-  const int nlocal = atom->nlocal;
-  for (int m = 0; m < batch.size;) {
-    const int i = batch.i[m];
-    TwofoldSum sum = sums[i];
-    for (; m < batch.size && batch.i[m] == i; m++) {
-      sum.add(on_i[0][m], on_i[1][m], on_i[2][m]);
-      if (batch.j[m] < nlocal) sums[batch.j[m]].add(on_j[0][m], on_j[1][m], on_j[2][m]);
-    }
-    sums[i] = sum;
-  }
-}
-
 /* Compute forces and history of a batch of touching pairs. */
 
-void PairGranHysteretic::compute_batch(Batch &batch, Tally what)
+void PairGranHysteretic::compute_batch(Tally what)
 {
-  batch.compute_overlap();
+  if (!uniform)
+    for (int m = 0; m < batch.size; m++) {
+      const int i = batch.i[m], j = batch.j[m], itype = atom->type[i], jtype = atom->type[j];
+      if (!parameters_by_type.empty()) {
+        batch.set(m, parameters_by_type[itype * (atom_types + 1) + jtype]);
+      } else {
+        batch.parameters[m] = pair_parameters(itype, jtype, atom->radius[i], atom->radius[j]);
+        batch.set(m, batch.parameters[m]);
+      }
+    }
+  if (batch.compute_overlap())
+    for (int m = 0; m < batch.size; m++)
+      if (!(batch.overlap[m] <= batch.largest_overlap[m])) overlap_error(batch.i[m], batch.j[m], batch.overlap[m]);
   update_history(batch);
-  if (has_friction) compute_tangential(batch);
-  else batch.compute_normal();
-  accumulate(batch, force_sums, batch.force_i, batch.force_j);
+  if (has_friction) {
+    compute_tangential(batch);
+    batch.add_forces_and_torques(force_sums, torque_sums, atom->nlocal, reached.data(), RestingBlocks::SIZE);
+  } else {
+    batch.compute_normal();
+    batch.add_normal(force_sums, atom->nlocal, reached.data(), RestingBlocks::SIZE);
+  }
   if (what != Tally::NONE) tally(batch, what);
-  batch.size = 0;
 }
 
-template <bool UNIFORM> void PairGranHysteretic::compute_forces(Tally what)
+void PairGranHysteretic::forget_far_pairs(int r)
 {
-  constexpr int ROWS_AT_A_TIME = 64;    // since only few pairs touch in a packing at rest
-  const double (*const x)[3] = reinterpret_cast<const double (*)[3]>(atom->x[0]);
-  const double *const v = atom->v[0], *const omega =
-                                          has_friction ? atom->omega[0] : nullptr;    // contiguous, as the arrays below
-  double *const f = atom->f[0], *const torque = has_friction ? atom->torque[0] : nullptr;
-  const double *const radius = atom->radius;
-  const int *const type = atom->type;
-  const int nlocal = atom->nlocal;
+  const double *const *const x = atom->x;
+  const int i = contacts.row[r];
+  for (int k = contacts.begin[r]; k < contacts.begin[r + 1]; k++) {
+    if (contacts.peak[k] == 0.0) continue;
+    const int j = contacts.partner[k];
+    const double delx = x[i][0] - x[j][0], dely = x[i][1] - x[j][1], delz = x[i][2] - x[j][2];
+    const double reach = atom->radius[i] + atom->radius[j] + gap;
+    if (delx * delx + dely * dely + delz * delz > reach * reach) forget(r, k);
+  }
+}
+
+/* Give the spheres of whole blocks their forces. */
+
+void PairGranHysteretic::give_sums(int begin, int end)
+{
+  for (int b = RestingBlocks::of(begin); b < RestingBlocks::number(end); b++) {
+    if (!reached[b]) continue;
+    reached[b] = 0;
+    const int last = std::min(end, (b + 1) * RestingBlocks::SIZE);
+    for (int i = b * RestingBlocks::SIZE; i < last; i++) force_sums.give(i, atom->f[i]);
+    if (!has_friction) continue;
+    for (int i = b * RestingBlocks::SIZE; i < last; i++) torque_sums.give(i, atom->torque[i]);
+  }
+}
+
+void PairGranHysteretic::compute_forces(Tally what)
+{
   Contacts &c = contacts;
-  const int rows = static_cast<int>(c.row.size());
-  const int *const partner = c.partner.data();
-  const double *const peak = c.peak.data();
-  force_sums.reserve(c.ordered ? c.span + ROWS_AT_A_TIME : nlocal);
-  if (has_friction) torque_sums.reserve(c.ordered ? c.span + ROWS_AT_A_TIME : nlocal);
-  const auto add_forces = [&](int i) {
-    force_sums.give(i, f + 3 * i);
-    if (has_friction) torque_sums.give(i, torque + 3 * i);
-  };
+  const int nlocal = atom->nlocal, nall = nlocal + atom->nghost, rows = static_cast<int>(c.row.size());
+  if (c.resting.compare(atom->x[0], nall, atom->radius, uniform ? 1 : nall)) set_parameters();
+  pairs.row = c.row.data();
+  pairs.begin = c.begin.data();
+  pairs.partner = c.partner.data();
+  pairs.x = c.resting.x();
+  pairs.radius = uniform ? nullptr : atom->radius;
+  pairs.uniform_radius = atom->radius[0];
+  pairs.gap = gap;
+  pairs.has_spring = has_friction ? c.has_spring.data() : nullptr;
+  pairs.peak = c.peak.data();
+  pairs.spring = c.spring.data();
 
-  Batch batch;
-  PairParameters parameters[Batch::CAPACITY];
-  double touch_sq = 0.0, forget_sq = 0.0;
-  if (UNIFORM) {
-    parameters[0] = pair_parameters(type[0], type[0], radius[0], radius[0]);
-    touch_sq = parameters[0].touch_sq;
-    forget_sq = (parameters[0].radsum + gap) * (parameters[0].radsum + gap);
-  }
-
-  int set = 0;     // number of pairs of the batch whose parameters are set, if all spheres are equal
-  int done = 0;    // number of rows whose spheres have their forces
-  const auto compute_up_to = [&](int row) {
-    if (batch.size > 0) compute_batch(batch, what);
-    for (; done < row; done++)
-      if (c.ordered) add_forces(c.row[done]);
-  };
-  for (int r = 0; r < rows; r++) {
-    const int i = c.row[r], end = c.begin[r + 1];
-    const double xi = x[i][0], yi = x[i][1], zi = x[i][2];
-    const bool springs = has_friction && any_spring(c.begin[r], end);
-    for (int k = c.begin[r]; k < end; k++) {
-      const int j = partner[k];
-      const double delx = xi - x[j][0], dely = yi - x[j][1], delz = zi - x[j][2];
-      const double rsq = delx * delx + dely * dely + delz * delz;
-      if (!UNIFORM) {
-        const double sum = radius[i] + radius[j];
-        touch_sq = touch_squared(sum);
-        forget_sq = (sum + gap) * (sum + gap);
+  const int in_use = c.ordered ? c.span + 2 * RestingBlocks::SIZE : nlocal;
+  force_sums.reserve(in_use);
+  if (has_friction) torque_sums.reserve(in_use);
+  reached.resize(RestingBlocks::number(nlocal));
+  for (int begin = 0; begin < rows; begin += RestingBlocks::SIZE) {
+    const int end = std::min(rows, begin + RestingBlocks::SIZE), block = RestingBlocks::of(begin);
+    if (!c.resting.rests(block)) {
+      bool quiet = true;
+      pairs.start(begin, end);
+      for (bool done = false; !done;) {
+        done = pairs.collect(batch);
+        for (int n = 0; n < pairs.n_released; n++) release_spring(pairs.released[n]);
+        for (int n = 0; n < pairs.n_far; n++) forget_far_pairs(pairs.far[n]);
+        if (batch.size == 0) continue;
+        compute_batch(what);
+        quiet = false;
       }
-      if (rsq >= touch_sq) {
-        if (springs && c.has_spring[k]) release_spring(k);
-        if (rsq > forget_sq && peak[k] > 0.0) forget(r, k);
-        continue;
-      }
-      const int m = batch.size++;
-      batch.k[m] = k;
-      batch.i[m] = i;
-      batch.j[m] = j;
-      batch.del[0][m] = delx;
-      batch.del[1][m] = dely;
-      batch.del[2][m] = delz;
-      batch.rsq[m] = rsq;
-      if (has_friction) {    // prefetch while the next pairs are checked
-        __builtin_prefetch(&c.spring[k], 1);
-        __builtin_prefetch(v + 3 * j);
-        __builtin_prefetch(omega + 3 * j);
-      }
-      if (!UNIFORM) {
-        parameters[m] = pair_parameters(type[i], type[j], radius[i], radius[j]);
-        batch.set(m, parameters[m]);
-      } else if (m == set) {
-        batch.set(set++, parameters[0]);
-      }
-      if (batch.size == Batch::CAPACITY) compute_up_to(r);
+      c.resting.set_quiet(block, quiet);
     }
-    if (r + 1 - done >= ROWS_AT_A_TIME) compute_up_to(r + 1);
+    if (c.ordered) give_sums(begin, end);    // no later row adds to them
   }
-  compute_up_to(rows);
-  if (!c.ordered)
-    for (int i = 0; i < nlocal; i++) add_forces(i);
+  if (!c.ordered) give_sums(0, nlocal);
 }
 
 void PairGranHysteretic::compute(int eflag, int vflag)
@@ -315,7 +342,7 @@ void PairGranHysteretic::compute(int eflag, int vflag)
   const Tally what = eflag_atom || vflag_atom || cvflag_atom || num_tally_compute > 0 ? Tally::EACH_PAIR
                      : vflag_global                                                   ? Tally::VIRIAL
                                                                                       : Tally::NONE;
-  if (atom->nlocal > 0) uniform ? compute_forces<true>(what) : compute_forces<false>(what);
+  if (atom->nlocal > 0) compute_forces(what);
   if (eflag_global) eng_vdwl = tally_totals();
 }
 

@@ -158,7 +158,7 @@ PairGranHysteretic::Report PairGranHysteretic::report_pair(int i, int j, int k, 
     fresh.assign(contacts.n_extra, 0.0);
     view.extra = view.initial_extra = fresh.data();
   }
-  fill_report(report, p.contact, view, report.overlap > ROUNDING * p.radsum ? report.overlap : 0.0);
+  fill_report(report, p.contact, view, report.overlap > granwave::TouchingPairs::ROUNDING * p.radsum ? report.overlap : 0.0);
   return report;
 }
 

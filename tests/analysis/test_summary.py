@@ -13,9 +13,9 @@ from granwave.analysis import summarise, velocity_normalised, write_result
 from granwave.analysis.document import cells
 from granwave.analysis.lammps_output import time_series
 from granwave.analysis.quantities import quantity
+from granwave.analysis.summary_table import summary_table
 from granwave.lammps_inputs import sphere_contact, struck_spheres
 from granwave.lammps_inputs.packing.assembly import assemble
-from granwave.workflows.cli.tables import summary_table
 from tests.helpers import synthetic
 
 

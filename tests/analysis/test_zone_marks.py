@@ -15,11 +15,12 @@ from granwave.analysis.measures.zone.marks import LABELS, Mark, bounds_in_words,
 from granwave.analysis.scans.figures import drawings
 from granwave.analysis.scans.result import ScanResult
 from granwave.analysis.scans.table import read_scan, write_scan_table
+from granwave.analysis.summary_table import continuum_table, summary_table
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.zone_estimate import expected_zone
 from granwave.workflows.cli.parser import main
-from granwave.workflows.cli.tables import continuum_table, expected_cut, summary_table
+from granwave.workflows.cli.tables import expected_cut
 from granwave.workflows.run.driver import run_case
 from tests.helpers.synthetic_report import blocks, build, notes, table, write_run
 from tests.helpers.synthetic_scan import grid, write_scan

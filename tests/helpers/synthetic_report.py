@@ -10,7 +10,7 @@ import h5py
 import numpy as np
 from PIL import Image
 
-from granwave.analysis.document.model import Group, Note, Report, Table
+from granwave.analysis.document.model import Beside, Group, Note, Report, Table
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.outline import build_report
 from tests.helpers.synthetic_scan import case_of, grid, summary_of, write_json, write_scan
@@ -88,7 +88,9 @@ def blocks(report: Report, slug: str) -> list:
     section = next(section for section in report.sections if section.slug == slug)
     found = []
     for block in section.blocks:
-        found += block.blocks if isinstance(block, Group) else [block]
+        parts = block.blocks if isinstance(block, Group) else [block]
+        for part in parts:
+            found += [part.gallery, part.table] if isinstance(part, Beside) else [part]
     return found
 
 
@@ -99,5 +101,5 @@ def table(report: Report, slug: str, caption: str) -> list[dict]:
 
 
 def notes(report: Report, slug: str) -> list[Note]:
-    """Notes of a section."""
-    return [block for block in blocks(report, slug) if isinstance(block, Note)]
+    """Notes of a section, without the answer."""
+    return [block for block in blocks(report, slug) if isinstance(block, Note) and block.tone != "lead"]

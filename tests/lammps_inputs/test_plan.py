@@ -213,3 +213,15 @@ def test_at_the_end_nothing_is_left(settles: bool, clock: list[float], caplog: p
     bar.update(4 if settles else 10, "there", last=True)
     bar.close()
     assert [record.getMessage() for record in caplog.records] == ["mine 100 % there [20 s]"]
+
+
+def test_memory_of_each_rank() -> None:
+    """The steps are shared by the ranks, the analysis is not."""
+    case = make(packing={"size": [120, 120, 60]})
+    one, four = plan(case), plan(case, n_ranks=4)
+    assert one.memory == one.space.first_rank and one.disk == four.disk
+    assert four.memory == four.space.first_rank + 3 * four.space.other_rank
+    assert four.space.other_rank < one.space.other_rank / 2 < four.space.first_rank
+    assert plan(make(contact={"friction": 0.3})).memory >= plan(make()).memory
+    assert "first rank, which makes the analysis" in plan_table(case, four)
+    assert "first rank" not in plan_table(case, one)

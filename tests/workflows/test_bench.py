@@ -40,7 +40,10 @@ def test_sizes_and_ranks():
     assert [row["n_spheres"] for row in found["sizes"]] == [256, 400] and "study" not in found
     assert all(len(row["rates"]) == 2 for row in found["sizes"])
     ranks = sizes.compare_ranks(1, lambda _: None)
-    assert list(ranks) == ["1", "2"] and all(rate > 0 for rates in ranks.values() for rate in rates)
+    for name, n_spheres in (("strong", [400, 400]), ("weak", [400, 800])):
+        one, two = ranks[name]
+        assert [one["n_spheres"], two["n_spheres"]] == n_spheres and [one["n_ranks"], two["n_ranks"]] == [1, 2]
+        assert one["ghosts"] == 0 < two["ghosts"] and two["rates"][0] > 0
 
 
 def test_parts_of_a_study_as_json(tmp_path, capsys):

@@ -5,6 +5,7 @@ All spheres rattle, so that the share of loaded contacts is the same at every si
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import statistics
 import subprocess
@@ -22,11 +23,39 @@ from granwave.workflows.bench.timing import STEPS, STUDY, Report, rattle, script
 from granwave.workflows.run import mpi
 from granwave.workflows.run.lammps_engine import open_engine
 
+_BYTES_OF_GHOST = 24  # a position; friction adds velocity and spin, 48
 SIZES = ([24, 24, 18], [72, 72, 30], [160, 160, 78])
 
 
-def rattling_rates(size: list[int], repeats: int) -> list[float]:
-    """Time the elasto-plastic style on a rattling packing, on all ranks; sphere-steps per second."""
+@dataclasses.dataclass(frozen=True)
+class Timing:
+    """Speed of a packing, and what its ranks exchange.
+
+    Attributes
+    ----------
+    n_spheres
+        Number of spheres.
+    n_ranks
+        Number of ranks.
+    rates
+        Sphere-steps per second, of all ranks together, one value a repeat.
+    ghosts
+        Largest number of ghost spheres of a rank: copies of its neighbours' spheres, whose positions arrive each step.
+    """
+
+    n_spheres: int
+    n_ranks: int
+    rates: list[float]
+    ghosts: int
+
+    @property
+    def bytes_per_step(self) -> int:
+        """Bytes that arrive at a rank in a step without friction."""
+        return _BYTES_OF_GHOST * self.ghosts
+
+
+def time_rattling(size: list[int], repeats: int) -> Timing:
+    """Time the elasto-plastic style on a rattling packing, on all ranks."""
     comm = mpi.world()
     case = load_case(library.find(STUDY), {"packing.size": size})
     n = assemble(case).lattice.n_spheres
@@ -36,7 +65,9 @@ def rattling_rates(size: list[int], repeats: int) -> list[float]:
         with open_engine(comm, log="none") as engine:
             engine.commands(script(case, data, STYLES[OURS]))
             rattle(engine, seed=comm.rank)
-            return [n * STEPS / seconds(engine) for _ in range(repeats)]
+            rates = [n * STEPS / seconds(engine) for _ in range(repeats)]
+            ghosts = max(comm.allgather(engine.lammps.extract_setting("nghost")))
+    return Timing(n, comm.size, rates, ghosts)
 
 
 def compare_sizes(repeats: int, report: Report) -> list[dict[str, Any]]:
@@ -44,31 +75,40 @@ def compare_sizes(repeats: int, report: Report) -> list[dict[str, Any]]:
     report("\ncost against size, all spheres rattling, one rank:")
     found = []
     for size in SIZES:
-        n, rates = size[0] * size[1] * size[2], rattling_rates(size, repeats)
-        found.append({"n_spheres": n, "rates": rates})
-        each = 1e9 / statistics.median(rates)
-        report(f"{n:>10} spheres{spread(rates, 1e6):>22} M/s   {each:6.1f} ns a sphere-step")
+        timing = time_rattling(size, repeats)
+        found.append(dataclasses.asdict(timing))
+        each = 1e9 / statistics.median(timing.rates)
+        report(f"{timing.n_spheres:>10} spheres{spread(timing.rates, 1e6):>22} M/s   {each:6.1f} ns a sphere-step")
     return found
 
 
-def compare_ranks(repeats: int, report: Report) -> dict[str, list[float]]:
-    """Time the reference packing on one rank and on two."""
-    report("\nranks, 155520 rattling spheres (each rank's share of the time of one rank; 1 is ideal):")
-    rates: dict[str, list[float]] = {}
-    for n_ranks in (1, 2):
-        program = (
-            "import json; from granwave.workflows.bench import sizes; from granwave.workflows.run import mpi; "
-            f"rates = sizes.rattling_rates({SIZES[1]}, {repeats}); "
-            "print(json.dumps(rates)) if mpi.world().rank == 0 else None"
-        )
-        launcher = Path(sys.prefix) / "bin" / "mpiexec"
-        done = subprocess.run(
-            [str(launcher), "-n", str(n_ranks), sys.executable, "-m", "mpi4py", "-c", program],
-            capture_output=True,
-            text=True,
-            check=True,
-        )
-        rates[str(n_ranks)] = json.loads(done.stdout.strip().splitlines()[-1])
-        efficiency = statistics.median(rates[str(n_ranks)]) / statistics.median(rates["1"]) / n_ranks
-        report(f"{n_ranks:>10} ranks  {spread(rates[str(n_ranks)], 1e6):>22} M/s   efficiency {efficiency:.2f}")
-    return rates
+def compare_ranks(repeats: int, report: Report) -> dict[str, list[dict[str, Any]]]:
+    """Time one rank and two: the same packing (strong scaling), and as many spheres on each rank (weak scaling)."""
+    one = _on_ranks(1, SIZES[1], repeats)
+    longer = [SIZES[1][0], SIZES[1][1], 2 * SIZES[1][2]]
+    pairs = {"strong": [one, _on_ranks(2, SIZES[1], repeats)], "weak": [one, _on_ranks(2, longer, repeats)]}
+    for name, timings in pairs.items():
+        report(f"\n{name} scaling, all spheres rattling (each rank's share of the speed of one rank; 1 is ideal):")
+        for timing in timings:
+            efficiency = statistics.median(timing.rates) / statistics.median(one.rates) / timing.n_ranks
+            report(
+                f"{timing.n_spheres:>10} spheres on {timing.n_ranks} ranks  {spread(timing.rates, 1e6):>22} M/s"
+                f"   efficiency {efficiency:.2f}   {timing.bytes_per_step / 1e3:.0f} kB a rank and step"
+            )
+    return {name: [dataclasses.asdict(timing) for timing in timings] for name, timings in pairs.items()}
+
+
+def _on_ranks(n_ranks: int, size: list[int], repeats: int) -> Timing:
+    program = (
+        "import dataclasses, json; from granwave.workflows.bench import sizes; from granwave.workflows.run import mpi; "
+        f"found = dataclasses.asdict(sizes.time_rattling({size}, {repeats})); "
+        "print(json.dumps(found)) if mpi.world().rank == 0 else None"
+    )
+    launcher = Path(sys.prefix) / "bin" / "mpiexec"
+    done = subprocess.run(
+        [str(launcher), "-n", str(n_ranks), sys.executable, "-m", "mpi4py", "-c", program],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return Timing(**json.loads(done.stdout.strip().splitlines()[-1]))

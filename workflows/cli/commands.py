@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
+import difflib
 import logging
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from granwave.analysis.measures.zone.marks import zone_warnings
+from granwave.analysis.summary_table import continuum_table, summary_table
 from granwave.lammps_inputs.case.material import Material, material, sphere_mass
 from granwave.lammps_inputs.case.overrides import apply_overrides, parse_overrides
 from granwave.lammps_inputs.case.sections import LAWS
@@ -25,7 +28,7 @@ from granwave.lammps_inputs.run_directory import CASE_FILE, EXPORT_DIRECTORY, RE
 from granwave.lammps_inputs.run_state import restore_case
 from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows import library
-from granwave.workflows.cli.tables import continuum_plan_table, expected_cut, plan_table, summary_table
+from granwave.workflows.cli.tables import continuum_plan_table, expected_cut, plan_table
 from granwave.workflows.run import mpi, record
 from granwave.workflows.solvers import CONTINUUM, GRANULAR, SPHERE_CONTACT, solver_of
 
@@ -118,7 +121,6 @@ def write(options: argparse.Namespace, _: Arguments) -> int:
 
 def analyse(options: argparse.Namespace, _: Arguments) -> int:
     """Execute ``granwave analyse``."""
-    from granwave.analysis.errors import MissingOutputError, OutputFormatError
     from granwave.analysis.pipeline import analyse as analyse_directory
     from granwave.workflows.run.directory import held
 
@@ -128,10 +130,8 @@ def analyse(options: argparse.Namespace, _: Arguments) -> int:
         refuse_foreign(options.directory, [RESULT_FILE, SUMMARY_FILE])
         if restore_case(options.directory):
             print(f"granwave: {options.directory / CASE_FILE}: written again as it was run", file=sys.stderr)
-        try:
+        with _as_wrong_input():
             summary = analyse_directory(options.directory, progress=True, figures=options.figures)
-        except (MissingOutputError, OutputFormatError) as error:
-            raise InputError(str(error)) from None
     print(summary_table(summary))
     _warn_of_zone(summary)
     return 0
@@ -152,7 +152,6 @@ def scan(options: argparse.Namespace, _: Arguments) -> int:
 
 def continuum(options: argparse.Namespace, _: Arguments) -> int:
     """Execute ``granwave continuum``."""
-    from granwave.workflows.cli.tables import continuum_table
     from granwave.workflows.run.directory import held
 
     path = library.find_for(options.case, CONTINUUM.verb)
@@ -184,6 +183,54 @@ def report(options: argparse.Namespace, _: Arguments) -> int:
     from granwave.analysis.reports.report import write_report
 
     print(write_report(options.directories, options.output, options.study))
+    return 0
+
+
+@contextlib.contextmanager
+def _as_wrong_input() -> Iterator[None]:
+    """Raise InputError for results that are missing or damaged."""
+    from granwave.analysis.errors import MissingOutputError, OutputFormatError
+
+    try:
+        yield
+    except (MissingOutputError, OutputFormatError) as error:
+        raise InputError(str(error)) from None
+
+
+def figures(options: argparse.Namespace, _: Arguments) -> int:
+    """Execute ``granwave figures``."""
+    from granwave.analysis.figures.run_figures import FIGURES, draw_figures
+    from granwave.workflows.run.directory import held
+
+    wanted = options.only
+    if unknown := [name for name in wanted or () if name not in FIGURES]:
+        near = difflib.get_close_matches(unknown[0], FIGURES, n=1)
+        hint = f"; did you mean {near[0]}?" if near else f", expected some of {', '.join(FIGURES)}"
+        raise InputError(f"--only: found {unknown[0]}{hint}")
+    if not options.directory.is_dir():
+        raise InputError(f"{options.directory}: no such directory; run a case into it first")
+    with held(options.directory.absolute(), way=""), _as_wrong_input():
+        for path in draw_figures(options.directory, names=wanted):
+            print(path)
+    return 0
+
+
+def film(options: argparse.Namespace, _: Arguments) -> int:
+    """Execute ``granwave film``."""
+    from tqdm import tqdm
+
+    from granwave.analysis.films.film import write_film
+
+    with tqdm(desc="film", unit="picture", disable=None, leave=False) as bar:
+
+        def report(done: int, of: int) -> None:
+            bar.total = of
+            bar.update(done - bar.n)
+
+        chosen = {name: getattr(options, name) for name in ("quantity", "view", "width", "rate")}
+        with _as_wrong_input():
+            path = write_film(options.directory, options.output, progress=report, **chosen)
+    print(path)
     return 0
 
 

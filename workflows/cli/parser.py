@@ -12,7 +12,6 @@ import difflib
 import errno
 import io
 import logging
-import math
 import os
 import re
 import sys
@@ -23,12 +22,21 @@ from typing import NoReturn
 from granwave import __version__
 from granwave.lammps_inputs.case.schema import printable, show
 from granwave.lammps_inputs.case.sections import LAWS
-from granwave.lammps_inputs.case.si_values import POSSIBLE
-from granwave.lammps_inputs.directories import output_path
 from granwave.lammps_inputs.errors import GranwaveError, InputError
 from granwave.lammps_inputs.files import DISK_IS_FULL
 from granwave.workflows import bench
 from granwave.workflows.cli import commands
+from granwave.workflows.cli.arguments import (
+    bench_parts,
+    input_name,
+    number,
+    output_name,
+    overlap,
+    positive,
+    radius,
+    seconds,
+    words,
+)
 from granwave.workflows.run import mpi
 from granwave.workflows.run.messages import each_warning_once
 
@@ -36,7 +44,6 @@ DONE, FAILED, WRONG_INPUT, STOPPED, READER_LEFT = 0, 1, 2, 130, 141
 
 _LONGEST_SHOWN = 300  # characters of a path in a message
 _OF_NAMES = (errno.ENAMETOOLONG, errno.ELOOP)  # errors of a path itself, which is wrong input
-_LARGEST_OVERLAP = 1e6  # over the overlap at first yield; the size of spheres limits it to some 1e4
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -126,10 +133,10 @@ def make_parser() -> argparse.ArgumentParser:
     run = _verb(verbs, "run", commands.run, "run a case: deck, LAMMPS, analysis, figures")
     _case(run)
     _into(run)
-    run.add_argument("--np", type=_positive, default=1, metavar="N", help="number of MPI ranks (default: 1)")
+    run.add_argument("--np", type=positive, default=1, metavar="N", help="number of MPI ranks (default: 1)")
     run.add_argument(
         "--checkpoint",
-        type=_seconds,
+        type=seconds,
         default=60.0,
         metavar="SECONDS",
         help="wall time between checkpoints (default: 60)",
@@ -140,12 +147,12 @@ def make_parser() -> argparse.ArgumentParser:
     write = _verb(verbs, "write", commands.write, "write the LAMMPS deck alone; it runs by hand: lmp -in in.granwave")
     _case(write)
     write.add_argument(
-        "-o", dest="directory", type=_output, metavar="DIR", required=True, help="where the deck goes; required"
+        "-o", dest="directory", type=output_name, metavar="DIR", required=True, help="where the deck goes; required"
     )
     write.add_argument("--force", action="store_true", help="replace what is there")
 
     analyse = _verb(verbs, "analyse", commands.analyse, "once more from the dumps: result.h5, figures, summary.json")
-    analyse.add_argument("directory", type=_input, metavar="DIR", help="directory of a run")
+    analyse.add_argument("directory", type=input_name, metavar="DIR", help="directory of a run")
     _figures(analyse)
 
     scan = _verb(verbs, "scan", commands.scan, "run a case many times with some keys varied; table, figures and report")
@@ -156,11 +163,11 @@ def make_parser() -> argparse.ArgumentParser:
         "--executor", default="local", metavar="local|slurm", help="where the points run (default: local)"
     )
     scan.add_argument(
-        "--profile", type=_input, metavar="FILE", help="how to use the cluster: partition, account, time, ..."
+        "--profile", type=input_name, metavar="FILE", help="how to use the cluster: partition, account, time, ..."
     )
     scan.add_argument(
         "--jobs",
-        type=_positive,
+        type=positive,
         metavar="N",
         help="jobs at once (default: the cores of this machine; 100 on a cluster)",
     )
@@ -176,11 +183,11 @@ def make_parser() -> argparse.ArgumentParser:
     _again(continuum)
 
     report = _verb(verbs, "report", commands.report, "a page that compares any number of runs and scans")
-    report.add_argument("directories", nargs="+", type=_input, metavar="DIR", help="directories of runs and scans")
+    report.add_argument("directories", nargs="+", type=input_name, metavar="DIR", help="directories of runs and scans")
     report.add_argument(
         "-o",
         dest="output",
-        type=_output,
+        type=output_name,
         default=Path("report.html"),
         metavar="FILE",
         help=".html, .pdf or .md (default: report.html)",
@@ -193,14 +200,30 @@ def make_parser() -> argparse.ArgumentParser:
         help="a study to make of all runs, beside those that scan and suite files name; may be repeated",
     )
 
+    figures = _verb(verbs, "figures", commands.figures, "draw the figures of a run again, all or some")
+    figures.add_argument("directory", type=input_name, metavar="DIR", help="directory of a run")
+    figures.add_argument("--only", type=words, metavar="NAME,...", help="names of figures (default: all)")
+
+    film = _verb(verbs, "film", commands.film, "a film of a run: planes, the cut packing, or a chain in space-time")
+    film.add_argument("directory", type=input_name, metavar="DIR", help="directory of a run")
+    film.add_argument("-o", dest="output", type=output_name, required=True, metavar="FILE", help=".mp4, .gif or .webp")
+    film.add_argument(
+        "--quantity", default="force", metavar="NAME", help="force, velocity or dissipation (default: force)"
+    )
+    film.add_argument("--view", metavar="NAME", help="orthogonal, principal, 3d or chain (default: what there is)")
+    film.add_argument(
+        "--width", type=positive, default=1200, metavar="PIXELS", help="width of the pictures (default: 1200)"
+    )
+    film.add_argument("--rate", type=number, metavar="N", help="pictures per second (default: 3 to 25)")
+
     export = _verb(verbs, "export", commands.export, "the results for other programs: ParaView, pandas, xarray, OVITO")
-    export.add_argument("directory", type=_input, metavar="DIR", help="directory of a run or a scan")
+    export.add_argument("directory", type=input_name, metavar="DIR", help="directory of a run or a scan")
     export.add_argument("--to", required=True, metavar="FORMAT", help="vtp, csv, netcdf or ovito")
-    export.add_argument("-o", dest="output", type=_output, metavar="DIR", help="where to (default: DIR/export)")
+    export.add_argument("-o", dest="output", type=output_name, metavar="DIR", help="where to (default: DIR/export)")
 
     check = _verb(verbs, "check", commands.check, "what a run would be: size, memory, disk, timestep, time, overlap")
     _case(check)
-    check.add_argument("--np", type=_positive, default=1, metavar="N", help="number of MPI ranks (default: 1)")
+    check.add_argument("--np", type=positive, default=1, metavar="N", help="number of MPI ranks (default: 1)")
 
     show = _verb(verbs, "show", commands.show, "an editable copy of a built-in study, on stdout")
     show.add_argument("name", metavar="NAME", help="name of a built-in case or scan")
@@ -215,7 +238,7 @@ def make_parser() -> argparse.ArgumentParser:
         "--material", nargs="+", default=["brass"], metavar="M", help="one material or two (default: brass)"
     )
     law.add_argument(
-        "--radius", nargs="+", type=_radius, default=[0.005], metavar="R", help="one radius or two, m (default: 0.005)"
+        "--radius", nargs="+", type=radius, default=[0.005], metavar="R", help="one radius or two, m (default: 0.005)"
     )
     law.add_argument("--law", default="elastoplastic", choices=list(LAWS), help="contact law (default: elastoplastic)")
     law.add_argument(
@@ -226,7 +249,7 @@ def make_parser() -> argparse.ArgumentParser:
     )
     law.add_argument(
         "--max-overlap",
-        type=_overlap,
+        type=overlap,
         default=200.0,
         metavar="A",
         help="largest overlap, in units of that at first yield (default: 200)",
@@ -237,16 +260,20 @@ def make_parser() -> argparse.ArgumentParser:
         help="coefficient of restitution against velocity instead, of two spheres and of a sphere and a rigid wall",
     )
     law.add_argument(
-        "-o", dest="output", type=_output, metavar="FILE", help=".png, .pdf or .csv (default: law.png, restitution.png)"
+        "-o",
+        dest="output",
+        type=output_name,
+        metavar="FILE",
+        help=".png, .pdf or .csv (default: law.png, restitution.png)",
     )
 
     fit = _verb(verbs, "fit", commands.fit, "fit the contact law's constants to a measured or computed curve")
-    fit.add_argument("curve", type=_input, metavar="CURVE.csv", help="columns overlap_m, force_N, perhaps branch")
+    fit.add_argument("curve", type=input_name, metavar="CURVE.csv", help="columns overlap_m, force_N, perhaps branch")
     fit.add_argument(
         "--material", nargs="+", default=["brass"], metavar="M", help="one or two: a name, or FILE.toml:NAME"
     )
     fit.add_argument(
-        "--radius", nargs="+", type=_radius, default=[0.005], metavar="R",
+        "--radius", nargs="+", type=radius, default=[0.005], metavar="R",
         help="one radius or two, m; the second may be inf, a plane (default: 0.005)",
     )  # fmt: skip
     fit.add_argument(
@@ -256,16 +283,18 @@ def make_parser() -> argparse.ArgumentParser:
         "--pair", nargs=2, metavar=("A", "B"), help="also write pair.toml: the law of these two materials in a case"
     )
     fit.add_argument("--fit-yield", action="store_true", help="fit the yield strength too")
-    fit.add_argument("-o", dest="directory", type=_output, metavar="DIR", help="where everything goes (default: ./fit)")
+    fit.add_argument(
+        "-o", dest="directory", type=output_name, metavar="DIR", help="where everything goes (default: ./fit)"
+    )
     fit.add_argument("--force", action="store_true", help="replace the fit that is there")
 
     timing = _verb(verbs, "bench", commands.bench, "speed beside LAMMPS's own granular styles, on this machine")
-    timing.add_argument("--json", type=_output, metavar="FILE", help="write the results there too")
-    timing.add_argument("--repeats", type=_positive, default=5, metavar="N", help="timings of each (default: 5)")
+    timing.add_argument("--json", type=output_name, metavar="FILE", help="write the results there too")
+    timing.add_argument("--repeats", type=positive, default=5, metavar="N", help="timings of each (default: 5)")
     parts = timing.add_mutually_exclusive_group()
     parts.add_argument(
         "--parts",
-        type=_parts,
+        type=bench_parts,
         default=bench.PARTS,
         metavar="PART,...",
         help=f"what to measure: {', '.join(bench.PARTS)} (default: all, some ten minutes)",
@@ -301,7 +330,7 @@ def _overrides(parser: argparse.ArgumentParser) -> None:
 
 def _into(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "-o", dest="directory", type=_output, metavar="DIR", help="where everything goes (default: ./NAME)"
+        "-o", dest="directory", type=output_name, metavar="DIR", help="where everything goes (default: ./NAME)"
     )
 
 
@@ -313,62 +342,6 @@ def _again(parser: argparse.ArgumentParser) -> None:
 
 def _figures(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--no-figures", dest="figures", action="store_false", help="leave the figures out")
-
-
-def _output(text: str) -> Path:
-    try:
-        return output_path(text)
-    except InputError as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
-
-
-def _input(text: str) -> Path:
-    if not text:
-        raise argparse.ArgumentTypeError('found the empty name "" (. is the present directory)')
-    return Path(text)
-
-
-def _positive(text: str) -> int:
-    value = _number(text)
-    if not value.is_integer() or value < 1:
-        raise argparse.ArgumentTypeError(f"found {text}, expected a whole number, 1 or more")
-    return int(value)
-
-
-def _parts(text: str) -> tuple[str, ...]:
-    found = tuple(text.split(","))
-    if unknown := [name for name in found if name not in bench.PARTS]:
-        raise argparse.ArgumentTypeError(f"found {unknown[0]}, expected some of {','.join(bench.PARTS)}")
-    return found
-
-
-def _radius(text: str) -> float:
-    value = _number(text)
-    low, high = POSSIBLE["m"]
-    if not (low <= value <= high or value == math.inf):  # infinite: a plane, if the command allows one
-        raise argparse.ArgumentTypeError(f"found {text}, expected a length from {low:g} to {high:g} m")
-    return value
-
-
-def _overlap(text: str) -> float:
-    value = _number(text)
-    if not 0 < value <= _LARGEST_OVERLAP:
-        raise argparse.ArgumentTypeError(f"found {text}, expected a number above 0 and at most {_LARGEST_OVERLAP:g}")
-    return value
-
-
-def _seconds(text: str) -> float:
-    value = _number(text)
-    if not 0 < value < math.inf:
-        raise argparse.ArgumentTypeError(f"found {text}, expected a number above 0 (s)")
-    return value
-
-
-def _number(text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"found {text or 'nothing'}, expected a number") from None
 
 
 class _Parser(argparse.ArgumentParser):

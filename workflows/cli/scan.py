@@ -15,11 +15,12 @@ from granwave.analysis.formatting.numbers import duration
 from granwave.analysis.measures.zone.marks import LABELS, bounds_in_words, mark_of
 from granwave.analysis.quantities import SCAN_COLUMNS, Quantity
 from granwave.analysis.scans.result import ScanResult
+from granwave.analysis.summary_table import lines
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError, RunError, raise_all
 from granwave.lammps_inputs.planning.plan import Plan
 from granwave.lammps_inputs.run_directory import SCAN_REPORT
-from granwave.workflows.cli.tables import lines, static_stage_note
+from granwave.workflows.cli.tables import static_stage_note
 from granwave.workflows.scanning import needs
 from granwave.workflows.scanning.batches import expected_scan_time, expected_time
 from granwave.workflows.scanning.calibrate import slowness_of

@@ -2,67 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 from granwave.analysis.formatting.numbers import duration
-from granwave.analysis.measures.zone.marks import bounds_in_words
-from granwave.analysis.quantities import CONTINUUM_ROWS, FRICTION_SHARES, RUN_ROWS, SHARES, Quantity
+from granwave.analysis.summary_table import lines
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.planning.plan import Plan
 from granwave.lammps_inputs.planning.schedule import Schedule
 from granwave.lammps_inputs.planning.wall_time import WallTime
 from granwave.lammps_inputs.planning.zone_estimate import ExpectedZone
 from granwave.workflows.solvers import Cost
-
-_ZONE_AFTER = "plastic_zone_radius_m"  # the row that the size of the plastic zone follows
-_GROWING = {"plastic_zone_depth_m": "depth", "plastic_zone_radius_m": "radius"}  # as `zone_growing` calls them
-
-
-def lines(rows: list[tuple[str, str]]) -> str:
-    """Labels and values under each other."""
-    width = max(len(label) for label, _ in rows)
-    return "\n".join(f"{label:<{width}}  {text}" for label, text in rows)
-
-
-def summary_table(summary: Mapping[str, Any]) -> str:
-    """The main values of a summary."""
-    left_out = () if summary.get("friction_fraction") else FRICTION_SHARES
-    return _table([entry for entry in RUN_ROWS if entry.name not in left_out], summary)
-
-
-def continuum_table(summary: Mapping[str, Any]) -> str:
-    """The main values of the summary of a continuum run."""
-    return _table(CONTINUUM_ROWS, summary)
-
-
-def _table(shown: Sequence[Quantity], summary: Mapping[str, Any]) -> str:
-    rows, before = [("case", str(summary["name"]))], ""
-    for entry in shown:
-        value = summary.get(entry.name)
-        if value is not None:
-            growing = _GROWING.get(entry.name) in (summary.get("zone_growing") or ())
-            text = entry.text(value) + (", still moving out at the end" if growing else "")
-            rows.append(("" if entry.short == before else entry.short, text))
-            before = entry.short
-        if entry.name == _ZONE_AFTER:
-            rows += _zone_rows(summary)
-    return lines(rows)
-
-
-def _zone_rows(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Size of the plastic zone, as far as it applies, and the bounds that it reaches."""
-    rows = []
-    label = f"{', '.join(map(str, SHARES))} % of yielding"
-    for what, unit in (("depth", "m"), ("radius", "m"), ("volume", "m3")):
-        sizes = [summary.get(f"zone_{what}_{percent}_{unit}") for percent in SHARES]
-        found = [f"{size:.4g}" for size in sizes if size is not None]
-        if found:
-            rows.append((label, f"{what} {', '.join(found)} {unit}"))
-            label = ""
-    if summary.get("zone_cut") is not None:
-        rows.append(("bounds that it reaches", bounds_in_words(summary["zone_cut"])))
-    return rows
 
 
 def plan_table(case: Case, plan: Plan) -> str:
@@ -80,7 +29,7 @@ def plan_table(case: Case, plan: Plan) -> str:
             ("case", plan.name),
             ("spheres", f"{plan.n_spheres}"),
             ("contacts at the start", f"{plan.n_contacts}"),
-            ("memory", f"about {plan.memory / 2**30:.2f} GiB"),
+            ("memory", _memory(plan)),
             ("disk", f"about {plan.disk / 1e9:.3g} GB"),
             ("timestep", _timestep(schedule)),
             ("steps", f"{at_most}{_steps(schedule)}, to {schedule.end_time:.4g} s"),
@@ -92,6 +41,14 @@ def plan_table(case: Case, plan: Plan) -> str:
             *([("outermost yield", _expected(plan.zone))] if plan.zone else []),
         ]
     )
+
+
+def _memory(plan: Plan) -> str:
+    text = f"about {plan.memory / 2**30:.2f} GiB"
+    if plan.n_ranks == 1:
+        return text
+    first, other = plan.space.first_rank / 2**30, plan.space.other_rank / 2**30
+    return f"{text}: first rank, which makes the analysis, {first:.2f}, each other {other:.2f}"
 
 
 def _timestep(schedule: Schedule) -> str:

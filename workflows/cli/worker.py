@@ -26,6 +26,7 @@ from typing import Any
 
 import tomli_w
 
+from granwave.analysis.figures.side_by_side import PROCESSES
 from granwave.lammps_inputs.directories import disk_space_message, free_space
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import DISK_IS_FULL, replace_text
@@ -66,10 +67,11 @@ class _Worker:
             signal.signal(number, lambda *_: self.stop())
         for name in set(os.environ) - set(mpi.alone()):
             del os.environ[name]  # the points are not ranks of the program that started this job
+        os.environ[PROCESSES] = "1"  # other points use the other cores
         if self._unwanted():
             self.stop()
         elif self.batch["ranks"] == 1:
-            _load(self.batch["points"][0]["verb"])
+            _load(self.batch["points"][0]["verb"], figures=self.batch["figures"])
         threading.Thread(target=self._watch, daemon=True).start()
         points = self.batch["points"]
         for point in points:
@@ -192,7 +194,7 @@ class _Worker:
         return status
 
 
-def _load(verb: str) -> None:
+def _load(verb: str, *, figures: bool) -> None:
     """Import the modules that points need, without starting MPI: each point starts its own."""
     import granwave.workflows.cli.parser
 
@@ -207,7 +209,10 @@ def _load(verb: str) -> None:
     from mpi4py import MPI  # noqa: F401
 
     import granwave.analysis.pipeline
-    import granwave.workflows.run.driver  # noqa: F401
+    import granwave.workflows.run.driver
+
+    if figures:
+        import granwave.analysis.figures.run_figures  # noqa: F401
 
 
 def _fork(words: Sequence[str], log: int) -> int:

@@ -12,8 +12,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, ClassVar
 
-from tqdm import tqdm
-
+from granwave.analysis.progress_bar import progress_bar
 from granwave.lammps_inputs.directories import decide, results_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import plain, replace_text
@@ -126,7 +125,7 @@ def run_elements(
         return there
     run, started = kind(case), time.perf_counter()
     try:
-        with tqdm(total=run.total, desc=case.name, unit=kind.UNIT, disable=None if progress else True) as bar:
+        with progress_bar(progress, total=run.total, desc=case.name, unit=kind.UNIT) as bar:
 
             def show() -> None:
                 place, note = run.progress()

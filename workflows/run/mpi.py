@@ -9,6 +9,7 @@ import os
 import subprocess
 import sys
 import tempfile
+import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from types import TracebackType
@@ -25,6 +26,8 @@ T = TypeVar("T")
 # set by the launchers of MPICH, Slurm (PMI, PMIx) and Open MPI
 _RANK_VARIABLES = ("PMI_RANK", "PMIX_RANK", "OMPI_COMM_WORLD_RANK")
 _LAUNCHER_PREFIXES = ("PMI_", "PMIX_", "HYDRA_", "HYDI_", "OMPI_", "MPI_LOCAL", "MPIR_")
+_IMPATIENT, _PAUSE = 0.1, 0.01  # s of waiting at full speed, and then between looks
+_FIRST_IS_READY = 1  # tag of a message
 STOP_FILE = "GRANWAVE_STOP_FILE"  # environment variable: file whose existence asks all ranks to stop
 EXPECTED_RANKS = "GRANWAVE_RANKS"  # environment variable: number of ranks requested from the launcher
 
@@ -106,11 +109,25 @@ def on_first(comm: Intracomm, work: Callable[[], T]) -> T:
         except Exception as error:
             outcome = (None, error)
     if comm.size > 1:
+        _wait_for_first(comm)
         outcome = comm.bcast(outcome)
     result, fault = outcome
     if fault is not None:
         raise fault
     return result  # type: ignore[return-value]
+
+
+def _wait_for_first(comm: Intracomm) -> None:
+    """Wait for the first rank, after a short time without use of the processor, which its work may need."""
+    if comm.rank == 0:
+        for rank in range(1, comm.size):
+            comm.send(None, rank, _FIRST_IS_READY)
+        return
+    begin = time.monotonic()
+    while not comm.Iprobe(0, _FIRST_IS_READY):
+        if time.monotonic() > begin + _IMPATIENT:
+            time.sleep(_PAUSE)
+    comm.recv(source=0, tag=_FIRST_IS_READY)
 
 
 def command(n_ranks: int, arguments: Sequence[str], launcher: Sequence[str] = ()) -> list[str]:
@@ -137,8 +154,13 @@ def command(n_ranks: int, arguments: Sequence[str], launcher: Sequence[str] = ()
     return [*launcher, "-n", str(n_ranks), sys.executable, "-m", "mpi4py", "-m", "granwave.workflows", *arguments]
 
 
-def launch(n_ranks: int, arguments: Sequence[str]) -> int:
+def launch(n_ranks: int, arguments: Sequence[str], *, stdout: int | None = None, stderr: int | None = None) -> int:
     """Run ``granwave ARGUMENTS`` on several ranks of this machine; Ctrl-C makes them stop with a checkpoint.
+
+    Parameters
+    ----------
+    stdout, stderr
+        File descriptors that the ranks write to; by default those of this process.
 
     Returns
     -------
@@ -154,7 +176,7 @@ def launch(n_ranks: int, arguments: Sequence[str]) -> int:
     with tempfile.TemporaryDirectory(prefix="granwave-") as scratch:
         stop = Path(scratch) / "stop"
         environment = {**os.environ, STOP_FILE: str(stop), EXPECTED_RANKS: str(n_ranks)}
-        ranks = subprocess.Popen(words, env=environment, start_new_session=True)
+        ranks = subprocess.Popen(words, env=environment, stdout=stdout, stderr=stderr, start_new_session=True)
         with Interrupts(stop.touch):
             status = ranks.wait()
     if status not in (0, 1, 2, 130):

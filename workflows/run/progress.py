@@ -1,4 +1,4 @@
-"""Progress of a run: a bar on a terminal, lines in a batch log."""
+"""Progress of a run: a bar on a terminal or in a notebook, lines in a batch log."""
 
 from __future__ import annotations
 
@@ -6,9 +6,8 @@ import logging
 import sys
 import time
 
-from tqdm import tqdm
-
 from granwave.analysis.formatting.numbers import duration
+from granwave.analysis.progress_bar import in_notebook, progress_bar
 
 logger = logging.getLogger(__name__)
 
@@ -33,17 +32,17 @@ class Progress:
     """
 
     def __init__(self, total: int, label: str, *, enabled: bool, done: int = 0, at_most: bool = False) -> None:
-        self._terminal = enabled and sys.stderr.isatty()
-        self._lines = enabled and not self._terminal
+        shows_bar = enabled and (sys.stderr.isatty() or in_notebook())
+        self._lines = enabled and not shows_bar
         self._total, self._label, self._done = total, label, done
         self._about = "at most" if at_most else "about"
         self._begin = self._last = time.monotonic()
         self._first = done
-        self._bar = tqdm(
+        self._bar = progress_bar(
+            shows_bar,
             total=total,
             initial=done,
             desc=label,
-            disable=not self._terminal,
             leave=True,
             miniters=0,  # the note also changes between steps
             bar_format="{desc} {percentage:3.0f}%|{bar}|{postfix}",
@@ -63,8 +62,9 @@ class Progress:
         last
             True if the run has ended, possibly before ``total``.
         """
-        if last:
-            self._total = self._bar.total = done
+        if last and done != self._total:
+            self._bar.reset(total=done)  # a widget has a copy of the total
+            self._total, self._done = done, 0
         text = f"{note} [{times or self._times(done)}]".lstrip()
         self._bar.set_postfix_str(text, refresh=False)
         self._bar.update(done - self._done)

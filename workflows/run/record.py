@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
-from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.files import read_json, replace_text
 from granwave.lammps_inputs.run_directory import RECORD_FILE
 
@@ -65,6 +64,8 @@ def read(directory: Path) -> Record | None:
 
 def recover(directory: Path) -> Record | None:
     """Read the record in result.h5, as of the analysis; None if there is none."""
+    from granwave.analysis.result.reader import Result  # h5py takes longer to load than most commands need
+
     try:
         with Result(directory) as result:
             return _record(result.record)

@@ -14,9 +14,9 @@ from granwave.lammps_inputs.planning.plan import Plan
 from granwave.workflows.scanning.profile import Profile
 from granwave.workflows.scanning.scan_file import Point
 
-_LOCAL_START = 2.5  # s, start of a job on this machine: Snakemake, Python, libraries
-_ENGINE_START = 3.0  # s, start of Snakemake before the first job
-PUBLISH = 6.0  # s, table, figures and report: 4 to 11 for 8 scans of 5 to 43 points, 50 for protected-height
+_LOCAL_START = 1.0  # s, start of a job on this machine: Snakemake, Python, libraries
+_ENGINE_START = 1.5  # s, start of Snakemake before the first job
+PUBLISH = 4.0  # s, table, figures and report: 2.5 for 8 points, 4 for 24; most of a minute where a study reads much
 _LONGEST = 1800.0  # s, limit for a batch of several points
 
 

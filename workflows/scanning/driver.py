@@ -196,6 +196,7 @@ class _ScanRun:
         before = self._states(points)
         engine = Engine(self.scan.name, self.directory, batches, jobs=self.jobs, profile=self.profile)
         try:
+            _load()
             self._watch(engine)
         finally:
             engine.kill()
@@ -223,6 +224,8 @@ class _ScanRun:
             if self.stop.wanted or (self.directory / layout.STOP).exists():
                 self._stop_jobs(engine)
                 return
+            if not self.profile and not self.open:
+                return  # Snakemake takes another second to end
             if self.profile and time.monotonic() > asked + _QUEUE_POLL:
                 asked = time.monotonic()
                 try:
@@ -332,6 +335,12 @@ class _ScanRun:
             with contextlib.suppress(OSError):
                 (self.directory / layout.unfinished(self.directory, "")).rmdir()
         return ScanOutcome(self.directory, done, failed, missing, self.stopped)
+
+
+def _load() -> None:
+    """Import what table, figures and report need, while Snakemake starts and other cores are idle."""
+    import granwave.analysis.reports.report
+    import granwave.analysis.scans.figures  # noqa: F401
 
 
 def _draw(result: ScanResult, *, pdf: bool = True) -> None:

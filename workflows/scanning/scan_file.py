@@ -152,7 +152,34 @@ def load_scan(scan: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (
     """
     changes = parse_overrides(overrides)
     path = find_scan(scan)
-    data = read_toml(path)
+    return scan_from_dict(read_toml(path), path, changes, here=here, text=path.read_text(encoding="utf-8"))
+
+
+def scan_from_dict(
+    data: Mapping[str, Any],
+    path: Path,
+    changes: Mapping[str, Any],
+    *,
+    here: bool = True,
+    text: str = "",
+    template: Mapping[str, Any] | None = None,
+) -> Scan:
+    """Make a scan of the tables of a scan file; raise as `load_scan`.
+
+    Parameters
+    ----------
+    path
+        Name of the file in messages; its stem is the default name of the scan, and its folder that of relative paths.
+    changes
+        Keys of the case for all points, by dotted key.
+    here
+        As in `load_scan`.
+    text
+        Text of the file.
+    template
+        Tables of the case; None if ``data`` names its file.
+    """
+    data = dict(data)
     if "scans" in data:
         raise InputError(f"{path}: is a suite of scans, expected one scan: one of {', '.join(map(str, data['scans']))}")
     errors = ErrorList(str(path), vocabulary=[f"set.{key}" for key in case_keys()])
@@ -162,11 +189,11 @@ def load_scan(scan: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (
         key: value
         for key, value in flat(tables.get("set", {}), "set", errors).items()
         if not any(key.startswith(f"{changed}.") for changed in changes)  # --set material=steel, all of it
-    } | changes
+    } | dict(changes)
     variations = variations_of(tables, header, errors)
     if errors.lines or header is None:
         raise InputError(errors.lines)
-    return _build(path, header, fixed, changes, variations, here, path.read_text(encoding="utf-8"))
+    return _build(path, header, fixed, changes, variations, here, text, template)
 
 
 def scan_of_case(case: str, beside: Path, *, here: bool = True) -> Scan:
@@ -190,6 +217,7 @@ def _build(
     variations: Sequence[Mapping[str, Any]],
     here: bool,
     text: str,
+    template: Mapping[str, Any] | None = None,
 ) -> Scan:
     varied = tuple(dict.fromkeys(key for values in variations for key in values))
     if header.replicates > 1:
@@ -202,8 +230,9 @@ def _build(
             f"{'--set' if key in changes else f'{path}: set'}: {key}: varies in the scan, expected a key that does not"
             for key in twice
         )
-    base = _find_case(header.case, path)
-    template = {"name": base.stem, **read_toml(base)}
+    if template is None:
+        base = _find_case(header.case, path)
+        template = {"name": base.stem, **read_toml(base)}
     kind = solver_of(template)
     points: list[Point] = []
     errors: list[tuple[int, Mapping[str, Any], list[str]]] = []

@@ -25,17 +25,18 @@ def packing_3d(result: Result) -> Drawing | None:
     """Draw the cut packing, coloured by peak force."""
     if not np.any(result["spheres/peak_force"] > 0):
         return None
-    return _draw(result, peak_force_colouring(result, _DECADES))
+    return draw_packing(result, peak_force_colouring(result, _DECADES))
 
 
 def packing_3d_dissipation(result: Result) -> Drawing | None:
     """Draw the cut packing, coloured by dissipation."""
     if not np.any(result["spheres/dissipated_energy"] > 0):
         return None
-    return _draw(result, dissipation_colouring(result))
+    return draw_packing(result, dissipation_colouring(result))
 
 
-def _draw(result: Result, colouring: Colouring) -> Drawing | None:
+def draw_packing(result: Result, colouring: Colouring) -> Drawing | None:
+    """Draw the cut packing in any colouring; return None for a chain, for which curves show more."""
     positions = result["spheres/position"]
     if len(positions) < _LEAST_SPHERES or np.min(np.ptp(positions, axis=0)[:2]) == 0:
         return None  # a chain, for which curves show more

@@ -84,7 +84,7 @@ def peak_force_colouring(result: Result, decades: float | None = None) -> Colour
     """
     scale, label, column = force_scale(result)
     values = result["spheres/peak_force"] / scale
-    low, high = _decades(float(values.max(initial=0.0)), 1.0 if result.yields else None)
+    low, high = decades_up_to(float(values.max(initial=0.0)), 1.0 if result.yields else None)
     if decades is not None:
         low = high / 10**decades
     return Colouring(values, f"Peak force {label}", f"peak_{column}", FORCE_MAP, low, high)
@@ -134,13 +134,13 @@ def dents_section(result: Result, name: str) -> Drawing | None:
         )
     values = np.zeros(result.n_spheres)
     np.maximum.at(values, result.ends, (result["contacts/initial_overlap"] / unit)[:, None])
-    low, high = _decades(float(values.max()), 1.0 if result.yields else None)
+    low, high = decades_up_to(float(values.max()), 1.0 if result.yields else None)
     return section_drawing(result, name, Colouring(values, label, column, DENT_MAP, low, high))
 
 
 def wave_front(result: Result) -> Drawing | None:
     """Draw the forces on the spheres of the vertical plane at four times while the wave travels down."""
-    cut = _cut(result, "orthogonal") or _cut(result, "principal")
+    cut = cut_of(result, "orthogonal") or cut_of(result, "principal")
     chosen = _snapshots(result)
     if cut is None or not chosen:
         return None
@@ -151,9 +151,9 @@ def wave_front(result: Result) -> Drawing | None:
     largest = max(float(force.max()) for force in forces)
     if largest == 0:
         return None
-    low, high = _decades(largest, None)
+    low, high = decades_up_to(largest, None)
     reached = np.max(forces, axis=0) >= low
-    window = _window(cut, reached, result.case.packing.diameter)
+    window = window_around(cut, reached, result.case.packing.diameter)
     aspect = (window[3] - window[2]) / (window[1] - window[0])
     n_columns = 2 if aspect > 0.6 else 1
     n_rows = math.ceil(len(chosen) / n_columns)
@@ -193,13 +193,13 @@ def section_drawing(result: Result, name: str, *colourings: Colouring) -> Drawin
     colourings
         Quantities, with titles if there are several.
     """
-    cut = _cut(result, name)
+    cut = cut_of(result, name)
     if cut is None:
         return None
     diameter = result.case.packing.diameter
     values = [one.values[cut.index] for one in colourings]
     beyond = spheres_beyond_law(result)[cut.index]
-    window = _window(cut, np.max(values, axis=0) >= colourings[0].low, diameter)
+    window = window_around(cut, np.max(values, axis=0) >= colourings[0].low, diameter)
     aspect = (window[3] - window[2]) / (window[1] - window[0])
     height = (WIDTH - 0.6) * aspect + (0.25 if len(colourings) > 1 else 0.0)
     figure = new_figure(min(max(len(colourings) * height + 1.05, 1.9), 6.0 if len(colourings) == 1 else 8.0))
@@ -220,7 +220,7 @@ def section_drawing(result: Result, name: str, *colourings: Colouring) -> Drawin
     return Drawing(figure, columns | {"beyond_law": beyond.astype(int)})
 
 
-def _cut(result: Result, name: str) -> Section | None:
+def cut_of(result: Result, name: str) -> Section | None:
     """Return the spheres on a plane; None if there is no such plane, or only a line of spheres on it."""
     case = result.case
     for plane in planes(case.packing.kind):
@@ -295,7 +295,7 @@ def colour_bar(
     )
 
 
-def _window(cut: Section, shown: NDArray[np.bool_], diameter: float) -> tuple[float, float, float, float]:
+def window_around(cut: Section, shown: NDArray[np.bool_], diameter: float) -> tuple[float, float, float, float]:
     """Return left, right, top and bottom around the spheres to show, mm."""
     margin = 2 * diameter
     if not shown.any():
@@ -308,7 +308,7 @@ def _window(cut: Section, shown: NDArray[np.bool_], diameter: float) -> tuple[fl
     return left * _MILLI, right * _MILLI, top * _MILLI, bottom * _MILLI
 
 
-def _decades(largest: float, low: float | None) -> tuple[float, float]:
+def decades_up_to(largest: float, low: float | None) -> tuple[float, float]:
     """Return the ends of a logarithmic scale up to the largest value, at least one decade, by default three."""
     high = 10 ** (math.ceil(2 * math.log10(largest)) / 2) if largest > 0 else 1.0
     if low is None or high < 10 * low:

@@ -6,11 +6,12 @@ import math
 from collections.abc import Sequence
 
 from granwave.analysis.document.cells import named, value_cell, value_column
-from granwave.analysis.document.model import Cell, Column, Note, Section, Table, Tone
+from granwave.analysis.document.model import Cell, Column, Group, Note, Section, Table, Tone
 from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.reports.inputs import Inputs, Run
 
 SLUG = "balance"
+MOST_OPEN = 12  # runs whose table is not folded
 #: Largest accepted error of the balance over the input, by kind of run.
 LIMITS = {"run": 1e-5, "continuum": 2e-2}
 _PARTS = ("kinetic", "elastic", "dissipated", "punch", "viscous", "hourglass")
@@ -42,7 +43,9 @@ def balance_section(inputs: Inputs) -> Section:
         "continuum": "A continuum run above 2 % is stopped.",
     }
     text = " ".join([text, *(limits[kind] for kind in LIMITS if any(run.kind == kind for run in runs))])
-    return Section("Energy balance", SLUG, (Note(text), _table(runs)))
+    table = _table(runs)
+    shown = Group("Energies of all runs", (table,), folded=True) if len(runs) > MOST_OPEN else table
+    return Section("Energy balance", SLUG, (Note(text), shown))
 
 
 def balance_notes(runs: Sequence[Run], section: str = "") -> list[Note]:

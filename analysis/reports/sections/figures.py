@@ -42,28 +42,33 @@ _QUANTITIES = {  # captions of figures of scans that differ from their names
     "zone_radius_90": "Radius that holds 90 % of the energy of yielding",
     "zone_volume_90": "Volume that holds 90 % of the energy of yielding",
 }
+_UNREADABLE = (OSError, ValueError, SyntaxError, Image.DecompressionBombError)
 _AGAINST = "_vs_"  # between quantity and key in names of figures of scans
 
 
-def figures_section(inputs: Inputs, above: Collection[str] = ()) -> Section:
+def figures_section(inputs: Inputs, above: Collection[str] = (), shown: Collection[Path] = ()) -> Section:
     """Make the section of the report.
 
     Parameters
     ----------
     above
         Names of figures in other sections; scans also keep those of their studies as files.
+    shown
+        Paths of figures in other sections, without a suffix.
     """
     blocks: list[Block] = []
     n_items = len(inputs.items)
     for number, item in enumerate(inputs.items, start=1):
         what = "scan" if isinstance(item, Scan) else "run"
         labels = _labels_of_keys(item) if isinstance(item, Scan) else {}
-        left_out = above if isinstance(item, Scan) else ()
+        left_out = {path.stem for path in shown if path.parent == item.directory / FIGURES_DIRECTORY}
+        left_out |= set(above) if isinstance(item, Scan) else set()
         name, label = f"{number}-{item.label}", f"{what} {item.label}"
         parts = _pictures(item.directory, inputs, name, label, WIDTH, labels, left_out)
         if parts:
             title = f"Figures of {what} {item.label}"
-            blocks.append(Group(title, parts, folded=n_items > 2 and isinstance(item, Run)))
+            folded = n_items > 2 and isinstance(item, Run)
+            blocks += parts if n_items == 1 else [Group(title, parts, folded=folded)]
         if isinstance(item, Scan):
             blocks += _points(item, inputs, number)
     return Section("Figures", SLUG, tuple(blocks) or (Note("There are no figures."),))
@@ -89,6 +94,16 @@ def overlay(inputs: Inputs) -> list[Block]:
     if missing:
         blocks.append(Note(f"No energies against time in {RESULT_FILE}: {', '.join(missing)}.", "note"))
     return blocks
+
+
+def picture_in(item: Run | Scan, name: str, inputs: Inputs) -> Figure | None:
+    """Return a figure of a run or scan by name; None if it is missing or damaged."""
+    path = item.directory / FIGURES_DIRECTORY / f"{name}.png"
+    labels = _labels_of_keys(item) if isinstance(item, Scan) else {}
+    try:
+        return _picture(path, inputs, f"answer-{item.label}", item.label, WIDTH, labels)
+    except _UNREADABLE:  # or missing
+        return None
 
 
 def shrunk(path: Path, width: int) -> tuple[bytes, tuple[int, int], float]:
@@ -178,18 +193,22 @@ def _pictures(
         if path.stem in left_out:
             continue
         try:
-            png, size, inches = shrunk(path, width)
-        except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
+            figures.append(_picture(path, inputs, name, what, width, labels))
+        except _UNREADABLE as error:
             damaged.append(Note(f"{inputs.path(path)} cannot be shown: {_first_line(error)}", "note"))
-            continue
-        caption = _caption(path.stem, labels)
-        data = path.with_suffix(".csv")
-        link = inputs.link(data, f"{FIGURES_DIRECTORY}/{data.name}") if data.is_file() else None
-        alone = len(inputs.items) == 1 and directory == inputs.items[0].directory
-        alt = f"{caption}: {what}"
-        figures.append(Figure(_slug(f"{name}-{path.stem}"), caption if alone else alt, alt, png, size, link, inches))
     gallery = (Gallery(tuple(figures)),) if figures else ()
     return (*gallery, *damaged)
+
+
+def _picture(path: Path, inputs: Inputs, name: str, what: str, width: int, labels: Mapping[str, str]) -> Figure:
+    """Return a reduced picture, with its data; raise as `shrunk`."""
+    png, size, inches = shrunk(path, width)
+    caption = _caption(path.stem, labels)
+    data = path.with_suffix(".csv")
+    link = inputs.link(data, f"{FIGURES_DIRECTORY}/{data.name}") if data.is_file() else None
+    alone = len(inputs.items) == 1 and path.parent.parent == inputs.items[0].directory
+    alt = f"{caption}: {what}"
+    return Figure(_slug(f"{name}-{path.stem}"), caption if alone else alt, alt, png, size, link, inches)
 
 
 def _dissipation(run: Run) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:

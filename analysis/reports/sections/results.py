@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -17,17 +18,21 @@ from granwave.analysis.document.cells import (
     value_cell,
     value_column,
 )
-from granwave.analysis.document.model import Block, Cell, Column, Group, Note, Section, Table, Tone
+from granwave.analysis.document.model import Block, Cell, Column, Group, Note, Part, Section, Table, Tone
 from granwave.analysis.formatting.units import shown_unit
 from granwave.analysis.formatting.values import unique_labels
 from granwave.analysis.measures.zone.marks import Mark, bounds_in_words, mark_of
 from granwave.analysis.quantities import FRICTION_SHARES, REPORT_COLUMNS, quantity
+from granwave.analysis.quantity_notes import meaning_of
 from granwave.analysis.reports.inputs import Inputs, Point, Run, Scan
-from granwave.analysis.reports.sections.figures import overlay
 from granwave.analysis.scans.table import CONFIDENCE, COUNT, MEAN, SCAN_MEANS, SCAN_TABLE, SEED, scan_statistics
 
 SLUG = "results"
 MOST_SIDE_BY_SIDE = 6
+MOST_OPEN = 12  # points of a scan whose table is not folded
+MOST_ROWS = 14  # values of one run in the first section
+MOST_OF_A_RUN = 4  # values in the compact table of runs
+_OF_COST = ("n_spheres", "n_elements", "end_time_s", "wall_time_s")  # values that are no result
 _TONES: Mapping[str, Tone] = {"done": "good", "failed": "bad", "refused": "bad", "missing": "note"}
 _NOT_COMPARED = ("name", "versions")
 _REMARKS = ("material.source",)  # keys of the case that change nothing
@@ -35,21 +40,38 @@ _OF_ZONE = ("plastic_zone", "zone_", "wave_return")  # keys whose values are mar
 
 
 def results_section(inputs: Inputs) -> Section:
-    """Make the section of the report."""
+    """Make the section of all values: of runs side by side, and of the points of scans, folded away."""
     blocks: list[Block] = []
-    explained = meanings([run.summary for run in inputs.results()])
     if len(inputs.runs) > 1:
         blocks.append(_runs_table(inputs.runs))
-    if inputs.runs:
-        if len(inputs.runs) <= MOST_SIDE_BY_SIDE:
-            blocks.append(_side_by_side(inputs.runs))
-        blocks += explained
-        blocks += overlay(inputs)
+    if inputs.runs and len(inputs.runs) <= MOST_SIDE_BY_SIDE:
+        blocks.append(_side_by_side(inputs.runs))
     for scan in inputs.scans:
-        blocks += _scan_blocks(scan, inputs)
-    if not inputs.runs:
-        blocks += explained
-    return Section("Results", SLUG, tuple(blocks))
+        parts = _scan_blocks(scan, inputs)
+        folded = len(scan.points) > MOST_OPEN
+        blocks += [Group(f"Points of scan {scan.label}", tuple(parts), folded=True)] if folded else parts
+    blocks += meanings([run.summary for run in inputs.results()])
+    return Section("All values", SLUG, tuple(blocks))
+
+
+def compact_table(runs: Sequence[Run]) -> Table:
+    """Make a table of runs with the keys that differ, and their first values."""
+    table = _runs_table(runs)
+    first_value = next((n for n, column in enumerate(table.columns) if column.heading == "Status"), 0) + 1
+    kept = slice(0, first_value + MOST_OF_A_RUN)
+    return dataclasses.replace(table, columns=table.columns[kept], rows=tuple(row[kept] for row in table.rows))
+
+
+def value_rows(run: Run) -> Table:
+    """Make a table of the main values of a run, a row each."""
+    shown = [key for key in _worth_showing([run.summary]) if key not in _OF_COST][:MOST_ROWS]
+    rows = []
+    for key in shown:
+        label = quantity(key).label
+        cell = _result_cell(key, run.summary)
+        rows.append((Cell(label, label, meaning=meaning_of(key)), cell, Cell(unit_of_value(key))))
+    columns = (Column("Quantity", key=True), Column("Value", numeric=True), Column("Unit"))
+    return Table(f"Run {run.label}", columns, tuple(rows), captioned=False, by_row=True)
 
 
 def status_cell(status: str) -> Cell:
@@ -78,7 +100,7 @@ def _runs_table(runs: Sequence[Run]) -> Table:
     )
 
 
-def _scan_blocks(scan: Scan, inputs: Inputs) -> list[Block]:
+def _scan_blocks(scan: Scan, inputs: Inputs) -> list[Part]:
     points = scan.points
     keys = list(scan.source.varied)
     table = _table(
@@ -90,7 +112,7 @@ def _scan_blocks(scan: Scan, inputs: Inputs) -> list[Block]:
         [_status(point) for point in points],
         [point.run.summary if point.run else {} for point in points],
     )
-    blocks: list[Block] = [table]
+    blocks: list[Part] = [table]
     if SEED in keys and all(isinstance(point.result.summary, dict) for point in points):
         blocks += _replicates(scan)
     files = [scan.directory / name for name in (SCAN_TABLE, SCAN_MEANS)]
@@ -194,7 +216,7 @@ def _side_by_side(runs: Sequence[Run]) -> Table:
     for key in keys:
         cells = [_summary_cell(run.summary.get(key)) for run in runs]
         label = quantity(key).label
-        row = [Cell(label, label), Cell(unit_of_value(key)), *cells]
+        row = [Cell(label, label, meaning=meaning_of(key)), Cell(unit_of_value(key)), *cells]
         if pair:
             row.append(_difference(runs[0].summary.get(key), runs[1].summary.get(key)))
         rows.append(tuple(row))
@@ -209,7 +231,7 @@ def _difference(first: Any, second: Any) -> Cell:
     return Cell(percent(value), value)
 
 
-def _replicates(scan: Scan) -> list[Block]:
+def _replicates(scan: Scan) -> list[Table]:
     """Make a table of means over the seeds with confidence intervals, for points that are otherwise equal."""
     found = scan_statistics(scan.source)
     counts = found.get(COUNT, [])
@@ -274,7 +296,7 @@ def failures_section(inputs: Inputs) -> Section:
         if run.status != "done":
             reason = run.record.get("reason") or "its energy balance did not close"
             blocks.append(Note(f"Run {run.label} was {run.status}: {_short(str(reason))}", "bad"))
-    return Section("Failed and missing", "failures", tuple(blocks) or (Note("Nothing failed, nothing is missing."),))
+    return Section("Failed and missing", "failures", tuple(blocks))
 
 
 def _place(point: Point, inputs: Inputs) -> Cell:

@@ -6,7 +6,19 @@ import re
 from collections.abc import Iterator, Mapping
 from urllib.parse import quote
 
-from granwave.analysis.document.model import Block, Cell, Column, Figure, Gallery, Group, Link, Note, Report, Table
+from granwave.analysis.document.model import (
+    Beside,
+    Block,
+    Cell,
+    Column,
+    Figure,
+    Gallery,
+    Group,
+    Link,
+    Note,
+    Report,
+    Table,
+)
 
 _SPECIAL = re.compile(r"([\\`*_\[\]|~#$])")
 _LINE_START = re.compile(r"^(\s*)([-+>]|\d+(?=[.)]))")
@@ -39,6 +51,9 @@ def _block(block: Block, folder: str, pictures: dict[str, bytes]) -> Iterator[st
     elif isinstance(block, Gallery):
         for figure in block.figures:
             yield from _figure(figure, folder, pictures)
+    elif isinstance(block, Beside):
+        yield from _block(block.gallery, folder, pictures)
+        yield from _block(block.table, folder, pictures)
     elif isinstance(block, Group):
         yield from (f"### {_escape(block.title)}", "")
         for part in block.blocks:

@@ -19,7 +19,7 @@ from reportlab.pdfgen.canvas import Canvas
 from reportlab.platypus import CondPageBreak, Flowable, Image, KeepTogether, Paragraph, SimpleDocTemplate, Spacer
 from reportlab.platypus import Table as Grid
 
-from granwave.analysis.document.model import Block, Cell, Column, Figure, Gallery, Group, Note, Report, Table
+from granwave.analysis.document.model import Beside, Block, Cell, Column, Figure, Gallery, Group, Note, Report, Table
 
 _REGULAR, _BOLD = "GranwaveSans", "GranwaveSans-Bold"
 _FILES = {_REGULAR: "DejaVuSans.ttf", _BOLD: "DejaVuSans-Bold.ttf"}  # come with matplotlib
@@ -106,6 +106,9 @@ def _block(block: Block) -> Iterator[Flowable]:
         yield from _tables(block)
     elif isinstance(block, Gallery):
         yield from _gallery(block.figures)
+    elif isinstance(block, Beside):
+        yield from _block(block.gallery)
+        yield from _block(block.table)
     elif isinstance(block, Group):
         yield CondPageBreak(_room(block.blocks))
         yield Paragraph(escape(_cut(block.title)), _style(10, bold=True, spaceBefore=8, spaceAfter=4))
@@ -117,11 +120,13 @@ def _room(blocks: Sequence[Block]) -> float:
     """Return the height that a heading and the start of its content need."""
     if isinstance(blocks[0], Group):
         return 10 * mm + _room(blocks[0].blocks)
-    return _FIGURE_HEIGHT + 20 * mm if isinstance(blocks[0], Gallery) else _ROOM
+    return _FIGURE_HEIGHT + 20 * mm if isinstance(blocks[0], Gallery | Beside) else _ROOM
 
 
 def _note(note: Note) -> Flowable:
     text = " ".join([note.text, ", ".join(link.text for link in note.links)]).strip()
+    if note.tone == "lead":
+        return Paragraph(escape(text), _style(11, bold=True, spaceAfter=6))
     if not note.tone:
         return Paragraph(escape(text), _style(textColor=_SOFT, spaceAfter=4))
     colour, ground = _TONES[note.tone], _GROUNDS[note.tone]

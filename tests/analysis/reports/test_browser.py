@@ -60,18 +60,18 @@ def test_a_wide_figure_has_the_whole_row(tmp_path, alone):
     """A two-column figure has the font size of the page, alone in its gallery or not; others share a row."""
     run = write_run(tmp_path / "run", figures=False)
     (run / "figures").mkdir()
-    sizes = {"wave_front": (2100, 1300)} | ({} if alone else {"energies": (1020, 1080), "probes": (1020, 700)})
+    sizes = {"wave_front": (2100, 1300)} | ({} if alone else {"impactor_velocity": (1020, 1080), "probes": (1020, 700)})
     for name, size in sizes.items():
         Image.new("RGB", size, "white").save(run / "figures" / f"{name}.png", dpi=(300, 300))
     write_report([run], tmp_path / "report.html")
     with Browser(CHROMIUM, tmp_path / "profile") as browser:
         browser.open((tmp_path / "report.html").as_uri(), 1200)
-        gallery = browser.evaluate("document.querySelector('.gallery').clientWidth")
-        width = "document.querySelector('img[alt^=\"{}\"]').clientWidth"
+        gallery = browser.evaluate("document.querySelector('#figures .gallery').clientWidth")
+        width = "document.querySelector('#figures img[alt^=\"{}\"]').clientWidth"
         assert browser.evaluate(width.format("Wave front")) > 0.9 * gallery
         if not alone:
-            assert browser.evaluate(width.format("Energies")) < 0.5 * gallery
-            tops = "[...document.querySelectorAll('figure')].map((f) => f.offsetTop)"
+            assert browser.evaluate(width.format("Velocity of the struck")) < 0.5 * gallery
+            tops = "[...document.querySelectorAll('#figures figure')].map((f) => f.offsetTop)"
             assert len(set(browser.evaluate(tops))) == 2
 
 

@@ -21,7 +21,10 @@ def test_source_table_is_computed_right(tmp_path):
         n_plastic_contacts=2856,
     )
     unit = sphere_contact(load_case(run / "case.toml")).yield_force
-    rows = {row["Quantity"].text: row for row in table(build([run], tmp_path), "sources", "Source against ours")}
+    rows = {
+        row["Quantity"].text: row
+        for row in table(build([run], tmp_path, "restitution"), "sources", "Source against ours")
+    }
     assert set(rows) == {"Dissipated fraction", "Peak contact force (F_y)", "Yielded contacts"}
     row = rows["Dissipated fraction"]
     assert (row["Source gives"].value, row["Ours"].value, row["Within its rounding"].text) == (0.87, 0.8735, "yes")
@@ -34,7 +37,7 @@ def test_source_table_is_computed_right(tmp_path):
 @pytest.mark.parametrize(("velocity", "theirs"), [(4, 37.9), (10, 94.9), (40, 379)])
 def test_normalised_velocities_of_the_thesis(tmp_path, velocity, theirs):
     scan = write_scan(tmp_path / "scan", grid(load__velocity=[velocity], packing__diameter=[0.01, 0.02]))
-    (row,) = table(build([scan], tmp_path), "sources", "Source against ours")  # two points, one value
+    (row,) = table(build([scan], tmp_path, "restitution"), "sources", "Source against ours")  # two points, one value
     assert row["Source gives"].value == theirs
     assert row["Within its rounding"].text == "yes"
     assert row["Run"].text == "scan #1, #2"
@@ -42,13 +45,13 @@ def test_normalised_velocities_of_the_thesis(tmp_path, velocity, theirs):
 
 def test_first_yield_of_the_source_s_spheres(tmp_path):
     run = write_run(tmp_path / "run", figures=False, packing__diameter=0.00952)
-    rows = table(build([run], tmp_path), "sources", "Source against ours")
+    rows = table(build([run], tmp_path, "restitution"), "sources", "Source against ours")
     assert [row["Within its rounding"].text for row in rows] == ["yes", "yes"]
 
 
 def test_other_cases_have_no_source_value_but_errata(tmp_path):
     run = write_run(tmp_path / "run", figures=False, material="steel", load__velocity=4)
-    report = build([run], tmp_path)
+    report = build([run], tmp_path, "restitution")
     assert not any(b.caption == "Source against ours" for b in blocks(report, "sources") if isinstance(b, Table))
     where = [row["Where"].text for row in table(report, "sources", "Errata of the sources")]
     assert "thesis 2.17" in where

@@ -31,3 +31,39 @@ for (const table of document.querySelectorAll("table.sortable")) {
     });
   });
 }
+
+// Every table can be copied, with its heads, for a spreadsheet.
+const quoted = (text) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
+for (const frame of document.querySelectorAll(".frame")) {
+  const button = frame.querySelector(".copy");
+  const cells = (row) => Array.from(row.cells, (cell) => quoted(cell.textContent.trim().replace(/\s+/g, " ")));
+  button.hidden = false;
+  button.addEventListener("click", async () => {
+    const rows = Array.from(frame.querySelector("table").rows, (row) => cells(row).join(","));
+    let said = "Copied";
+    try {
+      await navigator.clipboard.writeText(`${rows.join("\n")}\n`);
+    } catch {
+      said = "The browser refused";
+    }
+    button.textContent = said;
+    setTimeout(() => (button.textContent = "Copy as CSV"), 2000);
+  });
+}
+
+// A click on a figure enlarges it; another, or Escape, closes it.
+const enlarged = document.getElementById("enlarged");
+for (const picture of document.querySelectorAll("img.enlarges")) {
+  const open = () => {
+    const large = new Image();
+    large.src = picture.src;
+    large.alt = picture.alt;
+    enlarged.replaceChildren(large);
+    enlarged.showModal();
+  };
+  picture.addEventListener("click", open);
+  picture.addEventListener("keydown", (event) => {
+    if (event.key === "Enter") open();
+  });
+}
+enlarged.addEventListener("click", () => enlarged.close());

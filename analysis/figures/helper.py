@@ -1,0 +1,79 @@
+"""Helper that draws figures of a run for another process; see `granwave.analysis.figures.side_by_side`.
+
+    python -m granwave.analysis.figures.helper CONNECTION QUEUE
+
+Both are file descriptors: of the connection to that process, and of the pipe with the numbers of figures to draw.
+"""
+
+from __future__ import annotations
+
+import gc
+import logging
+import os
+import sys
+import warnings
+from collections.abc import Mapping, Sequence
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+
+from granwave.analysis.figures.run_figures import painter
+
+
+def work(
+    connection: Connection, queue: int, directory: Path, names: Sequence[str], settings: Mapping[Any, Any]
+) -> None:
+    """Draw figures until the queue is empty, and send what they give.
+
+    Parameters
+    ----------
+    connection
+        Connection to the process that asked.
+    queue
+        File descriptor with a byte for each figure: its number in ``names``.
+    directory
+        Directory of the run.
+    names
+        Names of the figures.
+    settings
+        Settings of matplotlib in the process that asked.
+    """
+    notes = _Notes()
+    logging.getLogger().addHandler(notes)
+    mpl.rcParams.update(settings)
+    with painter(directory) as draw:
+        while taken := os.read(queue, 1):
+            notes.count = 0
+            with warnings.catch_warnings(record=True) as found:
+                try:
+                    outcome, succeeded = draw(names[taken[0]]), True
+                except Exception:
+                    outcome, succeeded = None, False
+            if found or notes.count:  # to be drawn where they are seen
+                outcome, succeeded = None, False
+            connection.send((taken[0], succeeded, outcome))
+
+
+class _Notes(logging.Handler):
+    """Count of warnings in the log."""
+
+    def __init__(self) -> None:
+        super().__init__(logging.WARNING)
+        self.count = 0
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Count a warning."""
+        self.count += 1
+
+
+def main(arguments: Sequence[str]) -> None:
+    """Wait for a request, and do it."""
+    gc.freeze()  # modules stay to the end; collections need not look at them
+    with Connection(int(arguments[0])) as connection:
+        work(connection, int(arguments[1]), *connection.recv())
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

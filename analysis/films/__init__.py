@@ -1,0 +1,1 @@
+"""Films of a run: its snapshots as moving pictures, as MP4, GIF or WebP."""

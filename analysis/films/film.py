@@ -1,0 +1,156 @@
+"""Film of a run, from its ``result.h5``."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+from PIL import Image
+
+from granwave.analysis.figures.style import style
+from granwave.analysis.films.scenes import QUANTITIES, VIEWS, Scene, scene
+from granwave.analysis.result.reader import Result
+from granwave.lammps_inputs.directories import refuse_other_file
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import replacing
+
+FORMS = (".mp4", ".gif", ".webp")
+_OWN = rb"granwave"  # in the notes of the files that are written here
+SLIDE, LEAST_WIDTH, MOST_WIDTH = 1200, 100, 4000  # pixels
+_SECONDS = 6.0  # usual length
+_SLOWEST, _FASTEST = 3.0, 25.0  # frames per second
+_LAST = 1.5  # s that the last picture stays
+
+
+def write_film(
+    directory: str | Path,
+    path: str | Path,
+    *,
+    quantity: str = "force",
+    view: str | None = None,
+    width: int = SLIDE,
+    rate: float | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Path:
+    """Write a film of a run.
+
+    Parameters
+    ----------
+    directory
+        Directory of the run.
+    path
+        File to write: .mp4, .gif or .webp.
+    quantity
+        ``force`` (largest contact force of each sphere), ``velocity`` or ``dissipation``.
+    view
+        ``orthogonal`` or ``principal`` plane, ``3d``, or ``chain`` (forces in space-time); by default what the packing
+        has.
+    width
+        Width, pixels.
+    rate
+        Pictures per second; by default the film takes some six seconds.
+    progress
+        Function called after each picture with its number from 1 and that of all.
+
+    Raises
+    ------
+    InputError
+        Another form, quantity or view; or a file of that name that granwave did not write.
+    MissingOutputError, OutputFormatError
+        The directory holds no result, or a damaged one.
+    """
+    path = Path(path)
+    _check(path, quantity, view, width, rate)
+    if not path.absolute().parent.is_dir():
+        raise InputError(f"-o {path}: there is no directory {path.absolute().parent}")
+    refuse_other_file(path, _OWN)
+    with Result(directory) as result, style():
+        found = scene(result, quantity, view)
+        n = len(found.times)
+        rate = rate or float(np.clip(n / _SECONDS, _SLOWEST, _FASTEST))
+        with replacing(path) as scratch:
+            _WRITERS[path.suffix.lower()](scratch, _pictures(found, width, progress), rate)
+    return path
+
+
+def _check(path: Path, quantity: str, view: str | None, width: int, rate: float | None) -> None:
+    if path.suffix.lower() not in FORMS:
+        raise InputError(f"-o {path}: expected a name that ends in {', '.join(FORMS)}")
+    _check_word("--quantity", quantity, list(QUANTITIES))
+    if view is not None:
+        _check_word("--view", view, VIEWS)
+    if not LEAST_WIDTH <= width <= MOST_WIDTH:
+        raise InputError(f"--width: found {width}, expected {LEAST_WIDTH} to {MOST_WIDTH} pixels")
+    if rate is not None and not 0.1 <= rate <= 100:
+        raise InputError(f"--rate: found {rate:g}, expected 0.1 to 100 pictures per second")
+
+
+def _check_word(option: str, word: str, known: Sequence[str]) -> None:
+    if word not in known:
+        near = difflib.get_close_matches(word, known, n=1)
+        hint = f"; did you mean {near[0]}?" if near else ""
+        raise InputError(f"{option}: found {word}, expected one of {', '.join(known)}{hint}")
+
+
+def _pictures(film: Scene, width: int, progress: Callable[[int, int], None] | None) -> Iterator[NDArray[np.uint8]]:
+    for number in range(len(film.times)):
+        yield _pixels(film.draw(number), width)
+        if progress is not None:
+            progress(number + 1, len(film.times))
+
+
+def _pixels(figure: Figure, width: int) -> NDArray[np.uint8]:
+    """Return the picture in red, green, blue: (height, width, 3), both even as films need."""
+    inches = figure.get_figwidth()
+    figure.set_dpi(width / inches)
+    canvas = figure.canvas
+    canvas.draw()
+    pixels = np.asarray(canvas.buffer_rgba())[:, :, :3]  # type: ignore[attr-defined]
+    height, across = (size // 2 * 2 for size in pixels.shape[:2])
+    return np.ascontiguousarray(pixels[:height, :across])
+
+
+def _write_mp4(path: Path, pictures: Iterator[NDArray[np.uint8]], rate: float) -> None:
+    import imageio_ffmpeg  # brings ffmpeg along
+
+    first = next(pictures)
+    size = first.shape[1], first.shape[0]
+    options = ["-preset", "medium", "-crf", "20", "-metadata", "comment=granwave", "-f", "mp4"]
+    writer = imageio_ffmpeg.write_frames(
+        str(path), size, fps=rate, codec="libx264", pix_fmt_out="yuv420p", macro_block_size=2, output_params=options
+    )
+    writer.send(None)
+    last = first
+    try:
+        writer.send(first.tobytes())
+        for last in pictures:
+            writer.send(last.tobytes())
+        for _ in range(round(_LAST * rate)):
+            writer.send(last.tobytes())
+    finally:
+        writer.close()
+
+
+def _write_moving(path: Path, pictures: Iterator[NDArray[np.uint8]], rate: float, **options: Any) -> None:
+    images = [Image.fromarray(picture) for picture in pictures]
+    durations = [round(1000 / rate)] * len(images)
+    durations[-1] += round(1000 * _LAST)
+    images[0].save(path, save_all=True, append_images=images[1:], duration=durations, loop=0, **options)
+
+
+def _write_gif(path: Path, pictures: Iterator[NDArray[np.uint8]], rate: float) -> None:
+    _write_moving(path, pictures, rate, format="GIF", optimize=True, comment=b"granwave")
+
+
+def _write_webp(path: Path, pictures: Iterator[NDArray[np.uint8]], rate: float) -> None:
+    note = Image.Exif()
+    note[0x0131] = "granwave"  # the program that wrote it
+    _write_moving(path, pictures, rate, format="WEBP", quality=85, method=4, exif=note.tobytes())
+
+
+_WRITERS = {".mp4": _write_mp4, ".gif": _write_gif, ".webp": _write_webp}

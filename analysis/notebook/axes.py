@@ -1,0 +1,41 @@
+"""Figures handed over to pyplot, to be changed and shown by the user."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Callable, Iterable
+
+from matplotlib.axes import Axes
+
+from granwave.analysis.errors import MissingDataError
+from granwave.analysis.figures.style import Drawing, style
+
+_COLORBAR = "<colorbar>"  # label that matplotlib gives to the axes of colour bars
+
+
+def draw_axes(draw: Callable[[], Drawing | None]) -> Axes | list[Axes] | None:
+    """Draw a figure and hand it to pyplot, without saving it.
+
+    Returns
+    -------
+    Axes, list of Axes or None
+        Its axes without colour bars, a list if there are several; None if there is nothing to draw.
+    """
+    from matplotlib import pyplot
+
+    with style():
+        drawing = draw()
+        if drawing is None:
+            return None
+        drawing.figure.draw_without_rendering()  # ticks take their style when they are first needed
+    pyplot.figure(drawing.figure)
+    found = [axes for axes in drawing.figure.axes if axes.get_label() != _COLORBAR]
+    return found[0] if len(found) == 1 else found
+
+
+def no_figure(owner: str, name: str, names: Iterable[str]) -> MissingDataError:
+    """Return the error that there is no figure of a name."""
+    names = list(names)
+    near = difflib.get_close_matches(str(name), names, n=1)
+    hint = f"did you mean {near[0]}? " if near else ""
+    return MissingDataError(f"{owner}: has no figure {name}; {hint}figures are {', '.join(names) or 'none'}")

@@ -1,0 +1,89 @@
+"""Tables of a run as pandas DataFrames, with the unit of every column in ``attrs["units"]``."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from granwave.analysis.errors import MissingDataError
+from granwave.analysis.exports.to_csv import TABLES, place_of_column
+from granwave.analysis.result.reader import Result
+
+if TYPE_CHECKING:
+    import pandas
+
+UNITS = "units"  # key in ``attrs``
+_INDEX = {"spheres": "id", "energy": "time", "probes": "time"}  # column that names the rows of a table
+
+
+def frame_of(columns: Mapping[str, Any], units: Mapping[str, str], index: str = "") -> pandas.DataFrame:
+    """Make a DataFrame of columns.
+
+    Parameters
+    ----------
+    columns
+        Values by name: (n_rows,) or (n_rows, 3), which becomes the columns ``NAME_x``, ``NAME_y`` and ``NAME_z``.
+    units
+        Unit of each of ``columns``, "1" if dimensionless.
+    index
+        Name of the column that becomes the index; empty for rows that are numbered.
+    """
+    import pandas
+
+    split: dict[str, Any] = {}
+    split_units: dict[str, str] = {}
+    for name, values in columns.items():
+        parts = (
+            {name: values} if np.ndim(values) < 2 else dict(zip(_components(name), np.transpose(values), strict=True))
+        )
+        split |= parts
+        split_units |= dict.fromkeys(parts, units[name])
+    table = pandas.DataFrame(split)
+    if index:
+        table = table.set_index(index)
+    table.attrs[UNITS] = split_units
+    return table
+
+
+def tables_of(result: Result) -> tuple[str, ...]:
+    """Return the names of the tables that `table` makes of a result."""
+    return tuple(name for name in TABLES if name in result)
+
+
+def table(result: Result, name: str) -> pandas.DataFrame:
+    """Return a group of result.h5 whose data sets are columns, such as ``contacts``.
+
+    Raises
+    ------
+    MissingDataError
+        The run has no such table.
+    """
+    if name not in tables_of(result):
+        raise MissingDataError(f"{result.path}: has no table {name}; it has {', '.join(tables_of(result))}")
+    columns = sorted(result.names(name), key=place_of_column)
+    values = {column: result.read(f"{name}/{column}") for column in columns}
+    units = {column: result.unit(f"{name}/{column}") for column in columns}
+    return frame_of(values, units, _INDEX.get(name, ""))
+
+
+def walls(result: Result) -> pandas.DataFrame:
+    """Return the histories of all walls below each other: ``wall``, ``time`` s, ``force`` N.
+
+    Forces are positive outwards. Bottoms that move have further columns, NaN for other walls.
+    """
+    import pandas
+
+    units, parts = {"wall": "1", "time": "s", "force": "N"}, []
+    for wall in result.names("walls"):
+        columns = sorted(result.names(f"walls/{wall}"), key=place_of_column)
+        parts.append(pandas.DataFrame({"wall": wall} | {name: result.read(f"walls/{wall}/{name}") for name in columns}))
+        units |= {name: result.unit(f"walls/{wall}/{name}") for name in columns}
+    found = pandas.concat(parts, ignore_index=True) if parts else pandas.DataFrame({name: [] for name in units})
+    found.attrs[UNITS] = {str(name): units[str(name)] for name in found.columns}
+    return found
+
+
+def _components(name: str) -> list[str]:
+    return [f"{name}_{axis}" for axis in "xyz"]

@@ -1,0 +1,255 @@
+"""A run for scripts and notebooks: its values by name, tables, fields and figures."""
+
+from __future__ import annotations
+
+import difflib
+import html
+from collections.abc import Iterator, Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from granwave.analysis.errors import MissingDataError, MissingOutputError, OutputFormatError
+from granwave.analysis.notebook import frames
+from granwave.analysis.quantities import quantity
+from granwave.analysis.result.not_a_run import is_continuum, why_no_run
+from granwave.analysis.result.reader import Result
+from granwave.analysis.summary_table import Row, explanation, lines, summary_rows
+from granwave.lammps_inputs.run_directory import RESULT_FILE, SUMMARY_FILE
+from granwave.lammps_inputs.run_state import read_summary
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+    from matplotlib.axes import Axes
+
+    from granwave.lammps_inputs.case.case import Case
+
+
+class Run(Mapping[str, Any]):
+    """Results of one run; a mapping of the values of its summary.json.
+
+    Tables and fields are read from result.h5 when they are first asked for.
+
+    Parameters
+    ----------
+    directory
+        Directory of the run.
+    labels
+        Values of the varied keys, if it is a point of a scan.
+
+    Attributes
+    ----------
+    directory
+        Absolute path of the directory.
+    name
+        Name of the case.
+    summary
+        Content of summary.json.
+    labels
+        Values of the varied keys by dotted key; empty if it is no point of a scan.
+
+    Raises
+    ------
+    MissingOutputError
+        The directory holds no results of a run.
+    OutputFormatError
+        They are damaged.
+    """
+
+    def __init__(self, directory: str | Path, labels: Mapping[str, Any] | None = None) -> None:
+        path = Path(directory)
+        self.summary: dict[str, Any] = read_summary(path) if path.is_dir() else {}
+        if "name" not in self.summary:
+            raise _no_summary(path)
+        self.directory = path.absolute()
+        self.name = str(self.summary["name"])
+        self.labels: dict[str, Any] = dict(labels or {})
+
+    def __getitem__(self, key: str) -> Any:
+        """Return a value of summary.json, such as ``peak_force_N``.
+
+        Raises
+        ------
+        MissingDataError
+            There is no such value (also a KeyError).
+        """
+        try:
+            return self.summary[key]
+        except KeyError:
+            near = difflib.get_close_matches(str(key), self.summary, n=1)
+            hint = f"did you mean {near[0]}?" if near else "keys() lists them"
+            raise MissingDataError(f"{self.directory / SUMMARY_FILE}: has no value {key}; {hint}") from None
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.summary)
+
+    def __len__(self) -> int:
+        return len(self.summary)
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return list(self)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.directory, self.labels)  # read again, as open files cannot be sent to other processes
+
+    def __repr__(self) -> str:
+        return f"{lines([(row.label, row.text) for row in self._rows])}\n\nresults in {self.directory}"
+
+    def _repr_html_(self) -> str:
+        rows = "\n".join(_html_row(row) for row in self._rows)
+        place = html.escape(f"results in {self.directory}")
+        return f"<table>\n{rows}\n</table>\n<p>{place}</p>"
+
+    @property
+    def _rows(self) -> list[Row]:
+        return summary_rows(self.summary, continuum=self._is_continuum)
+
+    @cached_property
+    def _is_continuum(self) -> bool:
+        return "n_elements" in self.summary or is_continuum(self.directory)
+
+    def unit(self, key: str) -> str:
+        """Return the SI unit of a value, "1" if dimensionless.
+
+        Raises
+        ------
+        MissingDataError
+            There is no such value.
+        """
+        self[key]
+        return quantity(key).unit or "1"
+
+    @cached_property
+    def result(self) -> Result:
+        """Reader of result.h5, for all that has no table: ``run.result["contacts/force"]`` is a numpy array.
+
+        Raises
+        ------
+        MissingOutputError
+            There is no result.h5.
+        OutputFormatError
+            It is damaged, or of a continuum run, which h5py reads.
+        """
+        return Result(self.directory)
+
+    @property
+    def case(self) -> Case:
+        """Case that was run."""
+        return self.result.case
+
+    # ------------------------------------------------------------------ tables
+
+    @property
+    def tables(self) -> tuple[str, ...]:
+        """Names of the tables that `table` gives."""
+        return frames.tables_of(self.result)
+
+    def table(self, name: str) -> pandas.DataFrame:
+        """Return a table of result.h5, such as ``probes``, with its units in ``attrs["units"]``.
+
+        Raises
+        ------
+        MissingDataError
+            The run has no such table.
+        """
+        return frames.table(self.result, name)
+
+    @cached_property
+    def spheres(self) -> pandas.DataFrame:
+        """Spheres, by ``id``: position, radius, mass, and the peaks and energies at the end of the run."""
+        return self.table("spheres")
+
+    @cached_property
+    def contacts(self) -> pandas.DataFrame:
+        """Contacts between spheres ``i`` and ``j``: those that touch at the start, and those that were loaded."""
+        return self.table("contacts")
+
+    @cached_property
+    def wall_contacts(self) -> pandas.DataFrame:
+        """Contacts of the sphere ``id`` with a wall; empty if there are none."""
+        if "wall_contacts" not in self.result:
+            return frames.frame_of({"wall": [], "id": []}, {"wall": "1", "id": "1"})
+        return self.table("wall_contacts")
+
+    @cached_property
+    def walls(self) -> pandas.DataFrame:
+        """Histories of the forces on walls, below each other: ``wall``, ``time``, ``force``; empty without walls."""
+        return frames.walls(self.result)
+
+    @cached_property
+    def energies(self) -> pandas.DataFrame:
+        """Ledger of energies by ``time``."""
+        return self.table("energy")
+
+    # ------------------------------------------------------------------ fields
+
+    @cached_property
+    def fields(self) -> xarray.Dataset:
+        """Snapshots of all spheres; see `granwave.analysis.notebook.datasets.fields`."""
+        from granwave.analysis.notebook import datasets
+
+        return datasets.fields(self.result)
+
+    @cached_property
+    def chain(self) -> xarray.Dataset:
+        """History of a chain and its bars; see `granwave.analysis.notebook.datasets.chain`.
+
+        Raises
+        ------
+        MissingDataError
+            The run is not one of a chain, or its history was not recorded.
+        """
+        from granwave.analysis.notebook import datasets
+
+        return datasets.chain(self.result)
+
+    # ------------------------------------------------------------------ figures
+
+    @property
+    def figures(self) -> tuple[str, ...]:
+        """Names of the figures of packings and chains, not all of which apply to each run; none of continuum runs."""
+        from granwave.analysis.figures.run_figures import FIGURES
+
+        return () if self._is_continuum else tuple(FIGURES)
+
+    def figure(self, name: str) -> Axes | list[Axes]:
+        """Draw a figure, to go on with; it is not saved.
+
+        Returns
+        -------
+        Axes or list of Axes
+            Axes of the figure, which pyplot shows; a list if there are several. Colour bars are left out.
+
+        Raises
+        ------
+        MissingDataError
+            There is no figure of this name, or it does not apply to this run.
+        """
+        from granwave.analysis.figures.run_figures import FIGURES
+        from granwave.analysis.notebook.axes import draw_axes, no_figure
+
+        if name not in self.figures:
+            raise no_figure(self.name, name, self.figures)
+        axes = draw_axes(lambda: FIGURES[name].draw(self.result))
+        if axes is None:
+            raise MissingDataError(f"{self.name}: figure {name} does not apply to this run ({FIGURES[name].caption})")
+        return axes
+
+
+def _no_summary(path: Path) -> MissingOutputError | OutputFormatError:
+    """Return the error that a directory has no summary of a run."""
+    if not path.is_dir() or not (path / RESULT_FILE).exists():
+        return MissingOutputError(why_no_run(path))
+    summary = path / SUMMARY_FILE
+    if summary.exists():
+        return OutputFormatError(f"{summary}: is damaged: make it anew with  granwave analyse {path}")
+    return MissingOutputError(f"{summary} is missing: make it with  granwave analyse {path}")
+
+
+def _html_row(row: Row) -> str:
+    meaning = html.escape("\n".join(map(explanation, row.keys)))
+    label, text = html.escape(row.label), html.escape(row.text)
+    return (
+        f'<tr title="{meaning}"><th style="text-align: left">{label}</th><td style="text-align: left">{text}</td></tr>'
+    )

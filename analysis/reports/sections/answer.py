@@ -1,0 +1,201 @@
+"""First section of a report: what came out, in a sentence, a figure and a table."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from pathlib import Path
+
+from granwave.analysis.document.cells import spread_cell, value_column
+from granwave.analysis.document.model import Beside, Block, Cell, Column, Figure, Gallery, Note, Table
+from granwave.analysis.formatting.numbers import plain
+from granwave.analysis.quantities import SCAN_FIGURES, quantity
+from granwave.analysis.reports.inputs import Inputs, Run, Scan
+from granwave.analysis.reports.sections.figures import overlay, picture_in
+from granwave.analysis.reports.sections.means import Means, means_of
+from granwave.analysis.reports.sections.results import compact_table, value_rows
+from granwave.analysis.scans.keys import Key
+from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY
+
+_MAIN = ("restitution", "dissipated_fraction", "peak_force_N", "max_force_N", "n_plastic_spheres")  # in this order
+_MOST_COLUMNS = 3  # quantities beside the main one in the table of means
+_MOST_ROWS = 14  # of that table; two keys with more are crossed
+_SAME = 1e-6  # relative difference of values that count as equal
+_TRENDS = ("rises", "falls")
+_WORTH = 1e-12  # smallest value that is not rounding
+_MAIN_FIGURES = (
+    "packing_3d", "force_map", "peak_force_principal", "along_chain", "plastic_strain", "von_mises", "energies",
+)  # fmt: skip
+
+
+def answer_blocks(inputs: Inputs) -> list[Block]:
+    """Return the blocks: of each scan the dependence of its main quantity; of runs their main values."""
+    blocks: list[Block] = []
+    for scan in inputs.scans:
+        blocks += _of_scan(scan, inputs)
+    if len(inputs.runs) == 1:
+        blocks += _of_run(inputs.runs[0], inputs)
+    elif inputs.runs:
+        table = compact_table(inputs.runs)
+        drawn = overlay(inputs)
+        galleries = [block for block in drawn if isinstance(block, Gallery)]
+        blocks += [Beside(galleries[0], table) if galleries else table]
+        blocks += [block for block in drawn if not isinstance(block, Gallery)]
+    return blocks
+
+
+def main_figures(inputs: Inputs) -> set[Path]:
+    """Return the paths of the figures that the blocks show, without a suffix."""
+    items = inputs.items if len(inputs.runs) < 2 else inputs.scans
+    return {item.directory / FIGURES_DIRECTORY / name for item in items for name in _names(item)[:1]}
+
+
+def _main_figure(item: Run | Scan, inputs: Inputs) -> Figure | None:
+    names = _names(item)
+    return picture_in(item, names[0], inputs) if names else None
+
+
+def _names(item: Run | Scan) -> list[str]:
+    """Return the names of the figures there are that show the main quantity of a scan, or a run, best first."""
+    names = list(_MAIN_FIGURES)
+    if isinstance(item, Scan):
+        means = means_of(item.source)
+        keys = sorted(means.keys, key=lambda key: (not key.numeric, -len(set(key.values))))
+        names = [f"{name}_vs_{key.slug}" for name, _ in _varying(means)[:1] for key in keys]
+    return [name for name in names if (item.directory / FIGURES_DIRECTORY / f"{name}.png").is_file()]
+
+
+# ---------------------------------------------------------------------- scans
+
+
+def _of_scan(scan: Scan, inputs: Inputs) -> list[Block]:
+    means = means_of(scan.source)
+    shown = _varying(means)
+    if not shown:
+        return []
+    main = shown[0][1]
+    name_of_scan = f"Scan {scan.label}: " if len(inputs.items) > 1 else ""
+    blocks: list[Block] = [Note(name_of_scan + _sentence(means, main), "lead")]
+    others = [key for _, key in shown[1:] if key != main][:_MOST_COLUMNS]
+    crossed = len(means.keys) == 2 and len(means.counts) > _MOST_ROWS
+    table = _crossed(means, main) if crossed else _table(means, [main, *others])
+    picture = _main_figure(scan, inputs)
+    blocks.append(Beside(Gallery((picture,)), table) if picture else table)
+    return blocks
+
+
+def _varying(means: Means) -> list[tuple[str, str]]:
+    """Return the quantities that have figures, by names of figure and value: those that vary first."""
+    found = []
+    for number, (name, key) in enumerate(SCAN_FIGURES.items()):
+        values = [value for value in means.values.get(key, ()) if value is not None]
+        if len(values) == len(means.counts) > 1 and max(map(abs, values)) > _WORTH:
+            same = max(values) - min(values) <= _SAME * max(map(abs, values))
+            rank = _MAIN.index(key) if key in _MAIN else len(_MAIN) + number
+            found.append((same, rank, name, key))
+    return [(name, key) for *_, name, key in sorted(found)]
+
+
+def _sentence(means: Means, main: str) -> str:
+    """Say between which values the main quantity lies, where, and how it depends on each key."""
+    values = means.values[main]
+    low, high = (choose(range(len(values)), key=lambda row: values[row] or 0.0) for choose in (min, max))
+    label, unit = quantity(main).label, quantity(main).unit.replace("^", "")
+    unit = f" {unit}" if unit else ""
+    least, most = (means.text(main, row) + unit for row in (low, high))
+    if (values[high] or 0.0) - (values[low] or 0.0) <= _SAME * abs(values[high] or 0.0):
+        return f"{label}: {most} at all points."
+    text = f"{label}: from {least} ({means.setting(low)}) to {most} ({means.setting(high)})."
+    found = {word: [key for n, key in enumerate(means.keys) if _trend(means, main, n) == word] for word in _TRENDS}
+    said = [f"{word} with {_listed(keys)}" for word, keys in found.items() if keys]
+    return f"{text} It {', '.join(said)}." if said else text
+
+
+def _trend(means: Means, main: str, n: int) -> str:
+    """Return how the main quantity changes with the n-th key, all others equal; empty if not in one direction."""
+    if not means.keys[n].numeric:
+        return ""
+    signs = set()
+    for rows in means.lines_along(n):
+        values = [means.values[main][row] or 0.0 for row in rows]
+        largest = max(map(abs, values), default=0.0)
+        changes = [b - a for a, b in itertools.pairwise(values)]
+        signs |= {change > 0 for change in changes if abs(change) > _SAME * largest}
+    return {frozenset({True}): "rises", frozenset({False}): "falls"}.get(frozenset(signs), "")
+
+
+def _listed(keys: Sequence[Key]) -> str:
+    names = [key.naming.label[:1].lower() + key.naming.label[1:] for key in keys]
+    return " and ".join(names)
+
+
+def _table(means: Means, shown: Sequence[str]) -> Table:
+    columns = (*map(_column, means.keys), *map(value_column, shown))
+    rows = []
+    for row in range(len(means.counts)):
+        cells = [Cell(key.tick(row), key.values[row]) for key in means.keys]
+        cells += [spread_cell(means.values[name][row], means.half_widths[name][row]) for name in shown]
+        rows.append(tuple(cells))
+    return Table(_caption(means), columns, tuple(rows), sortable=True)
+
+
+def _crossed(means: Means, main: str) -> Table:
+    """Make a table of the main quantity: rows by the key with more values, columns by the other."""
+    down, across = sorted(means.keys, key=lambda key: len(set(key.values)), reverse=True)
+    heads = list(dict.fromkeys(across.tick(row) for row in range(len(means.counts))))
+    unit = f" {across.naming.unit}" if across.naming.unit else ""
+    columns = [_column(down)]
+    columns += [Column(f"{across.naming.label} {head}{unit}", numeric=True) for head in heads]
+    rows: dict[str, dict[str, Cell]] = {}
+    for row in range(len(means.counts)):
+        cell = spread_cell(means.values[main][row], means.half_widths[main][row])
+        rows.setdefault(down.tick(row), {})[across.tick(row)] = cell
+    first = {down.tick(row): Cell(down.tick(row), down.values[row]) for row in range(len(means.counts))}
+    cells = tuple((first[name], *(found.get(head, Cell("")) for head in heads)) for name, found in rows.items())
+    entry = quantity(main)
+    what = f"{entry.label} ({entry.unit})" if entry.unit else entry.label
+    return Table(f"{what}. {_caption(means)}", tuple(columns), cells, sortable=True)
+
+
+def _column(key: Key) -> Column:
+    return Column(key.naming.label, key.naming.unit, numeric=key.numeric, key=True)
+
+
+def _caption(means: Means) -> str:
+    most = max(means.counts, default=1)
+    if most < 2:
+        return "All points"
+    return f"Means of {most} replicates, with 95 % confidence intervals"
+
+
+# ---------------------------------------------------------------------- runs
+
+
+def _of_run(run: Run, inputs: Inputs) -> list[Block]:
+    blocks: list[Block] = [Note(text, "lead") for text in [_of_run_in_words(run)] if text]
+    table = value_rows(run)
+    picture = _main_figure(run, inputs)
+    if not table.rows:
+        return blocks
+    return [*blocks, Beside(Gallery((picture,)), table) if picture else table]
+
+
+def _of_run_in_words(run: Run) -> str:
+    parts = []
+    given, lost = run.number("energy_input_J"), run.number("dissipated_fraction")
+    if given is not None and lost is not None:
+        share = f"{100 * lost:.3g} %" if lost > _WORTH else "Nothing"
+        parts.append(f"{share} of the {plain(f'{given:.3g}')} J put in was dissipated.")
+    force = run.number("peak_force_N") or run.number("max_force_N")
+    if force is not None:
+        parts.append(f"The largest contact force was {force:.4g} N.")
+    depth, radius = run.number("zone_depth_90_m"), run.number("zone_radius_90_m")
+    if depth is not None and radius is not None:
+        parts.append(
+            f"90 % of the energy of yielding stays within {1e3 * depth:.3g} mm below the impact and "
+            f"{1e3 * radius:.3g} mm beside it."
+        )
+    wall = run.number("wall_peak_force_N")
+    if wall:
+        parts.append(f"The bottom bore {wall:.4g} N at most.")
+    return " ".join(parts)

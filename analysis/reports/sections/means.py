@@ -1,0 +1,84 @@
+"""Means of a scan's points over replicates: what the first screen of a report shows."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+
+from granwave.analysis.document.cells import is_number, show
+from granwave.analysis.formatting.numbers import interval
+from granwave.analysis.scans.keys import Key, key_of
+from granwave.analysis.scans.result import SEED, ScanResult
+from granwave.analysis.scans.table import CONFIDENCE, COUNT, MEAN, scan_statistics
+
+
+@dataclasses.dataclass(frozen=True)
+class Means:
+    """Values of a scan: a row for each combination of its keys without the seed that has finished points.
+
+    Attributes
+    ----------
+    keys
+        Varied keys that take more than one value, with their values by row.
+    counts
+        Number of points of each row.
+    values
+        Means by name of the quantity, one a row; None where there is none.
+    half_widths
+        Half-widths of the 95 % confidence intervals; None without replicates.
+    """
+
+    keys: tuple[Key, ...]
+    counts: tuple[int, ...]
+    values: Mapping[str, Sequence[float | None]]
+    half_widths: Mapping[str, Sequence[float | None]]
+
+    def text(self, name: str, row: int) -> str:
+        """Return a mean with its interval, where it has one."""
+        mean, half = self.values[name][row], self.half_widths[name][row]
+        return interval(mean, half) if mean is not None and half else show(mean)
+
+    def setting(self, row: int) -> str:
+        """Return the values of the keys of a row in words."""
+        parts = []
+        for key in self.keys:
+            unit = f" {key.naming.unit}" if key.naming.unit and key.numeric else ""
+            parts.append(f"{key.naming.label[:1].lower()}{key.naming.label[1:]} {key.tick(row)}{unit}")
+        return ", ".join(parts)
+
+    def lines_along(self, n: int) -> list[list[int]]:
+        """Return the rows along the n-th key, in its order: a list for each combination of the other keys."""
+        lines: dict[tuple[object, ...], list[int]] = {}
+        for row in range(len(self.counts)):
+            lines.setdefault(tuple(key.values[row] for m, key in enumerate(self.keys) if m != n), []).append(row)
+        return [sorted(rows, key=lambda row: float(self.keys[n].values[row])) for rows in lines.values()]
+
+
+def means_of(scan: ScanResult) -> Means:
+    """Average the finished points of a scan over the seeds; without seeds each point is a row."""
+    names = [key for key in scan.varied if key != SEED]
+    if SEED in scan.varied:
+        table = scan_statistics(scan)
+        counts = table.get(COUNT, [])
+        columns = {key.removesuffix(MEAN): column for key, column in table.items() if key.endswith(MEAN)}
+        widths = {key: table[key + CONFIDENCE] for key in columns}
+        labels = {name: table[name] for name in names}
+    else:
+        done = [point for point in scan.points if point.status == "done"]
+        counts = [1] * len(done)
+        found = dict.fromkeys(key for point in done for key in point.summary)
+        columns = {key: [_number(point.summary.get(key)) for point in done] for key in found}
+        widths = {key: [None] * len(done) for key in found}
+        labels = {name: [point.labels.get(name) for point in done] for name in names}
+    kept = [row for row, count in enumerate(counts) if count]
+    keys = [key_of(name, [labels[name][row] for row in kept]) for name in names]
+    return Means(
+        tuple(key for key in keys if len(set(key.values)) > 1),
+        tuple(counts[row] for row in kept),
+        {key: [column[row] for row in kept] for key, column in columns.items()},
+        {key: [column[row] for row in kept] for key, column in widths.items()},
+    )
+
+
+def _number(value: object) -> float | None:
+    return float(value) if is_number(value) else None  # type: ignore[arg-type]

@@ -1,0 +1,93 @@
+"""Main values of a run, as the terminal and notebooks show them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+from granwave.analysis.measures.zone.marks import bounds_in_words
+from granwave.analysis.quantities import CONTINUUM_ROWS, FRICTION_SHARES, RUN_ROWS, SHARES, Quantity, quantity
+from granwave.analysis.quantity_notes import meaning_of
+
+_ZONE_AFTER = "plastic_zone_radius_m"  # the row that the size of the plastic zone follows
+_GROWING = {"plastic_zone_depth_m": "depth", "plastic_zone_radius_m": "radius"}  # as `zone_growing` calls them
+
+
+class Row(NamedTuple):
+    """A row: label (empty: that of the row before), value as text, and the keys of summary.json that it shows."""
+
+    label: str
+    text: str
+    keys: tuple[str, ...]
+
+
+def lines(rows: Sequence[tuple[str, str]]) -> str:
+    """Labels and values under each other."""
+    width = max(len(label) for label, _ in rows)
+    return "\n".join(f"{label:<{width}}  {text}" for label, text in rows)
+
+
+def summary_rows(summary: Mapping[str, Any], *, continuum: bool = False) -> list[Row]:
+    """Rows of the main values of a summary, as far as there are values.
+
+    Parameters
+    ----------
+    summary
+        Content of summary.json.
+    continuum
+        True for a run of finite elements.
+    """
+    left_out = () if continuum or summary.get("friction_fraction") else FRICTION_SHARES
+    shown = [entry for entry in (CONTINUUM_ROWS if continuum else RUN_ROWS) if entry.name not in left_out]
+    return _rows(shown, summary)
+
+
+def summary_table(summary: Mapping[str, Any]) -> str:
+    """The main values of a summary."""
+    return _text(summary_rows(summary))
+
+
+def continuum_table(summary: Mapping[str, Any]) -> str:
+    """The main values of the summary of a continuum run."""
+    return _text(summary_rows(summary, continuum=True))
+
+
+def explanation(key: str) -> str:
+    """Return what a key of summary.json stands for: label, unit and meaning."""
+    entry = quantity(key)
+    unit = f" ({entry.unit})" if entry.unit else ""
+    meaning = meaning_of(key)
+    return f"{key}: {entry.label}{unit}" + (f". {meaning}" if meaning else "")
+
+
+def _text(rows: Sequence[Row]) -> str:
+    return lines([(row.label, row.text) for row in rows])
+
+
+def _rows(shown: Sequence[Quantity], summary: Mapping[str, Any]) -> list[Row]:
+    rows, before = [Row("case", str(summary["name"]), ("name",))], ""
+    for entry in shown:
+        value = summary.get(entry.name)
+        if value is not None:
+            growing = _GROWING.get(entry.name) in (summary.get("zone_growing") or ())
+            text = entry.text(value) + (", still moving out at the end" if growing else "")
+            rows.append(Row("" if entry.short == before else entry.short, text, (entry.name,)))
+            before = entry.short
+        if entry.name == _ZONE_AFTER:
+            rows += _zone_rows(summary)
+    return rows
+
+
+def _zone_rows(summary: Mapping[str, Any]) -> list[Row]:
+    """Size of the plastic zone, as far as it applies, and the bounds that it reaches."""
+    rows = []
+    label = f"{', '.join(map(str, SHARES))} % of yielding"
+    for what, unit in (("depth", "m"), ("radius", "m"), ("volume", "m3")):
+        keys = tuple(f"zone_{what}_{percent}_{unit}" for percent in SHARES)
+        found = [f"{summary[key]:.4g}" for key in keys if summary.get(key) is not None]
+        if found:
+            rows.append(Row(label, f"{what} {', '.join(found)} {unit}", keys))
+            label = ""
+    if summary.get("zone_cut") is not None:
+        rows.append(Row("bounds that it reaches", bounds_in_words(summary["zone_cut"]), ("zone_cut",)))
+    return rows

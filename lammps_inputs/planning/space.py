@@ -1,0 +1,74 @@
+"""Memory of each rank of a run, and its disk space, estimated.
+
+The constants were measured on fcc packings of 2e5 to 2e6 spheres on two ranks, with and without friction and static
+stage, and are rounded up.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import TYPE_CHECKING
+
+from granwave.lammps_inputs.packing.assembly import Assembly
+
+if TYPE_CHECKING:
+    from granwave.lammps_inputs.planning.schedule import Schedule
+
+# bytes
+_PROGRAM = 130e6  # the interpreter with LAMMPS, or with the libraries of the analysis, loaded
+_SPHERE, _PAIR, _ROUGH_PAIR = (
+    750.0,
+    135.0,
+    60.0,
+)  # of LAMMPS, and of the snapshot that is sorted; with friction in addition
+_STATIC_STAGE = 2.0  # times the memory of a run without one
+_ANALYSED_SPHERE, _ANALYSED_PAIR = 550.0, 155.0  # of the analysis, with a whole snapshot and all contacts
+_DATA = 75.0  # a sphere in the data file
+_FRAME = 230.0  # a sphere in a snapshot: all digits, and the compressed copy in result.h5
+_DENT = 110.0  # a pair among the contacts at the end
+_CHECKPOINT_SPHERE, _CHECKPOINT_PAIR = 250.0, 250.0  # measured with friction, all yielded
+_ROW = 400.0  # of the ledger
+_ROWS_PER_PARTICLE = 0.25  # disk space of a particle at an instant of a chain's history, in rows of the ledger
+
+
+@dataclasses.dataclass(frozen=True)
+class Space:
+    """Memory and disk space of a run, bytes.
+
+    Attributes
+    ----------
+    first_rank
+        Memory of the first rank, which also makes the analysis, of all spheres.
+    other_rank
+        Memory of each other rank.
+    disk
+        Disk space.
+    disk_reserve
+        Space that must stay free during the run, for one more snapshot and checkpoint.
+    """
+
+    first_rank: float
+    other_rank: float
+    disk: float
+    disk_reserve: float
+
+    def memory(self, n_ranks: int) -> float:
+        """Return the memory of all ranks together, bytes."""
+        return self.first_rank + (n_ranks - 1) * self.other_rank
+
+
+def expected_space(assembly: Assembly, schedule: Schedule, n_ranks: int) -> Space:
+    """Estimate the memory and the disk space of a run."""
+    case, n, pairs = assembly.case, assembly.n_particles, assembly.n_neighbours
+    pair = _PAIR + (_ROUGH_PAIR if case.has_friction else 0.0)
+    steps = (n * _SPHERE + pairs * pair) * (_STATIC_STAGE if case.precompression else 1.0)
+    analysis = n * _ANALYSED_SPHERE + pairs * _ANALYSED_PAIR
+    rows = schedule.n_steps / schedule.ledger_every + schedule.n_steps / schedule.probe_every
+    if schedule.history_every:
+        rows += _ROWS_PER_PARTICLE * n * schedule.n_steps / schedule.history_every
+    return Space(
+        first_rank=2 * _PROGRAM + max(steps / n_ranks, analysis),
+        other_rank=_PROGRAM + steps / n_ranks,
+        disk=n * (_DATA + schedule.n_frames * _FRAME) + pairs * _DENT + rows * _ROW,
+        disk_reserve=n * (_FRAME + _CHECKPOINT_SPHERE) + pairs * _CHECKPOINT_PAIR,
+    )

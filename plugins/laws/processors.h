@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: GPL-2.0-only
+/* Functions compiled for several instruction sets; the best available one is selected at run time. Results are bitwise
+   identical, since nothing is contracted or reordered (CMakeLists.txt). With GRANWAVE_ONE_PROCESSOR they are compiled once,
+   for the processor that the compiler is told. */
+
+#ifndef GRANWAVE_PROCESSORS_H
+#define GRANWAVE_PROCESSORS_H
+
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && defined(__gnu_linux__) &&                            \
+    !defined(GRANWAVE_ONE_PROCESSOR)
+#define FOR_EACH_PROCESSOR __attribute__((target_clones("avx512f", "avx2", "default")))
+#else
+#define FOR_EACH_PROCESSOR
+#endif
+
+#endif

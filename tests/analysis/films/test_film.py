@@ -1,0 +1,126 @@
+"""Films: pictures of every snapshot, one scale, a clock; files that programs open; errors in one line."""
+
+from __future__ import annotations
+
+import re
+
+import imageio_ffmpeg
+import numpy as np
+import pytest
+from PIL import Image
+
+from granwave.analysis import analyse
+from granwave.analysis.figures.style import style
+from granwave.analysis.films.film import write_film
+from granwave.analysis.films.scenes import VIEWS, scene
+from granwave.analysis.result.reader import Result
+from granwave.lammps_inputs.errors import InputError
+from granwave.workflows import run_case
+from tests.helpers import synthetic
+from tests.helpers.chain_cases import PULSE, case_of
+
+
+@pytest.fixture(scope="module")
+def packing(tmp_path_factory):
+    directory = tmp_path_factory.mktemp("packing")
+    case = synthetic.make_case("fcc", (8, 8, 4), run={"end_time": 6e-5, "frames": 4}, output={"dump_format": "binary"})
+    run_case(case, directory, figures=False)
+    return directory
+
+
+@pytest.fixture(scope="module")
+def chain(tmp_path_factory):
+    directory = tmp_path_factory.mktemp("chain")
+    case = case_of(6, load=PULSE, run={"end_time": 8e-5, "frames": 3}, output={"history": 12})
+    run_case(case, directory, figures=False)
+    return directory
+
+
+@pytest.mark.parametrize(("form", "view"), [("gif", None), ("webp", "principal"), ("gif", "3d")])
+def test_moving_pictures(packing, tmp_path, form, view):
+    seen = []
+    path = write_film(packing, tmp_path / f"a.{form}", view=view, width=240, progress=lambda *now: seen.append(now))
+    with Image.open(path) as film:
+        assert film.n_frames == 4 and film.size[0] == 240 and film.size[1] % 2 == 0
+        first = np.asarray(film.convert("RGB"), dtype=int)
+        film.seek(2)
+        assert np.abs(np.asarray(film.convert("RGB"), dtype=int) - first).max() > 50
+    assert seen == [(n, 4) for n in (1, 2, 3, 4)]
+
+
+def test_mp4(chain, tmp_path):
+    path = write_film(chain, tmp_path / "a.mp4", width=300, rate=10)
+    about = next(imageio_ffmpeg.read_frames(str(path)))
+    assert about["size"][0] == 300 and about["fps"] == 10 and about["codec"] == "h264"
+    assert about["duration"] == pytest.approx(12 / 10 + 1.5, abs=0.25)  # the last picture stays
+    assert write_film(chain, path, width=300) == path  # its own file is replaced
+
+
+@pytest.mark.parametrize("quantity", ["force", "velocity", "dissipation"])
+def test_one_scale_and_a_clock(packing, quantity):
+    with Result(packing) as result, style():
+        film = scene(result, quantity, "orthogonal")
+        assert np.array_equal(film.times, result.frame_times)
+        scales = []
+        for number in (1, 3):
+            figure = film.draw(number)
+            (clock,) = [text.get_text() for text in figure.texts]
+            assert clock == f"{1e6 * result.frame_times[number]:.0f} µs"
+            scales.append(figure.axes[-1].get_xlim())
+        assert scales[0] == scales[1]
+
+
+def test_chain_shows_nothing_of_the_future(chain):
+    with Result(chain) as result, style():
+        film = scene(result, "force", None)
+        figure = film.draw(5)
+        (mesh,) = [one for one in figure.axes[1].collections if one.get_array() is not None]
+        shown = np.ma.filled(mesh.get_array(), np.nan)
+        row = int(np.searchsorted(result["chain/time"], film.times[5]))
+        assert np.isnan(shown[row + 1 :]).all() and np.isfinite(shown[: row + 1]).any()
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"path": "a.avi"}, r"-o .*a\.avi: expected a name that ends in \.mp4, \.gif, \.webp"),
+        ({"quantity": "speed"}, r"--quantity: found speed, expected one of force, velocity, dissipation"),
+        ({"view": "orthogonl"}, r"--view: found orthogonl, .* did you mean orthogonal\?"),
+        ({"view": "chain"}, r"no record of a chain"),
+        ({"width": 20}, r"--width: found 20, expected 100 to 4000 pixels"),
+        ({"rate": 0.0}, r"--rate: found 0, expected 0.1 to 100"),
+        ({"path": "nowhere/a.gif"}, r"there is no directory"),
+    ],
+)
+def test_wrong_options(packing, tmp_path, options, message):
+    path = tmp_path / options.pop("path", "a.gif")
+    with pytest.raises(InputError, match=message):
+        write_film(packing, path, **options)
+    assert not list(tmp_path.iterdir())
+
+
+def test_files_of_others_stay(packing, tmp_path):
+    (tmp_path / "a.gif").write_text("mine")
+    with pytest.raises(InputError, match="granwave did not write it"):
+        write_film(packing, tmp_path / "a.gif")
+    assert (tmp_path / "a.gif").read_text() == "mine"
+
+
+def test_view_that_a_packing_has_not(packing, chain):
+    assert "chain" in VIEWS
+    with Result(chain) as result, pytest.raises(InputError, match=r"no orthogonal plane; take --view 3d or chain"):
+        scene(result, "force", "orthogonal")
+
+
+def test_commands(packing, granwave, tmp_path):
+    done = granwave("film", packing, "-o", tmp_path / "a.gif", "--width", 200, "--quantity", "velocity")
+    assert done.returncode == 0 and done.stdout.strip() == str(tmp_path / "a.gif"), done.stderr
+    done = granwave("film", tmp_path / "nope", "-o", tmp_path / "b.gif")
+    assert done.returncode == 2 and re.fullmatch(r"granwave: .*no such directory.*\n", done.stderr)
+    analyse(packing, figures=False)
+    done = granwave("figures", packing, "--only", "energies,directions")
+    assert done.returncode == 0 and [line.split("/")[-1] for line in done.stdout.split()] == [
+        "energies.png", "directions.png",
+    ]  # fmt: skip
+    done = granwave("figures", packing, "--only", "energie")
+    assert done.returncode == 2 and "did you mean energies?" in done.stderr

@@ -1,0 +1,145 @@
+"""First section of a report: the sentence, the figure and the table that answer."""
+
+from __future__ import annotations
+
+import json
+import shutil
+
+import pytest
+
+from granwave.analysis.document.model import Beside, Note, Report
+from granwave.analysis.reports.report import write_report
+from granwave.analysis.scans.figures import draw_scan_figures
+from granwave.analysis.scans.result import ScanResult
+from tests.helpers.chromium import Browser
+from tests.helpers.synthetic_report import NASTY, build, draw, write_run
+from tests.helpers.synthetic_scan import grid, write_scan
+
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+
+
+def scan_with(directory, points, share, **more):
+    """Scan whose dissipated share is a function of the labels."""
+    scan = write_scan(directory, points, **more)
+    for point in ScanResult(scan).points:
+        path = scan / "points" / point.id / "summary.json"
+        if path.exists():
+            path.write_text(json.dumps(json.loads(path.read_text()) | {"dissipated_fraction": share(point.labels)}))
+    return scan
+
+
+def answer(report: Report) -> tuple[str, Beside | None]:
+    section = report.sections[0]
+    texts = [block.text for block in section.blocks if isinstance(block, Note) and block.tone == "lead"]
+    shown = [block for block in section.blocks if isinstance(block, Beside)]
+    return (texts[0] if texts else ""), (shown[0] if shown else None)
+
+
+POINTS = grid(load__velocity=[1, 2, 10], contact__friction=[0.0, 0.3])
+
+
+@pytest.mark.parametrize(
+    ("share", "said"),
+    [
+        (lambda p: 0.5 + 0.01 * p["load.velocity"] + p["contact.friction"],
+         "from 0.51 (impact velocity 1 m/s, friction coefficient 0) to 0.9 (impact velocity 10 m/s, friction coefficient "
+         "0.3). It rises with impact velocity and friction coefficient."),
+        (lambda p: 0.5 + 0.01 * p["load.velocity"] - p["contact.friction"],
+         "It rises with impact velocity, falls with friction coefficient."),
+        (lambda p: 0.5 + 0.01 * p["load.velocity"] * (1 - 4 * p["contact.friction"]), "friction coefficient 0)."),
+    ],
+)  # fmt: skip
+def test_sentence_of_a_scan(tmp_path, share, said):
+    scan = scan_with(tmp_path / "scan", POINTS, share)
+    text, _ = answer(build([scan], tmp_path))
+    assert text.startswith("Dissipated fraction: from ") and said in text
+    assert ("It rises" in text) == ("It rises" in said)
+
+
+def test_table_and_figure_of_a_scan(tmp_path):
+    scan = scan_with(tmp_path / "scan", POINTS, lambda p: 0.5 + 0.01 * p["load.velocity"], missing=[6])
+    draw_scan_figures(scan, pdf=False)
+    report = build([scan], tmp_path)
+    _, shown = answer(report)
+    assert [column.heading for column in shown.table.columns][:3] == [
+        "Impact velocity", "Friction coefficient", "Dissipated fraction",
+    ]  # fmt: skip
+    assert [row[2].value for row in shown.table.rows] == pytest.approx([0.51, 0.51, 0.52, 0.52, 0.6])
+    assert shown.table.columns[3].meaning or shown.table.columns[2].meaning is not None
+    (figure,) = shown.gallery.figures
+    assert figure.caption == "Dissipated fraction against impact velocity"
+    figures = next(section for section in report.sections if section.slug == "figures")
+    names = [one.name for block in figures.blocks for one in block.figures]
+    assert names and not any("dissipated-fraction-vs-load-velocity" in name for name in names)  # shown once
+    assert any(
+        "1 of 6 points are missing" in block.text for block in report.sections[0].blocks if isinstance(block, Note)
+    )
+
+
+def test_many_points_of_two_keys_are_crossed(tmp_path):
+    points = grid(load__velocity=[1, 2, 3, 4, 5, 6, 7, 8], contact__friction=[0.0, 0.1, 0.3])
+    scan = scan_with(tmp_path / "scan", points, lambda p: 0.5 + 0.01 * p["load.velocity"] + p["contact.friction"])
+    draw_scan_figures(scan, pdf=False)
+    _, shown = answer(build([scan], tmp_path))
+    assert [column.heading for column in shown.table.columns] == ["Impact velocity"] + [
+        f"Friction coefficient {value}" for value in ("0", "0.1", "0.3")
+    ]
+    assert [cell.text for cell in shown.table.rows[7]] == ["8", "0.58", "0.68", "0.88"]
+
+
+def test_means_over_seeds(tmp_path):
+    points = grid(load__velocity=[1, 2], packing__seed=[1, 2, 3])
+    scan = scan_with(tmp_path / "scan", points, lambda p: 0.3 * p["load.velocity"] + 0.1 * p["packing.seed"])
+    draw_scan_figures(scan, pdf=False)
+    text, shown = answer(build([scan], tmp_path))
+    assert "from 0.50 ± 0.25 (impact velocity 1 m/s) to 0.80 ± 0.25 (impact velocity 2 m/s)" in text
+    assert shown.table.caption == "Means of 3 replicates, with 95 % confidence intervals" and len(shown.table.rows) == 2
+
+
+def test_scan_in_which_nothing_varies(tmp_path):
+    scan = scan_with(tmp_path / "scan", grid(load__velocity=[1, 2]), lambda _: 0.5)
+    text, _ = answer(build([scan], tmp_path))
+    assert "at all points" in text or "from" in text  # another quantity may vary
+
+
+def test_one_run(tmp_path):
+    run = write_run(tmp_path / "run", energy_input_J=2.0, dissipated_fraction=0.8731, peak_force_N=696.84)
+    report = build([run], tmp_path)
+    text, shown = answer(report)
+    assert text.startswith("87.3 % of the 2 J put in was dissipated. The largest contact force was 696.8 N.")
+    rows = {row[0].text: row for row in shown.table.rows}
+    assert rows["Peak contact force"][1].value == 696.84 and rows["Peak contact force"][2].text == "N"
+    assert any(row[0].meaning for row in shown.table.rows)
+    elastic = write_run(tmp_path / "elastic", energy_input_J=2.0, dissipated_fraction=0.0)
+    assert answer(build([elastic], tmp_path))[0].startswith("Nothing of the 2 J put in was dissipated.")
+
+
+def test_several_runs(tmp_path):
+    runs = [write_run(tmp_path / f"r{v}", figures=False, load__velocity=v) for v in (1, 2, 4)]
+    _, shown = answer(build(runs, tmp_path))
+    assert [column.heading for column in shown.table.columns][:3] == ["Run", "load.velocity", "Status"]
+    assert len(shown.table.columns) == 7 and len(shown.table.rows) == 3
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="no chromium on this machine (Debian: apt install chromium)")
+def test_on_the_first_screen(tmp_path):
+    """The answer is on the first screen; tables are copied, figures enlarged; dark screens have light letters."""
+    scan = scan_with(tmp_path / "scan", POINTS, lambda p: 0.5 + 0.01 * p["load.velocity"])
+    draw_scan_figures(scan, pdf=False)
+    draw(scan, NASTY.replace("/", "-")[:20])
+    write_report([scan], tmp_path / "report.html")
+    with Browser(CHROMIUM, tmp_path / "profile") as browser:
+        browser.open((tmp_path / "report.html").as_uri(), 1200)
+        bottom = "document.querySelector('.beside').getBoundingClientRect().bottom"
+        assert browser.evaluate(bottom) < 800
+        browser.evaluate("window.scrollTo(0, 2000)")
+        assert 0 <= browser.evaluate("document.querySelector('nav').getBoundingClientRect().top") < 100
+        copied = "navigator.clipboard.writeText = (text) => { window.copied = text; return Promise.resolve(); }"
+        browser.evaluate(f"{copied}; document.querySelector('.beside .copy').click()")
+        lines = browser.evaluate("window.copied").splitlines()
+        assert len(lines) == 1 + len(POINTS) and lines[1].startswith("1,0,0.51")
+        browser.evaluate("document.querySelector('.beside img').click()")
+        assert browser.evaluate("document.getElementById('enlarged').open") is True
+        browser.press("Escape", 27)
+        assert browser.evaluate("document.getElementById('enlarged').open") is False
+        assert browser.complaints() == []

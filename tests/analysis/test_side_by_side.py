@@ -1,0 +1,218 @@
+"""Figures drawn by several processes: the same files, order, errors and warnings as by one."""
+
+from __future__ import annotations
+
+import logging
+import os
+import sys
+
+import h5py
+import matplotlib
+import numpy as np
+import pytest
+
+from granwave.analysis import MissingOutputError, draw_figures, write_result
+from granwave.analysis.errors import MissingDataError
+from granwave.analysis.figures import side_by_side, style
+from granwave.analysis.figures.side_by_side import PROCESSES
+from granwave.analysis.pipeline import analyse
+from granwave.lammps_inputs.errors import InputError
+from tests.helpers import synthetic
+
+NAMES = ("energies", "probes", "impactor_velocity", "bottom_force")
+
+
+@pytest.fixture
+def run(tmp_path):
+    """Finished run of a packing, without figures."""
+    directory = synthetic.write_run(tmp_path / "run", synthetic.make_case("fcc", (6, 6, 4)))
+    write_result(directory)
+    return directory
+
+
+@pytest.fixture
+def several(monkeypatch):
+    """Two processes, as on two cores."""
+    monkeypatch.setenv(PROCESSES, "2")
+    monkeypatch.setattr(side_by_side, "_LEAST_FIGURES", 1)
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0, 1})
+
+
+def files(directory):
+    return {path.name: path.read_bytes() for path in (directory / "figures").iterdir()}
+
+
+def drawn_by_one(directory, monkeypatch, names=NAMES):
+    with monkeypatch.context() as alone:
+        alone.setenv(PROCESSES, "1")
+        draw_figures(directory, names=names)
+    return files(directory)
+
+
+def never(*_):
+    raise AssertionError("drawn here")
+
+
+def damage(directory, change):
+    with h5py.File(directory / "result.h5", "r+") as file:
+        change(file)
+
+
+def test_files_are_those_of_one_process(run, several, monkeypatch):
+    before = drawn_by_one(run, monkeypatch)
+    seen = []
+    written = draw_figures(run, seen.append, NAMES)
+    assert seen == list(NAMES)
+    drawn = [name for name in NAMES if name != "probes"]
+    assert written == [run / "figures" / f"{name}.png" for name in drawn]
+    assert files(run) == before
+    assert {name.split(".")[0] for name in before} == set(drawn)
+
+
+def test_helpers_draw(run, several, monkeypatch):
+    before = drawn_by_one(run, monkeypatch)
+    with side_by_side.helpers(len(NAMES)) as others, style.style():
+        monkeypatch.setattr(others, "_take", lambda: None)
+        outcomes = list(others.draw(NAMES, never, (run, NAMES, style.settings())))
+    found = zip(NAMES, outcomes, strict=True)
+    assert before == {name + suffix: content for name, files in found for suffix, content in (files or {}).items()}
+
+
+def test_settings_of_matplotlib_reach_helpers(run, several, monkeypatch):
+    plain = drawn_by_one(run, monkeypatch)
+    with matplotlib.rc_context({"axes.facecolor": "#eeffee"}):
+        before = drawn_by_one(run, monkeypatch)
+        draw_figures(run, names=NAMES)
+    assert files(run) == before != plain
+
+
+def test_figures_that_no_longer_apply_are_removed(run, several):
+    draw_figures(run, names=("energies", "impactor_velocity"))
+    damage(run, lambda file: file["energy/struck_velocity"].write_direct(np.zeros(len(file["energy/time"]))))
+    draw_figures(run, names=("energies", "impactor_velocity"))
+    assert {path.stem for path in (run / "figures").iterdir()} == {"energies"}
+
+
+def test_an_error_comes_at_its_place(run, several):
+    """The figures before it have been written, and those after it not."""
+    damage(run, lambda file: file.__delitem__("energy/struck_velocity"))
+    seen = []
+    with pytest.raises(MissingDataError, match="struck_velocity"):
+        draw_figures(run, seen.append, NAMES)
+    assert seen == ["energies", "probes", "impactor_velocity"]
+    assert {path.stem for path in (run / "figures").iterdir()} == {"energies"}
+
+
+def test_warnings_are_seen_here(run, several):
+    def change(file):
+        for name in ("kinetic", "input"):
+            file[f"energy/{name}"][3] = np.inf
+
+    damage(run, change)
+    with pytest.warns(RuntimeWarning, match="invalid value"):
+        draw_figures(run, names=("energies", "bottom_force"))
+
+
+def test_a_file_of_others_is_left_alone(run, several, caplog):
+    (run / "figures").mkdir()
+    (run / "figures" / "bottom_force.png").write_text("mine")
+    with caplog.at_level(logging.WARNING):
+        written = draw_figures(run, names=NAMES)
+    assert "bottom_force: not drawn" in caplog.text
+    assert (run / "figures" / "bottom_force.png").read_text() == "mine"
+    assert len(written) == 2
+
+
+@pytest.mark.parametrize("moment", ["before", "after"])
+def test_helpers_that_die(run, several, monkeypatch, moment):
+    before = drawn_by_one(run, monkeypatch)
+    with side_by_side.helpers(len(NAMES)) as others:
+        processes = others._processes
+        assert len(processes) == 1
+        if moment == "before":
+            for process in processes:
+                process.kill()
+                process.wait()
+        else:
+            monkeypatch.setattr(others, "_wait_for", ending(others, processes))
+        draw_figures(run, names=NAMES, helpers=others)
+    assert files(run) == before
+
+
+def ending(others, processes):
+    """Function that kills the helpers before it waits for them."""
+    wait = others._wait_for
+
+    def killed(number):
+        for process in processes:
+            process.kill()
+        return wait(number)
+
+    return killed
+
+
+def test_no_python_for_helpers(run, several, monkeypatch):
+    before = drawn_by_one(run, monkeypatch)
+    monkeypatch.setattr(sys, "executable", "/nowhere/python")
+    draw_figures(run, names=NAMES)
+    assert files(run) == before
+
+
+def test_helpers_end_with_an_error(several):
+    with pytest.raises(KeyError), side_by_side.helpers(8) as others:
+        raise KeyError
+    assert [process.poll() is None for process in others._processes] == [False]
+
+
+def test_helpers_draw_once(several):
+    with side_by_side.helpers(1) as others:
+        assert list(others.draw((), never, ())) == []
+        with pytest.raises(ValueError, match="start others"):
+            next(others.draw((), never, ()))
+
+
+def test_unknown_figure(run, several):
+    with pytest.raises(KeyError, match="nothing"):
+        draw_figures(run, names=("impactor_velocity", "nothing", "bottom_force"))
+
+
+@pytest.mark.parametrize(
+    ("cores", "most", "figures", "expected"),
+    [(1, None, 18, 1), (2, None, 18, 2), (64, None, 18, 4), (2, None, 5, 1), (8, "1", 18, 1), (8, "3", 18, 3)],
+)
+def test_number_of_processes(monkeypatch, cores, most, figures, expected):
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: set(range(cores)))
+    monkeypatch.delenv(PROCESSES, raising=False)
+    if most:
+        monkeypatch.setenv(PROCESSES, most)
+    with side_by_side.helpers(figures) as others:
+        assert len(others._processes) == expected - 1
+
+
+def test_number_of_processes_in_a_small_memory(several, monkeypatch):
+    monkeypatch.setattr(side_by_side, "available_memory", lambda: 0.3e9)
+    with side_by_side.helpers(18) as others:
+        assert not others._processes
+
+
+def test_no_number_of_processes(monkeypatch):
+    monkeypatch.setenv(PROCESSES, "many")
+    with pytest.raises(InputError, match="found 'many' in the environment"), side_by_side.helpers(18):
+        pass
+
+
+def test_analysis_starts_helpers(tmp_path, monkeypatch, several):
+    directory = synthetic.write_run(tmp_path, synthetic.make_case("chain", 12))
+    started = []
+    start = side_by_side.Helpers.start
+    monkeypatch.setattr(side_by_side.Helpers, "start", lambda self: (started.append(0), start(self)))
+    analyse(directory, figures=False)
+    assert not started
+    analyse(directory)
+    assert len(started) == 1
+    assert (directory / "figures" / "energies.pdf").exists()
+
+
+def test_lost_result(tmp_path, several):
+    with pytest.raises(MissingOutputError):
+        draw_figures(tmp_path)

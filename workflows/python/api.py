@@ -1,0 +1,233 @@
+"""The functions of ``import granwave as gw``: run a case or a scan, and load results.
+
+run = gw.run("fcc-small", load__velocity=10)
+run["peak_force_N"], run.contacts, run.fields, run.figure("energies")
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from granwave.analysis.errors import MissingOutputError, OutputFormatError
+from granwave.analysis.measures.zone.marks import zone_warnings
+from granwave.analysis.notebook.load import load
+from granwave.analysis.notebook.run import Run
+from granwave.analysis.notebook.scan import ScanRuns
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.schema import show
+from granwave.lammps_inputs.directories import results_directory
+from granwave.lammps_inputs.errors import GranwaveError, InputError, RunError
+from granwave.workflows.python.inputs import CaseLike, given_changes, home, read_case, read_scan
+from granwave.workflows.python.running import raise_unfinished, run_elements_case, run_on_ranks
+from granwave.workflows.python.words import words_of_python
+from granwave.workflows.run import mpi
+from granwave.workflows.solvers import GRANULAR
+
+__all__ = [
+    "Case",
+    "GranwaveError",
+    "InputError",
+    "MissingOutputError",
+    "OutputFormatError",
+    "Run",
+    "RunError",
+    "ScanRuns",
+    "case",
+    "load",
+    "run",
+    "scan",
+]
+
+logger = logging.getLogger(__name__)
+
+
+def case(source: CaseLike, changes: Mapping[str, Any] | None = None, /, **keys: Any) -> Case:
+    """Make a case, checked as a case file is.
+
+    Parameters
+    ----------
+    source
+        Name of a built-in case, path of a case file, tables of a case file as nested mappings, a case, or a run, whose
+        case is taken.
+    changes
+        Values by dotted key: ``{"load.velocity": 10}``. The name of a table replaces the whole table.
+    keys
+        The same as keywords, with two underscores for each dot: ``load__velocity=10``.
+
+    Returns
+    -------
+    Case
+        The case; of a continuum case an object of its own kind.
+
+    Raises
+    ------
+    InputError
+        There is no such case, or it is wrong; the message has a line for each fault.
+    """
+    with words_of_python():
+        found: Case = read_case(source, changes, keys)[0]
+        return found
+
+
+def run(
+    source: CaseLike,
+    changes: Mapping[str, Any] | None = None,
+    /,
+    *,
+    directory: str | Path | None = None,
+    ranks: int = 1,
+    figures: bool = False,
+    force: bool = False,
+    resume: bool = False,
+    progress: bool = True,
+    checkpoint: float = 60.0,
+    **keys: Any,
+) -> Run:
+    """Run a case and load its results.
+
+    Parameters
+    ----------
+    source, changes, keys
+        The case, as in `case`.
+    directory
+        Directory of the results; by default the name of the case, in the working directory.
+    ranks
+        Number of MPI ranks. More than one are started by mpiexec, as ``granwave run --np`` does.
+    figures
+        Draw all figures into the directory. `Run.figure` draws one at any time.
+    force
+        Replace existing results.
+    resume
+        Continue existing results of the same case; a finished run is loaded, and without results the run begins.
+    progress
+        Show a bar on a terminal or in a notebook.
+    checkpoint
+        Wall time between checkpoints, s.
+
+    Returns
+    -------
+    Run
+        The results.
+
+    Raises
+    ------
+    InputError
+        The case is wrong, or the directory holds results or another case, or memory or disk space is insufficient.
+        Nothing was run.
+    RunError
+        LAMMPS failed, or the energy balance was refused; what was computed is kept.
+    KeyboardInterrupt
+        The run was interrupted; it wrote a checkpoint, and ``resume=True`` continues it.
+    """
+    with words_of_python():
+        found, kind = read_case(source, changes, keys)
+        place = results_directory(found.name if directory is None else home(directory))
+        if not isinstance(ranks, int) or isinstance(ranks, bool) or ranks < 1:
+            raise InputError(f"ranks: found {show(ranks)}, expected a whole number from 1 up")
+        if isinstance(checkpoint, str) or not 0 < checkpoint < float("inf"):
+            raise InputError(f"checkpoint: found {show(checkpoint)}, expected a number above 0 (s)")
+        how: dict[str, Any] = {"figures": figures, "force": force, "resume": resume, "progress": progress}
+        if not kind.parallel:
+            if ranks > 1:
+                raise InputError(f"ranks: found {ranks}, expected 1: {found.name} is a continuum case, which has one")
+            run_elements_case(found, kind, place, **how)
+        elif ranks > 1 and not mpi.launched():
+            run_on_ranks(found, place, ranks, checkpoint=checkpoint, **how)
+        else:
+            from granwave.workflows.run.driver import run_case
+
+            run_case(found, place, checkpoint_interval=checkpoint, **how)
+        if kind is GRANULAR:
+            raise_unfinished(place)
+        loaded = Run(place)
+    for warning in zone_warnings(loaded.summary) if mpi.is_first() else ():
+        logger.warning("%s: %s", loaded.name, warning)
+    return loaded
+
+
+def scan(
+    source: str | Path | Mapping[str, Any],
+    changes: Mapping[str, Any] | None = None,
+    /,
+    *,
+    directory: str | Path | None = None,
+    jobs: int | None = None,
+    force: bool = False,
+    resume: bool = False,
+    progress: bool = True,
+    executor: str = "local",
+    profile: str | Path | None = None,
+    **keys: Any,
+) -> ScanRuns:
+    """Run a scan and load its results; points that fail are reported, and the others loaded.
+
+    Parameters
+    ----------
+    source
+        Name of a built-in scan, path of a scan file, or the tables of one as nested mappings, in which ``case`` may
+        also be the tables of a case, or a case.
+    changes, keys
+        Keys of the case for all points, as in `case`.
+    directory
+        Directory of the results; by default the name of the scan, in the working directory.
+    jobs
+        Number of cores of this machine to use, by default all; or of simultaneous jobs on a cluster.
+    force
+        Replace existing results.
+    resume
+        Run missing points only; points that failed are tried again.
+    progress
+        Show a bar on a terminal or in a notebook.
+    executor
+        ``local`` or ``slurm``.
+    profile
+        File that tells how to use the cluster, for ``slurm``.
+
+    Returns
+    -------
+    ScanRuns
+        The results.
+
+    Raises
+    ------
+    InputError
+        The scan or one of its points is wrong, the directory holds results or another scan, or Snakemake is missing.
+        Nothing was run.
+    RunError
+        Snakemake failed, or the disk is full.
+    KeyboardInterrupt
+        The scan was interrupted; ``resume=True`` continues it.
+    """
+    from granwave.workflows.scanning.driver import STOPPED, run_scan
+    from granwave.workflows.scanning.engine import EXECUTORS, LOCAL
+    from granwave.workflows.scanning.profile import load_profile
+
+    with words_of_python():
+        if executor not in EXECUTORS:
+            raise InputError(f"executor: found {show(executor)}, expected {' or '.join(EXECUTORS)}")
+        found = read_scan(source, given_changes(changes, keys), here=executor == LOCAL)
+        place = results_directory(found.name if directory is None else home(directory))
+        if jobs is not None and (not isinstance(jobs, int) or isinstance(jobs, bool) or jobs < 1):
+            raise InputError(f"jobs: found {show(jobs)}, expected a whole number from 1 up")
+        outcome = run_scan(
+            found,
+            place,
+            executor=executor,
+            profile=load_profile(profile) if profile is not None else None,
+            jobs=jobs,
+            resume=resume,
+            force=force,
+            progress=progress,
+        )
+        if outcome.stopped == STOPPED:
+            raise KeyboardInterrupt(f"{place}: stopped before its end; resume=True goes on")
+        if outcome.stopped:
+            raise RunError(f"{place}: {outcome.stopped}; make room, then resume=True goes on")
+        for count, what in ((outcome.failed, "failed"), (outcome.missing, "missing")):
+            if count:
+                text = "%s: of %d points %d %s; table.reason tells why, resume=True tries again"
+                logger.warning(text, place, len(found.distinct), count, what)
+        return ScanRuns(place)

@@ -1,0 +1,120 @@
+"""Cases and scans given in Python: names, files, mappings and keywords."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import tomli_w
+
+from granwave.analysis.notebook.run import Run
+from granwave.lammps_inputs.case.case import case_keys
+from granwave.lammps_inputs.case.overrides import apply_overrides, parse_overrides
+from granwave.lammps_inputs.case.schema import show
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.named_files import with_absolute_paths
+from granwave.lammps_inputs.run_directory import CASE_FILE
+from granwave.lammps_inputs.toml_files import read_toml
+from granwave.workflows import library
+from granwave.workflows.solvers import CONTINUUM, GRANULAR, AnyCase, Kind, solver_of
+
+CaseLike = str | Path | Mapping[str, Any] | AnyCase
+
+_OWN_NAMES = {"case": Path("case"), "scan": Path("scan")}  # in place of files, in messages and as default names
+
+
+def read_case(source: CaseLike, changes: Mapping[str, Any] | None, keys: Mapping[str, Any]) -> tuple[Any, Kind]:
+    """Make a case of a source with changes; return it with its kind.
+
+    Raises
+    ------
+    InputError
+        There is no such case, or it is wrong; the message has a line for each fault.
+    """
+    tables, path = _tables(source)
+    changed = given_changes(changes, keys)
+    kind = solver_of(tables)
+    return kind.read(apply_overrides(tables, changed), path, overridden=changed), kind
+
+
+def _tables(source: CaseLike) -> tuple[dict[str, Any], Path]:
+    """Return the tables of a case, and the name of its file in messages."""
+    if isinstance(source, Run):
+        source = source.directory / CASE_FILE
+    if isinstance(source, str | Path):
+        path = library.find_for(str(home(source)), GRANULAR.verb, CONTINUUM.verb)
+        return read_toml(path), path
+    if isinstance(source, Mapping):
+        return with_absolute_paths(_plain(source), Path()), _OWN_NAMES["case"]
+    if hasattr(source, "to_dict"):
+        return source.to_dict(), _OWN_NAMES["case"]
+    raise InputError(f"case: found {show(source)}, expected a name, the path of a file, a mapping or a case")
+
+
+def given_changes(changes: Mapping[str, Any] | None, keys: Mapping[str, Any]) -> dict[str, Any]:
+    """Return changes of a case by dotted key, from a mapping and from keywords with double underscores.
+
+    Raises
+    ------
+    InputError
+        A key is given twice, or has one underscore for its dot.
+    """
+    if changes is not None and not isinstance(changes, Mapping):
+        raise InputError(f'found {show(changes)}, expected a mapping such as {{"load.velocity": 10}}')
+    if flat := [name for name in keys if name not in case_keys() and name.replace("_", ".", 1) in case_keys()]:
+        raise InputError(
+            f"{name}: unknown key; did you mean {name.replace('_', '__', 1)}, with two underscores for the dot?"
+            for name in flat
+        )
+    dotted = {name.replace("__", "."): value for name, value in keys.items()}
+    given = {str(name): value for name, value in (changes or {}).items()}
+    if twice := sorted(set(dotted) & set(given)):
+        raise InputError(f"{name}: given twice, in the mapping and as a keyword" for name in twice)
+    return parse_overrides(_plain(given | dotted))
+
+
+def read_scan(source: str | Path | Mapping[str, Any], changes: Mapping[str, Any], *, here: bool) -> Any:
+    """Make a scan of a source with changes of all points; ``here`` as in `load_scan`.
+
+    Raises
+    ------
+    InputError
+        There is no such scan, or it or one of its points is wrong.
+    """
+    from granwave.workflows.scanning.scan_file import load_scan, scan_from_dict
+
+    if isinstance(source, str | Path):
+        return load_scan(home(source), changes, here=here)
+    if not isinstance(source, Mapping):
+        raise InputError(f"scan: found {show(source)}, expected a name, the path of a file or a mapping")
+    data, template, comment = dict(source), None, ""
+    if "case" in data and not isinstance(data["case"], str | Path):
+        template = {"name": "case", **_tables(data["case"])[0]}
+        data["case"] = str(template["name"])
+        comment = "# The case was given in Python:\n#\n" + "".join(
+            f"# {line}\n" for line in tomli_w.dumps(template).splitlines()
+        )
+    data = with_absolute_paths(_plain(data), Path())
+    return scan_from_dict(
+        data, _OWN_NAMES["scan"], changes, here=here, text=comment + tomli_w.dumps(data), template=template
+    )
+
+
+def _plain(value: Any) -> Any:
+    """Convert a value to those of TOML: numbers and arrays of numpy, paths and tuples; others stay as they are."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    if hasattr(value, "tolist") and hasattr(value, "dtype"):
+        return _plain(value.tolist())
+    return value
+
+
+def home(path: str | Path) -> str:
+    """Replace a ``~``, as a shell does."""
+    return os.path.expanduser(path)
