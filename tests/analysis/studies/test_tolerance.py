@@ -147,7 +147,7 @@ def test_means_and_what_is_left(tmp_path: Path) -> None:
 def test_the_report_says_what_is_left(tmp_path: Path) -> None:
     paths = write(tmp_path, settings([0, 0.01, 2, 10], [0, 0.2]))
     report = build(paths, tmp_path, "tolerance")
-    assert [section.slug for section in report.sections][:2] == ["short", "verdict"]
+    assert [section.slug for section in report.sections][:2] == ["verdict", "short"]
     said = " ".join(note.text for note in notes(report, "verdict"))
     for words in (
         "Against the ideal packing's: the peak force on the bottom nowhere higher; the dissipated share of the energy at "
