@@ -7,7 +7,7 @@ import os
 from collections.abc import Callable, Iterable, Mapping
 from importlib import resources
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.schema import show
@@ -19,6 +19,9 @@ from granwave.workflows.solvers import CONTINUUM, GRANULAR, solver_of
 
 CASES, SCANS = "cases", "scans"
 SCAN = "scan"  # command that runs scans
+_PACKINGS, _CHAINS, _ELEMENTS = "Packings", "Chains and single contacts", "Finite elements (granwave continuum)"
+_SCANS, _SUITES = "Scans", "Suites of scans"
+GROUPS = (_PACKINGS, _CHAINS, _ELEMENTS, _SCANS, _SUITES)  # of the list of built-in studies
 _SUFFIX = ".toml"
 _WHAT = {CASES: "case", SCANS: "scan"}
 _NOUNS = {GRANULAR.verb: "a granular case", CONTINUUM.verb: "a continuum case"}
@@ -140,6 +143,33 @@ def load_case(case: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (
         There is no such case, or it is wrong; the message lists all faults.
     """
     return load_case_file(find_for(str(case), GRANULAR.verb), overrides)
+
+
+class Entry(NamedTuple):
+    """A built-in study: ``case`` or ``scan``, its name, the group that it is listed in, and its description."""
+
+    kind: str
+    name: str
+    group: str
+    title: str
+
+
+def entries() -> list[Entry]:
+    """Return all built-in studies, in the order of `GROUPS`."""
+    found = [
+        Entry(_WHAT[kind], name, _group(read_toml(_folder(kind) / f"{name}{_SUFFIX}")), title(name))
+        for kind in _WHAT
+        for name in names(kind)
+    ]
+    return sorted(found, key=lambda entry: GROUPS.index(entry.group))
+
+
+def _group(tables: Mapping[str, Any]) -> str:
+    if "scans" in tables:
+        return _SUITES
+    if "packing" not in tables:
+        return _SCANS if any(name in tables for name in _OF_SCAN) else _ELEMENTS
+    return _CHAINS if tables["packing"]["kind"] == "chain" else _PACKINGS
 
 
 def text(name: str) -> str:

@@ -408,5 +408,13 @@ def test_scans_and_cases_are_told_apart(granwave) -> None:
     listed = granwave("cases").stdout.splitlines()
     assert any(line.startswith("scan  velocity-fcc ") for line in listed)
     assert any(line.startswith("case  fcc-small ") for line in listed)
+    groups = [line for line in listed if line.endswith(":")]
+    assert groups[0] == "Packings:" and len(groups) == 5 and listed.index("Suites of scans:") > listed.index("Scans:")
+    few = granwave("cases", "chain", "bilinear").stdout.splitlines()
+    assert any(line.startswith("case  bilinear-pulse ") for line in few) and not any("fcc" in line for line in few)
+    everything = json.loads(granwave("cases", "--json").stdout)
+    assert len(everything) == len(listed) - len(groups) and set(everything[0]) == {"kind", "name", "group", "title"}
+    done = granwave("cases", "nonsense")
+    assert done.returncode == 2 and "nonsense: no built-in case or scan has these words" in done.stderr
     done = granwave("run", "velocity-fcc")
     assert done.returncode == 2 and "is a scan" in done.stderr and "granwave scan velocity-fcc" in done.stderr

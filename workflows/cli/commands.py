@@ -351,12 +351,30 @@ def bench(options: argparse.Namespace, _: Arguments) -> int:
     return 0
 
 
-def cases(_: argparse.Namespace, __: Arguments) -> int:
+def cases(options: argparse.Namespace, _: Arguments) -> int:
     """Execute ``granwave cases``."""
-    found = [(kind, name) for kind in (library.CASES, library.SCANS) for name in library.names(kind)]
-    width = max(len(name) for _, name in found)
-    for kind, name in found:
-        print(f"{'scan  ' if kind == library.SCANS else 'case  '}{name:{width}}  {library.title(name)}")
+    import json
+    import shutil
+
+    wanted = [word.lower() for word in options.words]
+    found = [
+        entry for entry in library.entries() if all(word in f"{entry.name} {entry.title}".lower() for word in wanted)
+    ]
+    if not found:
+        raise InputError(
+            f"{' '.join(options.words)}: no built-in case or scan has these words; granwave cases lists all"
+        )
+    if options.json:
+        print(json.dumps([entry._asdict() for entry in found], indent=2))
+        return 0
+    name_width = max(len(entry.name) for entry in found)
+    most = shutil.get_terminal_size().columns if sys.stdout.isatty() else sys.maxsize
+    for group in dict.fromkeys(entry.group for entry in found):
+        print(f"{group}:")
+        for entry in found:
+            line = f"{entry.kind}  {entry.name:{name_width}}  {entry.title}"
+            if entry.group == group:
+                print(line if len(line) <= most else f"{line[: most - 1]}…")
     return 0
 
 

@@ -301,7 +301,11 @@ def make_parser() -> argparse.ArgumentParser:
     )
     parts.add_argument("--styles-only", action="store_const", const=("styles",), dest="parts", help="--parts styles")
 
-    _verb(verbs, "cases", commands.cases, "the studies that come with the package")
+    cases = _verb(verbs, "cases", commands.cases, "the studies that come with the package")
+    cases.add_argument(
+        "words", nargs="*", metavar="WORD", help="list only those whose name or title has all these words"
+    )
+    cases.add_argument("--json", action="store_true", help="list them as JSON")
     _verb(verbs, "doctor", commands.doctor, "versions, plugin, MPI: what works and how to mend what does not")
     return parser
 
