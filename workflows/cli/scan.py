@@ -13,7 +13,8 @@ from typing import Any
 
 from granwave.analysis.formatting.numbers import duration
 from granwave.analysis.measures.zone.marks import LABELS, bounds_in_words, mark_of
-from granwave.analysis.quantities import SCAN_COLUMNS, Quantity
+from granwave.analysis.quantities import SCAN_COLUMNS, Quantity, quantity
+from granwave.analysis.scans.means import means_of
 from granwave.analysis.scans.result import ScanResult
 from granwave.analysis.summary_table import lines
 from granwave.lammps_inputs.directories import results_directory
@@ -34,6 +35,7 @@ from granwave.workflows.scanning.suite import Suite, check_suite, is_suite, load
 
 _WORTH_MEASURING = 20.0  # s; for a longer expected time the speed of this machine is measured first
 _MOST_ROWS = 40
+_MOST_MEANS = 4  # quantities in the table of means
 
 
 def scan(options: argparse.Namespace) -> int:
@@ -232,7 +234,7 @@ def outcome_text(outcome: ScanOutcome) -> str:
     )
     if len(points) > _MOST_ROWS:
         text += f"\n... {len(points) - _MOST_ROWS} more in scan.csv"
-    text = f"{text}\n\n" if points else ""
+    text = f"{text}\n\n{_means_text(result)}" if points else ""
     marks = [mark_of(point.summary) for point in points]
     for mark, label in LABELS.items():
         if count := marks.count(mark):
@@ -244,6 +246,28 @@ def outcome_text(outcome: ScanOutcome) -> str:
     )
     there = "table, figures and report.html" if (outcome.directory / "report.html").exists() else "the table"
     return f"{text}{counts}; {there} in {outcome.directory}"
+
+
+def _means_text(result: ScanResult) -> str:
+    """Return what the points say together: means over replicates, if there are some, and a sentence."""
+    means = means_of(result)
+    shown = [key for _, key in means.quantities()]
+    if not shown:
+        return ""
+    text = f"{means.sentence(shown[0])}\n\n"
+    if max(means.counts) < 2:
+        return text
+    units = [(key.naming.label, key.naming.unit) for key in means.keys]
+    units += [(quantity(name).label, quantity(name).unit.replace("^", "")) for name in shown[:_MOST_MEANS]]
+    rows = [[f"{label} ({unit})" if unit else label for label, unit in units]]
+    for row in range(min(len(means.counts), _MOST_ROWS)):
+        values = [means.text(name, row) for name in shown[:_MOST_MEANS]]
+        rows.append([*(key.tick(row) for key in means.keys), *values])
+    widths = [max(len(row[n]) for row in rows) for n in range(len(units))]
+    table = ["  ".join(f"{cell:>{width}}" for cell, width in zip(row, widths, strict=True)) for row in rows]
+    counts = sorted(set(means.counts))
+    of = f"{counts[0]} to {counts[-1]}" if len(counts) > 1 else f"{counts[0]}"
+    return f"means of {of} replicates, with 95 % confidence intervals:\n" + "\n".join(table) + f"\n\n{text}"
 
 
 def _value(shown: Quantity, value: Any) -> str:

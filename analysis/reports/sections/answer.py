@@ -2,27 +2,22 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Sequence
 from pathlib import Path
 
 from granwave.analysis.document.cells import spread_cell, value_column
 from granwave.analysis.document.model import Beside, Block, Cell, Column, Figure, Gallery, Note, Table
 from granwave.analysis.formatting.numbers import plain
-from granwave.analysis.quantities import SCAN_FIGURES, quantity
+from granwave.analysis.quantities import quantity
 from granwave.analysis.reports.inputs import Inputs, Run, Scan
 from granwave.analysis.reports.sections.figures import overlay, picture_in
-from granwave.analysis.reports.sections.means import Means, means_of
 from granwave.analysis.reports.sections.results import compact_table, value_rows
 from granwave.analysis.scans.keys import Key
+from granwave.analysis.scans.means import WORTH, Means, means_of
 from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY
 
-_MAIN = ("restitution", "dissipated_fraction", "peak_force_N", "max_force_N", "n_plastic_spheres")  # in this order
 _MOST_COLUMNS = 3  # quantities beside the main one in the table of means
 _MOST_ROWS = 14  # of that table; two keys with more are crossed
-_SAME = 1e-6  # relative difference of values that count as equal
-_TRENDS = ("rises", "falls")
-_WORTH = 1e-12  # smallest value that is not rounding
 _MAIN_FIGURES = (
     "packing_3d", "force_map", "peak_force_principal", "along_chain", "plastic_strain", "von_mises", "energies",
 )  # fmt: skip
@@ -61,7 +56,7 @@ def _names(item: Run | Scan) -> list[str]:
     if isinstance(item, Scan):
         means = means_of(item.source)
         keys = sorted(means.keys, key=lambda key: (not key.numeric, -len(set(key.values))))
-        names = [f"{name}_vs_{key.slug}" for name, _ in _varying(means)[:1] for key in keys]
+        names = [f"{name}_vs_{key.slug}" for name, _ in means.quantities()[:1] for key in keys]
     return [name for name in names if (item.directory / FIGURES_DIRECTORY / f"{name}.png").is_file()]
 
 
@@ -70,63 +65,18 @@ def _names(item: Run | Scan) -> list[str]:
 
 def _of_scan(scan: Scan, inputs: Inputs) -> list[Block]:
     means = means_of(scan.source)
-    shown = _varying(means)
+    shown = means.quantities()
     if not shown:
         return []
     main = shown[0][1]
     name_of_scan = f"Scan {scan.label}: " if len(inputs.items) > 1 else ""
-    blocks: list[Block] = [Note(name_of_scan + _sentence(means, main), "lead")]
+    blocks: list[Block] = [Note(name_of_scan + means.sentence(main), "lead")]
     others = [key for _, key in shown[1:] if key != main][:_MOST_COLUMNS]
     crossed = len(means.keys) == 2 and len(means.counts) > _MOST_ROWS
     table = _crossed(means, main) if crossed else _table(means, [main, *others])
     picture = _main_figure(scan, inputs)
     blocks.append(Beside(Gallery((picture,)), table) if picture else table)
     return blocks
-
-
-def _varying(means: Means) -> list[tuple[str, str]]:
-    """Return the quantities that have figures, by names of figure and value: those that vary first."""
-    found = []
-    for number, (name, key) in enumerate(SCAN_FIGURES.items()):
-        values = [value for value in means.values.get(key, ()) if value is not None]
-        if len(values) == len(means.counts) > 1 and max(map(abs, values)) > _WORTH:
-            same = max(values) - min(values) <= _SAME * max(map(abs, values))
-            rank = _MAIN.index(key) if key in _MAIN else len(_MAIN) + number
-            found.append((same, rank, name, key))
-    return [(name, key) for *_, name, key in sorted(found)]
-
-
-def _sentence(means: Means, main: str) -> str:
-    """Say between which values the main quantity lies, where, and how it depends on each key."""
-    values = means.values[main]
-    low, high = (choose(range(len(values)), key=lambda row: values[row] or 0.0) for choose in (min, max))
-    label, unit = quantity(main).label, quantity(main).unit.replace("^", "")
-    unit = f" {unit}" if unit else ""
-    least, most = (means.text(main, row) + unit for row in (low, high))
-    if (values[high] or 0.0) - (values[low] or 0.0) <= _SAME * abs(values[high] or 0.0):
-        return f"{label}: {most} at all points."
-    text = f"{label}: from {least} ({means.setting(low)}) to {most} ({means.setting(high)})."
-    found = {word: [key for n, key in enumerate(means.keys) if _trend(means, main, n) == word] for word in _TRENDS}
-    said = [f"{word} with {_listed(keys)}" for word, keys in found.items() if keys]
-    return f"{text} It {', '.join(said)}." if said else text
-
-
-def _trend(means: Means, main: str, n: int) -> str:
-    """Return how the main quantity changes with the n-th key, all others equal; empty if not in one direction."""
-    if not means.keys[n].numeric:
-        return ""
-    signs = set()
-    for rows in means.lines_along(n):
-        values = [means.values[main][row] or 0.0 for row in rows]
-        largest = max(map(abs, values), default=0.0)
-        changes = [b - a for a, b in itertools.pairwise(values)]
-        signs |= {change > 0 for change in changes if abs(change) > _SAME * largest}
-    return {frozenset({True}): "rises", frozenset({False}): "falls"}.get(frozenset(signs), "")
-
-
-def _listed(keys: Sequence[Key]) -> str:
-    names = [key.naming.label[:1].lower() + key.naming.label[1:] for key in keys]
-    return " and ".join(names)
 
 
 def _table(means: Means, shown: Sequence[str]) -> Table:
@@ -184,7 +134,7 @@ def _of_run_in_words(run: Run) -> str:
     parts = []
     given, lost = run.number("energy_input_J"), run.number("dissipated_fraction")
     if given is not None and lost is not None:
-        share = f"{100 * lost:.3g} %" if lost > _WORTH else "Nothing"
+        share = f"{100 * lost:.3g} %" if lost > WORTH else "Nothing"
         parts.append(f"{share} of the {plain(f'{given:.3g}')} J put in was dissipated.")
     force = run.number("peak_force_N") or run.number("max_force_N")
     if force is not None:

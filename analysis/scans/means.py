@@ -1,15 +1,22 @@
-"""Means of a scan's points over replicates: what the first screen of a report shows."""
+"""Means of a scan's points over replicates, and what they say: for the start of a report, and the end of a scan."""
 
 from __future__ import annotations
 
 import dataclasses
+import itertools
 from collections.abc import Mapping, Sequence
 
 from granwave.analysis.document.cells import is_number, show
 from granwave.analysis.formatting.numbers import interval
+from granwave.analysis.quantities import SCAN_FIGURES, quantity
 from granwave.analysis.scans.keys import Key, key_of
 from granwave.analysis.scans.result import SEED, ScanResult
 from granwave.analysis.scans.table import CONFIDENCE, COUNT, MEAN, scan_statistics
+
+WORTH = 1e-12  # smallest value that is not rounding
+_SAME = 1e-6  # relative difference of values that count as equal
+_MAIN = ("restitution", "dissipated_fraction", "peak_force_N", "max_force_N", "n_plastic_spheres")  # in this order
+_TRENDS = ("rises", "falls")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -32,6 +39,43 @@ class Means:
     counts: tuple[int, ...]
     values: Mapping[str, Sequence[float | None]]
     half_widths: Mapping[str, Sequence[float | None]]
+
+    def quantities(self) -> list[tuple[str, str]]:
+        """Return the quantities that have figures, by names of figure and value: those that vary first."""
+        found = []
+        for number, (name, key) in enumerate(SCAN_FIGURES.items()):
+            values = [value for value in self.values.get(key, ()) if value is not None]
+            if len(values) == len(self.counts) > 1 and max(map(abs, values)) > WORTH:
+                same = max(values) - min(values) <= _SAME * max(map(abs, values))
+                rank = _MAIN.index(key) if key in _MAIN else len(_MAIN) + number
+                found.append((same, rank, name, key))
+        return [(name, key) for *_, name, key in sorted(found)]
+
+    def sentence(self, main: str) -> str:
+        """Say between which values a quantity lies, where, and how it depends on each key."""
+        values = self.values[main]
+        low, high = (choose(range(len(values)), key=lambda row: values[row] or 0.0) for choose in (min, max))
+        label, unit = quantity(main).label, quantity(main).unit.replace("^", "")
+        unit = f" {unit}" if unit else ""
+        least, most = (self.text(main, row) + unit for row in (low, high))
+        if (values[high] or 0.0) - (values[low] or 0.0) <= _SAME * abs(values[high] or 0.0):
+            return f"{label}: {most} at all points."
+        text = f"{label}: from {least} ({self.setting(low)}) to {most} ({self.setting(high)})."
+        found = {word: [key for n, key in enumerate(self.keys) if self._trend(main, n) == word] for word in _TRENDS}
+        said = [f"{word} with {_listed(keys)}" for word, keys in found.items() if keys]
+        return f"{text} It {', '.join(said)}." if said else text
+
+    def _trend(self, main: str, n: int) -> str:
+        """Return how a quantity changes with the n-th key, all others equal; empty if not in one direction."""
+        if not self.keys[n].numeric:
+            return ""
+        signs = set()
+        for rows in self.lines_along(n):
+            values = [self.values[main][row] or 0.0 for row in rows]
+            largest = max(map(abs, values), default=0.0)
+            changes = [b - a for a, b in itertools.pairwise(values)]
+            signs |= {change > 0 for change in changes if abs(change) > _SAME * largest}
+        return {frozenset({True}): "rises", frozenset({False}): "falls"}.get(frozenset(signs), "")
 
     def text(self, name: str, row: int) -> str:
         """Return a mean with its interval, where it has one."""
@@ -78,6 +122,11 @@ def means_of(scan: ScanResult) -> Means:
         {key: [column[row] for row in kept] for key, column in columns.items()},
         {key: [column[row] for row in kept] for key, column in widths.items()},
     )
+
+
+def _listed(keys: Sequence[Key]) -> str:
+    names = [key.naming.label[:1].lower() + key.naming.label[1:] for key in keys]
+    return " and ".join(names)
 
 
 def _number(value: object) -> float | None:
