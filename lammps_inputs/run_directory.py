@@ -35,6 +35,7 @@ FIGURE_SUFFIXES = (".png", ".pdf", ".csv")  # raster image, vector image, data
 DUMPS = "dumps"
 ENERGY_FILE, WALLS_FILE, PROBES_FILE = "energy.txt", "walls.txt", "probes.txt"
 FRAMES_FILES = {"binary": "spheres.bin", "text": "spheres.dump"}  # by `output.dump_format`
+FRAMES_PART = "spheres-{}.bin"  # of a resumed run, with the step that it was resumed from
 HISTORY_FILE, FORCES_FILE = "history.dump", "forces.dump"
 CONTACTS_FILE, WALL_CONTACTS_FILE = "contacts.dump", "wall_{}.dump"  # with the name of the wall's fix
 STATIC_STAGE_FILE, STATIC_FILE = "prestage.txt", "static.lmp"

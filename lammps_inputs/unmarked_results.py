@@ -22,7 +22,7 @@ _VERSION = "0.1.0"
 _DECK = (names.CASE_FILE, names.SCRIPT_FILE, names.DATA_FILE, names.LOG_FILE)
 _BESIDE_DECK = re.compile(r"dents\.txt|load\.txt|preload_[xyz]\.txt|checkpoint-\d+\.restart")
 _DUMPS = re.compile(
-    r"(energy|walls|probes|prestage)\.txt|(spheres|history|forces|contacts|wall_\w+)\.dump|spheres\.bin|static\.lmp"
+    r"(energy|walls|probes|prestage)\.txt|(spheres|history|forces|contacts|wall_\w+)\.dump|spheres(-\d+)?\.bin|static\.lmp"
 )
 _SCAN_FILES = (
     names.SCAN_FILE, names.SCAN_INDEX, names.SCAN_TABLE, names.SCAN_DATA, names.SCAN_MEANS, names.SCAN_REPORT,

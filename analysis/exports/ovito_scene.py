@@ -65,7 +65,7 @@ def build(run: Path) -> Any:
         contacts.source.load(str(contacts_file), columns=columns)
         pipeline.modifiers.append(contacts)
     snapshots = LoadTrajectoryModifier()
-    snapshots.source.load(str(next(run / name for name in SNAPSHOTS if (run / name).is_file())))
+    snapshots.source.load(_snapshots(run))
     pipeline.modifiers.append(snapshots)
 
     last = pipeline.compute(pipeline.num_frames - 1)
@@ -113,6 +113,13 @@ def show(pipeline: Any) -> Any:
     viewport.camera_dir, viewport.camera_up = VIEW, (0.0, 0.0, -1.0)
     viewport.zoom_all(size=PIXELS)
     return viewport
+
+
+def _snapshots(run: Path) -> list[str]:
+    """Return the files of the snapshots; a resumed run has several."""
+    first = next(run / name for name in SNAPSHOTS if (run / name).is_file())
+    parts = sorted((run / "dumps").glob("spheres-*.bin"), key=lambda path: int(path.stem.partition("-")[2]))
+    return [str(path) for path in (first, *parts) if path.stat().st_size]
 
 
 def missing_files(run: Path) -> list[str]:

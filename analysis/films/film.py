@@ -92,7 +92,7 @@ def _check(path: Path, quantity: str, view: str | None, width: int, rate: float 
 
 def _check_word(option: str, word: str, known: Sequence[str]) -> None:
     if word not in known:
-        near = difflib.get_close_matches(word, known, n=1)
+        near = difflib.get_close_matches(word.lower(), known, n=1, cutoff=0.5)
         hint = f"; did you mean {near[0]}?" if near else ""
         raise InputError(f"{option}: found {word}, expected one of {', '.join(known)}{hint}")
 

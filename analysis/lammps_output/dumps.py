@@ -7,6 +7,7 @@ at a time.
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import logging
 from collections.abc import Iterator
 from pathlib import Path
@@ -27,6 +28,7 @@ from granwave.lammps_inputs.run_directory import (
     DUMPS,
     FORCES_FILE,
     FRAMES_FILES,
+    FRAMES_PART,
     HISTORY_FILE,
     WALL_CONTACTS_FILE,
 )
@@ -46,6 +48,8 @@ log = logging.getLogger(__name__)
 def read_frames(directory: str | Path, *, partial: bool = True) -> Iterator[Frame]:
     """Iterate over the snapshots of ``dumps/spheres.bin`` or ``spheres.dump``, `SPHERE_COLUMNS`, rows sorted by id.
 
+    Those of a resumed run with binary dumps follow in files of their own.
+
     If a step was written twice (resumed run), the first is used.
 
     Parameters
@@ -60,7 +64,9 @@ def read_frames(directory: str | Path, *, partial: bool = True) -> Iterator[Fram
     OutputFormatError
         The file lacks a column, a snapshot is damaged, or none is complete.
     """
-    yield from _rising(_frames(frames_path(directory), SPHERE_COLUMNS, sort_by="id", partial=partial))
+    paths = [frames_path(directory), *_parts_of_resumed(Path(directory))]
+    parts = (_frames(path, SPHERE_COLUMNS, sort_by="id", partial=partial) for path in paths)
+    yield from _rising(itertools.chain.from_iterable(parts))
 
 
 def frames_path(directory: str | Path) -> Path:
@@ -69,6 +75,18 @@ def frames_path(directory: str | Path) -> Path:
     there = [name for name in names if (Path(directory) / DUMPS / name).exists()]
     listed = [name for name in names if f"{DUMPS}/{name}" in output_names(Path(directory))]
     return _dump(directory, (there or listed or names)[0])
+
+
+def _parts_of_resumed(directory: Path) -> list[Path]:
+    """Return the paths of the snapshots that resumed runs wrote, in order of time; a part may have none."""
+    before, after = FRAMES_PART.split("{}")
+    found = {
+        int(step): path
+        for path in (directory / DUMPS).glob(FRAMES_PART.format("*"))
+        if (step := path.name.removeprefix(before).removesuffix(after)).isdecimal() and path.stat().st_size
+    }
+    own = output_names(directory)
+    return [found[step] for step in sorted(found) if not own or f"{DUMPS}/{found[step].name}" in own]
 
 
 def read_history(directory: str | Path) -> Iterator[Frame]:

@@ -25,11 +25,13 @@ from granwave.lammps_inputs.deck.commands import command, joined, num
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.walls import Wall, moving_fix, wall_fixes, walls
 from granwave.lammps_inputs.run_directory import (
+    CHECKPOINT_FILE,
     CONTACTS_FILE,
     DUMPS,
     ENERGY_FILE,
     FORCES_FILE,
     FRAMES_FILES,
+    FRAMES_PART,
     HISTORY_FILE,
     PROBES_FILE,
     STATIC_FILE,
@@ -159,8 +161,8 @@ def displacements(case: Case) -> list[str]:
     return lines
 
 
-def frames(case: Case, schedule: Schedule, *, resumed: bool = False) -> list[str]:
-    """Return the commands of snapshots of all spheres."""
+def frames(case: Case, schedule: Schedule, *, restart_from: str = "") -> list[str]:
+    """Return the commands of snapshots of all spheres; ``restart_from``: restart file of a resumed run."""
     every, chosen = schedule.frame_every, []
     columns = sources(SNAPSHOT, *_recorded(case))
     form = f' format line "{_FRAME_FORMAT}{" %.9g" * (len(columns) - len(names(SNAPSHOT)))}"'
@@ -177,15 +179,23 @@ def frames(case: Case, schedule: Schedule, *, resumed: bool = False) -> list[str
         *([] if case.precompression else displacements(case)[:1]),
         "compute         sphere all gran/hysteretic/atom",
         "compute         contacts all gran/hysteretic/local",
-        *command("dump            frames all custom", f"{every} {DUMPS}/{frames_file(case)}", *columns.values()),
-        f"dump_modify     frames {_first(resumed)} sort id{form if text else ''}",
+        *command(
+            "dump            frames all custom", f"{every} {DUMPS}/{frames_file(case, restart_from)}", *columns.values()
+        ),
+        f"dump_modify     frames {_first(bool(restart_from))} sort id{form if text else ''}",
         *command("dump_modify     frames", *_names(columns)),
         *chosen,
     ]
 
 
-def frames_file(case: Case) -> str:
-    """Return the name of the dump of snapshots."""
+def frames_file(case: Case, restart_from: str = "") -> str:
+    """Return the name of the dump of snapshots.
+
+    LAMMPS appends to text, but not to binary files: a run that is resumed from a restart file writes one of its own.
+    """
+    if restart_from and case.output.dump_format == "binary":
+        prefix, suffix = CHECKPOINT_FILE.split("{}")
+        return FRAMES_PART.format(restart_from.removeprefix(prefix).removesuffix(suffix))
     return FRAMES_FILES[case.output.dump_format]
 
 

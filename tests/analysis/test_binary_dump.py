@@ -14,6 +14,7 @@ import pytest
 from granwave.analysis import OutputFormatError, Result, analyse
 from granwave.analysis.lammps_output.dumps import read_frames
 from granwave.workflows import run_case
+from granwave.workflows.run import driver
 from tests.helpers import synthetic
 
 MAGIC = b"DUMPCUSTOM"
@@ -144,3 +145,28 @@ def test_column_that_is_missing(run):
     path.write_bytes(path.read_bytes().replace(b" uy ", b" uq "))
     with pytest.raises(OutputFormatError, match=r"spheres\.bin: snapshot 0 lacks the columns uy"):
         list(read_frames(run))
+
+
+@pytest.mark.parametrize("stops", [(1,), (0, 2)])
+def test_resumed_run_has_all_snapshots(runs, tmp_path, monkeypatch, stops):
+    """LAMMPS does not append to binary dumps: each part of a run that was stopped writes its own."""
+    many = synthetic.make_case(
+        "fcc", (4, 4, 2), output={"dump_format": "binary"}, boundary={"bottom": "wall"},
+        run={"end_time": 8e-5, "frames": 40, "timestep": 3e-8},
+    )  # fmt: skip
+    run_case(many, tmp_path / "whole", figures=False)
+    monkeypatch.setattr(driver, "_PIECE", 1e-3)
+    for stop in stops:
+        looks = iter(range(1000))
+        with monkeypatch.context() as patched:
+            patched.setattr(driver.StopRequest, "wanted", lambda _, looks=looks, stop=stop: next(looks) == stop)
+            outcome = run_case(many, tmp_path / "cut", figures=False, resume=True)
+        assert outcome.state == "interrupted"
+    outcome = run_case(many, tmp_path / "cut", figures=False, resume=True)
+    assert outcome.state == "finished"
+    assert len(list((tmp_path / "cut" / "dumps").glob("spheres*.bin"))) == 1 + len(stops)
+    whole, cut = (list(read_frames(tmp_path / name)) for name in ("whole", "cut"))
+    assert [frame.step for frame in cut] == [frame.step for frame in whole] and len(whole) == 40
+    assert all(np.array_equal(one.values, other.values) for one, other in zip(whole, cut, strict=True))
+    run_case(many, tmp_path / "cut", figures=False, force=True)
+    assert len(list((tmp_path / "cut" / "dumps").glob("spheres*.bin"))) == 1

@@ -80,4 +80,7 @@ def number(text: str) -> float:
 
 def words(text: str) -> tuple[str, ...]:
     """Read names with commas between them."""
-    return tuple(name.strip() for name in text.split(","))
+    found = tuple(name.strip() for name in text.split(","))
+    if not all(found):
+        raise argparse.ArgumentTypeError(f'found an empty name in "{text}"')
+    return found

@@ -210,8 +210,11 @@ def figures(options: argparse.Namespace, _: Arguments) -> int:
     if not options.directory.is_dir():
         raise InputError(f"{options.directory}: no such directory; run a case into it first")
     with held(options.directory.absolute(), way=""), _as_wrong_input():
-        for path in draw_figures(options.directory, names=wanted):
-            print(path)
+        drawn = draw_figures(options.directory, names=wanted)
+    for path in drawn:
+        print(path)
+    if left := [name for name in wanted or () if name not in {path.stem for path in drawn}]:
+        raise InputError(f"--only: {', '.join(left)}: does not apply to this run, which has nothing of the kind")
     return 0
 
 

@@ -18,6 +18,7 @@ from granwave.analysis.pipeline import analyse
 from granwave.analysis.result.writer import BALANCE_REFUSED
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.deck import Deck, read_deck, write_deck
+from granwave.lammps_inputs.deck.output import frames_file
 from granwave.lammps_inputs.deck.script import input_script, part
 from granwave.lammps_inputs.directories import disk_space_message, free_space, results_directory
 from granwave.lammps_inputs.errors import RunError
@@ -264,6 +265,8 @@ class _Run:
         with open_engine(self.comm, log="none" if go_on else LOG_FILE) as engine:
             if go_on and saved:
                 on_first(self.comm, lambda: checkpoint.cut_back(self.directory, saved))
+                snapshots = f"{DUMPS}/{frames_file(self.case, saved['file'])}"
+                on_first(self.comm, lambda: claim(self.directory, [snapshots]))
                 self.balance.read()
                 self.lost_before_block = saved["lost_before_block"]
                 engine.commands(f"log {LOG_FILE} append")

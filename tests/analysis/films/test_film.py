@@ -86,6 +86,7 @@ def test_chain_shows_nothing_of_the_future(chain):
         ({"path": "a.avi"}, r"-o .*a\.avi: expected a name that ends in \.mp4, \.gif, \.webp"),
         ({"quantity": "speed"}, r"--quantity: found speed, expected one of force, velocity, dissipation"),
         ({"view": "orthogonl"}, r"--view: found orthogonl, .* did you mean orthogonal\?"),
+        ({"view": "3D"}, r"did you mean 3d\?"),
         ({"view": "chain"}, r"no record of a chain"),
         ({"width": 20}, r"--width: found 20, expected 100 to 4000 pixels"),
         ({"rate": 0.0}, r"--rate: found 0, expected 0.1 to 100"),
@@ -124,3 +125,8 @@ def test_commands(packing, granwave, tmp_path):
     ]  # fmt: skip
     done = granwave("figures", packing, "--only", "energie")
     assert done.returncode == 2 and "did you mean energies?" in done.stderr
+    done = granwave("figures", packing, "--only", "energies,force_map")
+    assert done.returncode == 2 and "--only: force_map: does not apply to this run" in done.stderr
+    assert done.stdout.split()[0].endswith("energies.png")
+    done = granwave("figures", packing, "--only", "energies,,directions")
+    assert done.returncode == 2 and "found an empty name" in done.stderr
