@@ -56,6 +56,7 @@ from granwave.lammps_inputs.deck.columns import (
     ROTATION,
     SUPPORT,
     TANGENTIAL,
+    TIMESTEP,
     WALL_CONTACTS,
     names,
 )
@@ -72,7 +73,7 @@ _COMPRESSED_FROM = 4096  # values; smaller data sets are not compressed
 # units of columns that LAMMPS writes, and of derived ones
 _UNITS = {
     column.name: column.unit
-    for column in (*LEDGER, *SUPPORT, *ROTATION, *TANGENTIAL, *MOVING_WALL, *WALL_CONTACTS, *CONTACTS)
+    for column in (*LEDGER, *TIMESTEP, *SUPPORT, *ROTATION, *TANGENTIAL, *MOVING_WALL, *WALL_CONTACTS, *CONTACTS)
 } | {
     "initial_overlap": "m",
     "position": "m",

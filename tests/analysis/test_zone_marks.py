@@ -57,6 +57,7 @@ def test_warnings_tell_what_and_what_to_do():
     (wave,) = zone_warnings({"kind": "continuum"} | WAVE)
     assert "1.8 %" in wave and "the sides" in wave and "20 us" in wave and "block" in wave
     assert zone_warnings(FREE) == []
+    assert zone_warnings({"n_spheres": 2} | CUT) == []  # a collision of two, which no size would change
 
 
 def test_terminal_tells_the_sizes_and_the_bounds():

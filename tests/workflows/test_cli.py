@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 
+import h5py
 import pytest
 
 from tests.conftest import PLAIN
@@ -49,6 +50,11 @@ def test_a_run_leaves_everything(finished):
     values = summary(finished)
     assert 0 < values["timestep_smallest_s"] <= values["timestep_s"] <= values["timestep_largest_s"]
     assert values["timestep_s"] * values["n_steps"] == pytest.approx(values["end_time_s"])
+    with h5py.File(finished / "result.h5") as file:
+        units = {
+            name: file["energy"][name].attrs["unit"] for name in ("timestep", "smallest_timestep", "expected_error")
+        }
+    assert units == {"timestep": "s", "smallest_timestep": "s", "expected_error": "1"}
     assert values["energy_balance_error"] < 1e-5 and values["n_spheres"] == 48 and values["end_reason"] == "end_time"
 
 

@@ -37,7 +37,9 @@ def bounds_in_words(bounds: object) -> str:
 def zone_warnings(summary: Mapping[str, Any]) -> list[str]:
     """Return what a reader of the sizes of a plastic zone must know, a sentence each; empty if nothing."""
     what = "block" if summary.get("kind") == "continuum" else "packing"
-    found = []
+    found: list[str] = []
+    if summary.get("n_spheres") in (1, 2):  # a collision, which no size would change
+        return found
     if summary.get("zone_cut"):
         reached = " and ".join(f"the {name}" for name in summary["zone_cut"])
         found.append(
