@@ -15,7 +15,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from granwave.analysis.figures.run.packing3d import draw_packing
+from granwave.analysis.figures.run.packing3d import can_be_cut, draw_packing
 from granwave.analysis.figures.run.sections import (
     Colouring,
     colour_bar,
@@ -104,7 +104,7 @@ def scene(result: Result, quantity: str, view: str | None) -> Scene:
     for name in PLANES if view is None else (view,):
         if (found := cut_of(result, name)) is not None:
             return _Section(result, quantity, found)
-    kinds = "a single plane" if view is None else f"no {view} plane"
+    kinds = "no plane of spheres" if view is None else f"no {view} plane"
     raise InputError(f"{result.case.name}: a {result.case.packing.kind} packing has {kinds}; take --view 3d or chain")
 
 
@@ -158,7 +158,7 @@ class _Packing(Scene):
     def __init__(self, result: Result, quantity: str) -> None:
         self.times, self._result = result.frame_times, result
         self._colourings = _colourings(result, quantity, slice(None))
-        if draw_packing(result, self._colourings[0]) is None:
+        if not can_be_cut(result):
             raise InputError(f"{result.case.name}: nothing to cut open; take --view chain, or a plane")
 
     def draw(self, number: int) -> Figure:

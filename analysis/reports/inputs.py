@@ -18,6 +18,7 @@ from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.quantities import REPORT_COLUMNS, quantity
 from granwave.analysis.result.not_a_run import OF_A_RUN, UNFINISHED, around, no_results, resumed, similar
 from granwave.analysis.result.reader import Result
+from granwave.analysis.scans.means import Means, means_of
 from granwave.analysis.scans.result import PointResult, ScanResult
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json
@@ -110,6 +111,11 @@ class Scan:
     def directory(self) -> Path:
         """Directory of the scan."""
         return self.source.directory
+
+    @cached_property
+    def means(self) -> Means:
+        """Means of the finished points over the seeds."""
+        return means_of(self.source)
 
     def count(self, status: str) -> int:
         """Return the number of points with a status."""

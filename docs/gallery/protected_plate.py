@@ -1,4 +1,4 @@
-"""How high must a packing be to protect a plate?
+"""Height of a packing that protects a plate
 
 A steel plate on a spring lies below a packing that is hit at 5 m/s. The peak reduction tells how many times lower
 the largest force on the plate is than for the same impact directly on the plate. Friction helps, and so does height.

@@ -1,4 +1,4 @@
-"""What tolerances do to the force at the bottom
+"""Force at the bottom under tolerances
 
 Perfect spheres pass a sharp pulse on to the wall below. Spheres with a tolerance of 5 um leave gaps, and the pulse
 arrives late and low. Friction takes a part of it too.

@@ -1,4 +1,4 @@
-"""How much of an impact is lost, against its velocity
+"""Dissipated share of an impact against its velocity
 
 The same packing is hit at 0.1 to 20 m/s. The faster the impact, the larger the share of its energy that yielding
 contacts take. The abscissa is the velocity in units in which materials and diameters can be compared:

@@ -1,4 +1,4 @@
-"""What a scan says at its end: all points, means over replicates, and a sentence."""
+"""Text at the end of a scan: all points, means over replicates, and a sentence."""
 
 from __future__ import annotations
 

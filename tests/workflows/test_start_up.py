@@ -1,4 +1,4 @@
-"""What a command loads before it works."""
+"""Modules that a command loads before it works."""
 
 from __future__ import annotations
 

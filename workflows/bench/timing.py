@@ -1,4 +1,4 @@
-"""What the measurements share: the deck that is timed, the clock, and texts of medians and ranges."""
+"""Common parts of the measurements: the deck that is timed, the clock, and texts of medians and ranges."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ def positive(text: str) -> int:
 
 def bench_parts(text: str) -> tuple[str, ...]:
     """Read names of parts of the bench."""
-    found = tuple(text.split(","))
+    found = words(text)
     if unknown := [name for name in found if name not in bench.PARTS]:
         raise argparse.ArgumentTypeError(f"found {unknown[0]}, expected some of {','.join(bench.PARTS)}")
     return found

@@ -37,9 +37,9 @@ def packing_3d_dissipation(result: Result) -> Drawing | None:
 
 def draw_packing(result: Result, colouring: Colouring) -> Drawing | None:
     """Draw the cut packing in any colouring; return None for a chain, for which curves show more."""
+    if not can_be_cut(result):
+        return None
     positions = result["spheres/position"]
-    if len(positions) < _LEAST_SPHERES or np.min(np.ptp(positions, axis=0)[:2]) == 0:
-        return None  # a chain, for which curves show more
     camera = Camera.looking(_AZIMUTH, _ELEVATION, np.array([0.0, 0.0, -1.0]))  # depth goes down
     kept = np.flatnonzero(~_cut_away(positions - result.origin, camera, result.case.packing.diameter))
     values = colouring.values[kept]
@@ -54,6 +54,12 @@ def draw_packing(result: Result, colouring: Colouring) -> Drawing | None:
     _mark_impact(axes, camera.project(result.origin[None])[0] * _MILLI, right - left)
     colour_bar(figure, [axes], colouring, np.where(values < colouring.low, 0.0, values))
     return Drawing(figure, _visible(result, kept, picture, colouring))
+
+
+def can_be_cut(result: Result) -> bool:
+    """Return True for a packing that extends along x and y; of a chain curves show more."""
+    positions = result["spheres/position"]
+    return len(positions) >= _LEAST_SPHERES and bool(np.min(np.ptp(positions, axis=0)[:2]) > 0)
 
 
 def _cut_away(offset: NDArray[np.float64], camera: Camera, diameter: float) -> NDArray[np.bool_]:

@@ -13,7 +13,7 @@ from granwave.analysis.reports.inputs import Inputs, Run, Scan
 from granwave.analysis.reports.sections.figures import overlay, picture_in
 from granwave.analysis.reports.sections.results import compact_table, value_rows
 from granwave.analysis.scans.keys import Key
-from granwave.analysis.scans.means import WORTH, Means, means_of
+from granwave.analysis.scans.means import WORTH, Means
 from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY
 
 _MOST_COLUMNS = 3  # quantities beside the main one in the table of means
@@ -54,7 +54,7 @@ def _names(item: Run | Scan) -> list[str]:
     """Return the names of the figures there are that show the main quantity of a scan, or a run, best first."""
     names = list(_MAIN_FIGURES)
     if isinstance(item, Scan):
-        means = means_of(item.source)
+        means = item.means
         keys = sorted(means.keys, key=lambda key: (not key.numeric, -len(set(key.values))))
         names = [f"{name}_vs_{key.slug}" for name, _ in means.quantities()[:1] for key in keys]
     return [name for name in names if (item.directory / FIGURES_DIRECTORY / f"{name}.png").is_file()]
@@ -64,7 +64,7 @@ def _names(item: Run | Scan) -> list[str]:
 
 
 def _of_scan(scan: Scan, inputs: Inputs) -> list[Block]:
-    means = means_of(scan.source)
+    means = scan.means
     shown = means.quantities()
     if not shown:
         return []
