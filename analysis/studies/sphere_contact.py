@@ -6,8 +6,9 @@ One base everywhere: finite elements over the law, less 1, at equal overlap.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
+from typing import Any
 
 import h5py
 import numpy as np
@@ -76,16 +77,19 @@ class Contact(SphereContactRun):
         return "sphere", "partner" if "partner" in self.case else "sphere"
 
     @property
+    def _other(self) -> Mapping[str, Any]:
+        return self.case.get("partner", {}).get("material", self.case["material"])
+
+    @property
     def like(self) -> bool:
         """Both spheres are of one material."""
-        return "material" not in self.case.get("partner", {})
+        return self._other == self.case["material"]
 
     @property
     def name(self) -> str:
         """Materials and radii in a few words."""
         own = self.case["material"].get("name", "one material")
-        other = self.case.get("partner", {}).get("material", {})
-        materials = own if self.like else f"{own} and {other.get('name', 'another')}"
+        materials = own if self.like else f"{own} and {self._other.get('name', 'another')}"
         return f"{materials}, radii {self.ratio:g} to 1" if self.ratio != 1 else f"{materials}, like radii"
 
 

@@ -122,7 +122,7 @@ def _rows_of_decay(pulse: ShortPulse) -> Iterator[Row]:
         if pulse.transition > 1:
             before = pulse.transition - 2
             most = 100 * (float(pulse.largest[before]) / float(pulse.leading[before]) - 1)
-            remark += f" Counted from {100 * (OVERTAKEN - 1):.1g} % on, as in all studies; "
-                f"contact {before + 1}: {most:.2g} %."
+            threshold = f"{100 * (OVERTAKEN - 1):.1g} %"
+            remark += f" Counted from {threshold} on, as in all studies; contact {before + 1}: {most:.2g} %."
         yield Row(f"Transition to the inverse regime, contact, {beta}", "", source, pulse.transition,
                   f"{_WHERE}, Fig. 4.7", remark, crossing)  # fmt: skip
