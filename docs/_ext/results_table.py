@@ -1,7 +1,8 @@
 """Results of all suites as they are stored: ``docs/explanation/results.json``, and the page and README made of it.
 
-A suite has its date, versions, and studies; suites without rows are named; a study its rows, each of one kind (a source, theory, a verification of the
-code, or granwave alone), and its own tables. Nothing of the page is typed: it is made from the stored results alone.
+A suite has its date, versions, and studies; suites without rows are named. A study has its rows, each of one kind (a
+source, theory, a verification of the code, or granwave alone), and its own tables. Nothing of the page is typed: it is
+made from the stored results alone.
 """
 
 from __future__ import annotations
