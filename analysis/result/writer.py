@@ -75,7 +75,15 @@ _COMPRESSED_FROM = 4096  # values; smaller data sets are not compressed
 _UNITS = {
     column.name: column.unit
     for column in (
-        *LEDGER, *TIMESTEP, *SUPPORT, *ROTATION, *TANGENTIAL, *HOLDER, *MOVING_WALL, *WALL_CONTACTS, *CONTACTS,
+        *LEDGER,
+        *TIMESTEP,
+        *SUPPORT,
+        *ROTATION,
+        *TANGENTIAL,
+        *HOLDER,
+        *MOVING_WALL,
+        *WALL_CONTACTS,
+        *CONTACTS,
     )  # fmt: skip
 } | {
     "initial_overlap": "m",
