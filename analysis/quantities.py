@@ -299,10 +299,11 @@ def _quantities(*names: str | Quantity) -> tuple[Quantity, ...]:
 
 #: Columns of the tables of results in reports, as far as there are values.
 REPORT_COLUMNS = (
-    "dissipated_fraction", "plastic_fraction", "friction_fraction", "holder_fraction", "peak_force_N",
-    "n_plastic_contacts", "n_plastic_spheres", "plastic_zone_volume_m3", "plastic_zone_volume_ever_m3",
-    "plastic_zone_depth_m", "plastic_zone_radius_m", "zone_depth_90_m", "zone_radius_90_m", "zone_volume_90_m3",
-    "zone_cut", "wave_return_share", "wall_peak_force_N", "wall_impulse_Ns", "base_arrival_s", "unprotected_peak_force_N",
+    "dissipated_fraction", "plastic_fraction", "friction_fraction", "holder_fraction",
+    "peak_force_N", "n_plastic_contacts",
+    "n_plastic_spheres", "plastic_zone_volume_m3", "plastic_zone_volume_ever_m3", "plastic_zone_depth_m",
+    "plastic_zone_radius_m", "zone_depth_90_m", "zone_radius_90_m", "zone_volume_90_m3", "zone_cut",
+    "wave_return_share", "wall_peak_force_N", "wall_impulse_Ns", "base_arrival_s", "unprotected_peak_force_N",
     "peak_reduction", "ground_peak_force_N", "target_peak_displacement_m", "energy_target_J", "impactor_velocity_m_s",
     "wave_speed_m_s", "energy_input_J", "energy_input_normalised", "velocity_normalised", "contacts_beyond_law",
     "energy_balance_error", "n_spheres", "n_elements", "end_time_s", "wall_time_s",
@@ -314,7 +315,8 @@ FRICTION_SHARES = ("plastic_fraction", "friction_fraction")
 #: Rows at the terminal at the end of a run.
 RUN_ROWS = _quantities(
     "n_spheres", "n_contacts", "n_loaded_contacts", "end_time_s", "end_reason", "timestep_s", "n_steps",
-    "energy_input_J", "dissipated_fraction", *FRICTION_SHARES, "holder_fraction", "energy_balance_error", "peak_force_N",
+    "energy_input_J", "dissipated_fraction", *FRICTION_SHARES, "holder_fraction",
+    "energy_balance_error", "peak_force_N",
     "n_plastic_contacts", "n_plastic_spheres", "plastic_zone_depth_m", "plastic_zone_radius_m", "wave_speed_m_s",
     "contacts_beyond_law", "wall_peak_force_N", "wall_impulse_Ns", "peak_reduction", "impactor_velocity_m_s",
     "wall_time_s", "sphere_steps_per_s",

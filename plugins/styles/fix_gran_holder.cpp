@@ -8,6 +8,8 @@
 #include "modify.h"
 #include "update.h"
 
+#include "../laws/exact_sum.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -73,14 +75,15 @@ void FixGranHolder::post_force(int)
   lost += 0.5 * (before + power) * update->dt;
 }
 
-/* Add the friction to the forces, and return the power that it takes.
+/* Add the friction to the forces, and return the power that it takes from all atoms, exact so that it is the same on any
+   number of processors.
 
    until_stop     time over which the velocity is to come to rest
    until_whole    time from the present velocities to those of the instant of the forces */
 
 double FixGranHolder::apply_friction(double until_stop, double until_whole)
 {
-  double taken = 0.0;
+  granwave::ExactSum mine, all;
   for (int i = 0; i < atom->nlocal; i++) {
     if (!(atom->mask[i] & groupbit)) continue;
     const double mass = atom->rmass ? atom->rmass[i] : atom->mass[atom->type[i]];
@@ -89,25 +92,20 @@ double FixGranHolder::apply_friction(double until_stop, double until_whole)
     const double wanted = -(mass * v / until_stop + force);
     const double held = std::clamp(wanted, -most, most);
     force = held == wanted ? -mass * v / until_stop : force + held;    // at rest without rounding errors
-    taken -= held * (v + force / mass * until_whole);
+    mine.add(-held * (v + force / mass * until_whole));
   }
-  return taken;
+  MPI_Allreduce(mine.data(), all.data(), granwave::ExactSum::SIZE, MPI_INT64_T, MPI_SUM, world);
+  return all.value();
 }
 
 /* ---------------------------------------------------------------------- output and restart */
 
-double FixGranHolder::compute_scalar()
-{
-  double sum = 0.0;
-  MPI_Allreduce(&lost, &sum, 1, MPI_DOUBLE, MPI_SUM, world);
-  return sum;
-}
+double FixGranHolder::compute_scalar() { return lost; }
 
 void FixGranHolder::write_restart(FILE *fp)
 {
-  const double sum = compute_scalar();
   if (comm->me != 0) return;
-  const double state[] = {double(RESTART_FORMAT), sum};
+  const double state[] = {double(RESTART_FORMAT), lost};
   const int size = sizeof(state);
   fwrite(&size, sizeof(int), 1, fp);
   fwrite(state, sizeof(double), 2, fp);
@@ -119,5 +117,5 @@ void FixGranHolder::restart(char *buffer)
   if (state[0] != RESTART_FORMAT)
     error->all(FLERR, "Restart file holds format {} of fix {}; this version reads format {}", state[0], STYLE,
                RESTART_FORMAT);
-  if (comm->me == 0) lost = state[1];
+  lost = state[1];
 }

@@ -33,8 +33,8 @@ class FixGranHolder : public Fix {
 
   int axis = 2;
   double friction = 0.0, acceleration = 0.0;
-  double lost = 0.0;     // energy so far, part of this processor; after a restart the first processor has all of it
-  double power = 0.0;    // that the holder takes from the atoms of this processor at the end of the step
+  double lost = 0.0;     // energy so far
+  double power = 0.0;    // that the holder takes at the end of the step
 };
 
 }    // namespace LAMMPS_NS

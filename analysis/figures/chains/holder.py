@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from numpy.typing import ArrayLike
 
-from granwave.analysis.figures.series import COLOURS, MARKS, column_name, label, panels
+from granwave.analysis.figures.series import COLOURS, MARKS, column_name, label, legend_outside, panels
 from granwave.analysis.figures.style import Drawing
 from granwave.analysis.measures.chains.composite_section import Composite
 from granwave.analysis.measures.chains.groups import columns
@@ -20,7 +20,7 @@ def against_length(series: Mapping[str, Mapping[float, Sequence[Composite]]]) ->
     series
         Chains by material and friction, in the order of their length.
     """
-    figure, left, right = panels(2.6, 2)
+    figure, left, right = panels(3.0, 2)
     data: dict[str, ArrayLike] = {}
     for (light, chains), colour in zip(series.items(), COLOURS, strict=False):
         least = {chain.n: chain for chain in chains[min(chains)]}
@@ -34,5 +34,5 @@ def against_length(series: Mapping[str, Mapping[float, Sequence[Composite]]]) ->
                 axes.plot(n, values, marker + "-", markersize=4, color=colour, label=f"{light}, friction {friction:g}")
     label(left, r"Beads in the section $N_2$", r"Speed $V$ over that at the least friction")
     label(right, r"Beads in the section $N_2$", r"$\lambda$ over that at the least friction")
-    left.legend(fontsize=6)
+    legend_outside(figure, 3, fontsize=7)
     return Drawing(figure, data)

@@ -67,7 +67,7 @@ class SectionEnergy:
 
     @property
     def highest_densities(self) -> Array:
-        """Largest energy density of each bead before a wave from the chain's end is in the section: (n_beads,), J/m^3."""
+        """Largest energy density of each bead until `before_return`: (n_beads,), J/m^3."""
         until = self.time <= self.before_return
         return np.asarray(self.beads[until].max(axis=0) / self.volumes)
 

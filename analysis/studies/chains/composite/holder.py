@@ -83,8 +83,8 @@ def verdict(found: list[Series]) -> Iterator[str]:
         if pairs:
             smooth, rough = pairs[-1]
             yield (
-                f"Friction {friction:g} under the weight of the beads lowers the output pulse behind {rough.n} beads of "
-                f"{series.light} by {100 * (1 - rough.ratio / smooth.ratio):.2g} %."
+                f"Friction {friction:g} under the weight of the beads lowers the output pulse behind {rough.n} beads "
+                f"of {series.light} by {100 * (1 - rough.ratio / smooth.ratio):.2g} %."
             )
 
 

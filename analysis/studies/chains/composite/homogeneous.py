@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from granwave.analysis.document.model import Column, Table
+from granwave.analysis.figures.scales import ticks_at
 from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing
 from granwave.analysis.measures.chains.record import ChainRecord
@@ -126,9 +127,9 @@ def _rows_of_contact(found: StruckChain) -> Iterator[Row]:
     approach, force = _contact(found.run, _CONTACTS[0])
     law = power(approach, force)
     yield Row("Exponent of force against approach, beads 5 and 6", "", 1.554, law.exponent, "composite chain, Fig. 5",
-              f"Its elements of 0.025 mm are {_elements(found):.1f} to a contact radius. Such elements give 1.43 to 1.62, "
-              "by their penalty and the range of the fit; resolved ones 1.503, since half-spheres are stiffer than "
-              "half-spaces (tests/finite_elements/test_coarse_contact.py).", 1.5)  # fmt: skip
+              f"Its elements of 0.025 mm are {_elements(found):.1f} to a contact radius. Such elements give 1.43 to "
+              "1.62, by their penalty and the range of the fit; resolved ones 1.503, since half-spheres are stiffer "
+              "than half-spaces (tests/finite_elements/test_coarse_contact.py).", 1.5)  # fmt: skip
     late = "Ten times too late: at its own speed the wave is at the chain's end after 0.12 ms."
     for contact, source, remark in ((_CONTACTS[0], 0.6, late), (_CONTACTS[1], None, "")):
         parted = _parting(found.run, contact)
@@ -209,13 +210,14 @@ def _gaps_and_law(found: StruckChain) -> Drawing:
         data[f"gap_{contact + 1}_m"] = gap
     left.axhline(0, color=GREY, linewidth=0.6)
     label(left, "Time (µs)", "Gap (µm)", xlim=(0, 1e6 * run.time[-1]))
-    left.legend()
+    left.legend(loc="lower right", fontsize=7)
     approach, force = _contact(run, _CONTACTS[0])
     law = power(approach, force)
     right.plot(1e6 * approach, force, ".", color=BLUE, label="beads 5 and 6")
     fine = np.geomspace(approach.min(), approach.max(), 50)
     right.plot(1e6 * fine, law(fine), color=ORANGE, label=f"power {law.exponent:.3f}")
     label(right, "Approach (µm)", "Contact force (N)", log="xy")
+    ticks_at(right.xaxis, (0.2, 0.5, 1, 2))
     right.legend()
     return Drawing(figure, data | {"approach_m": approach, "force_N": force})
 

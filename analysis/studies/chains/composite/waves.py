@@ -1,11 +1,9 @@
-"""Waves in and behind the section of a composite chain: reflections, output, energy, pressure (source 3.3, Figs. 6 to 8)."""
+"""Waves in and behind the section of a composite chain: reflections, output, energy, pressure (source 3.3)."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-
-import numpy as np
 
 from granwave.analysis.document.model import Column, Table
 from granwave.analysis.measures.chains.composite_section import Composite, Wave
@@ -16,9 +14,7 @@ from granwave.lammps_inputs.case.yield_factor import hertz_von_mises_yield_facto
 
 _MILLI, _MEGA, _MICRO = 1e3, 1e6, 1e6
 _PLACE = "composite chain, "
-_SAME = (
-    0.25  # by how much the distance of two waves may change on their way through the section, the lower being slower
-)
+_SAME = 0.25  # by how much the time between two waves may change on their way through the section
 _NAMES = {
     "incident": "Incident pulse",
     "BRW": "Back reflection (BRW)",
@@ -52,7 +48,7 @@ def rows_of_reflections(chain: Composite, from_end: float | None) -> Iterator[Ro
     _, back = energy.passed(chain.middle)
     forth, _ = energy.passed(chain.last)
     yield Row(f"Energy back {_at(chain)} over energy out of the section", "", None, back / forth, _PLACE + "Fig. 6",
-              "Until a pulse from the chain's end is back. The source: much higher for PTFE than for brass.")  # fmt: skip
+              "Until a pulse is back from the chain's end. Source: much higher for PTFE than for brass.")  # fmt: skip
 
 
 def rows_of_output(shown: Composite, longest: Composite, kind: str) -> Iterator[Row]:
@@ -88,8 +84,9 @@ def rows_of_energy(chain: Composite, kind: str) -> Iterator[Row]:
     energy = SectionEnergy(chain)
     until = energy.before_return
     for share, section in zip(energy.at(until), _SECTIONS, strict=True):
-        yield Row(f"Energy of the {section} over the input, N2 = {chain.n}, {kind}", "", None, float(share),
-                  _PLACE + "Fig. 8", f"At {_MICRO * until:.0f} µs, when a pulse is back from the chain's end.")  # fmt: skip
+        what = f"Energy of the {section} over the input, N2 = {chain.n}, {kind}"
+        remark = f"At {_MICRO * until:.0f} µs, when a pulse is back from the chain's end."
+        yield Row(what, "", None, float(share), _PLACE + "Fig. 8", remark)
     density, place = energy.highest_densities, list(chain.run.array("chain/id")).index
     spans = (
         ("steel before the section", 3, chain.first - 2, "The source: constant. The pulse still finds its shape here."),
@@ -124,9 +121,9 @@ def rows_of_pressure(chain: Composite, sources: Sequence[float | None]) -> Itera
     first, last = sources
     if first and last:
         yield Row(f"Last of these pressures over the first, N2 = {chain.n}, elastic", "", None, found[1] / found[0],
-                  _PLACE + "3.3", f"The source's two values: {last / first:.3f}. Whatever stress is meant, it goes with "
-                  f"the cube root of the force, which then falls to {(last / first) ** 3:.2f} of the first within the "
-                  "section: only loss can do that.")  # fmt: skip
+                  _PLACE + "3.3", f"The source's two values: {last / first:.3f}. Any stress goes with the cube "
+                  f"root of the force, which then falls to {(last / first) ** 3:.2f} of the first within the section: "
+                  "only loss can do that.")  # fmt: skip
 
 
 def table_of_waves(chain: Composite) -> Table:
