@@ -285,7 +285,7 @@ def test_friction_of_the_holder(tmp_path: Path) -> None:
     assert len(study.verdict) == 1 and "0.2" in study.verdict[0]
     assert not make_studies({"composite-holder": found[:1]})
     assert len(make_studies({"composite-chain": found})[0].text) > 0  # the smooth one alone
-    assert make_studies({"composite-chain": found})[0].text.startswith("1 chains")
+    assert make_studies({"composite-chain": found})[0].text.startswith("1 chain of")
 
 
 def test_a_chain_without_sensors_is_no_composite_chain(chains: list[ChainRun]) -> None:

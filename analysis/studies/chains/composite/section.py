@@ -34,11 +34,11 @@ _PLACE = "composite chain, "
 _REMARKS_OF_SPEED = {
     True: "Nothing dissipates here. A striker of 0.41 m/s would give the measured V: 0.626 m/s is a free fall of 20 "
     "mm, not the source's slope of 3 degrees. Its finite elements, 2 to 3 % slow, are up to 4.2 % above the measured.",
-    False: "Depends on the yield strength, which the source does not give; not fitted.",
+    False: "The yield strength is our choice: the source gives none.",
 }
 _REMARKS_OF_CHANGE = {
     True: "the distance of the sensors holds ever less of the fast section, and this alone lowers V, without loss.",
-    False: "with loss the pulse slows down all along the section, and the source's V shows little of it.",
+    False: "550 MPa, which is our choice, does not fit these: V falls far more.",
 }
 _MEASURED, _FITTED = _PLACE + "section 4, measured", _PLACE + "Fig. 11"
 
@@ -139,7 +139,7 @@ def text(group: Group) -> str:
     """Describe the runs."""
     chains = group.chains
     return (
-        f"{len(chains)} chains of {chains[0].run.case.packing.size[0]} beads, {chains[0].n} to {chains[-1].n} of them "
+        f"{len(chains)} chain{'s' * (len(chains) > 1)} of {chains[0].run.case.packing.size[0]} beads, {chains[0].n} to {chains[-1].n} of them "
         f"{group.light} ({', '.join(group.kinds)}). A sensor reads the mean of its bead's two contact forces. V: "
         "distance of the sensors over the time between the first peaks there; lambda: the ratio of these peaks, output "
         "over incident."
@@ -205,7 +205,7 @@ def _rows_of_speed(kind: str, chains: Sequence[Composite], measured: Mapping[int
     if len(ends) > 1:
         known = n[0] in measured and n[-1] in measured
         printed = 100 * (measured[n[-1]] / measured[n[0]] - 1) if known else 0.0
-        remark = f"The source's two values of V: {printed:.1f} %; {_REMARKS_OF_CHANGE[elastic]}" if known else ""
+        remark = f"From the source's two values of V: {printed:.1f} %; {_REMARKS_OF_CHANGE[elastic]}" if known else ""
         yield Row(f"Change of V from N2 = {n[0]} to {n[-1]}, {kind}", "%", None,
                   float(100 * (speed[-1] / speed[0] - 1)), _MEASURED if known else _FITTED, remark)  # fmt: skip
     errors = [abs(float(v) / measured[int(one)] - 1) for one, v in zip(n, speed, strict=True) if int(one) in measured]
