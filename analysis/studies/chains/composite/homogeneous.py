@@ -150,7 +150,7 @@ def tables(found: StruckChain) -> Iterator[Table]:
                  ("Speed over Nesterenko's at this force, less 1", "%"),
                  ("Speed over the discrete wave's at this force, less 1", "%"), ("Computing time", "s")),
     )  # fmt: skip
-    models = [*MODELS, Model("granwave", found.force, found.speed, np.nan, found.run.value("wall_time_s"))]
+    models = [*MODELS, Model("granwave", found.force, found.speed, np.nan)]
     cells = [
         (model.name, model.force, model.speed, model.error if np.isfinite(model.error) else None,
          100 * (model.speed / found.scales.nesterenko(model.force) - 1),

@@ -38,7 +38,7 @@ _REMARKS_OF_SPEED = {
 }
 _REMARKS_OF_CHANGE = {
     True: "the distance of the sensors holds ever less of the fast section, and this alone lowers V, without loss.",
-    False: "550 MPa, which is our choice, does not fit these: V falls far more.",
+    False: "the yield strength, which is our choice, does not fit them: V falls far more.",
 }
 _MEASURED, _FITTED = _PLACE + "section 4, measured", _PLACE + "Fig. 11"
 
@@ -138,11 +138,11 @@ def title(group: Group) -> str:
 def text(group: Group) -> str:
     """Describe the runs."""
     chains = group.chains
+    many = f"{len(chains)} chain{'s' * (len(chains) > 1)} of {chains[0].run.case.packing.size[0]} beads"
     return (
-        f"{len(chains)} chain{'s' * (len(chains) > 1)} of {chains[0].run.case.packing.size[0]} beads, {chains[0].n} to {chains[-1].n} of them "
-        f"{group.light} ({', '.join(group.kinds)}). A sensor reads the mean of its bead's two contact forces. V: "
-        "distance of the sensors over the time between the first peaks there; lambda: the ratio of these peaks, output "
-        "over incident."
+        f"{many}, {chains[0].n} to {chains[-1].n} of them {group.light} ({', '.join(group.kinds)}). A sensor reads the "
+        "mean of its bead's two contact forces. V: distance of the sensors over the time between the first peaks "
+        "there; lambda: the ratio of these peaks, output over incident."
     )
 
 

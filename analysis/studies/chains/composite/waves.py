@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 from granwave.analysis.document.model import Column, Table
 from granwave.analysis.measures.chains.composite_section import Composite, Wave
 from granwave.analysis.measures.chains.section_energy import SectionEnergy
+from granwave.analysis.measures.signals import first_peak
 from granwave.analysis.studies.study import Row
 from granwave.analysis.studies.tables import numeric, table_of
 from granwave.lammps_inputs.case.yield_factor import hertz_von_mises_yield_factor
@@ -109,10 +110,12 @@ def rows_of_pressure(chain: Composite, sources: Sequence[float | None]) -> Itera
     """
     found = [chain.pressure(bead) / _MEGA for bead in (chain.first, chain.last - 1)]
     factor = hertz_von_mises_yield_factor(chain.light.poisson_ratio)
-    mean, mises = (f"{value:.3g}" for value in (2 / 3 * found[0], found[0] / factor))
+    first = sources[0]
     remarks = (
-        f"The source says compressive stress, without N2 and place. Ours is Hertz's largest pressure; its mean is "
-        f"{mean} MPa, the largest von Mises stress {mises} MPa: none of them is the source's.",
+        "The source: largest compressive stress in the contact area, without N2 and place. In Hertz's contact that is "
+        f"the largest pressure; the mean one is {2 / 3 * found[0]:.0f}, the largest von Mises stress "
+        f"{found[0] / factor:.0f} MPa."
+        + (f" The source's would be a force of {_force(chain, first):.2g} N." if first else ""),
         "Without loss it stays as it was; the source's has fallen along the section.",
     )
     for source, ours, place, remark in zip(sources, found, ("first", "last"), remarks, strict=True):
@@ -140,6 +143,12 @@ def table_of_waves(chain: Composite) -> Table:
         for wave, name in zip(waves, labels, strict=True)
     ]
     return table_of(f"Waves {_at(chain)}, {_strength(chain)}", columns, rows)
+
+
+def _force(chain: Composite, pressure: float) -> float:
+    """Force in the section's first contact at a largest pressure in MPa, N."""
+    _, force = first_peak(chain.run.time, chain.run.force[:, chain.run.contact_between(chain.first)])
+    return force * (pressure * _MEGA / chain.pressure(chain.first)) ** 3
 
 
 def _at(chain: Composite) -> str:
