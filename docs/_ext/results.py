@@ -24,7 +24,9 @@ from granwave.analysis.reports.sections.comparison import comparison_of
 from granwave.analysis.reports.sections.sources import source_rows
 from granwave.analysis.reports.sections.studies import studies_of
 from granwave.analysis.studies.study import Row, Study
-from granwave.lammps_inputs.run_directory import SUMMARY_FILE
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import read_json
+from granwave.lammps_inputs.run_directory import SUITE_INDEX, SUMMARY_FILE, is_scan
 
 RUNS = results_table.ROOT / "build" / "results"
 _PROGRAMS = ("granwave", "lammps", "numpy", "scipy")  # whose versions stand on the page
@@ -82,7 +84,11 @@ def collect(suite: Suite, runs: Path) -> dict[str, Any] | None:
     folders = [runs / name for name in suite.names]
     if not all(folder.is_dir() for folder in folders):
         return None
-    inputs = read_inputs(folders, runs)
+    try:
+        inputs = read_inputs(folders, runs)
+    except InputError as error:
+        print("\n".join(error.errors), file=sys.stderr)
+        return None
     results = list(inputs.results())
     if not results:
         return None
@@ -92,10 +98,17 @@ def collect(suite: Suite, runs: Path) -> dict[str, Any] | None:
         "title": suite.title,
         "command": f"granwave {suite.command} {' '.join(suite.names)}",
         "date": datetime.fromtimestamp(newest, UTC).date().isoformat(),
-        "complete": all(point.run for scan in inputs.scans for point in scan.points),
+        "complete": _complete(inputs, folders),
         "versions": {name: found for name, found in versions.items() if found},
         "studies": {study.name: results_table.as_stored(study) for study in studies(inputs, suite)},
     }
+
+
+def _complete(inputs: Inputs, folders: Sequence[Path]) -> bool:
+    """Return True if every point of every scan is done."""
+    suites = [(folder, read_json(folder / SUITE_INDEX) or {}) for folder in folders]
+    begun = all(is_scan(folder / name) for folder, index in suites for name in index.get("scans", ()))
+    return begun and all(point.run for scan in inputs.scans for point in scan.points)
 
 
 def studies(inputs: Inputs, suite: Suite) -> list[Study]:
@@ -131,6 +144,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         else:
             print(f"{name}: no runs in {options.runs}; the stored rows stay")
         stored["suites"] = {one: stored["suites"][one] for one in SUITES if one in stored["suites"]}
+        stored["absent"] = [suite.title for one, suite in SUITES.items() if one not in stored["suites"]]
         results_table.write_all(stored)
     for name in failed:
         print(f"{name}: not all runs are done; see {options.runs / name}", file=sys.stderr)

@@ -1,7 +1,8 @@
 """Results of all suites as they are stored: ``docs/explanation/results.json``, and the page and README made of it.
 
-A suite has its date, versions, and studies; a study its rows, each of one kind (a source, theory, a verification of the
-code, or granwave alone), and its own tables. Nothing of the page is typed: it is made from the stored results alone.
+A suite has its date, versions, and studies; suites without rows are named. A study has its rows, each of one kind (a
+source, theory, a verification of the code, or granwave alone), and its own tables. Nothing of the page is typed: it is
+made from the stored results alone.
 """
 
 from __future__ import annotations
@@ -103,6 +104,9 @@ def row_of(record: Mapping[str, Any]) -> Row:
 def page_of(stored: Mapping[str, Any]) -> str:
     """Return the page of all stored results."""
     sections = tuple(_section(name, suite) for name, suite in stored["suites"].items())
+    if absent := stored.get("absent"):
+        note = Note(f"No rows are stored of: {', '.join(absent)}. Nothing is said of them here.")
+        sections += (Section("Not run", "not-run", (note,)),)
     text, _ = markdown(cleaned(tidied(Report(_TITLE, _LEAD, sections))), "")
     return text
 

@@ -18,9 +18,15 @@ _SHOWN = (0.15e-3, 0.30e-3)  # s, of the maps of speed
 _LEAST_PASSED = 6  # spheres for a length of the pulse
 _WHERE = "square packing, Wave Propagation Path"
 _PULSE = "square packing, Pulse Length"
-#: Per cent of the input that the source found.
-_ENERGIES = {
-    "in-plane": {"central chains": 71.5, "edge chains": 24.5, "strikers and struck spheres": 4.0},
+_REBOUND = "strikers and struck spheres"
+_OF_REBOUND = "The source: the remaining energy, which is 4.0 % of its numbers."
+_OF_LENGTH = (
+    "The source's 13 % are those of Chatterjee's asymptotic wave against Nesterenko's; it calls the decrease of its "
+    "simulations similar."
+)
+#: Per cent of the input that the source found; None where it prints no number.
+_ENERGIES: dict[str, dict[str, float | None]] = {
+    "in-plane": {"central chains": 71.5, "edge chains": 24.5, _REBOUND: None},
     "out-of-plane": {"central chains": 44.3, "strikers": 8.0, "struck spheres": 47.7},
 }
 
@@ -56,10 +62,10 @@ def text(run: PackingRun) -> str:
 def rows(run: PackingRun) -> Iterator[Row]:
     """Energies by region, and lengths of the pulses."""
     ours = {region: 100 * share for region, share in run.settled.items()}
-    ours["strikers and struck spheres"] = ours["strikers"] + ours["struck spheres"]
+    ours[_REBOUND] = ours["strikers"] + ours["struck spheres"]
     for region, printed in _ENERGIES[run.way].items():
         source = printed if run.is_source_impact else None
-        remark = "the source's: the rest" if region == "strikers and struck spheres" and source is not None else ""
+        remark = _OF_REBOUND if region == _REBOUND and run.is_source_impact else ""
         yield Row(f"Energy in {region}, {run.way}", "% of input", source, ours[region], _WHERE, remark)
     for group, found in _measured(run).items():
         if last_length(found) >= _LEAST_PASSED:
@@ -91,12 +97,19 @@ def _length_rows(run: PackingRun, group: str, found: Lengths) -> Iterator[Row]:
     printed = (13.0, 5.0) if run.is_source_impact else (None, None)
     where, last, expected = f"{group}, {run.way}", last_length(found), theory()
     for measure in MEASURES:
-        remark = "expected: Nesterenko's wave" if measure == MEASURES[0] else ""
+        remark = "Theory: Nesterenko's wave." if measure == MEASURES[0] else ""
         ours = float(found[measure][last])
         yield Row(f"Pulse length, {measure}, {where}", "diameters", None, ours, _PULSE, remark, expected[measure])
     half = MEASURES[3]
     below = float(100 * (1 - found[half][last] / expected[half]))
-    yield Row(f"Half-maximum length below Nesterenko's, {where}", "%", printed[0], below, _PULSE)
-    remark = "printed: roughly five or six; ours is within 2 % of its last length from there on"
+    yield Row(
+        f"Half-maximum length below Nesterenko's, {where}",
+        "%",
+        printed[0],
+        below,
+        _PULSE,
+        _OF_LENGTH if printed[0] else "",
+    )
+    remark = "Printed: roughly five or six. Ours is within 2 % of its last length from there on."
     passed = float(settled_from(found))
     yield Row(f"Sphere from which on the pulse is settled, {where}", "", printed[1], passed, _PULSE, remark)

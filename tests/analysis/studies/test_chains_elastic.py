@@ -69,9 +69,15 @@ def test_solitary_wave_of_any_like_beads(wave: Study) -> None:
     """Brass and steel of two radii lie on one curve of powers 6/5 and 1/6, with the discrete chain's coefficients."""
     assert row(wave, "Power of the peak force").ours == pytest.approx(1.2, abs=1e-4)
     assert row(wave, "Power of the wave's speed").ours == pytest.approx(1 / 6, abs=1e-4)
-    assert row(wave, "Peak force over").ours == pytest.approx(DISCRETE_COEFFICIENT, rel=3e-4)
-    assert row(wave, "Speed over Nesterenko's").ours == pytest.approx(discrete_speed(), rel=2e-4)
-    assert row(wave, "Full width at half").ours == pytest.approx(DISCRETE_WIDTH, rel=2e-3)
+    assert row(wave, "Peak force over (m^3 E*^2 R* v^6)^(1/5), of the runs").ours == pytest.approx(
+        DISCRETE_COEFFICIENT, rel=3e-4
+    )
+    assert row(wave, "Speed over Nesterenko's at the same peak force, of the runs").ours == pytest.approx(
+        discrete_speed(), rel=2e-4
+    )
+    assert row(wave, "Full width at half maximum of the bead velocity, diameters, discrete").ours == pytest.approx(
+        DISCRETE_WIDTH, rel=2e-3
+    )
     assert row(wave, "Virial").ours == pytest.approx(1, abs=2e-3)
     (picture,) = wave.pictures
     assert {"cos4", "profile_1", "profile_2"} <= set(picture.drawing.columns)
