@@ -72,7 +72,7 @@ class Case:
     @property
     def has_holder_friction(self) -> bool:
         """True if beads rub against the holder of their chain."""
-        return self.boundary.holder_friction > 0
+        return bool(self.boundary.holder_friction)
 
     @property
     def has_rotation(self) -> bool:

@@ -284,11 +284,11 @@ class Boundary:
         default=None,
         usual=FRICTION,
     )
-    holder_friction: float = number(
+    holder_friction: float | None = number(
         "coefficient of Coulomb friction between a level chain and its holder, which bears the weight of the beads",
         at_least=0,
         at_most=1e4,
-        default=0.0,
+        default=None,
         usual=FRICTION,
     )
     forget_gap: float = number(

@@ -82,15 +82,15 @@ def _prescribed(assembly: Assembly) -> list[str]:
 
 def _holder(assembly: Assembly) -> list[str]:
     """Return the commands for the holder of a chain; after all that apply forces, for friction opposes their sum."""
-    case = assembly.case
-    if not case.has_holder_friction:
+    friction = assembly.case.boundary.holder_friction
+    if not friction:
         return []
     without = [*_prescribed(assembly), *(bar.name for bar in assembly.bars)]
     group = "loose" if without else "all"
     return [
         "# Friction of the holder, which bears the weight of the beads.",
         *([f"group           loose subtract all {joined(without)}"] if without else []),
-        f"fix             holder {group} gran/holder z {num(case.boundary.holder_friction)} {num(GRAVITY)}",
+        f"fix             holder {group} gran/holder z {num(friction)} {num(GRAVITY)}",
     ]
 
 

@@ -41,12 +41,11 @@ def select(runs: Sequence[FinishedRun]) -> list[list[Series]]:
     series = []
     for light in dict.fromkeys(chain.light.name or "section" for chain in found):
         alike = [chain for chain in found if (chain.light.name or "section") == light]
-        frictions = sorted({chain.run.case.boundary.holder_friction for chain in alike})
+        frictions = sorted({_friction(chain) for chain in alike})
         chains = {
-            friction: rising((one for one in alike if one.run.case.boundary.holder_friction == friction),
-                             lambda one: one.n)
+            friction: rising((one for one in alike if _friction(one) == friction), lambda one: one.n)
             for friction in frictions
-        }  # fmt: skip
+        }
         if len(frictions) > 1:
             series.append(Series(light, chains))
     return [series] if series else []
@@ -88,6 +87,11 @@ def verdict(found: list[Series]) -> Iterator[str]:
             )
 
 
+def _friction(chain: Composite) -> float:
+    """Coefficient of friction of the holder."""
+    return chain.run.case.boundary.holder_friction or 0.0
+
+
 def _of_one_length(first: Sequence[Composite], second: Sequence[Composite]) -> list[tuple[Composite, Composite]]:
     """Pairs of chains with sections of one length."""
     by_length = {chain.n: chain for chain in first}
@@ -99,4 +103,4 @@ def _friction_work(chain: Composite) -> float:
     run = chain.run
     paths = np.trapezoid(np.abs(run.velocity), run.time, axis=0)
     masses = np.array([run.assembly.mass_of(int(one)) for one in run.array("chain/id")])
-    return float(run.case.boundary.holder_friction * GRAVITY * (masses * paths).sum())
+    return float(_friction(chain) * GRAVITY * (masses * paths).sum())
