@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from granwave.analysis.figures.series import MARKS, label, map_of_forces, panels
-from granwave.analysis.figures.style import BLANK, BLUE, GREY, ORANGE, WIDTH, Drawing
+from granwave.analysis.figures.style import BLANK, BLUE, GREY, ORANGE, WIDTH, Drawing, legend_above
 from granwave.analysis.measures.chains.composite_section import Composite
 from granwave.analysis.measures.chains.groups import columns
 from granwave.analysis.measures.chains.section_energy import SectionEnergy
@@ -91,8 +91,8 @@ def energies(kinds: Mapping[str, Composite]) -> Drawing:
     right.axvspan(chain.first - 0.5, chain.last + 0.5, color=BLANK, alpha=0.6, linewidth=0)
     label(left, "Time (µs)", "Energy over the input", xlim=(0, None), ylim=(0, None))
     label(right, "Bead (0: striker; shaded: section)", "Largest energy density (J/m³)", ylim=(0, None))
-    left.legend(fontsize=7)
-    right.legend(fontsize=7)
+    legend_above(left, 3, fontsize=7)
+    legend_above(right, 2, fontsize=7)
     return Drawing(figure, data)
 
 

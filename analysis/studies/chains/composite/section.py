@@ -173,7 +173,10 @@ def pictures(group: Group) -> Iterator[Picture]:
     yield Picture(f"composite_{slug}_pulses", caption, composite_figures.pulses(group.kinds))
     caption = f"{light}, {watched.n} beads: waves in the chain, and at one contact of the section (source Fig. 6)"
     yield Picture(f"composite_{slug}_reflections", caption, composite_figures.reflections(watched))
-    caption = f"{light}, {watched.n} beads: energy by section, and its largest density along the chain (source Fig. 8)"
+    caption = (
+        f"{light}, {watched.n} beads: energy by section (dips: in the contact with the end), and its largest density "
+        "along the chain (source Fig. 8)"
+    )
     alike = {kind: min(chains, key=lambda one: abs(one.n - _WATCHED)) for kind, chains in group.kinds.items()}
     yield Picture(f"composite_{slug}_energy", caption, composite_figures.energies(alike))
     if group.chains[0].n != group.chains[-1].n:
