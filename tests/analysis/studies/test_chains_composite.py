@@ -188,8 +188,8 @@ def test_composite_study(study: Study) -> None:
     assert all(picture.drawing.columns for picture in study.pictures)
     end = next(row for name, row in rows.items() if name.startswith("Pulse back"))
     assert (end.unit, end.source) == ("ms", 1.25)
-    stress = rows["Largest von Mises stress, first contact of the section, N2 = 6, elastic"]
-    assert stress.source is None and "another quantity" in stress.remark  # not the source's compressive stress
+    stress = rows["Largest pressure, first contact of the section, N2 = 6, elastic"]
+    assert stress.source == 1200 and "largest von Mises stress 1319 MPa" in stress.remark  # compressive, not von Mises
 
 
 @pytest.fixture(scope="module")
