@@ -153,6 +153,9 @@ ENTRIES = (
     Quantity("friction_fraction", "Share dissipated by friction",
              "Energy dissipated by sliding between spheres and at walls, over the input.",
              short="  by friction", digits=".5f", phrase="{} of it"),
+    Quantity("holder_fraction", "Share dissipated by friction of the holder",
+             "Energy dissipated by beads of a chain that slide in their holder, over the input.",
+             short="  in the holder", digits=".5f", phrase="{} of it"),
     Quantity("energy_balance_error", "Balance error", digits=".1e", phrase="{} of it"),
     Quantity("energy_kinetic_J", "Kinetic energy"),
     Quantity("energy_rotational_J", "Kinetic energy of rotation", "Part of the kinetic energy."),
@@ -161,6 +164,7 @@ ENTRIES = (
     Quantity("energy_dissipated_wall_J", "Dissipated at walls"),
     Quantity("energy_dissipated_plastic_J", "Dissipated by yielding"),
     Quantity("energy_dissipated_friction_J", "Dissipated by friction"),
+    Quantity("energy_dissipated_holder_J", "Dissipated by friction of the holder"),
     Quantity("energy_bar_J", "Energy of the bar"),
     Quantity("energy_incident_bar_J", "Energy of the incident bar"),
     Quantity("energy_punch_J", "Energy of the punch"),
@@ -295,7 +299,8 @@ def _quantities(*names: str | Quantity) -> tuple[Quantity, ...]:
 
 #: Columns of the tables of results in reports, as far as there are values.
 REPORT_COLUMNS = (
-    "dissipated_fraction", "plastic_fraction", "friction_fraction", "peak_force_N", "n_plastic_contacts",
+    "dissipated_fraction", "plastic_fraction", "friction_fraction", "holder_fraction",
+    "peak_force_N", "n_plastic_contacts",
     "n_plastic_spheres", "plastic_zone_volume_m3", "plastic_zone_volume_ever_m3", "plastic_zone_depth_m",
     "plastic_zone_radius_m", "zone_depth_90_m", "zone_radius_90_m", "zone_volume_90_m3", "zone_cut",
     "wave_return_share", "wall_peak_force_N", "wall_impulse_Ns", "base_arrival_s", "unprotected_peak_force_N",
@@ -310,7 +315,8 @@ FRICTION_SHARES = ("plastic_fraction", "friction_fraction")
 #: Rows at the terminal at the end of a run.
 RUN_ROWS = _quantities(
     "n_spheres", "n_contacts", "n_loaded_contacts", "end_time_s", "end_reason", "timestep_s", "n_steps",
-    "energy_input_J", "dissipated_fraction", *FRICTION_SHARES, "energy_balance_error", "peak_force_N",
+    "energy_input_J", "dissipated_fraction", *FRICTION_SHARES, "holder_fraction",
+    "energy_balance_error", "peak_force_N",
     "n_plastic_contacts", "n_plastic_spheres", "plastic_zone_depth_m", "plastic_zone_radius_m", "wave_speed_m_s",
     "contacts_beyond_law", "wall_peak_force_N", "wall_impulse_Ns", "peak_reduction", "impactor_velocity_m_s",
     "wall_time_s", "sphere_steps_per_s",

@@ -163,15 +163,18 @@ def _energies(result: Result) -> Summary:
         return energy / given if given else None
 
     rubbed, plastic = final("friction"), float(result.yield_ledger[-1])
+    holder = final("holder") if "energy/holder" in result else None
     return {
         "energy_input_J": given,
         **{f"energy_{name}_J": final(name) for name in ("kinetic", "elastic", "dissipated", "rotational")},
         "energy_dissipated_wall_J": final("dissipated_wall"),
         "energy_dissipated_plastic_J": plastic,
         "energy_dissipated_friction_J": rubbed,
+        "energy_dissipated_holder_J": holder,
         "dissipated_fraction": share(final("dissipated")),
         "plastic_fraction": share(plastic),
         "friction_fraction": share(rubbed),
+        "holder_fraction": None if holder is None else share(holder),
         "energy_balance_error": energy_balance_error(result),
     }
 

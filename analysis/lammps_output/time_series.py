@@ -29,7 +29,8 @@ def read_energy(directory: str | Path) -> Table:
     """Read the energy ledger of a run, each column (n_instants,).
 
     Columns `ENERGY_COLUMNS` and `FRICTION_COLUMNS`; with a moving bottom ``support``, ``support_lost`` and ``target``
-    (energy of the support, dissipation by its damper, work done on it), J; with bars the energy of each, J.
+    (energy of the support, dissipation by its damper, work done on it), J; with bars the energy of each, J; of chains
+    that rub against their holder ``holder`` (dissipation by this friction), J.
 
     Raises
     ------

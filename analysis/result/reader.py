@@ -233,8 +233,8 @@ class Result:
     @property
     def yield_ledger(self) -> NDArray[np.float64]:
         """Energy dissipated by yielding against time, without friction and dampers: (n_times,), J."""
-        lost = self["energy/dissipated"] - self["energy/friction"]
-        return lost - self["energy/support_lost"] if "energy/support_lost" in self else lost
+        others = ("energy/friction", "energy/support_lost", "energy/holder")
+        return self["energy/dissipated"] - sum(self[name] for name in others if name in self)
 
     @property
     def energy_input(self) -> float:

@@ -51,6 +51,7 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.deck.columns import (
     CONTACTS,
+    HOLDER,
     LEDGER,
     MOVING_WALL,
     ROTATION,
@@ -73,7 +74,8 @@ _COMPRESSED_FROM = 4096  # values; smaller data sets are not compressed
 # units of columns that LAMMPS writes, and of derived ones
 _UNITS = {
     column.name: column.unit
-    for column in (*LEDGER, *TIMESTEP, *SUPPORT, *ROTATION, *TANGENTIAL, *MOVING_WALL, *WALL_CONTACTS, *CONTACTS)
+    for table in (LEDGER, TIMESTEP, SUPPORT, ROTATION, TANGENTIAL, HOLDER, MOVING_WALL, WALL_CONTACTS, CONTACTS)
+    for column in table
 } | {
     "initial_overlap": "m",
     "position": "m",

@@ -28,6 +28,7 @@ STUDIES: dict[str, str] = {
     "unlike-spheres": "chains.elastoplastic.unlike_spheres",
     "homogeneous-chain": "chains.composite.homogeneous",
     "composite-chain": "chains.composite.section",
+    "composite-holder": "chains.composite.holder",
     "elastic-bar": "chains.bars.bar",
     "intruder-place": "chains.bars.intruder_place",
     "intruder-properties": "chains.bars.intruder_properties",

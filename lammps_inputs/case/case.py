@@ -70,6 +70,11 @@ class Case:
         return any(contacts)
 
     @property
+    def has_holder_friction(self) -> bool:
+        """True if beads rub against the holder of their chain."""
+        return bool(self.boundary.holder_friction)
+
+    @property
     def has_rotation(self) -> bool:
         """True if spheres rotate: with friction, or with an initial spin of a sphere or striker."""
         return self.has_friction or any(self.load.spin) or any(any(striker.spin) for striker in self.striker)

@@ -284,6 +284,13 @@ class Boundary:
         default=None,
         usual=FRICTION,
     )
+    holder_friction: float | None = number(
+        "coefficient of Coulomb friction between a level chain and its holder, which bears the weight of the beads",
+        at_least=0,
+        at_most=1e4,
+        default=None,
+        usual=FRICTION,
+    )
     forget_gap: float = number(
         "gap beyond which a dent is forgotten, never sooner",
         unit="diameters",

@@ -55,6 +55,7 @@ def check_together(parts: Mapping[str, Any], errors: ErrorList) -> None:
         _check_load(parts.get("load"), packing, boundary, errors)
         _check_bars(parts, packing, boundary, errors)
         check_precompression(parts, packing, boundary, errors)
+        _check_holder(parts, packing, boundary, errors)
     check_disorder(parts, errors)
 
 
@@ -243,6 +244,18 @@ def _boundary_fits(packing: PackingSection, boundary: Boundary, errors: ErrorLis
         elif ny % rule.row_period:
             errors.add("packing.size", f"found {ny} rows, expected an even number for periodic {packing.kind} layers")
     return len(errors.lines) == before
+
+
+def _check_holder(parts: Mapping[str, Any], packing: PackingSection, boundary: Boundary, errors: ErrorList) -> None:
+    """Check that a holder that rubs bears the weight of a chain."""
+    if not boundary.holder_friction:
+        return
+    found, key = f"found {boundary.holder_friction:g}", "boundary.holder_friction"
+    if packing.kind != "chain":
+        errors.add(key, f"{found} for {packing.kind}, expected 0: only chains lie in a holder")
+    stage = parts.get("precompression")
+    if stage is not None and stage.kind == "gravity":
+        errors.add(key, f'{found} under precompression.kind = "gravity", expected 0: a chain that stands has no holder')
 
 
 def _check_load(load: Load | None, packing: PackingSection, boundary: Boundary, errors: ErrorList) -> None:

@@ -161,6 +161,9 @@ SUPPORT = (
 ROTATION = (Column("rotational", "c_rotational", "J"),)
 TANGENTIAL = (Column("elastic_tangential", "v_elastic_tangential", "J"), Column("friction", "v_friction", "J"))
 
+#: dumps/energy.txt, of chains that rub against their holder.
+HOLDER = (Column("holder", "f_holder", "J"),)
+
 
 def names(table: Iterable[Column]) -> tuple[str, ...]:
     """Return the names of the columns that all cases have."""

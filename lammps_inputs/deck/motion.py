@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
     from granwave.lammps_inputs.planning.schedule import Schedule
 
+GRAVITY = 9.81  # m/s^2, of beads on their holder
 _HALF_INERTIA = 0.2  # half the moment of inertia of a sphere over m R^2
 
 
@@ -36,7 +37,7 @@ def motion(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> 
         lines.append("variable        input equal v_given+f_load")
     else:
         lines.append("variable        input equal v_given")
-    return lines
+    return [*lines, *_holder(assembly)]
 
 
 def _timestep(schedule: Schedule) -> list[str]:
@@ -63,17 +64,34 @@ def adaptive_timestep(case: Case, schedule: Schedule) -> list[str]:
 def _integration(assembly: Assembly) -> list[str]:
     """Return the commands of time integration; nodes of bars have no radius and are not rotated."""
     case = assembly.case
-    lines, still = [], []
-    if any(wall.held_layer for wall in walls(assembly)):
-        still.append("held")
-    if case.load.kind == "displacement":
-        still.append("hit")
+    lines, still = [], _prescribed(assembly)
     bars = [bar.name for bar in assembly.bars] if case.has_rotation else []
     if bars or still:
         lines.append(f"group           mobile subtract all {joined([*still, *bars])}")
     group, style = "mobile" if bars or still else "all", "nve/sphere" if case.has_rotation else "nve"
     lines.append(f"fix             motion {group} {style}")
     return [*lines, *(f"fix             motion_{name} {name} nve" for name in bars)]
+
+
+def _prescribed(assembly: Assembly) -> list[str]:
+    """Return the groups of spheres whose motion is prescribed: a layer held in place, and spheres that are moved."""
+    held = any(wall.held_layer for wall in walls(assembly))
+    moved = assembly.case.load.kind == "displacement"
+    return [*(["held"] if held else []), *(["hit"] if moved else [])]
+
+
+def _holder(assembly: Assembly) -> list[str]:
+    """Return the commands for the holder of a chain; after all that apply forces, for friction opposes their sum."""
+    friction = assembly.case.boundary.holder_friction
+    if not friction:
+        return []
+    without = [*_prescribed(assembly), *(bar.name for bar in assembly.bars)]
+    group = "loose" if without else "all"
+    return [
+        "# Friction of the holder, which bears the weight of the beads.",
+        *([f"group           loose subtract all {joined(without)}"] if without else []),
+        f"fix             holder {group} gran/holder z {num(friction)} {num(GRAVITY)}",
+    ]
 
 
 def _velocities(assembly: Assembly, *, resumed: bool) -> list[str]:

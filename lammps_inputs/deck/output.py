@@ -10,6 +10,7 @@ from granwave.lammps_inputs.deck.columns import (
     FORCES,
     FRICTION,
     HISTORY,
+    HOLDER,
     LEDGER,
     MOVING_WALL,
     ROTATION,
@@ -74,6 +75,9 @@ def ledger(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> 
         stored, lost = [*stored, *stretched], [*lost, *rubbed]
         elastic.append("v_elastic_tangential")
         dissipated.append("v_friction")
+    if case.has_holder_friction:
+        columns |= sources(HOLDER)
+        dissipated.append(columns["holder"])
     if support := moving_fix(assembly):
         columns |= sources(SUPPORT, of=support)
         elastic.append(columns["support"])

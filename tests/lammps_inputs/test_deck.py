@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import tomllib
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
@@ -295,6 +295,31 @@ class TestScript:
             part(text, "middle")
         with pytest.raises(ValueError, match="lacks"):
             part("run 3\n", "run")
+
+
+class TestHolder:
+    """Friction of the holder of a chain: after all forces, on beads that move freely, in the energy ledger."""
+
+    CHAIN: ClassVar[dict[str, Any]] = {"size": 6, "kind": "chain"}
+
+    def test_none_without_friction(self, tmp_path: Path) -> None:
+        assert "holder" not in script(tmp_path, **self.CHAIN)
+
+    def test_it_is_the_last_that_applies_a_force(self, tmp_path: Path) -> None:
+        load = {"kind": "force", "shape": "half-sine", "amplitude": 10.0, "duration": 1e-5}
+        text = script(tmp_path, **self.CHAIN, load=load, boundary={"holder_friction": 0.25})
+        fixes = re.findall(r"^fix +(\S+) (\S+) (\S+)", text, re.M)
+        forces = [name for name, _, style in fixes if style in ("wall/gran/hysteretic", "gran/load", "gran/holder")]
+        assert forces == ["bottom", "load", "holder"]
+        assert re.search(r"^fix +holder all gran/holder z 0.25 9.81$", text, re.M)
+        assert re.search(r"^variable +dissipated equal c_contact\[1\]\+f_bottom\[5\]\+f_holder$", text, re.M)
+
+    def test_held_and_moved_beads_and_bars_are_left_out(self, tmp_path: Path) -> None:
+        load = {"kind": "displacement", "shape": "harmonic", "amplitude": 1e-6, "frequency": 1e4}
+        boundary = {"holder_friction": 0.25, "bottom": "fixed"}
+        text = script(tmp_path, **self.CHAIN, load=load, boundary=boundary)
+        assert re.search(r"^group +loose subtract all held hit$", text, re.M)
+        assert re.search(r"^fix +holder loose gran/holder", text, re.M)
 
 
 STEEL = {"preset": "steel"}

@@ -16,6 +16,7 @@ STYLES = (
     "pair_gran_hysteretic",
     "fix_wall_gran_hysteretic",
     "fix_gran_load",
+    "fix_gran_holder",
     "fix_gran_timestep",
     "compute_gran_hysteretic_atom",
     "compute_gran_hysteretic_local",
@@ -171,3 +172,12 @@ def test_energies_summed_when_asked_for_are_those_of_the_tally(example):
     for number in ("", *(f"[{n}]" for n in range(1, 6))):
         assert run[f"c_now{number}"].tolist() == run[f"c_tallied{number}"].tolist()
     assert run["c_now[1]"][-1] > 0
+
+
+def test_the_holder_stops_the_bead_that_was_hit(example):
+    """All of the impact's energy ends in the holder, most of it behind the second bead."""
+    log = example("holder")
+    run = log.runs[0]
+    given = 0.5 * 7925 * np.pi / 6 * 0.01**3 * 0.05**2
+    assert run["f_holder"][-1] == pytest.approx(given, rel=1e-6) and run["c_kinetic"][-1] < 1e-20 * given
+    assert log.printed("path over that of the formula") == pytest.approx(1.0, abs=5e-3)

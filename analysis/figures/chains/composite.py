@@ -8,12 +8,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from granwave.analysis.figures.series import MARKS, label, map_of_forces, panels
-from granwave.analysis.figures.style import BLUE, GREY, WIDTH, Drawing
+from granwave.analysis.figures.style import BLANK, BLUE, GREY, ORANGE, WIDTH, Drawing, legend_above
 from granwave.analysis.measures.chains.composite_section import Composite
 from granwave.analysis.measures.chains.groups import columns
+from granwave.analysis.measures.chains.section_energy import SectionEnergy
 from granwave.analysis.measures.signals import decay
 
 _MICRO, _MILLI = 1e6, 1e3
+_SECTIONS, _STYLES = ("first steel", "light", "second steel"), ("-", "--", ":")
 _SHOWN = 4  # lengths of the section whose pulses are shown
 _LEAST = 3e-3  # of the largest force at a contact: where its axis begins
 _FAINT = 0.01  # of the largest force: where the colours of the map begin to be linear
@@ -69,6 +71,29 @@ def reflections(chain: Composite) -> Drawing:
           xlim=(_LEAST * highest, 20 * highest), ylim=(0, time[-1]))  # fmt: skip
     watched = f"contact_{chain.middle}_{chain.middle + 1}_N"
     return Drawing(figure, {"time_s": run.time, watched: force, "flow_N": flow[:, k]})
+
+
+def energies(kinds: Mapping[str, Composite]) -> Drawing:
+    """Energy of the three sections in time, and the largest energy density of every bead, for chains by kind."""
+    figure, left, right = panels(2.8, 2)
+    data: dict[str, ArrayLike] = {}
+    for (kind, chain), style in zip(kinds.items(), _STYLES, strict=False):
+        energy, slug = SectionEnergy(chain), kind.replace(" ", "_")
+        data |= {f"{slug}_time_s": energy.time}
+        for share, name, colour in zip(energy.sections.T, _SECTIONS, (GREY, ORANGE, BLUE), strict=True):
+            left.plot(_MICRO * energy.time, share, style, color=colour, label=name if style == "-" else None)
+            data[f"{slug}_{name}_over_input".replace(" ", "_")] = share
+        ids = chain.run.array("chain/id")
+        place = np.where(ids <= chain.run.assembly.lattice.n_spheres, ids, 0)  # the striker before bead 1
+        right.plot(place, energy.highest_densities, "o" + style, markersize=2.5, label=kind)
+        data |= {f"{slug}_bead": place, f"{slug}_density_J_m3": energy.highest_densities}
+    chain = next(iter(kinds.values()))
+    right.axvspan(chain.first - 0.5, chain.last + 0.5, color=BLANK, alpha=0.6, linewidth=0)
+    label(left, "Time (µs)", "Energy over the input", xlim=(0, None), ylim=(0, None))
+    label(right, "Bead (0: striker; shaded: section)", "Largest energy density (J/m³)", ylim=(0, None))
+    legend_above(left, 3, fontsize=7)
+    legend_above(right, 2, fontsize=7)
+    return Drawing(figure, data)
 
 
 def against_length(kinds: Kinds, measured: Mapping[int, float]) -> Drawing:

@@ -33,10 +33,12 @@ _QUANTITIES = {
     "overlap": ("Overlap (µm)", 1e6),
     "force": ("Contact force (N)", 1.0),
 }
+_BROWN = "#8C5A2B"
 _COLOURS = (BLUE, ORANGE, GREEN, PURPLE, GREY)
 #: Parts of the energy and their colours, from the bottom of the figure up.
 _AREAS = {
-    "dissipated": ORANGE, "yielding": ORANGE, "friction": YELLOW, "support's damper": GREY, "support": PURPLE,
+    "dissipated": ORANGE, "yielding": ORANGE, "friction": YELLOW, "holder": _BROWN, "support's damper": GREY,
+    "support": PURPLE,
     "elastic": GREEN, "rotation": SKY, "kinetic": BLUE,
 }  # fmt: skip
 _NEGLIGIBLE = 1e-3  # negative energy over the input that counts as rounding
@@ -76,7 +78,7 @@ def energies(result: Result) -> Drawing | None:
 
 
 def _energy_parts(result: Result) -> dict[str, NDArray]:
-    """Return the energies that add up to the input; rotation, friction and the support separately, if any."""
+    """Return the energies that add up to the input; rotation, friction, holder and support separately, if any."""
     kinetic, elastic, dissipated = (result[f"energy/{name}"] for name in ("kinetic", "elastic", "dissipated"))
     parts = {"kinetic": kinetic, "elastic": elastic, "dissipated": dissipated}
     if result.has("energy/rotational"):
@@ -85,11 +87,11 @@ def _energy_parts(result: Result) -> dict[str, NDArray]:
     if result.has("energy/support"):
         parts["elastic"] = elastic - result["energy/support"]
         parts["support"] = result["energy/support"]
-    for name, source in (("friction", "friction"), ("support's damper", "support_lost")):
+    for name, source in (("friction", "friction"), ("holder", "holder"), ("support's damper", "support_lost")):
         if result.has(f"energy/{source}"):
             parts["dissipated"] = parts["dissipated"] - result[f"energy/{source}"]
             parts[name] = result[f"energy/{source}"]
-    if "friction" in parts or "support's damper" in parts:
+    if any(part in parts for part in ("friction", "holder", "support's damper")):
         parts = {"yielding" if name == "dissipated" else name: values for name, values in parts.items()}
     return dict(sorted(parts.items(), key=lambda item: list(_AREAS).index(item[0])))
 

@@ -16,7 +16,6 @@ import numpy as np
 from granwave.analysis.measures.chains.record import ChainRecord
 from granwave.analysis.measures.signals import Array, first_peak, maxima
 from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.case.yield_factor import hertz_von_mises_yield_factor
 from granwave.lammps_inputs.contact.law import pair_contact
 
 _LEAST_PEAK = 0.005  # of the largest force at a contact: smaller maxima are not told apart
@@ -97,6 +96,15 @@ class Composite:
 
     def waves(self, bead: int) -> list[Wave]:
         """All maxima of the force between this bead and the next, in time."""
+        if bead not in self._waves:
+            self._waves[bead] = self._waves_at(bead)
+        return self._waves[bead]
+
+    @cached_property
+    def _waves(self) -> dict[int, list[Wave]]:
+        return {}
+
+    def _waves_at(self, bead: int) -> list[Wave]:
         k = self.run.contact_between(bead)
         force, time, flow = self.run.force[:, k], self.run.time, self.flow()[:, k]
         places = maxima(force, _LEAST_PEAK * float(force.max()))
@@ -126,12 +134,22 @@ class Composite:
         again = [wave for wave in watched if turned and turned[0] < wave.time < until]
         return found | dict(zip(("FRW", "DFRW"), again, strict=False))
 
-    def stress(self, bead: int) -> float:
-        """Largest von Mises stress between this bead and the next in the first peak, Pa; elastic chains alone."""
-        return self.pressure(bead) / hertz_von_mises_yield_factor(self.light.poisson_ratio)
+    @cached_property
+    def train(self) -> list[Wave]:
+        """Waves forth at the contact before the section's first bead, until the first one back: no reflection yet."""
+        found = self.waves(self.first - 1)
+        back = next((n for n, wave in enumerate(found) if not wave.forth), len(found))
+        return found[:back]
+
+    @cached_property
+    def transmitted(self) -> list[Wave]:
+        """Waves forth at the second contact behind the section, as in source Fig. 7, until the first one back."""
+        found = self.waves(self.last + 2)
+        back = next((n for n, wave in enumerate(found) if not wave.forth), len(found))
+        return found[:back]
 
     def pressure(self, bead: int) -> float:
-        """Largest pressure of the same contact by Hertz, Pa."""
+        """Largest Hertzian pressure between this bead and the next in the first peak, Pa; elastic chains alone."""
         law = pair_contact(self.run.case, bead, bead + 1)
         _, force = first_peak(self.run.time, self.run.force[:, self.run.contact_between(bead)])
         modulus, radius = law.effective_modulus, law.effective_radius

@@ -1,0 +1,110 @@
+"""Friction of the holder of a chain (fix gran/holder): closed forms of Coulomb friction, energy, restarts, wrong words."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.conftest import script_of
+from tests.helpers.two_spheres import value
+
+MU, G, DENSITY = 0.3, 9.81, 8500.0
+LAW = "hertz 115e9 0.3"
+HOLDER = f"fix holder all gran/holder z {MU} {G}"
+
+
+def beads(lammps, n=1, speed=0.0, extra=HOLDER, dt=1e-6, gap=0.0):
+    """Beads in a row, the first with a speed; the energy is that of the contacts, of motion and of the holder."""
+    lmp = lammps()
+    places = [(0, 0, k * (0.01 + gap)) for k in range(n)]
+    speeds = [(0, 0, speed)] + [(0, 0, 0)] * (n - 1)
+    text = script_of(places, style=LAW, velocities=speeds, box=[-0.1, 0.1] * 3, density=DENSITY)
+    lmp.commands_string(f"{text}\ntimestep {dt}\n{extra}\n")
+    return lmp
+
+
+@pytest.mark.parametrize("dt", [1e-6, 7e-6, 1e-4])
+def test_a_sliding_bead_stops_where_it_must(lammps, dt):
+    """Path v^2/(2 mu g), and all kinetic energy is taken; it then rests, exactly."""
+    speed = 0.05
+    lmp = beads(lammps, speed=speed, dt=dt)
+    lmp.command(f"run {round(1.2 * speed / (MU * G) / dt)} post no")
+    assert value(lmp, "z[1]") == pytest.approx(speed**2 / (2 * MU * G), rel=2 * (dt * MU * G / speed) ** 2 + 1e-12)
+    assert value(lmp, "vz[1]") == 0.0
+    assert value(lmp, "f_holder") == pytest.approx(0.5 * value(lmp, "mass[1]") * speed**2, rel=(dt * MU * G / speed))
+
+
+@pytest.mark.parametrize("dt", [1e-6, 1e-5])
+def test_energy_of_a_bead_that_slides_all_the_time(lammps, dt):
+    """While it slides, what the holder took is what the motion lost, to rounding."""
+    lmp = beads(lammps, speed=0.05, dt=dt)
+    lmp.command(f"run {round(0.01 / dt)} post no")
+    before, now = (0.5 * value(lmp, "mass[1]") * v**2 for v in (0.05, value(lmp, "vz[1]")))
+    assert value(lmp, "vz[1]") == pytest.approx(0.05 - MU * G * 0.01, rel=1e-12)
+    assert value(lmp, "f_holder") == pytest.approx(before - now, rel=1e-11)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.5, 0.999, 1.5])
+def test_a_pulled_bead_is_held_or_slides(lammps, share):
+    """Below the limit it stays exactly where it is and nothing is lost; above, it is accelerated by the difference."""
+    pull = "variable pull equal {share}*{MU}*{G}*mass(all)\nfix pull all addforce 0 0 v_pull\n"
+    lmp = beads(lammps, extra=pull.format(share=share, MU=MU, G=G) + HOLDER)
+    lmp.command("run 5000 post no")
+    way = 0.5 * max(share - 1, 0) * MU * G * 5e-3**2
+    assert value(lmp, "z[1]") == pytest.approx(way, rel=1e-9)
+    assert value(lmp, "f_holder") == pytest.approx(MU * G * value(lmp, "mass[1]") * way, rel=1e-6)
+    if share < 1:
+        assert value(lmp, "z[1]") == value(lmp, "vz[1]") == value(lmp, "f_holder") == 0.0
+
+
+def test_the_energy_of_a_collision_closes(lammps):
+    """Three beads, one of which hits the others after a flight: kinetic + stored + taken by the holder is the input."""
+    lmp = beads(lammps, 3, speed=0.2, dt=1e-7, gap=1e-5)
+    lmp.command("run 0 post no")
+    for _ in range(20):
+        lmp.command("run 1000 post no")
+        total = value(lmp, "c_ke+pe+f_holder") / (0.5 * value(lmp, "mass[1]") * 0.2**2)
+        assert total == pytest.approx(1, abs=3e-6)
+    assert value(lmp, "f_holder") > 0 and value(lmp, "vz[3]") > 0.1
+
+
+@pytest.mark.parametrize("words", ["", " pre no"])
+def test_pieces_of_a_run_are_the_run(lammps, words):
+    whole, cut = (beads(lammps, 3, speed=0.2, dt=1e-7, gap=1e-5) for _ in range(2))
+    whole.command("run 6000 post no")
+    for k in range(6):
+        cut.command(f"run 1000 post no{words if k else ''}")
+    for formula in ("z[1]", "vz[1]", "z[3]", "vz[3]", "f_holder"):
+        assert value(cut, formula) == pytest.approx(value(whole, formula), rel=1e-12)
+
+
+def test_a_restart_goes_on(lammps, tmp_path):
+    whole = beads(lammps, 3, speed=0.2, dt=1e-7, gap=1e-5)
+    whole.commands_string(f"run 3000 post no\nwrite_restart {tmp_path}/half")
+    whole.command("run 3000 post no")
+    again = lammps()
+    again.commands_string(
+        f"newton off\natom_modify map yes\nread_restart {tmp_path}/half\nneighbor 1e-3 bin\npair_style gran/hysteretic 1e-3\npair_coeff * * {LAW}\n"
+        f"fix motion all nve\n{HOLDER}\ntimestep 1e-7\nrun 3000 post no"
+    )
+    for formula in ("z[1]", "vz[1]", "z[3]", "vz[3]", "f_holder"):
+        assert value(again, formula) == pytest.approx(value(whole, formula), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        ("z 0.3", "2 words after its name"),
+        ("w 0.3 9.81", "'w' is no direction"),
+        ("z -0.1 9.81", "0 or positive, found -0.1"),
+        ("z 0.3 0", "acceleration must be positive, found 0"),
+    ],
+)
+def test_wrong_words_are_refused(lammps, words, says):
+    with pytest.raises(Exception, match=says):
+        beads(lammps, extra=f"fix holder all gran/holder {words}")
+
+
+def test_forces_that_come_after_it_are_refused(lammps):
+    lmp = beads(lammps, extra=f"{HOLDER}\nfix pull all addforce 0 0 1")
+    with pytest.raises(Exception, match="fix addforce pull follows it"):
+        lmp.command("run 1")
