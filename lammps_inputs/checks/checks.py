@@ -257,9 +257,8 @@ def _check_load(load: Load | None, packing: PackingSection, boundary: Boundary, 
 
 def _touch(assembly: Assembly, first: int, second: int) -> bool:
     """Return True if two spheres touch at the start."""
-    case = assembly.case
     low, high = sorted((first, second))
     n = assembly.lattice.n_spheres
     if high > n:
-        return low in case.striker[high - n - 1].touches
+        return (low, high) in assembly.striker_contacts
     return high in assembly.lattice.neighbours(low)
