@@ -43,6 +43,7 @@ STATIC_STAGE_FILE, STATIC_FILE = "prestage.txt", "static.lmp"
 # Of a scan, of a suite of scans, and of a point beside its run.
 SCAN_FILE, SCAN_INDEX, SUITE_INDEX = "scan.toml", "scan.json", "suite.json"
 SCAN_TABLE, SCAN_DATA, SCAN_MEANS, SCAN_REPORT = "scan.csv", "scan.h5", "scan_mean.csv", "report.html"
+STUDY_ROWS = "study_rows.csv"  # of a scan or suite: what its studies compare
 POINTS, UNFINISHED = "points", "unfinished"
 SCAN_WORK = ".scan"  # batches, marks and logs of the engine
 POINT_FILE, POINT_CASE, POINT_LOG, POINT_STOP = "point.json", "point.toml", "point.log", ".stop"

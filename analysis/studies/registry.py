@@ -4,7 +4,7 @@ A study is a module with
 
     TITLE, TEXT                        title, and what was run in a few sentences; or `title(group)`, `text(group)`
     select(runs) -> list of groups     the runs that it is about, put together; a study is made of each group
-    rows(group) -> Row ...             the table "source against ours"
+    rows(group) -> Row ...             tables of ours against a source, against theory, as a verification, and alone
     pictures(group) -> Picture ...     figures with captions
 
 and, where they are wanted, `title(group)`, `name(group)` (short, for links and files), `tables(group)` (with notes on

@@ -6,7 +6,7 @@ import dataclasses
 import importlib
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from granwave.analysis.studies.registry import COMPARISON, STUDIES
 
@@ -15,44 +15,72 @@ if TYPE_CHECKING:
     from granwave.analysis.figures.style import Drawing
     from granwave.analysis.studies.runs import ContinuumRun, FinishedRun
 
+Kind = Literal["source", "theory", "verification", "alone"]
 Labels = Sequence[Mapping[str, Any]]  # of points of scans: values of the keys that vary
 Runs: TypeAlias = "Sequence[FinishedRun | ContinuumRun]"
 
 
 @dataclasses.dataclass(frozen=True)
 class Row:
-    """One quantity, as a source gives it and as we find it.
+    """One quantity, as a source or theory gives it and as we find it.
 
     Attributes
     ----------
     quantity
         What it is, with where and how it was measured.
     unit
-        Of both; empty for a number.
+        Of all three; empty for a number.
     source
-        The source's value; None where it gives none, and ours stands alone.
+        The source's value, as it is printed there; None where it gives none.
     ours
-        From the runs.
+        Measured in the runs, so that it changes with them; None where only source and theory speak.
     where
         Source and place: ``thesis 4.1.3``.
     remark
-        Why the two differ, where they do by more than a few per cent.
-    expected
-        From theory, where that is closer than the source's value.
+        Why they differ, where they do by more than a few per cent.
+    theory
+        From theory. Of a verification: what the code must give.
+    verification
+        The row tests the code, not the source: a second solver, a check value, a formula, or a value that similarity
+        forces on any correct code.
     """
 
     quantity: str
     unit: str
     source: float | None
-    ours: float
+    ours: float | None
     where: str
     remark: str = ""
-    expected: float | None = None
+    theory: float | None = None
+    verification: bool = False
+
+    def __post_init__(self) -> None:
+        """Refuse a row that compares nothing.
+
+        Raises
+        ------
+        ValueError
+            It has no value; or it is a verification that lacks one of its two values or has one of a source.
+        """
+        if self.verification and (self.source is not None or self.ours is None or self.theory is None):
+            raise ValueError(f"{self.quantity}: expected ours and theory, and no source, of a verification")
+        if self.source is None and self.ours is None:
+            raise ValueError(f"{self.quantity}: found no value, expected that of the source or ours")
+
+    @property
+    def kind(self) -> Kind:
+        """What ours is compared with."""
+        if self.verification:
+            return "verification"
+        if self.source is not None:
+            return "source"
+        return "alone" if self.theory is None else "theory"
 
     @property
     def deviation(self) -> float | None:
-        """Ours over the source's, less 1."""
-        return self.ours / self.source - 1 if self.source else None
+        """Ours over the source's value, or that of theory where there is none, less 1."""
+        against = self.theory if self.source is None else self.source
+        return self.ours / against - 1 if against and self.ours is not None else None
 
 
 @dataclasses.dataclass(frozen=True)
@@ -84,7 +112,7 @@ class Study:
     text
         What was run, in a few sentences.
     rows
-        Of the table "source against ours".
+        Of the tables, one for each kind.
     pictures
         In the order of the report.
     tables

@@ -320,10 +320,12 @@ class _ScanRun:
         from granwave.analysis.reports.inputs import read_inputs
         from granwave.analysis.reports.report import write_report
         from granwave.analysis.reports.sections.studies import studies_of
+        from granwave.analysis.studies.rows_file import write_rows
         from granwave.analysis.studies.study import draw_studies
 
         found = studies_of(read_inputs([self.directory], self.directory))
         draw_studies(found, self.directory)
+        write_rows(found, self.directory)
         write_report([self.directory], self.directory / SCAN_REPORT)
 
     def outcome(self) -> ScanOutcome:

@@ -25,6 +25,7 @@ from granwave.lammps_inputs.run_directory import (
     SCAN_REPORT,
     SCAN_TABLE,
     SCAN_WORK,
+    STUDY_ROWS,
     UNFINISHED,
 )
 from granwave.lammps_inputs.run_state import check_case, read_summary, result_fault, tables_as_run
@@ -33,7 +34,7 @@ from granwave.lammps_inputs.toml_files import read_tables
 DRIVER = "GRANWAVE_SCAN_DRIVER"  # environment variable: process id of the local driver; jobs stop when it ends
 BATCHES, DONE, LOGS = f"{SCAN_WORK}/batches", f"{SCAN_WORK}/done", f"{SCAN_WORK}/logs"
 STOP = f"{SCAN_WORK}/stop"  # file whose existence asks all workers to stop; its text is the reason
-_FILES = (SCAN_FILE, SCAN_INDEX, SCAN_TABLE, SCAN_DATA, SCAN_MEANS, SCAN_REPORT)
+_FILES = (SCAN_FILE, SCAN_INDEX, SCAN_TABLE, SCAN_DATA, SCAN_MEANS, SCAN_REPORT, STUDY_ROWS)
 
 # states of a point
 RUNNING, INTERRUPTED, FAILED, DONE_STATE = "running", "interrupted", "failed", "done"

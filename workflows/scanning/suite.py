@@ -19,7 +19,7 @@ from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import replace_text
 from granwave.lammps_inputs.ownership import claim, clear, refuse_foreign, refuse_other_kind
-from granwave.lammps_inputs.run_directory import SCAN_FILE, SCAN_REPORT, SUITE, SUITE_INDEX
+from granwave.lammps_inputs.run_directory import SCAN_FILE, SCAN_REPORT, STUDY_ROWS, SUITE, SUITE_INDEX
 from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows.run.directory import held
 from granwave.workflows.scanning.directory import decide
@@ -28,7 +28,7 @@ from granwave.workflows.scanning.header import parse_studies
 from granwave.workflows.scanning.scan_file import Scan, find_scan, load_scan, scan_of_case
 
 _SCANS = "scans"
-_FILES = (SCAN_FILE, SUITE_INDEX, SCAN_REPORT)
+_FILES = (SCAN_FILE, SUITE_INDEX, SCAN_REPORT, STUDY_ROWS)
 
 
 def _parse_scans(value: Any) -> tuple[str, ...]:
@@ -187,8 +187,11 @@ def _publish(directory: Path) -> None:
     from granwave.analysis.reports.report import write_report
     from granwave.analysis.reports.sections.comparison import comparison_of
     from granwave.analysis.reports.sections.studies import studies_of
+    from granwave.analysis.studies.rows_file import write_rows
     from granwave.analysis.studies.study import draw_studies
 
     inputs = read_inputs([directory], directory)
-    draw_studies([*comparison_of(inputs), *studies_of(inputs)], directory)
+    found = studies_of(inputs)
+    draw_studies([*comparison_of(inputs), *found], directory)
+    write_rows(found, directory)
     write_report([directory], directory / SCAN_REPORT)

@@ -11,18 +11,20 @@ from granwave.analysis.document.model import Cell, Column, Figure, Gallery, Grou
 from granwave.analysis.document.pictures import picture_of
 from granwave.analysis.reports.inputs import Inputs
 from granwave.analysis.studies.runs import FinishedRun
-from granwave.analysis.studies.study import Row, Study, make_studies
+from granwave.analysis.studies.study import Kind, Row, Study, make_studies
 from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY
 
 SLUG = "studies"
-_COLUMNS = (
-    Column("Quantity", key=True),
-    Column("Source", numeric=True),
-    Column("Ours", numeric=True),
-    Column("Difference", numeric=True),
-    Column("Theory", numeric=True),
-    Column("Where"),
-    Column("Remark"),
+#: End of the caption of the rows of each kind, and the heading of the theory's column.
+_KINDS: dict[Kind, tuple[str, str]] = {
+    "source": ("source against ours", "Theory"),
+    "theory": ("theory against ours", "Theory"),
+    "verification": ("verification of the code", "Must be"),
+    "alone": ("ours alone", "Theory"),
+}
+_VERIFIES = (
+    "A verification tests the code, not a source: its value is that of a second solver, a check value or a formula, or "
+    "follows for any correct code by similarity."
 )
 
 
@@ -67,10 +69,13 @@ def studies_of(inputs: Inputs, named: Sequence[str] = ()) -> list[Study]:
 def _group(study: Study, inputs: Inputs, new: bool) -> Group:
     """A study; its text only where it is new."""
     blocks: list[Table | Gallery | Note] = [Note(study.text)] if new else []
-    if study.rows:
-        what = "source" if any(row.source is not None for row in study.rows) else "theory"
-        rows = tuple(map(_cells, study.rows))
-        blocks.append(Table(f"{study.title}: {what} against ours", _COLUMNS, rows, sortable=True, by_row=True))
+    for kind, (caption, theory) in _KINDS.items():
+        rows = tuple(_cells(row) for row in study.rows if row.kind == kind)
+        if rows and kind == "verification":
+            blocks.append(Note(_VERIFIES))
+        if rows:
+            table = Table(f"{study.title}: {caption}", _columns(theory), rows, sortable=True, by_row=True)
+            blocks.append(table)
     blocks += study.tables
     if study.pictures:
         blocks.append(Gallery(pictures_of(study, inputs, SLUG)))
@@ -96,16 +101,23 @@ def pictures_of(study: Study, inputs: Inputs, section: str) -> tuple[Figure, ...
     return tuple(figures)
 
 
+def _columns(theory: str) -> tuple[Column, ...]:
+    """Return the columns of a table of rows; those without a value are left out of a report."""
+    numbers = ("Source", "Ours", "Difference", theory)
+    return (
+        Column("Quantity", key=True), *(Column(one, numeric=True) for one in numbers), Column("Where"), Column("Remark")
+    )  # fmt: skip
+
+
 def _cells(row: Row) -> tuple[Cell, ...]:
-    against = row.expected if row.source is None else row.source
-    deviation = row.ours / against - 1 if against else None
+    deviation = row.deviation
     name = f"{row.quantity} ({row.unit})" if row.unit else row.quantity
     return (
         Cell(name, name),
-        value_cell(row.source) if row.source is not None else Cell(BLANK),
+        value_cell(row.source),
         value_cell(row.ours),
         Cell(percent(100 * deviation), deviation) if deviation is not None else Cell(BLANK),
-        value_cell(row.expected) if row.expected is not None else Cell(BLANK),
+        value_cell(row.theory),
         Cell(row.where, row.where),
         Cell(row.remark, row.remark),
     )

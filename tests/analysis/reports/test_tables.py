@@ -140,9 +140,7 @@ def test_sections_have_names_of_their_own(tmp_path):
     """Studies include values of the sources, too, so their section is not named after the sources."""
     run = write_run(tmp_path / "run", figures=False)
     inputs = read_inputs([run], tmp_path)
-    study = Study(
-        "s", "A chain", "text", rows=(Row("a", "N", 2.0, 3.0, "1"), Row("b", "", None, 3.0, "", expected=4.0))
-    )
+    study = Study("s", "A chain", "text", rows=(Row("a", "N", 2.0, 3.0, "1"), Row("b", "", None, 3.0, "", theory=4.0)))
     section = studies_section(inputs, [study])
     assert section.title == "Studies"
     part = next(block for block in section.blocks[0].blocks if isinstance(block, Table))

@@ -48,8 +48,8 @@ def test_homogeneous_chain_is_the_discrete_wave(homogeneous: Study) -> None:
     speed = rows["Wave speed; source: penalty 1.5, automatic solver"]
     assert (force.source, speed.source) == (27.22, 595)
     assert force.ours == pytest.approx(27.507, rel=1e-3)  # tests/chain_twin.py
-    assert force.ours == pytest.approx(force.expected, rel=2e-3)
-    assert speed.ours == pytest.approx(speed.expected, rel=1e-3)
+    assert force.ours == pytest.approx(force.theory, rel=2e-3)
+    assert speed.ours == pytest.approx(speed.theory, rel=1e-3)
     assert {picture.name for picture in homogeneous.pictures} == {"homogeneous_forces", "homogeneous_errors"}
 
 
@@ -72,7 +72,7 @@ def test_speed_of_the_discrete_wave() -> None:
 def test_other_like_chains_have_no_source(tmp_path: Path) -> None:
     other = run(tmp_path / "run", "homogeneous-chain", {"load.velocity": 1.0, "run.end_time": 1.2e-4})
     (study,) = make_studies({"homogeneous-chain": [other]})
-    assert all(row.source is None and row.ours == pytest.approx(row.expected, rel=2e-3) for row in study.rows)
+    assert all(row.source is None and row.ours == pytest.approx(row.theory, rel=2e-3) for row in study.rows)
 
 
 # ---------------------------------------------------------------------- composite chains
@@ -215,7 +215,7 @@ def test_unlike_study(pairs: list[ChainRun]) -> None:
     assert len(study.pictures) == 4
     spread = next(row for row in study.rows if row.quantity.startswith("Spread"))
     assert abs(spread.ours) < 0.1  # per cent: one normalized curve for ratios 1 and 4
-    assert all(row.ours == pytest.approx(row.expected, rel=1e-3) for row in study.rows if row.expected)
+    assert all(row.ours == pytest.approx(row.theory, rel=1e-3) for row in study.rows if row.theory)
     assert not make_studies({"unlike-spheres": pairs[:1]})
 
 

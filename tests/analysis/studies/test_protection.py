@@ -108,10 +108,10 @@ def test_single_spheres_obey_the_closed_forms(spheres: Found) -> None:
     assert len(found.rows) == 8 and found.title.endswith(": Brass sphere of 10 mm, elastic contacts, 1 m/s")
     assert {row.where for row in found.rows} >= {"Hertz (1882)", "2 m v"} and not any(row.remark for row in found.rows)
     for row in found.rows:
-        assert row.expected is not None
-        assert row.ours == pytest.approx(row.expected, rel=1e-2), row.quantity
+        assert row.theory is not None
+        assert row.ours == pytest.approx(row.theory, rel=1e-2), row.quantity
     exact = [row for row in found.rows if row.quantity.startswith(("Peak", "Impulse"))]
-    assert [row.ours for row in exact] == pytest.approx([row.expected for row in exact], rel=3e-4)
+    assert [row.ours for row in exact] == pytest.approx([row.theory for row in exact], rel=3e-4)
     assert not make_studies({"protected-bottoms": group})  # a single sphere is not a packing
 
 
@@ -169,7 +169,7 @@ def test_spectrum_follows_the_oscillator(tmp_path: Path) -> None:
     rows = study.rows
     assert len(rows) == 4 and "slow force" in rows[0].where and "short impulse" in rows[-1].where
     for row in rows:
-        assert row.ours == pytest.approx(row.expected, rel=0.03), row.quantity
+        assert row.ours == pytest.approx(row.theory, rel=0.03), row.quantity
     assert [path.stem for path in draw_studies([study], tmp_path)] == ["protected_spectrum"]
 
 

@@ -85,11 +85,11 @@ def _rows(one: Passage) -> Iterator[Row]:
     of = f"{case.name}, {shape}{one.bar.name.replace('_', ' ')} in elements of {one.bar.pitch * _MILLI:.3g} mm"
     sharp = case.load.shape == "rectangle" and incident
     edge = "An edge is shorter than any element: it ripples, and overshoots by up to 27 %." if sharp else ""
-    yield Row(f"Speed, {of}", "m/s", None, one.speed, _WHERE, expected=one.bar.wave_speed)
-    yield Row(f"Impedance, {of}", "N s/m", None, one.measured_impedance, _WHERE, expected=one.impedance)
+    yield Row(f"Speed, {of}", "m/s", None, one.speed, _WHERE, theory=one.bar.wave_speed)
+    yield Row(f"Impedance, {of}", "N s/m", None, one.measured_impedance, _WHERE, theory=one.impedance)
     yield Row(f"Peak at a section over that which entered, {of}", "", None, one.overshoot, _WHERE, edge, 1.0)
     yield Row(f"Largest deviation from the pulse's shape, {of}", "of its peak", None, one.deviation, _WHERE, edge)
-    yield Row(f"Energy over the integral of F²/Z, {of}", "", None, one.energy, _WHERE, expected=1.0)
+    yield Row(f"Energy over the integral of F²/Z, {of}", "", None, one.energy, _WHERE, theory=1.0)
     echo, lasts = one.run.assembly.echoes()[one.bar.name], float(one.run.time[-1])
     remark = "The chain feels the end of the bar." if lasts > echo else "Nothing comes back within the run."
     what = f"Echo at the chain not before, {of}; run of {lasts * _MICRO:.4g} µs"

@@ -48,9 +48,9 @@ def rows(chain: SteadyLoad) -> Iterator[Row]:
     scales, amplitude, peak = chain.scales, chain.amplitude, chain.peak
     thesis = from_thesis(chain.run) and math.isclose(amplitude, 40.0, rel_tol=1e-3)
 
-    def row(what: str, unit: str, source: float | None, ours: float, remark: str = "", expected: float | None = None,
+    def row(what: str, unit: str, source: float | None, ours: float, remark: str = "", theory: float | None = None,
             where: str = _WHERE) -> Row:  # fmt: skip
-        return Row(what, unit, source if thesis else None, ours, where, remark, expected)
+        return Row(what, unit, source if thesis else None, ours, where, remark, theory)
 
     yield row("Peak force", "N", 92.7, peak, f"At contact {chain.last}; it still rises slowly.",
               None if thesis else 92.7 / 40 * amplitude)  # fmt: skip
@@ -64,7 +64,7 @@ def rows(chain: SteadyLoad) -> Iterator[Row]:
     yield row("Speed of the front", "m/s", 687.2, chain.speed,
               f"{printed}Theory: Nesterenko's of our peak force; the discrete wave is 1.2 % faster.",
               scales.nesterenko(peak))  # fmt: skip
-    yield row("Force of the plateau", "N", 40.0, chain.plateau_force, expected=amplitude)
+    yield row("Force of the plateau", "N", 40.0, chain.plateau_force, theory=amplitude)
     yield row("Bead velocity of the plateau", "m/s", None, chain.plateau_velocity,
               "Theory: (4.9) with the lower bound of the speed, for which the virial holds; with the upper one "
               f"{chain.bead_velocity(chain.upper):.4g} m/s.", chain.bead_velocity(chain.lower),
