@@ -102,12 +102,17 @@ def is_number(value: Any) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
-def _float(value: float) -> str:
+def significant(value: float, digits: int) -> str:
+    """A number with so many significant digits."""
+    return _float(value, digits)
+
+
+def _float(value: float, digits: int = _DIGITS) -> str:
     if math.isnan(value):
         return "not a number"
     if math.isinf(value):
         return "infinite"
-    text = f"{value:.{_DIGITS}g}"
+    text = f"{value:.{digits}g}"
     if 1e5 <= abs(value) < 1e7:
         text = f"{float(text):.0f}"
     return plain(text)

@@ -55,7 +55,11 @@ STUDIES: dict[str, str] = {
     "protected-spectrum": "protection.spectrum",
     "protected-checks": "protection.checks",
     "tolerance": "tolerance.study",
+    "sphere-contact": "sphere_contact",
 }
+
+#: Studies of runs of two finite-element spheres; all others are of packings and chains.
+OF_SPHERE_CONTACTS = ("sphere-contact",)
 
 #: Study that every report makes of all its runs, packings and blocks alike, in a section of its own.
 COMPARISON: dict[str, str] = {"comparison": "granular_continuum.study"}

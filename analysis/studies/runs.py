@@ -17,6 +17,7 @@ from granwave.lammps_inputs.errors import GranwaveError
 from granwave.lammps_inputs.load_case import load_case
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.run_directory import CASE_FILE
+from granwave.lammps_inputs.toml_files import read_toml
 
 AnyCase = TypeVar("AnyCase")
 Kind = TypeVar("Kind", bound="AnyRun[Any]")
@@ -64,6 +65,10 @@ class ContinuumRun(AnyRun[PunchCase]):
     """A finished run of a punch on a block."""
 
 
+class SphereContactRun(AnyRun[Mapping[str, Any]]):
+    """A finished run of two finite-element spheres; its case is what case.toml holds."""
+
+
 class FinishedRun(AnyRun[Case]):
     """A finished run of spheres."""
 
@@ -91,11 +96,15 @@ class FinishedRun(AnyRun[Case]):
         return assemble(self.case)
 
 
-def read_run(label: str, directory: Path, summary: Mapping[str, Any]) -> FinishedRun | ContinuumRun | None:
-    """Read a finished run of spheres or of a punch on a block; None if its case cannot be read."""
+def read_run(
+    label: str, directory: Path, summary: Mapping[str, Any]
+) -> FinishedRun | ContinuumRun | SphereContactRun | None:
+    """Read a finished run; None if its case cannot be read."""
     try:
         if summary.get("kind") == "continuum":
             return ContinuumRun(label, directory, read_punch_case(directory / CASE_FILE), summary)
+        if summary.get("kind") == "sphere-contact":
+            return SphereContactRun(label, directory, read_toml(directory / CASE_FILE), summary)
         return FinishedRun(label, directory, load_case(directory / CASE_FILE), summary)
     except GranwaveError:
         return None  # the report says so elsewhere

@@ -13,11 +13,11 @@ from granwave.analysis.studies.registry import COMPARISON, STUDIES
 if TYPE_CHECKING:
     from granwave.analysis.document.model import Note, Table
     from granwave.analysis.figures.style import Drawing
-    from granwave.analysis.studies.runs import ContinuumRun, FinishedRun
+    from granwave.analysis.studies.runs import ContinuumRun, FinishedRun, SphereContactRun
 
 Kind = Literal["source", "theory", "verification", "alone"]
 Labels = Sequence[Mapping[str, Any]]  # of points of scans: values of the keys that vary
-Runs: TypeAlias = "Sequence[FinishedRun | ContinuumRun]"
+Runs: TypeAlias = "Sequence[FinishedRun | ContinuumRun | SphereContactRun]"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -43,6 +43,8 @@ class Row:
     verification
         The row tests the code, not the source: a second solver, a check value, a formula, or a value that similarity
         forces on any correct code.
+    digits
+        Significant digits of ours that mean something, where it depends on a choice such as the range of a fit.
     """
 
     quantity: str
@@ -53,6 +55,7 @@ class Row:
     remark: str = ""
     theory: float | None = None
     verification: bool = False
+    digits: int = 5
 
     def __post_init__(self) -> None:
         """Refuse a row that compares nothing.

@@ -191,7 +191,7 @@ def _publish(directory: Path) -> None:
     from granwave.analysis.studies.study import draw_studies
 
     inputs = read_inputs([directory], directory)
-    found = studies_of(inputs)
-    draw_studies([*comparison_of(inputs), *found], directory)
+    found = [*comparison_of(inputs), *studies_of(inputs)]
+    draw_studies(found, directory)
     write_rows(found, directory)
     write_report([directory], directory / SCAN_REPORT)

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from granwave.analysis.measures.chains.bilinear import PRINTED, leading_wave, spring_of
-from granwave.analysis.measures.chains.record import ChainRecord
+from granwave.analysis.measures.chains.record import OVERTAKEN, ChainRecord
 from granwave.analysis.measures.signals import Array, Power, at_time, power
 
 INVERSE = (30, 300)  # contacts of the fit in the inverse regime
@@ -17,7 +17,6 @@ _SHORT = 0.25  # of 1/sqrt(k/m): the longest pulse that is an impulse alone
 _FINE = 0.25  # of 1/sqrt(k/m): the coarsest record that shows the leading wave
 _SHORTEST = 8.0  # 1/sqrt(k/m): the shortest record, in which contacts 1 to 3 have peaked
 _CONTACTS = 12  # of the leading wave that are followed
-_OVERTAKEN = 1.0005  # of the leading peak: a later one that is higher
 _FEWEST = 100  # contacts that make such a fit worth while
 _FRONTS = (119.1, 238.2, 357.4)  # sqrt(k/m) t of Fig. 4.8: 1.5, 3 and 4.5 ms
 _BEHIND = 0.9  # of the way to the front over which velocities are averaged
@@ -60,7 +59,7 @@ class ShortPulse:
     def transition(self) -> int | None:
         """First contact that a later wave presses harder than the leading one did; None: beyond those followed."""
         n = min(self.contacts, len(self.largest))
-        over = np.flatnonzero(self.largest[:n] > _OVERTAKEN * self.leading[:n])
+        over = np.flatnonzero(self.largest[:n] > OVERTAKEN * self.leading[:n])
         return int(over[0]) + 1 if len(over) else None
 
     @property
@@ -76,9 +75,8 @@ class ShortPulse:
 
     @property
     def decay(self) -> float:
-        """Per contact, of the logarithm of the leading peak, from contact 1 to `last_of_leading`, two at least."""
-        last = max(2, self.last_of_leading)
-        return float(math.log(self.leading[0] / self.leading[last - 1]) / (last - 1))
+        """Of the logarithm of the leading peak from contact 1 to 2, which the leading wave rules for every beta."""
+        return float(math.log(self.leading[0] / self.leading[1]))
 
     def profile(self, contact: int) -> Array:
         """Forces of all contacts when one (from 1) is at its leading peak: (n_contacts,), N."""

@@ -128,11 +128,14 @@ class Composite:
 
     def stress(self, bead: int) -> float:
         """Largest von Mises stress between this bead and the next in the first peak, Pa; elastic chains alone."""
+        return self.pressure(bead) / hertz_von_mises_yield_factor(self.light.poisson_ratio)
+
+    def pressure(self, bead: int) -> float:
+        """Largest pressure of the same contact by Hertz, Pa."""
         law = pair_contact(self.run.case, bead, bead + 1)
         _, force = first_peak(self.run.time, self.run.force[:, self.run.contact_between(bead)])
         modulus, radius = law.effective_modulus, law.effective_radius
-        pressure = (6 * force * modulus**2 / (math.pi**3 * radius**2)) ** (1 / 3)
-        return pressure / hertz_von_mises_yield_factor(self.light.poisson_ratio)
+        return float((6 * force * modulus**2 / (math.pi**3 * radius**2)) ** (1 / 3))
 
 
 def composite_of(run: ChainRecord) -> Composite | None:

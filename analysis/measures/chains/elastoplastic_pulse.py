@@ -10,12 +10,12 @@ import numpy as np
 
 from granwave.analysis.measures.chains.elastoplastic_model import SPACING
 from granwave.analysis.measures.chains.groups import clustered
-from granwave.analysis.measures.chains.record import ChainRecord
+from granwave.analysis.measures.chains.record import OVERTAKEN, ChainRecord
 from granwave.analysis.measures.signals import Array, Power, arrival, power
 
 _THRESHOLD = 0.01  # of a contact's largest force: the leading disturbance has arrived
-_OVERTAKEN = 1.005  # of the leading peak: a later one that is higher
-_WINDOW = 10  # contacts over which a speed is taken
+_HALF = 5  # contacts on either side over which a speed is taken
+_WINDOW = 2 * _HALF
 _FARTHEST = 100  # contacts that are measured at most
 _AFTER = 0.85  # of the run: what arrives later may not have seen its largest force yet
 _FEWEST = 30  # contacts that make a chain worth while
@@ -54,9 +54,12 @@ class PlasticWave:
     @cached_property
     def arrivals(self) -> Array:
         """Times at which the leading disturbance reaches each contact: (n_contacts,), s; NaN: never."""
+        return self._arrivals(_THRESHOLD)
+
+    def _arrivals(self, level: float) -> Array:
+        """Times at which each contact first bears a share of its largest force: (n_contacts,), s; NaN: never."""
         pairs = zip(self.force.T, self.peak_force, strict=True)
-        times = [arrival(self.time, force, _THRESHOLD * top) if top > 0 else np.nan for force, top in pairs]
-        return np.array(times)
+        return np.array([arrival(self.time, force, level * top) if top > 0 else np.nan for force, top in pairs])
 
     @cached_property
     def contacts(self) -> int:
@@ -80,7 +83,7 @@ class PlasticWave:
     def transition(self) -> int | None:
         """First contact that a later wave presses harder than the leading one did; None: none."""
         for n in range(self.contacts):
-            if self.largest[n] > _OVERTAKEN * self.run.first_peak(n)[1]:
+            if self.largest[n] > OVERTAKEN * self.run.first_peak(n)[1]:
                 return n + 1
         return None
 
@@ -95,12 +98,28 @@ class PlasticWave:
     @cached_property
     def speed(self) -> tuple[Array, Array]:
         """Contacts, and the speed of the leading disturbance there in contacts/s, over windows of ten contacts."""
-        time, half = self.arrivals[: self.contacts], _WINDOW // 2
-        return self.number[half:-half], _WINDOW / (time[_WINDOW:] - time[:-_WINDOW])
+        return self._speed(self.arrivals)
 
-    def speed_powers(self, first: int, last: int) -> tuple[Power, Power]:
-        """Powers of that speed with the distance, and with the largest force (its own power law of distance)."""
-        number, speed = self.speed
+    def _speed(self, arrivals: Array) -> tuple[Array, Array]:
+        time = arrivals[: self.contacts]
+        return self.number[_HALF:-_HALF], _WINDOW / (time[_WINDOW:] - time[:-_WINDOW])
+
+    @property
+    def last_speed(self) -> int:
+        """The last contact whose speed is known."""
+        return self.contacts - _HALF
+
+    def speed_powers(self, first: int, last: int, level: float = _THRESHOLD) -> tuple[Power, Power]:
+        """Powers of that speed with the distance, and with the largest force (its own power law of distance).
+
+        Parameters
+        ----------
+        first, last
+            Contacts of the fit.
+        level
+            Share of a contact's largest force that counts as arrival.
+        """
+        number, speed = self._speed(self._arrivals(level))
         inside = (number >= first) & (number <= last)
         force = self.force_power(first, last)(number[inside])
         return power(number[inside], speed[inside]), power(force, speed[inside])

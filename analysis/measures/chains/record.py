@@ -23,6 +23,7 @@ from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 if TYPE_CHECKING:
     from granwave._contact_laws import ContactLaw
 
+OVERTAKEN = 1.005  # of the leading peak of a contact: a later wave that presses it harder; one for all chains
 _UNTOUCHED = 1e-3  # of the largest force, at the last contact
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from granwave.analysis.document.model import Block, Gallery, Note, Section
 from granwave.analysis.figures.style import style
 from granwave.analysis.reports.inputs import Inputs
-from granwave.analysis.reports.sections.studies import pictures_of
+from granwave.analysis.reports.sections.studies import pictures_of, row_tables
 from granwave.analysis.studies.registry import COMPARISON
-from granwave.analysis.studies.runs import read_run
+from granwave.analysis.studies.runs import ContinuumRun, FinishedRun, read_run
 from granwave.analysis.studies.study import Study, make_studies
 
 SLUG = "comparison"
@@ -20,12 +20,12 @@ def comparison_section(inputs: Inputs) -> Section:
         if study.pictures:
             with style():
                 gallery = Gallery(pictures_of(study, inputs, SLUG))
-            blocks += [Note(study.text), gallery, *study.tables]
+            blocks += [Note(study.text), gallery, *row_tables(study), *study.tables]
     return Section("Comparison", SLUG, tuple(blocks))
 
 
 def comparison_of(inputs: Inputs) -> list[Study]:
     """Comparison of a report's runs; empty if none can be compared."""
     found = [read_run(run.label, run.directory, run.summary) for run in inputs.whole()]
-    runs = [run for run in found if run is not None]
+    runs = [run for run in found if isinstance(run, FinishedRun | ContinuumRun)]
     return make_studies(dict.fromkeys(COMPARISON, runs))

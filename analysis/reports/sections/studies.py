@@ -6,13 +6,14 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from granwave.analysis.document.cells import BLANK, percent, value_cell
+from granwave.analysis.document.cells import BLANK, percent, significant, value_cell
 from granwave.analysis.document.model import Cell, Column, Figure, Gallery, Group, Note, Section, Table
 from granwave.analysis.document.pictures import picture_of
-from granwave.analysis.reports.inputs import Inputs
-from granwave.analysis.studies.runs import FinishedRun
+from granwave.analysis.reports.inputs import Inputs, Run
+from granwave.analysis.studies.registry import OF_SPHERE_CONTACTS
+from granwave.analysis.studies.runs import FinishedRun, SphereContactRun, read_run
 from granwave.analysis.studies.study import Kind, Row, Study, make_studies
-from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY
+from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY, RESULT_FILE
 
 SLUG = "studies"
 #: End of the caption of the rows of each kind, and the heading of the theory's column.
@@ -48,27 +49,49 @@ def studies_of(inputs: Inputs, named: Sequence[str] = ()) -> list[Study]:
     named
         Further studies, of all runs of the report.
     """
-    offered: dict[str, dict[Path, FinishedRun]] = {}
+    offered: dict[str, dict[Path, FinishedRun | SphereContactRun]] = {}
     undone: dict[str, list[Mapping[str, Any]]] = {}
-    read: dict[Path, tuple[FinishedRun, ...]] = {}
+    read: dict[Path, tuple[FinishedRun | SphereContactRun, ...]] = {}
     asked = [(run, tuple(named)) for run in inputs.runs]
     asked += [(point.run, (*scan.studies, *named)) for scan in inputs.scans for point in scan.points if point.run]
     for run, names in asked:
-        if not names or run.kind != "run" or run.damaged:
+        if not names or run.damaged:
             continue
         if run.directory not in read:
-            read[run.directory] = FinishedRun.among([(run.label, run.directory, run.summary)], lambda _: True)
+            read[run.directory] = _read(run)
         for name in names:
-            offered.setdefault(name, {}).update((one.directory, one) for one in read[run.directory])
+            wanted = SphereContactRun if name in OF_SPHERE_CONTACTS else FinishedRun
+            found = {one.directory: one for one in read[run.directory] if isinstance(one, wanted)}
+            if found or run.kind == "run":
+                offered.setdefault(name, {}).update(found)
     for scan in inputs.scans:
         for name in (*scan.studies, *named):
             undone.setdefault(name, []).extend(point.result.labels for point in scan.points if point.run is None)
     return make_studies({name: list(runs.values()) for name, runs in offered.items()}, undone)
 
 
+def _read(run: Run) -> tuple[FinishedRun | SphereContactRun, ...]:
+    """Read a run for studies; nothing if there are none of its kind, or it was refused or cannot be read."""
+    if run.kind == "run":
+        return FinishedRun.among([(run.label, run.directory, run.summary)], lambda _: True)
+    found = read_run(run.label, run.directory, run.summary)
+    whole = run.status == "done" and (run.directory / RESULT_FILE).is_file()
+    return (found,) if isinstance(found, SphereContactRun) and whole else ()
+
+
 def _group(study: Study, inputs: Inputs, new: bool) -> Group:
     """A study; its text only where it is new."""
     blocks: list[Table | Gallery | Note] = [Note(study.text)] if new else []
+    blocks += row_tables(study)
+    blocks += study.tables
+    if study.pictures:
+        blocks.append(Gallery(pictures_of(study, inputs, SLUG)))
+    return Group(f"{study.title}: tables and figures" if study.verdict else study.title, tuple(blocks))
+
+
+def row_tables(study: Study) -> list[Table | Note]:
+    """Tables of the rows of a study, one for each kind."""
+    blocks: list[Table | Note] = []
     for kind, (caption, theory) in _KINDS.items():
         rows = tuple(_cells(row) for row in study.rows if row.kind == kind)
         if rows and kind == "verification":
@@ -76,10 +99,7 @@ def _group(study: Study, inputs: Inputs, new: bool) -> Group:
         if rows:
             table = Table(f"{study.title}: {caption}", _columns(theory), rows, sortable=True, by_row=True)
             blocks.append(table)
-    blocks += study.tables
-    if study.pictures:
-        blocks.append(Gallery(pictures_of(study, inputs, SLUG)))
-    return Group(f"{study.title}: tables and figures" if study.verdict else study.title, tuple(blocks))
+    return blocks
 
 
 def pictures_of(study: Study, inputs: Inputs, section: str) -> tuple[Figure, ...]:
@@ -115,7 +135,7 @@ def _cells(row: Row) -> tuple[Cell, ...]:
     return (
         Cell(name, name),
         value_cell(row.source),
-        value_cell(row.ours),
+        value_cell(row.ours) if row.ours is None else Cell(significant(row.ours, row.digits), row.ours),
         Cell(percent(100 * deviation), deviation) if deviation is not None else Cell(BLANK),
         value_cell(row.theory),
         Cell(row.where, row.where),

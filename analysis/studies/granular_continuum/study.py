@@ -9,7 +9,7 @@ from granwave.analysis.document.model import Note, Table
 from granwave.analysis.studies.granular_continuum import blocks, forces, packings, sides, zone
 from granwave.analysis.studies.granular_continuum.impacts import Impacts, collect, energy_unit
 from granwave.analysis.studies.runs import ContinuumRun, FinishedRun
-from granwave.analysis.studies.study import Picture
+from granwave.analysis.studies.study import Picture, Row
 
 TITLE = "Comparison"
 _PARTS = (sides, zone, packings, forces, blocks)
@@ -50,6 +50,11 @@ def pictures(impacts: Impacts) -> Iterator[Picture]:
     """Pictures of all parts."""
     for part in _PARTS:
         yield from part.pictures(impacts)
+
+
+def rows(impacts: Impacts) -> Iterator[Row]:
+    """Rows of all parts that have some."""
+    yield from packings.rows(impacts)
 
 
 def tables(impacts: Impacts) -> Iterator[Table | Note]:

@@ -64,7 +64,7 @@ def rows(runs: Sequence[SmallWave]) -> Iterator[Row]:
     for where, pressure, speed, theirs in _series(runs):
         if len(set(pressure.tolist())) > 1:
             quantity, fit = f"Power of the speed with the pressure, {', '.join(where)}", power(pressure, speed)
-            yield Row(quantity, "", None, fit.exponent, "Hertz lattice", "", 1 / 6)
+            yield Row(quantity, "", None, fit.exponent, "Hertz lattice", "Forced by similarity.", 1 / 6, True)
         for p, ours, expected in zip(pressure.tolist(), speed.tolist(), theirs.tolist(), strict=True):
             remark = ""
             if abs(ours / expected - 1) > 0.01:

@@ -38,8 +38,9 @@ def rows(waves: Waves) -> Iterator[Row]:
     """Power, factor, and the speed at each force."""
     force, speed, printed = _speeds(waves)
     yield Row(
-        "Power of the speed of small pulses with the static force", "", 1 / 6, power(force, speed).exponent, WHERE
-    )
+        "Power of the speed of small pulses with the static force", "", None, power(force, speed).exponent, WHERE,
+        "Similarity forces it on any correct code.", 1 / 6, True,
+    )  # fmt: skip
     yield Row(
         "Factor of c0 in (4 E^2 F0/(a^2 rho^3 (1-nu^2)^2))^(1/6)", "", theory.PRINTED_FACTOR,
         theory.PRINTED_FACTOR * float(np.mean(speed / printed)), WHERE,

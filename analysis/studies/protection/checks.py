@@ -54,4 +54,4 @@ def _rows(run: TargetRun, name: str) -> Iterator[Row]:
 
 def _row(quantity: str, unit: str, per_unit: float, ours: float, expected: tuple[float, str]) -> Row:
     value, theory = expected
-    return Row(quantity, unit, None, float(per_unit * ours), theory, theory=per_unit * value)
+    return Row(quantity, unit, None, float(per_unit * ours), theory, "", per_unit * value, True)

@@ -43,10 +43,11 @@ def rows(found: Sequence[ChainSpeeds]) -> Iterator[Row]:
         fit, middle = one.fit, len(one.speed) // 2
         velocity, speed = float(one.velocity[middle]), float(one.speed[middle])
         exponent = f"Exponent of wave speed against particle velocity, {one.name}"
-        yield Row(exponent, "", 0.2, fit.exponent, _WHERE, f"95 % confidence: {fit.margin:.1g} either side")
+        remark = f"95 % confidence: {fit.margin:.1g} either side. Similarity forces it on any correct elastic code."
+        yield Row(exponent, "", None, fit.exponent, _WHERE, remark, 0.2, True)
         theory = float(speed_of(one.material, velocity))
         where = f"Wave speed at {velocity:.3g} m/s, {one.name}"
-        yield Row(where, "m/s", None, speed, _WHERE, "expected: Nesterenko's formula", theory)
+        yield Row(where, "m/s", None, speed, _WHERE, "Theory: Nesterenko's formula.", theory)
 
 
 def pictures(found: Sequence[ChainSpeeds]) -> Iterator[Picture]:

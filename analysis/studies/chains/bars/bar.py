@@ -52,14 +52,14 @@ def text(found: list[Meshes]) -> str:
 def rows(found: list[Meshes]) -> Iterator[Row]:
     """Compare, of like runs, the one with the finest mesh, and the order of the errors."""
     for group in found:
-        yield from (row for row in _rows(group[0]) if np.isfinite(row.ours))
+        yield from (row for row in _rows(group[0]) if row.ours is not None and np.isfinite(row.ours))
     for group in _with_meshes(found):
         load = group[0].run.case.load
         if load.shape == "half-sine" and group[0].bar.name == INCIDENT_BAR:  # which has kinks at its ends
             fit = power(np.array([one.bar.pitch for one in group]), np.array([one.deviation for one in group]))
             what = f"Order of the error of the shape in the element size, {load.shape}"
             remark = f"Fitted to {len(group)} meshes; 2/3 is what the kinks at its ends allow."
-            yield Row(what, "", None, fit.exponent, _WHERE, remark, 2 / 3)
+            yield Row(what, "", None, fit.exponent, _WHERE, remark, 2 / 3, True)
 
 
 def pictures(found: list[Meshes]) -> Iterator[Picture]:
@@ -85,15 +85,17 @@ def _rows(one: Passage) -> Iterator[Row]:
     of = f"{case.name}, {shape}{one.bar.name.replace('_', ' ')} in elements of {one.bar.pitch * _MILLI:.3g} mm"
     sharp = case.load.shape == "rectangle" and incident
     edge = "An edge is shorter than any element: it ripples, and overshoots by up to 27 %." if sharp else ""
-    yield Row(f"Speed, {of}", "m/s", None, one.speed, _WHERE, theory=one.bar.wave_speed)
-    yield Row(f"Impedance, {of}", "N s/m", None, one.measured_impedance, _WHERE, theory=one.impedance)
-    yield Row(f"Peak at a section over that which entered, {of}", "", None, one.overshoot, _WHERE, edge, 1.0)
-    yield Row(f"Largest deviation from the pulse's shape, {of}", "of its peak", None, one.deviation, _WHERE, edge)
-    yield Row(f"Energy over the integral of F²/Z, {of}", "", None, one.energy, _WHERE, theory=1.0)
     echo, lasts = one.run.assembly.echoes()[one.bar.name], float(one.run.time[-1])
-    remark = "The chain feels the end of the bar." if lasts > echo else "Nothing comes back within the run."
-    what = f"Echo at the chain not before, {of}; run of {lasts * _MICRO:.4g} µs"
-    yield Row(what, "µs", None, echo * _MICRO, _WHERE, remark)
+    back = f"An echo may reach the chain from {echo * _MICRO:.4g} µs on" if lasts > echo else "No echo within the run"
+    remark = f"{back}, which takes {lasts * _MICRO:.4g} µs."
+    for what, unit, ours, closed, note in (
+        ("Speed", "m/s", one.speed, one.bar.wave_speed, remark),
+        ("Impedance", "N s/m", one.measured_impedance, one.impedance, ""),
+        ("Peak at a section over that which entered", "", one.overshoot, 1.0, edge),
+        ("Largest deviation from the pulse's shape", "of its peak", one.deviation, 0.0, edge),
+        ("Energy over the integral of F²/Z", "", one.energy, 1.0, ""),
+    ):
+        yield Row(f"{what}, {of}", unit, None, ours, "closed form", note, closed, True)
 
 
 def _pulse(one: Passage) -> Drawing:

@@ -17,7 +17,7 @@ from granwave.lammps_inputs.packing.assembly import BAR, INCIDENT_BAR
 TITLE = "Split-Hopkinson bar"
 _MICRO, _KILO = 1e6, 1e-3
 _WHERE = "thesis 3.2.2, Fig. 3.5"
-_ASSUMED = "The source prints no signal and no value; this is for the pulse of the case."
+_ASSUMED = "The source prints no incident signal and no value: the pulse is ours, and nothing is tested by this number."
 _SECTIONS = (("Incident bar", 0.5), ("Bar", 0.25))  # shown; lengths from the end where the pulse enters
 
 
@@ -41,11 +41,11 @@ def rows(run: ChainRun) -> Iterator[Row]:
     entered = run.value("energy_input_J")
     for what, unit, ours, remark in (
         ("Peak force, incident", "kN", incident * _KILO, ""),
-        ("Peak force, transmitted", "kN", transmitted * _KILO, "Fig. 3.5 has an axis to 2.5 kN, for another pulse."),
+        ("Peak force, transmitted", "kN", transmitted * _KILO, _ASSUMED),
         ("Force, transmitted over incident", "", transmitted / incident, _ASSUMED),
         ("Energy, transmitted over incident", "", run.value(f"energy_{BAR}_J") / entered, _ASSUMED),
         ("Energy, reflected over incident", "", run.value(f"energy_{INCIDENT_BAR}_J") / entered,
-         "The source says that nearly all is reflected."),
+         "The source says that most of the energy is reflected."),
         ("Energy, dissipated over incident", "", run.value("energy_dissipated_J") / entered, ""),
     ):  # fmt: skip
         yield Row(f"{what}, {run.case.name}", unit, None, ours, _WHERE, remark)

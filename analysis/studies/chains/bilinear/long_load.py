@@ -58,13 +58,13 @@ def rows(one: HeldLoad) -> Iterator[Row]:
          "The print is ten times too small: at 3 ms, in Fig. 4.9, the fronts are still apart, one near 2.3 m.",
          "The print is ten times too small."),
     )  # fmt: skip
-    for quantity, unit, numerical, _, ours, expected, remark, _ in table:
-        yield Row(quantity, unit, numerical if sourced else None, ours, _WHERE, remark if sourced else "", expected)
-    for quantity, unit, _, predicted, _, expected, _, remark in table if sourced else ():
+    for quantity, unit, numerical, _, ours, closed, remark, _ in table:
+        yield Row(quantity, unit, numerical if sourced else None, ours, _WHERE, remark if sourced else "", closed)
+    for quantity, unit, _, predicted, _, closed, _, remark in table if sourced else ():
         name = quantity.split(",")[0]
-        yield Row(f"{name} as predicted by 4.36 to 4.39", unit, predicted, expected, _WHERE, remark, expected)
-    yield Row("F1, force behind the leading front under load", "N", theory.force if sourced else None, one.force(0),
-              "thesis 4.2.2", "", theory.force)  # fmt: skip
+        yield Row(f"{name} as predicted by 4.36 to 4.39", unit, predicted, None, _WHERE, remark, closed)
+    yield Row("F1, force behind the leading front under load", "N", None, one.force(0),
+              "balance of forces", "", theory.force)  # fmt: skip
     remark = (
         "The first contacts overshoot by inertia. The axis of Fig. 4.9(a), to 0.14 E*R*^2, would be six times the load "
         "and is not compared."

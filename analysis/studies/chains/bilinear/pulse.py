@@ -10,6 +10,7 @@ import numpy as np
 from granwave.analysis.figures.chains import bilinear_pulses
 from granwave.analysis.measures.chains.bilinear import PRINTED, first_coefficients
 from granwave.analysis.measures.chains.bilinear_pulse import INVERSE, ShortPulse, short_pulses
+from granwave.analysis.measures.chains.record import OVERTAKEN
 from granwave.analysis.studies.chains.runs import from_thesis, uniform
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture, Row
@@ -68,9 +69,9 @@ def rows(pulses: Pulses) -> Iterator[Row]:
         yield Row(what, "", printed, ours, _WHERE, remark, theory)
     for pulse in pulses:
         if math.isfinite(left := pulse.residual(1)):
-            beta, expected = f"beta {pulse.beta:g}", PRINTED[0] - PRINTED[3] * pulse.spring.share
-            what = f"Residual velocity of bead 1 (4.22), {beta}"
-            yield Row(what, "m/s", expected * pulse.velocity_unit, left, _WHERE)
+            beta, formula = f"beta {pulse.beta:g}", PRINTED[0] - PRINTED[3] * pulse.spring.share
+            what = f"Residual velocity of bead 1, {beta}"
+            yield Row(what, "m/s", None, left, "thesis (4.22)", "", formula * pulse.velocity_unit)
             what = f"Factor of sqrt(1 - beta) in 4.22, {beta}"
             yield Row(what, "", PRINTED[3], pulse.trailing_factor, _WHERE)
     for pulse in pulses:
@@ -78,7 +79,7 @@ def rows(pulses: Pulses) -> Iterator[Row]:
     for pulse in pulses:
         if pulse.inverse is not None:
             what = f"Power of the peak force with distance, contacts from {INVERSE[0]} on, beta {pulse.beta:g} (4.35)"
-            yield Row(what, "", -(1 + pulse.beta) / 2, pulse.inverse.exponent, _WHERE, _POWER, -1.0)
+            yield Row(what, "", -(1 + pulse.beta) / 2, pulse.inverse.exponent, _WHERE, _POWER, -1.0, digits=2)
     last = pulses[-1]
     where = f"{_WHERE}, Fig. 4.8" if from_thesis(last.far, yielding=True) else ""
     for row in last.instants:
@@ -107,16 +108,21 @@ def _rows_of_decay(pulse: ShortPulse) -> Iterator[Row]:
     beta, last, model = f"beta {pulse.beta:g}", max(2, pulse.last_of_leading), pulse.model
     number, relative = np.arange(1.0, last + 1), pulse.leading[:last] / pulse.leading[0]
     printed, discrete = (float(np.abs(law(number) / relative - 1).max()) for law in (model.printed, model.discrete))
-    yield Row(f"Decay of the leading peak per contact, contacts 1 to {last}, {beta} (4.28)", "", model.decay,
-              pulse.decay, _WHERE, _BY_CONTACTS, -math.log(model.ratio))  # fmt: skip
+    yield Row(f"Decay of the leading peak per contact, contacts 1 to 2, {beta}; source: 4.28 with its constants", "",
+              model.decay, pulse.decay, _WHERE, _BY_CONTACTS, -math.log(model.ratio))  # fmt: skip
     yield Row(f"Largest difference of 4.28 from the leading peaks 1 to {last}, {beta}", "", _ERROR_OF_MODEL, printed,
               _WHERE, "'Around 10 %', for beta 0.8 presumably; it starts at the simulated contact 1. Contact by "
               f"contact the difference is {discrete:.1%}.")  # fmt: skip
     if pulse.transition is not None:
         source = next((float(n) for b, n in _TRANSITIONS.items() if math.isclose(b, pulse.beta)), None)
-        crossing, remark = None, f"A later wave presses this contact {pulse.excess:.2g} % harder than the leading one."
+        crossing, remark = None, f"A later wave presses it {pulse.excess:.2g} % harder than the leading one."
         if model.transition:
             remark += f" Theory: where the source's two models cross, {model.transition:.1f}."
             crossing = math.ceil(model.transition)
+        if pulse.transition > 1:
+            before = pulse.transition - 2
+            most = 100 * (float(pulse.largest[before]) / float(pulse.leading[before]) - 1)
+            threshold = f"{100 * (OVERTAKEN - 1):.1g} %"
+            remark += f" Counted from {threshold} on, as in all studies; contact {before + 1}: {most:.2g} %."
         yield Row(f"Transition to the inverse regime, contact, {beta}", "", source, pulse.transition,
                   f"{_WHERE}, Fig. 4.7", remark, crossing)  # fmt: skip

@@ -48,23 +48,23 @@ def rows(chain: SteadyLoad) -> Iterator[Row]:
     scales, amplitude, peak = chain.scales, chain.amplitude, chain.peak
     thesis = from_thesis(chain.run) and math.isclose(amplitude, 40.0, rel_tol=1e-3)
 
-    def row(what: str, unit: str, source: float | None, ours: float, remark: str = "", theory: float | None = None,
-            where: str = _WHERE) -> Row:  # fmt: skip
-        return Row(what, unit, source if thesis else None, ours, where, remark, theory)
+    def row(what: str, unit: str, source: float | None, ours: float | None, remark: str = "",
+            theory: float | None = None, where: str = _WHERE) -> Row:  # fmt: skip
+        return Row(what, unit, source, ours, where, remark, theory)
 
-    yield row("Peak force", "N", 92.7, peak, f"At contact {chain.last}; it still rises slowly.",
+    yield row("Peak force", "N", 92.7 if thesis else None, peak, f"At contact {chain.last}; it still rises slowly.",
               None if thesis else 92.7 / 40 * amplitude)  # fmt: skip
-    remark = "By its formula alone: the force whose speed by Nesterenko is the bound."
-    yield row("Lower bound of the peak force", "N", 78.15, scales.force_at_speed(chain.lower), remark)
-    yield row("Upper bound of the peak force", "N", 107.2, scales.force_at_speed(chain.upper), remark)
-    printed = "The printed speed is 10^(1/6) too large. " if thesis else ""
-    for which, source, bound in (("Lower bound of the speed (4.16)", 668.0, chain.lower),
-                                 ("Upper bound of the speed (4.12)", 704.0, chain.upper)):  # fmt: skip
-        yield row(which, "m/s", source, bound, printed, source / _TOO_LARGE if thesis else None)
-    yield row("Speed of the front", "m/s", 687.2, chain.speed,
+    printed = f"The printed speed is 10^(1/6) = {_TOO_LARGE:.4f} times too large. " if thesis else ""
+    if thesis:
+        remark = "The force whose speed by Nesterenko is the bound, with the stated constants."
+        yield row("Lower bound of the peak force", "N", 78.15, None, remark, scales.force_at_speed(chain.lower))
+        yield row("Upper bound of the peak force", "N", 107.2, None, remark, scales.force_at_speed(chain.upper))
+        yield row("Lower bound of the speed (4.16)", "m/s", 668.0, None, printed, chain.lower)
+        yield row("Upper bound of the speed (4.12)", "m/s", 704.0, None, printed, chain.upper)
+    yield row("Speed of the front", "m/s", 687.2 if thesis else None, chain.speed,
               f"{printed}Theory: Nesterenko's of our peak force; the discrete wave is 1.2 % faster.",
               scales.nesterenko(peak))  # fmt: skip
-    yield row("Force of the plateau", "N", 40.0, chain.plateau_force, theory=amplitude)
+    yield Row("Force of the plateau", "N", None, chain.plateau_force, "balance of forces", "", amplitude, True)
     yield row("Bead velocity of the plateau", "m/s", None, chain.plateau_velocity,
               "Theory: (4.9) with the lower bound of the speed, for which the virial holds; with the upper one "
               f"{chain.bead_velocity(chain.upper):.4g} m/s.", chain.bead_velocity(chain.lower),
@@ -72,8 +72,8 @@ def rows(chain: SteadyLoad) -> Iterator[Row]:
     yield row("Mean velocity of all beads behind the front", "m/s", None, chain.mean_velocity,
               "Theory: (4.9) with the speed of the front, which is the balance of momentum.",
               chain.bead_velocity(chain.speed), "thesis (4.9)")  # fmt: skip
-    yield Row("Virial 4 K / 5 P of the chain", "", 1.0, chain.virial, "thesis (4.14)",
-              "Average of the second half of the run.")  # fmt: skip
+    yield Row("Virial 4 K / 5 P of the chain", "", None, chain.virial, "thesis (4.14)",
+              "Average of the second half of the run.", 1.0)  # fmt: skip
 
 
 def pictures(chain: SteadyLoad) -> Iterator[Picture]:

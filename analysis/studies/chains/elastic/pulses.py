@@ -59,7 +59,7 @@ def rows(pulses: Sequence[ForcePulse]) -> Iterator[Row]:
     if alike.any():
         spread = float(np.expm1(np.abs(np.diff(np.log(peak)))[alike].max()))
         yield Row("Largest spread of F_peak/I^(6/5) between impulses at equal A/I^(6/5)", "%", None, 100 * spread,
-                  _WHERE, "Theory: none, since Hertz's chain has no scale of its own.", 0.0)  # fmt: skip
+                  _WHERE, "None, since Hertz's chain has no scale of its own.", 0.0, True)  # fmt: skip
     for duration, source, what in _EXAMPLES:
         for pulse in pulses:
             load, example = pulse.run.load, (_EXAMPLE_IMPULSE, duration)

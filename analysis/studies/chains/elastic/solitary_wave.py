@@ -30,6 +30,7 @@ TITLE = "Solitary wave of an impulse"
 _FOOT = 1e-3  # of the largest velocity: the discrete wave has no foot
 _FEWEST_CONTACTS = 50
 _WHERE = "thesis 4.1.2"
+_SIMILAR = "The elastic chain has no scale of its own: similarity forces one value on any correct code."
 
 
 def select(runs: Sequence[FinishedRun]) -> list[list[SolitaryWave]]:
@@ -52,26 +53,32 @@ def text(waves: Sequence[SolitaryWave]) -> str:
 
 def rows(waves: Sequence[SolitaryWave]) -> Iterator[Row]:
     """Powers, coefficient, speed and width beside Nesterenko's wave and that of the discrete chain."""
-    for name, source, fit in zip(("peak force with the velocity of the first bead", "wave's speed with its peak force"),
+    for name, theory, fit in zip(("peak force with the velocity of the first bead", "wave's speed with its peak force"),
                                  (1.2, 1 / 6), _powers(waves), strict=False):  # fmt: skip
-        yield Row(f"Power of the {name}", "", source, fit.exponent, _WHERE, fit.interval)
+        yield Row(f"Power of the {name}", "", None, fit.exponent, _WHERE, f"{fit.interval} {_SIMILAR}", theory, True)
     coefficients, speeds = columns(waves, "coefficient", "nesterenko")
-    yield Row("Peak force over (m^3 E*^2 R* v^6)^(1/5)", "", IMPULSE_COEFFICIENT, float(coefficients.mean()), _WHERE,
-              f"{_spread(coefficients)}Theory: the discrete chain, by an independent solver.",
-              DISCRETE_COEFFICIENT)  # fmt: skip
-    yield Row("Speed over Nesterenko's at the same peak force", "", 1.0, float(speeds.mean()), "composite (4)",
-              f"{_spread(speeds)}Nesterenko's is of the continuum; theory: the discrete chain.",
-              discrete_speed())  # fmt: skip
+    of_discrete = "Theory: the discrete chain, by an independent solver."
+    what = "Peak force over (m^3 E*^2 R* v^6)^(1/5)"
+    yield Row(what, "", IMPULSE_COEFFICIENT, None, "thesis (4.5)", of_discrete, DISCRETE_COEFFICIENT)
+    yield Row(f"{what}, of the runs", "", None, float(coefficients.mean()), "independent solver",
+              f"{_spread(coefficients)}{_SIMILAR}", DISCRETE_COEFFICIENT, True)  # fmt: skip
+    what = "Speed over Nesterenko's at the same peak force"
+    yield Row(
+        what, "", 1.0, None, "composite (4)", f"Nesterenko's is of the continuum. {of_discrete}", discrete_speed()
+    )
+    yield Row(f"{what}, of the runs", "", None, float(speeds.mean()), "independent solver",
+              f"{_spread(speeds)}{_SIMILAR}", discrete_speed(), True)  # fmt: skip
     wave = waves[len(waves) // 2]
-    yield Row("Full width at half maximum of the bead velocity, diameters", "", HALF_OF_COS4,
-              width(wave.x, wave.velocity), "Nesterenko's cos^4",
-              "The discrete wave is narrower than that of the continuum.", DISCRETE_WIDTH)  # fmt: skip
+    found, what = width(wave.x, wave.velocity), "Full width at half maximum of the bead velocity, diameters"
+    yield Row(what, "", None, found, "Nesterenko's cos^4", "The discrete wave is narrower than that of the continuum.",
+              HALF_OF_COS4)  # fmt: skip
+    yield Row(f"{what}, discrete chain", "", None, found, "independent solver", _SIMILAR, DISCRETE_WIDTH, True)
     yield Row(f"Width of the wave at {_FOOT:g} of its largest velocity, diameters", "", 5.0,
               width(wave.x, wave.velocity, _FOOT), "thesis 4.1",
               f"cos^4 ends after {LENGTH:.2f} diameters; the discrete wave ends nowhere, and its width "
               "depends on the level.", LENGTH)  # fmt: skip
-    yield Row("Virial 4 K / 5 P of the wave", "", 1.0, wave.virial, "thesis (4.14)",
-              "Average of the second half of the run, without the beads that bounced back.")  # fmt: skip
+    yield Row("Virial 4 K / 5 P of the wave", "", None, wave.virial, "thesis (4.14)",
+              "Average of the second half of the run, without the beads that bounced back.", 1.0)  # fmt: skip
 
 
 def pictures(waves: Sequence[SolitaryWave]) -> Iterator[Picture]:

@@ -42,7 +42,8 @@ def rows(groups: Groups) -> Iterator[Row]:
     where = "thesis Fig. 4.1"
     if fit is not None:
         what = "Power of the critical loading time with the amplitude"
-        yield Row(what, "", -1 / 6, fit.exponent, where, fit.interval)
+        remark = f"{fit.interval} Similarity forces it on any correct code."
+        yield Row(what, "", None, fit.exponent, where, remark, -1 / 6, True)
     factor = float(np.mean(critical * amplitude ** (1 / 6)))
     remark = f"Depends on what is called a train: here a second peak of {100 * SECOND:g} % of the first."
     yield Row("Critical loading time T/tau times (A/(E* R*^2))^(1/6)", "", None, factor, where, remark)

@@ -19,7 +19,9 @@ TITLE = "Elasto-plastic chain after a pulse"
 _FAR = (15, 100)  # contacts of the fits in the inverse regime
 _LEAST_FAR = 45  # the last contact of such a fit at the least
 _COLLAPSE = 15  # contacts up to which runs of one impulse are compared: collisions farther on are chaotic
-_MIDDLE = 40  # contact: x/R* = 160, the last of the fits of the speed near the struck end
+_SPEED = (10, 95)  # contacts of all fits of the speed
+_NEAR = (20, 40)  # contacts of a fit that shows how much the power depends on them
+_LEVELS = (0.01, 0.1, 0.5)  # of a contact's largest force: what may count as arrival
 _LAST = 87  # contact: x/R* = 348, where Fig. 2.16 ends
 _ELASTIC = 20  # contact where the elastic wave is taken
 
@@ -45,7 +47,10 @@ def rows(pulses: Pulses) -> Iterator[Row]:
     """Decay, speed, collapse and dissipation; of other beads without the source's values, which are of its brass."""
     for part in (_rows_of_decay, _rows_of_speed, _rows_of_collapse, _rows_of_dissipation, _rows_of_elastic):
         for row in part(pulses):
-            yield row if _from_source(pulses) else dataclasses.replace(row, source=None, where="", remark="")
+            if _from_source(pulses):
+                yield row
+            elif row.ours is not None:
+                yield dataclasses.replace(row, source=None, where="", remark="")
 
 
 def pictures(pulses: Pulses) -> Iterator[Picture]:
@@ -106,28 +111,36 @@ def _rows_of_decay(pulses: Pulses) -> Iterator[Row]:
                   f"Between {steps.min():.2f} and {steps.max():.2f} from contact to contact.")  # fmt: skip
         yield Row(f"Power of the peak force with distance, contacts {first} to {last}, {_tag(wave)}", "", -1.0,
                   wave.force_power(first, last).exponent, "thesis 2.26",
-                  "Waves that merge make steps in the curve; near yield the chain turns elastic.")  # fmt: skip
+                  "Waves that merge make steps in the curve; near yield the chain turns elastic.",
+                  digits=2)  # fmt: skip
 
 
 def _rows_of_speed(pulses: Pulses) -> Iterator[Row]:
-    where = "thesis 2.2.3, Fig. 2.15"
+    where, first = "thesis 2.2.3, Fig. 2.15", _SPEED[0]
+    last = min(_SPEED[1], *(wave.last_speed for wave in pulses.chosen))
+    if last < _LEAST_FAR - first:
+        return
     for wave in pulses.chosen:
-        farthest = min(_FAR[1], wave.contacts)
-        for last in (_MIDDLE, farthest) if farthest >= _LEAST_FAR else ():
-            low = float(wave.largest[last - 1]) / wave.run.law.yield_force
-            remark = f"Peak force at contact {last}: {low:.2g} F_y. " + (
-                "Nearer to yield the elastic power 1/6 of the force comes back, which makes -1/6 of the distance."
-                if last > _MIDDLE
-                else "It depends by some 0.02 on what counts as arrival, which the source does not say."
-            )
-            of_distance, of_force = wave.speed_powers(10, last)
-            for what, source, fit in (("distance", -0.2, of_distance), ("the peak force", 0.2, of_force)):
-                name = f"Power of the leading speed with {what}, contacts 10 to {last}, {_tag(wave)}"
-                yield Row(name, "", source, fit.exponent, where, remark)
-    contact = np.arange(20.0, min(_FAR[1], pulses.contacts) - 5)
-    if len(contact) > 10 and (law := pulses.impulse_power(contact)) is not None:
-        yield Row("Power of the leading speed with the impulse, at equal places from contact 20 on", "", 1 / 6,
-                  law.exponent, where, "Depends on the range by some 0.01.")  # fmt: skip
+        of_distance, of_force = wave.speed_powers(first, last)
+        levels = ", ".join(f"{wave.speed_powers(first, last, level)[0].exponent:.2f}" for level in _LEVELS)
+        low = float(wave.largest[last - 1]) / wave.run.law.yield_force
+        remark = f"Arrival at 1, 10, 50 % of a contact's largest force: {levels}."
+        if last > _NEAR[1]:
+            near = wave.speed_powers(*_NEAR)[0].exponent
+            remark += f" Contacts {_NEAR[0]} to {_NEAR[1]} alone: {near:.2f}."
+        remark += f" The source says neither level nor range. Peak force at contact {last}: {low:.2g} F_y."
+        what = f"contacts {first} to {last}, {_tag(wave)}"
+        yield Row(f"Power of the leading speed with distance, {what}", "", -0.2, of_distance.exponent, where, remark,
+                  digits=2)  # fmt: skip
+        yield Row(f"Power of the leading speed with the peak force, {what}", "", 0.2, of_force.exponent, where, "",
+                  digits=2)  # fmt: skip
+    if (law := pulses.impulse_power(np.arange(first, last + 1.0))) is not None:
+        remark = (
+            "The source contradicts itself: with F ~ I/x and a speed that depends on F alone the powers with I and "
+            "with 1/x are one number, so its 1/6 and 1/5 cannot both hold."
+        )
+        yield Row(f"Power of the leading speed with the impulse, contacts {first} to {last}", "", 1 / 6, law.exponent,
+                  where, remark, digits=2)  # fmt: skip
 
 
 def _rows_of_collapse(pulses: Pulses) -> Iterator[Row]:
@@ -155,7 +168,8 @@ def _rows_of_dissipation(pulses: Pulses) -> Iterator[Row]:
         ours = float(wave.dissipated[last - 1])
         constant = last * model.QUADRATIC[0] / summed
         remark = (
-            f"The source claims 6 % at most. Its integral in place of the sum gives {integral / wave.energy_unit:.4g} "
+            "The source calls small impulses accurate and others within 6 %. Its integral in place of the sum gives "
+            f"{integral / wave.energy_unit:.4g} "
             f"({ours / integral - 1:+.0%}): it drops half of contact 1, which holds {wave.dissipated[0] / ours:.0%}."
         )
         if constant > 0.1:
@@ -170,11 +184,11 @@ def _rows_of_dissipation(pulses: Pulses) -> Iterator[Row]:
     )
     for (what, unit, remark), printed, fitted in zip(units, model.QUADRATIC, model.quadratic_of(law), strict=True):
         name = f"{what} of 2.28, fitted to the law up to {model.FITTED_TO:g} N"
-        yield Row(name, unit, printed, float(fitted), where, remark)
+        yield Row(name, unit, printed, None, where, remark, float(fitted))
     for force, remark in ((1e3, "The print overestimates small forces: 2.28 is a fit."), (5e3, "")):
-        ours = float(model.dissipation_at(law, np.array([force]))[0])
-        name = f"Dissipated by a contact of {force:g} N; source: 2.28 with its constants"
-        yield Row(name, "J", float(model.dissipation_of(force)), ours, where, remark)
+        of_law = float(model.dissipation_at(law, np.array([force]))[0])
+        name = f"Dissipated by a contact of {force:g} N; source: 2.28 with its constants; theory: the contact law"
+        yield Row(name, "J", float(model.dissipation_of(force)), None, where, remark, of_law)
 
 
 def _rows_of_elastic(pulses: Pulses) -> Iterator[Row]:

@@ -1,0 +1,147 @@
+"""The contact law against finite elements of two spheres pressed together (thesis 2.1).
+
+One base everywhere: finite elements over the law, less 1, at equal overlap.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
+from typing import Any
+
+import h5py
+import numpy as np
+
+from granwave.analysis.figures.series import MARKS, label, panels
+from granwave.analysis.figures.style import Drawing
+from granwave.analysis.measures.signals import Array
+from granwave.analysis.studies.runs import SphereContactRun
+from granwave.analysis.studies.study import Picture, Row
+from granwave.lammps_inputs.run_directory import RESULT_FILE
+
+TITLE = "Contact law against finite elements"
+TEXT = (
+    "Two elastic-perfectly-plastic spheres, pressed together by finite elements. Differences are finite elements over "
+    "the contact law, less 1, at equal overlap; alpha_y is the overlap at first yield. The contact grows element by "
+    "element, so single values have steps of half a per cent."
+)
+_SPOTS = (3.0, 10.0)  # alpha_y: where the law is farthest off, and where its plateau begins
+_DEEP = 0.19  # R*: nearly the end of Fig. 2.10, and of the law's fit
+_CLAIMED = 6.0  # per cent: thesis 2.1.2
+_EXPONENTS = (1.30, 1.42)  # of unloading: thesis 2.1
+_SMOOTH = 0.02  # half-width, in the logarithm of the overlap, over which a spot is averaged
+_REMARKS = (
+    "The source: about 6 % at most. Its Fig. 2.8, to 800 alpha_y, cannot show this range.",
+    "The source: about 6 % at most, the law too strong at large overlaps.",
+)
+
+
+class Contact(SphereContactRun):
+    """Loading of two finite-element spheres beside the law."""
+
+    @cached_property
+    def _loading(self) -> tuple[Array, Array]:
+        with h5py.File(self.directory / RESULT_FILE) as file:
+            overlap, force, law = (np.asarray(file[f"loading/{name}"]) for name in ("overlap", "force", "law_force"))
+        return overlap, force / law - 1
+
+    @property
+    def scaled(self) -> Array:
+        """Overlap over that at first yield: (n_entries,)."""
+        return self._loading[0] / self.value("yield_overlap_m")
+
+    @property
+    def over_law(self) -> Array:
+        """Force of finite elements over that of the law, less 1: (n_entries,)."""
+        return self._loading[1]
+
+    @property
+    def depth(self) -> Array:
+        """Overlap over R*: (n_entries,)."""
+        return self._loading[0] / self.value("effective_radius_m")
+
+    def near(self, place: float, along: Array) -> float:
+        """Mean of `over_law` about a place along one of the scales; NaN beyond the largest overlap."""
+        chosen = np.abs(np.log(along / place)) < _SMOOTH
+        return float(self.over_law[chosen].mean()) if chosen.any() else math.nan
+
+    @property
+    def ratio(self) -> float:
+        """Ratio of the larger radius to the smaller."""
+        own, other = (float(self.case[table].get("radius", self.case["sphere"]["radius"])) for table in self._spheres)
+        return max(own, other) / min(own, other)
+
+    @property
+    def _spheres(self) -> tuple[str, str]:
+        return "sphere", "partner" if "partner" in self.case else "sphere"
+
+    @property
+    def _other(self) -> Mapping[str, Any]:
+        return self.case.get("partner", {}).get("material", self.case["material"])
+
+    @property
+    def like(self) -> bool:
+        """Both spheres are of one material."""
+        return self._other == self.case["material"]
+
+    @property
+    def name(self) -> str:
+        """Materials and radii in a few words."""
+        own = self.case["material"].get("name", "one material")
+        materials = own if self.like else f"{own} and {self._other.get('name', 'another')}"
+        return f"{materials}, radii {self.ratio:g} to 1" if self.ratio != 1 else f"{materials}, like radii"
+
+
+def select(runs: Sequence[SphereContactRun]) -> list[list[Contact]]:
+    """All runs whose contacts yield, spheres alike first."""
+    found = [run.seen_as(Contact) for run in runs if math.isfinite(run.value("yield_overlap_m"))]
+    found = [run for run in found if run.scaled[-1] > _SPOTS[-1]]
+    return [sorted(found, key=lambda run: (not run.like, run.ratio, run.name))] if found else []
+
+
+def rows(found: Sequence[Contact]) -> Iterator[Row]:
+    """Differences from the law by range of overlap, for unlike radii also from like ones, and unloading exponents."""
+    for run in found:
+        yield from _rows_of_loading(run)
+    alike = next((run for run in found if run.like and run.ratio == 1), None)
+    for run in found:
+        if alike and run.like and run.ratio > 1 and min(run.depth[-1], alike.depth[-1]) > _DEEP:
+            ours = (1 + run.near(_DEEP, run.depth)) / (1 + alike.near(_DEEP, alike.depth)) - 1
+            what = f"Finite elements at {_DEEP:g} R*, {run.name}, over those of like radii"
+            remark = "The caption of the figure says that there the curves begin to deviate."
+            yield Row(what, "%", None, 100 * ours, "thesis Fig. 2.10", remark, 0.0, digits=2)
+    for run in found:
+        for word, key, source in zip(("Smallest", "Largest"), ("min", "max"), _EXPONENTS, strict=True):
+            if math.isfinite(ours := run.value(f"unloading_exponent_{key}")):
+                yield Row(f"{word} unloading exponent, {run.name}", "", source, ours, "thesis 2.1", digits=3)
+
+
+def pictures(found: Sequence[Contact]) -> Iterator[Picture]:
+    """Difference from the law against overlap."""
+    figure, axes = panels(2.6)
+    data = {}
+    for run, mark in zip(found, MARKS, strict=False):
+        shown = run.scaled > 0.3  # below it the contact has too few elements
+        axes.plot(run.scaled[shown], 100 * run.over_law[shown], marker=mark, markersize=2, markevery=40, label=run.name)
+        data[f"{run.name}: overlap_normalised"] = run.scaled[shown]
+        data[f"{run.name}: finite_elements_over_law"] = run.over_law[shown]
+    axes.axhline(0, color="black", linewidth=0.5)
+    label(axes, r"Overlap $\alpha/\alpha_\mathrm{y}$", "Finite elements over law (%)", log="x")
+    axes.legend()
+    yield Picture("", "Force of finite elements over that of the contact law, on loading", Drawing(figure, data))
+
+
+def _rows_of_loading(run: Contact) -> Iterator[Row]:
+    where, end = "thesis 2.1.2", f"{run.depth[-1]:.2g} R*"
+    for spot in _SPOTS:
+        what = f"Finite elements over the law at {spot:g} alpha_y, {run.name}"
+        yield Row(what, "%", None, 100 * run.near(spot, run.scaled), "thesis Fig. 2.8", theory=0.0, digits=2)
+    near, far = (run.scaled >= 1) & (run.scaled <= _SPOTS[-1]), run.scaled > _SPOTS[-1]
+    for chosen, span, remark in zip((near, far), ("1 to 10 alpha_y", f"10 alpha_y to {end}"), _REMARKS, strict=True):
+        over = 100 * run.over_law[chosen]
+        for word, ours in (("least", over.min()), ("most", over.max())):
+            limit = math.copysign(_CLAIMED, ours)
+            source = limit if abs(ours) == np.abs(over).max() and run.like and run.ratio == 1 else None
+            what = f"Finite elements over the law from {span}: {word}, {run.name}"
+            yield Row(what, "%", source, float(ours), where, remark if source else "", 0.0, digits=2)
