@@ -64,7 +64,7 @@ def place_strikers(
         radius = (striker.diameter or lattice.diameter) / 2
         touched = np.searchsorted(ids, sorted(set(striker.touches)))
         at, reach = centres[touched], radii[touched] + radius
-        side = _side(striker, at, middle, lattice.diameter)
+        side = _side(striker, at, middle, _FLAT * lattice.diameter if scattered else 0.0)
         centre: NDArray[np.float64] | None = _touching(at, reach, side)
         if not _touches(centre, at, reach):
             centre = _resting(at, reach, side) if scattered else None
@@ -129,18 +129,25 @@ def _brought_up(
 
 
 def _side(
-    striker: Striker, at: NDArray[np.float64], middle: NDArray[np.float64], diameter: float
+    striker: Striker, at: NDArray[np.float64], middle: NDArray[np.float64], uncertain: float
 ) -> NDArray[np.float64]:
-    """Return the unit vector from the spheres at ``at`` to the side of the striker: (3,)."""
+    """Return the unit vector from the spheres at ``at`` to the side of the striker: (3,).
+
+    Parameters
+    ----------
+    uncertain
+        Distance from ``middle`` that scattered diameters may cause, m; 0: the spheres are at their sites.
+    """
     away = at.mean(axis=0) - middle
+    if np.linalg.norm(away) < uncertain:
+        away = np.zeros(3)
     above = np.array([0.0, 0.0, -1.0])
-    span = at[1:] - at[0]
-    away[np.abs(away) < _FLAT * diameter] = 0.0  # the middle, but for scattered diameters
+    span, telling = at[1:] - at[0], _FLAT if uncertain else _TELLING
     for guess in (-np.array(striker.velocity), away, above):
         across = guess - np.linalg.pinv(span, rcond=_FLAT) @ (span @ guess) if len(span) else guess
         # only the component across the line or plane of the spheres distinguishes the possible positions
         size = np.linalg.norm(across)
-        if size > _TELLING * np.linalg.norm(guess) and size > _TOLERANCE * np.abs(at).max(initial=0.0):
+        if size > telling * np.linalg.norm(guess) and size > _TOLERANCE * np.abs(at).max(initial=0.0):
             return across / size
     return above
 
