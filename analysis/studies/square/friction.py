@@ -123,7 +123,7 @@ def rows(group: Rubbed) -> Iterator[Row]:
 
 def pictures(group: Rubbed) -> Iterator[Picture]:
     """Losses at the first of the sensors of both groups of chains, by coefficient and place of friction."""
-    figure, axes = one_panel(2.6, "Coefficient of friction", "Loss of peak velocity (%)", xlim=(0, None))
+    figure, axes = one_panel(2.6, "Coefficient of friction", "Loss of peak velocity (%)")
     columns: dict[str, Array] = {name: np.array(part) for name, part in zip(
         ("contact_friction", "boundary_friction"), zip(*(run.frictions for run in group.runs), strict=True),
         strict=True)}  # fmt: skip
@@ -140,6 +140,7 @@ def pictures(group: Rubbed) -> Iterator[Picture]:
             x = np.array([max(run.frictions) for run in group.runs])[chosen]
             label = f"{chain.split()[0]}, {kind}"
             axes.plot([0, *x], [0, *lost[chosen]], line, color=colour, marker=mark, markersize=3, label=label)
+    axes.set(xlim=(0, None), ylim=(0, None))
     axes.legend()
     yield Picture("", "Loss of the waves by friction", Drawing(figure, columns))
 
