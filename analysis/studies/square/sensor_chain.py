@@ -42,7 +42,7 @@ def rows(found: Reflections) -> Iterator[Row]:
     """A row for each mass."""
     for ratio, ours in found.items():
         of_source = abs(ratio - _SENSOR_MASS) < _SAME
-        source, remark = (_LIMIT, "the source says less than this") if of_source else (None, "")
+        source, remark = (_LIMIT, "The source says less than this.") if of_source else (None, "")
         quantity = f"Largest reflection of a sphere of {ratio:.3g} of the others' mass"
         yield Row(quantity, "% of the wave", source, ours, "square packing, Experimental Setup", remark)
 

@@ -23,11 +23,11 @@ def test_source_table_is_computed_right(tmp_path):
     unit = sphere_contact(load_case(run / "case.toml")).yield_force
     rows = {
         row["Quantity"].text: row
-        for row in table(build([run], tmp_path, "restitution"), "sources", "Source against ours")
+        for row in table(build([run], tmp_path, "restitution"), "sources", "Verification of the code")
     }
     assert set(rows) == {"Dissipated fraction", "Peak contact force (F_y)", "Yielded contacts"}
     row = rows["Dissipated fraction"]
-    assert (row["Source gives"].value, row["Ours"].value, row["Within its rounding"].text) == (0.87, 0.8735, "yes")
+    assert (row["Second solver"].value, row["Ours"].value, row["Within its rounding"].text) == (0.87, 0.8735, "yes")
     assert row["Difference"].value == pytest.approx(100 * 0.0035 / 0.87)
     assert row["Difference"].text == "+0.4 %"
     assert rows["Peak contact force (F_y)"]["Ours"].value == pytest.approx(696.8 / unit)

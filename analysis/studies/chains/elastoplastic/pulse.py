@@ -20,6 +20,7 @@ _FAR = (15, 100)  # contacts of the fits in the inverse regime
 _LEAST_FAR = 45  # the last contact of such a fit at the least
 _COLLAPSE = 15  # contacts up to which runs of one impulse are compared: collisions farther on are chaotic
 _SPEED = (10, 95)  # contacts of all fits of the speed
+_LEAST_SPEED = 15  # contacts of such a fit at the least
 _NEAR = (20, 40)  # contacts of a fit that shows how much the power depends on them
 _LEVELS = (0.01, 0.1, 0.5)  # of a contact's largest force: what may count as arrival
 _LAST = 87  # contact: x/R* = 348, where Fig. 2.16 ends
@@ -118,7 +119,7 @@ def _rows_of_decay(pulses: Pulses) -> Iterator[Row]:
 def _rows_of_speed(pulses: Pulses) -> Iterator[Row]:
     where, first = "thesis 2.2.3, Fig. 2.15", _SPEED[0]
     last = min(_SPEED[1], *(wave.last_speed for wave in pulses.chosen))
-    if last < _LEAST_FAR - first:
+    if last - first < _LEAST_SPEED:
         return
     for wave in pulses.chosen:
         of_distance, of_force = wave.speed_powers(first, last)

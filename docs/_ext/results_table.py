@@ -1,0 +1,174 @@
+"""Results of all suites as they are stored: ``docs/explanation/results.json``, and the page and README made of it.
+
+A suite has its date, versions, and studies; suites without rows are named. A study has its rows, each of one kind (a
+source, theory, a verification of the code, or granwave alone), and its own tables. Nothing of the page is typed: it is
+made from the stored results alone.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from granwave.analysis.document.cells import significant
+from granwave.analysis.document.cleanup import tidied
+from granwave.analysis.document.model import Block, Cell, Column, Group, Note, Report, Section, Table, cleaned
+from granwave.analysis.reports.sections.studies import row_tables
+from granwave.analysis.reports.writers.markdown import markdown
+from granwave.analysis.studies.rows_file import record_of
+from granwave.analysis.studies.study import Row, Study
+from granwave.lammps_inputs.files import replace_text
+
+ROOT = Path(__file__).parents[2]
+STORED = ROOT / "docs" / "explanation" / "results.json"
+PAGE = STORED.with_suffix(".md")
+README = ROOT / "README.md"
+_TITLE = "Results against the sources"
+_LEAD = (
+    "Made from finished runs by make results, and not typed. Thesis is R. K. Pal, University of Illinois at "
+    "Urbana-Champaign, 2015; composite chain is the paper on chains of steel with brass or PTFE; square packing is "
+    "Leonard, Fraternali, Daraio, Exp. Mech. Rows are of four kinds. A source is printed in the literature. Theory "
+    "follows from equations. A verification tests the code and not a source: a second solver, a check value, a formula "
+    "or what similarity forces on any correct code. The rest is granwave alone. Where ours is missing, only source and "
+    "theory speak."
+)
+_BLOCK = re.compile(r"(<!-- results -->\n)(.*?)(<!-- /results -->)", re.DOTALL)
+_KINDS = {"source": "source", "theory": "theory", "verification": "verification", "alone": "granwave alone"}
+_REFERENCE = "fcc-impact-values"
+#: The ten results of the README: what is before the quantity, suite, study, start of the quantity (the first such row).
+CHOSEN = (
+    ("Reference impact: ", "fcc-impact", _REFERENCE, "Dissipated fraction"),
+    ("Reference impact: ", "fcc-impact", _REFERENCE, "Peak contact force"),
+    ("", "sphere-contacts", "sphere-contact", "Finite elements over the law from 1 to 10 alpha_y: most, brass, like"),
+    (
+        "",
+        "sphere-contacts",
+        "sphere-contact",
+        "Finite elements over the law from 10 alpha_y to 0.2 R*: least, brass, like",
+    ),
+    ("Elastic chain, 40 N for 10 ms: ", "chains", "elastic-long-load", "Peak force"),
+    ("Elasto-plastic chain: ", "chains", "elastoplastic-pulse", "Power of the leading speed with distance"),
+    ("Bilinear chain, 8 kN for 2.5 ms: ", "chains", "bilinear-long-load", "v2, velocity once the fronts have met"),
+    ("Square packing: ", "square", "square-in-plane", "Energy in central chains"),
+    ("Chain: ", "square", "sensor-chain", "Largest reflection of a sphere of 0.921"),
+    ("FCC packing: ", "prestress", "precompressed-packing-speed", "Speed of small waves, fcc, uniaxial"),
+)
+
+
+def read_stored(path: Path = STORED) -> dict[str, Any]:
+    """Read the stored results; those of no suite if there is no file."""
+    if not path.is_file():
+        return {"suites": {}}
+    found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    return found
+
+
+def write_all(stored: Mapping[str, Any]) -> None:
+    """Write the JSON file, the page and the README's block."""
+    replace_text(STORED, json.dumps(stored, indent=1, ensure_ascii=False) + "\n")
+    replace_text(PAGE, page_of(stored))
+    text = README.read_text(encoding="utf-8")
+    replace_text(README, with_block(text, readme_table(stored)))
+
+
+def as_stored(study: Study) -> dict[str, Any]:
+    """Return a study for the JSON file: numbers of its rows in full, its own tables as text."""
+    return {
+        "title": study.title,
+        "text": study.text,
+        "verdict": list(study.verdict),
+        "rows": [record_of(row) | {"digits": row.digits} for row in study.rows],
+        "tables": [_table(one) if isinstance(one, Table) else one.text for one in study.tables],
+    }
+
+
+def row_of(record: Mapping[str, Any]) -> Row:
+    """Return a stored row."""
+    return Row(
+        record["quantity"],
+        record["unit"],
+        record["source"],
+        record["granwave"],
+        record["where"],
+        record["remark"],
+        record["theory"],
+        record["kind"] == "verification",
+        record["digits"],
+    )
+
+
+def page_of(stored: Mapping[str, Any]) -> str:
+    """Return the page of all stored results."""
+    sections = tuple(_section(name, suite) for name, suite in stored["suites"].items())
+    if absent := stored.get("absent"):
+        note = Note(f"No rows are stored of: {', '.join(absent)}. Nothing is said of them here.")
+        sections += (Section("Not run", "not-run", (note,)),)
+    text, _ = markdown(cleaned(tidied(Report(_TITLE, _LEAD, sections))), "")
+    return text
+
+
+def chosen_rows(stored: Mapping[str, Any]) -> Iterator[Row | None]:
+    """Rows of the README; None for one that the stored results lack."""
+    for before, suite, study, start in CHOSEN:
+        records = stored["suites"].get(suite, {}).get("studies", {}).get(study, {}).get("rows", ())
+        found = next((row_of(one) for one in records if one["quantity"].startswith(start)), None)
+        yield found and dataclasses.replace(found, quantity=before + found.quantity)
+
+
+def readme_table(stored: Mapping[str, Any]) -> str:
+    """Return the README's table."""
+    lines = ["| quantity | what it is compared with | value | granwave |", "|---|---|---|---|"]
+    for row in chosen_rows(stored):
+        if row is not None and row.ours is not None:
+            against = row.theory if row.source is None else row.source
+            value = "-" if against is None else significant(against, 5)
+            unit = f" {row.unit}" if row.unit else ""
+            what = f"{_KINDS[row.kind]}: {row.where}"
+            lines.append(f"| {row.quantity} | {what} | {value}{unit} | {significant(row.ours, row.digits)}{unit} |")
+    return "\n".join(lines) + "\n"
+
+
+def with_block(text: str, table: str) -> str:
+    """Return a text whose block of results is replaced.
+
+    Raises
+    ------
+    ValueError
+        It has no such block.
+    """
+    if not _BLOCK.search(text):
+        raise ValueError("found no block between <!-- results --> and <!-- /results -->")
+    return _BLOCK.sub(lambda found: f"{found[1]}{table}{found[3]}", text)
+
+
+def _section(name: str, suite: Mapping[str, Any]) -> Section:
+    kinds = [row["kind"] for study in suite["studies"].values() for row in study["rows"]]
+    counts = ", ".join(f"{kinds.count(kind)} {word}" for kind, word in _KINDS.items() if kind in kinds)
+    versions = ", ".join(f"{program} {'/'.join(found)}" for program, found in suite["versions"].items())
+    state = "" if suite["complete"] else " Not all of its runs are done."
+    blocks: list[Block] = [Note(f"Command: {suite['command']}. Last run on {suite['date']}, with {versions}.{state}")]
+    if counts:
+        blocks.append(Note(f"Rows: {counts}."))
+    for study in suite["studies"].values():
+        found = Study("", study["title"], "", tuple(map(row_of, study["rows"])))
+        notes = [Note(text) for text in (study["text"], *study["verdict"]) if text]
+        tables = [Note(one) if isinstance(one, str) else _read_table(one) for one in study["tables"]]
+        parts = (*notes, *row_tables(found), *tables)
+        if len(parts) > len(notes):
+            blocks.append(Group(study["title"], parts))
+    return Section(suite["title"], name, tuple(blocks))
+
+
+def _table(table: Table) -> dict[str, Any]:
+    columns = [[column.heading, column.unit, column.numeric] for column in table.columns]
+    return {"caption": table.caption, "columns": columns, "rows": [[cell.text for cell in row] for row in table.rows]}
+
+
+def _read_table(stored: Mapping[str, Any]) -> Table:
+    columns = tuple(Column(heading, unit, numeric=numeric) for heading, unit, numeric in stored["columns"])
+    rows: Sequence[Sequence[str]] = stored["rows"]
+    return Table(stored["caption"], columns, tuple(tuple(map(Cell, row)) for row in rows))

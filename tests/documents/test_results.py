@@ -1,0 +1,109 @@
+"""The tables of results: made of the stored rows, and some of these run anew; forces on disk move what measures them."""
+
+from __future__ import annotations
+
+import importlib.util
+import shutil
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import h5py
+import pytest
+
+from granwave.analysis.studies.runs import FinishedRun
+from granwave.analysis.studies.study import Row, make_studies
+from granwave.workflows import load_case, run_case
+from tests.documents.pages import ROOT
+
+SAME = 1e-6  # relative: runs of these cases give the same bits; libraries of other versions round otherwise
+#: Quick cases, their study, and the suite that has their rows.
+QUICK = (("homogeneous-chain", "homogeneous-chain", "chains"), ("sensor-chain", "sensor-chain", "square"))
+
+
+def program() -> ModuleType:
+    """Module that stores results and makes the page of them."""
+    name = "results_table"
+    specification = importlib.util.spec_from_file_location(name, ROOT / "docs" / "_ext" / f"{name}.py")
+    assert specification and specification.loader
+    module = importlib.util.module_from_spec(specification)
+    sys.modules[name] = module
+    specification.loader.exec_module(module)
+    return module
+
+
+TABLE = program()
+STORED = TABLE.read_stored()
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> dict[str, FinishedRun]:
+    folder, found = tmp_path_factory.mktemp("quick"), {}
+    for name, *_ in QUICK:
+        case = load_case(name)
+        outcome = run_case(case, folder / name, figures=False)
+        found[name] = FinishedRun(name, folder / name, case, outcome.summary)
+    return found
+
+
+def rows_of(study: str, run: FinishedRun) -> dict[str, Row]:
+    (made,) = make_studies({study: [run]})
+    return {row.quantity: row for row in made.rows}
+
+
+def stored_rows(suite: str, study: str) -> dict[str, Row]:
+    return {one["quantity"]: TABLE.row_of(one) for one in STORED["suites"][suite]["studies"][study]["rows"]}
+
+
+@pytest.mark.parametrize(("name", "study", "suite"), QUICK)
+def test_a_fresh_run_gives_the_stored_rows(finished, name, study, suite):
+    stored, fresh = stored_rows(suite, study), rows_of(study, finished[name])
+    assert fresh and set(fresh) <= set(stored)
+    for quantity, row in fresh.items():
+        before = stored[quantity]
+        assert row.kind == before.kind, quantity
+        for ours, theirs in ((row.ours, before.ours), (row.source, before.source), (row.theory, before.theory)):
+            assert ours == (None if theirs is None else pytest.approx(theirs, rel=SAME)), quantity
+
+
+def test_the_page_and_the_readme_are_made_of_the_stored_rows():
+    assert TABLE.page_of(STORED) == TABLE.PAGE.read_text(encoding="utf-8"), "make results was not run"
+    readme = TABLE.README.read_text(encoding="utf-8")
+    assert TABLE.with_block(readme, TABLE.readme_table(STORED)) == readme, "make results was not run"
+
+
+def test_the_readme_has_ten_rows():
+    rows = list(TABLE.chosen_rows(STORED))
+    assert len(rows) == 10 and all(row is not None and row.ours is not None for row in rows)
+
+
+def test_every_suite_says_when_and_with_what_it_was_run():
+    for name, suite in STORED["suites"].items():
+        assert suite["date"] and suite["versions"].get("granwave") and suite["command"].startswith("granwave"), name
+        for study in suite["studies"].values():
+            for record in study["rows"]:
+                assert TABLE.row_of(record).kind == record["kind"], record["quantity"]
+
+
+def test_a_force_on_disk_moves_every_row_that_measures_it(finished, tmp_path):
+    run = finished["homogeneous-chain"]
+    copy = changed(run, tmp_path / "copy", 1.1)
+    before, after = rows_of("homogeneous-chain", run), rows_of("homogeneous-chain", copy)
+    forces = [name for name in before if name.startswith("Peak force")]
+    errors = [name for name in before if name.startswith("Error of")]
+    assert len(forces) == 3 and len(errors) == 3
+    for name in forces:
+        assert after[name].ours == pytest.approx(1.1 * before[name].ours)
+    for name in errors:
+        assert abs(after[name].ours - before[name].ours) > 0.1  # per cent
+    for name in set(before) - {*forces, *errors}:
+        assert after[name].ours == before[name].ours  # speeds
+
+
+def changed(run: FinishedRun, folder: Path, factor: float) -> FinishedRun:
+    """A copy of a run whose recorded contact forces are multiplied."""
+    shutil.copytree(run.directory, folder)
+    with h5py.File(folder / "result.h5", "r+") as file:
+        for name in ("chain/contact_force", "contacts/peak_force"):
+            file[name][...] = factor * file[name][...]
+    return FinishedRun("copy", folder, run.case, run.summary)
