@@ -201,8 +201,8 @@ class PackingSection:
         "spheres left out: a share of them, chosen at random, or their ids", _parse_vacancies, default=0.0
     )
     tilt: tuple[int, int] | None = custom(
-        "slight tilt of a square packing's floor: ways along x and y, 1 or -1 each, in which the spheres roll until they "
-        "lean on each other; left out: they stay at the sites of the lattice",
+        "slight tilt of a square packing's floor: ways along x and y, 1 or -1 each, in which the spheres roll until "
+        "they lean on each other; left out: they stay at the sites of the lattice",
         _parse_tilt,
         default=None,
     )

@@ -73,11 +73,13 @@ def _check_scatter(packing: PackingSection, errors: ErrorList) -> None:
 def _check_tilt(packing: PackingSection, parts: Mapping[str, Any], periodic: bool, errors: ErrorList) -> None:
     """Check that every sphere of a packing on a tilted floor finds two to lean on."""
     if packing.kind != "square":
-        errors.add("packing.tilt", f'found with packing.kind = "{packing.kind}", expected "square": one layer on a floor')
+        errors.add("packing.tilt", f'found with packing.kind = "{packing.kind}", expected "square", a layer on a floor')
     if packing.vacancies:
         errors.add("packing.vacancies", "found beside packing.tilt; spheres beside a vacancy would roll into it")
     if periodic:
-        errors.add("boundary.sides", 'found "periodic" beside packing.tilt, which needs a corner; expected "wall" or "free"')
+        errors.add(
+            "boundary.sides", 'found "periodic" beside packing.tilt, expected "wall" or "free": it needs a corner'
+        )
     for place, entry in enumerate(parts.get("replace", ()), start=1):
         if (entry.diameter or 0.0) > packing.diameter:
             errors.add(

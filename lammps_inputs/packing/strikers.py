@@ -65,11 +65,13 @@ def place_strikers(
         touched = np.searchsorted(ids, sorted(set(striker.touches)))
         at, reach = centres[touched], radii[touched] + radius
         side = _side(striker, at, middle, _FLAT * lattice.diameter if scattered else 0.0)
-        centre: NDArray[np.float64] | None = _touching(at, reach, side)
+        centre = _touching(at, reach, side)
         if not _touches(centre, at, reach):
-            centre = _resting(at, reach, side) if scattered else None
-        if centre is None:
-            raise ValueError(f"striker {number}: found no place where it touches {list(striker.touches)} all at once")
+            rested = _resting(at, reach, side) if scattered else None
+            if rested is None:
+                what = list(striker.touches)
+                raise ValueError(f"striker {number}: found no place where it touches {what} all at once")
+            centre = rested
         if shift.any():
             way = np.array(striker.velocity) if any(striker.velocity) else -side
             centre = _brought_up(number, striker, centre + shift, at, reach, way / np.linalg.norm(way))

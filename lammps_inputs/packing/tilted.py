@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Cells = tuple[NDArray[np.int64], NDArray[np.int64]]  # rows and columns of arrays (ny, nx)
 
 
 def lean(size: tuple[int, ...], diameter: float, diameters: Array, tilt: tuple[int, int]) -> Array:
@@ -40,15 +41,11 @@ def lean(size: tuple[int, ...], diameter: float, diameters: Array, tilt: tuple[i
     for diagonal in range(1, nx + ny - 1):
         b = np.arange(max(0, diagonal - nx + 1), min(ny, diagonal + 1))
         a = diagonal - b
-        row, column = (b, a), a > 0  # sphere (a, b); those that lean on one in their row
-        reach_u = _reach(radii, drop, row, (b, a - 1))
-        reach_v = _reach(radii, drop, row, (b - 1, a))
-        on_wall_v, on_wall_u = b == 0, ~column
-        first = on_wall_v & column
+        reach_u = _reach(radii, drop, (b, a), (b, a - 1))  # of the one in its row; no use at the wall
+        reach_v = _reach(radii, drop, (b, a), (b - 1, a))
+        first, last, inner = (b == 0) & (a > 0), (a == 0) & (b > 0), (a > 0) & (b > 0)
         u[b[first], a[first]] = u[0, a[first] - 1] + _side(reach_u[first], v[0, a[first]] - v[0, a[first] - 1])
-        last = on_wall_u & (b > 0)
         v[b[last], 0] = v[b[last] - 1, 0] + _side(reach_v[last], u[b[last], 0] - u[b[last] - 1, 0])
-        inner = column & (b > 0)
         i, j = b[inner], a[inner]
         beside = np.stack([u[i, j - 1], v[i, j - 1]])
         below = np.stack([u[i - 1, j], v[i - 1, j]])
@@ -67,7 +64,7 @@ def _from_corner(values: Array, tilt: tuple[int, int]) -> Array:
     return values[:: -tilt[1], :: -tilt[0]]
 
 
-def _reach(radii: Array, drop: Array, one: tuple[Array, Array], other: tuple[Array, Array]) -> Array:
+def _reach(radii: Array, drop: Array, one: Cells, other: Cells) -> Array:
     """Distance in the plane of the centres of two touching spheres on the floor."""
     return _side(radii[one] + radii[other], drop[one] - drop[other])
 

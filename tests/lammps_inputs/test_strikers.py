@@ -64,7 +64,9 @@ def test_misalignment_is_random_within_its_bounds_and_follows_the_seed() -> None
     again = assemble(square([EDGE[0], EDGE[1] | {"misalignment": [0.0, 1e-3, 0.0]}], {"seed": 1}))
     assert again.centre_of(32)[1] - 2.5 * D == pytest.approx(2 * sides[0])  # the same number, scaled
     only = square([EDGE[0] | {"misalignment": [0.0, 1e-5, 0.0]}, EDGE[1]])
-    assert assemble(only).centre_of(31)[1] != pytest.approx(again.centre_of(31)[1], abs=1e-9)  # a stream of each striker
+    assert assemble(only).centre_of(31)[1] != pytest.approx(
+        again.centre_of(31)[1], abs=1e-9
+    )  # a stream of each striker
 
 
 @pytest.mark.parametrize("tilt", [(1, 1), (1, -1), (-1, 1), (-1, -1)])
@@ -106,11 +108,23 @@ def test_without_scatter_a_tilt_changes_nothing() -> None:
 @pytest.mark.parametrize(
     ("strikers", "packing", "message"),
     [
-        ([EDGE[0], EDGE[1] | {"offset": [0, 0.011, 0]}], {}, r"striker 2: shifted by 0\.011 m across its way it misses"),
-        ([EDGE[0], EDGE[1] | {"misalignment": [0, -1e-3, 0]}], {}, r"striker\.2\.misalignment: .* none of them negative"),
+        (
+            [EDGE[0], EDGE[1] | {"offset": [0, 0.011, 0]}],
+            {},
+            r"striker 2: shifted by 0\.011 m across its way it misses",
+        ),
+        (
+            [EDGE[0], EDGE[1] | {"misalignment": [0, -1e-3, 0]}],
+            {},
+            r"striker\.2\.misalignment: .* none of them negative",
+        ),
         ([EDGE[0], EDGE[1] | {"offset": [1e-3, 0, 0]}], {}, r"striker\.2\.offset: .* along its way"),
         (EDGE, {"tilt": [1, 0]}, r"packing\.tilt: found \[1, 0\], expected \[1, 1\]"),
-        (EDGE, {"kind": "fcc", "size": [5, 6, 1], "tilt": [1, 1]}, r"packing\.tilt: found with packing\.kind = \"fcc\""),
+        (
+            EDGE,
+            {"kind": "fcc", "size": [5, 6, 1], "tilt": [1, 1]},
+            r"packing\.tilt: found with packing\.kind = \"fcc\"",
+        ),
         (EDGE, {"tilt": [1, 1], "vacancies": 0.1}, r"packing\.vacancies: found beside packing\.tilt"),
     ],
 )

@@ -1,4 +1,4 @@
-"""Influence of scattered diameters on the power of the wave speed with the force: 1/6 of like spheres, 1/4 of others."""
+"""Influence of scattered diameters on the power of the wave speed with the force, which is 1/6 of like spheres."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ TITLE = "Wave speed with defects"
 TEXT = (
     "Power of the wave speed with the force. Of like spheres it is 1/6; the source quotes 1/4 for packings with "
     "defects and little precompression, from others' work on hexagonal ones, and gives neither tolerance nor load. "
-    "Ours: small waves in precompressed packings (the force of a contact goes with the pressure), and waves of an impact "
-    "in a square packing whose scattered spheres stay at their sites, with gaps (peak force of the contacts, "
+    "Ours: small waves in precompressed packings (the force of a contact goes with the pressure), and waves of an "
+    "impact in a square packing whose scattered spheres stay at their sites, with gaps (peak force of the contacts, "
     "sphere 6 to 10 of a central chain, means over seeds). Local powers are those of two neighbouring loads."
 )
 _WHERE = "square packing, 2-D Background"
@@ -108,7 +108,9 @@ def pictures(found: Sequence[Speeds]) -> Iterator[Picture]:
             columns |= {f"{word}_{'Pa' if static else 'N'}": one.load, f"{word}_speed_m_s": one.speed}
         one = shown[-1]
         for exponent, line, label in ((1 / 6, ":", "1/6"), (1 / 4, "--", "1/4")):
-            axes.loglog(one.load, one.speed[-1] * (one.load / one.load[-1]) ** exponent, line, color="black", label=label)
+            axes.loglog(
+                one.load, one.speed[-1] * (one.load / one.load[-1]) ** exponent, line, color="black", label=label
+            )
         axes.set(xlabel=xlabel, ylabel="Wave speed (m/s)")
         legend_outside(figure, 2, fontsize=7)
         caption = "Wave speed against " + ("the static pressure" if static else "the peak force of the wave")

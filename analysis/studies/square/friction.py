@@ -117,7 +117,9 @@ def rows(group: Rubbed) -> Iterator[Row]:
         own, floor = run.frictions
         if floor and not own:
             quantity, ours = f"Lost to the floor: {said}", 100 * run.value("friction_fraction")
-            remark = "Theory: weight times coefficient times the way of every sphere; less where a sphere begins to roll."
+            remark = (
+                "Theory: weight times coefficient times the way of every sphere; less where a sphere begins to roll."
+            )
             yield Row(quantity, "% of input", None, ours, _WHERE, remark, 100 * run.floor_work)
 
 

@@ -139,4 +139,6 @@ def _lengths(run: PackingRun) -> Iterator[Row]:
                 where = f"sensor {name} ({group}, sphere {place})"
                 remark = "Theory: the dotted line, Nesterenko's wave."
                 panel = f"{_LENGTH}({'abcd'[n]})"
-                yield Row(f"Pulse length, {measure}, {where}", "diameters", None, ours, panel, remark, expected[measure])
+                yield Row(
+                    f"Pulse length, {measure}, {where}", "diameters", None, ours, panel, remark, expected[measure]
+                )

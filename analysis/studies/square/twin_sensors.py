@@ -26,8 +26,8 @@ TITLE = "Twin sensors in a square packing"
 TEXT = (
     "Two sensors at places that symmetry makes equal, and impacts that are not ideal: the striker hits off the centre "
     "of the one at rest, the one at rest sits aside, the diameters scatter. On a tilted floor spheres lean on each "
-    "other and all contacts are closed, without tilt they stay at the sites of the lattice, with gaps. Each setting has "
-    "runs with seeds of their own; given are standard deviations from run to run of the time between the two peaks of "
+    "other and all contacts are closed, without tilt they stay at the sites of the lattice, with gaps. Each setting "
+    "has runs with seeds of their own; given are standard deviations from run to run of the time between the two peaks of "
     "acceleration, and of their ratio. The source had 15 impacts for each; it tells the tolerance of the "
     "diameters, 0.01 mm to either side, but no misalignment."
 )
@@ -228,7 +228,9 @@ def _sample(twins: Twins, words: str, members: Sequence[PackingRun]) -> Sample:
 
 def _chance(mean: float, scatter: float) -> str:
     errors = abs(mean) / (scatter / math.sqrt(_IMPACTS))
-    return f"Symmetry makes it 0; the source's is {errors:.1f} standard errors of its {_IMPACTS} impacts from it: chance."
+    return (
+        f"Symmetry makes it 0; the source's is {errors:.1f} standard errors of its {_IMPACTS} impacts from it: chance."
+    )
 
 
 def _remark(one: Sample) -> str:

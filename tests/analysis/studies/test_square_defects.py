@@ -32,7 +32,9 @@ def study(name: str, case: str, directory: Path, *changes: dict[str, Any]) -> St
     runs = []
     for n, change in enumerate(changes):
         read = load_case(CASES / f"{case}.toml", change)
-        runs.append(FinishedRun(str(n), directory / str(n), read, run_case(read, directory / str(n), figures=False).summary))
+        runs.append(
+            FinishedRun(str(n), directory / str(n), read, run_case(read, directory / str(n), figures=False).summary)
+        )
     (found,) = make_studies({name: runs})
     return found
 
@@ -63,7 +65,10 @@ def test_friction_takes_from_the_edge_chains(tmp_path: Path) -> None:
     central, edge = (rows[f"Loss of peak velocity, {name}: friction 0.2 between spheres"]
                      for name in ("central chains, sphere 6", "edge chains, sphere 5"))  # fmt: skip
     assert 1 < central < 4 and 30 < edge < 55
-    assert rows["Share of the friction between spheres at contacts of the two struck ones: friction 0.2 between spheres"] > 60
+    assert (
+        rows["Share of the friction between spheres at contacts of the two struck ones: friction 0.2 between spheres"]
+        > 60
+    )
     (lost,) = [row for row in found.rows if row.quantity.startswith("Lost to the floor")]
     assert lost.ours == pytest.approx(lost.theory, rel=0.1)
 
@@ -72,7 +77,8 @@ def test_friction_takes_from_the_edge_chains(tmp_path: Path) -> None:
 def test_scattered_diameters_slow_weak_waves_more(tmp_path: Path) -> None:
     thin = SMALL | {"packing.size": [12, 2], "striker.1.touches": [1, 13], "striker.2.touches": 25, "sensor": []}
     changes = [
-        thin | {"packing.diameter_scatter": scatter, "striker.2.velocity": [v, 0, 0], "run.end_time": end, "run.frames": 161}
+        thin
+        | {"packing.diameter_scatter": scatter, "striker.2.velocity": [v, 0, 0], "run.end_time": end, "run.frames": 161}
         for scatter in (0.0, 2e-6)
         for v, end in ((0.03, 1.9e-3), (0.3, 8e-4), (3.0, 4e-4))
     ]
