@@ -21,10 +21,10 @@ from granwave.analysis.studies.study import Picture, Row
 TITLE = "Spheres with sensors in a chain on a load cell"
 TEXT = (
     "A struck chain with a load cell at its end: a plate on a spring, whose force is what the cell reads. Spheres 6, "
-    "11 and 16, one by one and together, have the mass of a sphere with a sensor. Given are the change of the first peak "
-    "that the cell reads and of its width at half maximum, against like spheres. The source sees no change of the wave "
-    "length and no clear trend of the amplitude in ten impacts each; it tells neither mass nor stiffness "
-    "of the cell, nor how well impacts repeat. Ours of the cell are assumed; a rigid wall in its place changes as much."
+    "11 and 16, one by one and together, have the mass of a sphere with a sensor. Given are the change of the first "
+    "peak that the cell reads and of its width at half maximum, against like spheres. The source sees no change of "
+    "the wave length and no clear trend of the amplitude in ten impacts each; it tells neither mass nor stiffness of "
+    "the cell, nor how well impacts repeat. Ours of the cell are assumed; a rigid wall in its place changes as much."
 )
 _WHERE = "square packing, Experimental Setup"
 

@@ -27,8 +27,8 @@ TEXT = (
     "Two sensors at places that symmetry makes equal, and impacts that are not ideal: the striker hits off the centre "
     "of the one at rest, the one at rest sits aside, the diameters scatter. On a tilted floor spheres lean on each "
     "other and all contacts are closed, without tilt they stay at the sites of the lattice, with gaps. Each setting "
-    "has runs with seeds of their own; given are standard deviations from run to run of the time between the two peaks of "
-    "acceleration, and of their ratio. The source had 15 impacts for each; it tells the tolerance of the "
+    "has runs with seeds of their own; given are standard deviations from run to run of the time between the two peaks "
+    "of acceleration, and of their ratio. The source had 15 impacts for each; it tells the tolerance of the "
     "diameters, 0.01 mm to either side, but no misalignment."
 )
 _WHERE = "square packing, Wave Propagation Path"
