@@ -61,6 +61,7 @@ SUITES = {
     ),
     "chains": Suite("Chains", "scan", ("chains",)),
     "square": Suite("Square packings", "scan", ("square",)),
+    "square-defects": Suite("Square packings that are not ideal", "scan", ("square-defects",)),
     "prestress": Suite("Precompressed, settled and preconditioned packings", "scan", ("prestress",)),
     "protection": Suite("Protected targets", "scan", ("protection",)),
     "tolerance": Suite("Tolerance and friction", "scan", ("tolerance",)),

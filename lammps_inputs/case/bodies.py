@@ -37,6 +37,7 @@ _MOST_IDS = 10_000_000  # in one list; a longer one would take gigabytes as Pyth
 _VECTOR_FORM = "[x, y, z] in m/s"
 _SPIN_FORM = "[x, y, z] in rad/s"
 _POINT_FORM = "[x, y, z] in m"
+_OFFSET = Usual(1e-9, 1.0, ("mm", "um"))
 
 
 def _parse_index(value: Any) -> tuple[int, ...]:
@@ -53,6 +54,13 @@ def _parse_index(value: Any) -> tuple[int, ...]:
     if not ids:
         raise ValidationError(_INDEX_FORM)
     return ids
+
+
+def _parse_extent(value: Any) -> tuple[float, float, float]:
+    extent = parse_point(value, _POINT_FORM)
+    if min(extent) < 0:
+        raise ValidationError(f"{_POINT_FORM}, none of them negative")
+    return extent
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -97,6 +105,20 @@ class Striker:
     )
     diameter: float | None = number(
         "diameter of the striker; that of the packing by default", unit="m", above=0, default=None, usual=DIAMETER
+    )
+    offset: tuple[float, float, float] = custom(
+        "shift of the striker across its way; it is then brought up along its way until it touches the first sphere",
+        lambda value: parse_point(value, _POINT_FORM),
+        unit="m",
+        default=(0.0, 0.0, 0.0),
+        usual=_OFFSET,
+    )
+    misalignment: tuple[float, float, float] = custom(
+        "largest random shift along x, y, z on top of the offset, evenly spread to both sides; drawn by packing.seed",
+        _parse_extent,
+        unit="m",
+        default=(0.0, 0.0, 0.0),
+        usual=_OFFSET,
     )
     material: Material | None = None
 

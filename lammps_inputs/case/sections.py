@@ -86,6 +86,16 @@ def _parse_vacancies(value: Any) -> float | tuple[int, ...]:
     return share
 
 
+def _parse_tilt(value: Any) -> tuple[int, int]:
+    expected = "[1, 1], [1, -1], [-1, 1] or [-1, -1]: the ways along x and y in which the spheres roll"
+    if not isinstance(value, list | tuple) or len(value) != 2:
+        raise ValidationError(expected)
+    x, y = (int(finite(one, expected)) for one in value)
+    if any(one not in (1, -1) for one in value):
+        raise ValidationError(expected)
+    return x, y
+
+
 _DENT_FORM = (
     "a number in m, the path of a result.h5, or tables {overlap = ...} or {force = ...} with low and high = [x, y, z]"
 )
@@ -189,6 +199,12 @@ class PackingSection:
     )
     vacancies: float | tuple[int, ...] = custom(
         "spheres left out: a share of them, chosen at random, or their ids", _parse_vacancies, default=0.0
+    )
+    tilt: tuple[int, int] | None = custom(
+        "slight tilt of a square packing's floor: ways along x and y, 1 or -1 each, in which the spheres roll until "
+        "they lean on each other; left out: they stay at the sites of the lattice",
+        _parse_tilt,
+        default=None,
     )
     seed: int | None = custom("seed of all that is random in the packing", _parse_seed, default=None)
 

@@ -7,6 +7,8 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from granwave.lammps_inputs.case.bodies import Bar, Sensor, Striker
 from granwave.lammps_inputs.case.load import Load
 from granwave.lammps_inputs.case.schema import ErrorList, show
@@ -127,6 +129,13 @@ def _check_strikers(strikers: tuple[Striker, ...], n_spheres: int, errors: Error
                 f"striker.{n}.touches",
                 f"found {beyond[0]}, expected ids from 1 to {known}: spheres of the packing, and earlier strikers",
             )
+        for key, shift in (("offset", striker.offset), ("misalignment", striker.misalignment)):
+            if any(shift) and any(striker.velocity) and not np.cross(shift, striker.velocity).any():
+                errors.add(
+                    f"striker.{n}.{key}",
+                    f"found {show(shift)} along its way, expected a part across it: a striker starts in contact, "
+                    "so that a shift along its way has no effect",
+                )
 
 
 def _check_sensors(sensors: tuple[Sensor, ...], n_spheres: int, errors: ErrorList) -> None:
@@ -270,9 +279,8 @@ def _check_load(load: Load | None, packing: PackingSection, boundary: Boundary, 
 
 def _touch(assembly: Assembly, first: int, second: int) -> bool:
     """Return True if two spheres touch at the start."""
-    case = assembly.case
     low, high = sorted((first, second))
     n = assembly.lattice.n_spheres
     if high > n:
-        return low in case.striker[high - n - 1].touches
+        return (low, high) in assembly.striker_contacts
     return high in assembly.lattice.neighbours(low)

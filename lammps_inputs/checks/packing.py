@@ -28,6 +28,8 @@ def check_disorder(parts: Mapping[str, Any], errors: ErrorList) -> None:
     periodic = boundary is not None and boundary.sides == "periodic"
     lattice = Lattice(packing.kind, packing.size, packing.diameter, periodic)
     _check_scatter(packing, errors)
+    if packing.tilt is not None:
+        _check_tilt(packing, parts, periodic, errors)
     for place, entry in enumerate(parts.get("replace", ()), start=1):
         _check_replaced(entry, f"replace.{place}", packing, lattice, errors)
     if packing.vacancies:
@@ -66,6 +68,25 @@ def _check_scatter(packing: PackingSection, errors: ErrorList) -> None:
             "packing.diameter_scatter",
             f"found {packing.diameter_scatter:g}, expected less than the radius, {packing.diameter / 2:g} m",
         )
+
+
+def _check_tilt(packing: PackingSection, parts: Mapping[str, Any], periodic: bool, errors: ErrorList) -> None:
+    """Check that every sphere of a packing on a tilted floor finds two to lean on."""
+    if packing.kind != "square":
+        errors.add("packing.tilt", f'found with packing.kind = "{packing.kind}", expected "square", a layer on a floor')
+    if packing.vacancies:
+        errors.add("packing.vacancies", "found beside packing.tilt; spheres beside a vacancy would roll into it")
+    if periodic:
+        errors.add(
+            "boundary.sides", 'found "periodic" beside packing.tilt, expected "wall" or "free": it needs a corner'
+        )
+    for place, entry in enumerate(parts.get("replace", ()), start=1):
+        if (entry.diameter or 0.0) > packing.diameter:
+            errors.add(
+                f"replace.{place}.diameter",
+                f"found {entry.diameter:g} above packing.diameter, {packing.diameter:g} m, beside packing.tilt; "
+                "make that the largest diameter",
+            )
 
 
 def _check_replaced(entry: Replace, key: str, packing: PackingSection, lattice: Lattice, errors: ErrorList) -> None:

@@ -21,6 +21,7 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material, sphere_mass
 from granwave.lammps_inputs.lattices import TOUCHING, Lattice
 from granwave.lammps_inputs.packing.bars import BAR, INCIDENT_BAR, PlacedBar, place_bar
+from granwave.lammps_inputs.packing.disorder import striker_shift
 from granwave.lammps_inputs.packing.sites import Sites, sites_of
 from granwave.lammps_inputs.packing.strikers import place_strikers
 from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
@@ -242,9 +243,29 @@ class Assembly:
     def contacts(self) -> NDArray[np.int64]:
         """Return the ids of touching pairs at the start, i < j, in no particular order: (n_contacts, 2)."""
         pairs = list(self.lattice.pairs() if self.sites is None else self.sites.contacts())
-        for number, (striker, _) in zip(self._striker_ids, self.strikers, strict=True):
-            pairs.append(np.array([sorted((touched, number)) for touched in sorted(set(striker.touches))]))
+        if self.striker_contacts:
+            pairs.append(np.array(self.striker_contacts))
         return np.concatenate(pairs) if pairs else np.empty((0, 2), dtype=np.int64)
+
+    @cached_property
+    def striker_contacts(self) -> list[tuple[int, int]]:
+        """Ids of the spheres that a striker touches at the start, each with that of the striker.
+
+        They are those that the case names, but for gaps that scattered diameters or a misaligned striker leave.
+        """
+        found = []
+        for number, (striker, centre) in zip(self._striker_ids, self.strikers, strict=True):
+            for touched in sorted(set(striker.touches)):
+                reach = (self.diameter_of(touched) + self.diameter_of(number)) / 2
+                if abs(np.linalg.norm(self.centre_of(touched) - centre) - reach) <= TOUCHING * self.lattice.diameter:
+                    found.append((touched, number))
+        return found
+
+    def centre_of(self, sphere: int) -> NDArray[np.float64]:
+        """Return the centre of the sphere with this id: (3,), m."""
+        if sphere > self.lattice.n_spheres:
+            return self.strikers[sphere - self.lattice.n_spheres - 1][1]
+        return np.asarray(self.lattice_positions(sphere, sphere)[0])
 
     @property
     def history(self) -> int:
@@ -258,7 +279,7 @@ class Assembly:
 
     @property
     def _n_touches(self) -> int:
-        return sum(len(set(striker.touches)) for striker, _ in self.strikers)
+        return len(self.striker_contacts)
 
     @property
     def _striker_ids(self) -> range:
@@ -292,7 +313,14 @@ def _assemble(case: Case) -> Assembly:
     if case.striker:
         middle = assembly.lattice_positions(1, lattice.n_spheres).mean(axis=0)
         centres = place_strikers(
-            lattice, assembly.ids, assembly.positions(), assembly.sphere_diameters(), middle, case.striker
+            lattice,
+            assembly.ids,
+            assembly.positions(),
+            assembly.sphere_diameters(),
+            middle,
+            case.striker,
+            [striker_shift(case.packing.seed, striker, n) for n, striker in enumerate(case.striker, start=1)],
+            scattered=bool(case.packing.diameter_scatter),
         )
         assembly = dataclasses.replace(assembly, strikers=tuple(zip(case.striker, centres, strict=True)))
     bars: list[PlacedBar] = []

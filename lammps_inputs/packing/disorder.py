@@ -8,6 +8,7 @@ others:
     vacancies     one number for each site; the sites of the smallest numbers are vacant, so that the vacancies of a
                   larger share include those of a smaller one
     replace       likewise, with one stream for each entry, by its place in the case
+    strikers      three numbers for each striker with a misalignment, one stream each, by its place in the case
 
 The numbers are the upper 53 bits of the output of PCG64, whose stream numpy guarantees for all versions and machines.
 For a normal distribution they pass through a special function whose last bits may depend on the machine; the results
@@ -23,21 +24,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from granwave.lammps_inputs.case.bodies import Replace
+    from granwave.lammps_inputs.case.bodies import Replace, Striker
     from granwave.lammps_inputs.case.case import Case
     from granwave.lammps_inputs.case.sections import PackingSection
 
 DEFAULT_SEED = 1
-DIAMETERS, VACANCIES, REPLACE = range(3)  # streams
+DIAMETERS, VACANCIES, REPLACE, STRIKERS = range(4)  # streams
 
 _DEVIATIONS = 3.0  # standard deviations between the middle and the ends of the band
 _GRID = 2.0**-24  # fraction of the band
 
 
 def is_random(case: Case) -> bool:
-    """Return True if the packing depends on the seed."""
+    """Return True if the packing or a striker's place depends on the seed."""
     share = isinstance(case.packing.vacancies, float) and case.packing.vacancies > 0
-    return bool(case.packing.diameter_scatter) or share or any(entry.share for entry in case.replace)
+    strikers = any(any(striker.misalignment) for striker in case.striker)
+    return bool(case.packing.diameter_scatter) or share or strikers or any(entry.share for entry in case.replace)
 
 
 def has_gaps(case: Case) -> bool:
@@ -85,6 +87,20 @@ def random_share(packing: PackingSection, entry: Replace, place: int, present: N
     """
     number = round((entry.share or 0.0) * int(np.count_nonzero(present)))
     return _smallest(_uniform(packing.seed, len(present), REPLACE, place), present, number)
+
+
+def striker_shift(seed: int | None, striker: Striker, place: int) -> NDArray[np.float64]:
+    """Return the shift of a striker, its offset and what is random of it: (3,), m.
+
+    Parameters
+    ----------
+    place
+        Number of the striker in the case, from 1.
+    """
+    shift = np.array(striker.offset)
+    if any(striker.misalignment):
+        shift += np.array(striker.misalignment) * (2 * _uniform(seed, 3, STRIKERS, place) - 1)
+    return shift
 
 
 def _smallest(values: NDArray[np.float64], allowed: NDArray[np.bool_], number: int) -> NDArray[np.int64]:

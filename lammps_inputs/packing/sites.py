@@ -2,7 +2,8 @@
 
 Spheres are centred on the sites of the lattice of nominal spheres: smaller ones leave gaps, larger ones need space. The
 beads of a chain are stacked in contact by their nominal diameters, those of `[[replace]]` included; diameters below
-nominal by the tolerance leave gaps there, too. The tolerance counts from the nominal diameter of each sphere.
+nominal by the tolerance leave gaps there, too. The tolerance counts from the nominal diameter of each sphere. On a
+tilted floor the spheres of a square packing lean on each other instead (`granwave.lammps_inputs.packing.tilted`).
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.lattices import TOUCHING, Lattice
 from granwave.lammps_inputs.packing.disorder import diameter_losses, random_share, random_vacancies
 from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
+from granwave.lammps_inputs.packing.tilted import lean
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
@@ -43,6 +45,8 @@ class Sites:
         Materials, that of the packing first.
     present
         True for sites with a sphere.
+    leaning
+        Centres of spheres that lean on each other: (n_sites, 3), m; None: they are at the sites.
     """
 
     lattice: Lattice
@@ -51,6 +55,7 @@ class Sites:
     kind: NDArray[np.int16]
     materials: tuple[Material, ...]
     present: NDArray[np.bool_]
+    leaning: NDArray[np.float64] | None = None
 
     @cached_property
     def count(self) -> int:
@@ -82,6 +87,8 @@ class Sites:
 
     def positions(self, first: int, last: int) -> NDArray[np.float64]:
         """Return the centres of the sites with ids ``first`` to ``last``: (n, 3), m."""
+        if self.leaning is not None:
+            return self.leaning[first - 1 : last].copy()
         positions = self.lattice.positions(first, last)
         if self.stacked is not None:
             positions[:, 2] = self.stacked[first - 1 : last]
@@ -94,8 +101,13 @@ class Sites:
                 pairs = pairs[self.present[pairs - 1].all(axis=1)]
             first, second = pairs.T - 1
             reach = (self.diameter[first] + self.diameter[second]) / 2
-            apart = self.lattice.diameter if self.stacked is None else (self.nominal[first] + self.nominal[second]) / 2
-            yield pairs, apart - reach
+            yield pairs, self._apart(first, second) - reach
+
+    def _apart(self, first: NDArray[np.int64], second: NDArray[np.int64]) -> NDArray[np.float64] | float:
+        """Distances of the centres at neighbouring sites, by their rows, m."""
+        if self.leaning is not None:
+            return np.asarray(np.linalg.norm(self.leaning[second] - self.leaning[first], axis=1))
+        return self.lattice.diameter if self.stacked is None else (self.nominal[first] + self.nominal[second]) / 2
 
     @cached_property
     def _counts(self) -> tuple[int, int]:
@@ -184,7 +196,7 @@ def sites_of(case: Case, lattice: Lattice) -> Sites | None:
     Raises
     ------
     ValueError
-        A share of vacancies leaves too few spheres.
+        A share of vacancies leaves too few spheres, or spheres on a tilted floor find no place.
     """
     packing = case.packing
     if not (packing.diameter_scatter or packing.vacancies or case.replace):
@@ -205,7 +217,10 @@ def sites_of(case: Case, lattice: Lattice) -> Sites | None:
     diameter = nominal - diameter_losses(packing, n) if packing.diameter_scatter else nominal
     used = np.union1d([0], kind[present])
     kind = np.searchsorted(used, np.where(present, kind, 0)).astype(np.int16)
-    found = Sites(lattice, nominal, diameter, kind, tuple(materials[k] for k in used), present)
+    leaning = None
+    if packing.tilt is not None and (diameter < packing.diameter).any():
+        leaning = lean(packing.size, packing.diameter, diameter, packing.tilt)
+    found = Sites(lattice, nominal, diameter, kind, tuple(materials[k] for k in used), present, leaning)
     return None if found.like and diameter is nominal and present.all() else found
 
 

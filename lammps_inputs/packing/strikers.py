@@ -1,8 +1,14 @@
-"""Positions of strikers: in contact with given spheres, outside of the packing."""
+"""Positions of strikers: in contact with given spheres, outside of the packing.
+
+A striker touches all its spheres at once. Where their diameters scatter there may be no such place: it then rests on as
+many of them as hold it. A misaligned striker is shifted across its way and brought up along it until it touches the
+first of its spheres; gaps to the others are left.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +17,7 @@ from granwave.lammps_inputs.case.bodies import Striker
 from granwave.lammps_inputs.lattices import Lattice
 
 _TOLERANCE = 1e-9  # diameters; largest gap or overlap between a striker and the spheres that it touches
+_FLAT = 0.05  # size across a row or layer of spheres, over that along it, that scatter of their diameters may cause
 _TELLING = 1e-6  # relative size below which a direction or a singular value counts as zero
 _OVERLAP = 1e-6  # diameters; largest overlap with other spheres
 
@@ -22,11 +29,14 @@ def place_strikers(
     diameters: NDArray[np.float64],
     middle: NDArray[np.float64],
     strikers: Sequence[Striker],
+    shifts: Sequence[NDArray[np.float64]],
+    *,
+    scattered: bool,
 ) -> list[NDArray[np.float64]]:
     """Return the centres of the strikers: (3,) each, m.
 
-    A striker touches all its spheres at once. If there are several such positions, a moving striker is placed on the
-    side that it comes from, a resting one away from the centre of the packing, or above it if both sides are equal.
+    If there are several positions in contact, a moving striker is placed on the side that it comes from, a resting one
+    away from the centre of the packing, or above it if both sides are equal.
 
     Parameters
     ----------
@@ -38,22 +48,34 @@ def place_strikers(
         Diameters of these spheres: (n_spheres,), m.
     middle
         Mean of all sites of the lattice: (3,), m.
+    shifts
+        Shift of each striker: (3,), m; only what is across its way counts.
+    scattered
+        True if the diameters scatter, so that a striker may rest on some of its spheres.
 
     Raises
     ------
     ValueError
-        No position of a striker touches all its spheres at once, or a striker overlaps another sphere.
+        No position of a striker touches its spheres, a shifted one misses them, or a striker overlaps another sphere.
     """
     radii = diameters / 2
     placed = []
-    for number, striker in enumerate(strikers, start=1):
+    for number, (striker, shift) in enumerate(zip(strikers, shifts, strict=True), start=1):
         radius = (striker.diameter or lattice.diameter) / 2
-        touched = np.searchsorted(ids, striker.touches)
+        touched = np.searchsorted(ids, sorted(set(striker.touches)))
         at, reach = centres[touched], radii[touched] + radius
-        centre = _touching(at, reach, _side(striker, at, middle))
+        side = _side(striker, at, middle, _FLAT * lattice.diameter if scattered else 0.0)
+        centre = _touching(at, reach, side)
+        if not _touches(centre, at, reach):
+            rested = _resting(at, reach, side) if scattered else None
+            if rested is None:
+                what = list(striker.touches)
+                raise ValueError(f"striker {number}: found no place where it touches {what} all at once")
+            centre = rested
+        if shift.any():
+            way = np.array(striker.velocity) if any(striker.velocity) else -side
+            centre = _brought_up(number, striker, centre + shift, at, reach, way / np.linalg.norm(way))
         gap = np.linalg.norm(centres - centre, axis=1) - radii - radius
-        if np.abs(gap[touched]).max() > _TOLERANCE * 2 * radius:
-            raise ValueError(f"striker {number}: found no place where it touches {list(striker.touches)} all at once")
         if gap.min() < -_OVERLAP * 2 * radius:
             other = ids[gap.argmin()]
             raise ValueError(f"striker {number}: its place overlaps sphere {other} by {-gap.min():.3g} m")
@@ -63,16 +85,71 @@ def place_strikers(
     return placed
 
 
-def _side(striker: Striker, at: NDArray[np.float64], middle: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the unit vector from the spheres at ``at`` to the side of the striker: (3,)."""
+def _touches(centre: NDArray[np.float64], at: NDArray[np.float64], reach: NDArray[np.float64]) -> bool:
+    """Return True if a striker at ``centre`` touches all spheres."""
+    return bool((np.abs(np.linalg.norm(at - centre, axis=1) / reach - 1) <= _TOLERANCE).all())
+
+
+def _resting(
+    at: NDArray[np.float64], reach: NDArray[np.float64], side: NDArray[np.float64]
+) -> NDArray[np.float64] | None:
+    """Find the deepest place that touches as many of the spheres as hold it and overlaps none; None if there is none.
+
+    One more sphere holds it than there are dimensions between the spheres: two of a row, three of a layer.
+    """
+    spans = np.linalg.svd(at - at.mean(axis=0), compute_uv=False)
+    enough = 1 + int(np.count_nonzero(spans > _FLAT * spans[0]))
+    found = []
+    for some in combinations(range(len(at)), min(enough, len(at))):
+        rows = list(some)
+        centre = _touching(at[rows], reach[rows], side)
+        free = (np.linalg.norm(at - centre, axis=1) / reach - 1).min() >= -_TOLERANCE
+        if free and _touches(centre, at[rows], reach[rows]):
+            found.append(centre)
+    return min(found, key=lambda centre: float(side @ centre), default=None)
+
+
+def _brought_up(
+    number: int,
+    striker: Striker,
+    start: NDArray[np.float64],
+    at: NDArray[np.float64],
+    reach: NDArray[np.float64],
+    way: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Move a striker along the unit vector ``way`` until it touches the first of its spheres."""
+    apart = start - at
+    along = apart @ way
+    square = along**2 - (np.einsum("ij,ij->i", apart, apart) - reach**2)
+    if square.max() <= 0:
+        raise ValueError(
+            f"striker {number}: shifted by {np.linalg.norm(start - at.mean(axis=0) - way * along.mean()):.3g} m across "
+            f"its way it misses {list(striker.touches)}; make its offset or misalignment smaller"
+        )
+    met = square > 0
+    return np.asarray(start + way * float(np.min(-along[met] - np.sqrt(square[met]))))
+
+
+def _side(
+    striker: Striker, at: NDArray[np.float64], middle: NDArray[np.float64], uncertain: float
+) -> NDArray[np.float64]:
+    """Return the unit vector from the spheres at ``at`` to the side of the striker: (3,).
+
+    Parameters
+    ----------
+    uncertain
+        Distance from ``middle`` that scattered diameters may cause, m; 0: the spheres are at their sites.
+    """
     away = at.mean(axis=0) - middle
+    if np.linalg.norm(away) < uncertain:
+        away = np.zeros(3)
     above = np.array([0.0, 0.0, -1.0])
-    span = at[1:] - at[0]
+    span, telling = at[1:] - at[0], _FLAT if uncertain else _TELLING
     for guess in (-np.array(striker.velocity), away, above):
-        across = guess - np.linalg.pinv(span) @ (span @ guess) if len(span) else guess
+        across = guess - np.linalg.pinv(span, rcond=_FLAT) @ (span @ guess) if len(span) else guess
         # only the component across the line or plane of the spheres distinguishes the possible positions
         size = np.linalg.norm(across)
-        if size > _TELLING * np.linalg.norm(guess) and size > _TOLERANCE * np.abs(at).max(initial=0.0):
+        if size > telling * np.linalg.norm(guess) and size > _TOLERANCE * np.abs(at).max(initial=0.0):
             return across / size
     return above
 
