@@ -2,8 +2,8 @@
 
     python docs/_ext/other_sites.py docs build/docs-links
 
-Links to the site itself are checked by `links.py`. Exit status 1 if another site says that a page is not there; sites that
-cannot be reached, or do not let programs in, are named, and are no fault of the page: without a network it passes.
+Links to the site itself are checked by `links.py`. Exit status 1 if another site says that a page is not there; sites
+that cannot be reached, or do not let programs in, are named, and are no fault of the page: without a network it passes.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ _GONE = ("404", "410", "Not Found", "Gone", "Anchor")  # what a site that was re
 
 
 def sorted_out(links: Iterable[Mapping[str, str]]) -> tuple[list[str], list[str], int]:
-    """Sort results of linkcheck into links that lead nowhere, links that could not be checked, and a count of good ones."""
+    """Sort results of linkcheck into dead links, links that could not be checked, and a count of good ones."""
     broken, unknown, good = {}, {}, set()
     for link in links:
         line = f"{link['filename']}:{link['lineno']}: {link['uri']}: {link['info'] or link['status']}"
