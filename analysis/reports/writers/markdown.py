@@ -9,7 +9,7 @@ from granwave.analysis.document.model import Figure, Report
 from granwave.analysis.reports.writers.template_files import template
 
 _SPECIAL = re.compile(r"([\\`*_\[\]|~#$])")
-_LINE_START = re.compile(r"^(\s*)([-+>]|\d+(?=[.)]))")
+_LINE_START = re.compile(r"^(\d*)([-+.)])(?=\s)")  # what a list begins with
 _BLANK_LINES = re.compile(r"\n{3,}")
 
 
@@ -31,8 +31,14 @@ def markdown(report: Report, folder: str) -> tuple[str, dict[str, bytes]]:
         pictures[name] = figure.png
         return f"{quote(folder)}/{name}"
 
+    anchors = {
+        section.slug: section.title.lower().replace(" ", "-") for section in report.sections
+    }  # as GitHub has them
+    titles = {section.slug: section.title for section in report.sections}
     filters = {"escaped": _escape, "paragraph": _paragraph, "file": file}
-    text = template("report.md.j2", escapes=False, filters=filters).render(report=report)
+    text = template("report.md.j2", escapes=False, filters=filters).render(
+        report=report, titles=titles, anchors=anchors
+    )
     return _BLANK_LINES.sub("\n\n", text).strip() + "\n", pictures
 
 
