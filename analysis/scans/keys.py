@@ -154,8 +154,10 @@ def _of_entry(name: str) -> Naming | None:
     )
     if not number.isdigit() or found is None:
         return None
-    of = "" if (table, key) in _ENTRIES else ", replaced spheres"
-    return dataclasses.replace(found, label=f"{found.label}{of}")
+    if (table, key) in _ENTRIES:
+        return found
+    what = found.label.removeprefix("Sphere ")
+    return dataclasses.replace(found, label=f"{what[:1].upper()}{what[1:]} of replaced spheres")
 
 
 def _along_one_axis(labels: Sequence[Any]) -> tuple[str, tuple[float, ...]] | None:
