@@ -27,11 +27,11 @@ _MAIN_FIGURES = (
 def answer_blocks(inputs: Inputs) -> list[Block]:
     """Return the blocks: of each scan the dependence of its main quantity; of runs their main values."""
     answers = [blocks for blocks in (_of_scan(scan, inputs) for scan in inputs.scans) if blocks]
-    folded = len(answers) > _MOST_OPEN
-    blocks: list[Block] = []
-    for number, (sentence, *shown) in enumerate(answers):
-        opened = not (folded and number and shown)
-        blocks += [sentence, *shown] if opened else [Group(sentence.text, tuple(shown), folded=True)]
+    opened = answers if len(answers) <= _MOST_OPEN else answers[:1]
+    blocks: list[Block] = [block for answer in opened for block in answer]
+    if others := answers[len(opened) :]:
+        parts = tuple(block for answer in others for block in answer)
+        blocks.append(Group(f"The other {len(others)} scans, each by its main quantity", parts, folded=True))
     if len(inputs.runs) == 1:
         blocks += _of_run(inputs.runs[0], inputs)
     elif inputs.runs:

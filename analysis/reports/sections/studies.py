@@ -64,10 +64,20 @@ def _agreement(found: Sequence[Study]) -> str:
     if len(rows) == 1:
         return f"The one value that a source gives, and ours, differ by {_percent(rows[0][0])}."
     close = [sum(deviation <= limit for deviation, _ in rows) for limit in _CLOSE]
-    within = f"{close[0]} of ours lie within {_percent(_CLOSE[0])} and {close[1]} within {_percent(_CLOSE[1])}"
+    text = f"Of {len(rows)} values that the sources give, {close[0]} of ours lie within {_percent(_CLOSE[0])}"
+    text += f" and {close[1]} within {_percent(_CLOSE[1])}"
+    as_theory = sum(deviation > _CLOSE[1] and _is_theory(row) for deviation, row in rows)
+    if as_theory:
+        text += f"; {as_theory} more lie within {_percent(_CLOSE[0])} of theory"
     worst, row = max(rows, key=lambda pair: pair[0])
-    most = f"the largest difference is {_percent(worst)} ({row.quantity[:1].lower()}{row.quantity[1:]})"
-    return f"Of {len(rows)} values that the sources give, {within}; {most}."
+    if worst > 1:
+        return f"{text}. Remarks tell why the rest differ."
+    return f"{text}; the largest difference is {_percent(worst)} ({row.quantity[:1].lower()}{row.quantity[1:]})."
+
+
+def _is_theory(row: Row) -> bool:
+    """Return True if our value is that of theory."""
+    return bool(row.expected) and abs(row.ours / (row.expected or 1.0) - 1) <= _CLOSE[0]
 
 
 def _percent(share: float) -> str:
