@@ -8,7 +8,7 @@ import hashlib
 from markupsafe import Markup, escape
 
 from granwave.analysis.document.model import Report
-from granwave.analysis.reports.writers.template_files import template, text_of
+from granwave.analysis.reports.writers.template_files import Filters, template, text_of
 
 
 def html_page(report: Report) -> str:
@@ -25,7 +25,7 @@ def html_page(report: Report) -> str:
         ]
     )
     titles = {section.slug: section.title for section in report.sections}
-    filters = {"data_uri": data_uri, "breakable": breakable}
+    filters: Filters = {"data_uri": data_uri, "breakable": breakable}
     form = template("report.html.j2", escapes=True, filters=filters)
     page = form.render(report=report, titles=titles, css=Markup(css), script=Markup(script), policy=policy)
     return page.lstrip()

@@ -6,7 +6,7 @@ import re
 from urllib.parse import quote
 
 from granwave.analysis.document.model import Figure, Report
-from granwave.analysis.reports.writers.template_files import template
+from granwave.analysis.reports.writers.template_files import Filters, template
 
 _SPECIAL = re.compile(r"([\\`*_\[\]|~#$])")
 _LINE_START = re.compile(r"^(\d*)([-+.)])(?=\s)")  # what a list begins with
@@ -35,7 +35,7 @@ def markdown(report: Report, folder: str) -> tuple[str, dict[str, bytes]]:
         section.slug: section.title.lower().replace(" ", "-") for section in report.sections
     }  # as GitHub has them
     titles = {section.slug: section.title for section in report.sections}
-    filters = {"escaped": _escape, "paragraph": _paragraph, "file": file}
+    filters: Filters = {"escaped": _escape, "paragraph": _paragraph, "file": file}
     text = template("report.md.j2", escapes=False, filters=filters).render(
         report=report, titles=titles, anchors=anchors
     )

@@ -10,10 +10,11 @@ import jinja2
 
 from granwave.analysis.document.model import Column
 
+Filters = Mapping[str, Callable[..., Any]]  # by the name in a template
 _FOLDER = Path(__file__).with_name("templates")
 
 
-def template(name: str, *, escapes: bool, filters: Mapping[str, Callable[..., Any]]) -> jinja2.Template:
+def template(name: str, *, escapes: bool, filters: Filters) -> jinja2.Template:
     """Read a template, in which an unknown name is an error.
 
     Parameters
