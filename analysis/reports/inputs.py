@@ -130,10 +130,13 @@ class Inputs:
     ----------
     base
         Directory of the report, to which paths in it are relative.
+    suite
+        Name of the suite if the items are its scans; else empty.
     """
 
     items: tuple[Run | Scan, ...]
     base: Path
+    suite: str = ""
 
     @property
     def runs(self) -> tuple[Run, ...]:
@@ -206,7 +209,9 @@ def read_inputs(directories: Sequence[str | Path], base: Path) -> Inputs:
             errors += error.errors
     if errors:
         raise InputError(errors)
-    return Inputs(tuple(items), base)
+    suites = [read_json(Path(directory) / SUITE_INDEX) for directory in directories]
+    name = suites[0].get("name", "") if len(suites) == 1 and suites[0] else ""
+    return Inputs(tuple(items), base, str(name))
 
 
 def _parts(directory: Path) -> list[Path]:

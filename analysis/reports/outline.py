@@ -16,7 +16,7 @@ from granwave.analysis.reports.sections.figures import figures_section
 from granwave.analysis.reports.sections.results import SLUG as RESULTS
 from granwave.analysis.reports.sections.results import failures_section, results_section, settings_blocks, status_cell
 from granwave.analysis.reports.sections.sources import sources_section
-from granwave.analysis.reports.sections.studies import studies_of, studies_section, verdicts
+from granwave.analysis.reports.sections.studies import leads, studies_of, studies_section, verdicts
 from granwave.analysis.reports.sections.zone import zone_notes
 from granwave.lammps_inputs.run_directory import RESULT_FILE
 
@@ -32,17 +32,16 @@ def build_report(inputs: Inputs, named: Sequence[str] = ()) -> Report:
     named
         Names of studies of all runs, in addition to those that the scans name.
     """
-    labels = [item.label for item in inputs.items]
+    labels = [inputs.suite] if inputs.suite else [item.label for item in inputs.items]
     names = ", ".join(labels[:_IN_TITLE]) + (f" and {len(labels) - _IN_TITLE} more" if len(labels) > _IN_TITLE else "")
-    asked = named or any(scan.studies for scan in inputs.scans)  # what the sources say is for their studies
     failures, studies = failures_section(inputs), studies_of(inputs, named)
     above = {picture.name for study in studies for picture in study.pictures}
     sections = (
+        _answer(inputs, failures.slug, leads(studies)),
         Section("Verdict", "verdict", verdicts(studies)),
-        _answer(inputs, failures.slug),
         studies_section(inputs, studies),
         comparison_section(inputs),
-        *([sources_section(inputs)] if asked else []),
+        *([sources_section(inputs)] if named or any(study.has_source for study in studies) else []),
         figures_section(inputs, above, main_figures(inputs)),
         failures,
         results_section(inputs),
@@ -64,11 +63,11 @@ def _lead(inputs: Inputs) -> str:
     return " and ".join(parts) + ". SI units."
 
 
-def _answer(inputs: Inputs, failures: str) -> Section:
+def _answer(inputs: Inputs, failures: str, said: tuple[Note, ...]) -> Section:
     """Make the first section: what must not be overlooked, what came out, and notes on it."""
     notes = _notes(inputs, failures)
     bad, others = ([note for note in notes if (note.tone == "bad") is wanted] for wanted in (True, False))
-    return Section("In short", "short", (*bad, *answer_blocks(inputs), *others))
+    return Section("In short", "short", (*bad, *said, *answer_blocks(inputs), *others))
 
 
 def _notes(inputs: Inputs, failures: str) -> list[Note]:

@@ -21,10 +21,9 @@ from granwave.analysis.scans.drawing import Series, draw_bars, draw_curves, draw
 from granwave.analysis.scans.keys import Key, key_of
 from granwave.analysis.scans.ordinates import Ordinate, Value, ordinates, plastic_spheres, value_of
 from granwave.analysis.scans.result import SEED, PointResult, ScanResult
-from granwave.analysis.scans.table import determines, independent_keys
+from granwave.analysis.scans.table import TIMES, determines, independent_keys, physical
 from granwave.analysis.statistics import estimate
 
-_TIMES = ("run.", "output.")  # prefixes of keys without physical meaning beside keys that they follow
 _FEWEST = 2  # points of a figure
 _MOST_SINGLE = 8  # curves of a single point that are shown
 _NOTHING = 1e-12  # magnitude below which values are due to rounding
@@ -72,7 +71,7 @@ def draw_scan_figures(scan: str | Path | ScanResult, *, pdf: bool = True) -> lis
 def drawings(result: ScanResult) -> dict[str, Drawing]:
     """Return the figures of the present state of a scan, by name."""
     points = result.points
-    labels = _physical({key: [point.labels.get(key) for point in points] for key in result.varied if key != SEED})
+    labels = physical({key: [point.labels.get(key) for point in points] for key in result.varied if key != SEED})
     free = independent_keys(labels)
     rows = [row for row, point in enumerate(points) if point.status == "done"]
     if len(rows) < _FEWEST or not free:
@@ -109,23 +108,12 @@ def _values(points: Sequence[PointResult], rows: Sequence[int], value: Value) ->
     return {row: number for row, number in found.items() if math.isfinite(number)}
 
 
-def _physical(labels: dict[str, list[Any]]) -> dict[str, list[Any]]:
-    """Drop keys such as run times that follow from the other keys."""
-    others = [column for name, column in labels.items() if not name.startswith(_TIMES)]
-    together = list(zip(*others, strict=True))
-    return {
-        name: column
-        for name, column in labels.items()
-        if not name.startswith(_TIMES) or not others or not determines(together, column)
-    }
-
-
 def _abscissae(keys: dict[str, Key], free: Sequence[str]) -> list[str]:
     """Return the independent numeric keys, and those that are equivalent to one of them, except run times."""
     chosen = []
     for name, key in keys.items():
         alike = [other for other in free if determines(key.labels, keys[other].labels)]
-        along = bool(alike) and not name.startswith(_TIMES)
+        along = bool(alike) and not name.startswith(TIMES)
         if key.numeric and len(set(key.values)) > 1 and (name in free or along):
             chosen.append(name)
     return chosen

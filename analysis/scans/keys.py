@@ -60,6 +60,9 @@ _NAMES: Mapping[str, Naming] = {
     "run.end_time": Naming("End time", unit="µs", scale=1e-6),
     "run.timestep": Naming("Timestep", unit="ns", scale=1e-9),
 }
+_ENTRIES: Mapping[tuple[str, str], Naming] = {  # keys of entries of lists
+    ("striker", "velocity"): Naming("Velocity of the striker", r"$v_0$", "m/s"),
+}
 _SIZES = ("Spheres along x", "Rows along y", "Layers")
 _SIZE_SYMBOLS = (r"$n_x$", r"$n_y$", r"$n_z$")
 
@@ -130,13 +133,49 @@ def key_of(name: str, labels: Sequence[Any]) -> Key:
     if name == "packing.size" and (sizes := _sizes(labels)):
         return Key(name, *_size(sizes), tuple(labels))
     if naming is None:
-        naming = Naming(name, unit=shown_unit(name))
+        naming = _of_entry(name) or Naming(name, unit=shown_unit(name))
+    if components := _along_one_axis(labels):
+        axis, along = components
+        return Key(name, dataclasses.replace(naming, label=f"{naming.label} along {axis}"), along, tuple(labels))
     texts = unique_labels(labels)
     values = tuple(
         float(f"{label / naming.scale:.12g}") if _is_number(label) else text
         for label, text in zip(labels, texts, strict=True)
     )
     return Key(name, naming, values, tuple(labels))
+
+
+def _of_entry(name: str) -> Naming | None:
+    """Return the naming of a key of an entry of a list, such as ``replace.1.material.density``; None if unknown."""
+    table, _, rest = name.partition(".")
+    number, _, key = rest.partition(".")
+    found = _ENTRIES.get((table, key)) or (
+        _NAMES.get(key) or _NAMES.get(f"packing.{key}") if table == "replace" else None
+    )
+    if not number.isdigit() or found is None:
+        return None
+    if (table, key) in _ENTRIES:
+        return found
+    what = found.label.removeprefix("Sphere ")
+    return dataclasses.replace(found, label=f"{what[:1].upper()}{what[1:]} of replaced spheres")
+
+
+def _along_one_axis(labels: Sequence[Any]) -> tuple[str, tuple[float, ...]] | None:
+    """Return the axis and the components of vectors that are all along it; None of anything else."""
+    vectors = []
+    for label in labels:
+        try:
+            vector = json.loads(label) if isinstance(label, str) else label
+        except ValueError:
+            return None
+        if not isinstance(vector, list) or len(vector) != 3 or not all(map(_is_number, vector)):
+            return None
+        vectors.append(vector)
+    axes = {axis for vector in vectors for axis in range(3) if vector[axis]}
+    if len(axes) != 1:
+        return None
+    (axis,) = axes
+    return "xyz"[axis], tuple(float(vector[axis]) for vector in vectors)
 
 
 def _size(sizes: list[tuple[int, ...]]) -> tuple[Naming, tuple[int, ...]]:

@@ -11,7 +11,7 @@ from granwave.analysis.formatting.numbers import interval
 from granwave.analysis.quantities import SCAN_FIGURES, quantity
 from granwave.analysis.scans.keys import Key, key_of
 from granwave.analysis.scans.result import SEED, ScanResult
-from granwave.analysis.scans.table import CONFIDENCE, COUNT, MEAN, scan_statistics
+from granwave.analysis.scans.table import CONFIDENCE, COUNT, MEAN, physical, scan_statistics
 
 WORTH = 1e-12  # smallest value that is not rounding
 _SAME = 1e-6  # relative difference of values that count as equal
@@ -26,7 +26,7 @@ class Means:
     Attributes
     ----------
     keys
-        Varied keys that take more than one value, with their values by row.
+        Varied keys that take more than one value, with their values by row; without run times that follow from others.
     counts
         Number of points of each row.
     values
@@ -46,10 +46,14 @@ class Means:
         for number, (name, key) in enumerate(SCAN_FIGURES.items()):
             values = [value for value in self.values.get(key, ()) if value is not None]
             if len(values) == len(self.counts) > 1 and max(map(abs, values)) > WORTH:
-                same = max(values) - min(values) <= _SAME * max(map(abs, values))
                 rank = _MAIN.index(key) if key in _MAIN else len(_MAIN) + number
-                found.append((same, rank, name, key))
+                found.append((not self.varies(key), rank, name, key))
         return [(name, key) for *_, name, key in sorted(found)]
+
+    def varies(self, name: str) -> bool:
+        """Return True if a quantity takes more than one value, rounding apart."""
+        values = [value for value in self.values[name] if value is not None]
+        return max(values) - min(values) > _SAME * max(map(abs, values))
 
     def sentence(self, main: str) -> str:
         """Say between which values a quantity lies, where, and how it depends on each key."""
@@ -58,7 +62,7 @@ class Means:
         label, unit = quantity(main).label, quantity(main).unit.replace("^", "")
         unit = f" {unit}" if unit else ""
         least, most = (self.text(main, row) + unit for row in (low, high))
-        if (values[high] or 0.0) - (values[low] or 0.0) <= _SAME * abs(values[high] or 0.0):
+        if not self.varies(main):
             return f"{label}: {most} at all points."
         text = f"{label}: from {least} ({self.setting(low)}) to {most} ({self.setting(high)})."
         found = {word: [key for n, key in enumerate(self.keys) if self._trend(main, n) == word] for word in _TRENDS}
@@ -115,7 +119,7 @@ def means_of(scan: ScanResult) -> Means:
         widths = {key: [None] * len(done) for key in found}
         labels = {name: [point.labels.get(name) for point in done] for name in names}
     kept = [row for row, count in enumerate(counts) if count]
-    keys = [key_of(name, [labels[name][row] for row in kept]) for name in names]
+    keys = [key_of(name, column) for name, column in physical({n: [labels[n][r] for r in kept] for n in names}).items()]
     return Means(
         tuple(key for key in keys if len(set(key.values)) > 1),
         tuple(counts[row] for row in kept),

@@ -34,6 +34,8 @@ if TYPE_CHECKING:
     import xarray
 
 MEAN_GROUP = "mean"
+#: Prefixes of keys without physical meaning beside keys that they follow.
+TIMES = ("run.", "output.")
 MEAN, DEVIATION, CONFIDENCE, COUNT = ".mean", ".std", ".ci95", "n"
 
 _INT64 = range(-(2**63), 2**63)
@@ -282,6 +284,17 @@ def independent_keys(labels: Mapping[str, Sequence[Any]]) -> list[str]:
 def determines(leader: Sequence[Any], follower: Sequence[Any]) -> bool:
     """Return True if equal values of ``leader`` always occur with equal values of ``follower``."""
     return len(set(zip(leader, follower, strict=True))) == len(set(leader))
+
+
+def physical(labels: Mapping[str, Sequence[Any]]) -> dict[str, Sequence[Any]]:
+    """Return labels by key without keys such as run times that follow from the other keys."""
+    others = [column for name, column in labels.items() if not name.startswith(TIMES)]
+    together = list(zip(*others, strict=True))
+    return {
+        name: column
+        for name, column in labels.items()
+        if not name.startswith(TIMES) or not others or not determines(together, column)
+    }
 
 
 def _relative(point: PointResult, directory: Path) -> str:

@@ -12,6 +12,7 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
+from bibtex import bibtex
 from pygments.lexers.special import TextLexer
 from sphinx.application import Sphinx
 
@@ -151,6 +152,11 @@ def interface(package: str) -> str:
     return "\n".join(["```{eval-rst}", *lines, "```"])
 
 
+def bibtex_entries() -> str:
+    """Return the BibTeX entries of CITATION.cff."""
+    return f"```bibtex\n{bibtex((ROOT / 'CITATION.cff').read_text(encoding='utf-8'))}\n```"
+
+
 _PARTS: dict[str, Callable[..., str]] = {
     "keys": keys_of,
     "quantities": quantities,
@@ -161,6 +167,7 @@ _PARTS: dict[str, Callable[..., str]] = {
     "materials": materials,
     "lattices": lattices,
     "interface": interface,
+    "bibtex": bibtex_entries,
 }
 
 

@@ -60,7 +60,7 @@ def _plugin() -> Finding:
         "plugin",
         path.is_file(),
         f"{path}, built for LAMMPS {plugins.lammps_release()}",
-        "install granwave again (pip install .); it needs g++ and make",
+        "install granwave again: a wheel needs no compiler, the sources (pip install .) need g++",
     )
 
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from granwave.analysis.document.cells import spread_cell, value_column
-from granwave.analysis.document.model import Beside, Block, Cell, Column, Figure, Gallery, Note, Table
+from granwave.analysis.document.model import Beside, Block, Cell, Column, Figure, Gallery, Group, Note, Part, Table
 from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.quantities import quantity
 from granwave.analysis.reports.inputs import Inputs, Run, Scan
@@ -18,6 +18,7 @@ from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY
 
 _MOST_COLUMNS = 3  # quantities beside the main one in the table of means
 _MOST_ROWS = 14  # of that table; two keys with more are crossed
+_MOST_OPEN = 3  # scans whose figures and tables are not folded away
 _MAIN_FIGURES = (
     "packing_3d", "force_map", "peak_force_principal", "along_chain", "plastic_strain", "von_mises", "energies",
 )  # fmt: skip
@@ -25,9 +26,12 @@ _MAIN_FIGURES = (
 
 def answer_blocks(inputs: Inputs) -> list[Block]:
     """Return the blocks: of each scan the dependence of its main quantity; of runs their main values."""
-    blocks: list[Block] = []
-    for scan in inputs.scans:
-        blocks += _of_scan(scan, inputs)
+    answers = [blocks for blocks in (_of_scan(scan, inputs) for scan in inputs.scans) if blocks]
+    opened = answers if len(answers) <= _MOST_OPEN else answers[:1]
+    blocks: list[Block] = [block for answer in opened for block in answer]
+    if others := answers[len(opened) :]:
+        parts = tuple(block for answer in others for block in answer)
+        blocks.append(Group(f"The other {len(others)} scans, each by its main quantity", parts, folded=True))
     if len(inputs.runs) == 1:
         blocks += _of_run(inputs.runs[0], inputs)
     elif inputs.runs:
@@ -55,6 +59,8 @@ def _names(item: Run | Scan) -> list[str]:
     names = list(_MAIN_FIGURES)
     if isinstance(item, Scan):
         means = item.means
+        if not any(means.varies(key) for _, key in means.quantities()[:1]):
+            return []
         keys = sorted(means.keys, key=lambda key: (not key.numeric, -len(set(key.values))))
         names = [f"{name}_vs_{key.slug}" for name, _ in means.quantities()[:1] for key in keys]
     return [name for name in names if (item.directory / FIGURES_DIRECTORY / f"{name}.png").is_file()]
@@ -63,20 +69,22 @@ def _names(item: Run | Scan) -> list[str]:
 # ---------------------------------------------------------------------- scans
 
 
-def _of_scan(scan: Scan, inputs: Inputs) -> list[Block]:
+def _of_scan(scan: Scan, inputs: Inputs) -> tuple[Note, *tuple[Part, ...]] | tuple[()]:
+    """Return the sentence, and the figure and the table where anything varies."""
     means = scan.means
     shown = means.quantities()
     if not shown:
-        return []
+        return ()
     main = shown[0][1]
     name_of_scan = f"Scan {scan.label}: " if len(inputs.items) > 1 else ""
-    blocks: list[Block] = [Note(name_of_scan + means.sentence(main), "lead")]
+    sentence = Note(name_of_scan + means.sentence(main), "lead")
+    if not means.varies(main):
+        return (sentence,)
     others = [key for _, key in shown[1:] if key != main][:_MOST_COLUMNS]
     crossed = len(means.keys) == 2 and len(means.counts) > _MOST_ROWS
     table = _crossed(means, main) if crossed else _table(means, [main, *others])
     picture = _main_figure(scan, inputs)
-    blocks.append(Beside(Gallery((picture,)), table) if picture else table)
-    return blocks
+    return sentence, Beside(Gallery((picture,)), table) if picture else table
 
 
 def _table(means: Means, shown: Sequence[str]) -> Table:

@@ -6,6 +6,7 @@ from granwave.analysis.document.model import Block, Gallery, Note, Section
 from granwave.analysis.figures.style import style
 from granwave.analysis.reports.inputs import Inputs
 from granwave.analysis.reports.sections.studies import pictures_of, row_tables
+from granwave.analysis.studies.granular_continuum.impacts import collect
 from granwave.analysis.studies.registry import COMPARISON
 from granwave.analysis.studies.runs import ContinuumRun, FinishedRun, read_run
 from granwave.analysis.studies.study import Study, make_studies
@@ -28,4 +29,7 @@ def comparison_of(inputs: Inputs) -> list[Study]:
     """Comparison of a report's runs; empty if none can be compared."""
     found = [read_run(run.label, run.directory, run.summary) for run in inputs.whole()]
     runs = [run for run in found if isinstance(run, FinishedRun | ContinuumRun)]
+    impacts = collect(runs)
+    if len(impacts.granular) + len(impacts.continuum) < 2:
+        return []
     return make_studies(dict.fromkeys(COMPARISON, runs))

@@ -167,7 +167,8 @@ def _points(scan: Scan, inputs: Inputs, number: int) -> list[Block]:
         parts = _pictures(run.directory, inputs, name, f"run {run.label}", POINT_WIDTH, {})
         size += sum(len(figure.png) for part in parts if isinstance(part, Gallery) for figure in part.figures)
         labels = ", ".join(f"{key} = {as_label(value)}" for key, value in point.result.labels.items())
-        blocks.append(Group(f"Point {point.result.number} of {scan.label}: {labels}", parts, folded=True))
+        title = f"Point {point.result.number} of {scan.label}" + (f": {labels}" if labels else "")
+        blocks.append(Group(title, parts, folded=True))
     if left:
         blocks.append(Note("The figures of further points are in their directories:", links=tuple(left)))
     return blocks

@@ -9,6 +9,7 @@ from typing import Any
 from granwave.analysis.document.cells import BLANK, percent, significant, value_cell
 from granwave.analysis.document.model import Cell, Column, Figure, Gallery, Group, Note, Section, Table
 from granwave.analysis.document.pictures import picture_of
+from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.reports.inputs import Inputs, Run
 from granwave.analysis.studies.registry import OF_SPHERE_CONTACTS
 from granwave.analysis.studies.runs import FinishedRun, SphereContactRun, read_run
@@ -16,6 +17,8 @@ from granwave.analysis.studies.study import Kind, Row, Study, make_studies
 from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY, RESULT_FILE
 
 SLUG = "studies"
+_CLOSE = (0.02, 0.1)  # differences from the sources up to which values are counted
+_MOST_VERDICTS = 3  # whose first sentences begin a report
 #: End of the caption of the rows of each kind, and the heading of the theory's column.
 _KINDS: dict[Kind, tuple[str, str]] = {
     "source": ("source against ours", "Theory"),
@@ -36,9 +39,54 @@ def studies_section(inputs: Inputs, found: Sequence[Study]) -> Section:
     return Section("Studies", SLUG, tuple(_group(study, inputs, new) for study, new in zip(found, first, strict=True)))
 
 
+def leads(found: Sequence[Study]) -> tuple[Note, ...]:
+    """Return what the studies come to, in sentences for the top of the report: agreement with sources, and verdicts."""
+    return tuple(Note(text, "lead") for text in [_agreement(found), *(text for _, text in _firsts(found))] if text)
+
+
 def verdicts(found: Sequence[Study]) -> tuple[Group, ...]:
-    """Return the verdicts of studies, for the top of the report."""
-    return tuple(Group(study.title, tuple(map(Note, study.verdict))) for study in found if study.verdict)
+    """Return the verdicts of studies without what `leads` has said."""
+    said = {study.name: 1 for study, _ in _firsts(found)}
+    rest = [(study, study.verdict[said.get(study.name, 0) :]) for study in found]
+    return tuple(Group(study.title, tuple(map(Note, verdict))) for study, verdict in rest if verdict)
+
+
+def _firsts(found: Sequence[Study]) -> list[tuple[Study, str]]:
+    """Return the first sentences of the verdicts, unless there are many; several have their titles before them."""
+    judged = [study for study in found if study.verdict]
+    if len(judged) > _MOST_VERDICTS:
+        return []
+    return [(study, f"{study.title}: {study.verdict[0]}" if len(judged) > 1 else study.verdict[0]) for study in judged]
+
+
+def _agreement(found: Sequence[Study]) -> str:
+    """Say how far our values are from those of the sources; empty if there are none of theirs."""
+    compared = [row for study in found for row in study.rows if row.kind == "source"]
+    rows = [(abs(row.deviation), row) for row in compared if row.deviation is not None]
+    if not rows:
+        return ""
+    if len(rows) == 1:
+        return f"The one value that a source gives, and ours, differ by {_percent(rows[0][0])}."
+    close = [sum(deviation <= limit for deviation, _ in rows) for limit in _CLOSE]
+    text = f"Of {len(rows)} values that the sources give, {close[0]} of ours lie within {_percent(_CLOSE[0])}"
+    text += f" and {close[1]} within {_percent(_CLOSE[1])}"
+    as_theory = sum(deviation > _CLOSE[1] and _is_theory(row) for deviation, row in rows)
+    if as_theory:
+        text += f"; {as_theory} more lie within {_percent(_CLOSE[0])} of theory"
+    worst, row = max(rows, key=lambda pair: pair[0])
+    if worst > 1:
+        return f"{text}. Remarks tell why the rest differ."
+    return f"{text}; the largest difference is {_percent(worst)} ({row.quantity[:1].lower()}{row.quantity[1:]})."
+
+
+def _is_theory(row: Row) -> bool:
+    """Return True if our value is that of theory."""
+    return bool(row.theory) and row.ours is not None and abs(row.ours / (row.theory or 1.0) - 1) <= _CLOSE[0]
+
+
+def _percent(share: float) -> str:
+    """Return a share in per cent, with two digits."""
+    return f"{plain(f'{100 * share:.2g}')} %"
 
 
 def studies_of(inputs: Inputs, named: Sequence[str] = ()) -> list[Study]:

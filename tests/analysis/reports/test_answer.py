@@ -7,10 +7,12 @@ import shutil
 
 import pytest
 
-from granwave.analysis.document.model import Beside, Note, Report
+from granwave.analysis.document.model import Beside, Group, Note, Report
 from granwave.analysis.reports.report import write_report
+from granwave.analysis.reports.sections.studies import leads, verdicts
 from granwave.analysis.scans.figures import draw_scan_figures
 from granwave.analysis.scans.result import ScanResult
+from granwave.analysis.studies.study import Row, Study
 from tests.helpers.chromium import Browser
 from tests.helpers.synthetic_report import NASTY, build, draw, write_run
 from tests.helpers.synthetic_scan import grid, write_scan
@@ -143,3 +145,59 @@ def test_on_the_first_screen(tmp_path):
         browser.press("Escape", 27)
         assert browser.evaluate("document.getElementById('enlarged').open") is False
         assert browser.complaints() == []
+
+
+def test_nothing_varies_in_a_scan_so_nothing_is_drawn(tmp_path):
+    """Without the flat figure and the table; the figure stays among the others."""
+    scan = scan_with(tmp_path / "scan", grid(load__velocity=[1, 2]), lambda _: 0.5)
+    draw_scan_figures(scan, pdf=False)
+    report = build([scan], tmp_path)
+    text, shown = answer(report)
+    assert (shown is None) == text.endswith("at all points.")
+
+
+def test_scans_of_a_suite(tmp_path):
+    """The report has the name of the suite; of many scans the first is shown, and the others unfold."""
+    names = [f"scan-{n}" for n in range(5)]
+    for name in names:
+        scan_with(tmp_path / "suite" / name, grid(load__velocity=[1, 2]), lambda p: 0.1 * p["load.velocity"])
+    (tmp_path / "suite" / "suite.json").write_text(json.dumps({"name": "all-of-it", "scans": names}))
+    report = build([tmp_path / "suite"], tmp_path / "suite")
+    assert report.title == "Report: all-of-it"
+    blocks = report.sections[0].blocks
+    (group,) = (block for block in blocks if isinstance(block, Group))
+    assert group.folded and group.title == "The other 4 scans, each by its main quantity"
+    said = [block.text for block in group.blocks if isinstance(block, Note)]
+    assert [text.partition(":")[0] for text in said] == [f"Scan {name}" for name in names[1:]]
+    text = write_report([tmp_path / "suite"], tmp_path / "suite" / "report.md").read_text(encoding="utf-8")
+    assert text.startswith("# Report: all-of-it\n") and "### The other 4 scans" in text
+
+
+@pytest.mark.parametrize(
+    ("values", "said"),
+    [
+        ([(1.0, 1.01, None), (1.0, 1.05, None), (1.0, 1.5, None)],
+         "Of 3 values that the sources give, 1 of ours lie within 2 % and 2 within 10 %; the largest difference is 50 % "
+         "(quantity 3)."),
+        ([(1.0, 1.0, None), (1.0, 3.0, 3.0), (None, 7.0, None)],
+         "Of 2 values that the sources give, 1 of ours lie within 2 % and 1 within 10 %; 1 more lie within 2 % of theory. "
+         "Remarks tell why the rest differ."),
+        ([(1.0, 1.2, None)], "The one value that a source gives, and ours, differ by 20 %."),
+    ],
+)  # fmt: skip
+def test_agreement_with_the_sources(values, said):
+    rows = [
+        Row(f"Quantity {n}", "", source, ours, "1.1", "", theory) for n, (source, ours, theory) in enumerate(values, 1)
+    ]
+    (lead,) = leads([Study("study", "Study", "", tuple(rows))])
+    assert (lead.text, lead.tone) == (said, "lead")
+    assert leads([Study("study", "Study", "", tuple(row for row in rows if row.source is None))]) == ()
+
+
+def test_verdicts_begin_a_report_and_are_said_once():
+    one, two = (Study(name, f"Title {name}", "", verdict=(f"First of {name}.", "Second.")) for name in ("a", "b"))
+    assert [note.text for note in leads([one])] == ["First of a."]
+    assert [note.text for note in leads([one, two])] == ["Title a: First of a.", "Title b: First of b."]
+    assert [[part.text for part in group.blocks] for group in verdicts([one, two])] == [["Second."], ["Second."]]
+    many = [one] * 4
+    assert leads(many) == () and len(verdicts(many)[0].blocks) == 2

@@ -55,6 +55,24 @@ def test_in_a_browser(runs, tmp_path):
         assert asked == {(tmp_path / "report.html").as_uri()}
 
 
+def test_on_paper(runs, tmp_path):
+    """Printed, all is unfolded and no table is wider than the page; afterwards it is as before."""
+    write_report(runs, tmp_path / "report.html")
+    with Browser(CHROMIUM, tmp_path / "profile") as browser:
+        browser.open((tmp_path / "report.html").as_uri(), 1200)
+        folded = "document.querySelectorAll('details:not([open])').length"
+        before = browser.evaluate(folded)
+        assert before > 0
+        browser.evaluate("dispatchEvent(new Event('beforeprint'))")
+        assert browser.evaluate(folded) == 0
+        zooms = browser.evaluate("[...document.querySelectorAll('table')].map((t) => parseFloat(t.style.zoom))")
+        assert min(zooms) < 1 and max(zooms) == 1  # wide tables alone are made smaller
+        browser.evaluate("dispatchEvent(new Event('afterprint'))")
+        assert browser.evaluate(folded) == before
+        assert browser.evaluate("[...document.querySelectorAll('table')].every((t) => !t.style.zoom)") is True
+        assert browser.complaints() == []
+
+
 @pytest.mark.parametrize("alone", [True, False])
 def test_a_wide_figure_has_the_whole_row(tmp_path, alone):
     """A two-column figure has the font size of the page, alone in its gallery or not; others share a row."""

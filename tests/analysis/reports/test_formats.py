@@ -12,8 +12,9 @@ from html.parser import HTMLParser
 
 import pytest
 
-from granwave.analysis.document.model import Gallery
+from granwave.analysis.document.model import Gallery, Note, Report, Section
 from granwave.analysis.reports.report import write_report
+from granwave.analysis.reports.writers.markdown import markdown
 from tests.helpers.synthetic_report import blocks, build, nasty_inputs, write_inputs
 
 
@@ -87,6 +88,23 @@ def test_markdown_escapes_everything(tmp_path):
     assert rows
     for path in re.findall(r"\]\((r_files/[^)]+)\)", text):
         assert (tmp_path / path).is_file()
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        ("75.5 % of it", "75.5 % of it"),
+        ("5. of May", "5\\. of May"),
+        ("- no list", "\\- no list"),
+        ("-e of it", "-e of it"),
+    ],
+)
+def test_markdown_has_no_lists_by_accident(text, shown):
+    report = Report(
+        "R", "1 run. SI units.", (Section("In short", "short", (Note(text), Note("Answer", "lead", "short"))),)
+    )
+    found, _ = markdown(report, "r_files")
+    assert f"\n{shown}\n\n**Answer** [In short](#in-short)\n" in found
 
 
 def test_pdf_takes_anything(tmp_path):

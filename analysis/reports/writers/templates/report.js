@@ -67,3 +67,22 @@ for (const picture of document.querySelectorAll("img.enlarges")) {
   });
 }
 enlarged.addEventListener("click", () => enlarged.close());
+
+// On paper everything is unfolded, and a table that is wider than the page is made smaller.
+const PAPER = 1030; // CSS pixels across A4, landscape, without margins
+const folded = [];
+addEventListener("beforeprint", () => {
+  for (const part of document.querySelectorAll("details:not([open])")) {
+    folded.push(part);
+    part.open = true;
+  }
+  for (const table of document.querySelectorAll("table")) {
+    const room = table.closest(".beside") ? 0.6 * PAPER : PAPER;
+    const shrunk = 7 * (96 / 72) / parseFloat(getComputedStyle(table).fontSize); // to the 7 points of paper
+    table.style.zoom = Math.min(1, room / (table.scrollWidth * shrunk));
+  }
+});
+addEventListener("afterprint", () => {
+  for (const part of folded.splice(0)) part.open = false;
+  for (const table of document.querySelectorAll("table")) table.style.zoom = "";
+});
