@@ -14,6 +14,7 @@ from granwave.analysis.result.not_a_run import is_continuum, why_no_run
 from granwave.analysis.result.writer import write_result
 from granwave.analysis.summary import Summary, summarise
 from granwave.lammps_inputs.deck.deck import CASE_FILE
+from granwave.lammps_inputs.deck_changes import check_deck
 from granwave.lammps_inputs.run_state import check_case
 
 logger = logging.getLogger(__name__)
@@ -46,7 +47,7 @@ def analyse(directory: str | Path, progress: bool | Callable[[str], None] = Fals
     OutputFormatError
         A file is damaged.
     InputError
-        case.toml was changed after the run, or there are files of such names that granwave did not write.
+        case.toml or data.granwave was changed after the run, or there are files of such names that granwave did not write.
     """
     if callable(progress):
         return _analyse(Path(directory), progress, figures)
@@ -72,6 +73,7 @@ def _analyse(directory: Path, report: Callable[[str], None], figures: bool) -> S
         raise MissingOutputError(why_no_run(directory))
     check_case(directory)
     check_complete(directory)
+    check_deck(directory)
     with helpers(_USUAL_FIGURES if figures else 0) as others:
         report("result.h5")
         write_result(directory)

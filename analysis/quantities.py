@@ -153,6 +153,8 @@ ENTRIES = (
     Quantity("friction_fraction", "Share dissipated by friction",
              "Energy dissipated by sliding between spheres and at walls, over the input.",
              short="  by friction", digits=".5f", phrase="{} of it"),
+    Quantity("deck_changed", "Files of the deck changed by hand",
+             "Values that are taken from case.toml may not be those of the run.", short="deck changed by hand"),
     Quantity("energy_balance_error", "Balance error", digits=".1e", phrase="{} of it"),
     Quantity("energy_kinetic_J", "Kinetic energy"),
     Quantity("energy_rotational_J", "Kinetic energy of rotation", "Part of the kinetic energy."),
@@ -301,7 +303,7 @@ REPORT_COLUMNS = (
     "wave_return_share", "wall_peak_force_N", "wall_impulse_Ns", "base_arrival_s", "unprotected_peak_force_N",
     "peak_reduction", "ground_peak_force_N", "target_peak_displacement_m", "energy_target_J", "impactor_velocity_m_s",
     "wave_speed_m_s", "energy_input_J", "energy_input_normalised", "velocity_normalised", "contacts_beyond_law",
-    "energy_balance_error", "n_spheres", "n_elements", "end_time_s", "wall_time_s",
+    "energy_balance_error", "deck_changed", "n_spheres", "n_elements", "end_time_s", "wall_time_s",
 )  # fmt: skip
 
 #: Shown only where there is friction.

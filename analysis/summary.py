@@ -19,6 +19,7 @@ from granwave.analysis.measures.zone.packing import zone_summary
 from granwave.analysis.measures.zone.plastic_zone import HALF_LAW_LIMIT, LAW_LIMIT, PlasticZone, plastic_zone
 from granwave.analysis.result.contacts import LISTED_FROM
 from granwave.analysis.result.reader import Result
+from granwave.lammps_inputs.deck_changes import changed_files
 from granwave.lammps_inputs.files import plain, replace_text
 from granwave.lammps_inputs.ownership import claim
 from granwave.lammps_inputs.packing.assembly import assemble, velocities_of
@@ -84,6 +85,7 @@ def summary_of(result: Result) -> Summary:
         "sphere_steps_per_s": result.n_spheres * n_steps / wall_time if wall_time else None,
         "n_ranks": record.get("n_ranks"),
         "end_reason": record.get("end_reason"),
+        "deck_changed": changed_files(result.path.parent) or None,
         "versions": result.versions,
     }
 
