@@ -21,7 +21,7 @@ from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError, RunError, raise_all
 from granwave.lammps_inputs.planning.plan import Plan
 from granwave.lammps_inputs.run_directory import SCAN_REPORT
-from granwave.workflows.cli.tables import static_stage_note
+from granwave.workflows.cli.tables import expected_cut, static_stage_note
 from granwave.workflows.scanning import needs
 from granwave.workflows.scanning.batches import expected_scan_time, expected_time
 from granwave.workflows.scanning.calibrate import slowness_of
@@ -193,7 +193,7 @@ def plan_text(
     times = [p.plan.times for p in left if isinstance(p.plan, Plan)]
     unknown = [time for time in times if time.most_static > time.static]
     zones = [p.plan.zone for p in points if isinstance(p.plan, Plan) and p.plan.zone]
-    cut = sum(bool(zone.reaches) for zone in zones)
+    cut = sum(bool(zone.reaches and expected_cut(zone)) for zone in zones)
     rows = [
         ("scan", scan.name),
         ("points", counts),

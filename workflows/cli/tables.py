@@ -67,14 +67,19 @@ def _steps(schedule: Schedule) -> str:
 
 def _expected(zone: ExpectedZone) -> str:
     """Estimate of the outermost yield."""
+    if "sides" not in zone.room and zone.reaches:
+        return "the whole chain"
     within = f", within a factor of {zone.spread:g}" if zone.spread > 1 else " or deeper"
     radius = f", radius {zone.radius:.2g} m" if zone.radius else ""
     return f"about {zone.depth:.2g} m deep{radius}{within}"
 
 
 def expected_cut(zone: ExpectedZone | None) -> str:
-    """Warning that a packing will cut the plastic zone; empty where it has room."""
-    if zone is None:
+    """Warning that a packing will cut the plastic zone; empty where it has room, and for chains.
+
+    In a chain the pulse goes from end to end, whatever its length.
+    """
+    if zone is None or "sides" not in zone.room:
         return ""
     found = [(zone.reaches, "is expected to reach"), (zone.may_reach, "may reach")]
     parts = [f"{verb} {' and '.join(_bound(zone, name) for name in names)}" for names, verb in found if names]
