@@ -47,7 +47,8 @@ def analyse(directory: str | Path, progress: bool | Callable[[str], None] = Fals
     OutputFormatError
         A file is damaged.
     InputError
-        case.toml or data.granwave was changed after the run, or there are files of such names that granwave did not write.
+        case.toml or data.granwave was changed after the run, or there are files of such names that granwave did not
+        write.
     """
     if callable(progress):
         return _analyse(Path(directory), progress, figures)

@@ -203,7 +203,7 @@ ENTRIES = (
     Quantity("wave_returned", "Bounds whose waves came back",
              "A wave that they reflect can have come back, within the run, to what holds 99 %."),
     Quantity("wave_return_s", "Earliest return of a wave",
-             "From the first peaks of force at the bound and at the zone (continuum: from the speed of compression waves)."),
+             "From the first peaks of force at the bound and at the zone; continuum: from the speed of compression."),
     Quantity("wave_return_share", "Share dissipated after that",
              "Of the energy dissipated by yielding: at most so much is owed to waves that came back."),
     # static stage

@@ -33,7 +33,9 @@ def changed_files(directory: Path) -> list[str]:
     """Return the names of the files of a deck that are not as granwave wrote them; missing ones do not count."""
     marker = read_marker(directory)
     noted = marker.digests if marker else {}
-    return [name for name, digest in noted.items() if (directory / name).is_file() and _digest(directory / name) != digest]
+    return [
+        name for name, digest in noted.items() if (directory / name).is_file() and _digest(directory / name) != digest
+    ]
 
 
 def check_deck(directory: Path) -> None:

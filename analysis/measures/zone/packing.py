@@ -171,8 +171,8 @@ def _return_times(result: Result, zone: PackingZone, border: dict[str, float | N
     The peak of the first wave is at the bound at t_b and was at the border of the zone, at ``border`` (m), at t_z on
     its way: it takes as long back, and returns at 2 t_b - t_z. Waves get weaker and slower on their way, so this is
     about the earliest time. A bound that no wave reached within the run sends none back. Where contacts are loaded
-    from the start arrivals cannot be seen; then the wave goes all ways at the speed with which it reached the bottom. None where
-    that is not known either.
+    from the start arrivals cannot be seen; then the wave goes all ways at the speed with which it reached the bottom.
+    None where that is not known either.
     """
     distances = {BOTTOM: zone.depth, SIDES: zone.radius}
     times = {}
