@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 _BLOCK, _PACKING = "half-space", "fcc-small"  # built-in cases that counterparts are made from
 _TAPER = 0.01  # of the punch's diameter, as in the built-in case
-_NARROWEST = 1.5  # punch diameters: a block narrower than this is no half-space to speak of
+_NARROWEST = 2.0  # punch diameters: a block narrower than this is no half-space to speak of
 _WITHIN_LAW = 0.2  # overlap over R* where the contact law ends
 _STRUCK = (1, 3, 7)  # values of load.spheres
 _FEWEST = (4, 4, 2)  # spheres along x, y and z of a packing

@@ -82,7 +82,7 @@ def test_inputs_are_those_of_the_summary(tmp_path):
     [
         (["elastic-impact"], "the contacts do not yield"),
         (["two-spheres"], "no block: a chain"),
-        (["fcc-small", "--set", "packing.size=[1,6,4]"], "or too narrow"),
+        (["fcc-small", "--set", "packing.size=[1,1,6]"], "or too narrow"),
         (["elastoplastic-pulse"], "impacts along z alone"),
         (["fcc-small", *SMALL, "--set", "load.angle=30"], "impacts along z alone"),
     ],

@@ -16,7 +16,6 @@ from granwave.lammps_inputs.case.material import presets
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows import bench, library
-from granwave.workflows.cli import commands
 from granwave.workflows.scanning.engine import EXECUTORS
 from granwave.workflows.solvers import CONTINUUM, GRANULAR, SPHERE_CONTACT, solver_of
 
@@ -110,7 +109,8 @@ def _kind_of_file(options: argparse.Namespace) -> str:
     try:
         tables = read_toml(library.find(getattr(options, "case", None) or ""))
     except InputError:  # none is given yet
-        return keys.CONTINUUM if getattr(options, "command", None) is commands.continuum else keys.CASE
+        command = getattr(getattr(options, "command", None), "__name__", "")
+        return keys.CONTINUUM if command == CONTINUUM.verb else keys.CASE
     return {CONTINUUM: keys.CONTINUUM, SPHERE_CONTACT: keys.SPHERE_CONTACT}.get(solver_of(tables), keys.CASE)
 
 
