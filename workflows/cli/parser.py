@@ -199,7 +199,7 @@ def make_parser() -> argparse.ArgumentParser:
         type=output_name,
         default=Path("report.html"),
         metavar="FILE",
-        help=".html, .pdf or .md (default: report.html)",
+        help="a file that ends in .html, .pdf or .md (default: report.html)",
     )
     report.add_argument(
         "--study",
@@ -215,11 +215,23 @@ def make_parser() -> argparse.ArgumentParser:
 
     film = _verb(verbs, "film", commands.film, "a film of a run: planes, the cut packing, or a chain in space-time")
     film.add_argument("directory", type=input_name, metavar="DIR", help="directory of a run")
-    film.add_argument("-o", dest="output", type=output_name, required=True, metavar="FILE", help=".mp4, .gif or .webp")
     film.add_argument(
-        "--quantity", default="force", metavar="NAME", help="force, velocity or dissipation (default: force)"
+        "-o",
+        dest="output",
+        type=output_name,
+        required=True,
+        metavar="FILE",
+        help="a file that ends in .mp4, .gif or .webp",
     )
-    film.add_argument("--view", metavar="NAME", help="orthogonal, principal, 3d or chain (default: what there is)")
+    film.add_argument(
+        "--quantity",
+        default="force",
+        metavar="NAME",
+        help="what is shown: force, velocity or dissipation (default: force)",
+    )
+    film.add_argument(
+        "--view", metavar="NAME", help="what is seen: orthogonal, principal, 3d or chain (default: what there is)"
+    )
     film.add_argument(
         "--width", type=positive, default=1200, metavar="PIXELS", help="width of the pictures (default: 1200)"
     )
@@ -227,7 +239,7 @@ def make_parser() -> argparse.ArgumentParser:
 
     export = _verb(verbs, "export", commands.export, "the results for other programs: ParaView, pandas, xarray, OVITO")
     export.add_argument("directory", type=input_name, metavar="DIR", help="directory of a run or a scan")
-    export.add_argument("--to", required=True, metavar="FORMAT", help="vtp, csv, netcdf or ovito")
+    export.add_argument("--to", required=True, metavar="FORMAT", help="one of vtp, csv, netcdf, ovito")
     export.add_argument("-o", dest="output", type=output_name, metavar="DIR", help="where to (default: DIR/export)")
 
     check = _verb(verbs, "check", commands.check, "what a run would be: size, memory, disk, timestep, time, overlap")
@@ -279,7 +291,7 @@ def make_parser() -> argparse.ArgumentParser:
         dest="output",
         type=output_name,
         metavar="FILE",
-        help=".png, .pdf or .csv (default: law.png, restitution.png)",
+        help="a file that ends in .png, .pdf or .csv (default: law.png, restitution.png)",
     )
 
     fit = _verb(verbs, "fit", commands.fit, "fit the contact law's constants to a measured or computed curve")
@@ -314,7 +326,9 @@ def make_parser() -> argparse.ArgumentParser:
         metavar="PART,...",
         help=f"what to measure: {', '.join(bench.PARTS)} (default: all, some ten minutes)",
     )
-    parts.add_argument("--styles-only", action="store_const", const=("styles",), dest="parts", help="--parts styles")
+    parts.add_argument(
+        "--styles-only", action="store_const", const=("styles",), dest="parts", help="the same as --parts styles"
+    )
 
     cases = _verb(verbs, "cases", commands.cases, "the studies that come with the package")
     cases.add_argument(

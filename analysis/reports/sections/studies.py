@@ -55,7 +55,7 @@ def studies_of(inputs: Inputs, named: Sequence[str] = ()) -> list[Study]:
         if not names or run.kind != "run" or run.damaged:
             continue
         if run.directory not in read:
-            read[run.directory] = FinishedRun.among([(run.label, run.directory, run.summary)], lambda _: True)
+            read[run.directory] = FinishedRun.among([(run.label, run.directory, run.summary)])
         for name in names:
             offered.setdefault(name, {}).update((one.directory, one) for one in read[run.directory])
     for scan in inputs.scans:
