@@ -15,7 +15,7 @@ import pytest
 from granwave.analysis.document.model import Note
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.report import write_report
-from granwave.analysis.reports.sections.comparison import comparison_section
+from granwave.analysis.reports.sections import comparison
 from granwave.analysis.studies.granular_continuum import blocks, forces, packings, sides, zone
 from granwave.analysis.studies.granular_continuum.impacts import Impacts, collect
 from granwave.analysis.studies.granular_continuum.study import select
@@ -70,15 +70,16 @@ def impacts(suite: Path) -> Impacts:
     return found
 
 
-def test_refused_runs_are_left_out_of_the_comparison(suite: Path, tmp_path: Path) -> None:
+def test_refused_runs_are_left_out_of_the_comparison(suite: Path, tmp_path: Path, monkeypatch) -> None:
     """Blocks too, which have no run.json."""
+    monkeypatch.setattr(comparison, "pictures_of", lambda *_: ())  # drawn elsewhere
     for point in sorted((suite / "continuum" / "points").iterdir())[:1]:
         shutil.copytree(point, tmp_path / "bad")
     values = json.loads((tmp_path / "bad" / "summary.json").read_text())
     (tmp_path / "bad" / "summary.json").write_text(json.dumps(values | {"end_reason": "refused"}))
     inputs = read_inputs([suite, tmp_path / "bad"], tmp_path)
     assert [run.label for run in inputs.whole() if run.status == "refused"] == ["bad (refused)"]
-    section = comparison_section(inputs)
+    section = comparison.comparison_section(inputs)
     notes = [block.text for block in section.blocks if isinstance(block, Note) and block.tone == "bad"]
     assert notes == ["Left out here, as the energy balance did not close: bad (refused)."]
     assert "(refused)" not in str(section.blocks[:-1])
