@@ -63,7 +63,7 @@ def table(result: Result, name: str) -> pandas.DataFrame:
     """
     names = tables_of(result)
     if name not in names:
-        near = difflib.get_close_matches(str(name), names, n=1)
+        near = difflib.get_close_matches(str(name), names, n=1, cutoff=0.7)
         hint = f"did you mean {near[0]}? " if near else ""
         raise MissingDataError(f"{result.path}: has no table {name}; {hint}it has {', '.join(names)}")
     columns = sorted(result.names(name), key=place_of_column)
