@@ -147,7 +147,8 @@ void PairGranHysteretic::init_style()
 
   for (int i = 0; i < atom->nlocal; i++)
     if (!(atom->radius[i] >= 0.0))
-      error->one(FLERR, "Pair style gran/hysteretic: atom {} has the radius {:g}, expected one above 0, or 0 for a flat face",
+      error->one(FLERR,
+                 "Pair style gran/hysteretic: atom {} has the radius {:g}, expected one above 0, or 0 for a flat face",
                  atom->tag[i], atom->radius[i]);
 
   // the largest radius of each type determines the cutoff
