@@ -105,3 +105,29 @@ def test_a_scan_prints_one_document(tmp_path, capfd):
     found = document(["scan", str(path), "-o", str(tmp_path / "pair"), "--jobs", "1", "--json"], capfd)
     assert (found["done"], found["failed"], found["missing"], found["stopped"]) == (2, 0, 0, None)
     assert all(point["summary"]["n_spheres"] == 2 for point in found["points"])
+
+
+def test_doctor_with_the_profile_of_a_cluster(tmp_path, monkeypatch):
+    """Commands that are there are found, the launcher only after the commands of `before`; others get a remedy."""
+    tools, bare = tmp_path / "tools", tmp_path / "bare"
+    for folder in (tools, bare):
+        folder.mkdir()
+        (folder / "bash").symlink_to("/bin/bash")
+    monkeypatch.setenv("PATH", str(bare))
+    for name in ("sbatch", "scancel", "squeue", "start-ranks"):
+        (tools / name).write_text("#!/bin/sh\n")
+        (tools / name).chmod(0o755)
+    profile = tmp_path / "cluster.toml"
+    profile.write_text(f'[slurm]\nlauncher = "start-ranks --mpi=pmix"\nbefore = ["PATH={tools}:$PATH"]\n')
+    found = {finding.part: finding for finding in doctor._cluster(profile)}
+    assert found["profile"].works and found["start-ranks command"].works and found["commands of before"].works
+    assert not found["sbatch command"].works and "login node" in found["sbatch command"].remedy
+    monkeypatch.setenv("PATH", str(tools))
+    assert all(finding.works for finding in doctor._cluster(profile) if finding.part.endswith("command"))
+    profile.write_text('[slurm]\nlauncher = "no-such-launcher"\npartitoin = "x"\n')
+    (fault,) = doctor._cluster(profile)
+    assert not fault.works and "partitoin" in fault.found
+    profile.write_text('[slurm]\nlauncher = "no-such-launcher"\nbefore = ["no-such-module load mpi"]\n')
+    found = {finding.part: finding for finding in doctor._cluster(profile)}
+    assert "launcher or before" in found["no-such-launcher command"].remedy
+    assert "no-such-module" in found["commands of before"].found and not found["commands of before"].works

@@ -143,6 +143,10 @@ def _cluster(path: Path) -> list[Finding]:
     launcher = shlex.split(profile.launcher or "")[:1]
     commands |= dict.fromkeys(launcher, "launcher of the profile, after the commands of `before`")
     before = profile.before or ""
+    if before:
+        found.append(
+            _attempt("commands of before", ["bash", "-c", f"set -e\n{before}"], "run", "correct before in the profile")
+        )
     for command, where in commands.items():
         script = f"{before if where.startswith('launcher') else ''}\ncommand -v {shlex.quote(command)}"
         remedy = (
