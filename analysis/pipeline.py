@@ -9,11 +9,14 @@ from pathlib import Path
 from granwave.analysis.errors import MissingOutputError
 from granwave.analysis.figures.side_by_side import helpers
 from granwave.analysis.lammps_output.completeness import check_complete
+from granwave.analysis.lammps_output.dumps import read_data
 from granwave.analysis.progress_bar import progress_bar
 from granwave.analysis.result.not_a_run import is_continuum, why_no_run
 from granwave.analysis.result.writer import write_result
 from granwave.analysis.summary import Summary, summarise
 from granwave.lammps_inputs.deck.deck import CASE_FILE
+from granwave.lammps_inputs.deck_changes import check_deck
+from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.run_state import check_case
 
 logger = logging.getLogger(__name__)
@@ -46,7 +49,8 @@ def analyse(directory: str | Path, progress: bool | Callable[[str], None] = Fals
     OutputFormatError
         A file is damaged.
     InputError
-        case.toml was changed after the run, or there are files of such names that granwave did not write.
+        case.toml or data.granwave was changed after the run, or there are files of such names that granwave did not
+        write.
     """
     if callable(progress):
         return _analyse(Path(directory), progress, figures)
@@ -67,11 +71,21 @@ def _figures() -> tuple[str, ...]:
     return tuple(FIGURES)
 
 
+def _check_deck(directory: Path) -> None:
+    """Check the deck for edits; damage of its data file has a message of its own, with the line."""
+    try:
+        check_deck(directory)
+    except InputError:
+        read_data(directory)
+        raise
+
+
 def _analyse(directory: Path, report: Callable[[str], None], figures: bool) -> Summary:
     if not (directory / CASE_FILE).exists() or is_continuum(directory):
         raise MissingOutputError(why_no_run(directory))
     check_case(directory)
     check_complete(directory)
+    _check_deck(directory)
     with helpers(_USUAL_FIGURES if figures else 0) as others:
         report("result.h5")
         write_result(directory)

@@ -156,6 +156,8 @@ ENTRIES = (
     Quantity("holder_fraction", "Share dissipated by friction of the holder",
              "Energy dissipated by beads of a chain that slide in their holder, over the input.",
              short="  in the holder", digits=".5f", phrase="{} of it"),
+    Quantity("deck_changed", "Files of the deck changed by hand",
+             "Values that are taken from case.toml may not be those of the run.", short="deck changed by hand"),
     Quantity("energy_balance_error", "Balance error", digits=".1e", phrase="{} of it"),
     Quantity("energy_kinetic_J", "Kinetic energy"),
     Quantity("energy_rotational_J", "Kinetic energy of rotation", "Part of the kinetic energy."),
@@ -205,7 +207,7 @@ ENTRIES = (
     Quantity("wave_returned", "Bounds whose waves came back",
              "A wave that they reflect can have come back, within the run, to what holds 99 %."),
     Quantity("wave_return_s", "Earliest return of a wave",
-             "From the first arrivals at the bound and at the zone (continuum: from the speed of compression waves)."),
+             "From the first peaks of force at the bound and at the zone; continuum: from the speed of compression."),
     Quantity("wave_return_share", "Share dissipated after that",
              "Of the energy dissipated by yielding: at most so much is owed to waves that came back."),
     # static stage
@@ -306,7 +308,7 @@ REPORT_COLUMNS = (
     "wave_return_share", "wall_peak_force_N", "wall_impulse_Ns", "base_arrival_s", "unprotected_peak_force_N",
     "peak_reduction", "ground_peak_force_N", "target_peak_displacement_m", "energy_target_J", "impactor_velocity_m_s",
     "wave_speed_m_s", "energy_input_J", "energy_input_normalised", "velocity_normalised", "contacts_beyond_law",
-    "energy_balance_error", "n_spheres", "n_elements", "end_time_s", "wall_time_s",
+    "energy_balance_error", "deck_changed", "n_spheres", "n_elements", "end_time_s", "wall_time_s",
 )  # fmt: skip
 
 #: Shown only where there is friction.

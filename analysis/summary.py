@@ -6,12 +6,12 @@ What they are called, and where they are shown: `granwave.analysis.quantities`.
 from __future__ import annotations
 
 import json
-import math
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from granwave.analysis.measures.normalised import velocity_normalised
 from granwave.analysis.measures.sensors import sensor_accelerations, sensor_forces, sensor_velocities
 from granwave.analysis.measures.target.record import protection, reached
 from granwave.analysis.measures.wave_speed import wave_speed_of
@@ -19,6 +19,7 @@ from granwave.analysis.measures.zone.packing import zone_summary
 from granwave.analysis.measures.zone.plastic_zone import HALF_LAW_LIMIT, LAW_LIMIT, PlasticZone, plastic_zone
 from granwave.analysis.result.contacts import LISTED_FROM
 from granwave.analysis.result.reader import Result
+from granwave.lammps_inputs.deck_changes import changed_files
 from granwave.lammps_inputs.files import plain, replace_text
 from granwave.lammps_inputs.ownership import claim
 from granwave.lammps_inputs.packing.assembly import assemble, velocities_of
@@ -84,28 +85,9 @@ def summary_of(result: Result) -> Summary:
         "sphere_steps_per_s": result.n_spheres * n_steps / wall_time if wall_time else None,
         "n_ranks": record.get("n_ranks"),
         "end_reason": record.get("end_reason"),
+        "deck_changed": changed_files(result.path.parent) or None,
         "versions": result.versions,
     }
-
-
-def velocity_normalised(velocity: float, modulus: float, density: float, yield_strength: float) -> float:
-    """Impact velocity in units that make materials collapse on one curve (thesis 5.11).
-
-    ``(2/sqrt 3) (2/(1.6 pi))^2 E*^2 sqrt(rho) sigma_y^-2.5 v``; for brass 4 m/s give 37.9.
-
-    Parameters
-    ----------
-    velocity
-        m/s.
-    modulus
-        E* of two spheres, Pa.
-    density
-        kg/m^3.
-    yield_strength
-        Pa.
-    """
-    scale = 2 / math.sqrt(3) * (2 / (1.6 * math.pi)) ** 2
-    return scale * modulus**2 * math.sqrt(density) * yield_strength**-2.5 * velocity
 
 
 def restitution(result: Result) -> float | None:

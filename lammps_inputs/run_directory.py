@@ -71,16 +71,20 @@ class Marker:
     files
         Sizes in bytes by name relative to the directory; None for files whose size was not noted. A name that ends
         in "/" is a directory of results with a marker of its own.
+    digests
+        Digests of the files of the deck as granwave wrote them, by name.
     """
 
     kind: str
     version: str = __version__
     case: str = ""
     files: dict[str, int | None] = dataclasses.field(default_factory=dict)
+    digests: dict[str, str] = dataclasses.field(default_factory=dict)
 
     def write(self, directory: Path) -> None:
         """Replace the marker in ``directory`` atomically."""
         self.version = __version__
+        self.digests = {name: digest for name, digest in self.digests.items() if name in self.files}
         replace_text(directory / MARKER, json.dumps(dataclasses.asdict(self), indent=1) + "\n")
 
 

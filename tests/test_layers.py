@@ -21,7 +21,7 @@ workflows/bench
 workflows/scanning
 workflows/run
 workflows/library
-workflows/solvers
+workflows/solvers workflows/counterpart
 workflows/finite_elements
 analysis/notebook
 analysis/reports analysis/exports
@@ -44,7 +44,7 @@ lammps_inputs/contact
 lammps_inputs/packing
 lammps_inputs/case
 lammps_inputs/directories
-lammps_inputs/run_state
+lammps_inputs/run_state lammps_inputs/deck_changes
 lammps_inputs/ownership
 lammps_inputs/unmarked_results
 lammps_inputs/lattices lammps_inputs/run_directory

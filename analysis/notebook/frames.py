@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -60,8 +61,11 @@ def table(result: Result, name: str) -> pandas.DataFrame:
     MissingDataError
         The run has no such table.
     """
-    if name not in tables_of(result):
-        raise MissingDataError(f"{result.path}: has no table {name}; it has {', '.join(tables_of(result))}")
+    names = tables_of(result)
+    if name not in names:
+        near = difflib.get_close_matches(str(name), names, n=1, cutoff=0.7)
+        hint = f"did you mean {near[0]}? " if near else ""
+        raise MissingDataError(f"{result.path}: has no table {name}; {hint}it has {', '.join(names)}")
     columns = sorted(result.names(name), key=place_of_column)
     values = {column: result.read(f"{name}/{column}") for column in columns}
     units = {column: result.unit(f"{name}/{column}") for column in columns}

@@ -18,6 +18,7 @@ from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.quantities import REPORT_COLUMNS, quantity
 from granwave.analysis.result.not_a_run import OF_A_RUN, UNFINISHED, around, no_results, resumed, similar
 from granwave.analysis.result.reader import Result
+from granwave.analysis.result.writer import BALANCE_REFUSED
 from granwave.analysis.scans.means import Means, means_of
 from granwave.analysis.scans.result import PointResult, ScanResult
 from granwave.lammps_inputs.errors import InputError
@@ -36,6 +37,8 @@ from granwave.lammps_inputs.toml_files import read_tables
 
 Kind = Literal["run", "continuum"]
 
+_REFUSED = (BALANCE_REFUSED, "refused")  # end_reason of runs, and of finite elements, whose balance did not close
+
 
 @dataclasses.dataclass(frozen=True)
 class Run:
@@ -44,7 +47,7 @@ class Run:
     Attributes
     ----------
     label
-        Label in the report.
+        Label in the report; it says so where the run was refused.
     kind
         Kind of the run, on which the keys of its summary depend.
     status
@@ -292,11 +295,12 @@ def _read_run(path: Path, label: str, summary: Mapping[str, Any]) -> Run:
     check_case(path)
     case, record = _case(path), _record(path)
     continuum = "n_elements" in summary or any(key.startswith(("punch.", "block.")) for key in case)
+    refused = record.get("state") == "refused" or summary.get("end_reason") in _REFUSED
     return Run(
-        label=label,
+        label=f"{label} (refused)" if refused else label,
         kind="continuum" if continuum else "run",
         directory=path,
-        status="refused" if record.get("state") == "refused" else "done",
+        status="refused" if refused else "done",
         summary=summary,
         case=case,
         record=record,

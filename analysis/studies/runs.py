@@ -74,7 +74,7 @@ class FinishedRun(AnyRun[Case]):
 
     @classmethod
     def among(
-        cls, found: Iterable[tuple[str, Path, Mapping[str, Any]]], suits: Callable[[Case], bool]
+        cls, found: Iterable[tuple[str, Path, Mapping[str, Any]]], suits: Callable[[Case], bool] | None = None
     ) -> tuple[Self, ...]:
         """Runs whose case suits; none whose energy balance was refused or whose case cannot be read.
 
@@ -82,11 +82,15 @@ class FinishedRun(AnyRun[Case]):
         ----------
         found
             Label, directory and summary of finished runs.
+        suits
+            True for cases that are wanted; by default all are.
         """
         runs = []
         for label, directory, summary in found:
             run = read_run(label, directory, summary)
-            if isinstance(run, FinishedRun) and summary.get("end_reason") != BALANCE_REFUSED and suits(run.case):
+            if not isinstance(run, FinishedRun) or summary.get("end_reason") == BALANCE_REFUSED:
+                continue
+            if suits is None or suits(run.case):
                 runs.append(run.seen_as(cls))
         return tuple(runs)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import re
 from collections.abc import Mapping
 from itertools import pairwise
 from typing import Any, Literal
@@ -44,6 +45,7 @@ LEAST_ENERGY_TOLERANCE = 1e-10  # rounding errors are some 1e-12 of the input
 DEFAULT_FRAMES = 20  # default of `run.frames`; a run of fewer steps has fewer
 _CONSTANT: dict[str, Any] = {"above": 0, "default": None}
 LARGEST_ID = LARGEST_COUNT
+_SHARE = re.compile(r"(\d+(?:\.\d+)?) ?%")
 _NO_LIMIT = 2**63 - 1  # the schedule limits the number to that of the steps
 
 
@@ -58,14 +60,26 @@ def _parse_size(value: Any) -> tuple[int, ...]:
     return size
 
 
-def _parse_frames(value: Any) -> int | tuple[float, ...]:
-    expected = "how many snapshots (from 1 up), or a list of rising times in s"
+def _parse_frames(value: Any) -> int | tuple[float, ...] | tuple[str, ...]:
+    expected = (
+        'how many snapshots (from 1 up), or a list of rising times, all in s or all shares of run.end_time ("25 %")'
+    )
     if not isinstance(value, list | tuple):
         return whole(value, expected, at_most=_NO_LIMIT)
-    times = tuple(finite(time, expected) for time in value)
+    words = [one for one in value if isinstance(one, str)]
+    if words and len(words) != len(value):
+        raise ValidationError(expected)
+    times = tuple(parse_share(word, expected) for word in words) or tuple(finite(time, expected) for time in value)
     if not times or times[0] < 0 or any(later <= earlier for earlier, later in pairwise(times)):
         raise ValidationError(expected)
-    return times
+    return tuple(words) or times
+
+
+def parse_share(text: str, expected: str) -> float:
+    """Convert a share such as ``"25 %"`` to 0.25; raise `ValidationError` if it is none from 0 to 100 %."""
+    if not (found := _SHARE.fullmatch(text)) or float(found[1]) > 100:
+        raise ValidationError(expected)
+    return float(found[1]) / 100
 
 
 def _parse_seed(value: Any) -> int:
@@ -364,9 +378,18 @@ class Run:
         unit="s",
         usual=INTERVAL,
     )
-    frames: int | tuple[float, ...] = custom(
+    frames: int | tuple[float, ...] | tuple[str, ...] = custom(
         "snapshots, the start and the end among them: how many, or the times", _parse_frames, default=DEFAULT_FRAMES
     )
+
+    @property
+    def frame_times(self) -> tuple[float, ...] | None:
+        """Times of the snapshots, s, shares of the end time among them; None if only their number is given."""
+        if isinstance(self.frames, int):
+            return None
+        return tuple(
+            parse_share(time, "a share") * self.longest if isinstance(time, str) else time for time in self.frames
+        )
 
     @property
     def adaptive(self) -> bool:

@@ -72,7 +72,7 @@ def impossible(value: Any, unit: str | None) -> str:
     low, high = POSSIBLE.get(unit or "", (0.0, float("inf")))
     if all(not number or low <= abs(number) <= high for number in _numbers(value)):
         return ""
-    return f"a magnitude from {_plain(low)} to {_plain(high)} {unit}"
+    return f"a magnitude from {plain(low)} to {plain(high)} {unit}"
 
 
 def unusual(value: Any, unit: str | None, usual: Usual) -> str:
@@ -82,12 +82,12 @@ def unusual(value: Any, unit: str | None, usual: Usual) -> str:
     if not odd:
         return ""
     of_unit = f" {unit}" if unit else ""
-    text = f"found {_plain(odd[0])}{of_unit}, expected some {_plain(usual.low)} to {_plain(usual.high)}{of_unit}"
+    text = f"found {plain(odd[0])}{of_unit}, expected some {plain(usual.low)} to {plain(usual.high)}{of_unit}"
     for other in usual.units:
         meant = odd[0] * 10.0 ** _EXPONENTS[other]
         if usual.low <= abs(meant) <= usual.high:
-            shown = _plain(odd[0])
-            return f"{text}; {shown} {other} is {_plain(meant) if 'e' in shown else f'{shown}e{_EXPONENTS[other]}'}"
+            shown = plain(odd[0])
+            return f"{text}; {shown} {other} is {plain(meant) if 'e' in shown else f'{shown}e{_EXPONENTS[other]}'}"
     return text
 
 
@@ -99,5 +99,6 @@ def _numbers(value: Any) -> Iterator[float]:
             yield from _numbers(part)
 
 
-def _plain(number: float) -> str:
+def plain(number: float) -> str:
+    """Write a number as one would type it: 1e6, 0.01."""
     return re.sub(r"e([+-])0*", lambda match: "e-" if match[1] == "-" else "e", f"{number:g}")

@@ -171,13 +171,18 @@ def _check_bars(parts: Mapping[str, Any], packing: PackingSection, boundary: Bou
         errors.add("striker", "found beside [incident_bar]; take one of them out")
 
 
+_GIVE_END = 'run.end_time as a number, not "auto"'
+
+
 def _check_times(run: Run, output: Output | None, errors: ErrorList) -> None:
     ends = f"run.end_time, {run.longest:g} s"
     if not isinstance(run.timestep, str) and run.timestep > run.longest:
         errors.add("run.timestep", f"found {run.timestep:g} s, expected at most {ends}")
     _check_timestep(run, errors)
-    if isinstance(run.frames, tuple) and run.frames[-1] > run.longest:
-        errors.add("run.frames", f"found a time of {run.frames[-1]:g} s, expected none beyond {ends}")
+    if isinstance(run.frames, tuple) and isinstance(run.frames[0], str) and isinstance(run.end_time, str):
+        errors.add("run.frames", f"found shares of an end that is not known: give times in s, or {_GIVE_END}")
+    elif run.frame_times is not None and run.frame_times[-1] > run.longest:
+        errors.add("run.frames", f"found a time of {run.frame_times[-1]:g} s, expected none beyond {ends}")
     if output is not None and not isinstance(output.probe_interval, str) and output.probe_interval > run.longest:
         errors.add("output.probe_interval", f"found {output.probe_interval:g} s, expected at most {ends}")
 

@@ -14,6 +14,7 @@ from granwave.lammps_inputs.deck.data_file import write_data
 from granwave.lammps_inputs.deck.output import output_files
 from granwave.lammps_inputs.deck.script import input_script
 from granwave.lammps_inputs.deck.static_stage import load_tables
+from granwave.lammps_inputs.deck_changes import note_deck
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import naming, replacing
 from granwave.lammps_inputs.load_case import load_case
@@ -103,6 +104,7 @@ def write_deck(case: Case | Assembly, directory: str | Path, *, timestep: float 
         raise InputError(f"{directory}: cannot be written to: {error.strerror}; choose another with -o") from None
     try:
         _write(assembly, directory, {SCRIPT_FILE: input_script(assembly, deck.schedule), CASE_FILE: text, **tables})
+        note_deck(directory, [SCRIPT_FILE, DATA_FILE, *tables])
     except BaseException:
         if fresh:
             clear(directory)

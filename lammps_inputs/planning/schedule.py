@@ -328,7 +328,7 @@ def _frames(case: Case, steps: _Steps) -> tuple[int, tuple[int, ...]]:
     """Counts between snapshots if they are evenly spaced; else 0, and the counts of those after the first."""
     frames, n_steps = case.run.frames, steps.unit * steps.n_units
     if isinstance(frames, tuple):
-        wanted = np.rint(np.array(frames) / steps.count)
+        wanted = np.rint(np.array(case.run.frame_times) / steps.count)
     elif isinstance(case.run.end_time, str):
         return steps.unit * steps.units(_AUTO_FRAME_SPAN / frames), ()
     elif even := _even_frames(case, steps):

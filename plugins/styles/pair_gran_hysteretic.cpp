@@ -145,6 +145,12 @@ void PairGranHysteretic::init_style()
   }
   fix_history->history.extend({n_extra, has_friction || has_initial_dents});
 
+  for (int i = 0; i < atom->nlocal; i++)
+    if (!(atom->radius[i] >= 0.0))
+      error->one(FLERR,
+                 "Pair style gran/hysteretic: atom {} has the radius {:g}, expected one above 0, or 0 for a flat face",
+                 atom->tag[i], atom->radius[i]);
+
   // the largest radius of each type determines the cutoff
   std::vector<double> mine(atom_types + 1, 0.0);
   for (int i = 0; i < atom->nlocal; i++) mine[atom->type[i]] = std::max(mine[atom->type[i]], atom->radius[i]);

@@ -58,6 +58,11 @@ def test_warnings_tell_what_and_what_to_do():
     assert "1.8 %" in wave and "the sides" in wave and "20 us" in wave and "block" in wave
     assert zone_warnings(FREE) == []
     assert zone_warnings({"n_spheres": 2} | CUT) == []  # a collision of two, which no size would change
+    assert mark_of({"n_spheres": 2} | CUT) is Mark.NONE
+    chain = {"n_spheres": 50} | CUT | SIZES | dict.fromkeys([name for name in SIZES if "radius" in name])
+    assert zone_warnings(chain) == []  # a pulse goes from end to end
+    assert mark_of(chain) is Mark.CUT
+    assert len(zone_warnings({"n_spheres": 50} | CUT | SIZES)) == 1
 
 
 def test_terminal_tells_the_sizes_and_the_bounds():

@@ -217,12 +217,12 @@ def test_yield_that_still_moves_out_at_the_end(tmp_path, end, growing):
 
 
 def test_wave_returns_in_a_chain(tmp_path):
-    """Contact k of a synthetic run is first loaded at (k + 1/2) D / (1000 m/s); the ledger dissipates evenly."""
+    """Contact k of a synthetic run peaks at (k + 1/2) D / (1000 m/s) + 2 us; the ledger dissipates evenly."""
     n = 6
     summary = summary_of(tmp_path, kind="chain", size=n, dent=3.0)
     border = round(summary["zone_depth_99_m"] / D)
     assert 0 < border < n - 1
-    expected = (2 * (n - 1.5) - (border - 0.5)) * D / 1000.0
+    expected = (2 * (n - 1.5) - (border - 0.5)) * D / 1000.0 + 2e-6
     end = synthetic.STEPS * synthetic.TIMESTEP
     assert summary["wave_return_s"] == pytest.approx(expected, rel=1e-9)
     assert summary["wave_returned"] == ["bottom"]
@@ -271,6 +271,20 @@ def test_tiny_packing_is_cut_on_all_sides(tmp_path):
     assert mark_of(summary) is Mark.CUT
     (first, *_) = zone_warnings(summary)
     assert "reaches the bottom and the sides of the packing" in first
+
+
+def test_no_wave_returns_faster_than_sound_in_brass(tmp_path):
+    """Rounding loads a contact of the side within some steps; a wave takes (x + x - r) / 4260 m/s at least."""
+    case = synthetic.make_case("fcc", (8, 8, 5), load={"velocity": 5.0}, run={"end_time": 1e-4})
+    summary = run_case(case, tmp_path, figures=False).summary
+    with Result(tmp_path) as result:
+        zone = packing_zone(result)
+        first = result["spheres/time_first"][zone.bounds["sides"]].min()
+        nearest = zone.radius[zone.bounds["sides"]].min()
+        time, force = result["walls/bottom/time"], result["walls/bottom/force"]
+    assert summary["wave_return_s"] > nearest / 4260 > first
+    felt = time[np.argmax(force > 0.01 * force.max())]
+    assert felt < zone.waves.arrival(zone.bounds["bottom"]) < time[force.argmax()]
 
 
 # ---------------------------------------------------------------------- continuum

@@ -118,13 +118,14 @@ def check_command(verb: str, options: argparse.Namespace, made: Collection[str])
         return Path(str(name)).exists() or str(name).partition("/")[0] in made
 
     if verb == "keys":
-        assert options.table is None or options.table in {table.name for table in tables()}
+        assert not options.table or ".".join(options.table) in {table.name for table in tables()}
     if verb in SELECTED:
         name = getattr(options, SELECTED[verb])
         kind = library.SCANS if verb == "scan" else library.CASES
         built_in = name in library.names(kind)
         assert built_in or is_there(name), f"{name}: no such study"
-        if verb in ("run", "check", "write") and (built_in or Path(name).is_file()):
+        granular = built_in and library.verb_of(library.find(name, kind)) == "run"
+        if verb in ("run", "check", "write") and (granular or Path(name).is_file()):
             library.load_case(name, [change for change in options.overrides if "initial_overlap" not in change])
     for name in [*getattr(options, "directories", []), *filter(None, [getattr(options, "profile", None)])]:
         assert is_there(name), f"{name}: no command of the page makes it"

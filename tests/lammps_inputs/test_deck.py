@@ -138,6 +138,15 @@ class TestSchedule:
             assert make_schedule(make(run={"frames": n})).n_frames == found
         assert make_schedule(make(run={"frames": 6, "timestep": 1e-7})).frame_every == 2000
 
+    def test_shares_of_the_end_time(self) -> None:
+        """The same snapshots as the times in s, at any end time; the case keeps what was asked."""
+        for end in (1e-3, 3e-4):
+            run = {"end_time": end, "timestep": 1e-7}
+            shares, times = ["0 %", "12.5 %", "50%", "100 %"], [0.0, 0.125 * end, 0.5 * end, end]
+            case = make(run={**run, "frames": shares})
+            assert make_schedule(case) == make_schedule(make(run={**run, "frames": times}))
+            assert case.to_dict()["run"]["frames"] == shares
+
     def test_listed_frames(self) -> None:
         schedule = make_schedule(make(run={"frames": [0.0, 1.23e-4, 9.99e-4], "timestep": 1e-7}))
         assert schedule.frame_steps == (1230, 9990, 10000)

@@ -7,7 +7,7 @@ import pytest
 
 from granwave._contact_laws import ContactLaw
 from granwave.plugins import library
-from tests.conftest import script_of
+from tests.conftest import refuses, script_of
 from tests.helpers.twin import Network, scales
 from tests.helpers.two_spheres import LAW, PAIR, R, collide, restitution, value
 
@@ -393,6 +393,15 @@ def test_hostile_states_get_a_message(lammps, change, message):
     lmp.commands_string(script_of(**{"positions": [(0, 0, 0), (0, 0, 2 * R)], **change}))
     with pytest.raises(Exception, match=message):
         lmp.command("run 2000")
+
+
+@pytest.mark.parametrize("radius", [-0.5 * R, np.nan])
+def test_radius_below_zero_is_refused(lammps, radius):
+    """LAMMPS itself lets a program or a fix set one."""
+    lmp = lammps()
+    lmp.commands_string(script_of([(0, 0, 0), (0, 0, 2 * R)]))
+    lmp.numpy.extract_atom("radius")[1] = radius
+    refuses(lmp, "run 1", rf"atom 2 has the radius (-{0.5 * R:g}|-?nan), expected one above 0, or 0 for a flat face")
 
 
 def test_quiet_lattice_stays_quiet(lammps):

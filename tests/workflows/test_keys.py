@@ -86,3 +86,21 @@ def test_the_command(capsys):
     assert main(["keys", "run.end_time"]) == 0  # of three kinds of files two have it
     assert capsys.readouterr().out.count("end_time  s  default") == 2
     assert main(["keys", "[[replace]]"]) == 0
+
+
+def test_words_of_a_key_may_stand_apart(capsys):
+    assert main(["keys", "load", "velocity"]) == 0
+    apart = capsys.readouterr().out
+    assert main(["keys", "load.velocity"]) == 0
+    assert capsys.readouterr().out == apart and "m/s" in apart
+    assert main(["keys", "load", "velocty"]) == 2
+    assert "load.velocty: no such table or key; did you mean load.velocity?" in capsys.readouterr().err
+
+
+def test_usual_magnitudes_are_those_that_messages_name():
+    """Warnings begin far beyond for bodies that stand for rigid ones, and the text says from where on."""
+    found = {
+        key.name: key.usual for table in keys.tables() for key in table.keys if table.name in ("material", "packing")
+    }
+    assert found["diameter"] == "usual: 1e-6 to 1 m; others give a warning"
+    assert found["youngs_modulus"] == "usual: 1e6 to 1e12 Pa; below, and above 1e14 Pa, a warning is given"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import dataclasses
 import difflib
 import logging
 import sys
@@ -14,7 +15,6 @@ from typing import Any
 from granwave.analysis.measures.zone.marks import zone_warnings
 from granwave.analysis.summary_table import continuum_table, summary_table
 from granwave.lammps_inputs.case.material import Material, material, sphere_mass
-from granwave.lammps_inputs.case.overrides import apply_overrides, parse_overrides
 from granwave.lammps_inputs.case.sections import LAWS
 from granwave.lammps_inputs.contact.law import contact_of, rigid_wall_contact_of
 from granwave.lammps_inputs.deck.deck import write_deck
@@ -28,9 +28,9 @@ from granwave.lammps_inputs.run_directory import CASE_FILE, EXPORT_DIRECTORY, RE
 from granwave.lammps_inputs.run_state import restore_case
 from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows import library
-from granwave.workflows.cli.tables import continuum_plan_table, expected_cut, plan_table
+from granwave.workflows.cli.as_json import print_json
 from granwave.workflows.run import mpi, record
-from granwave.workflows.solvers import CONTINUUM, GRANULAR, SPHERE_CONTACT, solver_of
+from granwave.workflows.solvers import CONTINUUM, SPHERE_CONTACT, solver_of
 
 Arguments = Sequence[str]
 
@@ -63,8 +63,10 @@ def run(options: argparse.Namespace, arguments: Arguments) -> int:
         comm=comm,
     )
     if comm.rank == 0:
-        print(summary_table(outcome.summary))
-        print(f"\nresults in {outcome.directory}")
+        if options.json:
+            print_json(outcome.summary)
+        else:
+            print(f"{summary_table(outcome.summary)}\n\nresults in {outcome.directory}")
         _warn_of_zone(outcome.summary)
         beyond = outcome.summary.get("contacts_beyond_law")
         if beyond:
@@ -132,7 +134,7 @@ def analyse(options: argparse.Namespace, _: Arguments) -> int:
             print(f"granwave: {options.directory / CASE_FILE}: written again as it was run", file=sys.stderr)
         with _as_wrong_input():
             summary = analyse_directory(options.directory, progress=True, figures=options.figures)
-    print(summary_table(summary))
+    print_json(summary) if options.json else print(summary_table(summary))
     _warn_of_zone(summary)
     return 0
 
@@ -172,8 +174,7 @@ def continuum(options: argparse.Namespace, _: Arguments) -> int:
         summary = run_it(
             case, directory, progress=True, force=options.force, resume=options.resume, figures=options.figures
         )
-    print(continuum_table(summary))
-    print(f"\nresults in {directory}")
+    print_json(summary) if options.json else print(f"{continuum_table(summary)}\n\nresults in {directory}")
     _warn_of_zone(summary)
     return 0
 
@@ -254,20 +255,9 @@ def export(options: argparse.Namespace, _: Arguments) -> int:
 
 def check(options: argparse.Namespace, _: Arguments) -> int:
     """Execute ``granwave check``."""
-    path = library.find_for(options.case, GRANULAR.verb, CONTINUUM.verb)
-    kind = solver_of(read_toml(path))
-    changes = parse_overrides(options.overrides)
-    case = kind.read(apply_overrides(read_toml(path), changes), path, overridden=changes)
-    expected = kind.cost(case, options.np, True)
-    if kind is GRANULAR:
-        print(plan_table(case, expected))
-    else:
-        print(continuum_plan_table(case.name, kind.size(case), expected))
-    sys.stdout.flush()
-    kind.check(case, expected, Path(case.name).absolute())
-    if kind is GRANULAR and (warning := expected_cut(expected.zone)):
-        print(f"granwave: warning: {case.name}: {warning}", file=sys.stderr)
-    return 0
+    from granwave.workflows.cli.check import check as check_case
+
+    return check_case(options)
 
 
 def show(options: argparse.Namespace, _: Arguments) -> int:
@@ -278,9 +268,13 @@ def show(options: argparse.Namespace, _: Arguments) -> int:
 
 def keys(options: argparse.Namespace, _: Arguments) -> int:
     """Execute ``granwave keys``."""
-    from granwave.workflows.cli.keys import as_text, find, overview
+    from granwave.workflows.cli.keys import as_text, find, overview, tables
 
-    print(overview() if options.table is None else "\n\n\n".join(map(as_text, find(options.table))))
+    found = find(".".join(options.table)) if options.table else None
+    if options.json:
+        print_json([dataclasses.asdict(one) for one in found or tables()])
+    else:
+        print(overview() if found is None else "\n\n\n".join(map(as_text, found)))
     return 0
 
 
@@ -356,7 +350,6 @@ def bench(options: argparse.Namespace, _: Arguments) -> int:
 
 def cases(options: argparse.Namespace, _: Arguments) -> int:
     """Execute ``granwave cases``."""
-    import json
     import shutil
 
     wanted = [word.lower() for word in options.words]
@@ -368,7 +361,7 @@ def cases(options: argparse.Namespace, _: Arguments) -> int:
             f"{' '.join(options.words)}: no built-in case or scan has these words; granwave cases lists all"
         )
     if options.json:
-        print(json.dumps([entry._asdict() for entry in found], indent=2))
+        print_json([entry._asdict() for entry in found])
         return 0
     name_width = max(len(entry.name) for entry in found)
     most = shutil.get_terminal_size().columns if sys.stdout.isatty() else sys.maxsize
@@ -381,13 +374,25 @@ def cases(options: argparse.Namespace, _: Arguments) -> int:
     return 0
 
 
-def doctor(_: argparse.Namespace, __: Arguments) -> int:
+def doctor(options: argparse.Namespace, _: Arguments) -> int:
     """Execute ``granwave doctor``."""
     from granwave.workflows.cli.doctor import examine
 
-    findings = examine()
+    findings = examine(options.profile)
+    works = all(finding.works for finding in findings)
+    if options.json:
+        print_json({"works": works, "parts": [dataclasses.asdict(finding) for finding in findings]})
+        return 0 if works else 1
     for finding in findings:
         print(f"{'ok  ' if finding.works else 'FAIL'}  {finding.part}: {finding.found}")
         if not finding.works:
             print(f"      mend: {finding.remedy}")
-    return 0 if all(finding.works for finding in findings) else 1
+    return 0 if works else 1
+
+
+def completion(options: argparse.Namespace, _: Arguments) -> int:
+    """Execute ``granwave completion``."""
+    from granwave.workflows.cli.completion import shell_code
+
+    print(shell_code(options.shell))
+    return 0

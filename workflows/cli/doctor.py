@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
+import shlex
 import shutil
 import subprocess
 import sys
@@ -12,8 +13,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 from granwave import plugins
+from granwave.lammps_inputs.errors import InputError
+from granwave.workflows.cli.shells import SWITCH_ON
 from granwave.workflows.run.lammps_engine import check_release
 from granwave.workflows.run.versions import versions
+from granwave.workflows.scanning.engine import SLURM, check_installed
+from granwave.workflows.scanning.profile import load_profile
 
 _DECK = """\
 units si
@@ -42,9 +47,10 @@ class Finding:
     remedy: str = ""
 
 
-def examine() -> list[Finding]:
-    """Check all parts that a run needs."""
-    return [check() for check in (_versions, _plugin, _release, _module, _command, _ranks)]
+def examine(profile: Path | None = None) -> list[Finding]:
+    """Check all parts that a run needs, and those that a profile of a cluster names."""
+    found = [check() for check in (_versions, _plugin, _release, _module, _command, _ranks, _completion)]
+    return found if profile is None else [*found, *_cluster(profile)]
 
 
 def _versions() -> Finding:
@@ -112,6 +118,44 @@ def _ranks() -> Finding:
         f"two ranks by {launcher}",
         "mpi4py and mpiexec belong to different MPI libraries",
     )
+
+
+def _completion() -> Finding:
+    """Tell how tab completion is switched on; only the shell knows whether it is."""
+    words = "; ".join(f"{line} in {file}" for line, file in SWITCH_ON.values())
+    return Finding("tab completion", True, f"to switch it on: {words}")
+
+
+def _cluster(path: Path) -> list[Finding]:
+    """Check what the profile of a cluster names: Snakemake, Slurm's commands, and the launcher of ranks."""
+    try:
+        profile = load_profile(path)
+    except InputError as error:
+        remedy = "granwave keys slurm explains the keys"
+        return [Finding("profile", False, "; ".join(error.errors), remedy)]
+    found = [Finding("profile", True, f"{path}")]
+    try:
+        check_installed(SLURM)
+        found.append(Finding("Snakemake", True, "with its plugin for Slurm"))
+    except InputError as error:
+        found.append(Finding("Snakemake", False, str(error), "pip install 'granwave[scan]'"))
+    commands = {"sbatch": "login node", "scancel": "login node", profile.status: "login node"}
+    launcher = shlex.split(profile.launcher or "")[:1]
+    commands |= dict.fromkeys(launcher, "launcher of the profile, after the commands of `before`")
+    before = profile.before or ""
+    if before:
+        found.append(
+            _attempt("commands of before", ["bash", "-c", f"set -e\n{before}"], "run", "correct before in the profile")
+        )
+    for command, where in commands.items():
+        script = f"{before if where.startswith('launcher') else ''}\ncommand -v {shlex.quote(command)}"
+        remedy = (
+            "correct launcher or before in the profile"
+            if where.startswith("launcher")
+            else "run on a login node of the cluster"
+        )
+        found.append(_attempt(f"{command} command", ["bash", "-c", script], f"found ({where})", remedy))
+    return found
 
 
 def _attempt(part: str, command: list[str], success: str, remedy: str) -> Finding:

@@ -20,7 +20,7 @@ from granwave.lammps_inputs.case.case import case_tables
 from granwave.lammps_inputs.case.contact_pairs import Pair
 from granwave.lammps_inputs.case.hints import hint_for
 from granwave.lammps_inputs.case.schema import REQUIRED, accepted, show
-from granwave.lammps_inputs.case.si_values import Usual
+from granwave.lammps_inputs.case.si_values import Usual, plain
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows.finite_elements.punch.case import ContinuumCase
 from granwave.workflows.finite_elements.sphere_contact.case import Sphere, SphereContactCase
@@ -247,7 +247,11 @@ def _default(field: dataclasses.Field[Any]) -> str:
 def _usual(usual: Usual | None, unit: str | None) -> str:
     if usual is None:
         return ""
-    return f"usual: {usual.low:g} to {usual.high * usual.beyond:g}{f' {unit}' if unit else ''}; others give a warning"
+    of_unit = f" {unit}" if unit else ""
+    text = f"usual: {plain(usual.low)} to {plain(usual.high)}{of_unit}"
+    if usual.beyond == 1:
+        return f"{text}; others give a warning"
+    return f"{text}; below, and above {plain(usual.high * usual.beyond)}{of_unit}, a warning is given"
 
 
 def _first_line(section: type) -> str:

@@ -37,6 +37,7 @@ from granwave.workflows.cli.arguments import (
     seconds,
     words,
 )
+from granwave.workflows.cli.shells import SHELLS
 from granwave.workflows.run import mpi
 from granwave.workflows.run.messages import each_warning_once
 
@@ -48,6 +49,10 @@ _OF_NAMES = (errno.ENAMETOOLONG, errno.ELOOP)  # errors of a path itself, which 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; return the exit status."""
+    if "_ARGCOMPLETE" in os.environ:  # the shell asks for completions
+        from granwave.workflows.cli.completion import complete
+
+        complete(make_parser())
     words = list(sys.argv[1:] if arguments is None else arguments)
     _set_up_output()
     options = make_parser().parse_args(words)
@@ -142,6 +147,7 @@ def make_parser() -> argparse.ArgumentParser:
         help="wall time between checkpoints (default: 60)",
     )
     _figures(run)
+    _json(run, "the summary")
     _again(run)
 
     write = _verb(verbs, "write", commands.write, "write the LAMMPS deck alone; it runs by hand: lmp -in in.granwave")
@@ -154,6 +160,7 @@ def make_parser() -> argparse.ArgumentParser:
     analyse = _verb(verbs, "analyse", commands.analyse, "once more from the dumps: result.h5, figures, summary.json")
     analyse.add_argument("directory", type=input_name, metavar="DIR", help="directory of a run")
     _figures(analyse)
+    _json(analyse, "the summary")
 
     scan = _verb(verbs, "scan", commands.scan, "run a case many times with some keys varied; table, figures and report")
     scan.add_argument("scan", metavar="SCAN", help="a scan file, or the name of a built-in scan")
@@ -172,6 +179,7 @@ def make_parser() -> argparse.ArgumentParser:
         help="jobs at once (default: the cores of this machine; 100 on a cluster)",
     )
     scan.add_argument("--plan", action="store_true", help="say what the scan would be, and run nothing")
+    _json(scan, "the plan, or at the end all points and their values,")
     _again(scan)
 
     continuum = _verb(
@@ -180,6 +188,7 @@ def make_parser() -> argparse.ArgumentParser:
     _case(continuum)
     _into(continuum)
     _figures(continuum)
+    _json(continuum, "the summary")
     _again(continuum)
 
     report = _verb(verbs, "report", commands.report, "a page that compares any number of runs and scans")
@@ -190,7 +199,7 @@ def make_parser() -> argparse.ArgumentParser:
         type=output_name,
         default=Path("report.html"),
         metavar="FILE",
-        help=".html, .pdf or .md (default: report.html)",
+        help="a file that ends in .html, .pdf or .md (default: report.html)",
     )
     report.add_argument(
         "--study",
@@ -206,11 +215,23 @@ def make_parser() -> argparse.ArgumentParser:
 
     film = _verb(verbs, "film", commands.film, "a film of a run: planes, the cut packing, or a chain in space-time")
     film.add_argument("directory", type=input_name, metavar="DIR", help="directory of a run")
-    film.add_argument("-o", dest="output", type=output_name, required=True, metavar="FILE", help=".mp4, .gif or .webp")
     film.add_argument(
-        "--quantity", default="force", metavar="NAME", help="force, velocity or dissipation (default: force)"
+        "-o",
+        dest="output",
+        type=output_name,
+        required=True,
+        metavar="FILE",
+        help="a file that ends in .mp4, .gif or .webp",
     )
-    film.add_argument("--view", metavar="NAME", help="orthogonal, principal, 3d or chain (default: what there is)")
+    film.add_argument(
+        "--quantity",
+        default="force",
+        metavar="NAME",
+        help="what is shown: force, velocity or dissipation (default: force)",
+    )
+    film.add_argument(
+        "--view", metavar="NAME", help="what is seen: orthogonal, principal, 3d or chain (default: what there is)"
+    )
     film.add_argument(
         "--width", type=positive, default=1200, metavar="PIXELS", help="width of the pictures (default: 1200)"
     )
@@ -218,20 +239,26 @@ def make_parser() -> argparse.ArgumentParser:
 
     export = _verb(verbs, "export", commands.export, "the results for other programs: ParaView, pandas, xarray, OVITO")
     export.add_argument("directory", type=input_name, metavar="DIR", help="directory of a run or a scan")
-    export.add_argument("--to", required=True, metavar="FORMAT", help="vtp, csv, netcdf or ovito")
+    export.add_argument("--to", required=True, metavar="FORMAT", help="one of vtp, csv, netcdf, ovito")
     export.add_argument("-o", dest="output", type=output_name, metavar="DIR", help="where to (default: DIR/export)")
 
     check = _verb(verbs, "check", commands.check, "what a run would be: size, memory, disk, timestep, time, overlap")
     _case(check)
     check.add_argument("--np", type=positive, default=1, metavar="N", help="number of MPI ranks (default: 1)")
+    _json(check, "the plan")
 
     show = _verb(verbs, "show", commands.show, "an editable copy of a built-in study, on stdout")
     show.add_argument("name", metavar="NAME", help="name of a built-in case or scan")
 
     listing = _verb(verbs, "keys", commands.keys, "keys of all files: unit, default, accepted values, example")
     listing.add_argument(
-        "table", nargs="?", metavar="TABLE", help="a table, as packing, or a key, as packing.diameter (default: a list)"
+        "table",
+        nargs="*",
+        metavar="TABLE",
+        help="a table, as packing, or a key, as packing.diameter or packing diameter (default: a list)",
     )
+
+    _json(listing, "the tables and their keys")
 
     law = _verb(verbs, "law", commands.law, "force-overlap curves of a contact: a plot or a table")
     law.add_argument(
@@ -264,7 +291,7 @@ def make_parser() -> argparse.ArgumentParser:
         dest="output",
         type=output_name,
         metavar="FILE",
-        help=".png, .pdf or .csv (default: law.png, restitution.png)",
+        help="a file that ends in .png, .pdf or .csv (default: law.png, restitution.png)",
     )
 
     fit = _verb(verbs, "fit", commands.fit, "fit the contact law's constants to a measured or computed curve")
@@ -299,14 +326,22 @@ def make_parser() -> argparse.ArgumentParser:
         metavar="PART,...",
         help=f"what to measure: {', '.join(bench.PARTS)} (default: all, some ten minutes)",
     )
-    parts.add_argument("--styles-only", action="store_const", const=("styles",), dest="parts", help="--parts styles")
+    parts.add_argument(
+        "--styles-only", action="store_const", const=("styles",), dest="parts", help="the same as --parts styles"
+    )
 
     cases = _verb(verbs, "cases", commands.cases, "the studies that come with the package")
     cases.add_argument(
         "words", nargs="*", metavar="WORD", help="list only those whose name or title has all these words"
     )
-    cases.add_argument("--json", action="store_true", help="list them as JSON")
-    _verb(verbs, "doctor", commands.doctor, "versions, plugin, MPI: what works and how to mend what does not")
+    _json(cases, "the list")
+    doctor = _verb(verbs, "doctor", commands.doctor, "versions, plugin, MPI: what works and how to mend what does not")
+    doctor.add_argument(
+        "--profile", type=input_name, metavar="FILE", help="also check the profile of a cluster, on its login node"
+    )
+    _json(doctor, "the findings")
+    completion = _verb(verbs, "completion", commands.completion, "code that switches on tab completion in a shell")
+    completion.add_argument("shell", choices=SHELLS, help="the shell: bash, zsh or fish")
     return parser
 
 
@@ -342,6 +377,10 @@ def _again(parser: argparse.ArgumentParser) -> None:
     again = parser.add_mutually_exclusive_group()
     again.add_argument("--resume", action="store_true", help="go on with what is there")
     again.add_argument("--force", action="store_true", help="replace what is there")
+
+
+def _json(parser: argparse.ArgumentParser, what: str) -> None:
+    parser.add_argument("--json", action="store_true", help=f"print {what} as JSON, and nothing else")
 
 
 def _figures(parser: argparse.ArgumentParser) -> None:

@@ -21,7 +21,8 @@ from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError, RunError, raise_all
 from granwave.lammps_inputs.planning.plan import Plan
 from granwave.lammps_inputs.run_directory import SCAN_REPORT
-from granwave.workflows.cli.tables import static_stage_note
+from granwave.workflows.cli.as_json import print_json
+from granwave.workflows.cli.tables import expected_cut, static_stage_note
 from granwave.workflows.scanning import needs
 from granwave.workflows.scanning.batches import expected_scan_time, expected_time
 from granwave.workflows.scanning.calibrate import slowness_of
@@ -61,13 +62,16 @@ def _scan(options: argparse.Namespace, profile: Profile | None, jobs: int) -> in
         check_installed(options.executor)
         _check(decide, found, directory, options)
     slowness = _slowness(found, directory, options, jobs)
-    print(plan_text(found, directory, profile, jobs, slowness, fresh=options.force))
+    if not options.json:
+        print(plan_text(found, directory, profile, jobs, slowness, fresh=options.force))
     if options.plan:
         check_points(found, directory, force=options.force)
+        if options.json:
+            print_json(plan_values(found, directory, profile, jobs, slowness, fresh=options.force))
         return 0
     sys.stdout.flush()
     outcome = run_scan(found, directory, slowness=slowness or 1.0, **_how(options, profile))
-    print(outcome_text(outcome))
+    print_json(outcome_values(outcome)) if options.json else print(outcome_text(outcome))
     return _status(outcome.stopped, [outcome])
 
 
@@ -82,23 +86,34 @@ def _suite(options: argparse.Namespace, profile: Profile | None, jobs: int) -> i
         check_installed(options.executor)
         _check(check_suite, found, directory, options)
     slowness: dict[str, float] = {}
+    plans = []
     for part in found.scans:
         place = directory / part.name
         measured = _slowness(part, place, options, jobs)
         slowness[part.name] = measured or 1.0
-        print(plan_text(part, place, profile, jobs, measured, fresh=options.force) + "\n")
+        if options.json:
+            plans.append(plan_values(part, place, profile, jobs, measured, fresh=options.force))
+        else:
+            print(plan_text(part, place, profile, jobs, measured, fresh=options.force) + "\n")
     total = sum(
         expected_scan_time(
             needs.left(part, directory / part.name, fresh=options.force), profile, jobs, slowness[part.name]
         )
         for part in found.scans
     )
-    print(f"suite {found.name}: {len(found.scans)} scans, about {duration(total)} in all\n")
+    if not options.json:
+        print(f"suite {found.name}: {len(found.scans)} scans, about {duration(total)} in all\n")
     if options.plan:
         raise_all(partial(check_points, part, directory / part.name, force=options.force) for part in found.scans)
+        if options.json:
+            print_json({"name": found.name, "wall_time_s": total, "directory": directory, "scans": plans})
         return 0
     sys.stdout.flush()
     outcome = run_suite(found, directory, slowness=slowness, **_how(options, profile))
+    if options.json:
+        scans = [outcome_values(done) for done in outcome.scans]
+        print_json({"name": found.name, "directory": directory, "stopped": outcome.stopped, "scans": scans})
+        return _status(outcome.stopped, outcome.scans)
     for done in outcome.scans:
         print(f"{outcome_text(done)}\n")
     if not outcome.stopped:
@@ -193,7 +208,7 @@ def plan_text(
     times = [p.plan.times for p in left if isinstance(p.plan, Plan)]
     unknown = [time for time in times if time.most_static > time.static]
     zones = [p.plan.zone for p in points if isinstance(p.plan, Plan) and p.plan.zone]
-    cut = sum(bool(zone.reaches) for zone in zones)
+    cut = sum(bool(zone.reaches and expected_cut(zone)) for zone in zones)
     rows = [
         ("scan", scan.name),
         ("points", counts),
@@ -212,6 +227,53 @@ def plan_text(
         ("directory", str(directory)),
     ]
     return lines(rows)
+
+
+def plan_values(
+    scan: Scan, directory: Path, profile: Profile | None, jobs: int, slowness: float | None, *, fresh: bool = False
+) -> dict[str, Any]:
+    """Return the values of a planned scan; units are part of the names."""
+    points, left = scan.distinct.values(), needs.left(scan, directory, fresh=fresh)
+    sizes = [point.size for point in points]
+    parts = scan.points[0].kind.parts
+    return {
+        "name": scan.name,
+        "directory": directory,
+        "varied": list(scan.varied),
+        "n_points": len(scan.points),
+        "n_distinct": len(points),
+        "n_left": len(left),
+        f"n_{parts}_least": min(sizes),
+        f"n_{parts}_most": max(sizes),
+        "jobs": jobs,
+        "wall_time_s": expected_scan_time(left, profile, jobs, slowness or 1.0),
+        "memory_bytes": sum(sorted((point.plan.memory for point in left), reverse=True)[:jobs]),
+        "disk_bytes": sum(point.plan.disk for point in left),
+    }
+
+
+def outcome_values(outcome: ScanOutcome) -> dict[str, Any]:
+    """Return the points of a scan with their values; those that are missing have no summary."""
+    result = ScanResult(outcome.directory)
+    points = [
+        {
+            "number": point.number,
+            "status": point.status,
+            "reason": point.reason,
+            "directory": point.directory,
+            "labels": dict(point.labels),
+            "summary": dict(point.summary),
+        }
+        for point in result.points
+    ]
+    counts = {name: getattr(outcome, name) for name in ("done", "failed", "missing", "stopped")}
+    return {
+        "name": result.name,
+        "directory": outcome.directory,
+        **counts,
+        "varied": list(result.varied),
+        "points": points,
+    }
 
 
 def outcome_text(outcome: ScanOutcome) -> str:

@@ -11,10 +11,11 @@ from granwave.lammps_inputs.planning.plan import Plan
 from granwave.lammps_inputs.planning.schedule import Schedule
 from granwave.lammps_inputs.planning.wall_time import WallTime
 from granwave.lammps_inputs.planning.zone_estimate import ExpectedZone
+from granwave.workflows.counterpart import Inputs
 from granwave.workflows.solvers import Cost
 
 
-def plan_table(case: Case, plan: Plan) -> str:
+def plan_table(case: Case, plan: Plan, inputs: Inputs | None = None) -> str:
     """Return the table of a planned run."""
     schedule, times = plan.schedule, plan.times
     usual, most = duration(times.total), duration(times.longest)
@@ -29,6 +30,7 @@ def plan_table(case: Case, plan: Plan) -> str:
             ("case", plan.name),
             ("spheres", f"{plan.n_spheres}"),
             ("contacts at the start", f"{plan.n_contacts}"),
+            *_inputs(inputs, at_most="at most " * (case.load.kind == "force")),
             ("memory", _memory(plan)),
             ("disk", f"about {plan.disk / 1e9:.3g} GB"),
             ("timestep", _timestep(schedule)),
@@ -41,6 +43,23 @@ def plan_table(case: Case, plan: Plan) -> str:
             *([("outermost yield", _expected(plan.zone))] if plan.zone else []),
         ]
     )
+
+
+def _inputs(inputs: Inputs | None, at_most: str = "") -> list[tuple[str, str]]:
+    """Rows of energy and velocity, as far as they apply."""
+    if inputs is None or not inputs.energy:
+        return []
+    found = [
+        (inputs.energy_normalised, "F_y alpha_y of a contact"),
+        (inputs.energy_continuum, "sigma_y^2 D^3/E, as in the continuum"),
+    ]
+    rows = [("energy in", f"{at_most}{inputs.energy:.6g} J")]
+    for value, unit in found:
+        if value is not None:
+            rows.append(("energy normalised" * (len(rows) == 1), f"{at_most}{value:.6g} {unit}"))
+    if inputs.velocity_normalised is not None:
+        rows.append(("velocity normalised", f"{inputs.velocity_normalised:.6g}"))
+    return rows
 
 
 def _memory(plan: Plan) -> str:
@@ -67,14 +86,19 @@ def _steps(schedule: Schedule) -> str:
 
 def _expected(zone: ExpectedZone) -> str:
     """Estimate of the outermost yield."""
+    if "sides" not in zone.room and zone.reaches:
+        return "the whole chain"
     within = f", within a factor of {zone.spread:g}" if zone.spread > 1 else " or deeper"
     radius = f", radius {zone.radius:.2g} m" if zone.radius else ""
     return f"about {zone.depth:.2g} m deep{radius}{within}"
 
 
 def expected_cut(zone: ExpectedZone | None) -> str:
-    """Warning that a packing will cut the plastic zone; empty where it has room."""
-    if zone is None:
+    """Warning that a packing will cut the plastic zone; empty where it has room, and for chains.
+
+    In a chain the pulse goes from end to end, whatever its length.
+    """
+    if zone is None or "sides" not in zone.room:
         return ""
     found = [(zone.reaches, "is expected to reach"), (zone.may_reach, "may reach")]
     parts = [f"{verb} {' and '.join(_bound(zone, name) for name in names)}" for names, verb in found if names]
@@ -107,12 +131,13 @@ def static_stage_note(times: Sequence[WallTime], jobs: float = 1.0) -> str:
     return f"counted with {duration(counted)}, but cannot be known where there is disorder: up to {duration(most)}"
 
 
-def continuum_plan_table(name: str, n_elements: int, cost: Cost) -> str:
+def continuum_plan_table(name: str, n_elements: int, cost: Cost, inputs: Inputs | None = None) -> str:
     """Return the table of a planned continuum run."""
     return lines(
         [
             ("case", name),
             ("elements", f"about {n_elements}"),
+            *_inputs(inputs),
             ("memory", f"about {cost.memory / 2**30:.2f} GiB"),
             ("disk", f"about {cost.disk / 1e9:.3g} GB"),
             ("expected time", f"about {duration(cost.wall_time)}"),

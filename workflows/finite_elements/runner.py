@@ -5,6 +5,7 @@ from __future__ import annotations
 import abc
 import json
 import logging
+import math
 import os
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -125,12 +126,14 @@ def run_elements(
         return there
     run, started = kind(case), time.perf_counter()
     try:
-        with progress_bar(progress, total=run.total, desc=case.name, unit=kind.UNIT) as bar:
+        digits = digits_of(run.total)
+        total = None if run.total is None else round(run.total, digits)
+        with progress_bar(progress, total=total, desc=case.name, unit=kind.UNIT) as bar:
 
             def show() -> None:
                 place, note = run.progress()
                 bar.set_postfix_str(note, refresh=False)
-                bar.update(max(0.0, round(place - bar.n, 2)))
+                bar.update(advance(bar.n, place, total, digits))
 
             run.integrate(show)
     finally:
@@ -142,6 +145,17 @@ def run_elements(
     assert summary is not None  # what is done has a history
     run.conclude(directory, summary, lambda: drawings().draw_figures(directory) if figures else None)
     return summary
+
+
+def digits_of(total: float | None) -> int:
+    """Return how many decimals of a progress to show: two, or as many as give hundredths of a small total."""
+    return 2 if not total else max(2, 2 - math.floor(math.log10(total)))
+
+
+def advance(shown: float, place: float, total: float | None, digits: int) -> float:
+    """Return by how much a bar goes on to a place, never back and never beyond its total."""
+    reached = place if total is None else min(place, total)
+    return max(0.0, round(reached - shown, digits))
 
 
 def _begin(

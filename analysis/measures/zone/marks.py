@@ -22,11 +22,19 @@ LABELS = {Mark.CUT: "zone reaches a bound", Mark.WAVE: "reflected wave came back
 
 
 def mark_of(summary: Mapping[str, Any]) -> Mark:
-    """Return the mark of a run; none where its summary has no plastic zone."""
+    """Return the mark of a run; none where its summary has no plastic zone, or for a collision of two spheres."""
+    if summary.get("n_spheres") in (1, 2):
+        return Mark.NONE
     if summary.get("zone_cut"):
         return Mark.CUT
     share = summary.get("wave_return_share")
     return Mark.WAVE if isinstance(share, int | float) and share > NOTED_SHARE else Mark.NONE
+
+
+def _is_chain(summary: Mapping[str, Any]) -> bool:
+    """Return True if the plastic zone has a depth and no radius."""
+    radius = summary.get("zone_radius_99_m", 0.0)
+    return radius is None and summary.get("zone_depth_99_m") is not None
 
 
 def bounds_in_words(bounds: object) -> str:
@@ -38,7 +46,7 @@ def zone_warnings(summary: Mapping[str, Any]) -> list[str]:
     """Return what a reader of the sizes of a plastic zone must know, a sentence each; empty if nothing."""
     what = "block" if summary.get("kind") == "continuum" else "packing"
     found: list[str] = []
-    if summary.get("n_spheres") in (1, 2):  # a collision, which no size would change
+    if summary.get("n_spheres") in (1, 2) or _is_chain(summary):  # a collision, or a pulse that goes from end to end
         return found
     if summary.get("zone_cut"):
         reached = " and ".join(f"the {name}" for name in summary["zone_cut"])

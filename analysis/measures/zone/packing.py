@@ -19,6 +19,40 @@ from granwave.analysis.result.reader import Result
 
 _SAME = 1e-9  # relative, of lengths that are equal but for rounding
 _LATE = 0.1  # of a run: where the outermost yield came within so much of its end it may go on
+_BEARS = 0.01  # of the largest force among some contacts: those that bear less are not what the wave came through
+_NO_WAVE = 1e-6  # of the largest force of the run: what stays below is rounding, or runs ahead of the wave
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Waves:
+    """Peaks of the forces between spheres, which tell when the wave was where.
+
+    The first force at all tells nothing of a wave: rounding passes one on by a sphere a step.
+
+    Attributes
+    ----------
+    ends
+        Rows of the two spheres of each contact among those of the packing, -1 for a striker: (n_contacts, 2).
+    force
+        Peak force of each contact: (n_contacts,), N.
+    time
+        When it was reached: (n_contacts,), s.
+    """
+
+    ends: NDArray[np.int64]
+    force: Array
+    time: Array
+
+    def arrival(self, spheres: NDArray[np.bool_]) -> float:
+        """Return when the first force at contacts of some spheres, (n_spheres,), was at its peak, s; inf: never.
+
+        Contacts that bear less than a hundredth of the largest force among these contacts do not count.
+        """
+        of_them = np.append(spheres, False)[self.ends].any(axis=1)
+        largest = float(self.force[of_them].max(initial=0.0))
+        if not largest > _NO_WAVE * float(self.force.max(initial=0.0)):
+            return np.inf
+        return float(np.nanmin(self.time[of_them & (self.force >= _BEARS * largest)], initial=np.inf))
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -41,8 +75,9 @@ class PackingZone:
         Spheres that touch each bound, by its name: the last layer is at the ``bottom``, the first and last sphere of a
         row and the first and last row at the ``sides``. With periodic sides those half a period from the axis are,
         where a zone meets its image. A packing of one layer has no bottom, a chain no sides.
-    arrival
-        When a contact of the sphere was first loaded, s; NaN: never. None where contacts are loaded from the start.
+    waves
+        Contacts that the wave came through, with the times of their peaks. None where contacts are loaded from the
+        start.
     yield_time
         When a contact of the sphere first yielded, s; NaN: never.
     """
@@ -53,7 +88,7 @@ class PackingZone:
     radius: Array | None
     yielded: NDArray[np.bool_]
     bounds: dict[str, NDArray[np.bool_]]
-    arrival: Array | None
+    waves: Waves | None
     yield_time: Array
 
     @property
@@ -90,9 +125,15 @@ def packing_zone(result: Result) -> PackingZone:
         radius=np.hypot(offset[:, 0], offset[:, 1]) if nx * ny > 1 else None,
         yielded=(result["spheres/contacts_yielded"][own] > 0) | (energy > 0),
         bounds=_bounds(result, own, offset, periods),
-        arrival=None if result.case.precompression is not None else result["spheres/time_first"][own],
+        waves=None if result.case.precompression is not None else _waves(result, own),
         yield_time=result["spheres/time_yield"][own],
     )
+
+
+def _waves(result: Result, own: NDArray[np.bool_]) -> Waves:
+    """Return the peaks at all contacts with a sphere of the packing, ``own``."""
+    row = np.where(own, np.cumsum(own) - 1, -1)
+    return Waves(row[result.ends], result["contacts/peak_force"], result["contacts/time_peak"])
 
 
 def zone_summary(result: Result) -> dict[str, Any]:
@@ -127,15 +168,15 @@ def _bounds(result: Result, own: NDArray[np.bool_], offset: Array, periods: Arra
 def _return_times(result: Result, zone: PackingZone, border: dict[str, float | None]) -> dict[str, float] | None:
     """Return when a wave that a bound reflects can be back at the border of the zone, by bound, s.
 
-    The first wave reaches the bound at t_b and passed the border of the zone, at ``border`` (m), at t_z on its way: it
-    takes as long back, and returns at 2 t_b - t_z. Waves get weaker and slower on their way, so this is about the
-    earliest time. A bound that no wave reached within the run sends none back. Where contacts are loaded from the start
-    arrivals cannot be seen; then the wave goes all ways at the speed with which it reached the bottom. None where
-    that is not known either.
+    The peak of the first wave is at the bound at t_b and was at the border of the zone, at ``border`` (m), at t_z on
+    its way: it takes as long back, and returns at 2 t_b - t_z. Waves get weaker and slower on their way, so this is
+    about the earliest time. A bound that no wave reached within the run sends none back. Where contacts are loaded
+    from the start arrivals cannot be seen; then the wave goes all ways at the speed with which it reached the bottom.
+    None where that is not known either.
     """
     distances = {BOTTOM: zone.depth, SIDES: zone.radius}
     times = {}
-    if zone.arrival is None:
+    if zone.waves is None:
         found, depth = reached(result), zone.depth
         if found is None or found.arrival is None or depth is None or not found.arrival > 0:
             return None if found is None or depth is None else {}
@@ -146,13 +187,11 @@ def _return_times(result: Result, zone: PackingZone, border: dict[str, float | N
             nearest = float(distance[touching].min(initial=np.inf))
             times[name] = (nearest + max(nearest - inner, 0.0)) / speed
         return {name: time for name, time in times.items() if np.isfinite(time)}
-    arrival = np.where(np.isnan(zone.arrival), np.inf, zone.arrival)
     for name, touching in zone.bounds.items():
         distance, inner = distances[name], border[name]
         assert distance is not None and inner is not None
-        at_bound = float(arrival[touching].min(initial=np.inf))
-        outside = distance >= (1 - _SAME) * inner
-        at_border = float(arrival[outside].min(initial=np.inf))
+        at_bound = zone.waves.arrival(touching)
+        at_border = zone.waves.arrival(distance >= (1 - _SAME) * inner)
         if np.isfinite(at_bound):
             times[name] = at_bound + max(at_bound - at_border, 0.0)
     return times

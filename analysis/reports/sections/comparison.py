@@ -15,19 +15,25 @@ SLUG = "comparison"
 
 
 def comparison_section(inputs: Inputs) -> Section:
-    """The section of the report; without blocks where there is nothing to compare."""
+    """The section of the report; without blocks where there is nothing to compare.
+
+    Runs whose energy balance was refused are left out, with a line that says so.
+    """
     blocks: list[Block] = []
     for study in comparison_of(inputs):
         if study.pictures:
             with style():
                 gallery = Gallery(pictures_of(study, inputs, SLUG))
             blocks += [Note(study.text), gallery, *row_tables(study), *study.tables]
+    if blocks and (refused := [run.label for run in inputs.whole() if run.status == "refused"]):
+        blocks.append(Note(f"Left out here, as the energy balance did not close: {', '.join(refused)}.", "bad"))
     return Section("Comparison", SLUG, tuple(blocks))
 
 
 def comparison_of(inputs: Inputs) -> list[Study]:
     """Comparison of a report's runs; empty if none can be compared."""
-    found = [read_run(run.label, run.directory, run.summary) for run in inputs.whole()]
+    whole = [run for run in inputs.whole() if run.status != "refused"]
+    found = [read_run(run.label, run.directory, run.summary) for run in whole]
     runs = [run for run in found if isinstance(run, FinishedRun | ContinuumRun)]
     impacts = collect(runs)
     if len(impacts.granular) + len(impacts.continuum) < 2:

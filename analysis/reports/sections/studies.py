@@ -121,7 +121,7 @@ def studies_of(inputs: Inputs, named: Sequence[str] = ()) -> list[Study]:
 def _read(run: Run) -> tuple[FinishedRun | SphereContactRun, ...]:
     """Read a run for studies; nothing if there are none of its kind, or it was refused or cannot be read."""
     if run.kind == "run":
-        return FinishedRun.among([(run.label, run.directory, run.summary)], lambda _: True)
+        return FinishedRun.among([(run.label, run.directory, run.summary)])
     found = read_run(run.label, run.directory, run.summary)
     whole = run.status == "done" and (run.directory / RESULT_FILE).is_file()
     return (found,) if isinstance(found, SphereContactRun) and whole else ()

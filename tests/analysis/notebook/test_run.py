@@ -162,6 +162,7 @@ def test_figures_are_handed_over(run, directory):
     [
         (lambda run: run["peak_force"], "has no value peak_force; did you mean peak_force_N"),
         (lambda run: run.unit("x"), r"has no value x; keys\(\) lists them"),
+        (lambda run: run.table("energies"), "has no table energies; did you mean energy[?] it has spheres"),
         (lambda run: run.table("probes"), "has no table probes; it has spheres, contacts, wall_contacts, energy"),
         (lambda run: run.figure("energy"), "has no figure energy; did you mean energies.*, energies, "),
         (lambda run: run.figure("bars"), "figure bars does not apply to this run"),

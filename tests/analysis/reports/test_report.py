@@ -126,6 +126,17 @@ def test_refused_run_is_told(tmp_path):
     assert table(report, "inputs", "What this report is about")[0]["Status"].text == "refused"
 
 
+@pytest.mark.parametrize("reason", ["energy balance refused", "refused"])  # of spheres, of finite elements
+def test_refused_runs_are_marked_and_not_compared(tmp_path, reason):
+    """Also those without a run.json, such as blocks."""
+    runs = [write_run(tmp_path / name, figures=False, **values) for name, values in
+            (("good", {}), ("bad", {"end_reason": reason}))]  # fmt: skip
+    report = build(runs, tmp_path)
+    labels = [row["Run"].text for row in table(report, "short", "Runs")]
+    assert labels == ["good", "bad (refused)"]
+    assert any("did not close: bad (refused)" in note.text and note.tone == "bad" for note in notes(report, "short"))
+
+
 def test_two_runs_side_by_side(runs, tmp_path):
     report = build(runs[:2], tmp_path)
     rows = {row["Quantity"].text: row for row in table(report, "results", "Values side by side")}

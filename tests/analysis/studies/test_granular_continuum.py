@@ -6,13 +6,16 @@ import csv
 import dataclasses
 import json
 import math
+import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from granwave.analysis.document.model import Note
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.report import write_report
+from granwave.analysis.reports.sections import comparison
 from granwave.analysis.studies.granular_continuum import blocks, forces, packings, sides, zone
 from granwave.analysis.studies.granular_continuum.impacts import Impacts, collect
 from granwave.analysis.studies.granular_continuum.study import select
@@ -65,6 +68,21 @@ def suite(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def impacts(suite: Path) -> Impacts:
     (found,) = select([read_run(run.label, run.directory, run.summary) for run in read_inputs([suite], suite).whole()])
     return found
+
+
+def test_refused_runs_are_left_out_of_the_comparison(suite: Path, tmp_path: Path, monkeypatch) -> None:
+    """Blocks too, which have no run.json."""
+    monkeypatch.setattr(comparison, "pictures_of", lambda *_: ())  # drawn elsewhere
+    for point in sorted((suite / "continuum" / "points").iterdir())[:1]:
+        shutil.copytree(point, tmp_path / "bad")
+    values = json.loads((tmp_path / "bad" / "summary.json").read_text())
+    (tmp_path / "bad" / "summary.json").write_text(json.dumps(values | {"end_reason": "refused"}))
+    inputs = read_inputs([suite, tmp_path / "bad"], tmp_path)
+    assert [run.label for run in inputs.whole() if run.status == "refused"] == ["bad (refused)"]
+    section = comparison.comparison_section(inputs)
+    notes = [block.text for block in section.blocks if isinstance(block, Note) and block.tone == "bad"]
+    assert notes == ["Left out here, as the energy balance did not close: bad (refused)."]
+    assert "(refused)" not in str(section.blocks[:-1])
 
 
 def test_both_kinds_are_collected(impacts: Impacts) -> None:

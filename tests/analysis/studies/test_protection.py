@@ -67,7 +67,7 @@ def packings(tmp_path_factory: pytest.TempPathFactory) -> Found:
 
 
 def collect(found: Found) -> list[list[TargetRun]]:
-    return impacts(FinishedRun.among(found, lambda _: True))
+    return impacts(FinishedRun.among(found))
 
 
 def work_on(run: TargetRun) -> np.ndarray:

@@ -92,7 +92,7 @@ def found_in(paths: Iterable[Path], base: Path) -> list[Study]:
 
 def packings_in(paths: Iterable[Path], base: Path) -> list[Packing]:
     found = [(run.label, run.directory, run.summary) for run in read_inputs(list(paths), base).runs]
-    return select(FinishedRun.among(found, lambda _: True))
+    return select(FinishedRun.among(found))
 
 
 def test_runs_are_put_together_by_what_is_hit(tmp_path: Path) -> None:

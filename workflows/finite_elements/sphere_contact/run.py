@@ -53,7 +53,7 @@ class _Run(ElementRun):
     def __init__(self, case: SphereContactCase) -> None:
         self.case, self.solver, self.history = case, make_solver(case), History()
         self._unit = yield_unit(case)
-        self.total = round(self._place(case.max_overlap), 2)
+        self.total = self._place(case.max_overlap)
 
     @staticmethod
     def figures() -> ModuleType:

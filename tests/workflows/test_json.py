@@ -1,0 +1,133 @@
+"""Output for programs: one JSON document on standard output, and nothing else there."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from granwave.workflows.cli import doctor
+from granwave.workflows.cli.as_json import print_json
+from granwave.workflows.cli.doctor import Finding
+from granwave.workflows.cli.keys import tables
+from granwave.workflows.cli.parser import main
+from granwave.workflows.cli.scan import outcome_values
+from granwave.workflows.scanning.driver import ScanOutcome
+from tests.helpers.synthetic_scan import grid, write_scan
+
+TINY = ["--set", "packing.size=[4,4,3]", "--set", "run.end_time=4e-5", "--no-figures"]
+SCAN = """
+case = "two-spheres"
+[set]
+run.end_time = 1e-5
+[grid]
+load.velocity = [1.0, 2.0]
+"""
+
+
+def document(arguments, capsys, status=0):
+    """Return the document that a command prints."""
+    capsys.readouterr()
+    assert main(arguments) == status
+    return json.loads(capsys.readouterr().out)
+
+
+def test_check(capsys):
+    plan = document(["check", "fcc-small", "--json"], capsys)
+    assert (plan["name"], plan["command"], plan["n_spheres"], plan["n_frames"]) == ("fcc-small", "run", 6912, 20)
+    assert plan["end_time_s"] == pytest.approx(1e-3)
+    assert plan["zone"]["reaches"] == ["bottom", "sides"] and "packing.size" in plan["warnings"][0]
+    assert (
+        sum(plan["wall_time_parts_s"][name] for name in ("static", "steps", "rest", "figures")) == plan["wall_time_s"]
+    )
+
+
+def test_check_of_the_continuum(capsys):
+    assert document(["check", "half-space", "--json"], capsys)["n_elements"] == 62500
+    plan = document(["check", "sphere-contact", "--json"], capsys)
+    assert plan["command"] == "continuum" and "counterpart" not in plan
+
+
+def test_check_refuses_before_it_prints(capsys):
+    assert main(["check", "fcc-small", "--json", "--set", "packing.kind=fcx"]) == 2
+    assert capsys.readouterr().out == ""
+
+
+def test_keys(capsys):
+    assert len(document(["keys", "--json"], capsys)) == len(tables())
+    (table,) = document(["keys", "load", "velocity", "--json"], capsys)
+    (key,) = table["keys"]
+    assert (table["name"], key["name"], key["unit"], key["default"]) == ("load", "velocity", "m/s", "5.0")
+
+
+@pytest.mark.parametrize(("works", "status"), [(True, 0), (False, 1)])
+def test_doctor(works, status, monkeypatch, capsys):
+    monkeypatch.setattr(doctor, "examine", lambda profile: [Finding("plugin", works, "found", "mend it")])
+    found = document(["doctor", "--json"], capsys, status)
+    assert found == {
+        "works": works,
+        "parts": [{"part": "plugin", "works": works, "found": "found", "remedy": "mend it"}],
+    }
+
+
+def test_run_and_analyse(tmp_path, capfd):
+    place = tmp_path / "tiny"
+    summary = document(["run", "fcc-small", "-o", str(place), *TINY, "--json"], capfd)
+    assert summary == json.loads((place / "summary.json").read_text())
+    again = document(["analyse", str(place), "--no-figures", "--json"], capfd)
+    assert again == summary
+
+
+def test_plan_of_a_scan(tmp_path, capfd):
+    path = tmp_path / "pair.toml"
+    path.write_text(SCAN)
+    plan = document(["scan", str(path), "-o", str(tmp_path / "pair"), "--plan", "--json"], capfd)
+    assert (plan["name"], plan["n_points"], plan["n_left"], plan["n_spheres_most"]) == ("pair", 2, 2, 2)
+    suite = document(["scan", "square", "-o", str(tmp_path / "suite"), "--plan", "--json"], capfd)
+    assert suite["name"] == "square" and suite["wall_time_s"] > 0 and len(suite["scans"]) > 1
+
+
+def test_end_of_a_scan(tmp_path, capsys):
+    place = write_scan(tmp_path / "scan", grid(load__velocity=[1.0, 2.0, 3.0]), failed={2: "no end"}, missing=[3])
+    print_json(outcome_values(ScanOutcome(place, done=1, failed=1, missing=1, stopped=None)))
+    found = json.loads(capsys.readouterr().out)
+    assert (found["done"], found["failed"], found["missing"], found["stopped"]) == (1, 1, 1, None)
+    assert [point["labels"]["load.velocity"] for point in found["points"]] == [1.0, 2.0, 3.0]
+    assert [point["status"] for point in found["points"]] == ["done", "failed", "missing"]
+    assert found["points"][1]["reason"] == "no end"
+    assert found["points"][0]["summary"]["n_spheres"] > 0 and not found["points"][2]["summary"]
+
+
+@pytest.mark.validation
+def test_a_scan_prints_one_document(tmp_path, capfd):
+    path = tmp_path / "pair.toml"
+    path.write_text(SCAN)
+    found = document(["scan", str(path), "-o", str(tmp_path / "pair"), "--jobs", "1", "--json"], capfd)
+    assert (found["done"], found["failed"], found["missing"], found["stopped"]) == (2, 0, 0, None)
+    assert all(point["summary"]["n_spheres"] == 2 for point in found["points"])
+
+
+def test_doctor_with_the_profile_of_a_cluster(tmp_path, monkeypatch):
+    """Commands that are there are found, the launcher only after the commands of `before`; others get a remedy."""
+    tools, bare = tmp_path / "tools", tmp_path / "bare"
+    for folder in (tools, bare):
+        folder.mkdir()
+        (folder / "bash").symlink_to("/bin/bash")
+    monkeypatch.setenv("PATH", str(bare))
+    for name in ("sbatch", "scancel", "squeue", "start-ranks"):
+        (tools / name).write_text("#!/bin/sh\n")
+        (tools / name).chmod(0o755)
+    profile = tmp_path / "cluster.toml"
+    profile.write_text(f'[slurm]\nlauncher = "start-ranks --mpi=pmix"\nbefore = ["PATH={tools}:$PATH"]\n')
+    found = {finding.part: finding for finding in doctor._cluster(profile)}
+    assert found["profile"].works and found["start-ranks command"].works and found["commands of before"].works
+    assert not found["sbatch command"].works and "login node" in found["sbatch command"].remedy
+    monkeypatch.setenv("PATH", str(tools))
+    assert all(finding.works for finding in doctor._cluster(profile) if finding.part.endswith("command"))
+    profile.write_text('[slurm]\nlauncher = "no-such-launcher"\npartitoin = "x"\n')
+    (fault,) = doctor._cluster(profile)
+    assert not fault.works and "partitoin" in fault.found
+    profile.write_text('[slurm]\nlauncher = "no-such-launcher"\nbefore = ["no-such-module load mpi"]\n')
+    found = {finding.part: finding for finding in doctor._cluster(profile)}
+    assert "launcher or before" in found["no-such-launcher command"].remedy
+    assert "no-such-module" in found["commands of before"].found and not found["commands of before"].works

@@ -1,0 +1,183 @@
+"""Tab completion: commands, options, built-in cases and scans, presets, and keys for ``--set`` with their values.
+
+The shell calls ``granwave`` with ``_ARGCOMPLETE`` set, see https://kislyuk.github.io/argcomplete. Names are collected
+when they are asked for, as most need modules that the parser does without.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+from collections.abc import Callable, Iterable
+from typing import Any
+
+from granwave.analysis.studies.registry import STUDIES
+from granwave.lammps_inputs.case.material import presets
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.toml_files import read_toml
+from granwave.workflows import bench, library
+from granwave.workflows.scanning.engine import EXECUTORS
+from granwave.workflows.solvers import CONTINUUM, GRANULAR, SPHERE_CONTACT, solver_of
+
+_WORD = re.compile(r'"([^"]+)"')
+
+Names = Callable[[argparse.Namespace], Iterable[str]]
+
+
+def shell_code(shell: str) -> str:
+    """Return the code that switches completion on in a shell, one of `granwave.workflows.cli.shells.SHELLS`."""
+    from argcomplete.shell_integration import shellcode
+
+    return str(shellcode(["granwave"], shell=shell))
+
+
+def complete(parser: argparse.ArgumentParser) -> None:
+    """Answer the shell and end the process."""
+    import argcomplete
+
+    argcomplete.autocomplete(with_completers(parser), always_complete_options=False)
+
+
+def with_completers(parser: argparse.ArgumentParser) -> argparse.ArgumentParser:
+    """Add completers to the arguments of all commands; those without one complete the names of files."""
+    (verbs,) = (action for action in parser._actions if isinstance(action, argparse._SubParsersAction))
+    for name, verb in verbs.choices.items():
+        for action in verb._actions:
+            completer = _COMPLETERS.get((name, action.dest)) or _COMPLETERS.get(("", action.dest))
+            if completer is not None and not action.choices:
+                action.completer = completer  # type: ignore[attr-defined]
+    return parser
+
+
+def _names(names: Names) -> Callable[..., list[str]]:
+    """Completer of names."""
+
+    def completer(prefix: str, parsed_args: argparse.Namespace, **_: Any) -> list[str]:
+        return [name for name in names(parsed_args) if name.startswith(prefix)]
+
+    return completer
+
+
+def _studies(kind: str, *verbs: str) -> Callable[..., list[str]]:
+    """Completer of built-in cases or scans, for these commands, and of TOML files."""
+
+    def completer(prefix: str, **options: Any) -> list[str]:
+        from argcomplete.completers import FilesCompleter
+
+        found = [name for name in library.names(kind) if name.startswith(prefix)]
+        if verbs:
+            found = [name for name in found if library.verb_of(library.find(name, kind)) in verbs]
+        return [*found, *FilesCompleter(allowednames=(".toml",))(prefix, **options)]
+
+    return completer
+
+
+def _listed(names: Names) -> Callable[..., list[str]]:
+    """Completer of words with commas between them."""
+
+    def completer(prefix: str, parsed_args: argparse.Namespace, **_: Any) -> list[str]:
+        before, comma, last = prefix.rpartition(",")
+        return [f"{before}{comma}{name}" for name in names(parsed_args) if name.startswith(last)]
+
+    return completer
+
+
+def _overrides(prefix: str, parsed_args: argparse.Namespace, **_: Any) -> list[str]:
+    """Complete KEY=VALUE: keys with their ``=``, then the words that a key accepts."""
+    key, equals, written = prefix.partition("=")
+    if equals:
+        return [f"{key}={value}" for value in _values(key) if value.startswith(written)]
+    return [f"{name}=" for name in _keys(parsed_args) if name.startswith(prefix)]
+
+
+def _keys(options: argparse.Namespace) -> list[str]:
+    """Return the dotted keys of the kind of case that a command runs; entries of lists have the number 1."""
+    from granwave.workflows.cli.keys import tables
+
+    found = []
+    for table in tables():
+        name = f"{table.name}.1" if table.heading.startswith("[[") else table.name
+        if table.file == _kind_of_file(options):
+            found += [key.name if not table.heading else f"{name}.{key.name}" for key in table.keys]
+    return found
+
+
+def _kind_of_file(options: argparse.Namespace) -> str:
+    """Return the kind of the case on the command line, as `granwave.workflows.cli.keys.FILES` calls it."""
+    from granwave.workflows.cli import keys
+
+    try:
+        tables = read_toml(library.find(getattr(options, "case", None) or ""))
+    except InputError:  # none is given yet
+        command = getattr(getattr(options, "command", None), "__name__", "")
+        return keys.CONTINUUM if command == CONTINUUM.verb else keys.CASE
+    return {CONTINUUM: keys.CONTINUUM, SPHERE_CONTACT: keys.SPHERE_CONTACT}.get(solver_of(tables), keys.CASE)
+
+
+def _values(name: str) -> list[str]:
+    """Return the words that a key accepts."""
+    from granwave.workflows.cli.keys import tables
+
+    if name.rpartition(".")[2] in ("material", "preset"):
+        return list(presets())
+    table_name, _, last = re.sub(r"\.\d+", "", name).rpartition(".")
+    accepts = next(
+        (key.accepts for table in tables() if table.name == table_name for key in table.keys if key.name == last), ""
+    )
+    listed = accepts.partition(";")[0].removeprefix("one of ").split(", ") if accepts.startswith("one of ") else []
+    return [word.strip('"') for word in listed] or _WORD.findall(accepts)
+
+
+def _tables(_: argparse.Namespace) -> Iterable[str]:
+    from granwave.workflows.cli.keys import tables
+
+    return dict.fromkeys(
+        [*(table.name for table in tables()), *(f"{t.name}.{k.name}" for t in tables() for k in t.keys)]
+    )
+
+
+def _figures(_: argparse.Namespace) -> Iterable[str]:
+    from granwave.analysis.figures.run_figures import FIGURES
+
+    return FIGURES
+
+
+def _formats(_: argparse.Namespace) -> Iterable[str]:
+    from granwave.analysis.exports.export import FORMATS
+
+    return FORMATS
+
+
+def _film_quantities(_: argparse.Namespace) -> Iterable[str]:
+    from granwave.analysis.films.scenes import QUANTITIES
+
+    return QUANTITIES
+
+
+def _film_views(_: argparse.Namespace) -> Iterable[str]:
+    from granwave.analysis.films.scenes import VIEWS
+
+    return VIEWS
+
+
+_OVERRIDES, _PRESETS = "overrides", _names(lambda _: presets())
+#: Completers by command and name of the argument; an empty command stands for all.
+_COMPLETERS: dict[tuple[str, str], Callable[..., list[str]]] = {
+    ("", _OVERRIDES): _overrides,
+    ("run", "case"): _studies(library.CASES, GRANULAR.verb),
+    ("write", "case"): _studies(library.CASES, GRANULAR.verb),
+    ("continuum", "case"): _studies(library.CASES, CONTINUUM.verb),
+    ("check", "case"): _studies(library.CASES),
+    ("scan", "scan"): _studies(library.SCANS),
+    ("scan", "executor"): _names(lambda _: EXECUTORS),
+    ("show", "name"): _names(lambda _: [*library.names(library.CASES), *library.names(library.SCANS)]),
+    ("keys", "table"): _names(_tables),
+    ("report", "study"): _names(lambda _: STUDIES),
+    ("figures", "only"): _listed(_figures),
+    ("film", "quantity"): _names(_film_quantities),
+    ("film", "view"): _names(_film_views),
+    ("export", "to"): _names(_formats),
+    ("law", "material"): _PRESETS,
+    ("fit", "material"): _PRESETS,
+    ("bench", "parts"): _listed(lambda _: bench.PARTS),
+}

@@ -1,0 +1,192 @@
+"""Normalised inputs of impacts, and the continuum case that a packing compares with, or the reverse.
+
+Packing and continuum are compared at equal energy over sigma_y^2 D^3/E, with the diameter D of the spheres or of the
+punch (thesis 5.30). The counterpart has the same material and D, so that equal energies are equal inputs.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import shlex
+from typing import TYPE_CHECKING, Any
+
+from granwave.analysis.measures.normalised import velocity_normalised
+from granwave.lammps_inputs.case.material import Material, presets, sphere_mass
+from granwave.lammps_inputs.contact.law import sphere_contact
+from granwave.lammps_inputs.lattices import KINDS
+from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.lammps_inputs.packing.assembly import assemble, struck_of
+from granwave.lammps_inputs.planning.timestep import expected_energy, expected_peak_overlap
+
+if TYPE_CHECKING:
+    from granwave.lammps_inputs.case.case import Case
+    from granwave.workflows.finite_elements.punch.case import ContinuumCase
+
+_BLOCK, _PACKING = "half-space", "fcc-small"  # built-in cases that counterparts are made from
+_TAPER = 0.01  # of the punch's diameter, as in the built-in case
+_NARROWEST = 2.0  # punch diameters: a block narrower than this is no half-space to speak of
+_WITHIN_LAW = 0.2  # overlap over R* where the contact law ends
+_STRUCK = (1, 3, 7)  # values of load.spheres
+_FEWEST = (4, 4, 2)  # spheres along x, y and z of a packing
+_DIGITS = 12
+
+
+@dataclasses.dataclass(frozen=True)
+class Inputs:
+    """Energy and velocity of an impact; None where they do not apply.
+
+    Attributes
+    ----------
+    energy
+        J; of a load by force an upper bound.
+    energy_normalised
+        Over F_y alpha_y of two spheres, as in a packing's summary.json.
+    energy_continuum
+        Over sigma_y^2 D^3/E, as in the summary.json of a continuum run.
+    velocity_normalised
+        Thesis 5.11.
+    """
+
+    energy: float
+    energy_normalised: float | None
+    energy_continuum: float | None
+    velocity_normalised: float | None
+
+
+@dataclasses.dataclass(frozen=True)
+class Counterpart:
+    """Case of equal input, as a command; without words if there is none.
+
+    Attributes
+    ----------
+    words
+        Command and arguments.
+    reason
+        Reason why there is none.
+    """
+
+    words: tuple[str, ...] = ()
+    reason: str = ""
+
+    @property
+    def command(self) -> str:
+        """The command, to be pasted into a shell."""
+        return shlex.join(self.words)
+
+
+def energy_unit(material: Material, diameter: float) -> float | None:
+    """Return sigma_y^2 D^3/E, J; None without a yield strength."""
+    if material.yield_strength is None:
+        return None
+    return material.yield_strength**2 * diameter**3 / material.youngs_modulus
+
+
+def inputs_of_packing(case: Case) -> Inputs:
+    """Return the inputs of the impact of a case."""
+    law, energy = sphere_contact(case), expected_energy(assemble(case))
+    unit = energy_unit(case.material, case.packing.diameter)
+    if not case.contact.yields or unit is None:
+        return Inputs(energy, None, None, None)
+    velocity = None
+    if case.load.kind == "impact":
+        strength, density = law.yield_strength, case.material.density
+        velocity = velocity_normalised(case.load.velocity, law.effective_modulus, density, strength)
+    return Inputs(energy, energy / (law.yield_force * law.yield_overlap), energy / unit, velocity)
+
+
+def inputs_of_continuum(case: ContinuumCase) -> Inputs:
+    """Return the inputs of the impact of a punch."""
+    energy = case.punch.energy
+    return Inputs(energy, None, energy / case.energy_unit, None)
+
+
+def continuum_of(case: Case) -> Counterpart:
+    """Return the continuum case of equal input: a punch with the mass and velocity of the struck spheres.
+
+    The block is as high as the packing, and as wide as its narrower side.
+    """
+    lattice, diameter = assemble(case).lattice, case.packing.diameter
+    if not case.contact.yields or case.material.yield_strength is None:
+        return Counterpart(reason="the contacts do not yield")
+    if case.load.kind != "impact" or case.load.angle:
+        return Counterpart(reason="it is made for impacts along z alone")
+    low, high = lattice.bounds()
+    width, height = min(high[:2] - low[:2]) + diameter, high[2] - low[2] + diameter
+    if lattice.rule.dimension < 3 or width < _NARROWEST * diameter:
+        return Counterpart(reason="the packing is no block: a chain or a single layer, or too narrow")
+    assembly = assemble(case)
+    mass = sum(map(assembly.mass_of, struck_of(assembly)))
+    changes = {
+        **_material(case.material),
+        "block.diameter": width,
+        "block.height": height,
+        "punch.diameter": diameter,
+        "punch.mass": mass,
+        "punch.velocity": math.sqrt(2 * expected_energy(assembly) / mass),
+        "punch.taper": _TAPER * diameter,
+    }
+    return _command("continuum", _BLOCK, changes, f"{case.name}-continuum")
+
+
+def packing_of(case: ContinuumCase) -> Counterpart:
+    """Return the FCC packing of equal input: spheres as wide as the punch, in a packing as large as the block.
+
+    As few spheres are struck as keep the expected overlap within the contact law, and seven at most.
+    """
+    diameter, rule = case.punch.diameter, KINDS["fcc"]
+    if case.material.yield_strength is None:
+        return Counterpart(reason="the material does not yield")
+    extents = (case.block.diameter, case.block.diameter, case.block.height)
+    pitches = (*rule.pitch, rule.layer_spacing)
+    size = [
+        max(round((extent / diameter - 1) / pitch) + 1, fewest)
+        for extent, pitch, fewest in zip(extents, pitches, _FEWEST, strict=True)
+    ]
+    changes: dict[str, Any] = {}
+    for spheres in _STRUCK:
+        mass = spheres * sphere_mass(case.material, diameter / 2)
+        changes = {
+            **_material(case.material),
+            "packing.size": size,
+            "packing.diameter": diameter,
+            "load.spheres": spheres,
+            "load.velocity": math.sqrt(2 * case.punch.energy / mass),
+        }
+        if _overlap(case.material, changes) <= _WITHIN_LAW:
+            break
+    return _command("run", _PACKING, changes, f"{case.name}-packing")
+
+
+def _overlap(material: Material, changes: dict[str, Any]) -> float:
+    """Return the largest expected overlap in a packing, over R*."""
+    tables = {
+        "name": "packing",
+        "material": {name: value for name, value in dataclasses.asdict(material).items() if value is not None},
+        "packing": {"kind": "fcc", "size": list(_FEWEST), "diameter": changes["packing.diameter"]},
+        "load": {"spheres": changes["load.spheres"], "velocity": changes["load.velocity"]},
+    }
+    case = case_from_dict(tables, "counterpart")
+    return expected_peak_overlap(assemble(case)) / sphere_contact(case).effective_radius
+
+
+def _material(material: Material) -> dict[str, Any]:
+    """Return the overrides that give a material: the name of a preset, or its values."""
+    if presets().get(material.name or "") == material:
+        return {"material": material.name}
+    names = ("youngs_modulus", "poisson_ratio", "density", "yield_strength")
+    return {f"material.{name}": getattr(material, name) for name in names}
+
+
+def _command(verb: str, base: str, changes: dict[str, Any], directory: str) -> Counterpart:
+    words = ["granwave", verb, base]
+    for key, value in changes.items():
+        words += ["--set", f"{key}={_written(value)}"]
+    return Counterpart((*words, "-o", directory))
+
+
+def _written(value: Any) -> str:
+    """Write a value as ``--set`` takes it."""
+    if isinstance(value, float):
+        return f"{value:.{_DIGITS}g}"
+    return str(value).replace(" ", "")
