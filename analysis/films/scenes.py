@@ -62,7 +62,7 @@ QUANTITIES: Mapping[str, Quantity] = {
     "velocity": Quantity(_speeds, "Speed (m/s)", FORCE_MAP),
     "dissipation": Quantity(_losses, r"Dissipation $e_\mathrm{dis}/e_\mathrm{in}$", DISSIPATION_MAP),
 }
-PLANES = ("orthogonal", "principal")
+PLANES = ("orthogonal", "principal", "section")
 VIEWS = (*PLANES, "3d", "chain")
 
 
