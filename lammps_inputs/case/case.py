@@ -245,7 +245,7 @@ def _read_wall(table: Mapping[str, Any], key: str, errors: ErrorList) -> Materia
 
 
 def _with_implied(data: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the tables of a case with implied values: strikers are the load, a bar replaces the bottom, a film has frames."""
+    """Return the tables of a case with implied values: strikers as the load, a bar for a bottom, frames of a film."""
     data = dict(data)
     if "striker" in data and "load" not in data:
         data["load"] = {"kind": "striker"}
