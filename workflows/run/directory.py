@@ -25,11 +25,13 @@ from granwave.lammps_inputs.run_directory import (
     CASE_FILE,
     FIGURES_DIRECTORY,
     FIGURES_TABLE,
+    FILM_FILE,
     LOCK_FILE,
     RECORD_FILE,
     RESULT_FILE,
     RUN,
     SUMMARY_FILE,
+    VIEW_FILE,
 )
 from granwave.lammps_inputs.run_state import outputs_complete, result_fault
 from granwave.workflows.run import checkpoint, record
@@ -56,7 +58,7 @@ def decide(case: Case, directory: Path, *, resume: bool, force: bool, n_ranks: i
     """
     expected = plan(case, n_ranks=n_ranks)
     names = run_files(case, expected.schedule)
-    names += _figure_files(directory) if figures else []
+    names += _pictures(case, directory) if figures else []
     if directories.decide(
         directory,
         RUN,
@@ -138,11 +140,14 @@ def start(case: Case, directory: Path) -> None:
     clear(directory)
 
 
-def _figure_files(directory: Path) -> list[str]:
-    """Return the names of the figures of a run if the folder of figures exists, else none."""
+def _pictures(case: Case, directory: Path) -> list[str]:
+    """Return the names of the film and the page of a run, and of its figures if their folder exists."""
+    options = case.figures
+    names = [FILM_FILE.format(options.film)] if options.film != "none" else []
+    names += [VIEW_FILE] if options.view else []
     if not os.path.lexists(directory / FIGURES_DIRECTORY):
-        return []
-    return [file for name in FIGURE_NAMES for file in figure_files(name)]
+        return names
+    return names + [file for name in FIGURE_NAMES for file in figure_files(name)]
 
 
 # ---------------------------------------------------------------------- one process at a time
