@@ -20,6 +20,8 @@ OPTIONS = {
     "width": ("METRES", "width of a figure of one column (default: 0.08636)"),
     "formats": ("NAME,...", "files besides PNG and CSV: pdf, svg, pdf,svg, or none (default: pdf)"),
 }
+#: Those of films.
+FILM_OPTIONS = ("plane", "colour_map", "force_limits", "dissipation_limits")
 
 
 def add_options(parser: argparse.ArgumentParser, *names: str) -> None:
@@ -31,8 +33,8 @@ def add_options(parser: argparse.ArgumentParser, *names: str) -> None:
             parser.add_argument("--through", metavar="X,Y,Z", help="a point of that plane, m (default: struck sphere)")
 
 
-def apply_options(options: argparse.Namespace, given: Figures) -> Figures:
-    """Return the options of figures with the changes that the command line makes.
+def apply_options(options: argparse.Namespace, given: Figures, *names: str) -> Figures:
+    """Return the options of figures with the changes that the command line makes; ``names`` as in `add_options`.
 
     Raises
     ------
@@ -41,7 +43,7 @@ def apply_options(options: argparse.Namespace, given: Figures) -> Figures:
     """
     fields = {field.name: field for field in dataclasses.fields(Figures)}
     changes, faults = {}, []
-    for name in OPTIONS:
+    for name in names or OPTIONS:
         text = getattr(options, name, None)
         if text is None:
             continue

@@ -37,7 +37,7 @@ from granwave.workflows.cli.arguments import (
     seconds,
     words,
 )
-from granwave.workflows.cli.figure_options import add_options
+from granwave.workflows.cli.figure_options import FILM_OPTIONS, add_options
 from granwave.workflows.run import mpi
 from granwave.workflows.run.messages import each_warning_once
 
@@ -229,10 +229,17 @@ def make_parser() -> argparse.ArgumentParser:
     film.add_argument(
         "--quantity", default="force", metavar="NAME", help="force, velocity or dissipation (default: force)"
     )
-    film.add_argument("--view", metavar="NAME", help="orthogonal, principal, 3d or chain (default: what there is)")
     film.add_argument(
+        "--view", metavar="NAME", help="orthogonal, principal, section, 3d or chain (default: what there is)"
+    )
+    sizes = film.add_mutually_exclusive_group()
+    sizes.add_argument(
         "--width", type=positive, default=1200, metavar="PIXELS", help="width of the pictures (default: 1200)"
     )
+    sizes.add_argument(
+        "--size", metavar="NAME|WxH", help="slide (1920x1080), page (1200x900), or width x height in pixels"
+    )
+    add_options(film, *FILM_OPTIONS)
     film.add_argument("--rate", type=number, metavar="N", help="pictures per second (default: 3 to 25)")
 
     export = _verb(verbs, "export", commands.export, "the results for other programs: ParaView, pandas, xarray, OVITO")

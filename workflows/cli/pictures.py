@@ -9,7 +9,7 @@ import sys
 from granwave.lammps_inputs.case.figures import FIGURE_NAMES
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows.cli.commands import Arguments, as_wrong_input
-from granwave.workflows.cli.figure_options import apply_options
+from granwave.workflows.cli.figure_options import FILM_OPTIONS, apply_options
 
 
 def figures(options: argparse.Namespace, _: Arguments) -> int:
@@ -40,7 +40,8 @@ def film(options: argparse.Namespace, _: Arguments) -> int:
     """Execute ``granwave film``."""
     from tqdm import tqdm
 
-    from granwave.analysis.films.film import write_film
+    from granwave.analysis.films.film import size_of, write_film
+    from granwave.analysis.result.reader import Result
 
     with tqdm(desc="film", unit="picture", disable=None, leave=False) as bar:
 
@@ -49,8 +50,13 @@ def film(options: argparse.Namespace, _: Arguments) -> int:
             bar.update(done - bar.n)
 
         chosen = {name: getattr(options, name) for name in ("quantity", "view", "width", "rate")}
+        size = None if options.size is None else size_of(options.size)
+        if options.plane is not None and options.view is None:
+            chosen["view"] = "section"
         with as_wrong_input():
-            path = write_film(options.directory, options.output, progress=report, **chosen)
+            with Result(options.directory) as result:
+                colours = apply_options(options, result.figure_options, *FILM_OPTIONS)
+            path = write_film(options.directory, options.output, progress=report, size=size, options=colours, **chosen)
     print(path)
     return 0
 

@@ -301,7 +301,7 @@ def colour_bar(
     values: NDArray[np.float64],
     location: str = "bottom",
 ) -> None:
-    """Draw a colour bar above or below the panels, with pointed ends if values exceed the scale."""
+    """Draw a colour bar beside, above or below the panels, with pointed ends if values exceed the scale."""
     below = bool(np.any((values > 0) & (values < colouring.low)))
     above = bool(np.any(values > colouring.high))
     extend = {(True, True): "both", (True, False): "min", (False, True): "max"}.get((below, above), "neither")
@@ -313,7 +313,7 @@ def colour_bar(
         location=location,
         extend=extend,
         aspect=28,
-        fraction=0.08,
+        fraction=0.08 if location in ("top", "bottom") else 0.05,
         pad=0.03,
         shrink=0.9,
     )
