@@ -90,18 +90,20 @@ def _film_and_page(directory: Path, report: Callable[[str], None]) -> None:
     """Make the film and the page that ``[figures]`` of the case asks for; tell where there is nothing to show."""
     with Result(directory) as result:
         options = result.figure_options
-    try:
-        if options.film != "none":
-            from granwave.analysis.films.film import write_film
+    made: list[tuple[str, Callable[[], object]]] = []
+    if options.film != "none":
+        from granwave.analysis.films.film import write_film
 
-            name = FILM_FILE.format(options.film)
-            report(name)
-            claim(directory, [name])
-            write_film(directory, directory / name)
-        if options.view:
-            from granwave.analysis.view.page import write_view
+        film = FILM_FILE.format(options.film)
+        claim(directory, [film])
+        made.append((film, lambda: write_film(directory, directory / film)))
+    if options.view:
+        from granwave.analysis.view.page import write_view
 
-            report(VIEW_FILE)
-            write_view(directory)
-    except InputError as error:
-        logger.warning("%s", error)
+        made.append((VIEW_FILE, lambda: write_view(directory)))
+    for name, make in made:
+        report(name)
+        try:
+            make()
+        except InputError as error:
+            logger.warning("%s: not made: %s", name, error)

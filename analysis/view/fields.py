@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from granwave.analysis.figures.run.sections import DISSIPATION_LIMITS, decades_up_to, force_scale
 from granwave.analysis.figures.style import DISSIPATION_MAP, FORCE_MAP
 from granwave.analysis.result.reader import Result
+from granwave.analysis.view.instants import Instants
 
 BLANK = "#a4a4a4"  # spheres below the scale; the lights of the page make it paler
 LEVELS = 100  # colours of a scale; steps of a twentieth of a decade, or finer
@@ -61,13 +62,15 @@ class Field:
         return np.concatenate([blank, np.column_stack([level, scale])]).astype(np.float32)
 
 
-def fields(result: Result, frames: Sequence[int], rows: NDArray[np.int64] | slice) -> list[Field]:
+def fields(result: Result, instants: Instants, frames: Sequence[int], rows: NDArray[np.int64] | slice) -> list[Field]:
     """Return the fields of a run that are not zero throughout.
 
     Parameters
     ----------
+    instants
+        Instants of the run.
     frames
-        Numbers of the snapshots.
+        Numbers of those that are shown.
     rows
         Rows of the spheres.
     """
@@ -84,12 +87,12 @@ def fields(result: Result, frames: Sequence[int], rows: NDArray[np.int64] | slic
         ("dissipated energy", "Dissipated so far (J)", "dissipated_energy", losses, in_joules),
         ("elastic energy", "Elastic energy (J)", "elastic_energy", losses, None),
     ]
-    found = (_field(result, frames, rows, *one) for one in wanted if one[2] in result.quantities)
+    found = (_field(instants, frames, rows, *one) for one in wanted if one[2] in instants.quantities)
     return [field for field in found if field is not None]
 
 
 def _field(
-    result: Result,
+    instants: Instants,
     frames: Sequence[int],
     rows: NDArray[np.int64] | slice,
     name: str,
@@ -98,7 +101,7 @@ def _field(
     colours: str,
     limits: tuple[float, ...] | None,
 ) -> Field | None:
-    values = np.stack([_scalar(result.frame(number, quantity))[rows] for number in frames])
+    values = np.stack([_scalar(instants.values(number, quantity))[rows] for number in frames])
     largest = float(np.max(values, initial=0.0))
     if not largest > 0:
         return None
@@ -115,7 +118,5 @@ def _limits(largest: float) -> tuple[float, float]:
 
 
 def _scalar(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return magnitudes of vectors, and numbers with 0 for those that were not recorded."""
-    if values.ndim == 2:
-        values = np.linalg.norm(values, axis=1)
-    return np.nan_to_num(values)
+    """Return numbers, and magnitudes of vectors."""
+    return np.linalg.norm(values, axis=1) if values.ndim == 2 else values

@@ -20,6 +20,7 @@ import numpy as np
 
 from granwave.analysis.result.reader import Result
 from granwave.analysis.view.fields import fields
+from granwave.analysis.view.instants import instants_of
 from granwave.analysis.view.scene import Chosen, plot_of
 from granwave.lammps_inputs.directories import refuse_other_file
 from granwave.lammps_inputs.errors import InputError
@@ -98,7 +99,7 @@ def write_view(
         if path is not None:
             refuse_other_file(target, _OWN)
         chosen = _choose(result, spheres, frames)
-        found = fields(result, chosen.frames, chosen.rows)
+        found = fields(result, chosen.instants, chosen.frames, chosen.rows)
         if not found:
             raise InputError(f"{result.case.name}: nothing moved and no contact bore a force; there is nothing to show")
         page = _page(result, chosen, found)
@@ -110,7 +111,8 @@ def write_view(
 
 def _choose(result: Result, spheres: int | None, frames: int | None) -> Chosen:
     """Choose spheres and snapshots."""
-    n, n_frames, notes = result.n_spheres, result.n_frames, []
+    instants = instants_of(result)
+    n, n_frames, notes = result.n_spheres, len(instants.times), []
     rows = np.arange(n)
     if spheres is not None and n > spheres:
         distance = np.linalg.norm(result["spheres/position"] - result.origin, axis=1)
@@ -121,7 +123,7 @@ def _choose(result: Result, spheres: int | None, frames: int | None) -> Chosen:
     if n_frames > most:
         numbers = np.unique(np.linspace(0, n_frames - 1, most).round().astype(int)).tolist()
         notes.append(f"{len(numbers)} of {n_frames} snapshots")
-    return Chosen(rows, numbers, f"shown: {', '.join(notes)}" if notes else "")
+    return Chosen(rows, instants, numbers, f"shown: {', '.join(notes)}" if notes else "")
 
 
 def _page(result: Result, chosen: Chosen, found: Sequence) -> str:

@@ -23,6 +23,7 @@ from granwave.analysis.figures.style import new_figure, style
 from granwave.analysis.measures.planes import own_plane, planes
 from granwave.analysis.result.reader import Result
 from granwave.analysis.view.fields import Field
+from granwave.analysis.view.instants import Instants
 from granwave.lammps_inputs.packing.walls import walls
 
 if TYPE_CHECKING:
@@ -46,13 +47,16 @@ class Chosen:
     ----------
     rows
         Rows of the spheres, rising: (n,).
+    instants
+        Instants of the run.
     frames
-        Numbers of the snapshots, rising.
+        Numbers of those on the page, rising.
     note
         A sentence on what is left out; empty if nothing is.
     """
 
     rows: NDArray[np.int64]
+    instants: Instants
     frames: Sequence[int]
     note: str
 
@@ -68,8 +72,9 @@ def plot_of(result: Result, chosen: Chosen, found: Sequence[Field]) -> k3d.Plot:
     import k3d  # brings the widgets of notebooks along
 
     place = _MILLI * (result["spheres/position"][chosen.rows] - result.origin)
-    times = [float(_MICRO * result.frame_times[number]) for number in chosen.frames]
+    times = [float(_MICRO * chosen.instants.times[number]) for number in chosen.frames]
     camera = _camera(result, place)
+    bounds = np.concatenate([place.min(axis=0), place.max(axis=0)])
     first = times[min(max(1, len(times) // 4), len(times) - 1)]
     plot = k3d.plot(
         axes=["x", "y", r"\text{depth}"],
@@ -80,6 +85,8 @@ def plot_of(result: Result, chosen: Chosen, found: Sequence[Field]) -> k3d.Plot:
         time_speed=max(times[-1] / _SECONDS, 1e-6),
         lighting=2.0,
         axes_helper=0.0,
+        grid_auto_fit=not result.assembly.bars,  # which are far longer than the chain
+        grid=(bounds + np.repeat([-1.0, 1.0], 3) * _MILLI * result.case.packing.diameter).tolist(),
         name=result.case.name,
         antialias=1,
     )
@@ -118,7 +125,8 @@ def _key(time: float) -> str:
 
 def _title(result: Result, chosen: Chosen) -> str:
     case = result.case
-    counts = f"{len(chosen.rows):,} spheres, {len(chosen.frames)} snapshots".replace(",", " ", 1)
+    number = f"{len(chosen.rows):,}".replace(",", " ")
+    counts = f"{number} spheres, {len(chosen.frames)} snapshots"
     lines = [f"<b>{html.escape(case.name)}</b>", counts, *([html.escape(chosen.note)] if chosen.note else [])]
     return "<br>".join([*lines, "lengths in mm from the struck sphere"])
 
@@ -129,7 +137,7 @@ def _spheres(
     """Make the spheres of every field: those that stay in their places, and those that move."""
     import k3d
 
-    moved = [_MILLI * result.frame(number, "displacement")[chosen.rows] for number in chosen.frames]
+    moved = [_MILLI * chosen.instants.values(number, "displacement")[chosen.rows] for number in chosen.frames]
     size = 2 * _MILLI * result["spheres/radius"][chosen.rows]
     away = np.max([np.abs(one).max(axis=1) for one in moved], axis=0) > _MOVES * size
     for rows, what in ((np.flatnonzero(~away), ""), (np.flatnonzero(away), ", moving")):

@@ -99,7 +99,7 @@ def test_the_case_file_says_how_and_may_be_edited(tmp_path, monkeypatch):
 
 
 def test_film_and_page_come_with_the_figures(tmp_path):
-    case = synthetic.make_case("chain", 5, figures={"only": ["energies"], "film": "gif", "view": True},
+    case = synthetic.make_case("square", (4, 4), figures={"only": ["energies"], "film": "gif", "view": True},
                                run={"end_time": 1e-4, "timestep": 1e-7, "frames": 5})  # fmt: skip
     directory = synthetic.write_run(tmp_path, case)
     parts: list[str] = []
