@@ -144,8 +144,6 @@ def test_commands(packing, granwave, tmp_path):
     assert done.returncode == 0 and done.stdout.strip() == str(tmp_path / "a.gif"), done.stderr
     done = granwave("film", tmp_path / "nope", "-o", tmp_path / "b.gif")
     assert done.returncode == 2 and re.fullmatch(r"granwave: .*no such directory.*\n", done.stderr)
-    done = granwave("film", packing, "-o", tmp_path / "a.gif", "--size", "slid", "--colour-map", "viridi")
-    assert done.returncode == 2 and "--size: found slid" in done.stderr
     analyse(packing, figures=False)
     done = granwave("view", packing, "--spheres", 100)
     assert done.returncode == 0 and done.stdout.splitlines()[0] == str(packing / "view.html"), done.stderr
