@@ -12,11 +12,15 @@ from granwave.analysis.lammps_output.completeness import check_complete
 from granwave.analysis.lammps_output.dumps import read_data
 from granwave.analysis.progress_bar import progress_bar
 from granwave.analysis.result.not_a_run import is_continuum, why_no_run
+from granwave.analysis.result.reader import Result
 from granwave.analysis.result.writer import write_result
 from granwave.analysis.summary import Summary, summarise
+from granwave.lammps_inputs.case.figures import FIGURE_NAMES
 from granwave.lammps_inputs.deck.deck import CASE_FILE
 from granwave.lammps_inputs.deck_changes import check_deck
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.ownership import claim
+from granwave.lammps_inputs.run_directory import FILM_FILE, VIEW_FILE
 from granwave.lammps_inputs.run_state import check_case
 
 logger = logging.getLogger(__name__)
@@ -35,7 +39,7 @@ def analyse(directory: str | Path, progress: bool | Callable[[str], None] = Fals
         True for a bar on a terminal or in a notebook; or a function, called with the name of each part before it is
         made.
     figures
-        Draw them too.
+        Draw them too, and make the film and the page that the case asks for.
 
     Returns
     -------
@@ -54,7 +58,7 @@ def analyse(directory: str | Path, progress: bool | Callable[[str], None] = Fals
     """
     if callable(progress):
         return _analyse(Path(directory), progress, figures)
-    parts = 2 + (len(_figures()) if figures else 0)
+    parts = 2 + (len(FIGURE_NAMES) if figures else 0)
     with progress_bar(progress, total=parts, desc="analysis", leave=False) as bar:
 
         def report(part: str) -> None:
@@ -63,12 +67,6 @@ def analyse(directory: str | Path, progress: bool | Callable[[str], None] = Fals
             bar.update()
 
         return _analyse(Path(directory), report, figures)
-
-
-def _figures() -> tuple[str, ...]:
-    from granwave.analysis.figures.run_figures import FIGURES
-
-    return tuple(FIGURES)
 
 
 def _check_deck(directory: Path) -> None:
@@ -96,4 +94,29 @@ def _analyse(directory: Path, report: Callable[[str], None], figures: bool) -> S
             from granwave.analysis.figures.run_figures import draw_figures
 
             draw_figures(directory, report, helpers=others)
+    if figures:
+        _film_and_page(directory, report)
     return summary
+
+
+def _film_and_page(directory: Path, report: Callable[[str], None]) -> None:
+    """Make the film and the page that ``[figures]`` of the case asks for; tell where there is nothing to show."""
+    with Result(directory) as result:
+        options = result.figure_options
+    made: list[tuple[str, Callable[[], object]]] = []
+    if options.film != "none":
+        from granwave.analysis.films.film import write_film
+
+        film = FILM_FILE.format(options.film)
+        claim(directory, [film])
+        made.append((film, lambda: write_film(directory, directory / film)))
+    if options.view:
+        from granwave.analysis.view.page import write_view
+
+        made.append((VIEW_FILE, lambda: write_view(directory)))
+    for name, make in made:
+        report(name)
+        try:
+            make()
+        except InputError as error:
+            logger.warning("%s: not made: %s", name, error)

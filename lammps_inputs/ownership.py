@@ -16,6 +16,7 @@ from granwave.lammps_inputs.run_directory import (
     FIGURE_SUFFIXES,
     FIGURES_DIRECTORY,
     MARKER,
+    MORE_FIGURE_SUFFIXES,
     OTHER,
     POINT_FILES,
     RUN,
@@ -140,8 +141,8 @@ def own_file(directory: Path, name: str) -> Path | None:
 
 
 def figure_files(name: str) -> list[str]:
-    """Return the file names of a figure: PNG, PDF and data."""
-    return [f"{FIGURES_DIRECTORY}/{name}{suffix}" for suffix in FIGURE_SUFFIXES]
+    """Return the file names that a figure may have: PNG, PDF, data, and further forms."""
+    return [f"{FIGURES_DIRECTORY}/{name}{suffix}" for suffix in (*FIGURE_SUFFIXES, *MORE_FIGURE_SUFFIXES)]
 
 
 def output_names(directory: Path) -> list[str]:

@@ -29,7 +29,10 @@ RESULT_FILE, SUMMARY_FILE = "result.h5", "summary.json"
 CONTACT_TABLE = "contact.csv"  # of two finite-element spheres
 CHECKPOINT_FILE = "checkpoint-{}.restart"  # with the step
 FIGURES_DIRECTORY, EXPORT_DIRECTORY = "figures", "export"
+FIGURES_TABLE = "figures"  # of case.toml; it changes no result, and may be edited after a run
 FIGURE_SUFFIXES = (".png", ".pdf", ".csv")  # raster image, vector image, data
+MORE_FIGURE_SUFFIXES = (".svg",)  # of vector images that are asked for
+VIEW_FILE, FILM_FILE = "view.html", "film.{}"  # page to turn and cut the packing; film, with its form
 
 # In DUMPS.
 DUMPS = "dumps"

@@ -11,7 +11,14 @@ from typing import Any
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json, replace_text
 from granwave.lammps_inputs.ownership import claim, output_names, own_file, read_marker
-from granwave.lammps_inputs.run_directory import CASE_FILE, DATA_FILE, RECORD_FILE, RESULT_FILE, SUMMARY_FILE
+from granwave.lammps_inputs.run_directory import (
+    CASE_FILE,
+    DATA_FILE,
+    FIGURES_TABLE,
+    RECORD_FILE,
+    RESULT_FILE,
+    SUMMARY_FILE,
+)
 from granwave.lammps_inputs.toml_files import read_tables
 
 _SHOWN = 3  # keys in a message
@@ -28,7 +35,7 @@ def tables_as_run(directory: Path) -> dict[str, Any] | None:
 
 
 def check_case(directory: Path) -> None:
-    """Raise InputError if case.toml was changed after the run.
+    """Raise InputError if case.toml was changed after the run; the table of figures may be.
 
     Raises
     ------
@@ -36,7 +43,11 @@ def check_case(directory: Path) -> None:
         A key of case.toml differs from the case that was run.
     """
     there, as_run = read_tables(directory / CASE_FILE), tables_as_run(directory)
-    if there is None or as_run is None or not (changes := list(_changes(there, as_run))):
+    if there is None or as_run is None:
+        return
+    for tables in (there, as_run):
+        tables.pop(FIGURES_TABLE, None)
+    if not (changes := list(_changes(there, as_run))):
         return
     shown = "; ".join(changes[:_SHOWN]) + ("; ..." if len(changes) > _SHOWN else "")
     raise InputError(

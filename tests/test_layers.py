@@ -28,8 +28,8 @@ analysis/reports analysis/exports
 analysis/studies
 analysis/scans analysis/contact_law
 analysis/document
-analysis/films
 analysis/pipeline
+analysis/films analysis/view
 analysis/figures analysis/summary analysis/summary_table
 analysis/measures
 analysis/result

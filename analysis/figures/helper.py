@@ -20,10 +20,16 @@ from typing import Any
 import matplotlib as mpl
 
 from granwave.analysis.figures.run_figures import painter
+from granwave.lammps_inputs.case.figures import Figures
 
 
 def work(
-    connection: Connection, queue: int, directory: Path, names: Sequence[str], settings: Mapping[Any, Any]
+    connection: Connection,
+    queue: int,
+    directory: Path,
+    names: Sequence[str],
+    settings: Mapping[Any, Any],
+    options: Figures,
 ) -> None:
     """Draw figures until the queue is empty, and send what they give.
 
@@ -39,11 +45,13 @@ def work(
         Names of the figures.
     settings
         Settings of matplotlib in the process that asked.
+    options
+        How figures are drawn.
     """
     notes = _Notes()
     logging.getLogger().addHandler(notes)
     mpl.rcParams.update(settings)
-    with painter(directory) as draw:
+    with painter(directory, options) as draw:
         while taken := os.read(queue, 1):
             notes.count = 0
             with warnings.catch_warnings(record=True) as found:

@@ -6,15 +6,20 @@ as shaped glyphs with their Unicode values beside them, so that no reader looks 
 TrueType, to be selected, searched and edited. matplotlib has no setting for it, and fontTools only one that acts after
 it has read the tables. Hence the function that loads a font, a public one of fontTools, is replaced while a PDF is
 written.
+
+Of what remains, reading the outlines and widths of all 6000 glyphs takes most. It is done once for each font; every PDF
+gets fresh tables of the same content, which its subset may change.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from copy import copy
 from typing import Any
 
 from fontTools import subset
+from fontTools.ttLib.tables._g_l_y_f import Glyph
 
 # tables of an embedded TrueType font (ISO 32000-1, 9.9), and the order of its glyphs
 _NEEDED = frozenset({"GlyphOrder", "glyf", "head", "hhea", "hmtx", "loca", "maxp", "cvt ", "fpgm", "prep"})
@@ -25,11 +30,19 @@ def needed_tables_only() -> Iterator[None]:
     """Make matplotlib embed fonts without unneeded tables within a ``with`` block."""
     load_font = subset.load_font
 
-    def load(*arguments: Any, **options: Any) -> Any:
-        font = load_font(*arguments, **options)
-        if "glyf" in font:  # others, as those with PostScript outlines, stay as they are
-            for table in set(font.keys()) - _NEEDED:
-                del font[table]
+    def load(file: Any, *arguments: Any, **options: Any) -> Any:
+        font = _load(load_font, file, *arguments, **options)
+        if "glyf" in font:
+            key = (str(file), getattr(file, "face_index", 0))
+            if key not in _READ:
+                read = _load(load_font, file, *arguments, **options)
+                outlines = {name: glyph.data for name, glyph in read["glyf"].glyphs.items() if hasattr(glyph, "data")}
+                _READ[key] = (read["glyf"], outlines, read["hmtx"])
+            glyphs, outlines, widths = _READ[key]
+            font.tables["glyf"], font.tables["hmtx"] = copy(glyphs), copy(widths)
+            font["glyf"].glyphs = {name: Glyph(outlines.get(name, b"")) for name in glyphs.glyphs}
+            font["glyf"].glyphOrder = list(glyphs.glyphOrder)
+            font["hmtx"].metrics = dict(widths.metrics)
         return font
 
     subset.load_font = load
@@ -37,3 +50,16 @@ def needed_tables_only() -> Iterator[None]:
         yield
     finally:
         subset.load_font = load_font
+
+
+#: Table of outlines, the outlines as bytes, and table of widths of the fonts that were read, by file and face.
+_READ: dict[tuple[str, int], tuple[Any, dict[str, bytes], Any]] = {}
+
+
+def _load(load_font: Callable[..., Any], file: Any, *arguments: Any, **options: Any) -> Any:
+    """Load a font without unneeded tables."""
+    font = load_font(file, *arguments, **options)
+    if "glyf" in font:  # others, as those with PostScript outlines, stay as they are
+        for table in set(font.keys()) - _NEEDED:
+            del font[table]
+    return font

@@ -23,6 +23,7 @@ from granwave.analysis.figures.side_by_side import Helpers
 from granwave.analysis.figures.side_by_side import helpers as start_helpers
 from granwave.analysis.figures.style import Drawing, FigureFolder, contents, settings, style
 from granwave.analysis.result.reader import Result
+from granwave.lammps_inputs.case.figures import Figures
 
 
 @dataclasses.dataclass(frozen=True)
@@ -49,12 +50,18 @@ FIGURES: dict[str, RunFigure] = {
     "peak_force_orthogonal": RunFigure(
         "Peak contact force, plane orthogonal to it", partial(sections.peak_force_section, name="orthogonal")
     ),
+    "peak_force_section": RunFigure(
+        "Peak contact force, plane of the case", partial(sections.peak_force_section, name="section")
+    ),
     "peak_force_depth": RunFigure("Peak contact force against depth", dissipation.peak_force_depth),
     "dissipation_principal": RunFigure(
         "Dissipation, principal plane", partial(sections.dissipation_section, name="principal")
     ),
     "dissipation_orthogonal": RunFigure(
         "Dissipation, plane orthogonal to it", partial(sections.dissipation_section, name="orthogonal")
+    ),
+    "dissipation_section": RunFigure(
+        "Dissipation, plane of the case", partial(sections.dissipation_section, name="section")
     ),
     "dissipation_parts_principal": RunFigure(
         "Dissipation by yielding and by friction, principal plane",
@@ -64,11 +71,18 @@ FIGURES: dict[str, RunFigure] = {
         "Dissipation by yielding and by friction, plane orthogonal to it",
         partial(sections.dissipation_parts_section, name="orthogonal"),
     ),
+    "dissipation_parts_section": RunFigure(
+        "Dissipation by yielding and by friction, plane of the case",
+        partial(sections.dissipation_parts_section, name="section"),
+    ),
     "dents_principal": RunFigure(
         "Dents from before the run, principal plane", partial(sections.dents_section, name="principal")
     ),
     "dents_orthogonal": RunFigure(
         "Dents from before the run, plane orthogonal to it", partial(sections.dents_section, name="orthogonal")
+    ),
+    "dents_section": RunFigure(
+        "Dents from before the run, plane of the case", partial(sections.dents_section, name="section")
     ),
     "dissipation_ranked": RunFigure("Dissipation of spheres in descending order", dissipation.dissipation_ranked),
     "dissipation_cumulated": RunFigure(
@@ -103,19 +117,22 @@ def draw_figures(
     progress: Callable[[str], None] | None = None,
     names: tuple[str, ...] | None = None,
     helpers: Helpers | None = None,
+    options: Figures | None = None,
 ) -> list[Path]:
     """Draw the figures of a run from its ``result.h5``.
 
-    Earlier figures that no longer apply are removed.
+    Earlier figures that no longer apply are removed, and those that the case leaves out if all are drawn.
 
     Parameters
     ----------
     progress
         Function called with the name of each figure before it is drawn.
     names
-        Names of the figures to draw; by default all.
+        Names of the figures to draw; by default those of ``only`` of the options, or all.
     helpers
         Processes that draw beside this one, started before; by default as many as there are cores, up to four.
+    options
+        How they are drawn; by default as ``[figures]`` of the case.toml there says.
 
     Returns
     -------
@@ -129,12 +146,17 @@ def draw_figures(
     KeyError
         There is no figure of that name.
     InputError
-        The environment does not give a number of processes.
+        The environment does not give a number of processes, or ``[figures]`` of the case.toml there is wrong.
     """
-    chosen = tuple(FIGURES if names is None else names)
+    if options is None:
+        with Result(directory) as result:
+            options = result.figure_options
+    chosen = tuple(options.only or FIGURES) if names is None else names
     folder = FigureFolder(directory)
-    with painter(directory) as draw, _helpers(len(chosen), helpers) as others:
-        outcomes = others.draw(chosen, draw, (Path(directory).absolute(), chosen, settings()))
+    if names is None:
+        folder.remove(*(name for name in FIGURES if name not in chosen))
+    with painter(directory, options) as draw, _helpers(len(chosen), helpers) as others:
+        outcomes = others.draw(chosen, draw, (Path(directory).absolute(), chosen, settings(), options))
         for name in chosen:
             if progress is not None:
                 progress(name)
@@ -147,8 +169,13 @@ def _helpers(n_figures: int, started: Helpers | None) -> AbstractContextManager[
 
 
 @contextmanager
-def painter(directory: str | Path) -> Iterator[Callable[[str], dict[str, bytes] | None]]:
+def painter(directory: str | Path, options: Figures) -> Iterator[Callable[[str], dict[str, bytes] | None]]:
     """Open a run; give a function that draws the figure of a name, as contents of its files by suffix.
+
+    Parameters
+    ----------
+    options
+        How figures are drawn.
 
     Raises
     ------
@@ -158,7 +185,8 @@ def painter(directory: str | Path) -> Iterator[Callable[[str], dict[str, bytes] 
 
     def draw(name: str) -> dict[str, bytes] | None:
         drawing = FIGURES[name].draw(result)
-        return None if drawing is None else contents(drawing)
+        return None if drawing is None else contents(drawing, options.formats)
 
-    with Result(directory) as result, style():
+    with Result(directory) as result, style(options.width):
+        result.figure_options = options
         yield draw

@@ -6,8 +6,9 @@ import csv
 import io
 import logging
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from itertools import zip_longest
 from pathlib import Path, PurePosixPath
@@ -30,9 +31,14 @@ from granwave.lammps_inputs.run_directory import FIGURE_SUFFIXES, FIGURES_DIRECT
 logger = logging.getLogger(__name__)
 
 WIDTH = 3.4  # inches, one column of a journal
+_INCH = 0.0254  # m
 RESOLUTION = 300  # dots per inch
 _COMPRESSION = 3  # of PNG files; the usual 6 takes 1.6 times as long, for files up to 6 % smaller
 _MAKER = "granwave"  # program name in the metadata of pictures
+_METADATA: dict[str, dict[str, Any]] = {
+    "pdf": {"CreationDate": None, "Creator": _MAKER},
+    "svg": {"Date": None, "Creator": _MAKER},
+}
 _OWN = {".png": rb"tEXtSoftware\x00granwave", ".pdf": rb"/Creator \(granwave\)"}  # its form in the files
 
 # Okabe and Ito's colours, which colour-blind readers can distinguish
@@ -70,6 +76,7 @@ STYLE: dict[Any, Any] = {
     "savefig.dpi": RESOLUTION,
     "pdf.fonttype": 42,
     "svg.fonttype": "none",
+    "svg.hashsalt": "granwave",  # the same file for the same figure
 }
 
 Columns = Mapping[str, ArrayLike]
@@ -91,11 +98,24 @@ class Drawing:
     columns: Columns
 
 
+_scale: ContextVar[float] = ContextVar("scale", default=1.0)  # of the size of figures
+
+
 @contextmanager
-def style() -> Iterator[None]:
-    """Apply `STYLE` within a ``with`` block, without changing global settings."""
-    with mpl.rc_context(STYLE):
-        yield
+def style(width: float | None = None) -> Iterator[None]:
+    """Apply `STYLE` within a ``with`` block, without changing global settings.
+
+    Parameters
+    ----------
+    width
+        Width of figures of one column, m; wider ones grow in proportion. By default `WIDTH`.
+    """
+    token = _scale.set(1.0 if width is None else width / (WIDTH * _INCH))
+    try:
+        with mpl.rc_context(STYLE):
+            yield
+    finally:
+        _scale.reset(token)
 
 
 def settings() -> dict[str, Any]:
@@ -104,8 +124,9 @@ def settings() -> dict[str, Any]:
 
 
 def new_figure(height: float, width: float = WIDTH) -> Figure:
-    """Make an empty figure with constrained layout; sizes in inches."""
-    figure = Figure(figsize=(width, height), layout="constrained")
+    """Make an empty figure with constrained layout; sizes in inches, for columns of `WIDTH`."""
+    scale = _scale.get()
+    figure = Figure(figsize=(scale * width, scale * height), layout="constrained")
     FigureCanvasAgg(figure)
     return figure
 
@@ -116,31 +137,39 @@ def legend_above(axes: Axes, ncols: int, **options: Any) -> None:
     axes.legend(ncols=ncols, **(place | options))
 
 
-def save(drawing: Drawing, path: Path, *, pdf: bool = True) -> None:
-    """Save a drawing as path.png, path.pdf and path.csv.
+def save(drawing: Drawing, path: Path, *, formats: Sequence[str] = ("pdf",)) -> None:
+    """Save a drawing as path.png, path.csv and further formats.
 
     Parameters
     ----------
     path
         Path without a suffix; its directory must exist. Existing files are replaced.
-    pdf
-        False to omit the PDF, which takes half of the time.
+    formats
+        As in `contents`.
     """
-    for suffix, content in contents(drawing, pdf=pdf).items():
+    for suffix, content in contents(drawing, formats).items():
         replace_bytes(path.with_name(path.name + suffix), content)
 
 
-def contents(drawing: Drawing, *, pdf: bool = True) -> dict[str, bytes]:
-    """Return the contents of the files of a drawing by suffix: .png, .pdf unless omitted, and .csv."""
+def contents(drawing: Drawing, formats: Sequence[str] = ("pdf",)) -> dict[str, bytes]:
+    """Return the contents of the files of a drawing by suffix: .png, .csv and further formats.
+
+    Parameters
+    ----------
+    formats
+        Any of ``pdf`` and ``svg``; each takes as long as the rest.
+    """
     lay_out(drawing.figure, RESOLUTION)
-    png, other = io.BytesIO(), io.BytesIO()
+    png = io.BytesIO()
     compression = {"compress_level": _COMPRESSION}
     drawing.figure.savefig(png, format="png", metadata={"Software": _MAKER}, pil_kwargs=compression)
-    if pdf:
+    found = {".png": png.getvalue()}
+    for name in formats:
+        stream = io.BytesIO()
         with needed_tables_only():
-            drawing.figure.savefig(other, format="pdf", metadata={"CreationDate": None, "Creator": _MAKER})
-    files = (png.getvalue(), other.getvalue(), _csv(drawing.columns))
-    return {suffix: content for suffix, content in zip(FIGURE_SUFFIXES, files, strict=True) if content}
+            drawing.figure.savefig(stream, format=name, metadata=_METADATA[name])
+        found[f".{name}"] = stream.getvalue()
+    return found | {".csv": _csv(drawing.columns)}
 
 
 def lay_out(figure: Figure, resolution: float) -> None:
@@ -190,19 +219,19 @@ class FigureFolder:
         self.directory = Path(directory)
         self.written: list[Path] = []
 
-    def save(self, drawing: Drawing | None, name: str, *, pdf: bool = True) -> None:
+    def save(self, drawing: Drawing | None, name: str, *, formats: Sequence[str] = ("pdf",)) -> None:
         """Save a drawing as `save` does; if it is None, remove the earlier one of this name.
 
         If granwave did not write an existing file of this name, warn and do not save.
         """
-        self.place(None if drawing is None else contents(drawing, pdf=pdf), name)
+        self.place(None if drawing is None else contents(drawing, formats), name)
 
     def place(self, files: Mapping[str, bytes] | None, name: str) -> None:
         """Do the same with the contents of files by suffix, as of `contents`."""
         if files is None:
             self.remove(name)
             return
-        own = dict(zip(FIGURE_SUFFIXES, figure_files(name), strict=True))
+        own = {PurePosixPath(file).suffix: file for file in figure_files(name)}
         clear(self.directory, [own[suffix] for suffix in own.keys() - files.keys()])
         try:
             claim(self.directory, [own[suffix] for suffix in files])

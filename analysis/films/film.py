@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -12,16 +13,18 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from PIL import Image
 
-from granwave.analysis.figures.style import style
+from granwave.analysis.figures.style import WIDTH, style
 from granwave.analysis.films.scenes import QUANTITIES, VIEWS, Scene, scene
 from granwave.analysis.result.reader import Result
+from granwave.lammps_inputs.case.figures import Figures
 from granwave.lammps_inputs.directories import refuse_other_file
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import replacing
 
 FORMS = (".mp4", ".gif", ".webp")
 _OWN = rb"granwave"  # in the notes of the files that are written here
-SLIDE, LEAST_WIDTH, MOST_WIDTH = 1200, 100, 4000  # pixels
+SIZES = {"slide": (1920, 1080), "page": (1200, 900)}  # pixels
+USUAL_WIDTH, LEAST_WIDTH, MOST_WIDTH = 1200, 100, 4000  # pixels
 _SECONDS = 6.0  # usual length
 _SLOWEST, _FASTEST = 3.0, 25.0  # frames per second
 _LAST = 1.5  # s that the last picture stays
@@ -33,8 +36,10 @@ def write_film(
     *,
     quantity: str = "force",
     view: str | None = None,
-    width: int = SLIDE,
+    width: int = USUAL_WIDTH,
+    size: tuple[int, int] | None = None,
     rate: float | None = None,
+    options: Figures | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Path:
     """Write a film of a run.
@@ -48,10 +53,14 @@ def write_film(
     quantity
         ``force`` (largest contact force of each sphere), ``velocity`` or ``dissipation``.
     view
-        ``orthogonal`` or ``principal`` plane, ``3d``, or ``chain`` (forces in space-time); by default what the packing
-        has.
+        ``orthogonal`` or ``principal`` plane, ``section`` (the plane of the options), ``3d``, or ``chain`` (forces in
+        space-time); by default what the packing has.
     width
-        Width, pixels.
+        Width, pixels; the height follows from the view.
+    size
+        Width and height, pixels, in place of the width.
+    options
+        Colours, limits and plane of the case; by default as ``[figures]`` of the case.toml there says.
     rate
         Pictures per second; by default the film takes some six seconds.
     progress
@@ -65,26 +74,57 @@ def write_film(
         The directory holds no result, or a damaged one.
     """
     path = Path(path)
-    _check(path, quantity, view, width, rate)
+    _check(path, quantity, view, width, size, rate)
     if not path.absolute().parent.is_dir():
         raise InputError(f"-o {path}: there is no directory {path.absolute().parent}")
     refuse_other_file(path, _OWN)
     with Result(directory) as result, style():
-        found = scene(result, quantity, view)
+        if options is not None:
+            result.figure_options = options
+        found = scene(result, quantity, view, None if size is None else _inches(size))
         n = len(found.times)
         rate = rate or float(np.clip(n / _SECONDS, _SLOWEST, _FASTEST))
         with replacing(path) as scratch:
-            _WRITERS[path.suffix.lower()](scratch, _pictures(found, width, progress), rate)
+            _WRITERS[path.suffix.lower()](scratch, _pictures(found, size[0] if size else width, progress), rate)
     return path
 
 
-def _check(path: Path, quantity: str, view: str | None, width: int, rate: float | None) -> None:
+def size_of(text: str) -> tuple[int, int]:
+    """Read the size of a film: slide, page, or width x height in pixels.
+
+    Raises
+    ------
+    InputError
+        It is none of them.
+    """
+    if text in SIZES:
+        return SIZES[text]
+    found = re.fullmatch(r"(\d+)\s*[xX]\s*(\d+)", text)
+    size = (int(found[1]), int(found[2])) if found else (0, 0)
+    if not all(LEAST_WIDTH <= one <= MOST_WIDTH and one % 2 == 0 for one in size):
+        near = difflib.get_close_matches(text.lower(), SIZES, n=1, cutoff=0.5)
+        hint = f"; did you mean {near[0]}?" if near and not found else ""
+        raise InputError(
+            f"--size: found {text}, expected {', '.join(SIZES)}, or width x height in pixels, even numbers from "
+            f"{LEAST_WIDTH} to {MOST_WIDTH}, as 1280x720{hint}"
+        )
+    return size
+
+
+def _inches(size: tuple[int, int]) -> tuple[float, float]:
+    """Return the size of a figure whose shorter side is a column, so that texts fit."""
+    return WIDTH * size[0] / min(size), WIDTH * size[1] / min(size)
+
+
+def _check(
+    path: Path, quantity: str, view: str | None, width: int, size: tuple[int, int] | None, rate: float | None
+) -> None:
     if path.suffix.lower() not in FORMS:
         raise InputError(f"-o {path}: expected a name that ends in {', '.join(FORMS)}")
     _check_word("--quantity", quantity, list(QUANTITIES))
     if view is not None:
         _check_word("--view", view, VIEWS)
-    if not LEAST_WIDTH <= width <= MOST_WIDTH:
+    if size is None and not LEAST_WIDTH <= width <= MOST_WIDTH:
         raise InputError(f"--width: found {width}, expected {LEAST_WIDTH} to {MOST_WIDTH} pixels")
     if rate is not None and not 0.1 <= rate <= 100:
         raise InputError(f"--rate: found {rate:g}, expected 0.1 to 100 pictures per second")

@@ -10,7 +10,6 @@ import dataclasses
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from granwave.analysis.measures.planes import preferred_directions
 from granwave.analysis.result.reader import Result
@@ -61,6 +60,8 @@ def struck_rows(result: Result) -> NDArray[np.int64]:
 def directions(result: Result) -> Array:
     """Unit vectors from the nearest struck sphere to each sphere: (n_spheres, 3); NaN for struck ones and strikers."""
     struck, positions = struck_rows(result), result["spheres/position"]
+    from scipy.spatial import cKDTree  # takes longer to load than many a figure to draw
+
     _, nearest = cKDTree(positions[struck]).query(positions)
     offset = positions - positions[struck][nearest]
     offset[struck] = np.nan

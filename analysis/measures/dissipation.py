@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from granwave.analysis.measures.planes import layers, preferred_directions
 from granwave.analysis.result.reader import Result
@@ -126,6 +125,8 @@ def rays(result: Result) -> Rays:
     directions = preferred_directions(result.case.packing.kind)
     diameter = result.case.packing.diameter
     positions, ids = result["spheres/position"], result["spheres/id"]
+    from scipy.spatial import cKDTree  # takes longer to load than many a figure to draw
+
     tree = cKDTree(positions)
     reach = int(np.linalg.norm(np.ptp(positions, axis=0)) / diameter) + 2
     force = _force_of_pairs(result)

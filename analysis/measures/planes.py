@@ -24,6 +24,7 @@ chain   none                                            none
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,6 +32,7 @@ from numpy.typing import NDArray
 
 from granwave.lammps_inputs.lattices import KINDS, section_planes
 
+_LEVEL = 1 - 1e-9  # cosine from which two directions are the same
 _LAYER_GAP = 0.2  # diameters of the smallest sphere, between two layers
 _LAYER_HEIGHT = 0.5  # nominal diameters, at most, that a layer's centres are apart
 
@@ -42,7 +44,7 @@ class Plane:
     Attributes
     ----------
     name
-        principal or orthogonal.
+        principal, orthogonal or section.
     across
         Unit vector to the right: (3,).
     down
@@ -51,6 +53,10 @@ class Plane:
         Largest distance of a centre from the plane, diameters.
     down_label
         What the coordinate along ``down`` is called.
+    across_label
+        What the coordinate along ``across`` is called.
+    through
+        A point of the plane, m; None: the centre of the struck sphere.
     """
 
     name: str
@@ -58,6 +64,8 @@ class Plane:
     down: NDArray[np.float64]
     tolerance: float
     down_label: str
+    across_label: str = "Distance from the impact axis"
+    through: NDArray[np.float64] | None = None
 
     @property
     def normal(self) -> NDArray[np.float64]:
@@ -77,12 +85,15 @@ class Section:
         Rows of the spheres: (n,).
     across, down
         Coordinates in the plane, 0 at the struck sphere: (n,), m.
+    height
+        Distances of the centres from the plane: (n,), m.
     """
 
     plane: Plane
     index: NDArray[np.int64]
     across: NDArray[np.float64]
     down: NDArray[np.float64]
+    height: NDArray[np.float64]
 
 
 def planes(kind: str) -> tuple[Plane, ...]:
@@ -106,8 +117,36 @@ def section(plane: Plane, positions: NDArray[np.float64], origin: NDArray[np.flo
         m.
     """
     offset = positions - origin
-    index = np.flatnonzero(np.abs(offset @ plane.normal) <= plane.tolerance * diameter)
-    return Section(plane, index, offset[index] @ plane.across, offset[index] @ plane.down)
+    middle = np.zeros(3) if plane.through is None else plane.through - origin
+    height = (offset - middle) @ plane.normal
+    index = np.flatnonzero(np.abs(height) <= plane.tolerance * diameter)
+    return Section(plane, index, offset[index] @ plane.across, offset[index] @ plane.down, height[index])
+
+
+def own_plane(normal: Sequence[float], through: Sequence[float] | None, tolerance: float = 0.5) -> Plane:
+    """Return a plane of any direction, named section; depth goes downwards in it, or y in a horizontal one.
+
+    Parameters
+    ----------
+    normal
+        Its normal, of any length: (3,).
+    through
+        A point of it: (3,), m; None: the centre of the struck sphere.
+    tolerance
+        As in `Plane`; half a diameter shows all spheres that the plane cuts.
+    """
+    unit = np.array(normal, dtype=float) / np.linalg.norm(normal)
+    level = abs(unit[2]) > _LEVEL
+    down = np.array([0.0, 1.0, 0.0] if level else [0.0, 0.0, 1.0])
+    down = down - (down @ unit) * unit
+    down /= np.linalg.norm(down)
+    across = np.cross(down, unit)
+    across *= 1.0 if across[np.argmax(np.abs(across))] > 0 else -1.0
+    vertical = abs(unit[2]) < 1 - _LEVEL
+    down_label = "y" if level else "Depth" if vertical else "Down the plane"
+    across_label = "x" if level or abs(across[0]) > _LEVEL else "y" if abs(across[1]) > _LEVEL else "Distance across"
+    point = None if through is None else np.array(through, dtype=float)
+    return Plane("section", across, down, tolerance, down_label, across_label, point)
 
 
 def preferred_directions(kind: str) -> NDArray[np.float64]:

@@ -13,8 +13,13 @@ from granwave.analysis.figures.style import Drawing, style
 _COLORBAR = "<colorbar>"  # label that matplotlib gives to the axes of colour bars
 
 
-def draw_axes(draw: Callable[[], Drawing | None]) -> Axes | list[Axes] | None:
+def draw_axes(draw: Callable[[], Drawing | None], width: float | None = None) -> Axes | list[Axes] | None:
     """Draw a figure and hand it to pyplot, without saving it.
+
+    Parameters
+    ----------
+    width
+        As in `granwave.analysis.figures.style.style`.
 
     Returns
     -------
@@ -23,7 +28,7 @@ def draw_axes(draw: Callable[[], Drawing | None]) -> Axes | list[Axes] | None:
     """
     from matplotlib import pyplot
 
-    with style():
+    with style(width):
         drawing = draw()
         if drawing is None:
             return None

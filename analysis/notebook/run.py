@@ -231,7 +231,7 @@ class Run(Mapping[str, Any]):
 
         if name not in self.figures:
             raise no_figure(self.name, name, self.figures)
-        axes = draw_axes(lambda: FIGURES[name].draw(self.result))
+        axes = draw_axes(lambda: FIGURES[name].draw(self.result), self.result.figure_options.width)
         if axes is None:
             raise MissingDataError(f"{self.name}: figure {name} does not apply to this run ({FIGURES[name].caption})")
         return axes

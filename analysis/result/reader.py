@@ -18,10 +18,12 @@ from granwave.analysis.lammps_output.frame import rows_of
 from granwave.analysis.result.damage import damage_of
 from granwave.analysis.result.trajectory import GROUP, QUANTITIES
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.figures import Figures, read_figures
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble, struck_of, struck_site
-from granwave.lammps_inputs.run_directory import CASE_FILE, RESULT_FILE
+from granwave.lammps_inputs.run_directory import CASE_FILE, FIGURES_TABLE, RESULT_FILE
+from granwave.lammps_inputs.toml_files import read_tables
 
 if TYPE_CHECKING:
     from granwave._contact_laws import ContactLaw
@@ -147,6 +149,13 @@ class Result:
     def case(self) -> Case:
         """Case that was run."""
         return case_from_dict(tomllib.loads(self.file.attrs["case"]), self.path.parent / CASE_FILE)
+
+    @cached_property
+    def figure_options(self) -> Figures:
+        """Table ``[figures]`` of the case.toml beside the result, which may be edited; else that of the case."""
+        path = self.path.parent / CASE_FILE
+        tables = read_tables(path)
+        return self.case.figures if tables is None else read_figures(tables.get(FIGURES_TABLE, {}), str(path))
 
     @cached_property
     def assembly(self) -> Assembly:

@@ -63,7 +63,7 @@ def draw_scan_figures(scan: str | Path | ScanResult, *, pdf: bool = True) -> lis
     with style():
         found = drawings(result)
         for name, drawing in found.items():
-            folder.save(drawing, name, pdf=pdf)
+            folder.save(drawing, name, formats=("pdf",) if pdf else ())
     folder.remove(*(name for name in folder.names() if _OF_A_SCAN.fullmatch(name) and name not in found))
     return folder.written
 

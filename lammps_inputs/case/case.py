@@ -12,12 +12,14 @@ import tomli_w
 
 from granwave.lammps_inputs.case.bodies import Bar, Replace, Sensor, Striker, read_body, read_list
 from granwave.lammps_inputs.case.contact_pairs import RIGID, Pair, read_pairs
+from granwave.lammps_inputs.case.figures import FRAMES_OF_A_FILM, Figures
 from granwave.lammps_inputs.case.load import Load, read_load
 from granwave.lammps_inputs.case.material import SELECTORS, Material, read_material, sphere_mass
 from granwave.lammps_inputs.case.schema import ErrorList, keys_of, read_name, read_table, refuse_unknown, show
 from granwave.lammps_inputs.case.sections import Boundary, Contact, Output, PackingSection, Precompression, Probe, Run
 from granwave.lammps_inputs.case.supports import SUPPORTS, read_bottom
 from granwave.lammps_inputs.named_files import with_absolute_paths
+from granwave.lammps_inputs.run_directory import FIGURES_TABLE
 
 _SECTIONS: dict[str, type] = {
     "packing": PackingSection,
@@ -26,6 +28,7 @@ _SECTIONS: dict[str, type] = {
     "boundary": Boundary,
     "run": Run,
     "output": Output,
+    FIGURES_TABLE: Figures,
 }
 _LISTS: dict[str, type] = {"replace": Replace, "striker": Striker, "sensor": Sensor}
 _BARS = ("bar", "incident_bar")
@@ -50,6 +53,7 @@ class Case:
     boundary: Boundary = dataclasses.field(default_factory=Boundary)
     run: Run = dataclasses.field(default_factory=Run)
     output: Output = dataclasses.field(default_factory=Output)
+    figures: Figures = dataclasses.field(default_factory=Figures)
     precompression: Precompression | None = None
     pair: tuple[Pair, ...] = ()
     replace: tuple[Replace, ...] = ()
@@ -97,8 +101,10 @@ class Case:
         return sphere_mass(self.material, self.packing.diameter / 2)
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the case as nested tables of TOML values, all defaults filled in."""
+        """Return the case as nested tables of TOML values, all defaults filled in; [figures] only if it is given."""
         tables = _plain(self)
+        if self.figures == Figures():
+            del tables[FIGURES_TABLE]
         if len(self.packing.size) == 1:
             tables["packing"]["size"] = self.packing.size[0]
         tables["load"] = _plain(self.load.keys())
@@ -244,13 +250,16 @@ def _read_wall(table: Mapping[str, Any], key: str, errors: ErrorList) -> Materia
 
 
 def _with_implied(data: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the tables of a case with implied values: strikers are the load, a bar replaces the bottom."""
+    """Return the tables of a case with implied values: strikers as the load, a bar for a bottom, frames of a film."""
     data = dict(data)
     if "striker" in data and "load" not in data:
         data["load"] = {"kind": "striker"}
     boundary = data.get("boundary", {})
     if "bar" in data and isinstance(boundary, Mapping) and "bottom" not in boundary:
         data["boundary"] = {**boundary, "bottom": "free"}
+    figures, run = data.get(FIGURES_TABLE, {}), data.get("run", {})
+    if isinstance(figures, Mapping) and isinstance(run, Mapping) and figures.get("film", "none") != "none":
+        data["run"] = {"frames": FRAMES_OF_A_FILM, **run}
     return data
 
 

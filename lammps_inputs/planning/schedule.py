@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from granwave.lammps_inputs.case.figures import FRAMES_OF_A_FILM
 from granwave.lammps_inputs.case.sections import AUTO_END_TIME, DEFAULT_FRAMES
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
@@ -303,7 +304,8 @@ def _check_counts(case: Case, n_steps: int, *, even: bool) -> None:
     frames, history = case.run.frames, case.output.history
     count, errors = frames if isinstance(frames, int) else len(frames), []
     each_step = f"expected at most {n_steps + 1}: one at the start, one a step"
-    if isinstance(frames, int) and frames > max(n_steps + 1, DEFAULT_FRAMES):
+    default = DEFAULT_FRAMES if case.figures.film == "none" else FRAMES_OF_A_FILM
+    if isinstance(frames, int) and frames > max(n_steps + 1, default):
         errors.append(f"run.frames: found {frames}, {each_step}")
     elif count > _MOST_UNEVEN_FRAMES and not even:
         errors.append(

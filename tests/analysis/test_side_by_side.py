@@ -16,6 +16,7 @@ from granwave.analysis.errors import MissingDataError
 from granwave.analysis.figures import side_by_side, style
 from granwave.analysis.figures.side_by_side import PROCESSES
 from granwave.analysis.pipeline import analyse
+from granwave.lammps_inputs.case.figures import Figures
 from granwave.lammps_inputs.errors import InputError
 from tests.helpers import synthetic
 
@@ -73,7 +74,7 @@ def test_helpers_draw(run, several, monkeypatch):
     before = drawn_by_one(run, monkeypatch)
     with side_by_side.helpers(len(NAMES)) as others, style.style():
         monkeypatch.setattr(others, "_take", lambda: None)
-        outcomes = list(others.draw(NAMES, never, (run, NAMES, style.settings())))
+        outcomes = list(others.draw(NAMES, never, (run, NAMES, style.settings(), Figures())))
     found = zip(NAMES, outcomes, strict=True)
     assert before == {name + suffix: content for name, files in found for suffix, content in (files or {}).items()}
 

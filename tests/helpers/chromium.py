@@ -10,6 +10,7 @@ import select
 import subprocess
 import sys
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -36,7 +37,7 @@ class Browser:
         All events reported by the page so far: (method, parameters).
     """
 
-    def __init__(self, program: str, profile: Path, timeout: float = 30) -> None:
+    def __init__(self, program: str, profile: Path, timeout: float = 30, flags: Sequence[str] = ()) -> None:
         self.events: list[tuple[str, dict[str, Any]]] = []
         self._timeout = timeout
         self._buffer = b""
@@ -45,7 +46,7 @@ class Browser:
         theirs_in, self._to = os.pipe()
         self._from, theirs_out = os.pipe()
         starter = [sys.executable, "-c", _START, str(theirs_in), str(theirs_out)]
-        command = [program, *FLAGS, f"--user-data-dir={profile}", "about:blank"]
+        command = [program, *FLAGS, *flags, f"--user-data-dir={profile}", "about:blank"]
         self._process = subprocess.Popen(
             [*starter, *command],
             pass_fds=(theirs_in, theirs_out),

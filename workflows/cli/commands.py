@@ -132,7 +132,7 @@ def analyse(options: argparse.Namespace, _: Arguments) -> int:
         refuse_foreign(options.directory, [RESULT_FILE, SUMMARY_FILE])
         if restore_case(options.directory):
             print(f"granwave: {options.directory / CASE_FILE}: written again as it was run", file=sys.stderr)
-        with _as_wrong_input():
+        with as_wrong_input():
             summary = analyse_directory(options.directory, progress=True, figures=options.figures)
     print_json(summary) if options.json else print(summary_table(summary))
     _warn_of_zone(summary)
@@ -188,7 +188,7 @@ def report(options: argparse.Namespace, _: Arguments) -> int:
 
 
 @contextlib.contextmanager
-def _as_wrong_input() -> Iterator[None]:
+def as_wrong_input() -> Iterator[None]:
     """Raise InputError for results that are missing or damaged."""
     from granwave.analysis.errors import MissingOutputError, OutputFormatError
 
@@ -196,46 +196,6 @@ def _as_wrong_input() -> Iterator[None]:
         yield
     except (MissingOutputError, OutputFormatError) as error:
         raise InputError(str(error)) from None
-
-
-def figures(options: argparse.Namespace, _: Arguments) -> int:
-    """Execute ``granwave figures``."""
-    from granwave.analysis.figures.run_figures import FIGURES, draw_figures
-    from granwave.workflows.run.directory import held
-
-    wanted = options.only
-    if unknown := [name for name in wanted or () if name not in FIGURES]:
-        near = difflib.get_close_matches(unknown[0], FIGURES, n=1)
-        hint = f"; did you mean {near[0]}?" if near else f", expected some of {', '.join(FIGURES)}"
-        raise InputError(f"--only: found {unknown[0]}{hint}")
-    if not options.directory.is_dir():
-        raise InputError(f"{options.directory}: no such directory; run a case into it first")
-    with held(options.directory.absolute(), way=""), _as_wrong_input():
-        drawn = draw_figures(options.directory, names=wanted)
-    for path in drawn:
-        print(path)
-    if left := [name for name in wanted or () if name not in {path.stem for path in drawn}]:
-        raise InputError(f"--only: {', '.join(left)}: does not apply to this run, which has nothing of the kind")
-    return 0
-
-
-def film(options: argparse.Namespace, _: Arguments) -> int:
-    """Execute ``granwave film``."""
-    from tqdm import tqdm
-
-    from granwave.analysis.films.film import write_film
-
-    with tqdm(desc="film", unit="picture", disable=None, leave=False) as bar:
-
-        def report(done: int, of: int) -> None:
-            bar.total = of
-            bar.update(done - bar.n)
-
-        chosen = {name: getattr(options, name) for name in ("quantity", "view", "width", "rate")}
-        with _as_wrong_input():
-            path = write_film(options.directory, options.output, progress=report, **chosen)
-    print(path)
-    return 0
 
 
 def export(options: argparse.Namespace, _: Arguments) -> int:

@@ -25,7 +25,7 @@ from granwave.lammps_inputs.case.sections import LAWS
 from granwave.lammps_inputs.errors import GranwaveError, InputError
 from granwave.lammps_inputs.files import DISK_IS_FULL
 from granwave.workflows import bench
-from granwave.workflows.cli import commands
+from granwave.workflows.cli import commands, pictures
 from granwave.workflows.cli.arguments import (
     bench_parts,
     input_name,
@@ -37,6 +37,7 @@ from granwave.workflows.cli.arguments import (
     seconds,
     words,
 )
+from granwave.workflows.cli.figure_options import FILM_OPTIONS, add_options
 from granwave.workflows.cli.shells import SHELLS
 from granwave.workflows.run import mpi
 from granwave.workflows.run.messages import each_warning_once
@@ -209,11 +210,29 @@ def make_parser() -> argparse.ArgumentParser:
         help="a study to make of all runs, beside those that scan and suite files name; may be repeated",
     )
 
-    figures = _verb(verbs, "figures", commands.figures, "draw the figures of a run again, all or some")
+    figures = _verb(verbs, "figures", pictures.figures, "draw the figures of a run again, all or some")
     figures.add_argument("directory", type=input_name, metavar="DIR", help="directory of a run")
-    figures.add_argument("--only", type=words, metavar="NAME,...", help="names of figures (default: all)")
+    figures.add_argument(
+        "--only", type=words, metavar="NAME,...", help="names of figures (default: those of the case, or all)"
+    )
+    add_options(figures)
 
-    film = _verb(verbs, "film", commands.film, "a film of a run: planes, the cut packing, or a chain in space-time")
+    view = _verb(verbs, "view", pictures.view, "a page to turn and cut the packing of a run in a browser")
+    view.add_argument("directory", type=input_name, metavar="DIR", help="directory of a run")
+    view.add_argument(
+        "-o", dest="output", type=output_name, metavar="FILE", help="name of the page, .html (default: DIR/view.html)"
+    )
+    shown = view.add_mutually_exclusive_group()
+    shown.add_argument(
+        "--spheres",
+        type=positive,
+        metavar="N",
+        help="at most so many spheres, those nearest to the struck one (default: 250000)",
+    )
+    shown.add_argument("--all", action="store_true", help="all spheres and snapshots, however many")
+    view.add_argument("--frames", type=positive, metavar="N", help="at most so many snapshots")
+
+    film = _verb(verbs, "film", pictures.film, "a film of a run: planes, the cut packing, or a chain in space-time")
     film.add_argument("directory", type=input_name, metavar="DIR", help="directory of a run")
     film.add_argument(
         "-o",
@@ -230,11 +249,18 @@ def make_parser() -> argparse.ArgumentParser:
         help="what is shown: force, velocity or dissipation (default: force)",
     )
     film.add_argument(
-        "--view", metavar="NAME", help="what is seen: orthogonal, principal, 3d or chain (default: what there is)"
+        "--view",
+        metavar="NAME",
+        help="what is seen: orthogonal, principal, section, 3d or chain (default: what there is)",
     )
-    film.add_argument(
+    sizes = film.add_mutually_exclusive_group()
+    sizes.add_argument(
         "--width", type=positive, default=1200, metavar="PIXELS", help="width of the pictures (default: 1200)"
     )
+    sizes.add_argument(
+        "--size", metavar="NAME|WxH", help="slide (1920x1080), page (1200x900), or width x height in pixels"
+    )
+    add_options(film, *FILM_OPTIONS)
     film.add_argument("--rate", type=number, metavar="N", help="pictures per second (default: 3 to 25)")
 
     export = _verb(verbs, "export", commands.export, "the results for other programs: ParaView, pandas, xarray, OVITO")

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from granwave.lammps_inputs import directories
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.figures import FIGURE_NAMES
 from granwave.lammps_inputs.contact.initial_dents import dents_table, earlier_result
 from granwave.lammps_inputs.deck.deck import deck_files
 from granwave.lammps_inputs.errors import InputError, raise_all
@@ -23,11 +24,14 @@ from granwave.lammps_inputs.planning.schedule import Schedule
 from granwave.lammps_inputs.run_directory import (
     CASE_FILE,
     FIGURES_DIRECTORY,
+    FIGURES_TABLE,
+    FILM_FILE,
     LOCK_FILE,
     RECORD_FILE,
     RESULT_FILE,
     RUN,
     SUMMARY_FILE,
+    VIEW_FILE,
 )
 from granwave.lammps_inputs.run_state import outputs_complete, result_fault
 from granwave.workflows.run import checkpoint, record
@@ -54,14 +58,14 @@ def decide(case: Case, directory: Path, *, resume: bool, force: bool, n_ranks: i
     """
     expected = plan(case, n_ranks=n_ranks)
     names = run_files(case, expected.schedule)
-    names += _figure_files(directory) if figures else []
+    names += _pictures(case, directory) if figures else []
     if directories.decide(
         directory,
         RUN,
         names,
         resume=resume,
         force=force,
-        case=case.to_dict(),
+        case=_without_figures(case),
         read=lambda there: _case(there, directory),
     ):
         found = _remaining_work(directory)
@@ -109,7 +113,12 @@ def _refuse_by_hand(directory: Path) -> None:
 
 
 def _case(tables: Mapping[str, Any], directory: Path) -> dict[str, Any]:
-    return case_from_dict(tables, directory / CASE_FILE).to_dict()
+    return _without_figures(case_from_dict(tables, directory / CASE_FILE))
+
+
+def _without_figures(case: Case) -> dict[str, Any]:
+    """Return the tables that decide the results of a case."""
+    return {name: table for name, table in case.to_dict().items() if name != FIGURES_TABLE}
 
 
 def run_files(case: Case, schedule: Schedule) -> list[str]:
@@ -131,13 +140,14 @@ def start(case: Case, directory: Path) -> None:
     clear(directory)
 
 
-def _figure_files(directory: Path) -> list[str]:
-    """Return the names of the figures of a run if the folder of figures exists, else none."""
+def _pictures(case: Case, directory: Path) -> list[str]:
+    """Return the names of the film and the page of a run, and of its figures if their folder exists."""
+    options = case.figures
+    names = [FILM_FILE.format(options.film)] if options.film != "none" else []
+    names += [VIEW_FILE] if options.view else []
     if not os.path.lexists(directory / FIGURES_DIRECTORY):
-        return []
-    from granwave.analysis.figures.run_figures import FIGURES  # the drawing library takes a second to load
-
-    return [file for name in FIGURES for file in figure_files(name)]
+        return names
+    return names + [file for name in FIGURE_NAMES for file in figure_files(name)]
 
 
 # ---------------------------------------------------------------------- one process at a time

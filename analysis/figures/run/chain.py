@@ -40,7 +40,12 @@ def force_map(result: Result) -> Drawing | None:
     for axes, (name, place, force) in zip(row, parts, strict=True):
         step, every = max(1, len(place) // _MOST_COLUMNS), max(1, len(place) // 20)
         shown = np.where(force[:, ::step] > norm.vmin, force[:, ::step], np.nan)
-        mesh: dict[str, Any] = {"norm": norm, "cmap": FORCE_MAP, "rasterized": True, "shading": "nearest"}
+        mesh: dict[str, Any] = {
+            "norm": norm,
+            "cmap": result.figure_options.colour_map or FORCE_MAP,
+            "rasterized": True,
+            "shading": "nearest",
+        }
         image = axes.pcolormesh(place[::step] * _MILLI, time * _MICRO, shown, **mesh)
         label(axes, "Place (mm)", title=name if len(parts) > 1 else "")
         slug = name.replace(" ", "_")

@@ -65,13 +65,15 @@ def _half_sphere(result: Result, panels: dict[str, Spread]) -> Drawing:
     edges = np.deg2rad(np.arange(PER_RING + 1) * 360 / PER_RING - 180 - 180 / PER_RING)
     depth = 1 - np.arange(RINGS + 1) / RINGS  # cosine of the angle to the impact axis
     radius = 2 * np.tan(np.arccos(depth) / 2)
+    chosen = result.figure_options.colour_map
+    maps = (chosen or FORCE_MAP, chosen or DISSIPATION_MAP)
     axis = preferred_directions(result.case.packing.kind)
     columns: dict[str, NDArray] = {
         "axis_angle_deg": np.repeat(np.rad2deg(np.arccos((depth[1:] + depth[:-1]) / 2)), PER_RING),
         "azimuth_deg": np.tile(np.rad2deg((edges[1:] + edges[:-1]) / 2), RINGS),
     }
     all_axes = figure.subplots(1, len(panels), subplot_kw={"projection": "polar"}, squeeze=False)[0]
-    for axes, (name, one), colours in zip(all_axes, panels.items(), (FORCE_MAP, DISSIPATION_MAP), strict=False):
+    for axes, (name, one), colours in zip(all_axes, panels.items(), maps, strict=False):
         shown = one.relative
         mesh = axes.pcolormesh(
             edges, radius, shown, cmap=colours, norm=Normalize(0, float(shown.max())), rasterized=True

@@ -35,8 +35,14 @@ def packing_3d_dissipation(result: Result) -> Drawing | None:
     return draw_packing(result, dissipation_colouring(result))
 
 
-def draw_packing(result: Result, colouring: Colouring) -> Drawing | None:
-    """Draw the cut packing in any colouring; return None for a chain, for which curves show more."""
+def draw_packing(result: Result, colouring: Colouring, size: tuple[float, float] | None = None) -> Drawing | None:
+    """Draw the cut packing in any colouring; return None for a chain, for which curves show more.
+
+    Parameters
+    ----------
+    size
+        Width and height of the figure, inches; by default a column, as high as the packing needs.
+    """
     if not can_be_cut(result):
         return None
     positions = result["spheres/position"]
@@ -47,13 +53,20 @@ def draw_packing(result: Result, colouring: Colouring) -> Drawing | None:
     picture = render(positions[kept], radius, _colours(values, colouring), camera, _PIXELS)
     left, right, bottom, top = (edge * _MILLI for edge in picture.extent)
     figure = new_figure((WIDTH - 0.1) * (top - bottom) / (right - left) + 0.75)
+    if size is not None:
+        figure.set_size_inches(size)
     axes = figure.subplots()
     axes.imshow(picture.pixels, extent=(left, right, bottom, top), interpolation="antialiased")
     axes.set_axis_off()
     _scale_bar(axes, left, right, bottom)
     _mark_impact(axes, camera.project(result.origin[None])[0] * _MILLI, right - left)
-    colour_bar(figure, [axes], colouring, np.where(values < colouring.low, 0.0, values))
+    colour_bar(figure, [axes], colouring, np.where(values < colouring.low, 0.0, values), bar_location(size))
     return Drawing(figure, _visible(result, kept, picture, colouring))
+
+
+def bar_location(size: tuple[float, float] | None) -> str:
+    """Return where the colour bar goes: to the right in a figure that is wider than high."""
+    return "right" if size is not None and size[0] > size[1] else "bottom"
 
 
 def can_be_cut(result: Result) -> bool:

@@ -19,10 +19,11 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from granwave.analysis.figures.style import BLANK, DENT_MAP, DISSIPATION_MAP, FORCE_MAP, WIDTH, Drawing, new_figure
-from granwave.analysis.measures.planes import Section, planes, section
+from granwave.analysis.measures.planes import Section, own_plane, planes, section
 from granwave.analysis.measures.zone.plastic_zone import LAW_LIMIT
 from granwave.analysis.result.reader import Result
 
+DISSIPATION_LIMITS = (1e-6, 1e-1)  # of dissipation over input
 _MILLI = 1e3  # mm in a metre
 _SNAPSHOTS = 4
 _LEAST_DECADES = 3  # default range of a logarithmic scale
@@ -84,10 +85,12 @@ def peak_force_colouring(result: Result, decades: float | None = None) -> Colour
     """
     scale, label, column = force_scale(result)
     values = result["spheres/peak_force"] / scale
+    options = result.figure_options
     low, high = decades_up_to(float(values.max(initial=0.0)), 1.0 if result.yields else None)
     if decades is not None:
         low = high / 10**decades
-    return Colouring(values, f"Peak force {label}", f"peak_{column}", FORCE_MAP, low, high)
+    low, high = options.force_limits or (low, high)
+    return Colouring(values, f"Peak force {label}", f"peak_{column}", options.colour_map or FORCE_MAP, low, high)
 
 
 def dissipation_colouring(result: Result, part: str = "") -> Colouring:
@@ -97,7 +100,10 @@ def dissipation_colouring(result: Result, part: str = "") -> Colouring:
         values = result["spheres/friction_energy"] if part == "friction" else result.yield_energy
     column = f"{part}_over_input" if part else "dissipated_over_input"
     label = r"Dissipation $e_\mathrm{dis}/e_\mathrm{in}$"
-    return Colouring(values / result.energy_input, label, column, DISSIPATION_MAP, 1e-6, 1e-1, part.capitalize())
+    options = result.figure_options
+    low, high = options.dissipation_limits or DISSIPATION_LIMITS
+    colours = options.colour_map or DISSIPATION_MAP
+    return Colouring(values / result.energy_input, label, column, colours, low, high, part.capitalize())
 
 
 def peak_force_section(result: Result, name: str) -> Drawing | None:
@@ -135,7 +141,8 @@ def dents_section(result: Result, name: str) -> Drawing | None:
     values = np.zeros(result.n_spheres)
     np.maximum.at(values, result.ends, (result["contacts/initial_overlap"] / unit)[:, None])
     low, high = decades_up_to(float(values.max()), 1.0 if result.yields else None)
-    return section_drawing(result, name, Colouring(values, label, column, DENT_MAP, low, high))
+    colours = result.figure_options.colour_map or DENT_MAP
+    return section_drawing(result, name, Colouring(values, label, column, colours, low, high))
 
 
 def wave_front(result: Result) -> Drawing | None:
@@ -151,7 +158,8 @@ def wave_front(result: Result) -> Drawing | None:
     largest = max(float(force.max()) for force in forces)
     if largest == 0:
         return None
-    low, high = decades_up_to(largest, None)
+    low, high = result.figure_options.force_limits or decades_up_to(largest, None)
+    colours = result.figure_options.colour_map or FORCE_MAP
     reached = np.max(forces, axis=0) >= low
     window = window_around(cut, reached, result.case.packing.diameter)
     aspect = (window[3] - window[2]) / (window[1] - window[0])
@@ -161,7 +169,7 @@ def wave_front(result: Result) -> Drawing | None:
     figure = new_figure(min(n_rows * panel + 0.95, 8.5))
     axes = figure.subplots(n_rows, n_columns, sharex=True, sharey=True, squeeze=False)
     for panel_axes, force, time in zip(axes.flat, forces, times, strict=False):
-        colouring = Colouring(force, f"Contact force {label}", column, FORCE_MAP, low, high)
+        colouring = Colouring(force, f"Contact force {label}", column, colours, low, high)
         draw_discs(panel_axes, cut, force, colouring, radius)
         frame_axes(panel_axes, window)
         panel_axes.set_title(f"{time * 1e6:.0f} µs", pad=2)
@@ -189,7 +197,7 @@ def section_drawing(result: Result, name: str, *colourings: Colouring) -> Drawin
     Parameters
     ----------
     name
-        Name of the plane: principal or orthogonal.
+        Name of the plane: principal, orthogonal, or section, the one of the case.
     colourings
         Quantities, with titles if there are several.
     """
@@ -205,15 +213,16 @@ def section_drawing(result: Result, name: str, *colourings: Colouring) -> Drawin
     figure = new_figure(min(max(len(colourings) * height + 1.05, 1.9), 6.0 if len(colourings) == 1 else 8.0))
     panels = figure.subplots(len(colourings), 1, sharex=True, squeeze=False)[:, 0]
     for axes, colouring, shown in zip(panels, colourings, values, strict=True):
-        draw_discs(axes, cut, shown, colouring, result["spheres/radius"][cut.index], beyond)
+        draw_discs(axes, cut, shown, colouring, disc_radii(result, cut), beyond)
         frame_axes(axes, window)
         axes.set_title(colouring.title, pad=2)
-        axes.plot(0, -0.95 * diameter * _MILLI, marker="v", color="black", markersize=4)  # where the impact is
+        if cut.plane.through is None:
+            axes.plot(0, -0.95 * diameter * _MILLI, marker="v", color="black", markersize=4)  # where the impact is
     if len(panels) > 1:
         figure.supylabel(f"{cut.plane.down_label} (mm)", fontsize=8)
     else:
         panels[0].set_ylabel(f"{cut.plane.down_label} (mm)")
-    panels[-1].set_xlabel("Distance from the impact axis (mm)" if cut.plane.down_label != "y" else "x (mm)")
+    panels[-1].set_xlabel(f"{'x' if cut.plane.down_label == 'y' else cut.plane.across_label} (mm)")
     colour_bar(figure, list(panels), colourings[0], np.concatenate(values))
     columns = {"id": result["spheres/id"][cut.index], "across_m": cut.across, "down_m": cut.down}
     columns |= {colouring.column: shown for colouring, shown in zip(colourings, values, strict=True)}
@@ -222,13 +231,28 @@ def section_drawing(result: Result, name: str, *colourings: Colouring) -> Drawin
 
 def cut_of(result: Result, name: str) -> Section | None:
     """Return the spheres on a plane; None if there is no such plane, or only a line of spheres on it."""
-    case = result.case
-    for plane in planes(case.packing.kind):
+    diameter = result.case.packing.diameter
+    found = list(planes(result.case.packing.kind))
+    if (own := result.figure_options.plane) is not None:
+        largest = float(result["spheres/radius"].max(initial=0.0))
+        found.append(own_plane(own.normal, own.through, largest / diameter))
+    for plane in found:
         if plane.name == name:
-            cut = section(plane, result["spheres/position"], result.origin, case.packing.diameter)
-            wide = np.ptp(cut.across) > case.packing.diameter and np.ptp(cut.down) > case.packing.diameter / 2
+            cut = section(plane, result["spheres/position"], result.origin, diameter)
+            wide = len(cut.index) and np.ptp(cut.across) > diameter and np.ptp(cut.down) > diameter / 2
             return cut if wide else None
     return None
+
+
+def disc_radii(result: Result, cut: Section) -> NDArray[np.float64]:
+    """Return the radii of the discs of a section: those of the spheres on a plane of the lattice, else of the cuts.
+
+    Centres of scattered spheres lie beside the planes of the lattice by less than the tolerance of the plane.
+    """
+    radius = result["spheres/radius"][cut.index]
+    if cut.plane.name != "section":
+        return radius
+    return np.sqrt(np.maximum(radius**2 - cut.height**2, 0.0))
 
 
 def draw_discs(
@@ -277,7 +301,7 @@ def colour_bar(
     values: NDArray[np.float64],
     location: str = "bottom",
 ) -> None:
-    """Draw a colour bar above or below the panels, with pointed ends if values exceed the scale."""
+    """Draw a colour bar beside, above or below the panels, with pointed ends if values exceed the scale."""
     below = bool(np.any((values > 0) & (values < colouring.low)))
     above = bool(np.any(values > colouring.high))
     extend = {(True, True): "both", (True, False): "min", (False, True): "max"}.get((below, above), "neither")
@@ -289,7 +313,7 @@ def colour_bar(
         location=location,
         extend=extend,
         aspect=28,
-        fraction=0.08,
+        fraction=0.08 if location in ("top", "bottom") else 0.05,
         pad=0.03,
         shrink=0.9,
     )

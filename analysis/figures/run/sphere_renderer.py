@@ -14,7 +14,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter, map_coordinates
 
 _OVERSAMPLING = 2  # rendered pixels along each side of a pixel of the picture
 _COARSE = 7.0  # pixels across a sphere in the first pass
@@ -212,6 +211,8 @@ def _surroundings(
     depth: NDArray[np.float32], reach: float, rows: NDArray[np.int64], columns: NDArray[np.int64]
 ) -> NDArray[np.float32]:
     """Return the mean depth within about a radius around pixels, at a coarser resolution for larger spheres."""
+    from scipy.ndimage import gaussian_filter, map_coordinates  # takes longer to load than many a figure to draw
+
     step = max(1, int(reach / _BLUR))
     blurred = gaussian_filter(depth[::step, ::step], reach / step)
     if step == 1:

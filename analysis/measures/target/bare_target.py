@@ -20,8 +20,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import solve_ivp
-from scipy.optimize import brentq
 
 from granwave.lammps_inputs.case.supports import NodeConstants
 from granwave.lammps_inputs.contact.law import flat_contact
@@ -157,6 +155,8 @@ class Impactors:
         upper = self.law.effective_radius * 1e-6
         while missing(upper) < 0:
             upper *= 2
+        from scipy.optimize import brentq  # takes longer to load than many a figure to draw
+
         return float(brentq(missing, 0.0, upper, xtol=1e-14 * upper, rtol=1e-14))
 
     @property
@@ -261,6 +261,8 @@ def _pushed(load: Load, target: Target, end_time: float) -> BareTarget:
     def rates(now: float, state: Array) -> Array:
         return np.concatenate(target.rates(state[:n], state[n:], float(load_at(load, np.array(now)))))
 
+    from scipy.integrate import solve_ivp  # takes longer to load than many a figure to draw
+
     found = solve_ivp(
         rates, (0.0, end), np.zeros(2 * n), "DOP853", time, rtol=_TOLERANCE, atol=1e-15, max_step=end / _AFTER
     )
@@ -313,6 +315,8 @@ def _hit(groups: list[Impactors], target: Target, end_time: float) -> BareTarget
     directions = [-1] * (k + 1)  # of the next event: of the turn of each sphere, and of the contact
     for _ in range(_MOST_PHASES):
         step = duration / _IN_CONTACT if directions[k] < 0 else max(duration, target.settles) / _AFTER
+        from scipy.integrate import solve_ivp  # takes longer to load than many a figure to draw
+
         found = solve_ivp(
             rates, (now, end), state, "DOP853", rtol=_TOLERANCE, atol=_TOLERANCE * lengths, max_step=step,
             events=[*(turn(place, directions[place]) for place in range(k)), contact(directions[k])],

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import cumulative_trapezoid
 
 from granwave.analysis.measures.target.bare_target import bare_target_peak
 from granwave.lammps_inputs.packing.bars import BAR
@@ -53,6 +52,8 @@ class Reached:
     @property
     def impulse(self) -> Array:
         """Impulse of the force on the target so far, N s."""
+        from scipy.integrate import cumulative_trapezoid  # takes longer to load than many a figure to draw
+
         return cumulative_trapezoid(self.force, self.time, initial=0.0)
 
     @property

@@ -21,7 +21,8 @@ from granwave.analysis.formatting.values import as_label
 from granwave.analysis.quantities import readable
 from granwave.analysis.reports.inputs import Inputs, Run, Scan
 from granwave.analysis.scans.keys import key_of
-from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY, RESULT_FILE
+from granwave.lammps_inputs.case.figures import FILM_FORMATS
+from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY, FILM_FILE, RESULT_FILE, VIEW_FILE
 
 SLUG = "figures"
 WIDTH, POINT_WIDTH = 900, 600  # largest width of pictures of runs and scans, and of points of scans, pixels
@@ -65,6 +66,7 @@ def figures_section(inputs: Inputs, above: Collection[str] = (), shown: Collecti
         left_out |= set(above) if isinstance(item, Scan) else set()
         name, label = f"{number}-{item.label}", f"{what} {item.label}"
         parts = _pictures(item.directory, inputs, name, label, WIDTH, labels, left_out)
+        parts = (*_pages(item.directory, inputs), *parts) if isinstance(item, Run) else parts
         if parts:
             title = f"Figures of {what} {item.label}"
             folded = n_items > 2 and isinstance(item, Run)
@@ -165,6 +167,7 @@ def _points(scan: Scan, inputs: Inputs, number: int) -> list[Block]:
             continue
         name = f"{number}-{scan.label}-{point.result.number}"
         parts = _pictures(run.directory, inputs, name, f"run {run.label}", POINT_WIDTH, {})
+        parts = (*_pages(run.directory, inputs), *parts)
         size += sum(len(figure.png) for part in parts if isinstance(part, Gallery) for figure in part.figures)
         labels = ", ".join(f"{key} = {as_label(value)}" for key, value in point.result.labels.items())
         title = f"Point {point.result.number} of {scan.label}" + (f": {labels}" if labels else "")
@@ -172,6 +175,15 @@ def _points(scan: Scan, inputs: Inputs, number: int) -> list[Block]:
     if left:
         blocks.append(Note("The figures of further points are in their directories:", links=tuple(left)))
     return blocks
+
+
+def _pages(directory: Path, inputs: Inputs) -> tuple[Note, ...]:
+    """Return links to the page and the films of a run, as far as they have been made."""
+    found = [(VIEW_FILE, "Turn and cut the packing in a browser:")]
+    found += [(FILM_FILE.format(form), "Film:") for form in FILM_FORMATS]
+    return tuple(
+        Note(text, links=(inputs.link(directory / name, name),)) for name, text in found if (directory / name).is_file()
+    )
 
 
 def _pictures(

@@ -11,9 +11,10 @@ from PIL import Image
 
 from granwave.analysis import analyse
 from granwave.analysis.figures.style import style
-from granwave.analysis.films.film import write_film
+from granwave.analysis.films.film import size_of, write_film
 from granwave.analysis.films.scenes import VIEWS, scene
 from granwave.analysis.result.reader import Result
+from granwave.lammps_inputs.case.figures import CutPlane, Figures
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows import run_case
 from tests.helpers import synthetic
@@ -56,6 +57,30 @@ def test_mp4(chain, tmp_path):
     assert write_film(chain, path, width=300) == path  # its own file is replaced
 
 
+@pytest.mark.parametrize(("name", "view"), [("chain", None), ("packing", "section"), ("packing", "3d")])
+def test_films_of_a_given_size(packing, chain, tmp_path, name, view):
+    """Exactly that size, with the colour bar beside the picture."""
+    options = Figures(plane=CutPlane((1.0, 1.0, 0.0)), colour_map="plasma")
+    directory = {"chain": chain, "packing": packing}[name]
+    write_film(directory, tmp_path / "a.gif", view=view, size=(320, 180), options=options)
+    with Image.open(tmp_path / "a.gif") as film:
+        assert film.size == (320, 180)
+    with Result(directory) as result, style():
+        result.figure_options = options
+        figure = scene(result, "force", view, (6.0, 3.4)).draw(1)
+        bar = figure.axes[-1].get_position()
+        figure.draw_without_rendering()
+        bar = figure.axes[-1].get_position()
+        assert bar.x0 > 0.8 and bar.height > bar.width
+
+
+def test_sizes():
+    assert size_of("slide") == (1920, 1080) and size_of("640x480") == (640, 480)
+    for text in ("slid", "640x481", "20x20", "640", "wide"):
+        with pytest.raises(InputError, match=f"--size: found {text}, expected slide, page, or width x height"):
+            size_of(text)
+
+
 @pytest.mark.parametrize("quantity", ["force", "velocity", "dissipation"])
 def test_one_scale_and_a_clock(packing, quantity):
     with Result(packing) as result, style():
@@ -88,6 +113,7 @@ def test_chain_shows_nothing_of_the_future(chain):
         ({"view": "orthogonl"}, r"--view: found orthogonl, .* did you mean orthogonal\?"),
         ({"view": "3D"}, r"did you mean 3d\?"),
         ({"view": "chain"}, r"no record of a chain"),
+        ({"view": "section"}, r"--view section: it is the plane of --plane, or of figures.plane"),
         ({"width": 20}, r"--width: found 20, expected 100 to 4000 pixels"),
         ({"rate": 0.0}, r"--rate: found 0, expected 0.1 to 100"),
         ({"path": "nowhere/a.gif"}, r"there is no directory"),
@@ -119,6 +145,18 @@ def test_commands(packing, granwave, tmp_path):
     done = granwave("film", tmp_path / "nope", "-o", tmp_path / "b.gif")
     assert done.returncode == 2 and re.fullmatch(r"granwave: .*no such directory.*\n", done.stderr)
     analyse(packing, figures=False)
+    done = granwave("view", packing, "--spheres", 100)
+    assert done.returncode == 0 and done.stdout.splitlines()[0] == str(packing / "view.html"), done.stderr
+    assert re.fullmatch(r"[\d.]+ MB, 100 spheres, 4 snapshots", done.stdout.splitlines()[1])
+    assert "the 100 spheres nearest to the struck one, of 256; --all shows all" in done.stderr
+    options = ("--plane", "1,1,0", "--through", "0.04,0.04,w", "--colour-map", "viridi", "--force-limits", "9,1")
+    done = granwave("figures", packing, "--only", "energies", *options)
+    assert done.returncode == 2 and len(done.stderr.splitlines()) == 3
+    assert "--plane --through: found 1,1,0 and 0.04,0.04,w" in done.stderr and "did you mean viridis?" in done.stderr
+    options = ("--plane", "1,1,0", "--through", "0.04,0.04,0", "--colour-map", "magma", "--formats", "none")
+    done = granwave("figures", packing, "--only", "peak_force_section", *options)
+    assert done.returncode == 0 and "peak_force_section.png" in done.stdout, done.stderr
+    assert not (packing / "figures" / "peak_force_section.pdf").exists()
     done = granwave("figures", packing, "--only", "energies,directions")
     assert done.returncode == 0 and [line.split("/")[-1] for line in done.stdout.split()] == [
         "energies.png", "directions.png",

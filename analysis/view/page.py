@@ -1,0 +1,153 @@
+"""Page of a run: one HTML file with the packing in three dimensions, which asks the network for nothing.
+
+The viewer is k3d's (https://k3d-jupyter.org, on three.js), as its own snapshot of a plot embeds it: spheres as shaded
+discs that a graphics card draws by the hundred thousand, time series, clipping planes and a panel. `panel.js` adds a
+few controls. A Content-Security-Policy in the page keeps the browser from loading anything from outside.
+"""
+
+from __future__ import annotations
+
+import base64
+import html
+import re
+import zlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from granwave.analysis.result.reader import Result
+from granwave.analysis.view.fields import fields
+from granwave.analysis.view.instants import instants_of
+from granwave.analysis.view.scene import Chosen, plot_of
+from granwave.lammps_inputs.directories import refuse_other_file
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import replace_text
+from granwave.lammps_inputs.ownership import claim
+from granwave.lammps_inputs.run_directory import VIEW_FILE
+
+MOST_SPHERES = 250_000  # a page of more is slow to load, and to turn without a graphics card of some size
+MOST_VALUES = 8_000_000  # of a field: spheres times snapshots, 4 bytes each in the browser
+_FEWEST_FRAMES = 5
+_PANEL = Path(__file__).with_name("panel.js")
+_MARK = "<!-- made by granwave: page of a run, with the viewer k3d {version} (MIT licence, https://k3d-jupyter.org) -->"
+_OWN = rb"\A<!doctype html>\n<!-- made by granwave: page of a run"
+_POLICY = (
+    "default-src 'none'; script-src 'unsafe-inline' 'unsafe-eval' blob:; worker-src blob:; style-src 'unsafe-inline'; "
+    "img-src data: blob:; font-src data:; connect-src data: blob:; base-uri 'none'; form-action 'none'"
+)
+_COMPRESSION = 6  # 9 takes three times as long and gains little
+
+
+@dataclass(frozen=True)
+class View:
+    """A page that was written.
+
+    Attributes
+    ----------
+    path
+        Its file.
+    size
+        Its size, bytes.
+    n_spheres, n_frames
+        Numbers of spheres and snapshots on it.
+    note
+        A sentence on what was left out; empty if nothing was.
+    """
+
+    path: Path
+    size: int
+    n_spheres: int
+    n_frames: int
+    note: str
+
+
+def write_view(
+    directory: str | Path, path: str | Path | None = None, *, spheres: int | None = MOST_SPHERES,
+    frames: int | None = None,
+) -> View:  # fmt: skip
+    """Write the page of a run.
+
+    Parameters
+    ----------
+    directory
+        Directory of the run.
+    path
+        File to write, .html; by default view.html in the directory.
+    spheres
+        Largest number of spheres: those nearest to the struck one; None for all.
+    frames
+        Largest number of snapshots; by default as many as `MOST_VALUES` allows.
+
+    Raises
+    ------
+    InputError
+        Another ending or no such directory; a file of that name that granwave did not write; or a run in which
+        nothing happened.
+    MissingOutputError, OutputFormatError
+        The directory holds no result, or a damaged one.
+    """
+    directory = Path(directory)
+    target = directory / VIEW_FILE if path is None else Path(path)
+    if target.suffix.lower() not in (".html", ".htm"):
+        raise InputError(f"-o {target}: expected a name that ends in .html")
+    if not target.absolute().parent.is_dir():
+        raise InputError(f"-o {target}: there is no directory {target.absolute().parent}")
+    with Result(directory) as result:
+        if path is not None:
+            refuse_other_file(target, _OWN)
+        chosen = _choose(result, spheres, frames)
+        found = fields(result, chosen.instants, chosen.frames, chosen.rows)
+        if not found:
+            raise InputError(f"{result.case.name}: nothing moved and no contact bore a force; there is nothing to show")
+        page = _page(result, chosen, found)
+    if path is None:
+        claim(directory, [VIEW_FILE])
+    replace_text(target, page)
+    return View(target, target.stat().st_size, len(chosen.rows), len(chosen.frames), chosen.note)
+
+
+def _choose(result: Result, spheres: int | None, frames: int | None) -> Chosen:
+    """Choose spheres and snapshots."""
+    instants = instants_of(result)
+    n, n_frames, notes = result.n_spheres, len(instants.times), []
+    rows = np.arange(n)
+    if spheres is not None and n > spheres:
+        distance = np.linalg.norm(result["spheres/position"] - result.origin, axis=1)
+        rows = np.sort(np.argsort(distance, kind="stable")[:spheres])
+        notes.append(f"the {spheres} spheres nearest to the struck one, of {n}")
+    most = max(_FEWEST_FRAMES, MOST_VALUES // max(1, len(rows))) if frames is None else frames
+    numbers: Sequence[int] = range(n_frames)
+    if n_frames > most:
+        numbers = np.unique(np.linspace(0, n_frames - 1, most).round().astype(int)).tolist()
+        notes.append(f"{len(numbers)} of {n_frames} snapshots")
+    return Chosen(rows, instants, numbers, f"shown: {', '.join(notes)}" if notes else "")
+
+
+def _page(result: Result, chosen: Chosen, found: Sequence) -> str:
+    import k3d
+
+    plot = plot_of(result, chosen, found)
+    text = plot.get_snapshot(_COMPRESSION, additional_js_code=_PANEL.read_text(encoding="utf-8"))
+    mark = _MARK.format(version=k3d.__version__)
+    policy = f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">'
+    head = f'<meta charset="utf-8">\n    {policy}'
+    text = re.sub(r"(?<=window\.k3dCompressed = ')[^']+", _without_fallbacks, text, count=1)
+    text = text.replace("<!doctype html>", f"<!doctype html>\n{mark}", 1)
+    text = text.replace('<meta charset="utf-8">', head, 1)
+    title = html.escape(f"{result.case.name} - granwave")
+    return re.sub(r"<title>.*?</title>", lambda _: f"<title>{title}</title>", text, count=1)
+
+
+def _without_fallbacks(source: re.Match[str]) -> str:
+    """Return the compressed source of k3d without the addresses of fonts for old browsers; others are in it as data."""
+    return _cleaned(source[0])
+
+
+@cache
+def _cleaned(source: str) -> str:
+    text = zlib.decompress(base64.b64decode(source)).decode("utf-8")
+    text = re.sub(r',url\(fonts/[^)]*\) format\("\w+"\)', "", text)
+    return base64.b64encode(zlib.compress(text.encode("utf-8"), _COMPRESSION)).decode("ascii")

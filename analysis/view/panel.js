@@ -1,0 +1,46 @@
+// Panel of the page of a run, above that of k3d. `K3DInstance` is the plot; scene.py makes its customData.
+const run = K3DInstance.parameters.customData;
+const objects = Object.values(K3DInstance.getWorld().ObjectsListJson);
+const nearest = (time) => run.times.reduce((a, b) => (Math.abs(b - time) < Math.abs(a - time) ? b : a));
+const state = {
+    field: run.fields[0],
+    cut: run.cut,
+    at: 0,
+    keep: 'far side',
+    play() { K3DInstance.autoPlayed ? K3DInstance.stopAutoPlay() : K3DInstance.startAutoPlay(); },
+};
+const panel = K3DInstance.gui.addFolder('View');
+K3DInstance.gui.$children.prepend(panel.domElement);
+
+function showField() {
+    objects.filter((one) => run.fields.includes(one.group)).forEach((one) => {
+        one.visible = one.group === state.field;
+        K3DInstance.reload(one, null, true);
+    });
+}
+function cut() {
+    const plane = run.cuts[state.cut];
+    const side = state.keep === 'far side' ? 1 : -1;
+    K3DInstance.setClippingPlanes(plane ? [[...plane.slice(0, 3).map((one) => side * one), -side * state.at]] : []);
+}
+function chooseCut() {
+    const plane = run.cuts[state.cut];
+    place.show(Boolean(plane));
+    keep.show(Boolean(plane));
+    if (plane) {
+        state.at = plane[5];
+        place.min(plane[3]).max(plane[4]).updateDisplay();
+    }
+    cut();
+}
+panel.add(state, 'field', run.fields).onChange(showField);
+panel.add(K3DInstance.parameters, 'time', 0, run.times.at(-1) || 1).name('time (µs)').listen()
+    .onChange((time) => K3DInstance.setTime(nearest(time)));
+panel.add(state, 'play').name('play / stop');
+panel.add(state, 'cut', ['none', ...Object.keys(run.cuts)]).onChange(chooseCut);
+const place = panel.add(state, 'at', -1, 1).name('cut at (mm)').onChange(cut);
+const keep = panel.add(state, 'keep', ['far side', 'near side']).onChange(cut);
+chooseCut();
+K3DInstance.setTime(K3DInstance.parameters.time);
+K3DInstance.setCamera(run.camera);  // again, now that all is there: numbers along the axes are hidden otherwise
+K3DInstance.render();

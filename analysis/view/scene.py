@@ -1,0 +1,266 @@
+"""Objects of the page of a run, made with k3d: spheres, walls, bars, colour bars, clock and title.
+
+Lengths are in mm from the struck sphere, and times in µs, as in figures.
+"""
+
+from __future__ import annotations
+
+import base64
+import html
+import io
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import LogNorm
+from numpy.typing import NDArray
+
+from granwave.analysis.figures.style import new_figure, style
+from granwave.analysis.measures.planes import own_plane, planes
+from granwave.analysis.result.reader import Result
+from granwave.analysis.view.fields import Field
+from granwave.analysis.view.instants import Instants
+from granwave.lammps_inputs.packing.walls import walls
+
+if TYPE_CHECKING:
+    import k3d
+
+_MILLI, _MICRO = 1e3, 1e6
+_MOVES = 0.05  # diameters: spheres that move less stay in their places
+_STOP = 0.3  # diameters: spheres of the plane of a section stay
+_FIELD_OF_VIEW = 40.0  # degrees
+_AZIMUTH, _ELEVATION = -58.0, 30.0  # degrees, as in the figures of the cut packing
+_SECONDS = 8.0  # of playing from the start to the end
+_DOTS = 2  # pixels of a colour bar over those on the screen
+_BAR_COLOUR, _WALL_COLOUR, _INK = 0x8C9AA8, 0x9AA5B1, 0x222222
+
+
+@dataclass(frozen=True, eq=False)
+class Chosen:
+    """What of a run is on the page.
+
+    Attributes
+    ----------
+    rows
+        Rows of the spheres, rising: (n,).
+    instants
+        Instants of the run.
+    frames
+        Numbers of those on the page, rising.
+    note
+        A sentence on what is left out; empty if nothing is.
+    """
+
+    rows: NDArray[np.int64]
+    instants: Instants
+    frames: Sequence[int]
+    note: str
+
+
+def plot_of(result: Result, chosen: Chosen, found: Sequence[Field]) -> k3d.Plot:
+    """Return the plot of a run.
+
+    Parameters
+    ----------
+    found
+        Fields; the first is shown at the start.
+    """
+    import k3d  # brings the widgets of notebooks along
+
+    place = _MILLI * (result["spheres/position"][chosen.rows] - result.origin)
+    times = [float(_MICRO * chosen.instants.times[number]) for number in chosen.frames]
+    camera = _camera(result, place)
+    bounds = np.concatenate([place.min(axis=0), place.max(axis=0)])
+    first = times[min(max(1, len(times) // 4), len(times) - 1)]
+    plot = k3d.plot(
+        axes=["x", "y", r"\text{depth}"],
+        camera_auto_fit=False,
+        camera_fov=_FIELD_OF_VIEW,
+        colorbar_object_id=0,
+        time_interpolation=False,
+        time_speed=max(times[-1] / _SECONDS, 1e-6),
+        lighting=2.0,
+        axes_helper=0.0,
+        grid_auto_fit=not result.assembly.bars,  # which are far longer than the chain
+        grid=(bounds + np.repeat([-1.0, 1.0], 3) * _MILLI * result.case.packing.diameter).tolist(),
+        name=result.case.name,
+        antialias=1,
+    )
+    for one in (*_spheres(result, chosen, found, place, times), *_walls(result), *_bars(result)):
+        plot += one
+    for field in found:
+        plot += k3d.text2d(
+            _colour_bar(field), position=[0.0, 1.0], reference_point="lb", is_html=True, label_box=False,
+            name=f"colour bar of {field.name}", group=field.name, visible=field is found[0],
+        )  # fmt: skip
+    clock = {_key(time): f"{time:.1f} µs" for time in times}
+    plot += k3d.text2d(
+        clock, position=[0.5, 0.01], reference_point="ct", is_html=True, label_box=False, size=1.5, color=_INK,
+        name="clock",
+    )  # fmt: skip
+    plot += k3d.text2d(
+        _title(result, chosen), position=[0.005, 0.01], reference_point="lt", is_html=True, label_box=False, size=1.0,
+        color=_INK, name="title",
+    )  # fmt: skip
+    cuts, cut = _cuts(result, place, camera)
+    plot.time = first
+    plot.camera = camera
+    plot.custom_data = {
+        "fields": [field.name for field in found],
+        "cuts": cuts,
+        "cut": cut,
+        "times": times,
+        "camera": camera,
+    }
+    return plot
+
+
+def _key(time: float) -> str:
+    return f"{time:.9g}"
+
+
+def _title(result: Result, chosen: Chosen) -> str:
+    case = result.case
+    number = f"{len(chosen.rows):,}".replace(",", " ")
+    counts = f"{number} spheres, {len(chosen.frames)} snapshots"
+    lines = [f"<b>{html.escape(case.name)}</b>", counts, *([html.escape(chosen.note)] if chosen.note else [])]
+    return "<br>".join([*lines, "lengths in mm from the struck sphere"])
+
+
+def _spheres(
+    result: Result, chosen: Chosen, found: Sequence[Field], place: NDArray[np.float64], times: Sequence[float]
+) -> Iterator[Any]:
+    """Make the spheres of every field: those that stay in their places, and those that move."""
+    import k3d
+
+    moved = [_MILLI * chosen.instants.values(number, "displacement")[chosen.rows] for number in chosen.frames]
+    size = 2 * _MILLI * result["spheres/radius"][chosen.rows]
+    away = np.max([np.abs(one).max(axis=1) for one in moved], axis=0) > _MOVES * size
+    for rows, what in ((np.flatnonzero(~away), ""), (np.flatnonzero(away), ", moving")):
+        if not len(rows):
+            continue
+        positions: Any = place[rows].astype(np.float32)
+        if what:
+            positions = {
+                _key(time): (place[rows] + one[rows]).astype(np.float32) for time, one in zip(times, moved, strict=True)
+            }
+        for field in found:
+            levels = {_key(time): field.levels[n, rows] for n, time in enumerate(times)}
+            yield k3d.points(
+                positions, point_sizes=size[rows].astype(np.float32), attribute=levels, color_range=[0.0, 1.0],
+                color_map=field.colours.ravel(), shader="3d", name=f"{field.name}{what}", group=field.name,
+                visible=field is found[0],
+            )  # fmt: skip
+
+
+def _walls(result: Result) -> Iterator[Any]:
+    """Make the planes around the packing: the bottom as a sheet, the sides as their edges."""
+    import k3d
+
+    low, high = _MILLI * (result.assembly.lattice_bounds() - result.origin)
+    margin = _MILLI * result.case.packing.diameter / 2
+    low, high = low - margin, high + margin
+    for wall in walls(result.assembly):
+        if wall.held_layer:
+            continue
+        level = _MILLI * (wall.coordinate - result.origin[wall.axis])
+        first, second = (axis for axis in range(3) if axis != wall.axis)
+        corners = np.empty((4, 3), dtype=np.float32)
+        corners[:, wall.axis] = level
+        corners[:, first] = [low[first], high[first], high[first], low[first]]
+        corners[:, second] = [low[second], low[second], high[second], high[second]]
+        if wall.name == "bottom":
+            faces = np.array([[0, 1, 2], [0, 2, 3]], dtype=np.uint32)
+            yield k3d.mesh(corners, faces, color=_WALL_COLOUR, opacity=0.35, side="double", name="bottom")
+        else:
+            edges = np.concatenate([corners, corners[:1]])
+            yield k3d.line(edges, color=_WALL_COLOUR, width=0.1 * margin, name=f"wall {wall.name}")
+
+
+def _bars(result: Result) -> Iterator[Any]:
+    """Make the bars at the ends of a chain, as cylinders of their area."""
+    import k3d
+
+    axis = _MILLI * (result["spheres/position"][0] - result.origin)
+    for bar in result.assembly.bars:
+        ends = np.array([axis, axis], dtype=np.float32)
+        ends[:, 2] = _MILLI * (bar.position[[0, -1]] - result.origin[2])
+        width = 2 * _MILLI * math.sqrt(bar.section.area / math.pi)
+        yield k3d.line(
+            ends, color=_BAR_COLOUR, width=width, shader="mesh", radial_segments=32, name=bar.name.replace("_", " ")
+        )
+
+
+def _colour_bar(field: Field) -> str:
+    """Draw the colour bar of a field; return it as HTML."""
+    with style():
+        figure = new_figure(0.62, 3.2)
+        axes = figure.subplots()
+        mappable = ScalarMappable(LogNorm(field.low, field.high), colormaps[field.map])
+        figure.colorbar(
+            mappable, cax=axes, orientation="horizontal", label=field.label, extend="both" if field.above else "min"
+        )
+        stream = io.BytesIO()
+        figure.savefig(stream, format="png", dpi=96 * _DOTS, transparent=True)
+    encoded = base64.b64encode(stream.getvalue()).decode("ascii")
+    width = round(96 * figure.get_figwidth() * 1.15)
+    return f'<img alt="{html.escape(field.label)}" width="{width}" src="data:image/png;base64,{encoded}">'
+
+
+def _camera(result: Result, place: NDArray[np.float64]) -> list[float]:
+    """Return position, target and upward direction of the camera: a chain lies across, a layer faces the viewer."""
+    low, high = place.min(axis=0), place.max(axis=0)
+    size = high - low
+    middle = (low + high) / 2
+    if result.case.packing.kind == "chain":
+        towards, up = np.array([0.0, 1.0, 0.0]), np.array([1.0, 0.0, 0.0])
+    elif size[2] == 0:
+        towards, up = np.array([0.0, 0.0, -1.0]), np.array([0.0, -1.0, 0.0])
+    else:
+        turn, rise = math.radians(_AZIMUTH), math.radians(_ELEVATION)
+        towards = np.array([math.cos(rise) * math.cos(turn), math.cos(rise) * math.sin(turn), -math.sin(rise)])
+        up = np.array([0.0, 0.0, -1.0])
+    reach = float(np.linalg.norm(size)) / 2 + _MILLI * result.case.packing.diameter
+    distance = reach / math.tan(math.radians(_FIELD_OF_VIEW / 2))
+    return [*(middle + distance * towards).tolist(), *middle.tolist(), *up.tolist()]
+
+
+def _cuts(
+    result: Result, place: NDArray[np.float64], camera: Sequence[float]
+) -> tuple[Mapping[str, Sequence[float]], str]:
+    """Return the planes to cut along by name, and the name of the first one.
+
+    Returns
+    -------
+    dict
+        Normal, away from the viewer; the lowest, the highest and the first place along it, mm.
+    str
+        Its name at the start; ``none`` for packings that hide nothing.
+    """
+    kind, own = result.case.packing.kind, result.figure_options.plane
+    normals = {"across x": (1.0, 0.0, 0.0), "across y": (0.0, 1.0, 0.0), "at a depth": (0.0, 0.0, 1.0)}
+    normals |= {f"{plane.name} plane": tuple(plane.normal) for plane in planes(kind)}
+    starts = dict.fromkeys(normals, 0.0)
+    if own is not None:
+        plane = own_plane(own.normal, own.through)
+        normals["section of the case"] = tuple(plane.normal)
+        starts["section of the case"] = (
+            0.0 if plane.through is None else float(_MILLI * (plane.through - result.origin) @ plane.normal)
+        )
+    stop = _STOP * _MILLI * result.case.packing.diameter
+    towards = np.array(camera[:3]) - np.array(camera[3:6])
+    cuts: dict[str, Sequence[float]] = {}
+    for name, normal in normals.items():
+        direction = np.array(normal)
+        sign = -1.0 if direction @ towards > 0 else 1.0
+        along = place @ (sign * direction)
+        low, high = float(along.min()) - stop, float(along.max()) + stop
+        if high - low > 4 * stop:  # more than one plane of spheres
+            cuts[name] = [*(sign * direction).tolist(), low, high, sign * starts[name] - stop]
+    flat = kind == "chain" or np.ptp(place[:, 2]) == 0
+    wanted = ("section of the case", "orthogonal plane", "principal plane")
+    return cuts, "none" if flat else next((name for name in wanted if name in cuts), "none")
