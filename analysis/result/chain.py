@@ -115,7 +115,7 @@ def _forces(
     forces = np.zeros((len(steps), len(first)))
     path = directory / "dumps" / "forces.dump"
     for frame in read_forces(directory):
-        check_ids(path, frame, start)
+        check_ids(path, frame, start["id"])
         n = row.pop(frame.step, None)
         if n is None:
             continue

@@ -265,7 +265,7 @@ class _Run:
         with open_engine(self.comm, log="none" if go_on else LOG_FILE) as engine:
             if go_on and saved:
                 on_first(self.comm, lambda: checkpoint.cut_back(self.directory, saved))
-                snapshots = f"{DUMPS}/{frames_file(self.case, saved['file'])}"
+                snapshots = f"{DUMPS}/{frames_file(assemble(self.case), saved['file'])}"
                 on_first(self.comm, lambda: claim(self.directory, [snapshots]))
                 self.balance.read()
                 self.lost_before_block = saved["lost_before_block"]
