@@ -10,6 +10,7 @@ from granwave.analysis.errors import MissingOutputError
 from granwave.analysis.figures.side_by_side import helpers
 from granwave.analysis.lammps_output.completeness import check_complete
 from granwave.analysis.progress_bar import progress_bar
+from granwave.analysis.result.groups import AT_ONCE
 from granwave.analysis.result.not_a_run import is_continuum, why_no_run
 from granwave.analysis.result.writer import write_result
 from granwave.analysis.summary import Summary, summarise
@@ -18,10 +19,26 @@ from granwave.lammps_inputs.run_state import check_case
 
 logger = logging.getLogger(__name__)
 
+MOST_DRAWN = 4_000_000  # spheres: each process that draws a packing holds all of them, 0.2 kB each
+_IN_TIME = (  # figures that need no values of spheres and contacts
+    "energies",
+    "timestep",
+    "bottom_force",
+    "target",
+    "impactor_velocity",
+    "probes",
+    "accelerations",
+)
 _USUAL_FIGURES = 18  # of a packing; a chain has ten
 
 
-def analyse(directory: str | Path, progress: bool | Callable[[str], None] = False, *, figures: bool = True) -> Summary:
+def analyse(
+    directory: str | Path,
+    progress: bool | Callable[[str], None] = False,
+    *,
+    figures: bool = True,
+    at_once: int = AT_ONCE,
+) -> Summary:
     """Analyse a run; what an earlier analysis left is replaced.
 
     Parameters
@@ -32,7 +49,9 @@ def analyse(directory: str | Path, progress: bool | Callable[[str], None] = Fals
         True for a bar on a terminal or in a notebook; or a function, called with the name of each part before it is
         made.
     figures
-        Draw them too.
+        Draw them too. Of packings with more spheres than `MOST_DRAWN` only those of the run in time are drawn.
+    at_once
+        Largest number of spheres in memory; larger packings are analysed in parts. The values do not depend on it.
 
     Returns
     -------
@@ -49,7 +68,7 @@ def analyse(directory: str | Path, progress: bool | Callable[[str], None] = Fals
         case.toml was changed after the run, or there are files of such names that granwave did not write.
     """
     if callable(progress):
-        return _analyse(Path(directory), progress, figures)
+        return _analyse(Path(directory), progress, figures, at_once)
     parts = 2 + (len(_figures()) if figures else 0)
     with progress_bar(progress, total=parts, desc="analysis", leave=False) as bar:
 
@@ -58,7 +77,7 @@ def analyse(directory: str | Path, progress: bool | Callable[[str], None] = Fals
             bar.set_postfix_str(part)
             bar.update()
 
-        return _analyse(Path(directory), report, figures)
+        return _analyse(Path(directory), report, figures, at_once)
 
 
 def _figures() -> tuple[str, ...]:
@@ -67,19 +86,34 @@ def _figures() -> tuple[str, ...]:
     return tuple(FIGURES)
 
 
-def _analyse(directory: Path, report: Callable[[str], None], figures: bool) -> Summary:
+def _drawn(directory: Path, n_spheres: int) -> tuple[str, ...] | None:
+    """Return the names of the figures to draw; None: all."""
+    if n_spheres <= MOST_DRAWN:
+        return None
+    logger.warning(
+        "%s: figures of the packing are left out, as each process that draws would hold %d spheres, more than %d; "
+        "granwave figures %s  draws them all the same",
+        directory,
+        n_spheres,
+        MOST_DRAWN,
+        directory,
+    )
+    return _IN_TIME
+
+
+def _analyse(directory: Path, report: Callable[[str], None], figures: bool, at_once: int) -> Summary:
     if not (directory / CASE_FILE).exists() or is_continuum(directory):
         raise MissingOutputError(why_no_run(directory))
     check_case(directory)
     check_complete(directory)
     with helpers(_USUAL_FIGURES if figures else 0) as others:
         report("result.h5")
-        write_result(directory)
+        write_result(directory, at_once=at_once)
         report("summary.json")
-        summary = summarise(directory)
+        summary = summarise(directory, at_once=at_once)
         if figures:
             # the drawing library takes longer to load than many a small run to compute
             from granwave.analysis.figures.run_figures import draw_figures
 
-            draw_figures(directory, report, helpers=others)
+            draw_figures(directory, report, _drawn(directory, summary["n_spheres"]), helpers=others)
     return summary

@@ -119,7 +119,7 @@ class _Snapshot:
                 raise self._damaged(f"found {found} of {self.n_rows} rows")
             n = min(self.left_in_block, n_values - done)
             self._check_room(8 * n)
-            self.file.readinto(values[done : done + n])  # type: ignore[attr-defined]
+            self.file.readinto(values[done : done + n])  # type: ignore[arg-type]
             done += n
             self.left_in_block -= n
         return values

@@ -7,10 +7,12 @@ at a time.
 from __future__ import annotations
 
 import dataclasses
+import functools
 import itertools
 import logging
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -166,7 +168,7 @@ def _wall_dumps(directory: Path) -> list[Path]:
     return [path for path in paths if not own or f"{DUMPS}/{path.name}" in own]
 
 
-def check_ids(path: Path, frame: Frame, known: NDArray[np.float64]) -> None:
+def check_ids(path: Path, frame: Frame, known: NDArray[Any]) -> None:
     """Raise OutputFormatError if a dump names a particle whose id is not ``known``."""
     for column in [name for name in ("i", "j", "id") if name in frame.columns]:
         strange = np.setdiff1d(frame[column], known)
@@ -229,10 +231,15 @@ def read_data_in_parts(directory: str | Path, at_once: int | None = None) -> Ite
                 raise OutputFormatError(
                     f"{lines.place()}: found {n_read} of {n_spheres} rows under Atoms ({' '.join(columns)}); {CUT}"
                 )
-            last = n_rows - 1
-            frame = Frame(0, box, columns, read_rows(rows, columns, lambda row, last=last: lines.place(last - row)))
+            read = read_rows(rows, columns, functools.partial(_place_of_row, lines, n_rows))
+            frame = Frame(0, box, columns, read)
             values = np.ascontiguousarray(frame.vector(*DATA_COLUMNS))
             yield Frame(0, box, DATA_COLUMNS, values, more=n_read < n_spheres)
+
+
+def _place_of_row(lines: Lines, n_rows: int, row: int) -> str:
+    """Return the place of one of the rows that were just read."""
+    return lines.place(n_rows - 1 - row)
 
 
 def _rising(frames: Iterator[Frame]) -> Iterator[Frame]:

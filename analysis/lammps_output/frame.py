@@ -107,14 +107,22 @@ def rows_of(ids: NDArray[np.int64], wanted: ArrayLike) -> NDArray[np.int64]:
         There is no such sphere, for instance at a vacancy.
     """
     wanted = np.asarray(wanted, dtype=np.int64)
-    if not len(ids) or ids[-1] == len(ids):  # none is missing
-        rows, found = wanted - 1, (wanted >= 1) & (wanted <= len(ids))
-    else:
-        rows = np.minimum(np.searchsorted(ids, wanted), len(ids) - 1)
-        found = ids[rows] == wanted
-    if not np.all(found):
-        raise KeyError(f"there is no sphere {wanted[~found].flat[0]} among the {len(ids)} of the packing")
+    if not len(ids) or ids[-1] == len(ids):
+        return rows_of_all(len(ids), wanted)
+    rows = np.minimum(np.searchsorted(ids, wanted), len(ids) - 1)
+    _refuse_unknown(wanted, ids[rows] == wanted, len(ids))
     return rows
+
+
+def rows_of_all(n_spheres: int, wanted: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the rows of spheres in a table in which none is missing; raise as `rows_of`."""
+    _refuse_unknown(wanted, (wanted >= 1) & (wanted <= n_spheres), n_spheres)
+    return wanted - 1
+
+
+def _refuse_unknown(wanted: NDArray[np.int64], found: NDArray[np.bool_], n_spheres: int) -> None:
+    if not np.all(found):
+        raise KeyError(f"there is no sphere {wanted[~found].flat[0]} among the {n_spheres} of the packing")
 
 
 class CutShortError(Exception):

@@ -21,6 +21,7 @@ from granwave.lammps_inputs.deck.columns import (
 
 COMPRESSION = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
 ROWS_IN_CHUNK = 32_768
+AT_ONCE = 16 * ROWS_IN_CHUNK  # rows of a table, or spheres, that are read at once: some 0.7 GB for the analysis
 _COMPRESSED_FROM = 4096  # values; smaller data sets are not compressed
 
 # units of columns that LAMMPS writes, and of derived ones

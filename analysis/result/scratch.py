@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import BinaryIO
+from io import FileIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,7 @@ class Buckets:
         Scratch file; None: they are kept in memory.
     """
 
-    def __init__(self, file: BinaryIO | None) -> None:
+    def __init__(self, file: FileIO | None) -> None:
         self._file = file
         self._kept: dict[int, list[Rows]] = {}
         self._places: dict[int, list[tuple[int, int]]] = {}  # byte and number of rows of each piece, by part
@@ -49,7 +49,7 @@ class Buckets:
         return np.concatenate([np.empty((0, self.n_columns)), *pieces])
 
 
-def read_rows(file: BinaryIO, place: int, n_rows: int, n_columns: int) -> Rows:
+def read_rows(file: FileIO, place: int, n_rows: int, n_columns: int) -> Rows:
     """Read rows from a scratch file, from a byte on: (n_rows, n_columns)."""
     file.seek(place)
     return np.fromfile(file, dtype=np.float64, count=n_rows * n_columns).reshape(n_rows, n_columns)

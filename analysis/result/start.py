@@ -7,15 +7,16 @@ memory, several in a scratch file.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from io import FileIO
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.lammps_output.dumps import DATA_COLUMNS, check_ids, read_data_in_parts
-from granwave.analysis.lammps_output.frame import Frame, rows_of
+from granwave.analysis.lammps_output.frame import Frame, rows_of, rows_of_all
 from granwave.analysis.lammps_output.number_rows import DAMAGED
 from granwave.analysis.result.scratch import read_rows
 from granwave.lammps_inputs.run_directory import DATA_FILE
@@ -53,7 +54,7 @@ class Start:
         The file is missing, damaged, or its rows are not in the order of their ids.
     """
 
-    def __init__(self, directory: Path, at_once: int, scratch: BinaryIO) -> None:
+    def __init__(self, directory: Path, at_once: int, scratch: FileIO) -> None:
         self.path, self.at_once, self._file = directory / DATA_FILE, at_once, scratch
         self._table: Frame | None = None
         self._ids: NDArray[np.int64] | None = None  # None: they are 1, 2, ...
@@ -131,9 +132,7 @@ class Start:
         """
         if self._ids is not None:
             return rows_of(self._ids, ids)
-        if np.any(strange := (ids < 1) | (ids > self.n_particles)):
-            raise KeyError(f"there is no sphere {ids[strange].flat[0]} among the {self.n_particles} of the packing")
-        return ids - 1
+        return rows_of_all(self.n_particles, ids)
 
     def part_of(self, ids: NDArray[np.int64]) -> NDArray[np.int64]:
         """Return the numbers of the parts that spheres belong to; raise as `rows`."""
@@ -143,7 +142,7 @@ class Start:
         """Raise OutputFormatError if a dump names a particle that is not there."""
         check_ids(path, frame, self.ids(0, self.n_particles) if self.n_parts == 1 else self._known(frame))
 
-    def _known(self, frame: Frame) -> NDArray[np.float64]:
+    def _known(self, frame: Frame) -> NDArray[Any]:
         """Return the ids in a dump of contacts that belong to particles."""
         named = np.unique(frame.vector(*[name for name in ("i", "j", "id") if name in frame.columns]))
         if self._ids is not None:

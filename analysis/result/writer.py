@@ -20,8 +20,9 @@ import contextlib
 import json
 import tempfile
 import tomllib
+from io import FileIO
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 import h5py
 
@@ -33,7 +34,7 @@ from granwave.analysis.lammps_output.number_rows import CUT
 from granwave.analysis.lammps_output.run_record import read_record
 from granwave.analysis.lammps_output.time_series import Table, read_energy, read_probes, read_static_stage, read_walls
 from granwave.analysis.result.chain import Groups, read_chain
-from granwave.analysis.result.groups import write_group
+from granwave.analysis.result.groups import AT_ONCE, write_group
 from granwave.analysis.result.hdf5_file import new_hdf5
 from granwave.analysis.result.scratch import Buckets
 from granwave.analysis.result.sphere_tables import Dents, periodic, write_tables
@@ -48,7 +49,6 @@ from granwave.lammps_inputs.run_state import check_case
 
 BALANCE_REFUSED = "energy balance refused"  # end_reason of a run whose energies do not add up
 _OF_MOVING_WALLS = names(MOVING_WALL)  # columns of walls.txt, after the wall's name
-AT_ONCE = 2**19  # spheres in a part, a multiple of the rows in a chunk of result.h5
 
 
 def write_result(directory: str | Path, *, at_once: int = AT_ONCE) -> Path:
@@ -89,7 +89,7 @@ def write_result(directory: str | Path, *, at_once: int = AT_ONCE) -> Path:
     return path
 
 
-def _write(file: h5py.File, directory: Path, at_once: int, scratch: list[BinaryIO]) -> None:
+def _write(file: h5py.File, directory: Path, at_once: int, scratch: list[FileIO]) -> None:
     text, case = _read_case(directory)
     ledger = read_energy(directory)
     dumped = contacts_path(directory)  # the last file to be written: without it the run is not finished

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from granwave.analysis.measures.target.record import reached
 from granwave.analysis.measures.zone.size import BOTTOM, SIDES, WAVE_KEYS, Array, wave_returns, zone_sizes
-from granwave.analysis.result.reader import Result
+from granwave.analysis.result.reader import PartOfResult, Result
 
 _SAME = 1e-9  # relative, of lengths that are equal but for rounding
 _LATE = 0.1  # of a run: where the outermost yield came within so much of its end it may go on
@@ -74,7 +74,7 @@ class PackingZone:
         return found
 
 
-def packing_zone(result: Result) -> PackingZone:
+def packing_zone(result: Result | PartOfResult) -> PackingZone:
     """Return what the plastic zone of a run is made of."""
     own = result.in_packing
     nx, ny, nz = result.assembly.lattice.shape
@@ -99,7 +99,7 @@ def zone_summary(result: Result) -> dict[str, Any]:
     """Return the part of the summary that is about the size of the plastic zone; null where nothing can yield."""
     if not result.yields:
         return zone_sizes(None) | dict.fromkeys(("zone_cut", "zone_growing", *WAVE_KEYS))
-    zone = packing_zone(result)
+    zone = relevant_zone(result)
     sizes = zone_sizes(zone.energy, zone.volume, zone.depth, zone.radius)
     times = _return_times(result, zone, {BOTTOM: sizes["zone_depth_99_m"], SIDES: sizes["zone_radius_99_m"]})
     waves = wave_returns(times, result["energy/time"], result.yield_ledger)
@@ -107,7 +107,9 @@ def zone_summary(result: Result) -> dict[str, Any]:
     return sizes | reached | waves
 
 
-def _bounds(result: Result, own: NDArray[np.bool_], offset: Array, periods: Array | None) -> dict[str, NDArray]:
+def _bounds(
+    result: Result | PartOfResult, own: NDArray[np.bool_], offset: Array, periods: Array | None
+) -> dict[str, NDArray]:
     """Spheres that touch each bound, by its name; see `PackingZone`."""
     lattice = result.assembly.lattice
     nx, ny, nz = lattice.shape
@@ -156,3 +158,48 @@ def _return_times(result: Result, zone: PackingZone, border: dict[str, float | N
         if np.isfinite(at_bound):
             times[name] = at_bound + max(at_bound - at_border, 0.0)
     return times
+
+
+def relevant_zone(result: Result) -> PackingZone:
+    """Return the `packing_zone` of the spheres that its sizes and return times follow from, found part by part.
+
+    They are those that yielded or dissipated, and of the others the first that a wave reached so far out, the first at
+    each bound, the nearest there, and the deepest. A small packing is returned whole.
+    """
+    found = [packing_zone(part) for part in result.parts()]
+    if len(found) == 1:
+        return found[0]
+    return _relevant(_joined([_relevant(zone) for zone in found]))
+
+
+def _relevant(zone: PackingZone) -> PackingZone:
+    """Return a zone of the spheres that count, in the same order."""
+    kept = zone.yielded | (zone.energy > 0) | np.isfinite(zone.yield_time)
+    arrival = None if zone.arrival is None else np.where(np.isnan(zone.arrival), np.inf, zone.arrival)
+    distances = {BOTTOM: zone.depth, SIDES: zone.radius}
+    for distance in distances.values():
+        if distance is None or not len(distance):
+            continue
+        kept[distance.argmax()] = True
+        if arrival is not None:  # those that are reached before all that lie farther out
+            outward = np.lexsort((arrival, -distance))
+            before = np.minimum.accumulate(np.append(np.inf, arrival[outward]))[:-1]
+            kept[outward[arrival[outward] < before]] = True
+    for name, touching in zone.bounds.items():
+        at_bound, distance = np.flatnonzero(touching), distances[name]
+        for values in (arrival, distance):
+            if values is not None and len(at_bound):
+                kept[at_bound[values[at_bound].argmin()]] = True
+    return _joined([zone], kept)
+
+
+def _joined(zones: list[PackingZone], kept: NDArray[np.bool_] | slice = slice(None)) -> PackingZone:
+    """Return a zone of all spheres of some zones, or of those that are kept."""
+
+    def column(name: str) -> NDArray | None:
+        values = [getattr(zone, name) for zone in zones]
+        return None if values[0] is None else np.concatenate(values)[kept]
+
+    columns = {field.name: column(field.name) for field in dataclasses.fields(PackingZone) if field.name != "bounds"}
+    bounds = {name: np.concatenate([zone.bounds[name] for zone in zones])[kept] for name in zones[0].bounds}
+    return PackingZone(bounds=bounds, **columns)  # type: ignore[arg-type]
