@@ -53,18 +53,14 @@ def frames_dumps(directory: Path) -> list[list[Path]]:
     MissingOutputError
         There is no dump, or the file of a rank is missing.
     """
-    first, found = frames_path(directory), {}
-    own = output_names(directory)
-    for name in FRAMES_RESUMED.values():
-        before, after = name.split("{}")
-        for path in (directory / DUMPS).glob(f"{before}*{after}"):
-            dump = _PART_NUMBER.sub(f".{RANK}", path.name)
-            step = dump.removeprefix(before).removesuffix(after).removesuffix(f".{RANK}")
-            if step.isdecimal() and path.stat().st_size and (not own or f"{DUMPS}/{path.name}" in own):
-                found[int(step)] = path.with_name(dump)
-    dumps = [first, *(found[step] for step in sorted(found))]
+    dumps = _dumps_of_frames(directory)
     contacts = directory / DUMPS / of_each_rank(CONTACTS_FILE)  # written by the same ranks as the last snapshot
     return [rank_files(path, like=contacts if path is dumps[-1] else None) for path in dumps]
+
+
+def contacts_files(directory: Path) -> list[Path]:
+    """Return the files of the dump of contacts, one or that of each rank; raise as `frames_dumps`."""
+    return rank_files(contacts_path(directory), like=_dumps_of_frames(directory)[-1])
 
 
 def rank_files(path: Path, like: Path | None = None) -> list[Path]:
@@ -83,12 +79,13 @@ def rank_files(path: Path, like: Path | None = None) -> list[Path]:
     if RANK not in path.name:
         return [path]
     found = _numbers(path)
-    expected = max([*found, *(_numbers(like) if like else ())], default=0) + 1
+    others = _numbers(like) if like is not None and RANK in like.name else set()
+    expected = max(found | others) + 1
     if missing := sorted(set(range(expected)) - found):
         lost = path.with_name(path.name.replace(RANK, str(missing[0])))
-        others = f" (and {len(missing) - 1} more)" if len(missing) > 1 else ""
+        more = f" (and {len(missing) - 1} more)" if len(missing) > 1 else ""
         raise MissingOutputError(
-            f"{lost} is missing{others}: each of {expected} ranks wrote a part of {path.name}; copy it back, or {AGAIN}"
+            f"{lost} is missing{more}: each of {expected} ranks wrote a part of {path.name}; copy it back, or {AGAIN}"
         )
     return [path.with_name(path.name.replace(RANK, str(number))) for number in range(expected)]
 
@@ -153,3 +150,16 @@ def _present(directory: Path, names: list[str]) -> str:
     if not there:
         raise missing_dump(directory, folder / (listed or names)[0])
     return there[0]
+
+
+def _dumps_of_frames(directory: Path) -> list[Path]:
+    """Return the dump of snapshots of a run, and those of its resumptions, in order of time."""
+    found, own = {}, output_names(directory)
+    for name in FRAMES_RESUMED.values():
+        before, after = name.split("{}")
+        for path in (directory / DUMPS).glob(f"{before}*{after}"):
+            dump = _PART_NUMBER.sub(f".{RANK}", path.name)
+            step = dump.removeprefix(before).removesuffix(after).removesuffix(f".{RANK}")
+            if step.isdecimal() and path.stat().st_size and (not own or f"{DUMPS}/{path.name}" in own):
+                found[int(step)] = path.with_name(dump)
+    return [frames_path(directory), *(found[step] for step in sorted(found))]

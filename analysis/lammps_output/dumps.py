@@ -19,11 +19,10 @@ from numpy.typing import NDArray
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.lammps_output.dump_files import (
-    contacts_path,
+    contacts_files,
     frames_dumps,
     frames_of_all,
     missing_dump,
-    rank_files,
 )
 from granwave.analysis.lammps_output.frame import CutShortError, Frame, joined
 from granwave.analysis.lammps_output.number_rows import AGAIN, CUT, DAMAGED, read_rows, whole_number
@@ -31,12 +30,14 @@ from granwave.analysis.lammps_output.text_dump import Lines, rows_without_header
 from granwave.lammps_inputs.deck import columns
 from granwave.lammps_inputs.ownership import output_names
 from granwave.lammps_inputs.run_directory import (
+    CONTACTS_FILE,
     COUNT_FILE,
     DATA_FILE,
     DUMPS,
     FORCES_FILE,
     HISTORY_FILE,
     WALL_CONTACTS_FILE,
+    of_each_rank,
 )
 
 # Columns that the readers require; others are optional, see `Frame.get`.
@@ -114,12 +115,11 @@ def read_contacts_in_parts(directory: str | Path, at_once: int | None = None) ->
     OutputFormatError
         The files of all ranks together hold fewer or more rows than were written.
     """
-    path = contacts_path(directory)
-    first, *others = rank_files(path)
-    n_rows, frame = 0, None
+    first, *others = contacts_files(Path(directory))
+    n_rows, frame, in_parts = 0, None, first.name != CONTACTS_FILE
     for frame in _pieces([first], CONTACT_COLUMNS, at_once):
         n_rows += len(frame)
-        yield frame if not others else frame.followed()
+        yield frame.followed() if in_parts else frame
     assert frame is not None  # else there was no complete snapshot
     for other in others:
         try:
@@ -128,8 +128,8 @@ def read_contacts_in_parts(directory: str | Path, at_once: int | None = None) ->
                 yield rows
         except CutShortError as error:
             raise OutputFormatError(f"{error}; {CUT}") from None
-    if others:
-        _check_count(path, n_rows)
+    if in_parts:
+        _check_count(first.with_name(of_each_rank(CONTACTS_FILE)), n_rows)
         yield dataclasses.replace(frame, values=frame.values[:0], more=False)
 
 
