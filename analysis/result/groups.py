@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import h5py
+import numpy as np
 from numpy.typing import NDArray
 
 from granwave.lammps_inputs.deck.columns import (
@@ -18,10 +19,11 @@ from granwave.lammps_inputs.deck.columns import (
     TIMESTEP,
     WALL_CONTACTS,
 )
+from granwave.lammps_inputs.planning.space import ANALYSED_AT_ONCE
 
 COMPRESSION = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
 ROWS_IN_CHUNK = 32_768
-AT_ONCE = 16 * ROWS_IN_CHUNK  # rows of a table, or spheres, that are read at once: some 0.7 GB for the analysis
+AT_ONCE = ANALYSED_AT_ONCE  # spheres of a part, or rows of a table; a multiple of ROWS_IN_CHUNK
 _COMPRESSED_FROM = 4096  # values; smaller data sets are not compressed
 
 # units of columns that LAMMPS writes, and of derived ones
@@ -59,13 +61,14 @@ class PartwiseGroup:
         self._file, self._name, self._n_parts = file, name, n_parts
         self._n_rows = 0
 
-    def append(self, columns: Mapping[str, NDArray]) -> None:
-        """Write the columns of the next part."""
+    def append(self, columns: Mapping[str, NDArray], rows: NDArray[np.bool_] | slice = slice(None)) -> None:
+        """Write the columns of the next part, or some of their rows."""
         if self._n_parts == 1:
             write_group(self._file, self._name, columns)
             return
         group, stop = self._file.require_group(self._name), self._n_rows
-        for column, values in columns.items():
+        for column in columns:
+            values = columns[column][rows]
             if column not in group:
                 tail = values.shape[1:]
                 options: dict[str, Any] = {"maxshape": (None, *tail), "chunks": (ROWS_IN_CHUNK, *tail), **COMPRESSION}

@@ -87,28 +87,43 @@ def write_tables(file: h5py.File, case: Case, start: Start, dents: Dents, planes
     contact_rows, sphere_rows = (PartwiseGroup(file, name, start.n_parts) for name in ("contacts", "spheres"))
     for part in range(start.n_parts):
         first, stop = start.range(part)
-        ids = start.ids(first, stop)
-        contacts, shares = _contacts_of(case, start, part, dents.of_part(part))
-        everyone = ids if start.n_parts == 1 else np.union1d(ids, np.concatenate([contacts["i"], contacts["j"]]))
-        summed = sphere_values(everyone, contacts, contacts["yielded"], shares)
-        own = slice(*np.searchsorted(everyone, [ids[0], ids[-1] + 1]))
-        spheres = start.read(first, stop)
-        columns: dict[str, NDArray] = {
-            "id": ids,
-            "position": spheres.vector("x", "y", "z"),
-            "radius": spheres["diameter"] / 2,
-            "mass": spheres["density"] * np.pi / 6 * spheres["diameter"] ** 3,
-            **{name: values[own] for name, values in summed.items()},
-        }
         here = (at_walls >= first) & (at_walls < stop)
-        for name, lost in losses.items():
-            at_wall = np.bincount(at_walls[here] - first, lost[here], minlength=len(ids))
-            columns[name] = at_wall + columns.get(name, 0.0)
-        columns["dissipated_energy"] = columns["dissipated_energy"] + columns["dissipated_energy_wall"]
-        sphere_rows.append(columns)
-        written = (contacts["i"] >= ids[0]) & (contacts["i"] <= ids[-1])
-        whole = written.all()
-        contact_rows.append({name: column if whole else column[written] for name, column in contacts.items()})
+        lost = {
+            name: np.bincount(at_walls[here] - first, values[here], minlength=stop - first)
+            for name, values in losses.items()
+        }
+        sphere_rows.append(_write_contacts(contact_rows, case, start, part, dents.of_part(part), lost))
+
+
+def _write_contacts(
+    group: PartwiseGroup, case: Case, start: Start, part: int, dents: Frame, lost: dict[str, NDArray]
+) -> dict[str, NDArray]:
+    """Write the contacts of a part; return the columns of its spheres.
+
+    Parameters
+    ----------
+    lost
+        Dissipation at walls by sphere of the part, by the column that it is part of, J.
+    """
+    rows = start.range(part)
+    ids = start.ids(*rows)
+    contacts, shares = _contacts_of(case, start, part, dents)
+    group.append(contacts, (contacts["i"] >= ids[0]) & (contacts["i"] <= ids[-1]))
+    everyone = ids if start.n_parts == 1 else np.union1d(ids, np.concatenate([contacts["i"], contacts["j"]]))
+    summed = sphere_values(everyone, contacts, contacts["yielded"], shares)
+    own = slice(*np.searchsorted(everyone, [ids[0], ids[-1] + 1]))
+    spheres = start.read(*rows)
+    columns: dict[str, NDArray] = {
+        "id": ids,
+        "position": spheres.vector("x", "y", "z"),
+        "radius": spheres["diameter"] / 2,
+        "mass": spheres["density"] * np.pi / 6 * spheres["diameter"] ** 3,
+        **{name: values[own] for name, values in summed.items()},
+    }
+    for name, values in lost.items():
+        columns[name] = values + columns.get(name, 0.0)
+    columns["dissipated_energy"] = columns["dissipated_energy"] + columns["dissipated_energy_wall"]
+    return columns
 
 
 def _contacts_of(case: Case, start: Start, part: int, dents: Frame) -> tuple[Contacts, NDArray[np.float64]]:

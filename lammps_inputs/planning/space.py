@@ -14,6 +14,8 @@ from granwave.lammps_inputs.packing.assembly import Assembly
 if TYPE_CHECKING:
     from granwave.lammps_inputs.planning.schedule import Schedule
 
+ANALYSED_AT_ONCE = 2**18  # spheres that the analysis holds at once, beside those of a few layers of them
+
 # bytes
 _PROGRAM = 130e6  # the interpreter with LAMMPS, or with the libraries of the analysis, loaded
 _SPHERE, _PAIR, _ROUGH_PAIR = (

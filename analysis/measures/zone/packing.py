@@ -8,6 +8,7 @@ nor do strikers: they are no part of the packing.
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
@@ -99,12 +100,33 @@ def zone_summary(result: Result) -> dict[str, Any]:
     """Return the part of the summary that is about the size of the plastic zone; null where nothing can yield."""
     if not result.yields:
         return zone_sizes(None) | dict.fromkeys(("zone_cut", "zone_growing", *WAVE_KEYS))
-    zone = relevant_zone(result)
+    single = [packing_zone(result)] if result.n_spheres <= result.at_once else None
+
+    def zones() -> Iterable[PackingZone]:
+        """Return the zones of all parts of the packing, made anew each time if there are several."""
+        return single or map(packing_zone, result.parts())
+
+    zone = _active(zones())
     sizes = zone_sizes(zone.energy, zone.volume, zone.depth, zone.radius)
-    times = _return_times(result, zone, {BOTTOM: sizes["zone_depth_99_m"], SIDES: sizes["zone_radius_99_m"]})
+    times = _return_times(result, zones, {BOTTOM: sizes["zone_depth_99_m"], SIDES: sizes["zone_radius_99_m"]})
     waves = wave_returns(times, result["energy/time"], result.yield_ledger)
     reached = {"zone_cut": zone.cut, "zone_growing": zone.growing(float(result["energy/time"][-1]))}
     return sizes | reached | waves
+
+
+def _active(zones: Iterable[PackingZone]) -> PackingZone:
+    """Join the spheres of some zones that yielded or dissipated; sizes and bounds of a zone follow from these alone."""
+    found = [(zone, zone.yielded | (zone.energy > 0) | np.isfinite(zone.yield_time)) for zone in zones]
+    first = found[0][0]
+
+    def column(name: str) -> NDArray | None:
+        if getattr(first, name) is None:
+            return None
+        return np.concatenate([getattr(zone, name)[kept] for zone, kept in found])
+
+    columns = {field.name: column(field.name) for field in dataclasses.fields(PackingZone) if field.name != "bounds"}
+    bounds = {name: np.concatenate([zone.bounds[name][kept] for zone, kept in found]) for name in first.bounds}
+    return PackingZone(bounds=bounds, **columns)  # type: ignore[arg-type]
 
 
 def _bounds(
@@ -126,7 +148,9 @@ def _bounds(
     return found
 
 
-def _return_times(result: Result, zone: PackingZone, border: dict[str, float | None]) -> dict[str, float] | None:
+def _return_times(
+    result: Result, zones: Callable[[], Iterable[PackingZone]], border: dict[str, float | None]
+) -> dict[str, float] | None:
     """Return when a wave that a bound reflects can be back at the border of the zone, by bound, s.
 
     The first wave reaches the bound at t_b and passed the border of the zone, at ``border`` (m), at t_z on its way: it
@@ -135,71 +159,37 @@ def _return_times(result: Result, zone: PackingZone, border: dict[str, float | N
     arrivals cannot be seen; then the wave goes all ways at the speed with which it reached the bottom. None where
     that is not known either.
     """
-    distances = {BOTTOM: zone.depth, SIDES: zone.radius}
+    first = next(iter(zones()))
     times = {}
-    if zone.arrival is None:
-        found, depth = reached(result), zone.depth
-        if found is None or found.arrival is None or depth is None or not found.arrival > 0:
-            return None if found is None or depth is None else {}
-        speed = float(depth.max()) / found.arrival
-        for name, touching in zone.bounds.items():
-            distance, inner = distances[name], border[name]
-            assert distance is not None and inner is not None  # of a bound that there is
-            nearest = float(distance[touching].min(initial=np.inf))
+    if first.arrival is None:
+        found = reached(result)
+        if found is None or found.arrival is None or first.depth is None or not found.arrival > 0:
+            return None if found is None or first.depth is None else {}
+        speed = max(float(_distance(zone, BOTTOM).max(initial=0.0)) for zone in zones()) / found.arrival
+        for name in first.bounds:
+            inner = border[name]
+            assert inner is not None  # of a bound that there is
+            nearest = min(float(_distance(zone, name)[zone.bounds[name]].min(initial=np.inf)) for zone in zones())
             times[name] = (nearest + max(nearest - inner, 0.0)) / speed
         return {name: time for name, time in times.items() if np.isfinite(time)}
-    arrival = np.where(np.isnan(zone.arrival), np.inf, zone.arrival)
-    for name, touching in zone.bounds.items():
-        distance, inner = distances[name], border[name]
-        assert distance is not None and inner is not None
-        at_bound = float(arrival[touching].min(initial=np.inf))
-        outside = distance >= (1 - _SAME) * inner
-        at_border = float(arrival[outside].min(initial=np.inf))
+    for name in first.bounds:
+        inner = border[name]
+        assert inner is not None
+        at_bound = min(_arrival(zone, zone.bounds[name]) for zone in zones())
+        at_border = min(_arrival(zone, _distance(zone, name) >= (1 - _SAME) * inner) for zone in zones())
         if np.isfinite(at_bound):
             times[name] = at_bound + max(at_bound - at_border, 0.0)
     return times
 
 
-def relevant_zone(result: Result) -> PackingZone:
-    """Return the `packing_zone` of the spheres that its sizes and return times follow from, found part by part.
-
-    They are those that yielded or dissipated, and of the others the first that a wave reached so far out, the first at
-    each bound, the nearest there, and the deepest. A small packing is returned whole.
-    """
-    found = [packing_zone(part) for part in result.parts()]
-    if len(found) == 1:
-        return found[0]
-    return _relevant(_joined([_relevant(zone) for zone in found]))
+def _arrival(zone: PackingZone, spheres: NDArray[np.bool_]) -> float:
+    """Return when the first of some spheres of a zone was reached, s; inf: never."""
+    assert zone.arrival is not None
+    return float(np.nanmin(zone.arrival[spheres], initial=np.inf))
 
 
-def _relevant(zone: PackingZone) -> PackingZone:
-    """Return a zone of the spheres that count, in the same order."""
-    kept = zone.yielded | (zone.energy > 0) | np.isfinite(zone.yield_time)
-    arrival = None if zone.arrival is None else np.where(np.isnan(zone.arrival), np.inf, zone.arrival)
-    distances = {BOTTOM: zone.depth, SIDES: zone.radius}
-    for distance in distances.values():
-        if distance is None or not len(distance):
-            continue
-        kept[distance.argmax()] = True
-        if arrival is not None:  # those that are reached before all that lie farther out
-            outward = np.lexsort((arrival, -distance))
-            before = np.minimum.accumulate(np.append(np.inf, arrival[outward]))[:-1]
-            kept[outward[arrival[outward] < before]] = True
-    for name, touching in zone.bounds.items():
-        at_bound, distance = np.flatnonzero(touching), distances[name]
-        for values in (arrival, distance):
-            if values is not None and len(at_bound):
-                kept[at_bound[values[at_bound].argmin()]] = True
-    return _joined([zone], kept)
-
-
-def _joined(zones: list[PackingZone], kept: NDArray[np.bool_] | slice = slice(None)) -> PackingZone:
-    """Return a zone of all spheres of some zones, or of those that are kept."""
-
-    def column(name: str) -> NDArray | None:
-        values = [getattr(zone, name) for zone in zones]
-        return None if values[0] is None else np.concatenate(values)[kept]
-
-    columns = {field.name: column(field.name) for field in dataclasses.fields(PackingZone) if field.name != "bounds"}
-    bounds = {name: np.concatenate([zone.bounds[name] for zone in zones])[kept] for name in zones[0].bounds}
-    return PackingZone(bounds=bounds, **columns)  # type: ignore[arg-type]
+def _distance(zone: PackingZone, bound: str) -> Array:
+    """Return how far the spheres are out towards a bound that there is: (n_spheres,), m."""
+    distance = {BOTTOM: zone.depth, SIDES: zone.radius}[bound]
+    assert distance is not None
+    return distance
