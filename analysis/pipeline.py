@@ -19,7 +19,7 @@ from granwave.lammps_inputs.run_state import check_case
 
 logger = logging.getLogger(__name__)
 
-MOST_DRAWN = 4_000_000  # spheres: each process that draws a packing holds all of them, 0.2 kB each
+MOST_DRAWN = 1_000_000  # spheres: each process that draws a packing holds all of them, 0.2 kB each
 _IN_TIME = (  # figures that need no values of spheres and contacts
     "energies",
     "timestep",

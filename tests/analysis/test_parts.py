@@ -6,6 +6,7 @@ import json
 import os
 import shutil
 import subprocess
+import tracemalloc
 from pathlib import Path
 
 import h5py
@@ -13,15 +14,20 @@ import numpy as np
 import pytest
 
 from granwave.analysis import MissingOutputError, OutputFormatError, Result, analyse, pipeline
+from granwave.analysis.exports.export import export
 from granwave.analysis.figures import run_figures
 from granwave.analysis.lammps_output.dumps import read_contacts, read_frames
 from granwave.analysis.result.sums import pairwise_sum
 from granwave.analysis.result.writer import write_result
 from granwave.analysis.summary import summarise
 from granwave.lammps_inputs import write_deck
+from granwave.lammps_inputs.deck import data_file
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.planning.plan import plan
 from granwave.workflows import run_case
+from granwave.workflows.cli.tables import plan_table
 from granwave.workflows.run import driver
 from tests.conftest import BIN, PLAIN
 from tests.helpers import synthetic
@@ -100,15 +106,14 @@ def test_sum_in_pieces_is_numpys_to_the_last_bit(n):
 
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory):
-    """A run on two ranks, with a file from each and with one from both."""
-    places = {}
-    for name, parts in (("parts", True), ("one", False)):
-        case = case_of(boundary={"bottom": "wall"}, output=IN_PARTS | {"parts": parts})
-        places[name] = tmp_path_factory.mktemp(name)
-        (places[name] / "asked.toml").write_text(case.to_toml())
-        command = [str(BIN / "granwave"), "run", "asked.toml", "-o", "run", "--np", "2", "--no-figures"]
-        subprocess.run(command, cwd=places[name], check=True, env=PLAIN, capture_output=True, timeout=120)
-    return {name: place / "run" for name, place in places.items()}
+    """A run on two ranks with a file from each, and one on one rank with one file."""
+    place = tmp_path_factory.mktemp("runs")
+    table = {"boundary": {"bottom": "wall"}}
+    (place / "asked.toml").write_text(case_of(output=IN_PARTS, **table).to_toml())
+    command = [str(BIN / "granwave"), "run", "asked.toml", "-o", "parts", "--np", "2", "--no-figures"]
+    subprocess.run(command, cwd=place, check=True, env=PLAIN, capture_output=True, timeout=120)
+    run_case(case_of(output=IN_PARTS | {"parts": False}, **table), place / "one", figures=False)
+    return {"parts": place / "parts", "one": place / "one"}
 
 
 @pytest.fixture
@@ -128,7 +133,7 @@ def test_results_are_those_of_one_file(runs):
     del one["/"], parts["/"]  # the case and the wall time
     assert [key for key in one if one[key] != parts.get(key)] == []
     summaries = [json.loads((runs[name] / "summary.json").read_text()) for name in ("one", "parts")]
-    timed = ("wall_time_s", "sphere_steps_per_s")
+    timed = ("wall_time_s", "sphere_steps_per_s", "n_ranks")
     one, parts = ({key: value for key, value in found.items() if key not in timed} for found in summaries)
     assert one == parts
 
@@ -234,6 +239,34 @@ def test_figures_of_a_large_packing_are_left_out(run, monkeypatch, caplog):
         drawings = [run_figures.FIGURES[name].draw(result) for name in drawn]
     assert sum(drawing is not None for drawing in drawings) >= 4
     assert not [name for name in read if name.startswith(("spheres/", "contacts/"))]
+
+
+def test_ovito_does_not_join_parts(run, tmp_path):
+    with pytest.raises(InputError, match=r"each rank wrote its own dumps .*--to vtp"):
+        export(run, "ovito", tmp_path / "out")
+
+
+def test_check_tells_what_a_rank_holds():
+    large = {"packing": {"vacancies": 0.01}, "size": (100, 100, 60), "output": {"parts": True}}
+    case = case_of(**large)
+    table = plan_table(case, plan(case, n_ranks=8))
+    assert "a file from each rank (output.parts)" in table
+    assert "all sites at once, for unlike or missing spheres" in table
+    sizes = [plan(case_of(size=(100, 100, n), output={"parts": "auto"}), n_ranks=10_000).space for n in (200, 2000)]
+    assert sizes[0].first_rank == pytest.approx(sizes[1].first_rank, rel=0.01)  # the analysis does not grow
+    assert not assemble(case_of(size=(100, 100, 999))).in_parts and assemble(case_of(size=(100, 100, 1000))).in_parts
+
+
+def test_deck_of_any_size_is_written_in_bounded_memory(tmp_path, monkeypatch):
+    monkeypatch.setattr(data_file, "_BATCH", 500)
+    peaks = []
+    for layers in (20, 80):
+        assembly = assemble(case_of(size=(10, 10, layers)))
+        tracemalloc.start()
+        data_file.write_data(assembly, tmp_path / "data")
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+    assert peaks[1] == pytest.approx(peaks[0], rel=0.1)
 
 
 def test_case_key(tmp_path):
