@@ -15,11 +15,11 @@ from granwave.analysis.result.not_a_run import is_continuum, why_no_run
 from granwave.analysis.result.writer import write_result
 from granwave.analysis.summary import Summary, summarise
 from granwave.lammps_inputs.deck.deck import CASE_FILE
+from granwave.lammps_inputs.planning.space import MOST_DRAWN
 from granwave.lammps_inputs.run_state import check_case
 
 logger = logging.getLogger(__name__)
 
-MOST_DRAWN = 1_000_000  # spheres: each process that draws a packing holds all of them, 0.2 kB each
 _IN_TIME = (  # figures that need no values of spheres and contacts
     "energies",
     "timestep",

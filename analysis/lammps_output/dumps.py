@@ -12,7 +12,6 @@ import itertools
 import logging
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -168,15 +167,13 @@ def _wall_dumps(directory: Path) -> list[Path]:
     return [path for path in paths if not own or f"{DUMPS}/{path.name}" in own]
 
 
-def check_ids(path: Path, frame: Frame, known: NDArray[Any]) -> None:
-    """Raise OutputFormatError if a dump names a particle whose id is not ``known``."""
-    for column in [name for name in ("i", "j", "id") if name in frame.columns]:
-        strange = np.setdiff1d(frame[column], known)
-        if len(strange):
-            raise OutputFormatError(
-                f"{path}: found a contact of particle {strange[0]:.0f}, which data.granwave does not hold: the files "
-                f"belong to different runs, or one is damaged; {AGAIN}"
-            )
+def refuse_ids(path: Path, strange: NDArray[np.float64]) -> None:
+    """Raise OutputFormatError if a dump names particles that the data file does not hold."""
+    if len(strange):
+        raise OutputFormatError(
+            f"{path}: found a contact of particle {strange.min():.0f}, which data.granwave does not hold: the files "
+            f"belong to different runs, or one is damaged; {AGAIN}"
+        )
 
 
 def read_data(directory: str | Path) -> Frame:

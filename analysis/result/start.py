@@ -9,13 +9,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from io import FileIO
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.errors import OutputFormatError
-from granwave.analysis.lammps_output.dumps import DATA_COLUMNS, check_ids, read_data_in_parts
+from granwave.analysis.lammps_output.dumps import DATA_COLUMNS, read_data_in_parts, refuse_ids
 from granwave.analysis.lammps_output.frame import Frame, rows_of, rows_of_all
 from granwave.analysis.lammps_output.number_rows import DAMAGED
 from granwave.analysis.result.scratch import read_rows
@@ -140,14 +139,13 @@ class Start:
 
     def check_ids(self, path: Path, frame: Frame) -> None:
         """Raise OutputFormatError if a dump names a particle that is not there."""
-        check_ids(path, frame, self.ids(0, self.n_particles) if self.n_parts == 1 else self._known(frame))
-
-    def _known(self, frame: Frame) -> NDArray[Any]:
-        """Return the ids in a dump of contacts that belong to particles."""
-        named = np.unique(frame.vector(*[name for name in ("i", "j", "id") if name in frame.columns]))
-        if self._ids is not None:
-            return named[np.isin(named, self._ids)]
-        return named[(named >= 1) & (named <= self.n_particles)]
+        for name in [name for name in ("i", "j", "id") if name in frame.columns]:
+            found = frame[name]
+            if self._ids is None:
+                known = (found >= 1) & (found <= self.n_particles)
+            else:
+                known = self._ids[np.minimum(np.searchsorted(self._ids, found), len(self._ids) - 1)] == found
+            refuse_ids(path, found[~known])
 
     def around(self, part: int, further: NDArray[np.int64], gap: float, periodic: tuple[bool, bool, bool]) -> Frame:
         """Return the spheres of a part, those of other parts that may touch them, and further ones, sorted by id.

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from granwave.lammps_inputs.planning.schedule import Schedule
 
 ANALYSED_AT_ONCE = 2**18  # spheres that the analysis holds at once, beside those of a few layers of them
+MOST_DRAWN = 1_000_000  # spheres of a packing that is drawn without being asked for
 
 # bytes
 _PROGRAM = 130e6  # the interpreter with LAMMPS, or with the libraries of the analysis, loaded
@@ -25,10 +26,11 @@ _SPHERE, _PAIR, _ROUGH_PAIR = (
     60.0,
 )  # of LAMMPS, and of the snapshot that is sorted; with friction in addition
 _STATIC_STAGE = 2.0  # times the memory of a run without one
-_ANALYSED_SPHERE, _ANALYSED_PAIR = 550.0, 155.0  # of the analysis, with a snapshot and all contacts of a part
+_ANALYSED_SPHERE, _ANALYSED_PAIR = 550.0, 310.0  # of the analysis of a part, all contacts dented
 _LAYERS = 4  # next to a part: at most so many hold spheres that may touch it
 _SITE = 170.0  # a site of a lattice of unlike or missing spheres, while the deck is written
 _PLACED_SITE = 120.0  # a site of a lattice against which strikers are placed
+_DRAWN = 2 * 600.0  # a sphere, in two processes that draw
 _DATA = 75.0  # a sphere in the data file
 _FRAME = 230.0  # a sphere in a snapshot: all digits, and the compressed copy in result.h5
 _DENT = 110.0  # a pair among the contacts at the end
@@ -72,6 +74,8 @@ def expected_space(assembly: Assembly, schedule: Schedule, n_ranks: int) -> Spac
     nx, ny, _ = assembly.lattice.shape
     at_once = min(n, ANALYSED_AT_ONCE + _LAYERS * nx * ny)
     analysis = at_once * (_ANALYSED_SPHERE + pairs / n * _ANALYSED_PAIR)
+    if n <= MOST_DRAWN:
+        analysis = max(analysis, n * _DRAWN)
     scratch = n * _SCRATCH_SPHERE + pairs * _SCRATCH_PAIR if n > ANALYSED_AT_ONCE else 0.0
     sites = (_SITE if assembly.sites is not None else 0.0) + (_PLACED_SITE if assembly.strikers else 0.0)
     rows = schedule.n_steps / schedule.ledger_every + schedule.n_steps / schedule.probe_every
