@@ -274,6 +274,11 @@ class Result(_Spheres):
         """Number of spheres."""
         return len(self.file["spheres/id"])
 
+    @property
+    def whole(self) -> Result:
+        """The result itself, as `PartOfResult.whole`."""
+        return self
+
     def parts(self) -> Iterator[Result | PartOfResult]:
         """Iterate over the result in parts of its spheres; a small one is a single part."""
         if self.n_spheres <= self.at_once:
@@ -317,22 +322,28 @@ class Result(_Spheres):
 
 
 class PartOfResult(_Spheres):
-    """Result with only some of its spheres; all that is not of single spheres is that of the whole."""
+    """Result with only some of its spheres; all that is not of single spheres is that of the whole.
+
+    Attributes
+    ----------
+    whole
+        Result that it is a part of.
+    """
 
     def __init__(self, whole: Result, rows: slice) -> None:
-        self._whole, self._rows = whole, rows
+        self.whole, self._rows = whole, rows
         self._read: dict[str, NDArray] = {}
 
     def __getitem__(self, name: str) -> NDArray:
         """Read a data set; of ``spheres`` only the rows of this part."""
         if not name.startswith("spheres/"):
-            return self._whole[name]
+            return self.whole[name]
         if name not in self._read:
-            self._read[name] = self._whole.rows_read(name, self._rows)
+            self._read[name] = self.whole.rows_read(name, self._rows)
         return self._read[name]
 
     def __contains__(self, name: str) -> bool:
-        return name in self._whole
+        return name in self.whole
 
     def __getattr__(self, name: str) -> Any:
-        return getattr(self._whole, name)
+        return getattr(self.whole, name)
