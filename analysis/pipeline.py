@@ -11,6 +11,7 @@ from granwave.analysis.figures.side_by_side import helpers
 from granwave.analysis.lammps_output.completeness import check_complete
 from granwave.analysis.lammps_output.dumps import read_data
 from granwave.analysis.progress_bar import progress_bar
+from granwave.analysis.result.groups import AT_ONCE
 from granwave.analysis.result.not_a_run import is_continuum, why_no_run
 from granwave.analysis.result.reader import Result
 from granwave.analysis.result.writer import write_result
@@ -20,15 +21,31 @@ from granwave.lammps_inputs.deck.deck import CASE_FILE
 from granwave.lammps_inputs.deck_changes import check_deck
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.ownership import claim
+from granwave.lammps_inputs.planning.space import MOST_DRAWN
 from granwave.lammps_inputs.run_directory import FILM_FILE, VIEW_FILE
 from granwave.lammps_inputs.run_state import check_case
 
 logger = logging.getLogger(__name__)
 
+_IN_TIME = (  # figures that need no values of spheres and contacts
+    "energies",
+    "timestep",
+    "bottom_force",
+    "target",
+    "impactor_velocity",
+    "probes",
+    "accelerations",
+)
 _USUAL_FIGURES = 18  # of a packing; a chain has ten
 
 
-def analyse(directory: str | Path, progress: bool | Callable[[str], None] = False, *, figures: bool = True) -> Summary:
+def analyse(
+    directory: str | Path,
+    progress: bool | Callable[[str], None] = False,
+    *,
+    figures: bool = True,
+    at_once: int = AT_ONCE,
+) -> Summary:
     """Analyse a run; what an earlier analysis left is replaced.
 
     Parameters
@@ -39,7 +56,10 @@ def analyse(directory: str | Path, progress: bool | Callable[[str], None] = Fals
         True for a bar on a terminal or in a notebook; or a function, called with the name of each part before it is
         made.
     figures
-        Draw them too, and make the film and the page that the case asks for.
+        Draw them too, and make the film and the page that the case asks for. Of packings with more spheres than
+        `MOST_DRAWN` only figures of the run in time are drawn.
+    at_once
+        Largest number of spheres in memory; larger packings are analysed in parts. The values do not depend on it.
 
     Returns
     -------
@@ -57,7 +77,7 @@ def analyse(directory: str | Path, progress: bool | Callable[[str], None] = Fals
         write.
     """
     if callable(progress):
-        return _analyse(Path(directory), progress, figures)
+        return _analyse(Path(directory), progress, figures, at_once)
     parts = 2 + (len(FIGURE_NAMES) if figures else 0)
     with progress_bar(progress, total=parts, desc="analysis", leave=False) as bar:
 
@@ -66,7 +86,7 @@ def analyse(directory: str | Path, progress: bool | Callable[[str], None] = Fals
             bar.set_postfix_str(part)
             bar.update()
 
-        return _analyse(Path(directory), report, figures)
+        return _analyse(Path(directory), report, figures, at_once)
 
 
 def _check_deck(directory: Path) -> None:
@@ -78,7 +98,22 @@ def _check_deck(directory: Path) -> None:
         raise
 
 
-def _analyse(directory: Path, report: Callable[[str], None], figures: bool) -> Summary:
+def _drawn(directory: Path, n_spheres: int) -> tuple[str, ...] | None:
+    """Return the names of the figures to draw; None: all."""
+    if n_spheres <= MOST_DRAWN:
+        return None
+    logger.warning(
+        "%s: figures of the packing are left out, as each process that draws would hold %d spheres, more than %d; "
+        "granwave figures %s  draws them all the same",
+        directory,
+        n_spheres,
+        MOST_DRAWN,
+        directory,
+    )
+    return _IN_TIME
+
+
+def _analyse(directory: Path, report: Callable[[str], None], figures: bool, at_once: int) -> Summary:
     if not (directory / CASE_FILE).exists() or is_continuum(directory):
         raise MissingOutputError(why_no_run(directory))
     check_case(directory)
@@ -86,14 +121,14 @@ def _analyse(directory: Path, report: Callable[[str], None], figures: bool) -> S
     _check_deck(directory)
     with helpers(_USUAL_FIGURES if figures else 0) as others:
         report("result.h5")
-        write_result(directory)
+        write_result(directory, at_once=at_once)
         report("summary.json")
-        summary = summarise(directory)
+        summary = summarise(directory, at_once=at_once)
         if figures:
             # the drawing library takes longer to load than many a small run to compute
             from granwave.analysis.figures.run_figures import draw_figures
 
-            draw_figures(directory, report, helpers=others)
+            draw_figures(directory, report, _drawn(directory, summary["n_spheres"]), helpers=others)
     if figures:
         _film_and_page(directory, report)
     return summary

@@ -18,6 +18,7 @@ from granwave.analysis.measures.wave_speed import wave_speed_of
 from granwave.analysis.measures.zone.packing import zone_summary
 from granwave.analysis.measures.zone.plastic_zone import HALF_LAW_LIMIT, LAW_LIMIT, PlasticZone, plastic_zone
 from granwave.analysis.result.contacts import LISTED_FROM
+from granwave.analysis.result.groups import AT_ONCE
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.deck_changes import changed_files
 from granwave.lammps_inputs.files import plain, replace_text
@@ -28,8 +29,13 @@ from granwave.lammps_inputs.run_directory import SUMMARY_FILE
 Summary = dict[str, Any]
 
 
-def summarise(directory: str | Path) -> Summary:
+def summarise(directory: str | Path, *, at_once: int = AT_ONCE) -> Summary:
     """Sum up the ``result.h5`` of a run, and write the summary to ``summary.json`` beside it.
+
+    Parameters
+    ----------
+    at_once
+        Largest number of spheres or contacts in memory. The values do not depend on it.
 
     Returns
     -------
@@ -44,7 +50,7 @@ def summarise(directory: str | Path) -> Summary:
         There is a summary.json that granwave did not write.
     """
     directory = Path(directory)
-    with Result(directory) as result:
+    with Result(directory, at_once) as result:
         summary = summary_of(result)
     text = json.dumps(plain(summary), indent=2, allow_nan=False)
     claim(directory, [SUMMARY_FILE])
@@ -61,7 +67,7 @@ def summary_of(result: Result) -> Summary:
     return {
         "name": result.case.name,
         "n_spheres": result.n_spheres,
-        "n_contacts": int(np.count_nonzero(result["contacts/touching"])),
+        "n_contacts": _count(result, "contacts/touching"),
         "n_loaded_contacts": _loaded(result),
         "timestep_s": end_time / n_steps if n_steps else None,
         "timestep_smallest_s": smallest,
@@ -121,8 +127,12 @@ def energy_balance_error(result: Result) -> float | None:
 
 def zone_of(result: Result) -> PlasticZone:
     """The plastic zone at the end of the run."""
-    plastic = result["spheres/contacts_yielded"] > 0
-    return plastic_zone(result["spheres/position"], result["spheres/radius"], plastic, result.origin)
+    found = []
+    for positions, radii, yielded in result.blocks("spheres/position", "spheres/radius", "spheres/contacts_yielded"):
+        plastic = yielded > 0
+        found.append((positions[plastic], radii[plastic]))
+    positions, radii = (np.concatenate(column) for column in zip(*found, strict=True))
+    return plastic_zone(positions, radii, np.ones(len(radii), dtype=bool), result.origin)
 
 
 def _timesteps(result: Result) -> tuple[int, float | None, float | None]:
@@ -172,20 +182,36 @@ def _precompression(result: Result) -> Summary:
 
 def _loaded(result: Result) -> int:
     """Pairs of spheres that bore a force in this run, those left out that were pressed by rounding alone."""
-    least = LISTED_FROM * result["contacts/yield_overlap"]
-    pressed = result["contacts/peak_overlap"] > np.where(np.isfinite(least), least, 0.0)
-    return int(np.count_nonzero(pressed & (result["contacts/peak_force"] > 0)))
+    found = 0
+    for limit, overlap, force in result.blocks(
+        "contacts/yield_overlap", "contacts/peak_overlap", "contacts/peak_force"
+    ):
+        least = LISTED_FROM * limit
+        pressed = overlap > np.where(np.isfinite(least), least, 0.0)
+        found += int(np.count_nonzero(pressed & (force > 0)))
+    return found
+
+
+def _count(result: Result, name: str) -> int:
+    """Rows of a column that are not zero."""
+    return sum(int(np.count_nonzero(values)) for (values,) in result.blocks(name))
+
+
+def _largest(result: Result, name: str) -> float:
+    """Largest value of a column, at least 0."""
+    return max(float(np.max(values, initial=0.0)) for (values,) in result.blocks(name))
 
 
 def _contacts(result: Result) -> Summary:
-    overlaps = result["contacts/peak_overlap"]
-
     def beyond(share: float) -> int | None:
-        return int(np.count_nonzero(result.beyond_law(share))) if result.has_law_limit else None
+        if not result.has_law_limit:
+            return None
+        columns = result.blocks("contacts/peak_overlap", "contacts/effective_radius")
+        return sum(int(np.count_nonzero(overlap > share * radius)) for overlap, radius in columns)
 
     return {
-        "peak_force_N": float(np.max(result["contacts/peak_force"], initial=0.0)),
-        "peak_overlap_m": float(np.max(overlaps, initial=0.0)),
+        "peak_force_N": _largest(result, "contacts/peak_force"),
+        "peak_overlap_m": _largest(result, "contacts/peak_overlap"),
         "contacts_beyond_law": beyond(LAW_LIMIT),
         "contacts_beyond_half_law": beyond(HALF_LAW_LIMIT),
         "n_wall_contacts": len(result["wall_contacts/id"]),
@@ -196,7 +222,7 @@ def _plasticity(result: Result) -> Summary:
     zone = zone_of(result)
     yields = result.yields
     return {
-        "n_plastic_contacts": int(np.count_nonzero(result["contacts/yielded"])),
+        "n_plastic_contacts": _count(result, "contacts/yielded"),
         "n_plastic_spheres": zone.n_spheres,
         "plastic_zone_volume_m3": zone.volume if yields else None,
         "plastic_zone_depth_m": zone.depth if yields else None,

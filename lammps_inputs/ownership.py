@@ -24,6 +24,7 @@ from granwave.lammps_inputs.run_directory import (
     SCAN_WORK,
     SUITE,
     Marker,
+    files_of,
 )
 from granwave.lammps_inputs.unmarked_results import recognise
 
@@ -114,8 +115,10 @@ def foreign(directory: Path, names: Iterable[str], marker: Marker | None = None)
     for name in names:
         if obstacle := _obstacle(directory, name):
             found.append(obstacle)
-        elif name not in own and not name.endswith("/") and os.path.lexists(directory / name):
-            found.append(name)
+        elif name not in own and not name.endswith("/"):
+            found += [
+                file for file in files_of(directory, name) if file not in own and os.path.lexists(directory / file)
+            ]
     return list(dict.fromkeys(found))
 
 
@@ -146,16 +149,20 @@ def figure_files(name: str) -> list[str]:
 
 
 def output_names(directory: Path) -> list[str]:
-    """Return the names of the files that LAMMPS writes to dumps/ for the deck in a directory."""
+    """Return the names of the files that LAMMPS writes to dumps/ for the deck in a directory.
+
+    Where each rank writes its own file they are those that there are; without any it is the name with "%".
+    """
     marker = read_marker(directory)
-    return [name for name in (marker.files if marker else ()) if name.startswith(f"{DUMPS}/")]
+    names = [name for name in (marker.files if marker else ()) if name.startswith(f"{DUMPS}/")]
+    return list(dict.fromkeys(file for name in names for file in files_of(directory, name) or [name]))
 
 
 def results_in(directory: Path) -> list[str]:
     """Return the names of the results in a directory, without the files that a scan keeps beside the run of a point."""
     marker = read_marker(directory)
     names = [name for name in (marker.files if marker else ()) if name not in POINT_FILES]
-    return [name for name in names if own_file(directory, name) is not None]
+    return [name for name in names if any(own_file(directory, file) is not None for file in files_of(directory, name))]
 
 
 def refuse_other_kind(directory: Path, kind: str) -> None:
@@ -192,15 +199,18 @@ def clear(directory: Path, names: Collection[str] | None = None) -> None:
     marker = read_marker(directory)
     if marker is None:
         return
-    chosen = [name for name in marker.files if (name not in POINT_FILES if names is None else name in names)]
+    if names is None:
+        chosen = [name for name in marker.files if name not in POINT_FILES]
+    else:
+        chosen = [name for name in marker.files if not set(names).isdisjoint([name, *files_of(directory, name)])]
     if names is not None and not chosen:
         return
     for name in chosen:
-        path = own_file(directory, name)
-        if path is not None and name.endswith("/"):
-            _clear_nested(path)
-        elif path is not None:
-            path.unlink()
+        for path in [own_file(directory, file) for file in files_of(directory, name)]:
+            if path is not None and name.endswith("/"):
+                _clear_nested(path)
+            elif path is not None:
+                path.unlink()
         del marker.files[name]
     if names is None:
         marker.case = ""

@@ -11,8 +11,9 @@ marker; `granwave.lammps_inputs.unmarked_results` recognises them by the content
 from __future__ import annotations
 
 import dataclasses
+import glob
 import json
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 from granwave import __version__
 from granwave.lammps_inputs.files import replace_text
@@ -38,9 +39,11 @@ VIEW_FILE, FILM_FILE = "view.html", "film.{}"  # page to turn and cut the packin
 DUMPS = "dumps"
 ENERGY_FILE, WALLS_FILE, PROBES_FILE = "energy.txt", "walls.txt", "probes.txt"
 FRAMES_FILES = {"binary": "spheres.bin", "text": "spheres.dump"}  # by `output.dump_format`
-FRAMES_PART = "spheres-{}.bin"  # of a resumed run, with the step that it was resumed from
+FRAMES_RESUMED = {"binary": "spheres-{}.bin", "text": "spheres-{}.dump"}  # with the step that it was resumed from
 HISTORY_FILE, FORCES_FILE = "history.dump", "forces.dump"
 CONTACTS_FILE, WALL_CONTACTS_FILE = "contacts.dump", "wall_{}.dump"  # with the name of the wall's fix
+COUNT_FILE = "contacts.txt"  # number of contacts, where each rank writes its own
+RANK = "%"  # in the name of a dump, stands for the number of the rank that writes it
 STATIC_STAGE_FILE, STATIC_FILE = "prestage.txt", "static.lmp"
 
 # Of a scan, of a suite of scans, and of a point beside its run.
@@ -73,7 +76,7 @@ class Marker:
         Text of case.toml at the start of the run; empty if there is none.
     files
         Sizes in bytes by name relative to the directory; None for files whose size was not noted. A name that ends
-        in "/" is a directory of results with a marker of its own.
+        in "/" is a directory of results with a marker of its own; one with "%" stands for the files of all ranks.
     digests
         Digests of the files of the deck as granwave wrote them, by name.
     """
@@ -89,6 +92,25 @@ class Marker:
         self.version = __version__
         self.digests = {name: digest for name, digest in self.digests.items() if name in self.files}
         replace_text(directory / MARKER, json.dumps(dataclasses.asdict(self), indent=1) + "\n")
+
+
+def of_each_rank(name: str) -> str:
+    """Return the name of a dump of which each rank writes a part, such as ``spheres.%.bin``."""
+    path = PurePosixPath(name)
+    return str(path.with_suffix(f".{RANK}{path.suffix}"))
+
+
+def files_of(directory: Path, name: str) -> list[str]:
+    """Return the names of the files that a name stands for: itself, or those of all ranks that there are, in order."""
+    if RANK not in name:
+        return [name]
+    folder, (before, after) = (directory / name).parent, PurePosixPath(name).name.split(RANK)
+    found = {}
+    for path in folder.glob(f"{glob.escape(before)}*{glob.escape(after)}"):
+        number = path.name.removeprefix(before).removesuffix(after)
+        if number.isascii() and number.isdecimal():
+            found[int(number)] = str(PurePosixPath(name).with_name(path.name))
+    return [found[number] for number in sorted(found)]
 
 
 def is_scan(directory: str | Path) -> bool:

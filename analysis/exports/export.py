@@ -121,6 +121,10 @@ def _check_format(to: str) -> None:
 
 
 def _export_recipe(directory: Path, output: Path) -> list[Path]:
+    if ovito_scene.in_parts(directory):
+        raise InputError(
+            f"{directory}: each rank wrote its own dumps (output.parts), which OVITO does not join; use --to vtp"
+        )
     if missing := ovito_scene.missing_files(directory):
         raise InputError(
             f"{directory}: {', '.join(missing)} missing; OVITO reads what LAMMPS wrote: expected the directory of a "

@@ -128,6 +128,11 @@ def missing_files(run: Path) -> list[str]:
     return [name for name in (*NEEDED, *([] if found else SNAPSHOTS[:1])) if not (run / name).is_file()]
 
 
+def in_parts(run: Path) -> bool:
+    """Return True if each rank wrote its own dumps, which OVITO does not join."""
+    return (run / "dumps" / "contacts.0.dump").is_file()
+
+
 def _columns(path: Path) -> list[str]:
     """Return OVITO's names for the columns of the contacts, from the header; empty without contacts."""
     ids = {"i": "Particle Identifiers.1", "j": "Particle Identifiers.2"}
@@ -153,6 +158,8 @@ def main() -> None:
     parser.add_argument("--picture", type=Path, help="render the last snapshot too (.png)")
     options = parser.parse_args()
     run = options.run.resolve()
+    if in_parts(run):
+        raise SystemExit(f"{run}: each rank wrote its own dumps, which OVITO does not join; granwave export --to vtp")
     if missing := missing_files(run):
         raise SystemExit(f"{run}: {', '.join(missing)} missing; give the directory of a finished run")
 

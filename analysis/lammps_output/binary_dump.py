@@ -5,11 +5,10 @@ A snapshot is a header of integers and the box, the names of the columns, and a 
 
 from __future__ import annotations
 
-import os
+import contextlib
 import struct
 from collections.abc import Iterator
 from pathlib import Path
-from typing import BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,8 +23,15 @@ _ENDIAN, _REVISION = 1, 2
 _LONGEST_TEXT = 1 << 20  # bytes of the names of columns, far more than any dump has
 
 
-def binary_frames(path: Path) -> Iterator[Frame]:
+def binary_frames(path: Path, at_once: int | None = None) -> Iterator[Frame]:
     """Iterate over the snapshots of a binary dump, in the order of the file.
+
+    The file is open only while a frame is read, so that the dumps of thousands of ranks can be read side by side.
+
+    Parameters
+    ----------
+    at_once
+        Largest number of rows in a frame; None: a frame holds a whole snapshot.
 
     Raises
     ------
@@ -34,20 +40,34 @@ def binary_frames(path: Path) -> Iterator[Frame]:
     OutputFormatError
         It is damaged, or was written on a machine with another order of bytes, or by a LAMMPS before 2021.
     """
-    with open(path, "rb") as file:
-        size, number = os.fstat(file.fileno()).st_size, 0
-        while file.tell() < size:
-            yield _Snapshot(path, file, size, number).read()
-            number += 1
+    size, place, number = path.stat().st_size, 0, 0
+    while place < size:
+        snapshot = _Snapshot(path, size, number)
+        with snapshot.open_at(place):
+            snapshot.read_header()
+        while (frame := snapshot.next_frame(at_once)).more:
+            yield frame
+        place = snapshot.place
+        number += 1
+        yield frame
 
 
 class _Snapshot:
-    """One snapshot at the present place of a file."""
+    """One snapshot of a file; ``place`` is where the next frame begins."""
 
-    def __init__(self, path: Path, file: BinaryIO, size: int, number: int) -> None:
-        self.path, self.file, self.size, self.number = path, file, size, number
+    def __init__(self, path: Path, size: int, number: int) -> None:
+        self.path, self.size, self.number = path, size, number
 
-    def read(self) -> Frame:
+    @contextlib.contextmanager
+    def open_at(self, place: int) -> Iterator[None]:
+        """Open the file at a place, and note at which place it is left."""
+        with open(self.path, "rb") as self.file:
+            self.file.seek(place)
+            yield
+            self.place = self.file.tell()
+
+    def read_header(self) -> None:
+        """Read all that comes before the rows."""
         (length,) = self._values("q")
         if length != -len(_MAGIC) or self._bytes(len(_MAGIC)) != _MAGIC:
             raise self._damaged("expected the header of a binary dump of LAMMPS")
@@ -72,35 +92,64 @@ class _Snapshot:
             raise self._damaged(f"found step {step}, {n_rows} rows, {n_columns} columns ({' '.join(columns)})")
         if not np.all(np.isfinite(box)):
             raise self._damaged("the box is not finite")
-        return Frame(step, box, columns, self._rows(n_rows, columns, n_blocks))
+        self.step, self.box, self.columns, self.n_rows = step, box, columns, n_rows
+        self.rows_read, self.blocks_left, self.left_in_block = 0, n_blocks, 0
+        self._check_room(8 * n_rows * len(columns))
 
-    def _rows(self, n_rows: int, columns: tuple[str, ...], n_blocks: int) -> NDArray[np.float64]:
-        n_values = n_rows * len(columns)
-        self._check_room(8 * n_values)
+    def next_frame(self, at_once: int | None) -> Frame:
+        """Read the next rows, at most so many."""
+        n_rows = self.n_rows - self.rows_read
+        n_rows = n_rows if at_once is None else min(n_rows, at_once)
+        with self.open_at(self.place):
+            values = self._read_values(n_rows * len(self.columns))
+            last = self.rows_read + n_rows == self.n_rows
+            if last:
+                self._end_blocks()
+        table = values.reshape(n_rows, len(self.columns))
+        self._check_values(table, self.columns)
+        self.rows_read += n_rows
+        return Frame(self.step, self.box, self.columns, table, more=not last)
+
+    def _read_values(self, n_values: int) -> NDArray[np.float64]:
+        """Read values from as many blocks as they take."""
         values, done = np.empty(n_values), 0
-        for _ in range(n_blocks):
-            (n,) = self._values("i")
-            if n < 0 or done + n > n_values:
-                raise self._damaged(f"found more than {n_rows} rows")
+        while done < n_values:
+            if not self.left_in_block and not self._next_block():
+                found = self.rows_read + done // max(1, len(self.columns))
+                raise self._damaged(f"found {found} of {self.n_rows} rows")
+            n = min(self.left_in_block, n_values - done)
             self._check_room(8 * n)
-            done += self.file.readinto(values[done : done + n]) // 8  # type: ignore[attr-defined]
-        if done != n_values:
-            raise self._damaged(f"found {done // max(1, len(columns))} of {n_rows} rows")
-        table = values.reshape(n_rows, len(columns))
-        self._check_values(table, columns)
-        return table
+            self.file.readinto(values[done : done + n])  # type: ignore[arg-type]
+            done += n
+            self.left_in_block -= n
+        return values
+
+    def _next_block(self) -> bool:
+        """Go on to the next block that is not empty; return False if there is none."""
+        while self.blocks_left and not self.left_in_block:
+            (self.left_in_block,) = self._values("i")
+            if self.left_in_block < 0:
+                raise self._damaged(f"found a block of {self.left_in_block} values")
+            self.blocks_left -= 1
+        return self.left_in_block > 0
+
+    def _end_blocks(self) -> None:
+        """Check that the blocks end with the rows."""
+        if self.left_in_block or self._next_block():
+            raise self._damaged(f"found more than {self.n_rows} rows")
 
     def _check_values(self, table: NDArray[np.float64], columns: tuple[str, ...]) -> None:
         finite = np.isfinite(table)
         if not finite.all():
             row, column = np.argwhere(~finite)[0]
-            raise self._damaged(
-                f"row {row}: found {table[row, column]} for {columns[column]}, expected a finite number"
-            )
+            found = f"found {table[row, column]} for {columns[column]}"
+            raise self._damaged(f"row {self.rows_read + row}: {found}, expected a finite number")
         for n, name in enumerate(columns):
             if name in WHOLE and np.any(strange := table[:, n] != np.rint(table[:, n])):
                 row = int(np.argmax(strange))
-                raise self._damaged(f"row {row}: found {table[row, n]} for {name}, expected a whole number")
+                raise self._damaged(
+                    f"row {self.rows_read + row}: found {table[row, n]} for {name}, expected a whole number"
+                )
 
     def _text(self) -> str:
         (length,) = self._values("i")
@@ -124,4 +173,5 @@ class _Snapshot:
         return OutputFormatError(f"{self._place()}: {fault}; {DAMAGED}")
 
     def _place(self) -> str:
-        return f"{self.path}: byte {self.file.tell()} (snapshot {self.number})"
+        place = self.place if self.file.closed else self.file.tell()
+        return f"{self.path}: byte {place} (snapshot {self.number})"

@@ -7,30 +7,36 @@ at a time.
 from __future__ import annotations
 
 import dataclasses
+import functools
 import itertools
 import logging
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
-from granwave.analysis.lammps_output.binary_dump import BINARY, binary_frames
-from granwave.analysis.lammps_output.frame import CutShortError, Frame
+from granwave.analysis.lammps_output.dump_files import (
+    contacts_files,
+    frames_dumps,
+    frames_of_all,
+    missing_dump,
+)
+from granwave.analysis.lammps_output.frame import CutShortError, Frame, joined
 from granwave.analysis.lammps_output.number_rows import AGAIN, CUT, DAMAGED, read_rows, whole_number
-from granwave.analysis.lammps_output.text_dump import Lines, text_frames
+from granwave.analysis.lammps_output.text_dump import Lines, rows_without_header
 from granwave.lammps_inputs.deck import columns
 from granwave.lammps_inputs.ownership import output_names
 from granwave.lammps_inputs.run_directory import (
-    CASE_FILE,
     CONTACTS_FILE,
+    COUNT_FILE,
     DATA_FILE,
     DUMPS,
     FORCES_FILE,
-    FRAMES_FILES,
-    FRAMES_PART,
     HISTORY_FILE,
     WALL_CONTACTS_FILE,
+    of_each_rank,
 )
 
 # Columns that the readers require; others are optional, see `Frame.get`.
@@ -48,9 +54,8 @@ log = logging.getLogger(__name__)
 def read_frames(directory: str | Path, *, partial: bool = True) -> Iterator[Frame]:
     """Iterate over the snapshots of ``dumps/spheres.bin`` or ``spheres.dump``, `SPHERE_COLUMNS`, rows sorted by id.
 
-    Those of a resumed run with binary dumps follow in files of their own.
-
-    If a step was written twice (resumed run), the first is used.
+    Where each rank wrote a file of its own, their rows are joined. The snapshots of resumed runs follow in files of
+    their own. If a step was written twice (resumed run), the first is used.
 
     Parameters
     ----------
@@ -64,29 +69,20 @@ def read_frames(directory: str | Path, *, partial: bool = True) -> Iterator[Fram
     OutputFormatError
         The file lacks a column, a snapshot is damaged, or none is complete.
     """
-    paths = [frames_path(directory), *_parts_of_resumed(Path(directory))]
-    parts = (_frames(path, SPHERE_COLUMNS, sort_by="id", partial=partial) for path in paths)
-    yield from _rising(itertools.chain.from_iterable(parts))
+    dumps = frames_dumps(Path(directory))
+    yield from _rising(
+        itertools.chain.from_iterable(_frames(one, SPHERE_COLUMNS, "id", partial=partial) for one in dumps)
+    )
 
 
-def frames_path(directory: str | Path) -> Path:
-    """Return the path of the dump of snapshots, binary or text; raise MissingOutputError if there is none."""
-    names = [*FRAMES_FILES.values()]
-    there = [name for name in names if (Path(directory) / DUMPS / name).exists()]
-    listed = [name for name in names if f"{DUMPS}/{name}" in output_names(Path(directory))]
-    return _dump(directory, (there or listed or names)[0])
+def read_frames_in_parts(directory: str | Path, at_once: int) -> Iterator[Frame]:
+    """Iterate over the same snapshots, each in frames of at most so many rows; raise as `read_frames`.
 
-
-def _parts_of_resumed(directory: Path) -> list[Path]:
-    """Return the paths of the snapshots that resumed runs wrote, in order of time; a part may have none."""
-    before, after = FRAMES_PART.split("{}")
-    found = {
-        int(step): path
-        for path in (directory / DUMPS).glob(FRAMES_PART.format("*"))
-        if (step := path.name.removeprefix(before).removesuffix(after)).isdecimal() and path.stat().st_size
-    }
-    own = output_names(directory)
-    return [found[step] for step in sorted(found) if not own or f"{DUMPS}/{found[step].name}" in own]
+    Only the rows of a frame are sorted; those of a snapshot are, as LAMMPS writes them.
+    """
+    dumps = frames_dumps(Path(directory))
+    pieces = itertools.chain.from_iterable(_pieces(one, SPHERE_COLUMNS, at_once) for one in dumps)
+    yield from (frame.sorted_by("id") for frame in _rising(pieces))
 
 
 def read_history(directory: str | Path) -> Iterator[Frame]:
@@ -106,7 +102,47 @@ def read_contacts(directory: str | Path) -> Frame:
     initial (initial dent): overlaps in m, forces in N, energies in J, times in s (-1: never). Raise as
     `read_frames`.
     """
-    return _only_frame(_dump(directory, CONTACTS_FILE), CONTACT_COLUMNS)
+    *_, frame = joined(read_contacts_in_parts(directory))
+    return frame
+
+
+def read_contacts_in_parts(directory: str | Path, at_once: int | None = None) -> Iterator[Frame]:
+    """Iterate over the rows of `read_contacts`, at most so many at once; raise as `read_frames`.
+
+    Raises
+    ------
+    OutputFormatError
+        The files of all ranks together hold fewer or more rows than were written.
+    """
+    first, *others = contacts_files(Path(directory))
+    n_rows, frame, in_parts = 0, None, first.name != CONTACTS_FILE
+    for frame in _pieces([first], CONTACT_COLUMNS, at_once):
+        n_rows += len(frame)
+        yield frame.followed() if in_parts else frame
+    assert frame is not None  # else there was no complete snapshot
+    for other in others:
+        try:
+            for rows in rows_without_header(other, frame, at_once):
+                n_rows += len(rows)
+                yield rows
+        except CutShortError as error:
+            raise OutputFormatError(f"{error}; {CUT}") from None
+    if in_parts:
+        _check_count(first.with_name(of_each_rank(CONTACTS_FILE)), n_rows)
+        yield dataclasses.replace(frame, values=frame.values[:0], more=False)
+
+
+def _check_count(path: Path, n_rows: int) -> None:
+    """Compare the number of contacts in the files of all ranks with that which LAMMPS noted."""
+    noted = path.with_name(COUNT_FILE)
+    if not noted.exists():
+        raise MissingOutputError(f"{noted} is missing; {AGAIN}")
+    expected = whole_number(noted.read_text(encoding="ascii", errors="replace"), "number of contacts", str(noted))
+    if n_rows != expected:
+        raise OutputFormatError(
+            f"{path} (all ranks): found {n_rows} contacts, {noted.name} says {expected}: a file was cut or "
+            f"belongs to another run; {AGAIN}"
+        )
 
 
 def read_wall_contacts(directory: str | Path) -> dict[str, Frame]:
@@ -120,7 +156,7 @@ def read_wall_contacts(directory: str | Path) -> dict[str, Frame]:
     for path in _wall_dumps(Path(directory)):  # wall_NAME, and wall_NAME_2 for further materials
         found.setdefault(path.stem.split("_")[1], []).append(_only_frame(path, ("id", *WALL_COLUMNS), sort_by="id"))
     return {
-        name: _sorted(dataclasses.replace(parts[0], values=np.concatenate([part.values for part in parts])), "id")
+        name: dataclasses.replace(parts[0], values=np.concatenate([part.values for part in parts])).sorted_by("id")
         for name, parts in found.items()
     }
 
@@ -131,15 +167,13 @@ def _wall_dumps(directory: Path) -> list[Path]:
     return [path for path in paths if not own or f"{DUMPS}/{path.name}" in own]
 
 
-def check_ids(path: Path, frame: Frame, everything: Frame) -> None:
-    """Raise OutputFormatError if a dump names a particle that is not in ``everything``, read by `read_data`."""
-    for column in [name for name in ("i", "j", "id") if name in frame.columns]:
-        strange = np.setdiff1d(frame[column], everything["id"])
-        if len(strange):
-            raise OutputFormatError(
-                f"{path}: found a contact of particle {strange[0]:.0f}, which data.granwave does not hold: the files "
-                f"belong to different runs, or one is damaged; {AGAIN}"
-            )
+def refuse_ids(path: Path, strange: NDArray[np.float64]) -> None:
+    """Raise OutputFormatError if a dump names particles that the data file does not hold."""
+    if len(strange):
+        raise OutputFormatError(
+            f"{path}: found a contact of particle {strange.min():.0f}, which data.granwave does not hold: the files "
+            f"belong to different runs, or one is damaged; {AGAIN}"
+        )
 
 
 def read_data(directory: str | Path) -> Frame:
@@ -154,6 +188,12 @@ def read_data(directory: str | Path) -> Frame:
     OutputFormatError
         The file holds fewer spheres than its header says, or is damaged.
     """
+    (frame,) = joined(read_data_in_parts(directory))
+    return frame.sorted_by("id")
+
+
+def read_data_in_parts(directory: str | Path, at_once: int | None = None) -> Iterator[Frame]:
+    """Iterate over the rows of `read_data` as they are in the file, at most so many at once; raise as it does."""
     path = Path(directory) / DATA_FILE
     if not path.exists():
         raise MissingOutputError(f"{path} is missing; {AGAIN}")
@@ -174,17 +214,29 @@ def read_data(directory: str | Path) -> Frame:
                 break
         if not n_spheres:
             raise OutputFormatError(f"{path} does not say how many atoms it holds; {DAMAGED}")
-        lines.take(1)
-        rows = lines.take(n_spheres)
-        if len(rows) < n_spheres:
+        if missing := [name for name in DATA_COLUMNS if name not in columns]:
             raise OutputFormatError(
-                f"{lines.place()}: found {len(rows)} of {n_spheres} rows under Atoms ({' '.join(columns)}); {CUT}"
+                f"{path} lacks the columns {', '.join(missing)}; it has {' '.join(columns)}; {AGAIN}"
             )
-        values = read_rows(rows, columns, lambda row: lines.place(n_spheres - 1 - row))
-    if missing := [name for name in DATA_COLUMNS if name not in columns]:
-        raise OutputFormatError(f"{path} lacks the columns {', '.join(missing)}; it has {' '.join(columns)}; {AGAIN}")
-    frame = Frame(0, box, columns, values)
-    return _sorted(Frame(0, box, DATA_COLUMNS, np.ascontiguousarray(frame.vector(*DATA_COLUMNS))), "id")
+        lines.take(1)
+        n_read = 0
+        while n_read < n_spheres:
+            n_rows = min(at_once or n_spheres, n_spheres - n_read)
+            rows = lines.take(n_rows)
+            n_read += len(rows)
+            if len(rows) < n_rows:
+                raise OutputFormatError(
+                    f"{lines.place()}: found {n_read} of {n_spheres} rows under Atoms ({' '.join(columns)}); {CUT}"
+                )
+            read = read_rows(rows, columns, functools.partial(_place_of_row, lines, n_rows))
+            frame = Frame(0, box, columns, read)
+            values = np.ascontiguousarray(frame.vector(*DATA_COLUMNS))
+            yield Frame(0, box, DATA_COLUMNS, values, more=n_read < n_spheres)
+
+
+def _place_of_row(lines: Lines, n_rows: int, row: int) -> str:
+    """Return the place of one of the rows that were just read."""
+    return lines.place(n_rows - 1 - row)
 
 
 def _rising(frames: Iterator[Frame]) -> Iterator[Frame]:
@@ -192,50 +244,47 @@ def _rising(frames: Iterator[Frame]) -> Iterator[Frame]:
     last_step = -1
     for frame in frames:
         if frame.step > last_step:
-            last_step = frame.step
             yield frame
+            last_step = last_step if frame.more else frame.step
 
 
-def _dump(directory: str | Path, name: str) -> Path:
+def _dump(directory: str | Path, name: str) -> list[Path]:
     path = Path(directory) / DUMPS / name
     if not path.exists():
-        raise MissingOutputError(
-            f"{path} is missing: the run did not get as far as writing it; finish the run "
-            f"(granwave run {Path(directory) / CASE_FILE} -o {directory} --resume)"
-        )
-    return path
+        raise missing_dump(directory, path)
+    return [path]
 
 
 def _only_frame(path: Path, required: tuple[str, ...], sort_by: str | None = None) -> Frame:
-    *_, frame = _frames(path, required, sort_by)
+    *_, frame = _frames([path], required, sort_by)
     return frame
 
 
 def _frames(
-    path: Path, required: tuple[str, ...], sort_by: str | None = None, *, partial: bool = False
+    paths: list[Path], required: tuple[str, ...], sort_by: str | None = None, *, partial: bool = False
 ) -> Iterator[Frame]:
     """Iterate over the snapshots of a dump; with ``partial`` a truncated last one is skipped with a warning."""
-    number = 0
-    read = binary_frames if path.suffix == BINARY else text_frames
+    for frame in joined(_pieces(paths, required, partial=partial)):
+        yield frame.sorted_by(sort_by) if sort_by else frame
+
+
+def _pieces(
+    paths: list[Path], required: tuple[str, ...], at_once: int | None = None, *, partial: bool = False
+) -> Iterator[Frame]:
+    """Iterate over the snapshots of a dump as `frames_of_all` does; check their columns, and that there is one."""
+    number, path = 0, paths[0]
     try:
-        for frame in read(path):
+        for frame in frames_of_all(paths, at_once):
             if missing := [name for name in required if name not in frame.columns]:
                 raise OutputFormatError(
                     f"{path}: snapshot {number} lacks the columns {', '.join(missing)}; it has "
                     f"{' '.join(frame.columns)}; {AGAIN}"
                 )
-            number += 1
-            yield _sorted(frame, sort_by) if sort_by else frame
+            yield frame
+            number += not frame.more
     except CutShortError as error:
         if not partial:
             raise OutputFormatError(f"{error}; {CUT}") from None
         log.warning("%s: snapshot %d is cut short and left out", path, number)
     if not number:
         raise OutputFormatError(f"{path} holds no complete snapshot; {AGAIN}")
-
-
-def _sorted(frame: Frame, name: str) -> Frame:
-    key = frame[name]
-    if np.any(key[1:] < key[:-1]):
-        frame.values[:] = frame.values[np.argsort(key, kind="stable")]
-    return frame

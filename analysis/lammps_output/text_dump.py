@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 from collections.abc import Iterator
 from pathlib import Path
+
+import numpy as np
 
 from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.lammps_output.frame import CutShortError, Frame
@@ -26,8 +29,8 @@ class Lines:
     def __exit__(self, *_: object) -> None:
         self._file.close()
 
-    def take(self, n: int) -> list[str]:
-        """Return the next n lines, or those that are left."""
+    def take(self, n: int | None) -> list[str]:
+        """Return the next n lines, or those that are left; all of them if n is None."""
         found = list(itertools.islice(self._file, n))
         self.n_read += len(found)
         return found
@@ -37,8 +40,13 @@ class Lines:
         return f"{self.path}: line {self.n_read - back}"
 
 
-def text_frames(path: Path) -> Iterator[Frame]:
+def text_frames(path: Path, at_once: int | None = None) -> Iterator[Frame]:
     """Iterate over the snapshots of a text dump, of ``dump custom`` or ``dump local``, in the order of the file.
+
+    Parameters
+    ----------
+    at_once
+        Largest number of rows in a frame; None: a frame holds a whole snapshot.
 
     Raises
     ------
@@ -49,24 +57,55 @@ def text_frames(path: Path) -> Iterator[Frame]:
     """
     with Lines(path) as lines:
         for number in itertools.count():
-            if (frame := _next_frame(lines, number)) is None:
+            if (header := _header(lines, number)) is None:
                 return
-            yield frame
+            yield from _frames(lines, header, number, at_once)
 
 
-def _next_frame(lines: Lines, number: int) -> Frame | None:
-    """Read the next snapshot; None at the end of the file."""
-    header = _header(lines, number)
-    if header is None:
-        return None
-    columns, n_rows = tuple(header["columns"][0].split()[2:]), int(header["NUMBER OF"][0])
-    rows = lines.take(n_rows)
-    if len(rows) < n_rows or (rows and not rows[-1].endswith("\n")):
-        raise CutShortError(lines.place(), number)
-    values = read_rows(rows, columns, lambda row: f"{lines.place(n_rows - 1 - row)} (snapshot {number})")
+def rows_without_header(path: Path, like: Frame, at_once: int | None = None) -> Iterator[Frame]:
+    """Iterate over the rows of a file of nothing else, as LAMMPS writes for all ranks but the first.
+
+    Parameters
+    ----------
+    like
+        Frame of the file that has a header.
+    at_once
+        Largest number of rows in a frame.
+
+    Raises
+    ------
+    CutShortError
+        The file ends within a row.
+    OutputFormatError
+        It is damaged.
+    """
+    with Lines(path) as lines:
+        while rows := lines.take(at_once):
+            yield _frame(lines, rows, dataclasses.replace(like, more=True), 0)
+
+
+def _frames(lines: Lines, header: dict[str, list[str]], number: int, at_once: int | None) -> Iterator[Frame]:
+    """Iterate over the rows of the snapshot of a header."""
     bounds = [" ".join(line.split()[:2]) for line in header["BOX BOUNDS"]]
     box = read_rows(bounds, ("low", "high"), lambda _: f"{lines.path}: box of snapshot {number}")
-    return Frame(int(header["TIMESTEP"][0]), box, columns, values)
+    columns, left = tuple(header["columns"][0].split()[2:]), int(header["NUMBER OF"][0])
+    frame = Frame(int(header["TIMESTEP"][0]), box, columns, np.empty((0, len(columns))), more=True)
+    while frame.more:
+        n_rows = left if at_once is None else min(left, at_once)
+        rows, left = lines.take(n_rows), left - n_rows
+        if len(rows) < n_rows:
+            raise CutShortError(lines.place(), number)
+        frame = _frame(lines, rows, dataclasses.replace(frame, more=left > 0), number)
+        yield frame
+
+
+def _frame(lines: Lines, rows: list[str], like: Frame, number: int) -> Frame:
+    """Return the frame of rows of text that were just read; all but the values is that of another."""
+    if rows and not rows[-1].endswith("\n"):
+        raise CutShortError(lines.place(), number)
+    last = len(rows) - 1
+    values = read_rows(rows, like.columns, lambda row: f"{lines.place(last - row)} (snapshot {number})")
+    return dataclasses.replace(like, values=values)
 
 
 def _header(lines: Lines, number: int) -> dict[str, list[str]] | None:

@@ -28,7 +28,11 @@ def sensor_forces(result: Result) -> Arrays:
 
 def sensor_accelerations(result: Result) -> Arrays:
     """Acceleration of every sensor at the instants of ``/probes/time``, by its name: (n_times, 3), m/s^2."""
-    return {name: force / result["spheres/mass"][result.rows(sphere)] for name, sphere, force in _probed(result, "f")}
+    found = {}
+    for name, sphere, force in _probed(result, "f"):
+        row = int(result.rows(sphere))
+        found[name] = force / result.rows_read("spheres/mass", slice(row, row + 1))[0]
+    return found
 
 
 def sensor_velocities(result: Result) -> Arrays:

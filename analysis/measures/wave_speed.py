@@ -49,6 +49,11 @@ def wave_speed(
     mean, layer = layers(depth, radii, diameter)
     first = np.full(len(mean), np.inf)
     np.fmin.at(first, layer, arrival)
+    return _slope(mean, first, diameter)
+
+
+def _slope(mean: NDArray[np.float64], first: NDArray[np.float64], diameter: float) -> float | None:
+    """Return the `wave_speed` of layers, from the depth of each and when it was reached first (inf: never)."""
     reached = np.isfinite(first) & (mean > -_STRUCK_LAYER * diameter)
     z, time = mean[reached], first[reached]
     used = slice(max(_LEAD, len(z) // 2), None)
@@ -69,8 +74,7 @@ def wave_speed_of(result: Result) -> float | None:
     """
     diameter = result.case.packing.diameter
     if result.case.precompression is None:
-        depth = result["spheres/position"][:, 2] - result.origin[2]
-        return wave_speed(depth, result["spheres/time_first"], diameter, result["spheres/radius"])
+        return _slope(*_arrivals(result, diameter), diameter)
     if "chain" not in result:
         return None
     rise = result["chain/contact_force"] - result["chain/contact_force"][0]
@@ -78,3 +82,25 @@ def wave_speed_of(result: Result) -> float | None:
     passed = (largest >= _RISEN * largest.max()) & (rise.argmax(axis=0) < len(rise) - 1)
     arrival = np.where(passed, result["chain/time"][(rise > _ARRIVED * largest).argmax(axis=0)], np.nan)
     return wave_speed(result["chain/contact_position"] - result.origin[2], arrival, diameter)
+
+
+def _arrivals(result: Result, diameter: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the depth of each layer, m, and when a contact of its spheres was first loaded, s; inf: never.
+
+    Spheres of a layer have few different depths, which are sorted into layers first.
+    """
+    top, depths, smallest = result.origin[2], np.empty(0), np.inf
+    for positions, radii in result.blocks("spheres/position", "spheres/radius"):
+        depths = np.union1d(depths, positions[:, 2] - top)
+        smallest = min(smallest, radii.min(initial=np.inf))
+    mean, layer_of = layers(depths, np.array([smallest]), diameter)
+    n_spheres, first = np.zeros(len(mean), dtype=np.int64), np.full(len(mean), np.inf)
+    total: NDArray[np.float64] = np.zeros(len(mean))
+    every = np.arange(len(mean))
+    for positions, arrival in result.blocks("spheres/position", "spheres/time_first"):
+        depth = positions[:, 2] - top
+        layer = layer_of[np.searchsorted(depths, depth)]
+        total = np.bincount(np.append(every, layer), np.append(total, depth)).astype(np.float64)  # in one order for all
+        n_spheres += np.bincount(layer, minlength=len(mean))
+        np.fmin.at(first, layer, arrival)
+    return total / n_spheres, first

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.errors import OutputFormatError
-from granwave.analysis.lammps_output.dumps import check_ids, read_forces, read_history
+from granwave.analysis.lammps_output.dumps import read_forces, read_history, refuse_ids
 from granwave.analysis.lammps_output.frame import Frame
 from granwave.analysis.lammps_output.number_rows import AGAIN, CUT
 from granwave.lammps_inputs.case.case import Case
@@ -115,7 +115,7 @@ def _forces(
     forces = np.zeros((len(steps), len(first)))
     path = directory / "dumps" / "forces.dump"
     for frame in read_forces(directory):
-        check_ids(path, frame, start)
+        refuse_ids(path, np.setdiff1d(frame.vector("i", "j"), start["id"]))
         n = row.pop(frame.step, None)
         if n is None:
             continue

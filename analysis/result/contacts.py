@@ -120,6 +120,7 @@ def touching_pairs(
     radii: NDArray[np.float64],
     tolerance: float,
     periods: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    low: NDArray[np.float64] | None = None,
 ) -> NDArray[np.int64]:
     """Find the pairs of spheres that touch.
 
@@ -135,6 +136,8 @@ def touching_pairs(
         Largest gap of touching spheres, m; overlapping ones are included.
     periods
         Length of the box along periodic axes, 0 along others, m.
+    low
+        Lowest coordinates of all spheres, if these are a part of them: (3,), m.
 
     Returns
     -------
@@ -143,7 +146,7 @@ def touching_pairs(
     """
     lengths = np.array(periods)
     along = lengths > 0
-    places = positions - positions.min(axis=0, initial=0.0)
+    places = positions - np.minimum(positions.min(axis=0, initial=0.0) if low is None else low, 0.0)
     places[:, along] %= lengths[along]
     places[:, along] *= places[:, along] < lengths[along]  # a remainder may round up to the length
     large = np.flatnonzero(radii > _LARGE * np.median(radii))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import tomllib
+from collections.abc import Iterator
 from functools import cached_property
 from pathlib import Path
 from types import TracebackType
@@ -14,8 +15,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from granwave.analysis.errors import MissingDataError, MissingOutputError, OutputFormatError
-from granwave.analysis.lammps_output.frame import rows_of
+from granwave.analysis.lammps_output.frame import rows_of, rows_of_all
 from granwave.analysis.result.damage import damage_of
+from granwave.analysis.result.groups import AT_ONCE
 from granwave.analysis.result.trajectory import GROUP, QUANTITIES
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.figures import Figures, read_figures
@@ -40,7 +42,29 @@ def _why_no_run(path: Path) -> str:
     return why_no_run(path)
 
 
-class Result:
+class _Spheres:
+    """Values of spheres that a result and its parts have."""
+
+    if TYPE_CHECKING:
+
+        def __getitem__(self, name: str) -> NDArray: ...
+        def has(self, name: str) -> bool: ...
+        @property
+        def assembly(self) -> Assembly: ...
+
+    @property
+    def in_packing(self) -> NDArray[np.bool_]:
+        """True for spheres of the packing, False for strikers: (n_spheres,)."""
+        return self["spheres/id"] <= self.assembly.lattice.n_spheres
+
+    @property
+    def yield_energy(self) -> NDArray[np.float64]:
+        """Energy dissipated by yielding by sphere, including walls, without friction: (n_spheres,), J."""
+        lost = self["spheres/dissipated_energy"]
+        return lost - self["spheres/friction_energy"] if self.has("spheres/friction_energy") else lost
+
+
+class Result(_Spheres):
     """Result of one run.
 
     ``result["contacts/peak_force"]`` reads a data set as a numpy array, which is cached.
@@ -49,6 +73,8 @@ class Result:
     ----------
     source
         Directory of a run, or its result.h5.
+    at_once
+        Largest number of rows that `blocks` gives.
 
     Raises
     ------
@@ -58,8 +84,8 @@ class Result:
         The file is not the result of a run.
     """
 
-    def __init__(self, source: str | Path) -> None:
-        path = Path(source)
+    def __init__(self, source: str | Path, at_once: int = AT_ONCE) -> None:
+        path, self.at_once = Path(source), at_once
         self.path = path / RESULT_FILE if path.is_dir() else path
         if not self.path.exists():
             raise MissingOutputError(_why_no_run(path))
@@ -124,6 +150,30 @@ class Result:
             raise MissingDataError(f"{self.path} has no data set {name}; {remedy}")
         try:
             return found.asstr()[()] if h5py.check_string_dtype(found.dtype) else found[()]
+        except OSError as error:
+            raise OutputFormatError(self.damaged(f"{name}: {error}")) from None
+
+    def blocks(self, *names: str) -> Iterator[tuple[NDArray, ...]]:
+        """Iterate over the rows of columns of one table, so many at once that they need little memory; raise as `read`.
+
+        The columns of a small table are kept as by ``[]``.
+        """
+        n_rows = len(self.file[names[0]]) if names[0] in self else 0
+        if n_rows <= self.at_once:
+            yield tuple(self[name] for name in names)
+            return
+        for first in range(0, n_rows, self.at_once):
+            rows = slice(first, min(first + self.at_once, n_rows))
+            yield tuple(self.rows_read(name, rows) for name in names)
+
+    def rows_read(self, name: str, rows: slice) -> NDArray:
+        """Read rows of a data set of numbers; raise as `read`."""
+        if name in self._read:
+            return self._read[name][rows]
+        try:
+            return self.file[name][rows]
+        except KeyError:
+            return self.read(name)[rows]  # raises the error that says what to do
         except OSError as error:
             raise OutputFormatError(self.damaged(f"{name}: {error}")) from None
 
@@ -195,8 +245,9 @@ class Result:
     @property
     def origin(self) -> NDArray[np.float64]:
         """Initial centre of the struck sphere of the packing: (3,), m."""
-        sphere = struck_site(self.assembly) or int(self["spheres/id"][0])
-        return self["spheres/position"][self.rows(sphere)]
+        sphere = struck_site(self.assembly)
+        row = 0 if sphere is None else int(self.rows(sphere))
+        return self.rows_read("spheres/position", slice(row, row + 1))[0]
 
     def rows(self, ids: ArrayLike) -> NDArray[np.int64]:
         """Return the rows of the spheres with these ids: ids - 1, unless there are vacancies.
@@ -206,17 +257,16 @@ class Result:
         KeyError
             There is no such sphere.
         """
+        if "spheres/id" not in self._read:  # perhaps there is no need to
+            last = self.rows_read("spheres/id", slice(self.n_spheres - 1, None))
+            if len(last) and last[0] == self.n_spheres:
+                return rows_of_all(self.n_spheres, np.asarray(ids, dtype=np.int64))
         return rows_of(self["spheres/id"], ids)
 
     @property
     def ends(self) -> NDArray[np.int64]:
         """Rows of the two spheres of each contact: (n_contacts, 2)."""
         return self.rows(np.stack([self["contacts/i"], self["contacts/j"]], axis=1))
-
-    @property
-    def in_packing(self) -> NDArray[np.bool_]:
-        """True for spheres of the packing, False for strikers: (n_spheres,)."""
-        return self["spheres/id"] <= self.assembly.lattice.n_spheres
 
     def beyond_law(self, share: float) -> NDArray[np.bool_]:
         """Return True for contacts with overlaps beyond ``share`` R*, if the law has such a limit: (n_contacts,)."""
@@ -226,18 +276,25 @@ class Result:
 
     def has(self, name: str) -> bool:
         """Return True if a data set exists and has non-zero values."""
-        return name in self and bool(np.any(self[name]))
+        return name in self and any(np.any(values) for (values,) in self.blocks(name))
 
     @property
     def n_spheres(self) -> int:
         """Number of spheres."""
-        return len(self["spheres/id"])
+        return len(self.file["spheres/id"])
 
     @property
-    def yield_energy(self) -> NDArray[np.float64]:
-        """Energy dissipated by yielding by sphere, including walls, without friction: (n_spheres,), J."""
-        lost = self["spheres/dissipated_energy"]
-        return lost - self["spheres/friction_energy"] if self.has("spheres/friction_energy") else lost
+    def whole(self) -> Result:
+        """The result itself, as `PartOfResult.whole`."""
+        return self
+
+    def parts(self) -> Iterator[Result | PartOfResult]:
+        """Iterate over the result in parts of its spheres; a small one is a single part."""
+        if self.n_spheres <= self.at_once:
+            yield self
+            return
+        for first in range(0, self.n_spheres, self.at_once):
+            yield PartOfResult(self, slice(first, min(first + self.at_once, self.n_spheres)))
 
     @property
     def yield_ledger(self) -> NDArray[np.float64]:
@@ -271,3 +328,31 @@ class Result:
             return self.file[f"{GROUP}/{quantity}/value"][number]
         except OSError as error:
             raise OutputFormatError(self.damaged(f"{quantity} of snapshot {number}: {error}")) from None
+
+
+class PartOfResult(_Spheres):
+    """Result with only some of its spheres; all that is not of single spheres is that of the whole.
+
+    Attributes
+    ----------
+    whole
+        Result that it is a part of.
+    """
+
+    def __init__(self, whole: Result, rows: slice) -> None:
+        self.whole, self._rows = whole, rows
+        self._read: dict[str, NDArray] = {}
+
+    def __getitem__(self, name: str) -> NDArray:
+        """Read a data set; of ``spheres`` only the rows of this part."""
+        if not name.startswith("spheres/"):
+            return self.whole[name]
+        if name not in self._read:
+            self._read[name] = self.whole.rows_read(name, self._rows)
+        return self._read[name]
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.whole
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.whole, name)

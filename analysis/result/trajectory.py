@@ -20,10 +20,10 @@ import numpy as np
 from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.lammps_output.frame import Frame
 from granwave.analysis.lammps_output.number_rows import AGAIN
+from granwave.analysis.result.groups import COMPRESSION, ROWS_IN_CHUNK
+from granwave.analysis.result.start import Start
 
 GROUP = "particles/spheres"
-COMPRESSION = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
-_ROWS_IN_CHUNK = 32_768
 _VECTORS = {"position": "m", "displacement": "m", "velocity": "m s-1"}
 # columns of the dump that are added, and the unit
 _SCALARS = {
@@ -32,6 +32,7 @@ _SCALARS = {
     "dissipated_energy": (("dissipated", "friction"), "J"),
     "elastic_energy": (("elastic", "elastic_tangential"), "J"),
 }
+_FIXED = {"id": (np.int64, "1"), "species": (np.int32, "1"), "radius": (np.float64, "m"), "mass": (np.float64, "kg")}
 _FRICTION = {"friction_energy": (("friction",), "J")}
 QUANTITIES = (*_VECTORS, *_SCALARS, *_FRICTION)
 
@@ -48,22 +49,22 @@ def write_metadata(file: h5py.File, version: str) -> None:
 
 def write_trajectory(
     file: h5py.File,
-    start: Frame,
+    start: Start,
     frames: Iterable[Frame],
     timestep: float,
     periodic: tuple[bool, bool, bool],
     source: Path,
     *,
     friction: bool = False,
-) -> Frame:
-    """Write ``/particles/spheres``, one snapshot at a time.
+) -> int:
+    """Write ``/particles/spheres``, one snapshot at a time, or a part of one.
 
     Parameters
     ----------
     start
-        Spheres from `granwave.analysis.lammps_output.dumps.read_data`.
+        Spheres at the start.
     frames
-        Snapshots from `granwave.analysis.lammps_output.dumps.read_frames`.
+        Snapshots from `granwave.analysis.lammps_output.dumps.read_frames_in_parts`.
     timestep
         Timestep, s.
     periodic
@@ -75,8 +76,8 @@ def write_trajectory(
 
     Returns
     -------
-    Frame
-        Last snapshot.
+    int
+        Step of the last snapshot.
 
     Raises
     ------
@@ -85,26 +86,27 @@ def write_trajectory(
     """
     group = file.create_group(GROUP)
     _write_box(group, start, periodic)
-    n_spheres = len(start)
-    origin = start.vector("x", "y", "z")
-    fixed = {
-        "id": (start["id"].astype(np.int64), "1"),
-        "species": (start["type"].astype(np.int32), "1"),
-        "radius": (start["diameter"] / 2, "m"),
-        "mass": (start["density"] * np.pi / 6 * start["diameter"] ** 3, "kg"),
-    }
-    for name, (values, unit) in fixed.items():
-        group.create_dataset(name, data=values, **COMPRESSION).attrs["unit"] = unit
+    n_spheres = start.n_spheres
+    for name, (dtype, unit) in _FIXED.items():
+        group.create_dataset(name, n_spheres, dtype, **COMPRESSION).attrs["unit"] = unit
+    for rows, spheres in start.parts():
+        group["id"][rows] = spheres["id"]
+        group["species"][rows] = spheres["type"]
+        group["radius"][rows] = spheres["diameter"] / 2
+        group["mass"][rows] = spheres["density"] * np.pi / 6 * spheres["diameter"] ** 3
     scalars = _SCALARS | (_FRICTION if friction else {})
     elements = _elements(group, n_spheres, {name: unit for name, (_, unit) in scalars.items()})
-    unknown = np.full(n_spheres, np.nan)
-    frame = start
-    for number, frame in enumerate(frames):
-        if not np.array_equal(frame["id"], start["id"]):
+    number, first, step = 0, 0, 0
+    for piece in frames:
+        frame, step = piece.up_to(start.last_sphere), piece.step
+        stop = first + len(frame)
+        strange = stop > n_spheres or not np.array_equal(frame["id"], start.ids(first, stop))
+        if strange or (stop < n_spheres and not piece.more):
             raise OutputFormatError(
-                f"{source}: snapshot {number} (step {frame.step}) holds {len(frame)} spheres that are not "
+                f"{source}: snapshot {number} (step {step}) holds {stop} spheres that are not "
                 f"the {n_spheres} of data.granwave: spheres were lost, or the files belong to different runs; {AGAIN}"
             )
+        origin, unknown = start.read(first, stop).vector("x", "y", "z"), np.full(len(frame), np.nan)
         values = {"position": origin + frame.displacement, "displacement": frame.displacement}
         values["velocity"] = frame.velocity
         for name, (columns, _) in scalars.items():
@@ -112,15 +114,19 @@ def write_trajectory(
             values[name] = np.sum(there, axis=0) if there else unknown
         for name, element in elements.items():
             element.resize(number + 1, axis=0)
-            element[number] = values[name]
-        for name, value in (("step", frame.step), ("time", frame.step * timestep)):
+            element[number, first:stop] = values[name]
+        first = stop
+        if piece.more:
+            continue
+        for name, value in (("step", step), ("time", step * timestep)):
             dataset = group["position"][name]
             dataset.resize(number + 1, axis=0)
             dataset[number] = value
-    return frame
+        number, first = number + 1, 0
+    return step
 
 
-def _write_box(group: h5py.Group, start: Frame, periodic: tuple[bool, bool, bool]) -> None:
+def _write_box(group: h5py.Group, start: Start, periodic: tuple[bool, bool, bool]) -> None:
     box = group.create_group("box")
     box.attrs["dimension"] = 3
     box.attrs["boundary"] = ["periodic" if is_periodic else "none" for is_periodic in periodic]
@@ -132,7 +138,7 @@ def _write_box(group: h5py.Group, start: Frame, periodic: tuple[bool, bool, bool
 
 def _elements(group: h5py.Group, n_spheres: int, scalars: dict[str, str]) -> dict[str, h5py.Dataset]:
     """Create the growing data sets; all elements share one ``step`` and one ``time``."""
-    rows = min(n_spheres, _ROWS_IN_CHUNK)
+    rows = min(n_spheres, ROWS_IN_CHUNK)
     shapes: dict[str, tuple[tuple[int, ...], str]] = {name: ((3,), unit) for name, unit in _VECTORS.items()}
     shapes |= {name: ((), unit) for name, unit in scalars.items()}
     step = time = None

@@ -153,6 +153,12 @@ def _parse_probes(value: Any) -> tuple[Probe, ...]:
     return tuple(_parse_probe(probe) for probe in value)
 
 
+def _parse_parts(value: Any) -> bool | str:
+    if value == "auto" or isinstance(value, bool):
+        return value
+    raise ValidationError('true, false or "auto"')
+
+
 _PROBE_FORM = "a list such as [{sphere = 12}, {contact = [12, 34]}]"
 
 
@@ -421,5 +427,10 @@ class Output:
         "instants at which the velocity of every bead of a chain and the force of every contact are recorded; "
         "auto: 1000 (fewer with long bars) for chains of five beads and more",
         _parse_history,
+        default="auto",
+    )
+    parts: bool | Literal["auto"] = custom(
+        "files of snapshots and contacts, one from each rank instead of one from all; auto: from 10 million spheres on",
+        _parse_parts,
         default="auto",
     )

@@ -28,17 +28,19 @@ from granwave.lammps_inputs.packing.walls import Wall, moving_fix, wall_fixes, w
 from granwave.lammps_inputs.run_directory import (
     CHECKPOINT_FILE,
     CONTACTS_FILE,
+    COUNT_FILE,
     DUMPS,
     ENERGY_FILE,
     FORCES_FILE,
     FRAMES_FILES,
-    FRAMES_PART,
+    FRAMES_RESUMED,
     HISTORY_FILE,
     PROBES_FILE,
     STATIC_FILE,
     STATIC_STAGE_FILE,
     WALL_CONTACTS_FILE,
     WALLS_FILE,
+    of_each_rank,
 )
 
 if TYPE_CHECKING:
@@ -165,9 +167,10 @@ def displacements(case: Case) -> list[str]:
     return lines
 
 
-def frames(case: Case, schedule: Schedule, *, restart_from: str = "") -> list[str]:
+def frames(assembly: Assembly, schedule: Schedule, *, restart_from: str = "") -> list[str]:
     """Return the commands of snapshots of all spheres; ``restart_from``: restart file of a resumed run."""
-    every, chosen = schedule.frame_every, []
+    case, every = assembly.case, schedule.frame_every
+    chosen: list[str] = []
     columns = sources(SNAPSHOT, *_recorded(case))
     form = f' format line "{_FRAME_FORMAT}{" %.9g" * (len(columns) - len(names(SNAPSHOT)))}"'
     text = case.output.dump_format == "text"
@@ -184,7 +187,9 @@ def frames(case: Case, schedule: Schedule, *, restart_from: str = "") -> list[st
         "compute         sphere all gran/hysteretic/atom",
         "compute         contacts all gran/hysteretic/local",
         *command(
-            "dump            frames all custom", f"{every} {DUMPS}/{frames_file(case, restart_from)}", *columns.values()
+            "dump            frames all custom",
+            f"{every} {DUMPS}/{frames_file(assembly, restart_from)}",
+            *columns.values(),
         ),
         f"dump_modify     frames {_first(bool(restart_from))} sort id{form if text else ''}",
         *command("dump_modify     frames", *_names(columns)),
@@ -192,15 +197,23 @@ def frames(case: Case, schedule: Schedule, *, restart_from: str = "") -> list[st
     ]
 
 
-def frames_file(case: Case, restart_from: str = "") -> str:
-    """Return the name of the dump of snapshots.
+def frames_file(assembly: Assembly, restart_from: str = "") -> str:
+    """Return the name of the dump of snapshots, with "%" if each rank writes its own.
 
-    LAMMPS appends to text, but not to binary files: a run that is resumed from a restart file writes one of its own.
+    LAMMPS appends to text, but not to binary files: a run that is resumed from a restart file writes one of its own. So
+    does one that writes in parts, since it may have another number of ranks.
     """
-    if restart_from and case.output.dump_format == "binary":
+    form, parts = assembly.case.output.dump_format, assembly.in_parts
+    name = FRAMES_FILES[form]
+    if restart_from and (form == "binary" or parts):
         prefix, suffix = CHECKPOINT_FILE.split("{}")
-        return FRAMES_PART.format(restart_from.removeprefix(prefix).removesuffix(suffix))
-    return FRAMES_FILES[case.output.dump_format]
+        name = FRAMES_RESUMED[form].format(restart_from.removeprefix(prefix).removesuffix(suffix))
+    return of_each_rank(name) if parts else name
+
+
+def contacts_file(assembly: Assembly) -> str:
+    """Return the name of the dump of the contacts at the end, with "%" if each rank writes its own."""
+    return of_each_rank(CONTACTS_FILE) if assembly.in_parts else CONTACTS_FILE
 
 
 def history(case: Case, schedule: Schedule, *, resumed: bool = False) -> list[str]:
@@ -239,19 +252,22 @@ def dumps_at_end(assembly: Assembly) -> list[str]:
     """Return the commands for the last snapshot, if missing, and for the final state of all contacts and walls."""
     case = assembly.case
     contacts = sources(CONTACTS, *_recorded(case))
+    count = f'print           "$(v_n_contacts:%.0f)" file {DUMPS}/{COUNT_FILE}'
     lines = [
         "# The last snapshot, if the run did not end on one.",
         "dump_modify     frames every 1",
+        *(_count() if assembly.in_parts else []),
         "run             0 post no",
         "",
         "# Every contact there was, and every sphere that touched a wall.",
         *command(
-            f"write_dump      all local {DUMPS}/{CONTACTS_FILE}",
+            f"write_dump      all local {DUMPS}/{contacts_file(assembly)}",
             *contacts.values(),
             "modify format line",
             f'"{joined(["%.17g"] * len(contacts))}"',
             *_names(contacts),
         ),
+        *([count] if assembly.in_parts else []),
     ]
     for wall in walls(assembly):
         if wall.held_layer:
@@ -268,11 +284,30 @@ def dumps_at_end(assembly: Assembly) -> list[str]:
     return lines
 
 
+def _count() -> list[str]:
+    """Return the commands for the number of contacts, from the sum and the mean of a column that is never 0.
+
+    It is written to a file, as the dumps of all ranks but the first have no header that tells if they were cut.
+    """
+    column = names(CONTACTS).index("i") + 1
+    return [
+        f"compute         all_contacts all reduce sum c_contacts[{column}] inputs local",
+        f"compute         mean_contact all reduce ave c_contacts[{column}] inputs local",
+        'variable        n_contacts equal "round(c_all_contacts/(c_mean_contact+(c_mean_contact==0)))"',
+    ]
+
+
 def output_files(assembly: Assembly, schedule: Schedule) -> list[str]:
     """Return the names of the files that LAMMPS writes to dumps/."""
     case = assembly.case
     planes = [fix for wall in walls(assembly) if not wall.held_layer for fix, _, _ in wall_fixes(assembly, wall)]
-    files = [ENERGY_FILE, frames_file(case), CONTACTS_FILE, *(WALL_CONTACTS_FILE.format(fix) for fix in planes)]
+    files = [
+        ENERGY_FILE,
+        frames_file(assembly),
+        contacts_file(assembly),
+        *(WALL_CONTACTS_FILE.format(fix) for fix in planes),
+    ]
+    files += [COUNT_FILE] if assembly.in_parts else []
     files += [WALLS_FILE] if wall_forces(assembly, schedule) else []
     files += [PROBES_FILE] if case.probes else []
     files += [HISTORY_FILE, FORCES_FILE] if schedule.history_every else []

@@ -54,7 +54,7 @@ def input_script(assembly: Assembly, schedule: Schedule, *, restart_from: str = 
         ledger(assembly, schedule, resumed=resumed),
         wall_forces(assembly, schedule, resumed=resumed),
         probes(case, schedule, resumed=resumed),
-        frames(case, schedule, restart_from=restart_from),
+        frames(assembly, schedule, restart_from=restart_from),
         history(case, schedule, resumed=resumed),
         adaptive_timestep(case, schedule),
         thermo(case, schedule),

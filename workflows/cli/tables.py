@@ -7,8 +7,10 @@ from collections.abc import Sequence
 from granwave.analysis.formatting.numbers import duration
 from granwave.analysis.summary_table import lines
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.planning.plan import Plan
 from granwave.lammps_inputs.planning.schedule import Schedule
+from granwave.lammps_inputs.planning.space import ANALYSED_AT_ONCE
 from granwave.lammps_inputs.planning.wall_time import WallTime
 from granwave.lammps_inputs.planning.zone_estimate import ExpectedZone
 from granwave.workflows.counterpart import Inputs
@@ -39,6 +41,7 @@ def plan_table(case: Case, plan: Plan, inputs: Inputs | None = None) -> str:
             ("expected time", f"about {usual}: {_parts(times)}"),
             *([("", f"at most {most}")] if schedule.block_steps and most != usual else []),
             *([("static stage", static_stage_note([times]))] if times.most_static > times.static else []),
+            *_of_large_packings(assemble(case)),
             ("largest overlap", f"up to {overlap}"),
             *([("outermost yield", _expected(plan.zone))] if plan.zone else []),
         ]
@@ -59,6 +62,16 @@ def _inputs(inputs: Inputs | None, at_most: str = "") -> list[tuple[str, str]]:
             rows.append(("energy normalised" * (len(rows) == 1), f"{at_most}{value:.6g} {unit}"))
     if inputs.velocity_normalised is not None:
         rows.append(("velocity normalised", f"{inputs.velocity_normalised:.6g}"))
+    return rows
+
+
+def _of_large_packings(assembly: Assembly) -> list[tuple[str, str]]:
+    """Return how a large packing is written, and what makes the first rank hold all its sites at once."""
+    rows = [("output", "a file from each rank (output.parts)")] if assembly.in_parts else []
+    causes = {"unlike or missing spheres": assembly.sites is not None, "strikers": bool(assembly.strikers)}
+    held = [cause for cause, holds in causes.items() if holds]
+    if held and assembly.n_spheres > ANALYSED_AT_ONCE:
+        rows.append(("held by the first rank", f"all sites at once, for {' and '.join(held)}"))
     return rows
 
 

@@ -10,6 +10,7 @@ import contextlib
 import dataclasses
 import logging
 import time
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -30,7 +31,7 @@ from granwave.lammps_inputs.run_directory import CASE_FILE, DATA_FILE, DUMPS, EN
 from granwave.lammps_inputs.run_state import note_sizes, read_summary, restore_case
 from granwave.workflows.run import checkpoint, record
 from granwave.workflows.run.balance import TOLERANCE, Balance
-from granwave.workflows.run.coordination import check_coordination
+from granwave.workflows.run.coordination import check_coordination, expected_neighbours
 from granwave.workflows.run.directory import ANALYSE, CONTINUE, FINISHED, START, decide, held, start
 from granwave.workflows.run.equilibrium import check_equilibrium
 from granwave.workflows.run.lammps_engine import Engine, SingleRankError, open_engine
@@ -147,7 +148,7 @@ class _Run:
         self.record = Record(name=case.name, n_ranks=comm.size)
         self.balance = Balance(directory / DUMPS / ENERGY_FILE, max(TOLERANCE, case.run.energy_tolerance))
         self.state = record.RUNNING  # of the time integration; recorded after the analysis
-        self.reserve = plan(case).disk_reserve  # disk space to keep free, bytes
+        self.reserve = on_first(comm, lambda: plan(case).disk_reserve)  # disk space to keep free, bytes
         self.lost_before_block = 0.0  # dissipated energy at the start of the current block of end_time = "auto", J
 
     # ------------------------------------------------------------------ attempts
@@ -265,21 +266,25 @@ class _Run:
         with open_engine(self.comm, log="none" if go_on else LOG_FILE) as engine:
             if go_on and saved:
                 on_first(self.comm, lambda: checkpoint.cut_back(self.directory, saved))
-                snapshots = f"{DUMPS}/{frames_file(self.case, saved['file'])}"
-                on_first(self.comm, lambda: claim(self.directory, [snapshots]))
+                on_first(self.comm, lambda: self._claim_snapshots(saved["file"]))
                 self.balance.read()
                 self.lost_before_block = saved["lost_before_block"]
                 engine.commands(f"log {LOG_FILE} append")
-                script = input_script(assemble(self.case), deck.schedule, restart_from=saved["file"])
+                resumed = partial(input_script, restart_from=saved["file"])
+                script = on_first(self.comm, lambda: resumed(assemble(self.case), deck.schedule))
             if not go_on and self.case.precompression and self.show:
                 logger.info("%s: static stage, until the packing is in balance ...", self.case.name)
             engine.commands(part(script, "setup"))
             if not go_on and self.case.precompression:
                 self._check_equilibrium()
             elif not go_on:
-                check_coordination(self.case, engine)
+                check_coordination(on_first(self.comm, lambda: expected_neighbours(self.case)), engine)
             self._advance(engine, deck, stop)
             engine.commands(part(script, "end"))
+
+    def _claim_snapshots(self, restart_from: str) -> None:
+        """Enter the snapshots that a resumed run will write in the marker."""
+        claim(self.directory, [f"{DUMPS}/{frames_file(assemble(self.case), restart_from)}"])
 
     def _check_equilibrium(self) -> None:
         found = on_first(self.comm, lambda: check_equilibrium(self.case, self.directory))

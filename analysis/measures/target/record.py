@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.measures.target.bare_target import bare_target_peak
+from granwave.analysis.result.sums import pairwise_sum
 from granwave.lammps_inputs.packing.bars import BAR
 
 if TYPE_CHECKING:
@@ -100,9 +101,7 @@ def period_of(plate: Plate) -> float:
 def protection(result: Result) -> dict[str, Any]:
     """The part of the summary that is about the target; null where it does not apply."""
     found = reached(result)
-    inside = result.in_packing
-    depth, radii = result["spheres/position"][inside, 2], result["spheres/radius"][inside]
-    mass, height = float(result["spheres/mass"][inside].sum()), float((depth + radii).max() - (depth - radii).min())
+    mass, height = _mass(result), _height(result)
     without = bare_target_peak(result.case, float(result["energy/time"][-1])) if found else None
     reduction = ground_reduction = None
     if found is not None and without is not None:
@@ -132,6 +131,24 @@ def protection(result: Result) -> dict[str, Any]:
         "peak_reduction_per_kg": None if reduction is None else reduction / mass,
         "peak_reduction_per_m": None if reduction is None else reduction / height,
     }
+
+
+def _mass(result: Result) -> float:
+    """Mass of the packing, strikers left out, which come last, kg."""
+    n_sites = result.assembly.lattice.n_spheres
+    inside = sum(int(np.count_nonzero(ids <= n_sites)) for (ids,) in result.blocks("spheres/id"))
+    return pairwise_sum(lambda rows: result.rows_read("spheres/mass", rows), inside, result.at_once)
+
+
+def _height(result: Result) -> float:
+    """Height of the packing, strikers left out, m."""
+    top, bottom = np.inf, -np.inf
+    for part in result.parts():
+        inside = part.in_packing
+        if inside.any():
+            depth, radii = part["spheres/position"][inside, 2], part["spheres/radius"][inside]
+            top, bottom = min(top, (depth - radii).min()), max(bottom, (depth + radii).max())
+    return float(bottom - top)
 
 
 def _ratio(without: float, force: Array) -> float | None:

@@ -8,6 +8,7 @@ nor do strikers: they are no part of the packing.
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 import numpy as np
@@ -15,44 +16,12 @@ from numpy.typing import NDArray
 
 from granwave.analysis.measures.target.record import reached
 from granwave.analysis.measures.zone.size import BOTTOM, SIDES, WAVE_KEYS, Array, wave_returns, zone_sizes
-from granwave.analysis.result.reader import Result
+from granwave.analysis.result.reader import PartOfResult, Result
 
 _SAME = 1e-9  # relative, of lengths that are equal but for rounding
 _LATE = 0.1  # of a run: where the outermost yield came within so much of its end it may go on
 _BEARS = 0.01  # of the largest force among some contacts: those that bear less are not what the wave came through
 _NO_WAVE = 1e-6  # of the largest force of the run: what stays below is rounding, or runs ahead of the wave
-
-
-@dataclasses.dataclass(frozen=True, eq=False)
-class Waves:
-    """Peaks of the forces between spheres, which tell when the wave was where.
-
-    The first force at all tells nothing of a wave: rounding passes one on by a sphere a step.
-
-    Attributes
-    ----------
-    ends
-        Rows of the two spheres of each contact among those of the packing, -1 for a striker: (n_contacts, 2).
-    force
-        Peak force of each contact: (n_contacts,), N.
-    time
-        When it was reached: (n_contacts,), s.
-    """
-
-    ends: NDArray[np.int64]
-    force: Array
-    time: Array
-
-    def arrival(self, spheres: NDArray[np.bool_]) -> float:
-        """Return when the first force at contacts of some spheres, (n_spheres,), was at its peak, s; inf: never.
-
-        Contacts that bear less than a hundredth of the largest force among these contacts do not count.
-        """
-        of_them = np.append(spheres, False)[self.ends].any(axis=1)
-        largest = float(self.force[of_them].max(initial=0.0))
-        if not largest > _NO_WAVE * float(self.force.max(initial=0.0)):
-            return np.inf
-        return float(np.nanmin(self.time[of_them & (self.force >= _BEARS * largest)], initial=np.inf))
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -75,9 +44,6 @@ class PackingZone:
         Spheres that touch each bound, by its name: the last layer is at the ``bottom``, the first and last sphere of a
         row and the first and last row at the ``sides``. With periodic sides those half a period from the axis are,
         where a zone meets its image. A packing of one layer has no bottom, a chain no sides.
-    waves
-        Contacts that the wave came through, with the times of their peaks. None where contacts are loaded from the
-        start.
     yield_time
         When a contact of the sphere first yielded, s; NaN: never.
     """
@@ -88,7 +54,6 @@ class PackingZone:
     radius: Array | None
     yielded: NDArray[np.bool_]
     bounds: dict[str, NDArray[np.bool_]]
-    waves: Waves | None
     yield_time: Array
 
     @property
@@ -109,7 +74,7 @@ class PackingZone:
         return found
 
 
-def packing_zone(result: Result) -> PackingZone:
+def packing_zone(result: Result | PartOfResult) -> PackingZone:
     """Return what the plastic zone of a run is made of."""
     own = result.in_packing
     nx, ny, nz = result.assembly.lattice.shape
@@ -125,30 +90,46 @@ def packing_zone(result: Result) -> PackingZone:
         radius=np.hypot(offset[:, 0], offset[:, 1]) if nx * ny > 1 else None,
         yielded=(result["spheres/contacts_yielded"][own] > 0) | (energy > 0),
         bounds=_bounds(result, own, offset, periods),
-        waves=None if result.case.precompression is not None else _waves(result, own),
         yield_time=result["spheres/time_yield"][own],
     )
-
-
-def _waves(result: Result, own: NDArray[np.bool_]) -> Waves:
-    """Return the peaks at all contacts with a sphere of the packing, ``own``."""
-    row = np.where(own, np.cumsum(own) - 1, -1)
-    return Waves(row[result.ends], result["contacts/peak_force"], result["contacts/time_peak"])
 
 
 def zone_summary(result: Result) -> dict[str, Any]:
     """Return the part of the summary that is about the size of the plastic zone; null where nothing can yield."""
     if not result.yields:
         return zone_sizes(None) | dict.fromkeys(("zone_cut", "zone_growing", *WAVE_KEYS))
-    zone = packing_zone(result)
+    single = [packing_zone(result)] if result.n_spheres <= result.at_once else None
+
+    def zones() -> Iterable[PackingZone]:
+        """Return the zones of all parts of the packing, made anew each time if there are several."""
+        return single or map(packing_zone, result.parts())
+
+    zone = _active(zones())
     sizes = zone_sizes(zone.energy, zone.volume, zone.depth, zone.radius)
-    times = _return_times(result, zone, {BOTTOM: sizes["zone_depth_99_m"], SIDES: sizes["zone_radius_99_m"]})
+    times = _return_times(result, zones, {BOTTOM: sizes["zone_depth_99_m"], SIDES: sizes["zone_radius_99_m"]})
     waves = wave_returns(times, result["energy/time"], result.yield_ledger)
     reached = {"zone_cut": zone.cut, "zone_growing": zone.growing(float(result["energy/time"][-1]))}
     return sizes | reached | waves
 
 
-def _bounds(result: Result, own: NDArray[np.bool_], offset: Array, periods: Array | None) -> dict[str, NDArray]:
+def _active(zones: Iterable[PackingZone]) -> PackingZone:
+    """Join the spheres of some zones that yielded or dissipated; sizes and bounds of a zone follow from these alone."""
+    found = [(zone, zone.yielded | (zone.energy > 0) | np.isfinite(zone.yield_time)) for zone in zones]
+    first = found[0][0]
+
+    def column(name: str) -> NDArray | None:
+        if getattr(first, name) is None:
+            return None
+        return np.concatenate([getattr(zone, name)[kept] for zone, kept in found])
+
+    columns = {field.name: column(field.name) for field in dataclasses.fields(PackingZone) if field.name != "bounds"}
+    bounds = {name: np.concatenate([zone.bounds[name][kept] for zone, kept in found]) for name in first.bounds}
+    return PackingZone(bounds=bounds, **columns)  # type: ignore[arg-type]
+
+
+def _bounds(
+    result: Result | PartOfResult, own: NDArray[np.bool_], offset: Array, periods: Array | None
+) -> dict[str, NDArray]:
     """Spheres that touch each bound, by its name; see `PackingZone`."""
     lattice = result.assembly.lattice
     nx, ny, nz = lattice.shape
@@ -165,7 +146,9 @@ def _bounds(result: Result, own: NDArray[np.bool_], offset: Array, periods: Arra
     return found
 
 
-def _return_times(result: Result, zone: PackingZone, border: dict[str, float | None]) -> dict[str, float] | None:
+def _return_times(
+    result: Result, zones: Callable[[], Iterable[PackingZone]], border: dict[str, float | None]
+) -> dict[str, float] | None:
     """Return when a wave that a bound reflects can be back at the border of the zone, by bound, s.
 
     The peak of the first wave is at the bound at t_b and was at the border of the zone, at ``border`` (m), at t_z on
@@ -174,24 +157,78 @@ def _return_times(result: Result, zone: PackingZone, border: dict[str, float | N
     from the start arrivals cannot be seen; then the wave goes all ways at the speed with which it reached the bottom.
     None where that is not known either.
     """
-    distances = {BOTTOM: zone.depth, SIDES: zone.radius}
+    first = next(iter(zones()))
+    inner = {name: border[name] for name in first.bounds}
+    if result.case.precompression is not None:
+        times = _at_one_speed(result, zones, inner)
+        return times if times is None else {name: time for name, time in times.items() if np.isfinite(time)}
+
+    def outside(zone: PackingZone, name: str) -> NDArray[np.bool_]:
+        return _distance(zone, name) >= (1 - _SAME) * (inner[name] or 0.0)
+
+    at_bound = _arrivals(result, [[zone.bounds[name] for name in inner] for zone in zones()])
+    at_border = _arrivals(result, [[outside(zone, name) for name in inner] for zone in zones()])
+    found = dict(zip(inner, zip(at_bound, at_border, strict=True), strict=True))
+    return {name: far + max(far - near, 0.0) for name, (far, near) in found.items() if np.isfinite(far)}
+
+
+def _at_one_speed(
+    result: Result, zones: Callable[[], Iterable[PackingZone]], border: dict[str, float | None]
+) -> dict[str, float] | None:
+    """Return the times of waves that go all ways at the speed with which they reached the bottom, s."""
+    found, first = reached(result), next(iter(zones()))
+    if found is None or found.arrival is None or first.depth is None or not found.arrival > 0:
+        return None if found is None or first.depth is None else {}
+    speed = max(float(_distance(zone, BOTTOM).max(initial=0.0)) for zone in zones()) / found.arrival
     times = {}
-    if zone.waves is None:
-        found, depth = reached(result), zone.depth
-        if found is None or found.arrival is None or depth is None or not found.arrival > 0:
-            return None if found is None or depth is None else {}
-        speed = float(depth.max()) / found.arrival
-        for name, touching in zone.bounds.items():
-            distance, inner = distances[name], border[name]
-            assert distance is not None and inner is not None  # of a bound that there is
-            nearest = float(distance[touching].min(initial=np.inf))
-            times[name] = (nearest + max(nearest - inner, 0.0)) / speed
-        return {name: time for name, time in times.items() if np.isfinite(time)}
-    for name, touching in zone.bounds.items():
-        distance, inner = distances[name], border[name]
-        assert distance is not None and inner is not None
-        at_bound = zone.waves.arrival(touching)
-        at_border = zone.waves.arrival(distance >= (1 - _SAME) * inner)
-        if np.isfinite(at_bound):
-            times[name] = at_bound + max(at_bound - at_border, 0.0)
+    for name, inner in border.items():
+        assert inner is not None  # of a bound that there is
+        nearest = min(float(_distance(zone, name)[zone.bounds[name]].min(initial=np.inf)) for zone in zones())
+        times[name] = (nearest + max(nearest - inner, 0.0)) / speed
     return times
+
+
+def _arrivals(result: Result, sets: list[list[NDArray[np.bool_]]]) -> list[float]:
+    """Return when the first force at contacts of each set of spheres was at its peak, s; inf: never.
+
+    The first force at all tells nothing of a wave: rounding passes one on by a sphere a step. Contacts of a set that
+    bear less than a hundredth of the largest force among them do not count.
+
+    Parameters
+    ----------
+    sets
+        Members of each set, by part of the packing, without strikers: lists of (n_spheres,).
+    """
+    # a bit for each sphere, so that sets of large packings are small
+    members = [np.packbits(np.concatenate(parts)) for parts in zip(*sets, strict=True)]
+    last = result.assembly.lattice.n_spheres
+    largest, of_all = np.zeros(len(members)), 0.0
+    arrival = np.full(len(members), np.inf)
+
+    def contacts() -> Iterator[tuple[Array, Array, list[NDArray[np.bool_]]]]:
+        """Iterate over forces, times and membership of contacts, in blocks."""
+        for i, j, force, time in result.blocks("contacts/i", "contacts/j", "contacts/peak_force", "contacts/time_peak"):
+            ends = np.stack([i, j])
+            rows, own = result.rows(ends), ends <= last
+            yield force, time, [(own & _has(bits, np.where(own, rows, 0))).any(axis=0) for bits in members]
+
+    for force, _, touching in contacts():
+        of_all = max(of_all, float(force.max(initial=0.0)))
+        largest = np.maximum(largest, [float(force[here].max(initial=0.0)) for here in touching])
+    for force, time, touching in contacts():
+        for n, here in enumerate(touching):
+            bears = here & (force >= _BEARS * largest[n])
+            arrival[n] = min(arrival[n], float(np.nanmin(time[bears], initial=np.inf)))
+    return [time if force > _NO_WAVE * of_all else np.inf for time, force in zip(arrival.tolist(), largest, strict=True)]
+
+
+def _has(bits: NDArray[np.uint8], rows: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Return True for the rows whose bit is set."""
+    return (bits[rows >> 3] >> (7 - (rows & 7)).astype(np.uint8)) & 1 == 1
+
+
+def _distance(zone: PackingZone, bound: str) -> Array:
+    """Return how far the spheres are out towards a bound that there is: (n_spheres,), m."""
+    distance = {BOTTOM: zone.depth, SIDES: zone.radius}[bound]
+    assert distance is not None
+    return distance

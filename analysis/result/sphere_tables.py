@@ -1,0 +1,201 @@
+"""Tables of contacts, wall contacts and spheres in ``result.h5``, made of parts of the spheres.
+
+A part knows all contacts of its spheres. Those of a sphere of this part with one of another are known to both, and the
+part of the sphere with the lower id writes them. So each part is made by itself, in the memory that it takes, and its
+values do not depend on how the spheres were parted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from granwave.analysis.lammps_output.dumps import WALL_COLUMNS
+from granwave.analysis.lammps_output.frame import Frame
+from granwave.analysis.result.contacts import Contacts, list_contacts, merge_dents, sphere_values, touching_pairs
+from granwave.analysis.result.groups import PartwiseGroup, write_group
+from granwave.analysis.result.pair_laws import PairLaws, dissipated_share, pair_laws
+from granwave.analysis.result.scratch import Buckets
+from granwave.analysis.result.start import Start
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.material import Material
+from granwave.lammps_inputs.packing.assembly import assemble, gap_tolerance
+from granwave.lammps_inputs.packing.walls import walls
+
+_OF_WALL_CONTACTS = (
+    "overlap", "force", "peak_overlap", "peak_force", "time_first", "time_peak", "time_yield",
+    "dissipated_energy", "friction_energy", "tangential_force", "initial_overlap",
+)  # fmt: skip
+
+
+class Dents:
+    """Contacts at the end of a run, by the parts of the spheres; those with faces of bars by themselves.
+
+    Parameters
+    ----------
+    start
+        Particles of the run.
+    rows
+        Contacts by part of either sphere.
+    """
+
+    def __init__(self, start: Start, rows: Buckets) -> None:
+        self._start, self._rows = start, rows
+        self._at_bars: list[NDArray[np.float64]] = []
+        self._like: Frame | None = None
+
+    def add(self, frame: Frame) -> None:
+        """Add contacts of particles that there are."""
+        self._like = frame
+        pairs = frame.vector("i", "j").astype(np.int64)
+        between = pairs.max(axis=1, initial=0) <= self._start.last_sphere
+        self._at_bars.append(frame.values[~between])
+        values = frame.values if between.all() else frame.values[between]
+        first, second = (self._start.part_of(ids) for ids in pairs[between].T)
+        self._rows.add(first, values)
+        if np.any(apart := first != second):
+            self._rows.add(second[apart], values[apart])
+
+    def of_part(self, part: int) -> Frame:
+        """Return the contacts of the spheres of a part with other spheres."""
+        return self._frame(self._rows.rows(part))
+
+    def at_bars(self) -> Frame:
+        """Return the contacts of spheres with the faces of bars."""
+        return self._frame(np.concatenate(self._at_bars))
+
+    def _frame(self, values: NDArray[np.float64]) -> Frame:
+        assert self._like is not None
+        return Frame(self._like.step, self._like.box, self._like.columns, values)
+
+
+def write_tables(file: h5py.File, case: Case, start: Start, dents: Dents, planes: Mapping[str, Frame]) -> None:
+    """Write the groups ``contacts``, ``wall_contacts`` and ``spheres``.
+
+    Parameters
+    ----------
+    planes
+        Contacts with each plane, by its name.
+    """
+    wall_contacts = _wall_contacts(planes, _bar_contacts(case, dents.at_bars()))
+    write_group(file, "wall_contacts", wall_contacts)
+    at_walls = start.rows(wall_contacts["id"])
+    losses = _losses_at_walls(case, wall_contacts)
+    contact_rows, sphere_rows = (PartwiseGroup(file, name, start.n_parts) for name in ("contacts", "spheres"))
+    for part in range(start.n_parts):
+        first, stop = start.range(part)
+        here = (at_walls >= first) & (at_walls < stop)
+        lost = {
+            name: np.bincount(at_walls[here] - first, values[here], minlength=stop - first)
+            for name, values in losses.items()
+        }
+        sphere_rows.append(_write_contacts(contact_rows, case, start, part, dents.of_part(part), lost))
+
+
+def _write_contacts(
+    group: PartwiseGroup, case: Case, start: Start, part: int, dents: Frame, lost: dict[str, NDArray]
+) -> dict[str, NDArray]:
+    """Write the contacts of a part; return the columns of its spheres.
+
+    Parameters
+    ----------
+    lost
+        Dissipation at walls by sphere of the part, by the column that it is part of, J.
+    """
+    rows = start.range(part)
+    ids = start.ids(*rows)
+    contacts, shares = _contacts_of(case, start, part, dents)
+    group.append(contacts, (contacts["i"] >= ids[0]) & (contacts["i"] <= ids[-1]))
+    everyone = ids if start.n_parts == 1 else np.union1d(ids, np.concatenate([contacts["i"], contacts["j"]]))
+    summed = sphere_values(everyone, contacts, contacts["yielded"], shares)
+    own = slice(*np.searchsorted(everyone, [ids[0], ids[-1] + 1]))
+    spheres = start.read(*rows)
+    columns: dict[str, NDArray] = {
+        "id": ids,
+        "position": spheres.vector("x", "y", "z"),
+        "radius": spheres["diameter"] / 2,
+        "mass": spheres["density"] * np.pi / 6 * spheres["diameter"] ** 3,
+        **{name: values[own] for name, values in summed.items()},
+    }
+    for name, values in lost.items():
+        columns[name] = values + columns.get(name, 0.0)
+    columns["dissipated_energy"] = columns["dissipated_energy"] + columns["dissipated_energy_wall"]
+    return columns
+
+
+def _contacts_of(case: Case, start: Start, part: int, dents: Frame) -> tuple[Contacts, NDArray[np.float64]]:
+    """Return all contacts of the spheres of a part, and the share of the first sphere in what each dissipated."""
+    tolerance, sides = gap_tolerance(case), periodic(case)
+    merged = merge_dents(dents)
+    near = start.around(part, np.concatenate([merged["i"], merged["j"]]), tolerance, sides)
+    near_ids, radii = near["id"].astype(np.int64), near["diameter"] / 2
+
+    def laws_of(contacts: Contacts) -> PairLaws:
+        rows = near.rows(np.stack([contacts["i"], contacts["j"]], axis=1))
+        return pair_laws(case, near["type"].astype(np.int64)[rows], radii[rows])
+
+    lengths = start.box[:, 1] - start.box[:, 0]
+    periods = tuple(length * goes_on for length, goes_on in zip(lengths, sides, strict=True))
+    touching = touching_pairs(near_ids, near.vector("x", "y", "z"), radii, tolerance, periods, start.low)
+    if start.n_parts > 1:
+        ids = start.ids(*start.range(part))
+        touching = touching[((touching >= ids[0]) & (touching <= ids[-1])).any(axis=1)]
+    contacts = list_contacts(merged, touching, laws_of(merged).yield_overlap)
+    laws = laws_of(contacts)
+    contacts["yielded"] = contacts.pop("grown_overlap") > laws.yielded_from
+    contacts |= {"yield_overlap": laws.yield_overlap, "effective_radius": laws.effective_radius}
+    return contacts, laws.share
+
+
+def periodic(case: Case) -> tuple[bool, bool, bool]:
+    """Return True for the periodic axes of a packing."""
+    sides = case.boundary.sides == "periodic"
+    return sides, sides, False
+
+
+def _losses_at_walls(case: Case, wall_contacts: Contacts) -> dict[str, NDArray[np.float64]]:
+    """Return the dissipation in the sphere of each wall contact; a rigid wall dissipates nothing."""
+    materials: dict[str, Material | None] = {bar.name: bar.material for bar in assemble(case).bars}
+    materials |= {wall.name: wall.material for wall in walls(case)}
+    partners = [materials[wall] for wall in wall_contacts["wall"].tolist()]
+    own = [assemble(case).material_of(sphere) for sphere in wall_contacts["id"].tolist()]
+    plastic_share = np.array([dissipated_share(*pair) for pair in zip(own, partners, strict=True)])
+    friction_share = np.array([0.5 if partner else 1.0 for partner in partners])
+    friction = friction_share * wall_contacts["friction_energy"]
+    plastic = plastic_share * (wall_contacts["dissipated_energy"] - wall_contacts["friction_energy"])
+    return {"dissipated_energy_wall": plastic + friction, "friction_energy": friction}
+
+
+def _bar_contacts(case: Case, dents: Frame) -> dict[str, Contacts]:
+    """Return the contacts of beads with the faces of bars, by name of the bar."""
+    merged = merge_dents(dents)
+    return {
+        bar.name: {name: column[merged["j"] == bar.face] for name, column in merged.items()}
+        for bar in assemble(case).bars
+    }
+
+
+def _wall_contacts(planes: Mapping[str, Frame], bars: Mapping[str, Contacts]) -> Contacts:
+    """Return the contacts with walls and bars as one table; times in s (NaN: never)."""
+    parts: list[Contacts] = []
+    for wall, frame in planes.items():
+        values: Contacts = {name: frame[name] for name in WALL_COLUMNS if name != "dissipated"}
+        for name in values:
+            if name.startswith("time"):
+                values[name] = np.where(values[name] < 0, np.nan, values[name])
+        values |= {
+            "dissipated_energy": frame["dissipated"] + frame.get("friction"),
+            "friction_energy": frame.get("friction"),
+            "tangential_force": frame.get("tangential_force"),
+            "initial_overlap": frame.get("initial"),
+        }
+        parts.append({"wall": np.full(len(frame), wall, dtype=object), "id": frame["id"].astype(np.int64)} | values)
+    for bar, found in bars.items():
+        part: Contacts = {"wall": np.full(len(found["i"]), bar, dtype=object), "id": found["i"]}
+        parts.append(part | {name: found[name] for name in _OF_WALL_CONTACTS})
+    empty: Contacts = {"wall": np.empty(0, dtype=object), "id": np.empty(0, dtype=np.int64)}
+    empty |= {name: np.empty(0) for name in _OF_WALL_CONTACTS}
+    return {name: np.concatenate([part[name] for part in (empty, *parts)]) for name in empty}
