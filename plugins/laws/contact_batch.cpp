@@ -110,7 +110,8 @@ FOR_EACH_PROCESSOR void ContactBatch::scatter(SpringForce *spring) const
     for (int d = 0; d < 3; d++) read(by_axis[d], tangential[d] + first);
     read(by_axis[3], compliance + first);
     transpose(by_axis, by_pair);
-    for (int q = 0; q < std::min(4, size - first); q++) std::memcpy(static_cast<void *>(spring + k[first + q]), by_pair + q, sizeof(SpringForce));
+    for (int q = 0; q < std::min(4, size - first); q++)
+      std::memcpy(static_cast<void *>(spring + k[first + q]), by_pair + q, sizeof(SpringForce));
   }
 }
 
@@ -151,9 +152,8 @@ namespace {
 /* Add what the function `terms` gives for each pair to the sums of its spheres. Pairs of one row are consecutive: the sum of
    sphere i stays in registers. Their number is unpredictable in a rattling packing: the sum is selected without branches. */
 template <class Vector, class Terms>
-__attribute__((always_inline)) inline void add_pairs(const ContactBatch &batch,
-                                                     typename TwofoldSums<Vector>::Window sums, int owned, char *reached,
-                                                     const Terms &terms)
+__attribute__((always_inline)) inline void add_pairs(const ContactBatch &batch, typename TwofoldSums<Vector>::Window sums,
+                                                     int owned, char *reached, const Terms &terms)
 {
   using Sum = TwofoldSum<Vector>;
   Sum sum;

@@ -37,20 +37,20 @@ struct ContactBatch {
   double pair_force[CAPACITY];                               // normal force over distance
 
   // friction, input
-  double friction[CAPACITY];           // coefficient
-  double keeps[CAPACITY];              // 1: TangentialModel::MINDLIN, 0: MINDLIN_RESCALE
-  double direction[3][CAPACITY];       // components of del
-  double velocity[3][CAPACITY];        // of i relative to j
-  double spin[3][CAPACITY];            // lever arm times angular velocity, summed over both spheres
+  double friction[CAPACITY];        // coefficient
+  double keeps[CAPACITY];           // 1: TangentialModel::MINDLIN, 0: MINDLIN_RESCALE
+  double direction[3][CAPACITY];    // components of del
+  double velocity[3][CAPACITY];     // of i relative to j
+  double spin[3][CAPACITY];         // lever arm times angular velocity, summed over both spheres
   // friction, input and output
-  double limit[CAPACITY];              // Coulomb's limit of the tangential force; 0 without friction
-  double tangential[3][CAPACITY];      // tangential force on i, before and after
-  double compliance[CAPACITY];         // as in TangentialSpring, before and after
-  double lost[CAPACITY];               // frictional loss of this step
+  double limit[CAPACITY];            // Coulomb's limit of the tangential force; 0 without friction
+  double tangential[3][CAPACITY];    // tangential force on i, before and after
+  double compliance[CAPACITY];       // as in TangentialSpring, before and after
+  double lost[CAPACITY];             // frictional loss of this step
   double lever_i[CAPACITY], lever_j[CAPACITY];
-  double force_i[3][CAPACITY];                                   // on sphere i, the opposite on j
-  double torque[3][CAPACITY];                                    // on either sphere per unit of its lever arm
-  TwoComponents load_i[CAPACITY], load_j[CAPACITY];              // force and torque on either sphere
+  double force_i[3][CAPACITY];                         // on sphere i, the opposite on j
+  double torque[3][CAPACITY];                          // on either sphere per unit of its lever arm
+  TwoComponents load_i[CAPACITY], load_j[CAPACITY];    // force and torque on either sphere
 
   /* Have velocities and springs, which are needed soon, brought into the cache. */
   void prefetch(const double *v, const double *omega, const SpringForce *spring, const double *loss) const;

@@ -204,8 +204,8 @@ double PairGranHysteretic::memory_usage()
   bytes += double(c.row.capacity()) * (2 * sizeof(int) + sizeof(tagint));
   bytes += double(c.turnings.capacity()) * (sizeof(Turning) + sizeof(double));
   bytes += double(c.spring.capacity()) * sizeof(granwave::SpringForce) + double(c.has_spring.capacity());
-  bytes += double(c.circle.capacity() + c.loss.capacity() + c.initial.capacity() + c.reached.capacity() + c.extra.capacity() +
-                  c.initial_extra.capacity()) *
+  bytes += double(c.circle.capacity() + c.loss.capacity() + c.initial.capacity() + c.reached.capacity() +
+                  c.extra.capacity() + c.initial_extra.capacity()) *
            sizeof(double);
   return bytes;
 }

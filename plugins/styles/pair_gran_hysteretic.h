@@ -112,11 +112,11 @@ class PairGranHysteretic : public Pair {
     std::vector<granwave::Turning> turnings;
     std::vector<double> work_lost;    // normalized dissipated energy at the turning point; -1 if not yet computed
     std::vector<double> circle;       // with friction: normalized area at the turning point
-    std::vector<granwave::SpringForce> spring;         // with friction: force on the sphere of the row, compliance
-    std::vector<double> loss;                          // with friction: frictional loss
-    std::vector<char> has_spring;                      // with friction: 1 if there is a spring at present
-    std::vector<double> initial, reached;              // with initial dents: initial dent, largest overlap of this run
-    std::vector<double> initial_extra;                 // with initial dents: initial doubles of the law
+    std::vector<granwave::SpringForce> spring;    // with friction: force on the sphere of the row, compliance
+    std::vector<double> loss;                     // with friction: frictional loss
+    std::vector<char> has_spring;                 // with friction: 1 if there is a spring at present
+    std::vector<double> initial, reached;         // with initial dents: initial dent, largest overlap of this run
+    std::vector<double> initial_extra;            // with initial dents: initial doubles of the law
     std::vector<tagint> row_tag, partner_tag;
     std::vector<double> row_radius, partner_radius;    // only the first element is used if all spheres are equal
     std::vector<int> row_type, partner_type;
@@ -196,7 +196,7 @@ class PairGranHysteretic : public Pair {
   granwave::LoadingBatch loading{};    // those beyond their elastic limit
   granwave::UnloadingBatch unloading{};
   granwave::TouchingPairs pairs{};
-  std::vector<PairParameters> parameters_by_type;    // empty if they are not determined by the types
+  std::vector<PairParameters> parameters_by_type;              // empty if they are not determined by the types
   granwave::TwofoldSums<granwave::Components> force_sums;      // without friction
   granwave::TwofoldSums<granwave::TwoComponents> load_sums;    // with friction: forces and torques
   int last_sphere = 0;    // the last sphere and its velocities, followed by one number more

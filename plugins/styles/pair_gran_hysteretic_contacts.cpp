@@ -235,20 +235,6 @@ granwave::LawHistory PairGranHysteretic::law_history(int k) const
   return {c.peak[k], c.extra.data() + static_cast<std::size_t>(k) * c.n_extra};
 }
 
-granwave::TangentialSpring PairGranHysteretic::spring_of(int k) const
-{
-  const granwave::SpringForce &s = contacts.spring[k];
-  return {{s.force[0], s.force[1], s.force[2]}, s.compliance, contacts.loss[k]};
-}
-
-void PairGranHysteretic::set_spring(int k, const granwave::TangentialSpring &spring)
-{
-  const double *const force = spring.force;
-  contacts.spring[k] = {{force[0], force[1], force[2]}, spring.compliance};
-  contacts.loss[k] = spring.loss;
-  contacts.has_spring[k] = spring.compliance > 0.0;
-}
-
 /* Block of pair k, as seen from the sphere of the row. */
 
 BlockView PairGranHysteretic::block_view(int k) const

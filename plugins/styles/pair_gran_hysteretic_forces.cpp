@@ -46,6 +46,20 @@ inline void PairGranHysteretic::discard_turning(int k)
   if (contacts.turning[k] >= 0) contacts.turnings[contacts.turning[k]].peak = -1.0;
 }
 
+granwave::TangentialSpring PairGranHysteretic::spring_of(int k) const
+{
+  const granwave::SpringForce &s = contacts.spring[k];
+  return {{s.force[0], s.force[1], s.force[2]}, s.compliance, contacts.loss[k]};
+}
+
+void PairGranHysteretic::set_spring(int k, const granwave::TangentialSpring &spring)
+{
+  const double *const force = spring.force;
+  contacts.spring[k] = {{force[0], force[1], force[2]}, spring.compliance};
+  contacts.loss[k] = spring.loss;
+  contacts.has_spring[k] = spring.compliance > 0.0;
+}
+
 inline void PairGranHysteretic::release_spring(int k)
 {
   granwave::TangentialSpring spring = spring_of(k);
