@@ -10,12 +10,22 @@ from typing import Any
 
 import tomli_w
 
-from granwave.lammps_inputs.case.bodies import Bar, Replace, Sensor, Striker, read_body, read_list
+from granwave.lammps_inputs.case.bodies import Bar, Hold, Replace, Sensor, Striker, read_body, read_list
 from granwave.lammps_inputs.case.contact_pairs import RIGID, Pair, read_pairs
 from granwave.lammps_inputs.case.load import Load, read_load
-from granwave.lammps_inputs.case.material import SELECTORS, Material, read_material, sphere_mass
+from granwave.lammps_inputs.case.material import (
+    MATERIALS,
+    SELECTORS,
+    Material,
+    presets,
+    read_material,
+    read_materials,
+    sphere_mass,
+    with_named_materials,
+)
+from granwave.lammps_inputs.case.packing import PackingSection, read_packing
 from granwave.lammps_inputs.case.schema import ErrorList, keys_of, read_name, read_table, refuse_unknown, show
-from granwave.lammps_inputs.case.sections import Boundary, Contact, Output, PackingSection, Precompression, Probe, Run
+from granwave.lammps_inputs.case.sections import Boundary, Contact, Output, Precompression, Probe, Run
 from granwave.lammps_inputs.case.supports import SUPPORTS, read_bottom
 from granwave.lammps_inputs.named_files import with_absolute_paths
 
@@ -27,12 +37,12 @@ _SECTIONS: dict[str, type] = {
     "run": Run,
     "output": Output,
 }
-_LISTS: dict[str, type] = {"replace": Replace, "striker": Striker, "sensor": Sensor}
+_LISTS: dict[str, type] = {"replace": Replace, "striker": Striker, "hold": Hold, "sensor": Sensor}
 _BARS = ("bar", "incident_bar")
 _PRECOMPRESSION = "precompression"
 _WALLS = ("bottom", "sides")  # keys of [boundary] that take a material
 _REQUIRED = ("packing", "material")
-KNOWN = ("name", "material", *_SECTIONS, _PRECOMPRESSION, "pair", *_LISTS, *_BARS)
+KNOWN = ("name", "material", MATERIALS, *_SECTIONS, _PRECOMPRESSION, "pair", *_LISTS, *_BARS)
 RECORD = "resolved"  # table of derived values in the case.toml beside a deck, ignored when read
 _OF_CONTINUUM = ("block", "punch", "sphere", "partner")
 _OF_SCAN = ("replicates", "ranks", "case", "set", "grid", "zip", "points")
@@ -52,8 +62,10 @@ class Case:
     output: Output = dataclasses.field(default_factory=Output)
     precompression: Precompression | None = None
     pair: tuple[Pair, ...] = ()
+    materials: tuple[Material, ...] = ()
     replace: tuple[Replace, ...] = ()
     striker: tuple[Striker, ...] = ()
+    hold: tuple[Hold, ...] = ()
     sensor: tuple[Sensor, ...] = ()
     bar: Bar | None = None
     incident_bar: Bar | None = None
@@ -62,6 +74,17 @@ class Case:
         """Return the law of contacts between two materials, from ``[[pair]]`` or ``[contact]``; None: a rigid wall."""
         names = [RIGID if material is None else material.name for material in (first, second)]
         return next((pair.contact for pair in self.pair if pair.fits(*names)), self.contact)
+
+    def named_material(self, name: str) -> Material:
+        """Return the material of this name: of the case, or a preset; that of the packing for an empty name.
+
+        Raises
+        ------
+        KeyError
+            There is none.
+        """
+        known = presets() | {str(one.name): one for one in (self.material, *self.materials)}
+        return known[name] if name else self.material
 
     @property
     def has_friction(self) -> bool:
@@ -94,14 +117,15 @@ class Case:
     def to_dict(self) -> dict[str, Any]:
         """Return the case as nested tables of TOML values, all defaults filled in."""
         tables = _plain(self)
-        if len(self.packing.size) == 1:
-            tables["packing"]["size"] = self.packing.size[0]
+        tables["packing"] = _plain(self.packing.keys())
         tables["load"] = _plain(self.load.keys())
         for key in _WALLS:
             wall = tables["boundary"].pop(f"{key}_material", None)
             support = tables["boundary"].pop(f"{key}_support", None)
             if wall is not None or support is not None:
                 tables["boundary"][key] = (support or {}) | ({} if wall is None else {"material": wall})
+        if self.materials:
+            tables[MATERIALS] = {str(one.name): _plain(one) for one in self.materials}
         if self.pair:
             tables["pair"] = [_plain(pair.to_dict()) for pair in self.pair]
         return {name: table for name, table in tables.items() if table != []}
@@ -126,14 +150,20 @@ def parse_case(data: Mapping[str, Any], source: str | Path, errors: ErrorList) -
     """
     _refuse_others(data, errors)
     data = _with_implied(with_absolute_paths(data, Path()))
+    materials = read_materials(data.get(MATERIALS, {}), errors)
+    data = with_named_materials(data, materials)
     parts = read_parts(data, source, errors, sections=_SECTIONS, required=_REQUIRED, read=_read_section)
     if _PRECOMPRESSION in data:
         parts[_PRECOMPRESSION] = read_table(Precompression, data[_PRECOMPRESSION], _PRECOMPRESSION, errors)
     parts["pair"] = read_pairs(data.get("pair", ()), data.get("contact", {}), errors)
+    parts[MATERIALS] = tuple(materials.values())
     for name, section in _LISTS.items():
         parts[name] = read_list(section, data.get(name, ()), name, errors)
     for name in _BARS:
         parts[name] = read_body(Bar, data[name], name, errors) if name in data else None
+    packing: PackingSection | None = parts["packing"] if "packing" in data else None
+    if "load" not in data and packing is not None and packing.grains is not None and packing.grains.velocity.any():
+        parts["load"] = Load(kind="grains")
     return parts
 
 
@@ -211,6 +241,8 @@ def unit_of(key: str) -> str:
 def _read_section(section: type, table: Any, name: str, errors: ErrorList) -> Any:
     if section is Load:
         return read_load(table, errors)
+    if section is PackingSection:
+        return read_packing(table, errors)
     if section is not Boundary or not isinstance(table, Mapping):
         return read_table(section, table, name, errors)
     before, plain = len(errors.lines), dict(table)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 from collections.abc import Mapping
 from itertools import pairwise
 from typing import Any, Literal
@@ -23,17 +22,14 @@ from granwave.lammps_inputs.case.schema import (
 )
 from granwave.lammps_inputs.case.si_values import (
     ACCELERATION,
-    DIAMETER,
     FORCE,
     FRICTION,
     INTERVAL,
     PRESSURE,
     TIME,
-    Usual,
 )
 from granwave.lammps_inputs.case.supports import Support
 from granwave.lammps_inputs.case.yield_factor import DEFAULT_YIELD_FACTOR
-from granwave.lammps_inputs.lattices import KINDS
 
 BOTTOMS = ("wall", "fixed", "free")
 LAWS = _contact_laws.LAWS  # contact laws of the plugin, by name
@@ -47,17 +43,6 @@ LARGEST_ID = LARGEST_COUNT
 _NO_LIMIT = 2**63 - 1  # the schedule limits the number to that of the steps
 
 
-def _parse_size(value: Any) -> tuple[int, ...]:
-    expected = "whole numbers from 1 up: [nx, ny, nz], [nx, ny] (square) or n (chain)"
-    counts = value if isinstance(value, list | tuple) else [value]
-    size = tuple(whole(count, expected) for count in counts)
-    if not 1 <= len(size) <= 3:
-        raise ValidationError(expected)
-    if math.prod(size) > LARGEST_ID:
-        raise ValidationError(f"at most {LARGEST_ID} spheres in all")
-    return size
-
-
 def _parse_frames(value: Any) -> int | tuple[float, ...]:
     expected = "how many snapshots (from 1 up), or a list of rising times in s"
     if not isinstance(value, list | tuple):
@@ -66,24 +51,6 @@ def _parse_frames(value: Any) -> int | tuple[float, ...]:
     if not times or times[0] < 0 or any(later <= earlier for earlier, later in pairwise(times)):
         raise ValidationError(expected)
     return times
-
-
-def _parse_seed(value: Any) -> int:
-    expected = f"a whole number from 0 to {LARGEST_ID}"
-    seed = whole(value, expected, at_least=0)
-    if seed > LARGEST_ID:
-        raise ValidationError(expected)
-    return seed
-
-
-def _parse_vacancies(value: Any) -> float | tuple[int, ...]:
-    expected = "a share of the spheres, 0 or more and below 1, or a list of ids"
-    if isinstance(value, list | tuple):
-        return tuple(sorted({whole(one, expected) for one in value}))
-    share = finite(value, expected)
-    if not 0 <= share < 1:
-        raise ValidationError(expected)
-    return share
 
 
 _DENT_FORM = (
@@ -166,31 +133,6 @@ class Dents:
     force: float | None = None
     low: tuple[float, float, float] | None = None
     high: tuple[float, float, float] | None = None
-
-
-@dataclasses.dataclass(frozen=True, kw_only=True)
-class PackingSection:
-    """``[packing]``: lattice, size and spheres of the packing."""
-
-    kind: str = choice("lattice", tuple(KINDS))
-    size: tuple[int, ...] = custom("spheres along x, rows along y, layers along z", _parse_size)
-    diameter: float = number("diameter of the spheres", unit="m", above=0, usual=DIAMETER)
-    diameter_scatter: float = number(
-        "tolerance: the diameters lie between this much less and the nominal one",
-        unit="m",
-        at_least=0,
-        default=0.0,
-        usual=Usual(1e-12, 0.1, ("mm", "um")),
-    )
-    scatter_distribution: Literal["uniform", "normal"] = choice(
-        "distribution of the diameters in the tolerance band; normal: three standard deviations to either side",
-        ("uniform", "normal"),
-        default="uniform",
-    )
-    vacancies: float | tuple[int, ...] = custom(
-        "spheres left out: a share of them, chosen at random, or their ids", _parse_vacancies, default=0.0
-    )
-    seed: int | None = custom("seed of all that is random in the packing", _parse_seed, default=None)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from granwave.lammps_inputs.case.packing import PackingSection
 from granwave.lammps_inputs.case.schema import ErrorList, show
-from granwave.lammps_inputs.case.sections import Boundary, PackingSection, Precompression
+from granwave.lammps_inputs.case.sections import Boundary, Precompression
 from granwave.lammps_inputs.contact.initial_dents import LARGEST
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.contact.static_load import force_of_contact

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.bodies import Replace
     from granwave.lammps_inputs.case.case import Case
-    from granwave.lammps_inputs.case.sections import PackingSection
+    from granwave.lammps_inputs.case.packing import PackingSection
 
 DEFAULT_SEED = 1
 DIAMETERS, VACANCIES, REPLACE = range(3)  # streams

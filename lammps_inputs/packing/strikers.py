@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.bodies import Striker
-from granwave.lammps_inputs.lattices import Lattice
+from granwave.lammps_inputs.packing.places import Layout
 
 _TOLERANCE = 1e-9  # diameters; largest gap or overlap between a striker and the spheres that it touches
 _TELLING = 1e-6  # relative size below which a direction or a singular value counts as zero
@@ -16,7 +16,7 @@ _OVERLAP = 1e-6  # diameters; largest overlap with other spheres
 
 
 def place_strikers(
-    lattice: Lattice,
+    lattice: Layout,
     ids: NDArray[np.int64],
     centres: NDArray[np.float64],
     diameters: NDArray[np.float64],

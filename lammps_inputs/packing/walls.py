@@ -54,12 +54,11 @@ def walls(case: Case | Assembly) -> tuple[Wall, ...]:
         boundary, held = case.boundary, case.boundary.bottom == "fixed"
         found.append(Wall("bottom", 2, 1, assembly.bottom(), held, boundary.bottom_material, boundary.bottom_support))
     if case.boundary.sides == "wall":
-        low, high = assembly.lattice_bounds()
-        radius = assembly.wall_radius
+        low, high = assembly.faces()
         for axis, letter in enumerate("xy"):
             material = case.boundary.sides_material
-            found.append(Wall(f"{letter}lo", axis, -1, float(low[axis]) - radius, material=material))
-            found.append(Wall(f"{letter}hi", axis, 1, float(high[axis]) + radius, material=material))
+            found.append(Wall(f"{letter}lo", axis, -1, float(low[axis]), material=material))
+            found.append(Wall(f"{letter}hi", axis, 1, float(high[axis]), material=material))
     return tuple(found)
 
 
@@ -88,11 +87,10 @@ def wall_friction(case: Case, wall: Wall, material: Material) -> float:
 def materials_of_last_layer(assembly: Assembly) -> list[Material]:
     """Return the materials of the spheres in the last layer, each once."""
     case = assembly.case
-    nx, ny, _ = assembly.lattice.shape
-    n, sites = assembly.lattice.n_spheres, assembly.sites
+    sites = assembly.sites
     if sites is None:
         return [case.material]
-    last = slice(n - nx * ny, n)
+    last = assembly.lattice.last_layer - 1
     return list(dict.fromkeys(sites.materials[kind] for kind in sites.kind[last][sites.present[last]]))
 
 
@@ -117,11 +115,11 @@ def support_timestep(assembly: Assembly, stiffness: float) -> float:
         Stiffness of one contact with the bottom, N/m.
     """
     case = assembly.case
-    boundary, (nx, ny, _) = case.boundary, assembly.lattice.shape
+    boundary = case.boundary
     if boundary.bottom_support is None:
         return math.inf
     return boundary.bottom_support.longest_timestep(
-        boundary.bottom_material, footprint_radius(assembly), nx * ny * stiffness
+        boundary.bottom_material, footprint_radius(assembly), len(assembly.lattice.last_layer) * stiffness
     )
 
 

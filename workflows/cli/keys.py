@@ -293,6 +293,9 @@ _ALSO = {
 }
 #: Keys that are read by code of their own, without a field.
 _FURTHER: dict[tuple[str, str], tuple[Key, ...]] = {
+    (CASE, "packing"): (
+        Key("file", "grains of a packing of kind file: a table (x, y, z, diameter ...), or what ASE reads", "a path"),
+    ),
     (CASE, "load"): (
         Key("file", "the table as a file: two columns, time (s) and force (N) or displacement (m)", "a path"),
     ),

@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 from granwave.analysis.measures.target.record import reached
 from granwave.analysis.measures.zone.size import BOTTOM, SIDES, WAVE_KEYS, Array, wave_returns, zone_sizes
 from granwave.analysis.result.reader import Result
+from granwave.lammps_inputs.lattices import TOUCHING
+from granwave.lammps_inputs.packing.places import Places
 
 _SAME = 1e-9  # relative, of lengths that are equal but for rounding
 _LATE = 0.1  # of a run: where the outermost yield came within so much of its end it may go on
@@ -77,17 +79,19 @@ class PackingZone:
 def packing_zone(result: Result) -> PackingZone:
     """Return what the plastic zone of a run is made of."""
     own = result.in_packing
-    nx, ny, nz = result.assembly.lattice.shape
+    lattice = result.assembly.lattice
+    nx, ny, nz = lattice.shape
+    free = isinstance(lattice, Places)
     offset = (result["spheres/position"] - result.origin)[own]
-    periods = np.array(result.assembly.lattice.lengths) if result.case.boundary.sides == "periodic" else None
+    periods = np.array(lattice.lengths) if result.case.boundary.sides == "periodic" else None
     if periods is not None:
         offset[:, :2] -= periods * np.round(offset[:, :2] / periods)
     energy = np.maximum(result.yield_energy[own], 0.0)
     return PackingZone(
         energy=energy,
         volume=4 / 3 * np.pi * result["spheres/radius"][own] ** 3,
-        depth=np.maximum(offset[:, 2], 0.0) if nz > 1 else None,
-        radius=np.hypot(offset[:, 0], offset[:, 1]) if nx * ny > 1 else None,
+        depth=np.maximum(offset[:, 2], 0.0) if nz > 1 or free else None,
+        radius=np.hypot(offset[:, 0], offset[:, 1]) if nx * ny > 1 or free else None,
         yielded=(result["spheres/contacts_yielded"][own] > 0) | (energy > 0),
         bounds=_bounds(result, own, offset, periods),
         arrival=None if result.case.precompression is not None else result["spheres/time_first"][own],
@@ -110,6 +114,8 @@ def zone_summary(result: Result) -> dict[str, Any]:
 def _bounds(result: Result, own: NDArray[np.bool_], offset: Array, periods: Array | None) -> dict[str, NDArray]:
     """Spheres that touch each bound, by its name; see `PackingZone`."""
     lattice = result.assembly.lattice
+    if isinstance(lattice, Places):
+        return _outermost(result["spheres/position"][own], result["spheres/radius"][own])
     nx, ny, nz = lattice.shape
     site = result["spheres/id"][own] - 1
     found = {}
@@ -121,6 +127,22 @@ def _bounds(result: Result, own: NDArray[np.bool_], offset: Array, periods: Arra
     elif nx * ny > 1:
         ends = [(place == 0) | (place == n - 1) for place, n in ((site % nx, nx), (site // nx % ny, ny)) if n > 1]
         found[SIDES] = np.any(ends, axis=0)
+    return found
+
+
+def _outermost(position: Array, radius: Array) -> dict[str, NDArray[np.bool_]]:
+    """Grains that the planes around all of them would touch, by the bound, as far as there are others inside."""
+    found = {}
+    for name, axes in ((BOTTOM, (2,)), (SIDES, (0, 1))):
+        reached = np.zeros(len(position), dtype=bool)
+        for axis in axes:
+            upper, lower = position[:, axis] + radius, position[:, axis] - radius
+            slack = TOUCHING * 2 * float(radius.max())
+            reached |= upper >= upper.max() - slack
+            if name == SIDES:
+                reached |= lower <= lower.min() + slack
+        if not reached.all():
+            found[name] = reached
     return found
 
 
