@@ -77,9 +77,7 @@ def check_chosen(
         if hold.group is not None:
             groups = sorted(set(packing.grains.group) - {""}) if packing.grains is not None else []
             if hold.group not in groups:
-                there = (
-                    f"one of {', '.join(map(show, groups))}" if groups else "index: no grain of the case has a group"
-                )
+                there = f"one of {', '.join(map(show, groups))}" if groups else "index: no grain has a group"
                 errors.add(f"{key}.group", f"found {show(hold.group)}, expected {there}")
                 continue
         held = hold.index or packing.grains.of_group(hold.group or "")  # type: ignore[union-attr]
