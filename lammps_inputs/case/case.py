@@ -10,6 +10,7 @@ from typing import Any
 
 import tomli_w
 
+from granwave.lammps_inputs.case.added_grains import AddedGrains, with_added_grains
 from granwave.lammps_inputs.case.bodies import Bar, Hold, Replace, Sensor, Striker, read_body, read_list
 from granwave.lammps_inputs.case.contact_pairs import RIGID, Pair, read_pairs
 from granwave.lammps_inputs.case.load import Load, read_load
@@ -39,10 +40,11 @@ _SECTIONS: dict[str, type] = {
 }
 _LISTS: dict[str, type] = {"replace": Replace, "striker": Striker, "hold": Hold, "sensor": Sensor}
 _BARS = ("bar", "incident_bar")
+_GRAINS = "grains"
 _PRECOMPRESSION = "precompression"
 _WALLS = ("bottom", "sides")  # keys of [boundary] that take a material
 _REQUIRED = ("packing", "material")
-KNOWN = ("name", "material", MATERIALS, *_SECTIONS, _PRECOMPRESSION, "pair", *_LISTS, *_BARS)
+KNOWN = ("name", "material", MATERIALS, *_SECTIONS, _PRECOMPRESSION, "pair", _GRAINS, *_LISTS, *_BARS)
 RECORD = "resolved"  # table of derived values in the case.toml beside a deck, ignored when read
 _OF_CONTINUUM = ("block", "punch", "sphere", "partner")
 _OF_SCAN = ("replicates", "ranks", "case", "set", "grid", "zip", "points")
@@ -162,6 +164,10 @@ def parse_case(data: Mapping[str, Any], source: str | Path, errors: ErrorList) -
     for name in _BARS:
         parts[name] = read_body(Bar, data[name], name, errors) if name in data else None
     packing: PackingSection | None = parts["packing"] if "packing" in data else None
+    added = read_list(AddedGrains, data.get(_GRAINS, ()), _GRAINS, errors)
+    if packing is not None and added:
+        packing = parts["packing"] = with_added_grains(packing, added, materials, errors)
+        parts[MATERIALS] = tuple(materials.values())
     if "load" not in data and packing is not None and packing.grains is not None and packing.grains.velocity.any():
         parts["load"] = Load(kind="grains")
     return parts
@@ -210,7 +216,7 @@ def read_parts(
 def case_keys() -> tuple[str, ...]:
     """Return the dotted keys of a case; an array of tables is represented by its entry 1."""
     tables = {**_SECTIONS, _PRECOMPRESSION: Precompression, "material": Material, **dict.fromkeys(_BARS, Bar)}
-    numbered = {f"{name}.1": section for name, section in _LISTS.items()}
+    numbered = {f"{name}.1": section for name, section in ({_GRAINS: AddedGrains} | _LISTS).items()}
     return (*KNOWN, *keys_of(tables), *(f"material.{name}" for name in SELECTORS), *keys_of(numbered))
 
 
@@ -223,6 +229,7 @@ def case_tables() -> dict[str, type]:
         **{f"[{name}]": section for name, section in _SECTIONS.items()},
         **supports,
         f"[{_PRECOMPRESSION}]": Precompression,
+        f"[[{_GRAINS}]]": AddedGrains,
         **{f"[[{name}]]": section for name, section in _LISTS.items()},
         **{f"[{name}]": Bar for name in _BARS},
     }

@@ -196,3 +196,48 @@ def test_wrong_cases(changes: dict[str, Any], fault: str) -> None:
 def test_grains_of_a_lattice() -> None:
     with pytest.raises(InputError, match=r'packing\.grains: belongs to packing\.kind = "file"; found "chain"'):
         case_from_dict(case_of(packing={"kind": "chain", "size": 3, "diameter": 0.01}), "mine")
+
+
+RINGS = [{"ring": {"n": 6, "radius": 0.008, "z": 0.005}, "repeat": {"times": 3, "step": [0, 0, 0.01]}, "diameter": 0.003,
+          "material": "steel", "group": "rings"}]  # fmt: skip
+
+
+def test_grains_around_a_chain() -> None:
+    packing = {"kind": "chain", "size": 4, "diameter": 0.01}
+    case = case_from_dict({"packing": packing, "material": "brass", "grains": RINGS}, "mine")
+    assembly = assemble(case)
+    assert (assembly.n_spheres, assembly.n_contacts, case.packing.kind) == (22, 3, "file")
+    assert assembly.positions()[:4, 2].tolist() == [0.0, 0.01, 0.02, 0.03]
+    assert assembly.positions()[4] == pytest.approx([0.008, 0.0, 0.005])
+    assert assembly.positions()[-1] == pytest.approx([0.004, -0.004 * np.sqrt(3), 0.025])
+    assert [assembly.material_of(n).name for n in (4, 5)] == ["brass", "steel"]
+    assert case.packing.grains is not None
+    assert case.packing.grains.of_group("rings") == tuple(range(5, 23))
+    assert case_from_dict(tomllib.loads(case.to_toml()), "mine") == case
+
+
+def test_a_material_of_added_grains_by_value() -> None:
+    packing = {"kind": "chain", "size": 2, "diameter": 0.01}
+    grains = [{"at": [[0.02, 0, 0]], "diameter": 0.003, "material": SOFT}]
+    case = case_from_dict({"packing": packing, "material": "brass", "grains": grains}, "mine")
+    assert assemble(case).material_of(3).youngs_modulus == SOFT["youngs_modulus"]
+    assert [one.name for one in case.materials] == ["grains"]
+
+
+@pytest.mark.parametrize(
+    ("packing", "entry", "fault"),
+    [
+        ({}, {"diameter": 0.003}, "grains.1: found neither at nor ring"),
+        ({}, RINGS[0] | {"at": [[0, 0, 0]]}, "grains.1: found both at and ring"),
+        ({}, {"at": [[0, 0]], "diameter": 0.003}, "grains.1.at: found [[0, 0]], expected places, [x, y, z] in m each"),
+        ({}, {"ring": {"n": 6}, "diameter": 0.003}, "grains.1.ring: found"),
+        ({}, RINGS[0] | {"repeat": {"times": 0, "step": [0, 0, 1]}}, "grains.1.repeat: found"),
+        ({}, {"at": [[0, 0, 0]], "diameter": 0.003}, "found grains 1 and 5 at one place"),
+        ({"diameter_scatter": 1e-6}, RINGS[0], "packing.diameter_scatter: found beside [[grains]]"),
+    ],
+)
+def test_wrong_added_grains(packing: dict[str, Any], entry: dict[str, Any], fault: str) -> None:
+    packing = {"kind": "chain", "size": 4, "diameter": 0.01} | packing
+    with pytest.raises(InputError) as caught:
+        case_from_dict({"packing": packing, "material": "brass", "grains": [entry]}, "mine")
+    assert any(fault in line for line in caught.value.errors), caught.value.errors

@@ -47,7 +47,6 @@ def test_same_bits_as_the_lattice(tmp_path: Path) -> None:
         "n_contacts",
         "dissipated_fraction",
         "plastic_zone_depth_m",
-        "zone_cut",
         "zone_depth_90_m",
         "n_plastic_spheres",
     )

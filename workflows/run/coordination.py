@@ -18,7 +18,8 @@ def check_coordination(case: Case, engine: Engine) -> None:
     """
     packing, assembly = case.packing, assemble(case)
     sites = assembly.sites
-    if assembly.strikers or assembly.bars or (sites is not None and sites.stacked is not None):
+    unlike = sites is not None and (sites.stacked is not None or packing.grains is not None)
+    if assembly.strikers or assembly.bars or unlike:
         return  # one cutoff does not tell contacts of unlike bodies
     # The sites are one diameter apart, whatever the diameters of the spheres there.
     expected, forget_gap = assembly.n_neighbours, case.boundary.forget_gap

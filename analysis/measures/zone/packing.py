@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from granwave.analysis.measures.target.record import reached
 from granwave.analysis.measures.zone.size import BOTTOM, SIDES, WAVE_KEYS, Array, wave_returns, zone_sizes
 from granwave.analysis.result.reader import Result
-from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.places import Places
 
 _SAME = 1e-9  # relative, of lengths that are equal but for rounding
@@ -115,7 +114,7 @@ def _bounds(result: Result, own: NDArray[np.bool_], offset: Array, periods: Arra
     """Spheres that touch each bound, by its name; see `PackingZone`."""
     lattice = result.assembly.lattice
     if isinstance(lattice, Places):
-        return _outermost(result["spheres/position"][own], result["spheres/radius"][own])
+        return {}  # such grains may leave off anywhere
     nx, ny, nz = lattice.shape
     site = result["spheres/id"][own] - 1
     found = {}
@@ -127,22 +126,6 @@ def _bounds(result: Result, own: NDArray[np.bool_], offset: Array, periods: Arra
     elif nx * ny > 1:
         ends = [(place == 0) | (place == n - 1) for place, n in ((site % nx, nx), (site // nx % ny, ny)) if n > 1]
         found[SIDES] = np.any(ends, axis=0)
-    return found
-
-
-def _outermost(position: Array, radius: Array) -> dict[str, NDArray[np.bool_]]:
-    """Grains that the planes around all of them would touch, by the bound, as far as there are others inside."""
-    found = {}
-    for name, axes in ((BOTTOM, (2,)), (SIDES, (0, 1))):
-        reached = np.zeros(len(position), dtype=bool)
-        for axis in axes:
-            upper, lower = position[:, axis] + radius, position[:, axis] - radius
-            slack = TOUCHING * 2 * float(radius.max())
-            reached |= upper >= upper.max() - slack
-            if name == SIDES:
-                reached |= lower <= lower.min() + slack
-        if not reached.all():
-            found[name] = reached
     return found
 
 
