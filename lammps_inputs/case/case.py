@@ -26,7 +26,7 @@ from granwave.lammps_inputs.case.material import (
 )
 from granwave.lammps_inputs.case.packing import PackingSection, read_packing
 from granwave.lammps_inputs.case.schema import ErrorList, keys_of, read_name, read_table, refuse_unknown, show
-from granwave.lammps_inputs.case.sections import Boundary, Contact, Output, Precompression, Probe, Run
+from granwave.lammps_inputs.case.sections import Boundary, Contact, Output, Precompression, Probe, Run, Tube
 from granwave.lammps_inputs.case.supports import SUPPORTS, read_bottom
 from granwave.lammps_inputs.named_files import with_absolute_paths
 
@@ -123,9 +123,11 @@ class Case:
         tables["load"] = _plain(self.load.keys())
         for key in _WALLS:
             wall = tables["boundary"].pop(f"{key}_material", None)
-            support = tables["boundary"].pop(f"{key}_support", None)
-            if wall is not None or support is not None:
-                tables["boundary"][key] = (support or {}) | ({} if wall is None else {"material": wall})
+            others = tables["boundary"].pop(f"{key}_support", None) or {}
+            if (radius := tables["boundary"].pop(f"{key}_tube", None)) is not None:
+                others = {"tube": {"radius": radius}}
+            if wall is not None or others:
+                tables["boundary"][key] = others | ({} if wall is None else {"material": wall})
         if self.materials:
             tables[MATERIALS] = {str(one.name): _plain(one) for one in self.materials}
         if self.pair:
@@ -227,6 +229,7 @@ def case_tables() -> dict[str, type]:
     return {
         **first,
         **{f"[{name}]": section for name, section in _SECTIONS.items()},
+        "[boundary.sides.tube]": Tube,
         **supports,
         f"[{_PRECOMPRESSION}]": Precompression,
         f"[[{_GRAINS}]]": AddedGrains,
@@ -261,20 +264,21 @@ def _read_section(section: type, table: Any, name: str, errors: ErrorList) -> An
         if key == "bottom":
             read["bottom_material"], read["bottom_support"] = read_bottom(table[key], f"boundary.{key}", errors)
         else:
-            read[f"{key}_material"] = _read_wall(table[key], f"boundary.{key}", errors)
+            read[f"{key}_material"], read[f"{key}_tube"] = _read_sides(table[key], f"boundary.{key}", errors)
     boundary = read_table(Boundary, plain, name, errors)
     if boundary is None or len(errors.lines) > before:
         return None
     return dataclasses.replace(boundary, **read)
 
 
-def _read_wall(table: Mapping[str, Any], key: str, errors: ErrorList) -> Material | None:
-    refuse_unknown(table, ("material",), key, errors)
+def _read_sides(table: Mapping[str, Any], key: str, errors: ErrorList) -> tuple[Material | None, float | None]:
+    """Read the material of the sides, and the radius of a tube."""
+    refuse_unknown(table, ("material", "tube"), key, errors)
     if not table:
         errors.add(key, f'found {show(table)}, expected a word, or {{material = "..."}} for a wall')
-    if "material" not in table:
-        return None
-    return read_material(table["material"], errors, f"{key}.material")
+    material = read_material(table["material"], errors, f"{key}.material") if "material" in table else None
+    tube = read_table(Tube, table["tube"], f"{key}.tube", errors) if "tube" in table else None
+    return material, None if tube is None else tube.radius
 
 
 def _with_implied(data: Mapping[str, Any]) -> dict[str, Any]:

@@ -22,6 +22,8 @@ from granwave.lammps_inputs.case.schema import (
 )
 from granwave.lammps_inputs.case.si_values import (
     ACCELERATION,
+    DIAMETER,
+    DISPLACEMENT,
     FORCE,
     FRICTION,
     INTERVAL,
@@ -39,6 +41,7 @@ ENERGY_TOLERANCE = 3e-6  # default of `run.energy_tolerance`
 LEAST_ENERGY_TOLERANCE = 1e-10  # rounding errors are some 1e-12 of the input
 DEFAULT_FRAMES = 20  # default of `run.frames`; a run of fewer steps has fewer
 _CONSTANT: dict[str, Any] = {"above": 0, "default": None}
+_MOVE: dict[str, Any] = {"unit": "m", "above": 0, "default": None, "usual": DISPLACEMENT}
 LARGEST_ID = LARGEST_COUNT
 _NO_LIMIT = 2**63 - 1  # the schedule limits the number to that of the steps
 
@@ -205,6 +208,13 @@ class Contact:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
+class Tube:
+    """``[boundary.sides.tube]``: a tube around the axis x = y = 0 of the packing."""
+
+    radius: float = number("inner radius of the tube, before it shrinks", unit="m", above=0, usual=DIAMETER)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
 class Boundary:
     """``[boundary]``: bottom and sides of the packing; the struck top is always free."""
 
@@ -217,6 +227,13 @@ class Boundary:
         ("free", "wall", "periodic"),
         default="free",
     )
+    x: Literal["free", "wall"] | None = choice(
+        "the two planes across x, where they differ from sides", ("free", "wall"), default=None
+    )
+    y: Literal["free", "wall"] | None = choice(
+        "the two planes across y, where they differ from sides", ("free", "wall"), default=None
+    )
+    sides_tube: float | None = None  # radius of a tube around the axis x = y = 0, m: sides = {tube = {radius = ...}}
     bottom_support: Support | None = None  # of a moving bottom plane: plate, half_space or bar = {...}
     sides_material: Material | None = None  # of all side planes: sides = {material = ...}; None: rigid
     friction: float | None = number(
@@ -234,14 +251,19 @@ class Boundary:
         default=0.1,
     )
 
+    def has_planes(self, axis: str) -> bool:
+        """True if there are planes across x or y."""
+        return (getattr(self, axis) or self.sides) == "wall" and self.sides_tube is None
+
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Precompression:
     """``[precompression]``: a static load, applied before the impact and kept during it."""
 
-    kind: Literal["uniaxial", "uniform", "gravity"] = choice(
-        "a load along z on the top layer, the same pressure on all free faces, or the spheres' weight along +z",
-        ("uniaxial", "uniform", "gravity"),
+    kind: Literal["uniaxial", "uniform", "gravity", "walls"] = choice(
+        "a load along z on the top layer, the same pressure on all free faces, the spheres' weight along +z, or walls "
+        "that are moved in and then held",
+        ("uniaxial", "uniform", "gravity", "walls"),
     )
     pressure: float | None = number(
         "pressure on the faces of the packing", unit="Pa", above=0, default=None, usual=PRESSURE
@@ -249,7 +271,16 @@ class Precompression:
     force: float | None = number(
         "force on each sphere of the top layer (uniaxial)", unit="N", above=0, default=None, usual=FORCE
     )
+    x: float | None = number("distance by which each of the planes across x moves in", **_MOVE)
+    y: float | None = number("distance by which each of the planes across y moves in", **_MOVE)
+    tube: float | None = number("distance by which the tube's radius shrinks", **_MOVE)
     acceleration: float = number("acceleration of gravity", unit="m/s^2", above=0, default=9.81, usual=ACCELERATION)
+
+    @property
+    def moves(self) -> dict[str, float]:
+        """Distances by which walls move in, by x, y or tube, m."""
+        found = {name: getattr(self, name) for name in ("x", "y", "tube")}
+        return {name: distance for name, distance in found.items() if distance is not None}
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -14,7 +14,7 @@ from granwave.lammps_inputs.case.schema import ErrorList, show
 from granwave.lammps_inputs.case.sections import ENERGY_TOLERANCE, Boundary, Output, Run
 from granwave.lammps_inputs.case.yield_factor import FITTED_POISSON_RATIO, hertz_von_mises_yield_factor
 from granwave.lammps_inputs.checks.contacts import check_contacts, check_dents
-from granwave.lammps_inputs.checks.grains import check_chosen, check_grains
+from granwave.lammps_inputs.checks.grains import check_chosen, check_grains, check_tube
 from granwave.lammps_inputs.checks.packing import check_disorder, check_room
 from granwave.lammps_inputs.checks.precompression import check_first_yield, check_precompression, check_support
 from granwave.lammps_inputs.lattices import KINDS, Lattice, kind_of
@@ -67,6 +67,7 @@ def check_together(parts: Mapping[str, Any], errors: ErrorList) -> None:
 def check_case(case: Case, errors: ErrorList) -> Assembly | None:
     """Check the whole case: space for larger spheres, places of strikers, support, static load and dents."""
     check_room(case, errors)
+    check_tube(case, errors)
     try:
         assembly = assemble(case)
     except ValueError as error:

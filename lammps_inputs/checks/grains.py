@@ -12,10 +12,14 @@ from granwave.lammps_inputs.case.load import Load
 from granwave.lammps_inputs.case.material import Material, presets
 from granwave.lammps_inputs.case.packing import PackingSection
 from granwave.lammps_inputs.case.schema import ErrorList, show
-from granwave.lammps_inputs.case.sections import Boundary
+from granwave.lammps_inputs.case.sections import Boundary, Precompression
+from granwave.lammps_inputs.lattices import TOUCHING
+from granwave.lammps_inputs.packing.assembly import lattice_of
 from granwave.lammps_inputs.packing.places import Places
+from granwave.lammps_inputs.packing.sites import sites_of
 
 if TYPE_CHECKING:
+    from granwave.lammps_inputs.case.case import Case
     from granwave.lammps_inputs.case.grains import Grains
 
 _KEY = "packing.grains"
@@ -23,7 +27,6 @@ _OF_LATTICES = {
     "replace": "the file gives each grain its diameter and material",
     "bar": "a bar needs a chain",
     "incident_bar": "a bar needs a chain",
-    "precompression": "the loads that exist are those of lattices",
 }
 
 
@@ -35,6 +38,9 @@ def check_grains(parts: Mapping[str, Any], packing: PackingSection, errors: Erro
     for name, reason in _OF_LATTICES.items():
         if parts.get(name):
             errors.add(name, f'found with packing.kind = "file": {reason}; take it out')
+    stage: Precompression | None = parts.get("precompression")
+    if stage is not None and stage.kind != "walls":
+        errors.add("precompression.kind", f'found {show(stage.kind)} with packing.kind = "file", expected "walls"')
     boundary: Boundary | None = parts.get("boundary")
     if boundary is not None and boundary.sides == "periodic":
         errors.add("boundary.sides", 'found "periodic" with packing.kind = "file", expected "free" or "wall"')
@@ -87,6 +93,26 @@ def check_chosen(
         if not hold.directions and not hold.rotation:
             errors.add(key, "holds nothing; give directions, or rotation = true")
         _check_motion(load, hold, held, packing.grains, key, errors)
+
+
+def check_tube(case: Case, errors: ErrorList) -> None:
+    """Check that the packing fits into its tube, before this shrinks."""
+    tube = case.boundary.sides_tube
+    if tube is None or errors.lines:
+        return
+    lattice = lattice_of(case)
+    sites = sites_of(case, lattice)
+    diameter = np.full(lattice.n_spheres, lattice.diameter) if sites is None else sites.diameter
+    place = (lattice if sites is None else sites).positions(1, lattice.n_spheres)
+    reach = np.hypot(place[:, 0], place[:, 1]) + diameter / 2
+    if sites is not None:
+        reach[~sites.present] = 0.0
+    widest = int(np.argmax(reach))
+    if reach[widest] > tube + TOUCHING * lattice.diameter:
+        errors.add(
+            "boundary.sides.tube.radius",
+            f"found {tube:g} m, but sphere {widest + 1} reaches {reach[widest]:.9g} m from the axis x = y = 0",
+        )
 
 
 def _check_motion(

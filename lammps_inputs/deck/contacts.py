@@ -83,7 +83,7 @@ def wall_commands(assembly: Assembly, *, elastic: bool = False, prefix: str = ""
             lines.append(f"fix             {prefix}held held setforce 0.0 0.0 0.0")
             continue
         low, high = ("NULL", num(wall.coordinate)) if wall.outward > 0 else (num(wall.coordinate), "NULL")
-        style = f"{'xyz'[wall.axis]}plane {low} {high}"
+        style = f"tube {num(wall.coordinate)}" if wall.tube else f"{'xyz'[wall.axis]}plane {low} {high}"
         for name, group, material in wall_fixes(assembly, wall):
             words = [law_coefficients(_ELASTIC, material, wall.material)]
             if not elastic:

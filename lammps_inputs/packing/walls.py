@@ -21,13 +21,15 @@ class Wall:
     Attributes
     ----------
     name
-        Name of the wall: bottom, xlo, xhi, ylo or yhi.
+        Name of the wall: bottom, xlo, xhi, ylo, yhi or tube.
     axis
-        Axis of the normal: 0, 1 or 2 for x, y or z.
+        Axis of the normal: 0, 1 or 2 for x, y or z; 0 of a tube, whose first direction is radial.
     outward
         Sign of the outward normal: +1 if the packing lies at lower coordinates along ``axis``, -1 otherwise.
     coordinate
-        Position of the plane along ``axis``, m.
+        Position of the plane along ``axis``, or radius of the tube, m; after it was moved in, where it is.
+    tube
+        True for a tube around the axis x = y = 0.
     held_layer
         True if there is no plane, and the last layer is held in place.
     material
@@ -41,6 +43,7 @@ class Wall:
     outward: int
     coordinate: float
     held_layer: bool = False
+    tube: bool = False
     material: Material | None = None
     support: Support | None = None
 
@@ -52,13 +55,18 @@ def walls(case: Case | Assembly) -> tuple[Wall, ...]:
     found = []
     if case.boundary.bottom != "free":
         boundary, held = case.boundary, case.boundary.bottom == "fixed"
-        found.append(Wall("bottom", 2, 1, assembly.bottom(), held, boundary.bottom_material, boundary.bottom_support))
-    if case.boundary.sides == "wall":
-        low, high = assembly.faces()
-        for axis, letter in enumerate("xy"):
-            material = case.boundary.sides_material
-            found.append(Wall(f"{letter}lo", axis, -1, float(low[axis]), material=material))
-            found.append(Wall(f"{letter}hi", axis, 1, float(high[axis]), material=material))
+        material, support = boundary.bottom_material, boundary.bottom_support
+        found.append(Wall("bottom", 2, 1, assembly.bottom(), held, material=material, support=support))
+    material, moves = case.boundary.sides_material, case.precompression.moves if case.precompression else {}
+    if case.boundary.sides_tube is not None:
+        found.append(
+            Wall("tube", 0, 1, case.boundary.sides_tube - moves.get("tube", 0.0), tube=True, material=material)
+        )
+    for axis, letter in enumerate("xy"):
+        if case.boundary.has_planes(letter):
+            (low, high), inwards = assembly.faces()[:, axis].tolist(), moves.get(letter, 0.0)
+            found.append(Wall(f"{letter}lo", axis, -1, low + inwards, material=material))
+            found.append(Wall(f"{letter}hi", axis, 1, high - inwards, material=material))
     return tuple(found)
 
 

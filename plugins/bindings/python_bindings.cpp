@@ -2,6 +2,7 @@
 /* Python bindings of the contact laws: the table of laws, and the law of one contact, with numpy arrays and SI units. */
 
 #include "../laws/contact_law.h"
+#include "../laws/elliptic_contact.h"
 #include "../laws/law_arguments.h"
 
 #include <pybind11/numpy.h>
@@ -138,6 +139,8 @@ PYBIND11_MODULE(_contact_laws, module)
   module.attr("LAW_CONSTANTS") = by_name({});
   module.def("power", py::vectorize(granwave::power), py::arg("x"), py::arg("y"),
              "x^y as the laws compute it, for positive x.");
+  module.def("elliptic_radius", py::vectorize(granwave::elliptic_radius), py::arg("first"), py::arg("second"),
+             "Radius of the sphere that is as stiff on a plane as a contact with these two relative curvatures (1/m), m.");
   module.def("exponential", py::vectorize(granwave::exponential), py::arg("x"), "exp(x) as the laws compute it.");
   py::class_<LawEntry>(module, "LawEntry", "A contact law of the table LAWS.")
       .def_readonly("name", &LawEntry::name)
