@@ -7,7 +7,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
+from granwave._contact_laws import elliptic_radius
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.lattices import Lattice
 from granwave.lammps_inputs.load_case import case_from_dict
@@ -99,3 +101,22 @@ def test_held_grains(tmp_path: Path, friction: float) -> None:
     )  # fmt: skip
     assert not upright["energy/rotational"].any()
     assert upright.summary["energy_balance_error"] < 1e-5
+
+
+def test_a_tube_that_shrinks_presses_a_ring_until_all_forces_balance(tmp_path: Path) -> None:
+    """Six spheres in a tube: each is pressed by the wall and by its neighbours, with F_wall = F_ring (2 sin 30 deg)."""
+    d, shrinks = 0.01, 4e-6
+    ring = {"ring": {"n": 6, "radius": d, "z": 0.0}, "diameter": d}
+    middle = {"kind": "file", "grains": f"x,y,z,diameter\n0,0,0.05,{d}\n0,0,0.1,{d}\n"}
+    found = result_of(
+        tmp_path, "ring", packing=middle, grains=[ring], contact={"law": "hertz"}, load={"index": [1], "velocity": 1e-3},
+        boundary={"bottom": "free", "sides": {"tube": {"radius": 1.5 * d}}}, run=RUN | {"end_time": 4e-6},
+        precompression={"kind": "walls", "tube": shrinks},
+    )  # fmt: skip
+    modulus = 115e9 / (1 - 0.3**2)
+    on_wall = 4 / 3 * modulus * np.sqrt(elliptic_radius(2 / d, 2 / d - 1 / (1.5 * d - shrinks)))
+    among = 4 / 3 * modulus / 2 * np.sqrt(d / 4)
+    inwards = brentq(lambda u: on_wall * (shrinks - u) ** 1.5 - among * u**1.5, 0, shrinks, xtol=1e-16)
+    force = among * inwards**1.5  # neighbours approach by u, two of them, each at 60 deg to the radius
+    assert found["contacts/force"] == pytest.approx(np.full(6, force), rel=1e-6)
+    assert found["walls/tube/force"][0] == pytest.approx(6 * force, rel=1e-6)

@@ -289,7 +289,9 @@ _ALSO = {
         "; or {material = ...} for a wall of a material; or {plate = ...}, {half_space = ...} or {bar = ...} for one "
         "that moves: tables [boundary.bottom.plate] and so on"
     ),
-    (CASE, "boundary.sides"): "; or {material = ...} for walls of a material",
+    (CASE, "boundary.sides"): (
+        "; or {material = ...} for walls of a material, {tube = {radius = ...}} for a tube, or both"
+    ),
 }
 #: Keys that are read by code of their own, without a field.
 _FURTHER: dict[tuple[str, str], tuple[Key, ...]] = {
