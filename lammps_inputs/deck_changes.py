@@ -9,7 +9,7 @@ from pathlib import Path
 
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.ownership import read_marker
-from granwave.lammps_inputs.run_directory import CONTACTS_FILE, DATA_FILE, DUMPS, RECORD_FILE
+from granwave.lammps_inputs.run_directory import DATA_FILE, DUMPS, RECORD_FILE
 
 logger = logging.getLogger(__name__)
 
@@ -64,8 +64,8 @@ def check_deck(directory: Path) -> None:
 
 def _is_newer(path: Path) -> bool:
     """Return True if a file was changed after LAMMPS wrote its last output."""
-    last = path.parent / DUMPS / CONTACTS_FILE
-    return last.is_file() and path.stat().st_mtime > last.stat().st_mtime
+    written = [one.stat().st_mtime for one in (path.parent / DUMPS).glob("*") if one.is_file()]
+    return bool(written) and path.stat().st_mtime > max(written)
 
 
 def _digest(path: Path) -> str:

@@ -31,6 +31,7 @@ Offset = tuple[int, int, int]
 
 
 Vector = tuple[float, float, float]
+FILE = "file"  # the kind of packings whose grains are at places of their own
 
 
 @dataclasses.dataclass(frozen=True)
@@ -58,14 +59,14 @@ class Plane:
 
 @dataclasses.dataclass(frozen=True)
 class Kind:
-    """One kind of lattice, given by its sites in diameters; all other properties follow from its contacts.
+    """One kind of packing, given by its sites in diameters; all other properties follow from its contacts.
 
     Attributes
     ----------
     label
         Name of the kind in titles.
     axes
-        The lattice directions that ``packing.size`` counts, of "xyz".
+        The lattice directions that ``packing.size`` counts, of "xyz"; empty for grains that are on no lattice.
     layer_period
         Number of layers after which the stacking repeats.
     row_period
@@ -90,6 +91,8 @@ class Kind:
     @cached_property
     def contact_directions(self) -> NDArray[np.float64]:
         """Unit vectors from an interior sphere of row 0 and layer 0 to its neighbours: (n_contacts, 3)."""
+        if not self.axes:
+            return np.empty((0, 3))
         movable = tuple(axis in self.axes for axis in "xyz")
         offsets = np.array(_offsets(self, 0, 0, movable), dtype=np.int64)
         return np.stack(self.site(*offsets.T), axis=1) - np.stack(self.site(*np.zeros((3, 1), dtype=np.int64)), axis=1)
@@ -162,6 +165,10 @@ def _simple(i: NDArray, j: NDArray, k: NDArray) -> tuple[NDArray, NDArray, NDArr
     return i * 1.0, j * 1.0, k * 1.0
 
 
+def _no_site(i: NDArray, j: NDArray, k: NDArray) -> tuple[NDArray, NDArray, NDArray]:
+    raise LookupError("grains of a file are on no lattice")
+
+
 _X, _Y, _Z, _DIAGONAL = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (math.sqrt(0.5), math.sqrt(0.5), 0.0)
 _CLOSE_PACKED = (0.0, 1 / 3, math.sqrt(8) / 3)  # down the plane of fcc that holds two preferred directions, thesis 5.2
 _HCP_ROWS = 0.4  # includes the rows of odd layers, at a distance of sqrt(3)/6 from the plane
@@ -181,11 +188,17 @@ KINDS: dict[str, Kind] = {
     "square": Kind("Square", "xy", 1, 1, (1.0, 1.0), _simple, (Plane(_X, _Y, down_label="y"),)),
     "chain": Kind("Chain", "z", 1, 1, (1.0, 1.0), _simple, ()),
 }  # fmt: skip
+_FREE = Kind("Grains of a file", "", 1, 1, (1.0, 1.0), _no_site, (Plane(_X, _Z, 0.5), Plane(_Y, _Z, 0.5)))
+
+
+def kind_of(name: str) -> Kind:
+    """Return the kind of packing of this name: a lattice of `KINDS`, or the one of grains of a file."""
+    return _FREE if name == FILE else KINDS[name]
 
 
 def section_planes(kind: str) -> tuple[Plane, ...]:
     """Return the planes of sections of a kind of packing: principal, then orthogonal; a chain has none."""
-    rule = KINDS[kind]
+    rule = kind_of(kind)
     if rule.planes is not None:
         return rule.planes
     level = [direction[:2] for direction in (*rule.preferred_directions, *rule.contact_directions)]
@@ -230,6 +243,25 @@ class Lattice:
     def n_spheres(self) -> int:
         """Number of spheres."""
         return math.prod(self.size)
+
+    @property
+    def n_layers(self) -> int:
+        """Number of layers along z."""
+        return self.shape[2]
+
+    @property
+    def top_layer(self) -> NDArray[np.int64]:
+        """Ids of the spheres of the struck layer, in rising order."""
+        return np.arange(1, self._in_layer + 1)
+
+    @property
+    def last_layer(self) -> NDArray[np.int64]:
+        """Ids of the spheres of the last layer, in rising order."""
+        return np.arange(self.n_spheres - self._in_layer + 1, self.n_spheres + 1)
+
+    @property
+    def _in_layer(self) -> int:
+        return self.shape[0] * self.shape[1]
 
     @property
     def lengths(self) -> tuple[float, float]:

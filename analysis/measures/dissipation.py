@@ -120,9 +120,11 @@ def rays(result: Result) -> Rays:
     """Peak force of every contact along each preferred direction, from the struck sphere on.
 
     A sphere of the ray is the one nearest to its place in a perfect packing, if it is not farther off than a quarter of
-    a diameter.
+    a diameter. Grains of a file have no such directions: there is no ray.
     """
     directions = preferred_directions(result.case.packing.kind)
+    if not len(directions):
+        return Rays(directions, np.empty((0, 0)))
     diameter = result.case.packing.diameter
     positions, ids = result["spheres/position"], result["spheres/id"]
     from scipy.spatial import cKDTree  # takes longer to load than many a figure to draw

@@ -30,7 +30,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.lammps_inputs.lattices import KINDS, section_planes
+from granwave.lammps_inputs.lattices import kind_of, section_planes
 
 _LEVEL = 1 - 1e-9  # cosine from which two directions are the same
 _LAYER_GAP = 0.2  # diameters of the smallest sphere, between two layers
@@ -158,7 +158,7 @@ def preferred_directions(kind: str) -> NDArray[np.float64]:
         (n_directions, 3): 3 for fcc (<110>) and hcp, 4 for bcc (<111>) and square, 1 for sc and chain. They
         are equal by symmetry. In hcp only the first contact lies on a straight line.
     """
-    return KINDS[kind].preferred_directions
+    return kind_of(kind).preferred_directions
 
 
 def layers(

@@ -30,7 +30,17 @@ _COMPRESSED_FROM = 4096  # values; smaller data sets are not compressed
 # units of columns that LAMMPS writes, and of derived ones
 _UNITS = {
     column.name: column.unit
-    for column in (*LEDGER, *TIMESTEP, *SUPPORT, *ROTATION, *TANGENTIAL, *HOLDER, *MOVING_WALL, *WALL_CONTACTS, *CONTACTS)
+    for column in (
+        *LEDGER,
+        *TIMESTEP,
+        *SUPPORT,
+        *ROTATION,
+        *TANGENTIAL,
+        *HOLDER,
+        *MOVING_WALL,
+        *WALL_CONTACTS,
+        *CONTACTS,
+    )
 } | {
     "initial_overlap": "m",
     "position": "m",

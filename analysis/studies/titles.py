@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from granwave.analysis.measures.target.record import period_of
-from granwave.lammps_inputs.lattices import KINDS
+from granwave.lammps_inputs.lattices import kind_of
 from granwave.lammps_inputs.packing.assembly import assemble, velocities_of
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ def packing_title(case: Case, *, height: bool = True) -> str:
         return words[:1].upper() + words[1:]
     whole = height or packing.kind == "square"  # which lies across the height
     size = " x ".join(map(str, packing.size if whole else packing.size[:-1]))
-    kind = "Chain" if packing.kind == "chain" else f"{KINDS[packing.kind].label} packing"
+    kind = "Chain" if packing.kind == "chain" else f"{kind_of(packing.kind).label} packing"
     spheres = " ".join(filter(None, (size, own, "spheres", diameter)))
     return f"{kind} of {spheres}" + ("" if whole or not size else " a layer")
 

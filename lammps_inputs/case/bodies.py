@@ -3,6 +3,7 @@
     [[replace]]                  spheres of another material or diameter
     [[striker]]                  a sphere placed against given spheres, resting or moving
     [bar], [incident_bar]        elastic bars at the far and at the struck end of a chain (thesis 3.2)
+    [[hold]]                     grains that do not move
     [[sensor]]                   a sphere whose mean contact force (chains) or acceleration is recorded
 
 Spheres of a chain are numbered from 1 at the struck end. Strikers follow the spheres of the packing, in the order of
@@ -15,10 +16,12 @@ import dataclasses
 from collections.abc import Mapping
 from typing import Any, TypeVar
 
+from granwave.lammps_inputs.case.ids import parse_index
 from granwave.lammps_inputs.case.material import Material, read_material
 from granwave.lammps_inputs.case.schema import (
     ErrorList,
     ValidationError,
+    choice,
     count,
     custom,
     number,
@@ -26,34 +29,24 @@ from granwave.lammps_inputs.case.schema import (
     plain_name,
     read_table,
     show,
+    text,
     whole,
 )
 from granwave.lammps_inputs.case.si_values import AREA, DIAMETER, LENGTH, VELOCITY, Usual
 
 Entry = TypeVar("Entry")
 
-_INDEX_FORM = "an id from 1 up, a list of ids, or {first = 8, last = 17}"
-_MOST_IDS = 10_000_000  # in one list; a longer one would take gigabytes as Python integers
 _VECTOR_FORM = "[x, y, z] in m/s"
 _SPIN_FORM = "[x, y, z] in rad/s"
 _POINT_FORM = "[x, y, z] in m"
 _OFFSET = Usual(1e-9, 1.0, ("mm", "um"))
 
 
-def _parse_index(value: Any) -> tuple[int, ...]:
-    if isinstance(value, Mapping):
-        if set(value) != {"first", "last"}:
-            raise ValidationError(_INDEX_FORM)
-        first, last = (whole(value[name], _INDEX_FORM) for name in ("first", "last"))
-        if last < first:
-            raise ValidationError(f"{_INDEX_FORM}, the last not before the first")
-        if last - first >= _MOST_IDS:
-            raise ValidationError(f"at most {_MOST_IDS} ids; take a box from low to high for more")
-        return tuple(range(first, last + 1))
-    ids = tuple(whole(one, _INDEX_FORM) for one in (value if isinstance(value, list | tuple) else [value]))
-    if not ids:
-        raise ValidationError(_INDEX_FORM)
-    return ids
+def _parse_directions(value: Any) -> str:
+    expected = 'some of the letters x, y and z, such as "xy"; or "" to block rotations alone'
+    if not isinstance(value, str) or set(value) - set("xyz") or len(set(value)) < len(value):
+        raise ValidationError(expected)
+    return "".join(sorted(value))
 
 
 def _parse_extent(value: Any) -> tuple[float, float, float]:
@@ -72,7 +65,7 @@ class Replace:
     neighbours. The beads of a chain are moved apart.
     """
 
-    index: tuple[int, ...] | None = custom("which spheres", _parse_index, default=None)
+    index: tuple[int, ...] | None = custom("which spheres", parse_index, default=None)
     low: tuple[float, float, float] | None = custom(
         "corner of a box", lambda value: parse_point(value, _POINT_FORM), unit="m", default=None
     )
@@ -88,7 +81,7 @@ class Replace:
 class Striker:
     """``[[striker]]``: a sphere in contact with given spheres of the packing, or with earlier strikers."""
 
-    touches: tuple[int, ...] = custom("ids of the spheres that it touches", _parse_index)
+    touches: tuple[int, ...] = custom("ids of the spheres that it touches", parse_index)
     velocity: tuple[float, float, float] = custom(
         "velocity of the striker",
         lambda value: parse_point(value, _VECTOR_FORM),
@@ -136,6 +129,16 @@ class Bar:
     area: float = number("area of its cross-section", unit="m^2", above=0, usual=AREA)
     elements: int = count("number of elements of equal length", at_most=10_000_000, default=1000)
     material: Material | None = None
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Hold:
+    """``[[hold]]``: grains that do not move."""
+
+    index: tuple[int, ...] | None = custom("which grains", parse_index, default=None)
+    group: str | None = text("the grains of this group of packing.file", default=None)
+    directions: str = custom("directions in which they do not move, of x, y and z", _parse_directions, default="xyz")
+    rotation: bool = choice("true: they do not turn either", (True, False), default=True)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -10,13 +10,24 @@ from typing import Any
 
 import tomli_w
 
-from granwave.lammps_inputs.case.bodies import Bar, Replace, Sensor, Striker, read_body, read_list
+from granwave.lammps_inputs.case.added_grains import AddedGrains, with_added_grains
+from granwave.lammps_inputs.case.bodies import Bar, Hold, Replace, Sensor, Striker, read_body, read_list
 from granwave.lammps_inputs.case.contact_pairs import RIGID, Pair, read_pairs
 from granwave.lammps_inputs.case.figures import FRAMES_OF_A_FILM, Figures
 from granwave.lammps_inputs.case.load import Load, read_load
-from granwave.lammps_inputs.case.material import SELECTORS, Material, read_material, sphere_mass
+from granwave.lammps_inputs.case.material import (
+    MATERIALS,
+    SELECTORS,
+    Material,
+    presets,
+    read_material,
+    read_materials,
+    sphere_mass,
+    with_named_materials,
+)
+from granwave.lammps_inputs.case.packing import PackingSection, read_packing
 from granwave.lammps_inputs.case.schema import ErrorList, keys_of, read_name, read_table, refuse_unknown, show
-from granwave.lammps_inputs.case.sections import Boundary, Contact, Output, PackingSection, Precompression, Probe, Run
+from granwave.lammps_inputs.case.sections import Boundary, Contact, Output, Precompression, Probe, Run, Tube
 from granwave.lammps_inputs.case.supports import SUPPORTS, read_bottom
 from granwave.lammps_inputs.named_files import with_absolute_paths
 from granwave.lammps_inputs.run_directory import FIGURES_TABLE
@@ -30,12 +41,13 @@ _SECTIONS: dict[str, type] = {
     "output": Output,
     FIGURES_TABLE: Figures,
 }
-_LISTS: dict[str, type] = {"replace": Replace, "striker": Striker, "sensor": Sensor}
+_LISTS: dict[str, type] = {"replace": Replace, "striker": Striker, "hold": Hold, "sensor": Sensor}
 _BARS = ("bar", "incident_bar")
+_GRAINS = "grains"
 _PRECOMPRESSION = "precompression"
 _WALLS = ("bottom", "sides")  # keys of [boundary] that take a material
 _REQUIRED = ("packing", "material")
-KNOWN = ("name", "material", *_SECTIONS, _PRECOMPRESSION, "pair", *_LISTS, *_BARS)
+KNOWN = ("name", "material", MATERIALS, *_SECTIONS, _PRECOMPRESSION, "pair", _GRAINS, *_LISTS, *_BARS)
 RECORD = "resolved"  # table of derived values in the case.toml beside a deck, ignored when read
 _OF_CONTINUUM = ("block", "punch", "sphere", "partner")
 _OF_SCAN = ("replicates", "ranks", "case", "set", "grid", "zip", "points")
@@ -56,8 +68,10 @@ class Case:
     figures: Figures = dataclasses.field(default_factory=Figures)
     precompression: Precompression | None = None
     pair: tuple[Pair, ...] = ()
+    materials: tuple[Material, ...] = ()
     replace: tuple[Replace, ...] = ()
     striker: tuple[Striker, ...] = ()
+    hold: tuple[Hold, ...] = ()
     sensor: tuple[Sensor, ...] = ()
     bar: Bar | None = None
     incident_bar: Bar | None = None
@@ -66,6 +80,17 @@ class Case:
         """Return the law of contacts between two materials, from ``[[pair]]`` or ``[contact]``; None: a rigid wall."""
         names = [RIGID if material is None else material.name for material in (first, second)]
         return next((pair.contact for pair in self.pair if pair.fits(*names)), self.contact)
+
+    def named_material(self, name: str) -> Material:
+        """Return the material of this name: of the case, or a preset; that of the packing for an empty name.
+
+        Raises
+        ------
+        KeyError
+            There is none.
+        """
+        known = presets() | {str(one.name): one for one in (self.material, *self.materials)}
+        return known[name] if name else self.material
 
     @property
     def has_friction(self) -> bool:
@@ -105,14 +130,17 @@ class Case:
         tables = _plain(self)
         if self.figures == Figures():
             del tables[FIGURES_TABLE]
-        if len(self.packing.size) == 1:
-            tables["packing"]["size"] = self.packing.size[0]
+        tables["packing"] = _plain(self.packing.keys())
         tables["load"] = _plain(self.load.keys())
         for key in _WALLS:
             wall = tables["boundary"].pop(f"{key}_material", None)
-            support = tables["boundary"].pop(f"{key}_support", None)
-            if wall is not None or support is not None:
-                tables["boundary"][key] = (support or {}) | ({} if wall is None else {"material": wall})
+            others = tables["boundary"].pop(f"{key}_support", None) or {}
+            if (radius := tables["boundary"].pop(f"{key}_tube", None)) is not None:
+                others = {"tube": {"radius": radius}}
+            if wall is not None or others:
+                tables["boundary"][key] = others | ({} if wall is None else {"material": wall})
+        if self.materials:
+            tables[MATERIALS] = {str(one.name): _plain(one) for one in self.materials}
         if self.pair:
             tables["pair"] = [_plain(pair.to_dict()) for pair in self.pair]
         return {name: table for name, table in tables.items() if table != []}
@@ -137,14 +165,24 @@ def parse_case(data: Mapping[str, Any], source: str | Path, errors: ErrorList) -
     """
     _refuse_others(data, errors)
     data = _with_implied(with_absolute_paths(data, Path()))
+    materials = read_materials(data.get(MATERIALS, {}), errors)
+    data = with_named_materials(data, materials)
     parts = read_parts(data, source, errors, sections=_SECTIONS, required=_REQUIRED, read=_read_section)
     if _PRECOMPRESSION in data:
         parts[_PRECOMPRESSION] = read_table(Precompression, data[_PRECOMPRESSION], _PRECOMPRESSION, errors)
     parts["pair"] = read_pairs(data.get("pair", ()), data.get("contact", {}), errors)
+    parts[MATERIALS] = tuple(materials.values())
     for name, section in _LISTS.items():
         parts[name] = read_list(section, data.get(name, ()), name, errors)
     for name in _BARS:
         parts[name] = read_body(Bar, data[name], name, errors) if name in data else None
+    packing: PackingSection | None = parts["packing"] if "packing" in data else None
+    added = read_list(AddedGrains, data.get(_GRAINS, ()), _GRAINS, errors)
+    if packing is not None and added:
+        packing = parts["packing"] = with_added_grains(packing, added, materials, errors)
+        parts[MATERIALS] = tuple(materials.values())
+    if "load" not in data and packing is not None and packing.grains is not None and packing.grains.velocity.any():
+        parts["load"] = Load(kind="grains")
     return parts
 
 
@@ -191,7 +229,7 @@ def read_parts(
 def case_keys() -> tuple[str, ...]:
     """Return the dotted keys of a case; an array of tables is represented by its entry 1."""
     tables = {**_SECTIONS, _PRECOMPRESSION: Precompression, "material": Material, **dict.fromkeys(_BARS, Bar)}
-    numbered = {f"{name}.1": section for name, section in _LISTS.items()}
+    numbered = {f"{name}.1": section for name, section in ({_GRAINS: AddedGrains} | _LISTS).items()}
     return (*KNOWN, *keys_of(tables), *(f"material.{name}" for name in SELECTORS), *keys_of(numbered))
 
 
@@ -202,8 +240,10 @@ def case_tables() -> dict[str, type]:
     return {
         **first,
         **{f"[{name}]": section for name, section in _SECTIONS.items()},
+        "[boundary.sides.tube]": Tube,
         **supports,
         f"[{_PRECOMPRESSION}]": Precompression,
+        f"[[{_GRAINS}]]": AddedGrains,
         **{f"[[{name}]]": section for name, section in _LISTS.items()},
         **{f"[{name}]": Bar for name in _BARS},
     }
@@ -222,6 +262,8 @@ def unit_of(key: str) -> str:
 def _read_section(section: type, table: Any, name: str, errors: ErrorList) -> Any:
     if section is Load:
         return read_load(table, errors)
+    if section is PackingSection:
+        return read_packing(table, errors)
     if section is not Boundary or not isinstance(table, Mapping):
         return read_table(section, table, name, errors)
     before, plain = len(errors.lines), dict(table)
@@ -233,20 +275,21 @@ def _read_section(section: type, table: Any, name: str, errors: ErrorList) -> An
         if key == "bottom":
             read["bottom_material"], read["bottom_support"] = read_bottom(table[key], f"boundary.{key}", errors)
         else:
-            read[f"{key}_material"] = _read_wall(table[key], f"boundary.{key}", errors)
+            read[f"{key}_material"], read[f"{key}_tube"] = _read_sides(table[key], f"boundary.{key}", errors)
     boundary = read_table(Boundary, plain, name, errors)
     if boundary is None or len(errors.lines) > before:
         return None
     return dataclasses.replace(boundary, **read)
 
 
-def _read_wall(table: Mapping[str, Any], key: str, errors: ErrorList) -> Material | None:
-    refuse_unknown(table, ("material",), key, errors)
+def _read_sides(table: Mapping[str, Any], key: str, errors: ErrorList) -> tuple[Material | None, float | None]:
+    """Read the material of the sides, and the radius of a tube."""
+    refuse_unknown(table, ("material", "tube"), key, errors)
     if not table:
         errors.add(key, f'found {show(table)}, expected a word, or {{material = "..."}} for a wall')
-    if "material" not in table:
-        return None
-    return read_material(table["material"], errors, f"{key}.material")
+    material = read_material(table["material"], errors, f"{key}.material") if "material" in table else None
+    tube = read_table(Tube, table["tube"], f"{key}.tube", errors) if "tube" in table else None
+    return material, None if tube is None else tube.radius
 
 
 def _with_implied(data: Mapping[str, Any]) -> dict[str, Any]:

@@ -4,6 +4,7 @@
     striker        velocities of the [[striker]]s only
     force          force on the struck spheres, or on the free end of the incident bar
     displacement   prescribed displacement of the struck spheres
+    grains         velocities of the grains of packing.file only
 
 Time functions of forces and displacements, with amplitude A, duration T and frequency f:
 
@@ -24,6 +25,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from granwave.lammps_inputs.case.ids import parse_index
 from granwave.lammps_inputs.case.schema import (
     ErrorList,
     ValidationError,
@@ -48,7 +50,7 @@ from granwave.lammps_inputs.case.si_values import (
 from granwave.lammps_inputs.files import read_regular
 
 DEFAULT_VELOCITY = 5.0  # m/s
-_KINDS = ("impact", "striker", "force", "displacement")
+_KINDS = ("impact", "striker", "force", "displacement", "grains")
 _SHAPES = ("half-sine", "rectangle", "harmonic", "table")
 _NEEDS: dict[str, tuple[str, ...]] = {
     "half-sine": ("amplitude", "duration"),
@@ -58,10 +60,11 @@ _NEEDS: dict[str, tuple[str, ...]] = {
 }
 _OF_SHAPES = ("shape", "amplitude", "duration", "frequency", "table", "file")
 _OF_KIND = {
-    "impact": ("kind", "spheres", "velocity", "angle", "spin"),
+    "impact": ("kind", "spheres", "index", "velocity", "angle", "spin"),
     "striker": ("kind",),
-    "force": ("kind", "spheres", *_OF_SHAPES),
-    "displacement": ("kind", "spheres", *_OF_SHAPES),
+    "force": ("kind", "spheres", "index", *_OF_SHAPES),
+    "displacement": ("kind", "spheres", "index", *_OF_SHAPES),
+    "grains": ("kind",),
 }
 _OF_DISPLACEMENT = ("harmonic", "table")
 _TABLE_FORM = "rows [time in s, value], at least two, times rising from 0 on"
@@ -86,8 +89,9 @@ def _parse_table(value: Any) -> tuple[tuple[float, float], ...]:
 class Load:
     """``[load]``: the load on a packing."""
 
-    kind: Literal["impact", "striker", "force", "displacement"] = choice(
-        "velocity of the struck spheres, the strikers alone, a force, or a prescribed displacement",
+    kind: Literal["impact", "striker", "force", "displacement", "grains"] = choice(
+        "velocity of the struck spheres, the strikers alone, a force, a prescribed displacement, or the velocities of "
+        "the grains of a file alone",
         _KINDS,
         default="impact",
     )
@@ -109,6 +113,9 @@ class Load:
         usual=Usual(1e-6, 1e6),
     )
     spheres: Literal[1, 3, 7] = choice("how many spheres are struck", (1, 3, 7), default=1)
+    index: tuple[int, ...] | None = custom(
+        "ids of the struck spheres, instead of those at the centre of the top layer", parse_index, default=None
+    )
     shape: Literal["half-sine", "rectangle", "harmonic", "table"] | None = choice(
         "shape of the force or displacement in time", _SHAPES, default=None
     )
@@ -127,6 +134,11 @@ class Load:
     table: tuple[tuple[float, float], ...] | None = custom(
         "points of force (N) or displacement (m) against time (s)", _parse_table, default=None
     )
+
+    @property
+    def hits_spheres(self) -> bool:
+        """True if the load acts on spheres of the packing that the case chooses."""
+        return self.kind not in ("striker", "grains")
 
     @property
     def driven(self) -> bool:
@@ -175,7 +187,8 @@ class Load:
 
     def keys(self) -> dict[str, Any]:
         """Return the keys that apply to this kind of load, with their values."""
-        return {name: getattr(self, name) for name in _OF_KIND[self.kind] if name != "file"}
+        given = {name: getattr(self, name) for name in _OF_KIND[self.kind] if name != "file"}
+        return given if self.index is None else {name: value for name, value in given.items() if name != "spheres"}
 
 
 def read_load(table: Any, errors: ErrorList) -> Load | None:
@@ -196,6 +209,10 @@ def read_load(table: Any, errors: ErrorList) -> Load | None:
         if name not in _OF_KIND[load.kind]:
             belongs = " or ".join(f'"{kind}"' for kind in _KINDS if name in _OF_KIND[kind])
             errors.add(f"load.{name}", f'belongs to a load of kind {belongs}; found load.kind = "{load.kind}"')
+    if load.index is not None and "spheres" in names:
+        errors.add("load.index", "found beside load.spheres; give one of them")
+    if load.index is not None and len(set(load.index)) < len(load.index):
+        errors.add("load.index", f"found {show(list(load.index))}, expected each id once")
     if load.driven:
         _check_shape(load, errors)
         unit, usual = ("N", FORCE) if load.kind == "force" else ("m", DISPLACEMENT)

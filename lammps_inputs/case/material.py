@@ -21,6 +21,7 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.toml_files import read_toml
 
 SELECTORS = ("preset", "file")
+MATERIALS = "materials"  # table of further materials of a case
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -138,3 +139,32 @@ def _select(
     there = f" in {file}" if file else ""
     errors.add(key, f"found {show(name)}, expected one of {', '.join(known)}{there}; {hint}".rstrip("; "))
     return None
+
+
+def read_materials(tables: Any, errors: ErrorList) -> dict[str, Material]:
+    """Read the tables ``[materials.NAME]`` of a case: further materials, by name."""
+    if not isinstance(tables, Mapping):
+        errors.add(MATERIALS, f"found {show(tables)}, expected tables such as [{MATERIALS}.soft]")
+        return {}
+    found: dict[str, Material] = {}
+    for name, table in tables.items():
+        material = read_material(table, errors, f"{MATERIALS}.{name}")
+        if material is not None:
+            own_name = isinstance(table, Mapping) and "name" in table
+            found[name] = material if own_name and material.name == name else dataclasses.replace(material, name=name)
+            if own_name and material.name != name:
+                errors.add(f"{MATERIALS}.{name}.name", f"found {show(material.name)}, expected the name of the table")
+    return found
+
+
+def with_named_materials(value: Any, materials: Mapping[str, Material]) -> Any:
+    """Copy tables of a case, with the names of further materials in ``material`` keys replaced by their values."""
+    if isinstance(value, list | tuple):
+        return [with_named_materials(item, materials) for item in value]
+    if not isinstance(value, Mapping):
+        return value
+    copy = {name: with_named_materials(item, materials) for name, item in value.items()}
+    if isinstance(copy.get("material"), str) and copy["material"] in materials:
+        known = dataclasses.asdict(materials[copy["material"]])
+        copy["material"] = {name: one for name, one in known.items() if one is not None}
+    return copy

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 import re
 from collections.abc import Mapping
 from itertools import pairwise
@@ -25,16 +24,15 @@ from granwave.lammps_inputs.case.schema import (
 from granwave.lammps_inputs.case.si_values import (
     ACCELERATION,
     DIAMETER,
+    DISPLACEMENT,
     FORCE,
     FRICTION,
     INTERVAL,
     PRESSURE,
     TIME,
-    Usual,
 )
 from granwave.lammps_inputs.case.supports import Support
 from granwave.lammps_inputs.case.yield_factor import DEFAULT_YIELD_FACTOR
-from granwave.lammps_inputs.lattices import KINDS
 
 BOTTOMS = ("wall", "fixed", "free")
 LAWS = _contact_laws.LAWS  # contact laws of the plugin, by name
@@ -44,20 +42,10 @@ ENERGY_TOLERANCE = 3e-6  # default of `run.energy_tolerance`
 LEAST_ENERGY_TOLERANCE = 1e-10  # rounding errors are some 1e-12 of the input
 DEFAULT_FRAMES = 20  # default of `run.frames`; a run of fewer steps has fewer
 _CONSTANT: dict[str, Any] = {"above": 0, "default": None}
+_MOVE: dict[str, Any] = {"unit": "m", "above": 0, "default": None, "usual": DISPLACEMENT}
 LARGEST_ID = LARGEST_COUNT
 _SHARE = re.compile(r"(\d+(?:\.\d+)?) ?%")
 _NO_LIMIT = 2**63 - 1  # the schedule limits the number to that of the steps
-
-
-def _parse_size(value: Any) -> tuple[int, ...]:
-    expected = "whole numbers from 1 up: [nx, ny, nz], [nx, ny] (square) or n (chain)"
-    counts = value if isinstance(value, list | tuple) else [value]
-    size = tuple(whole(count, expected) for count in counts)
-    if not 1 <= len(size) <= 3:
-        raise ValidationError(expected)
-    if math.prod(size) > LARGEST_ID:
-        raise ValidationError(f"at most {LARGEST_ID} spheres in all")
-    return size
 
 
 def _parse_frames(value: Any) -> int | tuple[float, ...] | tuple[str, ...]:
@@ -80,34 +68,6 @@ def parse_share(text: str, expected: str) -> float:
     if not (found := _SHARE.fullmatch(text)) or float(found[1]) > 100:
         raise ValidationError(expected)
     return float(found[1]) / 100
-
-
-def _parse_seed(value: Any) -> int:
-    expected = f"a whole number from 0 to {LARGEST_ID}"
-    seed = whole(value, expected, at_least=0)
-    if seed > LARGEST_ID:
-        raise ValidationError(expected)
-    return seed
-
-
-def _parse_vacancies(value: Any) -> float | tuple[int, ...]:
-    expected = "a share of the spheres, 0 or more and below 1, or a list of ids"
-    if isinstance(value, list | tuple):
-        return tuple(sorted({whole(one, expected) for one in value}))
-    share = finite(value, expected)
-    if not 0 <= share < 1:
-        raise ValidationError(expected)
-    return share
-
-
-def _parse_tilt(value: Any) -> tuple[int, int]:
-    expected = "[1, 1], [1, -1], [-1, 1] or [-1, -1]: the ways along x and y in which the spheres roll"
-    if not isinstance(value, list | tuple) or len(value) != 2:
-        raise ValidationError(expected)
-    x, y = (int(finite(one, expected)) for one in value)
-    if any(one not in (1, -1) for one in value):
-        raise ValidationError(expected)
-    return x, y
 
 
 _DENT_FORM = (
@@ -199,37 +159,6 @@ class Dents:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class PackingSection:
-    """``[packing]``: lattice, size and spheres of the packing."""
-
-    kind: str = choice("lattice", tuple(KINDS))
-    size: tuple[int, ...] = custom("spheres along x, rows along y, layers along z", _parse_size)
-    diameter: float = number("diameter of the spheres", unit="m", above=0, usual=DIAMETER)
-    diameter_scatter: float = number(
-        "tolerance: the diameters lie between this much less and the nominal one",
-        unit="m",
-        at_least=0,
-        default=0.0,
-        usual=Usual(1e-12, 0.1, ("mm", "um")),
-    )
-    scatter_distribution: Literal["uniform", "normal"] = choice(
-        "distribution of the diameters in the tolerance band; normal: three standard deviations to either side",
-        ("uniform", "normal"),
-        default="uniform",
-    )
-    vacancies: float | tuple[int, ...] = custom(
-        "spheres left out: a share of them, chosen at random, or their ids", _parse_vacancies, default=0.0
-    )
-    tilt: tuple[int, int] | None = custom(
-        "slight tilt of a square packing's floor: ways along x and y, 1 or -1 each, in which the spheres roll until "
-        "they lean on each other; left out: they stay at the sites of the lattice",
-        _parse_tilt,
-        default=None,
-    )
-    seed: int | None = custom("seed of all that is random in the packing", _parse_seed, default=None)
-
-
-@dataclasses.dataclass(frozen=True, kw_only=True)
 class Contact:
     """``[contact]``: contact law and friction."""
 
@@ -299,6 +228,13 @@ class Contact:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
+class Tube:
+    """``[boundary.sides.tube]``: a tube around the axis x = y = 0 of the packing."""
+
+    radius: float = number("inner radius of the tube, before it shrinks", unit="m", above=0, usual=DIAMETER)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
 class Boundary:
     """``[boundary]``: bottom and sides of the packing; the struck top is always free."""
 
@@ -311,6 +247,13 @@ class Boundary:
         ("free", "wall", "periodic"),
         default="free",
     )
+    x: Literal["free", "wall"] | None = choice(
+        "the two planes across x, where they differ from sides", ("free", "wall"), default=None
+    )
+    y: Literal["free", "wall"] | None = choice(
+        "the two planes across y, where they differ from sides", ("free", "wall"), default=None
+    )
+    sides_tube: float | None = None  # radius of a tube around the axis x = y = 0, m: sides = {tube = {radius = ...}}
     bottom_support: Support | None = None  # of a moving bottom plane: plate, half_space or bar = {...}
     sides_material: Material | None = None  # of all side planes: sides = {material = ...}; None: rigid
     friction: float | None = number(
@@ -335,14 +278,19 @@ class Boundary:
         default=0.1,
     )
 
+    def has_planes(self, axis: str) -> bool:
+        """True if there are planes across x or y."""
+        return (getattr(self, axis) or self.sides) == "wall" and self.sides_tube is None
+
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Precompression:
     """``[precompression]``: a static load, applied before the impact and kept during it."""
 
-    kind: Literal["uniaxial", "uniform", "gravity"] = choice(
-        "a load along z on the top layer, the same pressure on all free faces, or the spheres' weight along +z",
-        ("uniaxial", "uniform", "gravity"),
+    kind: Literal["uniaxial", "uniform", "gravity", "walls"] = choice(
+        "a load along z on the top layer, the same pressure on all free faces, the spheres' weight along +z, or walls "
+        "that are moved in and then held",
+        ("uniaxial", "uniform", "gravity", "walls"),
     )
     pressure: float | None = number(
         "pressure on the faces of the packing", unit="Pa", above=0, default=None, usual=PRESSURE
@@ -350,7 +298,16 @@ class Precompression:
     force: float | None = number(
         "force on each sphere of the top layer (uniaxial)", unit="N", above=0, default=None, usual=FORCE
     )
+    x: float | None = number("distance by which each of the planes across x moves in", **_MOVE)
+    y: float | None = number("distance by which each of the planes across y moves in", **_MOVE)
+    tube: float | None = number("distance by which the tube's radius shrinks", **_MOVE)
     acceleration: float = number("acceleration of gravity", unit="m/s^2", above=0, default=9.81, usual=ACCELERATION)
+
+    @property
+    def moves(self) -> dict[str, float]:
+        """Distances by which walls move in, by x, y or tube, m."""
+        found = {name: getattr(self, name) for name in ("x", "y", "tube")}
+        return {name: distance for name, distance in found.items() if distance is not None}
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -11,16 +11,19 @@ import numpy as np
 
 from granwave.lammps_inputs.case.bodies import Bar, Sensor, Striker
 from granwave.lammps_inputs.case.load import Load
+from granwave.lammps_inputs.case.packing import PackingSection
 from granwave.lammps_inputs.case.schema import ErrorList, show
-from granwave.lammps_inputs.case.sections import ENERGY_TOLERANCE, Boundary, Output, PackingSection, Run
+from granwave.lammps_inputs.case.sections import ENERGY_TOLERANCE, Boundary, Output, Run
 from granwave.lammps_inputs.case.yield_factor import FITTED_POISSON_RATIO, hertz_von_mises_yield_factor
 from granwave.lammps_inputs.checks.contacts import check_contacts, check_dents
+from granwave.lammps_inputs.checks.grains import check_chosen, check_grains, check_tube
 from granwave.lammps_inputs.checks.packing import check_disorder, check_room
 from granwave.lammps_inputs.checks.precompression import check_first_yield, check_precompression, check_support
-from granwave.lammps_inputs.lattices import KINDS, Lattice
+from granwave.lammps_inputs.lattices import KINDS, Lattice, kind_of
 from granwave.lammps_inputs.memory import available_memory
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.bars import BAR, INCIDENT_BAR
+from granwave.lammps_inputs.packing.places import Layout, Places
 from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
 
 if TYPE_CHECKING:
@@ -44,7 +47,9 @@ def check_together(parts: Mapping[str, Any], errors: ErrorList) -> None:
         _check_times(run, output, errors)
     if packing is None or not _size_fits(packing, errors) or not _fits_into_memory(packing, parts, errors):
         return
-    n_spheres = Lattice(packing.kind, packing.size, packing.diameter).n_spheres
+    n_spheres = math.prod(packing.size)
+    check_grains(parts, packing, errors)
+    check_chosen(parts.get("load"), parts.get("hold", ()), packing, n_spheres, errors)
     strikers, sensors = parts.get("striker", ()), parts.get("sensor", ())
     _check_strikers(strikers, n_spheres, errors)
     n_spheres += len(strikers)
@@ -58,12 +63,14 @@ def check_together(parts: Mapping[str, Any], errors: ErrorList) -> None:
         _check_bars(parts, packing, boundary, errors)
         check_precompression(parts, packing, boundary, errors)
         _check_holder(parts, packing, boundary, errors)
-    check_disorder(parts, errors)
+    if packing.grains is None:
+        check_disorder(parts, errors)
 
 
 def check_case(case: Case, errors: ErrorList) -> Assembly | None:
     """Check the whole case: space for larger spheres, places of strikers, support, static load and dents."""
     check_room(case, errors)
+    check_tube(case, errors)
     try:
         assembly = assemble(case)
     except ValueError as error:
@@ -205,8 +212,8 @@ def _check_timestep(run: Run, errors: ErrorList) -> None:
 
 
 def _size_fits(packing: PackingSection, errors: ErrorList) -> bool:
-    axes = KINDS[packing.kind].axes
-    if len(packing.size) == len(axes):
+    axes = kind_of(packing.kind).axes
+    if packing.grains is not None or len(packing.size) == len(axes):
         return True
     form = "a number n" if len(axes) == 1 else "[" + ", ".join(f"n{axis}" for axis in axes) + "]"
     errors.add("packing.size", f"found {show(packing.size)}, expected {form} for {packing.kind}")
@@ -215,6 +222,8 @@ def _size_fits(packing: PackingSection, errors: ErrorList) -> bool:
 
 def _fits_into_memory(packing: PackingSection, parts: Mapping[str, Any], errors: ErrorList) -> bool:
     """Check that the memory suffices for the arrays over sites that reading the case needs; a run needs more."""
+    if packing.grains is not None:
+        return True  # they were read into memory
     nx, ny, nz = Lattice(packing.kind, packing.size, packing.diameter).shape
     unlike = packing.diameter_scatter or packing.vacancies or parts.get("replace")
     needed, available = nx * ny * (nz if unlike else 1) * _MEMORY_OF_SITE, available_memory()
@@ -239,6 +248,8 @@ def _check_probes(output: Output, n_spheres: int, errors: ErrorList) -> None:
 
 def _boundary_fits(packing: PackingSection, boundary: Boundary, errors: ErrorList) -> bool:
     before = len(errors.lines)
+    if packing.grains is not None:
+        return boundary.sides != "periodic"
     rule = KINDS[packing.kind]
     nx, ny, nz = Lattice(packing.kind, packing.size, packing.diameter).shape
     if boundary.bottom == "fixed" and nz == 1:
@@ -273,9 +284,11 @@ def _check_holder(parts: Mapping[str, Any], packing: PackingSection, boundary: B
 
 
 def _check_load(load: Load | None, packing: PackingSection, boundary: Boundary, errors: ErrorList) -> None:
-    if load is None or load.kind == "striker":
+    if load is None or not load.hits_spheres or load.index is not None:
         return
-    lattice = Lattice(packing.kind, packing.size, packing.diameter, boundary.sides == "periodic")
+    lattice: Layout = Lattice(packing.kind, packing.size, packing.diameter, boundary.sides == "periodic")
+    if packing.grains is not None:
+        lattice = Places(packing.grains, packing.diameter)
     try:
         struck_spheres(lattice, load.spheres)
     except ValueError as error:

@@ -57,6 +57,7 @@ def _check_names(parts: Mapping[str, Any], pairs: tuple[Pair, ...], errors: Erro
     boundary: Boundary | None = parts.get("boundary")
     bodies = [*parts.get("replace", ()), *parts.get("striker", ()), parts.get("bar"), parts.get("incident_bar")]
     materials: list[Material | None] = [parts["material"], *(body.material for body in bodies if body is not None)]
+    materials += parts.get("materials", ())
     if boundary is not None:
         materials += [boundary.bottom_material, boundary.sides_material]
     known = dict.fromkeys([*(material.name or "" for material in materials if material is not None), RIGID])

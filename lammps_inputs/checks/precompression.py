@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from granwave.lammps_inputs.case.packing import PackingSection
 from granwave.lammps_inputs.case.schema import ErrorList, show
-from granwave.lammps_inputs.case.sections import Boundary, PackingSection, Precompression
+from granwave.lammps_inputs.case.sections import Boundary, Precompression
 from granwave.lammps_inputs.contact.initial_dents import LARGEST
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.contact.static_load import force_of_contact
@@ -31,6 +32,9 @@ def check_precompression(
         errors.add(_TABLE, f"found beside [{bars[0]}], whose far end nothing holds; take one of them out")
         return
     _check_size(stage, packing, errors)
+    if stage.kind == "walls":
+        _check_moves(stage, packing, boundary, errors)
+        return
     if stage.kind == "uniform":
         if packing.kind == "chain":
             errors.add(f"{_TABLE}.kind", 'found "uniform" for a chain, expected "uniaxial" with a force')
@@ -57,7 +61,7 @@ def check_first_yield(assembly: Assembly, errors: ErrorList) -> None:
     """Refuse a static load that yields every contact, exceeds the range of the law, or spreads the layers."""
     case = assembly.case
     stage, contact = case.precompression, case.contact_between(case.material, case.material)
-    if stage is None:
+    if stage is None or stage.kind == "walls":
         return
     name, unit = ("force", "N") if stage.force is not None else ("pressure", "Pa")
     if stage.kind == "gravity":
@@ -109,14 +113,36 @@ def _spreads(assembly: Assembly) -> bool:
     return free and layers
 
 
+def _check_moves(stage: Precompression, packing: PackingSection, boundary: Boundary, errors: ErrorList) -> None:
+    """Check that there are walls to move, and that they do not move through the packing."""
+    there = {"x": boundary.has_planes("x"), "y": boundary.has_planes("y"), "tube": boundary.sides_tube is not None}
+    for name, distance in stage.moves.items():
+        if not there[name]:
+            expected = f'boundary.{name} = "wall"' if name != "tube" else "boundary.sides = {tube = {radius = ...}}"
+            errors.add(f"{_TABLE}.{name}", f"found {distance:g} m, but there is no such wall; expected {expected}")
+        elif distance > LARGEST * packing.diameter / 2:
+            most = LARGEST * packing.diameter / 2
+            errors.add(f"{_TABLE}.{name}", f"found {distance:g} m, expected at most {most:g} m, {LARGEST} radii")
+    if not stage.moves:
+        errors.add(_TABLE, 'found kind = "walls" and no wall that moves; give x, y or tube, in m')
+
+
 def _check_size(stage: Precompression, packing: PackingSection, errors: ErrorList) -> None:
     given = [name for name in ("pressure", "force") if getattr(stage, name) is not None]
-    if stage.kind == "gravity":
+    for name in stage.moves if stage.kind != "walls" else ():
+        errors.add(f"{_TABLE}.{name}", f'belongs to precompression.kind = "walls"; found {show(stage.kind)}')
+    if stage.kind in ("gravity", "walls"):
+        instead = "acceleration" if stage.kind == "gravity" else "x, y or tube, in m"
         for name in given:
-            errors.add(f"{_TABLE}.{name}", 'does not belong to precompression.kind = "gravity"; give acceleration')
-        return
+            errors.add(
+                f"{_TABLE}.{name}", f"does not belong to precompression.kind = {show(stage.kind)}; give {instead}"
+            )
+        if stage.kind == "gravity":
+            return
     if stage.acceleration != Precompression.acceleration:
         errors.add(f"{_TABLE}.acceleration", f'belongs to precompression.kind = "gravity"; found "{stage.kind}"')
+    if stage.kind == "walls":
+        return
     if stage.kind == "uniform" and stage.force is not None:
         errors.add(f"{_TABLE}.force", 'found with precompression.kind = "uniform", expected a pressure')
     elif len(given) != 1:

@@ -7,6 +7,7 @@ uniform    the forces of the missing neighbours outside of the packing, if every
            is then in equilibrium in place under the pressure p, and its faces carry p times their area. Vacant sites
            that are connected to the outside count as outside.
 gravity    m g along +z on each sphere of the packing
+walls      none: walls are moved in, and held
 
 Fixed spheres and strikers carry no dead load.
 """
@@ -18,6 +19,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave._contact_laws import ContactLaw
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.sections import Contact
 from granwave.lammps_inputs.contact.law import law_between
 from granwave.lammps_inputs.lattices import TOUCHING
@@ -34,6 +37,8 @@ def dead_loads(assembly: Assembly) -> tuple[NDArray[np.int64], NDArray[np.float6
     nx, ny, nz = lattice.shape
     ids = assembly.ids[assembly.ids <= lattice.n_spheres]
     force = np.zeros((len(ids), 3))
+    if stage.kind == "walls":
+        return ids[:0], force[:0]
     if stage.kind == "gravity":
         force[:, 2] = assembly.sphere_masses()[: len(ids)] * stage.acceleration
     elif stage.kind == "uniaxial":
@@ -50,6 +55,8 @@ def directions(assembly: Assembly) -> str:
     """Return the axes along which there are dead loads, as letters of "xyz"."""
     case = assembly.case
     stage = case.precompression
+    if stage is not None and stage.kind == "walls":
+        return ""
     if stage is None or stage.kind != "uniform":
         return "z"
     return "xyz"[: assembly.lattice.rule.dimension]
@@ -71,6 +78,9 @@ def force_of_contact(assembly: Assembly) -> float:
     case = assembly.case
     stage, lattice = case.precompression, assembly.lattice
     assert stage is not None
+    if stage.kind == "walls":
+        law = sphere_hertz(case)
+        return float(law.loading_force(np.array([max(stage.moves.values(), default=0.0)]))[0])
     if stage.kind == "uniform":
         rule = lattice.rule
         layer = rule.pitch[0] * rule.pitch[1] * lattice.diameter**2
@@ -85,11 +95,16 @@ def force_of_contact(assembly: Assembly) -> float:
     return top / lattice.rule.carried
 
 
+def sphere_hertz(case: Case) -> ContactLaw:
+    """Return Hertz's law between two spheres of the packing."""
+    radius = case.packing.diameter / 2
+    return law_between(Contact(law="hertz"), (case.material, case.material), (radius, radius))
+
+
 def static_stiffness(assembly: Assembly) -> float:
     """Estimate the stiffness of a contact under the static load, N/m: that of Hertz's law at `force_of_contact`."""
     case = assembly.case
-    radius = case.packing.diameter / 2
-    law = law_between(Contact(law="hertz"), (case.material, case.material), (radius, radius))
+    law = sphere_hertz(case)
     hertz = 4 / 3 * law.effective_modulus * math.sqrt(law.effective_radius)
     return 1.5 * hertz ** (2 / 3) * force_of_contact(assembly) ** (1 / 3)
 

@@ -23,6 +23,17 @@ def joined(values: Iterable[object]) -> str:
     return " ".join(str(value) for value in values)
 
 
+def id_ranges(ids: Iterable[int]) -> str:
+    """Join rising ids as LAMMPS takes them, runs of them as ``first:last``."""
+    ranges: list[list[int]] = []
+    for number in ids:
+        if ranges and number == ranges[-1][1] + 1:
+            ranges[-1][1] = int(number)
+        else:
+            ranges.append([int(number), int(number)])
+    return joined(f"{first}:{last}" if last > first else first for first, last in ranges)
+
+
 def command(*words: str) -> list[str]:
     """Join the words of a command, with LAMMPS continuation lines where it gets long."""
     lines = [words[0]]

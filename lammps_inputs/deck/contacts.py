@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.sections import Contact
 from granwave.lammps_inputs.case.supports import NodeConstants
-from granwave.lammps_inputs.deck.commands import joined, law_coefficients, num
-from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.deck.commands import id_ranges, joined, law_coefficients, num
+from granwave.lammps_inputs.packing.assembly import Assembly, held_ids
 from granwave.lammps_inputs.packing.walls import (
     Wall,
     footprint_radius,
@@ -16,6 +18,9 @@ from granwave.lammps_inputs.packing.walls import (
     walls,
 )
 from granwave.lammps_inputs.run_directory import DENTS_FILE
+
+if TYPE_CHECKING:
+    from granwave.lammps_inputs.case.case import Case
 
 _ELASTIC = Contact(law="hertz")
 
@@ -56,6 +61,7 @@ def plane_names(assembly: Assembly) -> list[str]:
     names = []
     for wall in walls(assembly):
         names += ["held"] if wall.held_layer else [name for name, _, _ in wall_fixes(assembly, wall)]
+    names += [f"hold{number}" for number, hold in enumerate(assembly.case.hold, start=1) if hold.directions]
     return names
 
 
@@ -73,13 +79,11 @@ def wall_commands(assembly: Assembly, *, elastic: bool = False, prefix: str = ""
     lines = _groups(assembly)
     for wall in walls(assembly):
         if wall.held_layer:
-            nx, ny, nz = assembly.lattice.shape
-            last = nx * ny * nz
-            lines.append(f"group           held id {last - nx * ny + 1}:{last}")
+            lines.append(f"group           held id {id_ranges(assembly.lattice.last_layer)}")
             lines.append(f"fix             {prefix}held held setforce 0.0 0.0 0.0")
             continue
         low, high = ("NULL", num(wall.coordinate)) if wall.outward > 0 else (num(wall.coordinate), "NULL")
-        style = f"{'xyz'[wall.axis]}plane {low} {high}"
+        style = f"tube {num(wall.coordinate)}" if wall.tube else f"{'xyz'[wall.axis]}plane {low} {high}"
         for name, group, material in wall_fixes(assembly, wall):
             words = [law_coefficients(_ELASTIC, material, wall.material)]
             if not elastic:
@@ -87,9 +91,21 @@ def wall_commands(assembly: Assembly, *, elastic: bool = False, prefix: str = ""
                 words = [law_coefficients(contact, material, wall.material, wall_friction(case, wall, material))]
                 words += _support_arguments(assembly, wall, material)
             lines.append(f"fix             {prefix}{name} {group} wall/gran/hysteretic {style} {joined(words)}")
-    return (
-        ["# Walls: planes that touch the outermost spheres, or the last layer held in place.", *lines] if lines else []
-    )
+    if lines:
+        lines.insert(0, "# Walls: planes that touch the outermost spheres, or the last layer held in place.")
+    return lines + _hold_commands(case, prefix)
+
+
+def _hold_commands(case: Case, prefix: str) -> list[str]:
+    """Return the commands that hold grains; they come after all other forces on these."""
+    lines = []
+    for number, hold in enumerate(case.hold, start=1):
+        name = f"hold{number}"
+        lines.append(f"group           {name} id {id_ranges(held_ids(case, hold))}")
+        if hold.directions:
+            zeros = joined("0.0" if axis in hold.directions else "NULL" for axis in "xyz")
+            lines.append(f"fix             {prefix}{name} {name} setforce {zeros}")
+    return ["# Grains that do not move.", *lines] if lines else []
 
 
 def _groups(assembly: Assembly) -> list[str]:

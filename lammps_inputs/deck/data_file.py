@@ -8,9 +8,11 @@ from pathlib import Path
 import numpy as np
 
 from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.packing.assembly import Assembly, Species
+from granwave.lammps_inputs.deck.commands import joined, num
+from granwave.lammps_inputs.packing.assembly import Assembly, Species, own_velocities
 from granwave.lammps_inputs.packing.bars import PlacedBar
 
+_STILL = (0.0, 0.0, 0.0)
 _BATCH = 100_000  # spheres formatted at once
 _PERIODIC_LOW = -0.1  # lower faces of a periodic box, diameters; no plane of centres coincides with a face
 _PLAIN_TITLE = "Atoms # sphere: id type diameter density x y z"
@@ -28,6 +30,11 @@ def write_data(assembly: Assembly, path: Path) -> None:
             file.write("".join(rows))
         for bar in assembly.bars:
             file.write("".join(_node_rows(assembly, bar)))
+        if moving := own_velocities(assembly):
+            file.write("\nVelocities # id, velocity, angular velocity\n\n")
+            file.writelines(
+                f"{number} {joined(map(num, moving.get(number, _STILL)))} 0 0 0\n" for number in assembly.ids
+            )
         if assembly.bars:
             file.write("\nBonds\n\n" + "".join(_bonds(assembly)))
 

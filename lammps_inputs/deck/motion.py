@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from granwave.lammps_inputs.deck.commands import joined, num
-from granwave.lammps_inputs.packing.assembly import Assembly, struck_of, velocities_of
+from granwave.lammps_inputs.packing.assembly import Assembly, own_velocities, struck_of
 from granwave.lammps_inputs.packing.bars import INCIDENT_BAR
 from granwave.lammps_inputs.packing.walls import walls
 from granwave.lammps_inputs.run_directory import LOAD_FILE
@@ -62,22 +62,32 @@ def adaptive_timestep(case: Case, schedule: Schedule) -> list[str]:
 
 
 def _integration(assembly: Assembly) -> list[str]:
-    """Return the commands of time integration; nodes of bars have no radius and are not rotated."""
+    """Return the commands of time integration; nodes of bars and grains held upright are not rotated."""
     case = assembly.case
-    lines, still = [], _prescribed(assembly)
-    bars = [bar.name for bar in assembly.bars] if case.has_rotation else []
-    if bars or still:
-        lines.append(f"group           mobile subtract all {joined([*still, *bars])}")
-    group, style = "mobile" if bars or still else "all", "nve/sphere" if case.has_rotation else "nve"
+    lines, still, turning = [], _prescribed(assembly), case.has_rotation
+    names = {f"hold{number}": hold for number, hold in enumerate(case.hold, start=1)}
+    upright = [name for name, hold in names.items() if turning and hold.rotation and hold.directions != "xyz"]
+    bars = [bar.name for bar in assembly.bars] if turning else []
+    if upright:
+        lines.append(f"group           upright union {joined(upright)}")
+        if still:
+            lines.append(f"group           upright subtract upright {joined(still)}")
+        upright = ["upright"]
+    if bars or still or upright:
+        lines.append(f"group           mobile subtract all {joined([*still, *bars, *upright])}")
+    group, style = "mobile" if bars or still or upright else "all", "nve/sphere" if turning else "nve"
     lines.append(f"fix             motion {group} {style}")
-    return [*lines, *(f"fix             motion_{name} {name} nve" for name in bars)]
+    return [*lines, *(f"fix             motion_{name} {name} nve" for name in [*bars, *upright])]
 
 
 def _prescribed(assembly: Assembly) -> list[str]:
-    """Return the groups of spheres whose motion is prescribed: a layer held in place, and spheres that are moved."""
+    """Return the groups of spheres whose motion is prescribed: those held in place, and those that are moved."""
+    case = assembly.case
     held = any(wall.held_layer for wall in walls(assembly))
-    moved = assembly.case.load.kind == "displacement"
-    return [*(["held"] if held else []), *(["hit"] if moved else [])]
+    moved = case.load.kind == "displacement"
+    fixed = {f"hold{n}": hold.directions == "xyz" and (hold.rotation or not case.has_rotation)
+             for n, hold in enumerate(case.hold, start=1)}  # fmt: skip
+    return [*(["held"] if held else []), *(["hit"] if moved else []), *(name for name, still in fixed.items() if still)]
 
 
 def _holder(assembly: Assembly) -> list[str]:
@@ -100,8 +110,11 @@ def _velocities(assembly: Assembly, *, resumed: bool) -> list[str]:
     lines: list[str] = []
     terms: list[str] = []
     n = assembly.lattice.n_spheres
-    struck = [sphere for sphere in velocities_of(assembly) if sphere <= n]  # all with the same velocity
-    moving = [("hit", struck, case.load.initial_velocity, case.load.spin)] if struck else []
+    struck = struck_of(assembly) if case.load.kind == "impact" else ()
+    moving = [("hit", list(struck), case.load.initial_velocity, case.load.spin)] if struck else []
+    own = own_velocities(assembly)  # in the data file
+    if own:
+        terms.append(num(sum(assembly.mass_of(one) * math.hypot(*velocity) ** 2 / 2 for one, velocity in own.items())))
     for number, striker in enumerate(case.striker, start=1):
         if striker.moves:
             lines.append(f"group           striker{number} id {n + number}")

@@ -68,10 +68,13 @@ def _head(case: Case) -> list[str]:
     packing, load = case.packing, case.load
     size = " x ".join(str(n) for n in packing.size)
     what = f"{load.spheres} sphere{'s' if load.spheres > 1 else ''} of the top layer"
+    if load.index is not None:
+        what = f"{len(load.index)} chosen sphere{'s' if len(load.index) > 1 else ''}"
     how = {
         "impact": f"{what} struck at {load.velocity:g} m/s along +z.",
         "striker": f"struck by {len(case.striker)} sphere{'s' if len(case.striker) > 1 else ''} placed against it.",
         "force": f"{load.shape} force, at most {load.largest:g} N, along +z.",
+        "grains": "moved by the velocities of grains.",
         "displacement": f"{what} moved by a {load.shape} displacement, at most {load.largest:g} m, along z.",
     }
     return [

@@ -65,6 +65,13 @@ def dead_load_commands(assembly: Assembly) -> list[str]:
     """Return the commands of dead loads; the compute ``potential`` is their energy, zero in the data file."""
     case = assembly.case
     axes = directions(assembly)
+    if not axes:
+        return [
+            "# The walls are in their final places: there are no other loads. Displacements count from the data file.",
+            *displacements(case),
+            "variable        work atom 0.0",
+            f"compute         {POTENTIAL.removeprefix('c_')} all reduce sum v_work",
+        ]
     words = joined(f"v_dead_{axis}" if axis in axes else "0.0" for axis in "xyz")
     work = "+".join(f"v_dead_{axis}*c_displacement[{'xyz'.index(axis) + 1}]" for axis in axes)
     return [
@@ -89,7 +96,11 @@ def largest_move(assembly: Assembly) -> float:
     assert stage is not None
     on_the_way = max(lattice.shape) if stage.kind == "uniform" else lattice.shape[2]
     overlap = 1.5 * force_of_contact(assembly) / static_stiffness(assembly)
-    gap = case.packing.diameter_scatter + largest_dent(case, sphere_contact(case))
+    gap = (
+        max(stage.moves.values(), default=0.0)
+        + case.packing.diameter_scatter
+        + largest_dent(case, sphere_contact(case))
+    )
     return LARGEST_MOVE * case.packing.diameter + on_the_way * (overlap + gap)
 
 

@@ -16,12 +16,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.lammps_inputs.case.bodies import Striker
+from granwave.lammps_inputs.case.bodies import Hold, Striker
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material, sphere_mass
 from granwave.lammps_inputs.lattices import TOUCHING, Lattice
 from granwave.lammps_inputs.packing.bars import BAR, INCIDENT_BAR, PlacedBar, place_bar
 from granwave.lammps_inputs.packing.disorder import striker_shift
+from granwave.lammps_inputs.packing.places import Layout, Places
 from granwave.lammps_inputs.packing.sites import Sites, sites_of
 from granwave.lammps_inputs.packing.strikers import place_strikers
 from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
@@ -58,7 +59,7 @@ class Assembly:
     case
         Case that it was made from.
     lattice
-        Lattice of the packing.
+        Lattice of the packing, or the places of its grains.
     material
         Material of spheres that are not replaced.
     sites
@@ -72,7 +73,7 @@ class Assembly:
     """
 
     case: Case
-    lattice: Lattice
+    lattice: Layout
     material: Material
     sites: Sites | None
     strikers: tuple[tuple[Striker, NDArray[np.float64]], ...]
@@ -209,6 +210,13 @@ class Assembly:
             return self.lattice.diameter
         return max(self.lattice.diameter, float(self.sites.diameter[self.sites.present].max()))
 
+    def faces(self) -> NDArray[np.float64]:
+        """Return the coordinates of the planes that enclose the packing, along x, y, z: (2, 3), m."""
+        if isinstance(self.lattice, Places):
+            return self.lattice.faces()
+        low, high = self.lattice_bounds()
+        return np.stack([low - self.wall_radius, np.append(high[:2] + self.wall_radius, self.bottom())])
+
     @property
     def wall_radius(self) -> float:
         """Distance of side planes from the outermost sites, m: the nominal radius, in a chain the largest one."""
@@ -236,6 +244,8 @@ class Assembly:
 
         Smaller spheres leave a gap.
         """
+        if isinstance(self.lattice, Places):
+            return float(self.lattice.faces()[1, 2])
         last = self.lattice.diameter
         if self.sites is not None and self.lattice.kind == "chain":
             last = float(self.sites.nominal[-1])
@@ -343,16 +353,22 @@ def _assemble(case: Case) -> Assembly:
     return dataclasses.replace(assembly, bars=tuple(bars), species=(*assembly.species, *ends))
 
 
-def lattice_of(case: Case) -> Lattice:
-    """Return the lattice of a case."""
+def lattice_of(case: Case) -> Layout:
+    """Return the lattice of a case, or the places of its grains."""
+    if case.packing.grains is not None:
+        return Places(case.packing.grains, case.packing.diameter)
     return Lattice(case.packing.kind, case.packing.size, case.packing.diameter, case.boundary.sides == "periodic")
 
 
 def struck_of(assembly: Assembly) -> tuple[int, ...]:
     """Return the ids of the loaded spheres, the struck sphere first; for a load by strikers those that move."""
     case = assembly.case
-    if case.load.kind != "striker":
+    if case.load.index is not None:
+        return case.load.index
+    if case.load.hits_spheres:
         return struck_spheres(assembly.lattice, case.load.spheres)
+    if case.load.kind == "grains":
+        return tuple(own_velocities(assembly))
     moving = [
         number for number, striker in enumerate(case.striker, start=assembly.lattice.n_spheres + 1) if striker.moves
     ]
@@ -371,13 +387,30 @@ def struck_site(assembly: Assembly) -> int | None:
 def velocities_of(assembly: Assembly) -> dict[int, tuple[float, float, float]]:
     """Return the initial velocities by id of the spheres that have one, m/s."""
     case = assembly.case
-    found: dict[int, tuple[float, float, float]] = {}
+    found = own_velocities(assembly)
     if case.load.kind == "impact":
-        found = dict.fromkeys(struck_of(assembly), case.load.initial_velocity)
+        found |= dict.fromkeys(struck_of(assembly), case.load.initial_velocity)
     for number, striker in enumerate(case.striker, start=assembly.lattice.n_spheres + 1):
         if striker.moves:
             found[number] = striker.velocity
     return found
+
+
+def own_velocities(assembly: Assembly) -> dict[int, tuple[float, float, float]]:
+    """Return the velocities of the grains of a file that have one, by id, the fastest first, m/s."""
+    if not isinstance(assembly.lattice, Places):
+        return {}
+    velocity = assembly.lattice.grains.velocity
+    speed = np.linalg.norm(velocity, axis=1)
+    moving = np.argsort(-speed, kind="stable")[: np.count_nonzero(speed)]
+    return {row + 1: tuple(velocity[row].tolist()) for row in moving.tolist()}
+
+
+def held_ids(case: Case, hold: Hold) -> tuple[int, ...]:
+    """Return the ids of the grains that an entry ``[[hold]]`` holds, in rising order."""
+    if hold.index is not None:
+        return tuple(sorted(set(hold.index)))
+    return case.packing.grains.of_group(hold.group or "") if case.packing.grains is not None else ()
 
 
 def gap_tolerance(case: Case) -> float:

@@ -10,8 +10,9 @@ import ase
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.lammps_inputs.lattices import TOUCHING, Lattice
+from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
+from granwave.lammps_inputs.packing.places import Layout
 from granwave.lammps_inputs.packing.walls import Wall, walls
 
 if TYPE_CHECKING:
@@ -45,8 +46,8 @@ class Packing:
         return self.assembly.n_spheres
 
     @property
-    def lattice(self) -> Lattice:
-        """Lattice of the spheres other than strikers."""
+    def lattice(self) -> Layout:
+        """Lattice of the spheres other than strikers, or the places of grains."""
         return self.assembly.lattice
 
     @property

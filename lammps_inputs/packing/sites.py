@@ -18,15 +18,17 @@ from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.bodies import Replace, Sensor, Striker
 from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.lattices import TOUCHING, Lattice
+from granwave.lammps_inputs.lattices import FILE, TOUCHING, Lattice
 from granwave.lammps_inputs.packing.disorder import diameter_losses, random_share, random_vacancies
+from granwave.lammps_inputs.packing.places import Layout, Places
 from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
 from granwave.lammps_inputs.packing.tilted import lean
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
     from granwave.lammps_inputs.case.load import Load
-    from granwave.lammps_inputs.case.sections import Output, PackingSection
+    from granwave.lammps_inputs.case.packing import PackingSection
+    from granwave.lammps_inputs.case.sections import Output
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -49,7 +51,7 @@ class Sites:
         Centres of spheres that lean on each other: (n_sites, 3), m; None: they are at the sites.
     """
 
-    lattice: Lattice
+    lattice: Layout
     nominal: NDArray[np.float64]
     diameter: NDArray[np.float64]
     kind: NDArray[np.int16]
@@ -99,15 +101,16 @@ class Sites:
         for pairs in self.lattice.pairs():
             if self.count < len(self.present):
                 pairs = pairs[self.present[pairs - 1].all(axis=1)]
-            first, second = pairs.T - 1
-            reach = (self.diameter[first] + self.diameter[second]) / 2
-            yield pairs, self._apart(first, second) - reach
+            yield pairs, self._apart(pairs) - self.diameter[pairs - 1].sum(axis=1) / 2
 
-    def _apart(self, first: NDArray[np.int64], second: NDArray[np.int64]) -> NDArray[np.float64] | float:
-        """Distances of the centres at neighbouring sites, by their rows, m."""
+    def _apart(self, pairs: NDArray[np.int64]) -> float | NDArray[np.float64]:
+        """Return the distances of the centres of neighbouring sites, by their ids, m."""
+        if isinstance(self.lattice, Places):
+            return self.lattice.apart(pairs)
         if self.leaning is not None:
+            first, second = pairs.T - 1
             return np.asarray(np.linalg.norm(self.leaning[second] - self.leaning[first], axis=1))
-        return self.lattice.diameter if self.stacked is None else (self.nominal[first] + self.nominal[second]) / 2
+        return self.lattice.diameter if self.stacked is None else self.nominal[pairs - 1].sum(axis=1) / 2
 
     @cached_property
     def _counts(self) -> tuple[int, int]:
@@ -169,8 +172,8 @@ class Sites:
 
     @cached_property
     def larger(self) -> NDArray[np.bool_]:
-        """True for spheres larger than the lattice spacing: (n_sites,); none in a chain."""
-        if self.lattice.kind == "chain":
+        """True for spheres larger than the lattice spacing: (n_sites,); none in a chain and among grains of a file."""
+        if self.lattice.kind in ("chain", FILE):
             return np.zeros(len(self.present), dtype=bool)
         return self.diameter > self.lattice.diameter
 
@@ -190,7 +193,7 @@ class Sites:
         return pairs[np.abs(gaps) <= TOUCHING * self.lattice.diameter]
 
 
-def sites_of(case: Case, lattice: Lattice) -> Sites | None:
+def sites_of(case: Case, lattice: Layout) -> Sites | None:
     """Return the sites of the lattice of a case; None if all spheres are equal and none is missing.
 
     Raises
@@ -199,6 +202,8 @@ def sites_of(case: Case, lattice: Lattice) -> Sites | None:
         A share of vacancies leaves too few spheres, or spheres on a tilted floor find no place.
     """
     packing = case.packing
+    if isinstance(lattice, Places):
+        return _sites_of_grains(case, lattice)
     if not (packing.diameter_scatter or packing.vacancies or case.replace):
         return None
     n = lattice.n_spheres
@@ -224,6 +229,17 @@ def sites_of(case: Case, lattice: Lattice) -> Sites | None:
     return None if found.like and diameter is nominal and present.all() else found
 
 
+def _sites_of_grains(case: Case, places: Places) -> Sites:
+    """Return the sites of grains of a file, each with a diameter and a material of its own."""
+    grains = places.grains
+    found = {name: case.named_material(name) for name in dict.fromkeys(grains.material)}
+    materials = list(dict.fromkeys([case.material, *found.values()]))
+    number = {name: materials.index(material) for name, material in found.items()}
+    kind = np.array([number[name] for name in grains.material], dtype=np.int16)
+    present = np.ones(len(grains), dtype=bool)
+    return Sites(places, grains.diameter, grains.diameter, kind, tuple(materials), present)
+
+
 def named_spheres(
     lattice: Lattice,
     load: Load,
@@ -233,10 +249,12 @@ def named_spheres(
     output: Output,
 ) -> dict[int, str]:
     """Return the spheres that a case names, with the key that does; they are never vacant."""
-    struck: tuple[int, ...] = ()
-    if load.kind != "striker":
-        struck = struck_spheres(lattice, load.spheres)
-    names = [("load.spheres", struck), ("output.probes", [one for probe in output.probes for one in probe.spheres])]
+    names: list[tuple[str, Sequence[int]]] = []
+    if load.index is not None:
+        names.append(("load.index", load.index))
+    elif load.hits_spheres:
+        names.append(("load.spheres", struck_spheres(lattice, load.spheres)))
+    names += [("output.probes", [one for probe in output.probes for one in probe.spheres])]
     names += [(f"sensor.{place}.id", (sensor.id,)) for place, sensor in enumerate(sensors, start=1)]
     names += [(f"striker.{place}.touches", striker.touches) for place, striker in enumerate(strikers, start=1)]
     names += [(f"replace.{place}.index", entry.index or ()) for place, entry in enumerate(replaced, start=1)]
@@ -251,7 +269,7 @@ def vacant_sites(packing: PackingSection, n: int, kept: set[int]) -> NDArray[np.
 
 
 def chosen_sites(
-    packing: PackingSection, lattice: Lattice, entry: Replace, place: int, present: NDArray[np.bool_]
+    packing: PackingSection, lattice: Layout, entry: Replace, place: int, present: NDArray[np.bool_]
 ) -> NDArray[np.int64]:
     """Return the sites, from 0, that a ``[[replace]]`` entry changes; ``place`` is its number from 1.
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.bodies import Striker
-from granwave.lammps_inputs.lattices import Lattice
+from granwave.lammps_inputs.packing.places import Layout
 
 _TOLERANCE = 1e-9  # diameters; largest gap or overlap between a striker and the spheres that it touches
 _FLAT = 0.05  # size across a row or layer of spheres, over that along it, that scatter of their diameters may cause
@@ -23,7 +23,7 @@ _OVERLAP = 1e-6  # diameters; largest overlap with other spheres
 
 
 def place_strikers(
-    lattice: Lattice,
+    lattice: Layout,
     ids: NDArray[np.int64],
     centres: NDArray[np.float64],
     diameters: NDArray[np.float64],

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from granwave.lammps_inputs.lattices import KINDS, TOUCHING, Lattice
+from granwave.lammps_inputs.lattices import KINDS, TOUCHING
+from granwave.lammps_inputs.packing.places import Layout
 
 
-def struck_spheres(lattice: Lattice, count: int) -> tuple[int, ...]:
+def struck_spheres(lattice: Layout, count: int) -> tuple[int, ...]:
     """Return the ids of the loaded spheres; the first one is the struck sphere.
 
     The struck sphere is the one of the top layer nearest to the centroid of that layer (ties within 1e-6 D:
@@ -38,8 +39,8 @@ def struck_spheres(lattice: Lattice, count: int) -> tuple[int, ...]:
     return (centre, *min(pairs))
 
 
-def _central(lattice: Lattice) -> int:
-    nx, ny, _ = lattice.shape
-    top = lattice.positions(1, nx * ny)[:, :2]
+def _central(lattice: Layout) -> int:
+    ids = lattice.top_layer
+    top = lattice.positions(1, int(ids[-1]))[ids - 1, :2]
     distance = np.linalg.norm(top - top.mean(axis=0), axis=1)
-    return 1 + int(np.flatnonzero(distance <= distance.min() + TOUCHING * lattice.diameter)[0])
+    return int(ids[np.flatnonzero(distance <= distance.min() + TOUCHING * lattice.diameter)[0]])

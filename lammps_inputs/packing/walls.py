@@ -21,13 +21,15 @@ class Wall:
     Attributes
     ----------
     name
-        Name of the wall: bottom, xlo, xhi, ylo or yhi.
+        Name of the wall: bottom, xlo, xhi, ylo, yhi or tube.
     axis
-        Axis of the normal: 0, 1 or 2 for x, y or z.
+        Axis of the normal: 0, 1 or 2 for x, y or z; 0 of a tube, whose first direction is radial.
     outward
         Sign of the outward normal: +1 if the packing lies at lower coordinates along ``axis``, -1 otherwise.
     coordinate
-        Position of the plane along ``axis``, m.
+        Position of the plane along ``axis``, or radius of the tube, m; after it was moved in, where it is.
+    tube
+        True for a tube around the axis x = y = 0.
     held_layer
         True if there is no plane, and the last layer is held in place.
     material
@@ -41,6 +43,7 @@ class Wall:
     outward: int
     coordinate: float
     held_layer: bool = False
+    tube: bool = False
     material: Material | None = None
     support: Support | None = None
 
@@ -52,14 +55,18 @@ def walls(case: Case | Assembly) -> tuple[Wall, ...]:
     found = []
     if case.boundary.bottom != "free":
         boundary, held = case.boundary, case.boundary.bottom == "fixed"
-        found.append(Wall("bottom", 2, 1, assembly.bottom(), held, boundary.bottom_material, boundary.bottom_support))
-    if case.boundary.sides == "wall":
-        low, high = assembly.lattice_bounds()
-        radius = assembly.wall_radius
-        for axis, letter in enumerate("xy"):
-            material = case.boundary.sides_material
-            found.append(Wall(f"{letter}lo", axis, -1, float(low[axis]) - radius, material=material))
-            found.append(Wall(f"{letter}hi", axis, 1, float(high[axis]) + radius, material=material))
+        material, support = boundary.bottom_material, boundary.bottom_support
+        found.append(Wall("bottom", 2, 1, assembly.bottom(), held, material=material, support=support))
+    material, moves = case.boundary.sides_material, case.precompression.moves if case.precompression else {}
+    if case.boundary.sides_tube is not None:
+        found.append(
+            Wall("tube", 0, 1, case.boundary.sides_tube - moves.get("tube", 0.0), tube=True, material=material)
+        )
+    for axis, letter in enumerate("xy"):
+        if case.boundary.has_planes(letter):
+            (low, high), inwards = assembly.faces()[:, axis].tolist(), moves.get(letter, 0.0)
+            found.append(Wall(f"{letter}lo", axis, -1, low + inwards, material=material))
+            found.append(Wall(f"{letter}hi", axis, 1, high - inwards, material=material))
     return tuple(found)
 
 
@@ -88,11 +95,10 @@ def wall_friction(case: Case, wall: Wall, material: Material) -> float:
 def materials_of_last_layer(assembly: Assembly) -> list[Material]:
     """Return the materials of the spheres in the last layer, each once."""
     case = assembly.case
-    nx, ny, _ = assembly.lattice.shape
-    n, sites = assembly.lattice.n_spheres, assembly.sites
+    sites = assembly.sites
     if sites is None:
         return [case.material]
-    last = slice(n - nx * ny, n)
+    last = assembly.lattice.last_layer - 1
     return list(dict.fromkeys(sites.materials[kind] for kind in sites.kind[last][sites.present[last]]))
 
 
@@ -117,11 +123,11 @@ def support_timestep(assembly: Assembly, stiffness: float) -> float:
         Stiffness of one contact with the bottom, N/m.
     """
     case = assembly.case
-    boundary, (nx, ny, _) = case.boundary, assembly.lattice.shape
+    boundary = case.boundary
     if boundary.bottom_support is None:
         return math.inf
     return boundary.bottom_support.longest_timestep(
-        boundary.bottom_material, footprint_radius(assembly), nx * ny * stiffness
+        boundary.bottom_material, footprint_radius(assembly), len(assembly.lattice.last_layer) * stiffness
     )
 
 

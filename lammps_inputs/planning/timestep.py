@@ -50,6 +50,7 @@ from granwave.lammps_inputs.contact.law import flat_contact, pair_contact
 from granwave.lammps_inputs.contact.static_load import force_of_contact
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble, struck_of, velocities_of
 from granwave.lammps_inputs.packing.bars import INCIDENT_BAR
+from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.packing.walls import support_timestep
 from granwave.lammps_inputs.roots import brentq
 
@@ -220,7 +221,7 @@ def _of_impact(assembly: Assembly) -> list[Encounter]:
         found.append(Encounter(law, striking * velocity**2 * cosine_squared / (1 + n * cosine_squared) / 2, mass))
     if case.boundary.bottom == "wall":
         # along lines of contacts, or through a single layer, the pulse reaches the wall undivided
-        halvings = assembly.lattice.shape[2] - 1 if assembly.lattice.rule.set_back else 0
+        halvings = assembly.lattice.n_layers - 1 if assembly.lattice.rule.set_back else 0
         energy = striking * (velocity * 0.5**halvings) ** 2 / 2
         found.append(Encounter(flat_contact(assembly, smallest), energy, 2 * mass, against_wall=True))
     return found
@@ -303,11 +304,11 @@ def _kinds(sites: Sites) -> _Kinds:
 
 def _kinds_of_last_layer(assembly: Assembly) -> list[int]:
     """Return a sphere of each kind in the last layer."""
-    n, sites = assembly.lattice.n_spheres, assembly.sites
+    sites = assembly.sites
     if sites is None:
-        return [n]
-    kinds, (nx, ny, _) = _kinds(sites), assembly.lattice.shape
-    there = np.unique(kinds.of[n - nx * ny :])
+        return [assembly.lattice.n_spheres]
+    kinds = _kinds(sites)
+    there = np.unique(kinds.of[assembly.lattice.last_layer - 1])
     return kinds.example[there[there >= 0]].tolist()
 
 
@@ -323,6 +324,8 @@ def _kinds_of_pairs(assembly: Assembly) -> list[tuple[int, int]]:
         codes = {
             int(code) for near, _ in sites.neighbours() for code in np.unique(kinds.of[near - 1] @ np.array([n, 1]))
         }
+        if isinstance(assembly.lattice, Places):  # any two grains may meet
+            codes = {first * n + second for first in range(n) for second in range(first, n)}
         pairs += [(int(kinds.example[code // n]), int(kinds.example[code % n])) for code in sorted(codes)]
         plain = np.flatnonzero(sites.present & (sites.kind == 0) & (sites.diameter == assembly.lattice.diameter)) + 1
         pairs += [(int(plain[0]), int(plain[0]))] if len(plain) > 1 else []

@@ -20,6 +20,7 @@ import dataclasses
 from typing import TYPE_CHECKING
 
 from granwave.lammps_inputs.contact.law import sphere_contact
+from granwave.lammps_inputs.lattices import Lattice
 from granwave.lammps_inputs.packing.assembly import Assembly, struck_site
 from granwave.lammps_inputs.planning.timestep import expected_energy
 
@@ -86,9 +87,11 @@ class ExpectedZone:
 def expected_zone(assembly: Assembly) -> ExpectedZone | None:
     """Estimate the plastic zone of a case; None if nothing yields, or there is no estimate."""
     case = assembly.case
-    growth, law = _GROWTH.get(case.packing.kind), sphere_contact(case)
-    room = _room(assembly)
-    if growth is None or not case.contact.yields or "bottom" not in room:
+    growth, law, lattice = _GROWTH.get(case.packing.kind), sphere_contact(case), assembly.lattice
+    if growth is None or not case.contact.yields or not isinstance(lattice, Lattice):
+        return None
+    room = _room(assembly, lattice)
+    if "bottom" not in room:
         return None
     energy = expected_energy(assembly) / (law.yield_force * law.yield_overlap)
     if energy < _LEAST:
@@ -97,10 +100,9 @@ def expected_zone(assembly: Assembly) -> ExpectedZone | None:
     return ExpectedZone(depth, radius, growth.spread, room)
 
 
-def _room(assembly: Assembly) -> dict[str, float]:
+def _room(assembly: Assembly, lattice: Lattice) -> dict[str, float]:
     """Return the distances from the struck sphere to the last layer and to the nearest end of a row, m."""
     case = assembly.case
-    lattice = assembly.lattice
     nx, ny, nz = lattice.shape
     sphere = struck_site(assembly) or 1
     i, j, _ = lattice.indices(sphere)

@@ -2,7 +2,9 @@
 /* Python bindings of the contact laws: the table of laws, and the law of one contact, with numpy arrays and SI units. */
 
 #include "../laws/contact_law.h"
+#include "../laws/elliptic_contact.h"
 #include "../laws/law_arguments.h"
+#include "../laws/line_contact.h"
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
@@ -138,6 +140,38 @@ PYBIND11_MODULE(_contact_laws, module)
   module.attr("LAW_CONSTANTS") = by_name({});
   module.def("power", py::vectorize(granwave::power), py::arg("x"), py::arg("y"),
              "x^y as the laws compute it, for positive x.");
+  module.def("elliptic_radius", py::vectorize(granwave::elliptic_radius), py::arg("first"), py::arg("second"),
+             "Radius of the sphere that is as stiff on a plane as a contact with these two relative curvatures (1/m), m.");
+  module.def("logarithm", py::vectorize(granwave::logarithm), py::arg("x"), "ln(x) as the laws compute it, for positive x.");
+  py::class_<granwave::LineContact>(module, "LineContact",
+                                    "Contact along a line: a cylinder on a plane, or two parallel cylinders.\n\n"
+                                    "Pairs are (first, second) body, rigid where the modulus is inf. SI units.")
+      .def(py::init([](Two modulus, Two poisson, double diameter, double length) {
+             if (!(diameter > 0.0 && length > 0.0)) throw py::value_error("diameter and length must be positive");
+             const auto body = [](double e, double nu) { return Material{e, nu, granwave::INFINITE}; };
+             return granwave::LineContact(body(modulus.first, poisson.first), body(modulus.second, poisson.second), diameter,
+                                          length);
+           }),
+           py::kw_only(), py::arg("youngs_modulus"), py::arg("poisson_ratio"), py::arg("diameter"), py::arg("length"))
+      .def_property_readonly("largest_overlap", &granwave::LineContact::largest_overlap, "end of the law, m")
+      .def(
+          "force",
+          [](const granwave::LineContact &self, const py::array_t<double> &overlap) -> py::object {
+            return py::vectorize([&self](double a) { return self.force(a); })(overlap);
+          },
+          py::arg("overlap"), "Force at an overlap, N.")
+      .def(
+          "stiffness",
+          [](const granwave::LineContact &self, const py::array_t<double> &overlap) -> py::object {
+            return py::vectorize([&self](double a) { return self.stiffness(a); })(overlap);
+          },
+          py::arg("overlap"), "Slope of the force over the overlap, N/m.")
+      .def(
+          "energy",
+          [](const granwave::LineContact &self, const py::array_t<double> &overlap) -> py::object {
+            return py::vectorize([&self](double a) { return self.energy(a); })(overlap);
+          },
+          py::arg("overlap"), "Stored energy, J.");
   module.def("exponential", py::vectorize(granwave::exponential), py::arg("x"), "exp(x) as the laws compute it.");
   py::class_<LawEntry>(module, "LawEntry", "A contact law of the table LAWS.")
       .def_readonly("name", &LawEntry::name)

@@ -7,6 +7,7 @@
 #include "atom.h"
 #include "domain.h"
 #include "error.h"
+#include "../laws/elliptic_contact.h"
 #include "finite_motion.h"
 #include "../laws/law_arguments.h"
 #include "neighbor.h"
@@ -27,24 +28,38 @@ namespace {
 
 constexpr double ROUNDING = 1e-12;    // relative to the radius: smaller overlaps are rounding errors of positions
 
+double distance_from_axis(const double *x) { return std::sqrt(x[0] * x[0] + x[1] * x[1]); }
+
 }    // namespace
 
 FixWallGranHysteretic::FixWallGranHysteretic(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg)
 {
-  if (narg < 7) error->all(FLERR, "Illegal fix {}: expected xplane|yplane|zplane LO HI law and its constants", STYLE);
-  axis = arg[3][0] - 'x';
-  if (axis < 0 || axis > 2 || std::strcmp(arg[3] + 1, "plane") != 0)
-    error->all(FLERR, "Illegal fix {}: expected xplane, yplane or zplane, found {}", STYLE, arg[3]);
-  const double absent[2] = {-INFINITE, INFINITE};
-  for (int side = 0; side < 2; side++)
-    plane[side] = std::strcmp(arg[4 + side], "NULL") == 0 ? absent[side] : utils::numeric(FLERR, arg[4 + side], false, lmp);
-  if (!(plane[0] < plane[1])) error->all(FLERR, "Illegal fix {}: LO must be below HI, found {} {}", STYLE, arg[4], arg[5]);
-  std::vector<std::string> words(arg + 6, arg + narg);
+  if (narg < 7)
+    error->all(FLERR, "Illegal fix {}: expected xplane|yplane|zplane LO HI or tube RADIUS, a law and its constants", STYLE);
+  std::fill_n(plane, 2, INFINITE);
+  plane[0] = -INFINITE;
+  int used_words = 6;
+  if (std::strcmp(arg[3], "tube") == 0) {
+    used_words = 5;
+    tube = utils::numeric(FLERR, arg[4], false, lmp);
+    if (!(tube > 0.0 && std::isfinite(tube)))
+      error->all(FLERR, "Illegal fix {}: the radius of the tube must be above 0, found {}", STYLE, arg[4]);
+  } else {
+    axis = arg[3][0] - 'x';
+    if (axis < 0 || axis > 2 || std::strcmp(arg[3] + 1, "plane") != 0)
+      error->all(FLERR, "Illegal fix {}: expected xplane, yplane, zplane or tube, found {}", STYLE, arg[3]);
+    for (int side = 0; side < 2; side++)
+      if (std::strcmp(arg[4 + side], "NULL") != 0) plane[side] = utils::numeric(FLERR, arg[4 + side], false, lmp);
+    if (!(plane[0] < plane[1]))
+      error->all(FLERR, "Illegal fix {}: LO must be below HI, found {} {}", STYLE, arg[4], arg[5]);
+  }
+  std::vector<std::string> words(arg + used_words, arg + narg);
   try {
     if (const auto at = std::find(words.begin(), words.end(), "support"); at != words.end()) {
       std::size_t used = 0;
       support = std::make_unique<granwave::Support>(std::vector<std::string>(at + 1, words.end()), used);
       words.erase(at, at + 1 + used);
+      if (tube > 0.0) throw std::invalid_argument("support moves a plane, found a tube");
       if (std::isfinite(plane[0]) && std::isfinite(plane[1]))
         throw std::invalid_argument("support moves one plane, found two: take a fix for each");
       if (!std::isfinite(plane[0]) && !std::isfinite(plane[1]))
@@ -94,7 +109,8 @@ void FixWallGranHysteretic::init()
   if (!atom->radius_flag) error->all(FLERR, "Fix {} requires atom attribute radius (atom_style sphere)", STYLE);
   if (friction > 0.0 && !(atom->omega_flag && atom->torque_flag))
     error->all(FLERR, "Fix {} with friction requires atom attributes omega and torque (atom_style sphere)", STYLE);
-  if (domain->periodicity[axis]) error->all(FLERR, "Fix {}: the box is periodic across the wall", STYLE);
+  if (tube > 0.0 ? domain->periodicity[0] || domain->periodicity[1] : domain->periodicity[axis])
+    error->all(FLERR, "Fix {}: the box is periodic across the wall", STYLE);
   reset_dt();
 }
 
@@ -140,8 +156,58 @@ double FixWallGranHysteretic::level(int side) const
 
 double FixWallGranHysteretic::depth(int i, int side) const
 {
+  if (tube > 0.0) return side == 0 ? -INFINITE : distance_from_axis(atom->x[i]) + atom->radius[i] - tube;
   const double along = atom->x[i][axis], radius = atom->radius[i];
   return side == 0 ? level(0) + radius - along : along + radius - level(1);
+}
+
+/* Unit normal of a wall at sphere i, into the packing. A tube has no normal at its axis, which no sphere that fits reaches. */
+
+void FixWallGranHysteretic::inward(int i, int side, double normal[3]) const
+{
+  normal[0] = normal[1] = normal[2] = 0.0;
+  if (tube == 0.0) {
+    normal[axis] = side == 0 ? 1.0 : -1.0;
+    return;
+  }
+  const double distance = distance_from_axis(atom->x[i]);
+  if (distance == 0.0) return;
+  normal[0] = -atom->x[i][0] / distance;
+  normal[1] = -atom->x[i][1] / distance;
+}
+
+/* Location of sphere i along the wall: its two other coordinates, or the arc along a tube and z. */
+
+void FixWallGranHysteretic::place_of(int i, double place[2]) const
+{
+  const double *const x = atom->x[i];
+  place[0] = tube > 0.0 ? tube * std::atan2(x[1], x[0]) : x[(axis + 1) % 3];
+  place[1] = tube > 0.0 ? x[2] : x[(axis + 2) % 3];
+}
+
+/* Radius of the sphere that is as stiff on a plane as one of this radius on the wall. */
+
+double FixWallGranHysteretic::effective_radius(double radius)
+{
+  if (tube == 0.0 || radius == 0.0 || !(radius < tube)) return radius;
+  const auto known = radii_in_tube.find(radius);
+  if (known != radii_in_tube.end()) return known->second;
+  return radii_in_tube[radius] = granwave::elliptic_radius(1.0 / radius, 1.0 / radius - 1.0 / tube);
+}
+
+/* Add a force on the wall to its total: along x, y, z, or outward, around and along a tube. */
+
+void FixWallGranHysteretic::add_to_wall(int i, const double force[3])
+{
+  if (tube == 0.0) {
+    for (int d = 0; d < 3; d++) wall_force[d] += force[d];
+    return;
+  }
+  double normal[3];
+  inward(i, 1, normal);
+  wall_force[0] -= force[0] * normal[0] + force[1] * normal[1];
+  wall_force[1] += force[0] * normal[1] - force[1] * normal[0];
+  wall_force[2] += force[2];
 }
 
 /* Sum the force on the plane over all processors, bitwise identical on each. */
@@ -182,7 +248,8 @@ void FixWallGranHysteretic::evaluate()
   if (!listed || (support && std::fabs(level(moving) - listed_level) > 0.5 * neighbor->skin)) list_spheres();
   for (const int i : spheres) {
     if (!(atom->mask[i] & groupbit) || radius[i] == 0.0) continue;    // flat faces do not interact with walls
-    const double overlap[2] = {at[0] + radius[i] - x[i][axis], x[i][axis] + radius[i] - at[1]};
+    const double overlap[2] = {tube > 0.0 ? -INFINITE : at[0] + radius[i] - x[i][axis],
+                               tube > 0.0 ? depth(i, 1) : x[i][axis] + radius[i] - at[1]};
     const double least = ROUNDING * radius[i];
     const bool touches[2] = {!(overlap[0] <= least), !(overlap[1] <= least)};    // also true for NaN
     if (!touches[0] && !touches[1] && !near[i]) continue;
@@ -194,9 +261,17 @@ void FixWallGranHysteretic::evaluate()
       Contact contact{};
       if (touches[side]) {
         contact = compute_normal(i, side, overlap[side], now);
-        const double push = contact.force * (side == 0 ? 1.0 : -1.0);
-        f[i][axis] += push;
-        wall_force[axis] -= push;
+        if (tube > 0.0) {
+          double push[3];
+          inward(i, side, push);
+          for (int d = 0; d < 2; d++) f[i][d] += push[d] *= contact.force;
+          const double on_wall[3] = {-push[0], -push[1], 0.0};
+          add_to_wall(i, on_wall);
+        } else {
+          const double push = contact.force * (side == 0 ? 1.0 : -1.0);
+          f[i][axis] += push;
+          wall_force[axis] -= push;
+        }
         if (support) {
           pressed.add(contact.force);
           stiffness.add(contact.stiffness);
@@ -210,12 +285,19 @@ void FixWallGranHysteretic::evaluate()
   if (support) push_support();
 }
 
-/* Distance along an axis to the nearest image. */
+/* Squared distance between two locations on the wall, to the nearest image. */
 
-double FixWallGranHysteretic::minimum_image(int along, double distance) const
+double FixWallGranHysteretic::distance_squared(const double from[2], const double to[2]) const
 {
-  if (!domain->periodicity[along]) return distance;
-  return distance - domain->prd[along] * std::round(distance / domain->prd[along]);
+  double sum = 0.0;
+  for (int d = 0; d < 2; d++) {
+    const int along = (axis + 1 + d) % 3;
+    double distance = to[d] - from[d], period = domain->periodicity[along] ? domain->prd[along] : 0.0;
+    if (tube > 0.0) period = d == 0 ? 2.0 * granwave::PI * tube : domain->periodicity[2] ? domain->prd[2] : 0.0;
+    if (period > 0.0) distance -= period * std::round(distance / period);
+    sum += distance * distance;
+  }
+  return sum;
 }
 
 /* Energy dissipated by yielding at one wall in this run. */
@@ -241,16 +323,19 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
                "it, or the timestep is far too large",
                atom->tag[i], overlap, id, radius);
   }
-  const ScaledLaw scaled(law, radius);
-  const double place[2] = {atom->x[i][(axis + 1) % 3], atom->x[i][(axis + 2) % 3]};
+  if (tube > 0.0 && !(radius < tube))
+    error->one(FLERR, "Fix {} {}: sphere {} of radius {:.6g} does not fit into the tube of radius {:.6g}", STYLE, id,
+               atom->tag[i], radius, tube);
+  const double effective = effective_radius(radius);
+  const ScaledLaw scaled(law, effective);
+  double place[2];
+  place_of(i, place);
   if (state[TIME_FIRST] < 0.0) state[TIME_FIRST] = now;
   if (side.touching == 0.0) {
     side.touching = 1.0;
     if (side.dent > 0.0) {
-      const double circle_sq = std::isfinite(scaled.yield_overlap()) ? scaled.loading_circle(side.dent) : radius * side.dent;
-      const double d1 = minimum_image((axis + 1) % 3, place[0] - side.place[0]),
-                   d2 = minimum_image((axis + 2) % 3, place[1] - side.place[1]);
-      if (d1 * d1 + d2 * d2 > circle_sq) {
+      const double circle_sq = std::isfinite(scaled.yield_overlap()) ? scaled.loading_circle(side.dent) : effective * side.dent;
+      if (distance_squared(side.place, place) > circle_sq) {
         side.lost_before = lost(i, which, scaled);
         side.dent = side.initial = 0.0;
         std::fill_n(extra(i, which), n_extra(), 0.0);
@@ -268,7 +353,7 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
   if (!scaled.yielded(side.dent)) {
     contact.force = scaled.hertz_force(overlap);
     if (support) contact.stiffness = 1.5 * contact.force / overlap;
-    contact.circle_sq = radius * overlap;
+    contact.circle_sq = effective * overlap;
   } else {
     const granwave::Turning turning = scaled.turning(law_history(i, which));
     contact.force = raised ? scaled.peak_force(turning) : scaled.unloading(overlap, turning);
@@ -300,8 +385,8 @@ void FixWallGranHysteretic::compute_tangential(int i, int which, double overlap,
   TangentialSpring &spring = springs[2 * i + which];
   double *const state = array_atom[i];
   if (contact.force > 0.0) {
-    double normal[3] = {};
-    normal[axis] = which == 0 ? 1.0 : -1.0;
+    double normal[3];
+    inward(i, which, normal);
     const double lever = atom->radius[i] - 0.5 * overlap;
     if (update->whichflag == 1 && !update->setupflag) {
       const double *const v = atom->v[i], *const omega = atom->omega[i];
@@ -316,8 +401,9 @@ void FixWallGranHysteretic::compute_tangential(int i, int which, double overlap,
     for (int d = 0; d < 3; d++) {
       atom->f[i][d] += spring.force[d];
       atom->torque[i][d] += lever * torque[d];
-      wall_force[d] -= spring.force[d];
     }
+    const double on_wall[3] = {-spring.force[0], -spring.force[1], -spring.force[2]};
+    add_to_wall(i, on_wall);
     if (contact.force == state[FORCE]) state[TANGENTIAL] = granwave::tangential_force(spring);
   } else {
     granwave::release(spring);
@@ -336,7 +422,7 @@ void FixWallGranHysteretic::tally()
     const double *state = array_atom[i];
     if (state[PEAK_OVERLAP] == 0.0) continue;
     const double radius = atom->radius[i];
-    const ScaledLaw scaled(law, radius);
+    const ScaledLaw scaled(law, effective_radius(radius));
     mine[DISSIPATED_SUM] += state[DISSIPATED];
     mine[FRICTION_LOSS_SUM] += state[FRICTION_LOSS];
     if (law.entry().yields() && state[TIME_YIELD] >= 0.0) mine[YIELDED] += 1.0;

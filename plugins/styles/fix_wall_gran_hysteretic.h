@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Fix wall/gran/hysteretic: plane walls normal to an axis, with the contact laws and the persistent dents of pair style
+/* Fix wall/gran/hysteretic: plane walls normal to an axis, or a tube around z, with the contact laws and the persistent dents of pair style
    gran/hysteretic, with friction, and with the support of a movable plane (support.h).
 
    fix ID group wall/gran/hysteretic xplane|yplane|zplane LO HI law ... [friction MU] [support ...]
        (law_arguments.h, support.h; LO, HI a coordinate or NULL)
+   fix ID group wall/gran/hysteretic tube RADIUS law ... [friction MU]
 
    With one material the wall is rigid; with two, the second is that of the wall. Dents are stored with their location on the
    wall: a sphere that has separated and touches the wall again starts a new contact if it is further from that location than
@@ -19,6 +20,7 @@
 #include "../laws/tangential.h"
 
 #include <memory>
+#include <unordered_map>
 #include <vector>
 
 namespace LAMMPS_NS {
@@ -101,9 +103,13 @@ class FixWallGranHysteretic : public Fix {
   void evaluate();
   double level(int side) const;
   double depth(int i, int side) const;
+  void inward(int i, int side, double normal[3]) const;
+  void place_of(int i, double place[2]) const;
+  double effective_radius(double radius);
+  void add_to_wall(int i, const double force[3]);
   Contact compute_normal(int i, int side, double overlap, double now);
   void compute_tangential(int i, int side, double overlap, const Contact &);
-  double minimum_image(int along, double distance) const;
+  double distance_squared(const double from[2], const double to[2]) const;
   double *extra(int i, int side) { return extras.data() + (4 * static_cast<std::size_t>(i) + side) * n_extra(); }
   double *initial_extra(int i, int side) { return extra(i, 2 + side); }
   granwave::LawHistory law_history(int i, int side) { return {sides[2 * i + side].dent, extra(i, side)}; }
@@ -116,6 +122,8 @@ class FixWallGranHysteretic : public Fix {
   int n_state() const { return N_REPORTED + 2 * N_SIDE + (friction > 0.0 ? 2 * N_SPRING : 0) + 4 * n_extra(); }
 
   int axis = 2;
+  double tube = 0.0;    // radius of the tube; 0: planes
+  std::unordered_map<double, double> radii_in_tube;    // effective radius by radius of the spheres
   double plane[2];    // positions at rest of the lower and upper wall, infinite if absent
   granwave::ContactLaw law;
   double friction = 0.0;

@@ -49,7 +49,8 @@ void FixWallGranHysteretic::list_spheres()
   listed_level = level(moving);
   spheres.clear();
   for (int i = 0; i < atom->nlocal; i++)
-    if ((near[i] && atom->mask[i] & groupbit) || !(x[i][axis] - radius[i] > reach[0] && x[i][axis] + radius[i] < reach[1]))
+    if (tube > 0.0 ? !(depth(i, 1) < -neighbor->skin)
+                   : (near[i] && atom->mask[i] & groupbit) || !(x[i][axis] - radius[i] > reach[0] && x[i][axis] + radius[i] < reach[1]))
       spheres.push_back(i);
   listed = true;
 }
@@ -68,9 +69,8 @@ void FixWallGranHysteretic::set_dent(int i, double peak)
   const int which = depth(i, 0) > depth(i, 1) ? 0 : 1;
   Side &side = sides[2 * i + which];
   side.dent = peak;
-  side.place[0] = atom->x[i][(axis + 1) % 3];
-  side.place[1] = atom->x[i][(axis + 2) % 3];
-  side.initial = peak > ScaledLaw(law, radius).elastic_limit() ? peak : 0.0;
+  place_of(i, side.place);
+  side.initial = peak > ScaledLaw(law, effective_radius(radius)).elastic_limit() ? peak : 0.0;
   side.lost_before = 0.0;
   std::fill_n(extra(i, which), n_extra(), 0.0);
   std::fill_n(initial_extra(i, which), n_extra(), 0.0);
@@ -80,7 +80,7 @@ void FixWallGranHysteretic::set_dent(int i, double peak)
 void FixWallGranHysteretic::begin()
 {
   for (int i = 0; i < atom->nlocal; i++) {
-    const ScaledLaw scaled(law, atom->radius[i]);
+    const ScaledLaw scaled(law, effective_radius(atom->radius[i]));
     double *const state = array_atom[i];
     state[PEAK_FORCE] = state[FRICTION_LOSS] = 0.0;
     state[TIME_FIRST] = state[TIME_PEAK] = state[TIME_YIELD] = -1.0;
@@ -104,7 +104,7 @@ void FixWallGranHysteretic::begin()
 
 void FixWallGranHysteretic::report_dents(int i)
 {
-  const ScaledLaw scaled(law, atom->radius[i]);
+  const ScaledLaw scaled(law, effective_radius(atom->radius[i]));
   const Side &low = sides[2 * i], &high = sides[2 * i + 1];
   array_atom[i][PEAK_OVERLAP] = std::max(low.dent, high.dent);
   array_atom[i][INITIAL] = std::max(low.initial, high.initial);

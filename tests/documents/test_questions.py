@@ -12,7 +12,7 @@ PAGE = ROOT / "docs" / "howto" / "questions.md"
 # words of the question, words that its answer must have, and the page that tells more
 QUESTIONS = {
     "my own material": (["youngs_modulus", "granwave run mine.toml"], "tutorials/material-and-tolerances.md"),
-    "my own packing file": (["does not read files of positions", "granwave write"], "tutorials/lammps-script.md"),
+    "my own packing file": (['kind = "file"', "granwave run row.toml"], "howto/own-places.md"),
     "only a chain": (['kind = "chain"', "granwave run"], "tutorials/chain.md"),
     "reaches a plate": (["peak_reduction", "granwave run protected-target"], "howto/target.md"),
     "energy balance poor": (["run.timestep=auto", "run.energy_tolerance"], "howto/balance.md"),

@@ -48,7 +48,7 @@ def _fault(override: str, case: str = "fcc-small") -> str:
         ("contact.restitution=0.9", 'contact.law = "bilinear" sets it by contact.beta'),
         ("gravity=9.81", 'take [precompression] with kind = "gravity"'),
         ("np=4", "--np"),
-        ("index=4", "did you mean replace.1.index?"),
+        ("index=4", "did you mean load.index?"),
         ("packing.kind=FCC", "did you mean fcc?"),
         ("material=Steel", "did you mean steel?"),
         ("material=ALUMINIUM", "did you mean aluminium?"),

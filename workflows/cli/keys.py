@@ -293,10 +293,15 @@ _ALSO = {
         "; or {material = ...} for a wall of a material; or {plate = ...}, {half_space = ...} or {bar = ...} for one "
         "that moves: tables [boundary.bottom.plate] and so on"
     ),
-    (CASE, "boundary.sides"): "; or {material = ...} for walls of a material",
+    (CASE, "boundary.sides"): (
+        "; or {material = ...} for walls of a material, {tube = {radius = ...}} for a tube, or both"
+    ),
 }
 #: Keys that are read by code of their own, without a field.
 _FURTHER: dict[tuple[str, str], tuple[Key, ...]] = {
+    (CASE, "packing"): (
+        Key("file", "grains of a packing of kind file: a table (x, y, z, diameter ...), or what ASE reads", "a path"),
+    ),
     (CASE, "load"): (
         Key("file", "the table as a file: two columns, time (s) and force (N) or displacement (m)", "a path"),
     ),

@@ -36,7 +36,8 @@ def expected_neighbours(case: Case) -> Neighbours | None:
     """
     packing, assembly = case.packing, assemble(case)
     sites = assembly.sites
-    if assembly.strikers or assembly.bars or (sites is not None and sites.stacked is not None):
+    unlike = sites is not None and (sites.stacked is not None or packing.grains is not None)
+    if assembly.strikers or assembly.bars or unlike:
         return None  # one cutoff does not tell contacts of unlike bodies
     # The sites are one diameter apart, whatever the diameters of the spheres there.
     forget_gap = case.boundary.forget_gap

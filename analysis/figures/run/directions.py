@@ -27,7 +27,10 @@ _TITLE_HEIGHT = 0.7  # inches
 
 def directions(result: Result) -> Drawing | None:
     """Draw the shares of travelling energy and dissipation by direction: polar for a layer, else stereographic."""
-    if result.case.packing.kind == "chain" or result.n_spheres < _LEAST_SPHERES or result.n_frames < 2:
+    kind = result.case.packing.kind
+    if kind == "chain" or not len(preferred_directions(kind)):
+        return None
+    if result.n_spheres < _LEAST_SPHERES or result.n_frames < 2:
         return None
     frame = travelling_frame(result)
     time = result.frame_times[frame]

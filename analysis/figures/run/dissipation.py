@@ -144,7 +144,7 @@ def peak_force_depth(result: Result) -> Drawing | None:
     scale, label, name = force_scale(result)
     along = rays(result)
     n_contacts, n_rays = along.peak_force.shape
-    pitch = result.case.packing.diameter * along.directions[0, 2]
+    pitch = result.case.packing.diameter * along.directions[0, 2] if n_rays else 0.0
     middle = (np.arange(n_contacts) + 0.5) * pitch  # depth of the contact points
     figure = new_figure(2.4)
     axes = figure.subplots()

@@ -63,7 +63,8 @@ def draw_zone_size(
         sizes = [extent_holding(values, energy, percent / 100) for percent in SHARES]
         left = [1 - percent / 100 for percent in SHARES]
         axes.plot(np.array(sizes) / diameter, left, marker, color=colour, markersize=4)
-        reach = max(reach, float(place[np.flatnonzero(outside > _LEAST)[-1] + 1 :].min(initial=place[-1])))
+        beyond = np.flatnonzero(outside > _LEAST)  # none if all the energy is at distance 0
+        reach = max(reach, float(place[beyond[-1] + 1 :].min(initial=place[-1])) if beyond.size else diameter / 2)
         if bound in bounds:
             reach = max(reach, bounds[bound])
             axes.axvline(bounds[bound] / diameter, color=colour, linestyle=":", linewidth=0.9)

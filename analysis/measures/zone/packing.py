@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from granwave.analysis.measures.target.record import reached
 from granwave.analysis.measures.zone.size import BOTTOM, SIDES, WAVE_KEYS, Array, wave_returns, zone_sizes
 from granwave.analysis.result.reader import PartOfResult, Result
+from granwave.lammps_inputs.packing.places import Places
 
 _SAME = 1e-9  # relative, of lengths that are equal but for rounding
 _LATE = 0.1  # of a run: where the outermost yield came within so much of its end it may go on
@@ -77,17 +78,19 @@ class PackingZone:
 def packing_zone(result: Result | PartOfResult) -> PackingZone:
     """Return what the plastic zone of a run is made of."""
     own = result.in_packing
-    nx, ny, nz = result.assembly.lattice.shape
+    lattice = result.assembly.lattice
+    nx, ny, nz = lattice.shape
+    free = isinstance(lattice, Places)
     offset = (result["spheres/position"] - result.origin)[own]
-    periods = np.array(result.assembly.lattice.lengths) if result.case.boundary.sides == "periodic" else None
+    periods = np.array(lattice.lengths) if result.case.boundary.sides == "periodic" else None
     if periods is not None:
         offset[:, :2] -= periods * np.round(offset[:, :2] / periods)
     energy = np.maximum(result.yield_energy[own], 0.0)
     return PackingZone(
         energy=energy,
         volume=4 / 3 * np.pi * result["spheres/radius"][own] ** 3,
-        depth=np.maximum(offset[:, 2], 0.0) if nz > 1 else None,
-        radius=np.hypot(offset[:, 0], offset[:, 1]) if nx * ny > 1 else None,
+        depth=np.maximum(offset[:, 2], 0.0) if nz > 1 or free else None,
+        radius=np.hypot(offset[:, 0], offset[:, 1]) if nx * ny > 1 or free else None,
         yielded=(result["spheres/contacts_yielded"][own] > 0) | (energy > 0),
         bounds=_bounds(result, own, offset, periods),
         yield_time=result["spheres/time_yield"][own],
@@ -132,6 +135,8 @@ def _bounds(
 ) -> dict[str, NDArray]:
     """Spheres that touch each bound, by its name; see `PackingZone`."""
     lattice = result.assembly.lattice
+    if isinstance(lattice, Places):
+        return {}  # such grains may leave off anywhere
     nx, ny, nz = lattice.shape
     site = result["spheres/id"][own] - 1
     found = {}
@@ -166,8 +171,8 @@ def _return_times(
     def outside(zone: PackingZone, name: str) -> NDArray[np.bool_]:
         return _distance(zone, name) >= (1 - _SAME) * (inner[name] or 0.0)
 
-    at_bound = _arrivals(result, [[zone.bounds[name] for name in inner] for zone in zones()])
-    at_border = _arrivals(result, [[outside(zone, name) for name in inner] for zone in zones()])
+    at_bound = wave_arrivals(result, [[zone.bounds[name] for name in inner] for zone in zones()])
+    at_border = wave_arrivals(result, [[outside(zone, name) for name in inner] for zone in zones()])
     found = dict(zip(inner, zip(at_bound, at_border, strict=True), strict=True))
     return {name: far + max(far - near, 0.0) for name, (far, near) in found.items() if np.isfinite(far)}
 
@@ -188,7 +193,7 @@ def _at_one_speed(
     return times
 
 
-def _arrivals(result: Result, sets: list[list[NDArray[np.bool_]]]) -> list[float]:
+def wave_arrivals(result: Result, sets: list[list[NDArray[np.bool_]]]) -> list[float]:
     """Return when the first force at contacts of each set of spheres was at its peak, s; inf: never.
 
     The first force at all tells nothing of a wave: rounding passes one on by a sphere a step. Contacts of a set that
@@ -210,7 +215,8 @@ def _arrivals(result: Result, sets: list[list[NDArray[np.bool_]]]) -> list[float
         for i, j, force, time in result.blocks("contacts/i", "contacts/j", "contacts/peak_force", "contacts/time_peak"):
             ends = np.stack([i, j])
             rows, own = result.rows(ends), ends <= last
-            yield force, time, [(own & _has(bits, np.where(own, rows, 0))).any(axis=0) for bits in members]
+            at_rows = np.where(own, rows, 0)
+            yield force, time, [np.asarray((own & _has(bits, at_rows)).any(axis=0)) for bits in members]
 
     for force, _, touching in contacts():
         of_all = max(of_all, float(force.max(initial=0.0)))
@@ -219,12 +225,14 @@ def _arrivals(result: Result, sets: list[list[NDArray[np.bool_]]]) -> list[float
         for n, here in enumerate(touching):
             bears = here & (force >= _BEARS * largest[n])
             arrival[n] = min(arrival[n], float(np.nanmin(time[bears], initial=np.inf)))
-    return [time if force > _NO_WAVE * of_all else np.inf for time, force in zip(arrival.tolist(), largest, strict=True)]
+    return [
+        time if force > _NO_WAVE * of_all else np.inf for time, force in zip(arrival.tolist(), largest, strict=True)
+    ]
 
 
 def _has(bits: NDArray[np.uint8], rows: NDArray[np.int64]) -> NDArray[np.bool_]:
     """Return True for the rows whose bit is set."""
-    return (bits[rows >> 3] >> (7 - (rows & 7)).astype(np.uint8)) & 1 == 1
+    return np.asarray((bits[rows >> 3] >> (7 - (rows & 7)).astype(np.uint8)) & 1, dtype=bool)
 
 
 def _distance(zone: PackingZone, bound: str) -> Array:

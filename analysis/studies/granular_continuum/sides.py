@@ -18,7 +18,7 @@ from granwave.analysis.studies.granular_continuum.packings import variants
 from granwave.analysis.studies.study import Picture
 from granwave.analysis.studies.tables import numeric, table_of
 from granwave.lammps_inputs.errors import GranwaveError
-from granwave.lammps_inputs.lattices import KINDS
+from granwave.lammps_inputs.lattices import kind_of
 from granwave.lammps_inputs.run_directory import RESULT_FILE
 
 SHARE = 0.9  # of the dissipation: the material that did so much of it is called involved
@@ -60,7 +60,7 @@ def tables(impacts: Impacts) -> Iterator[Table]:
     for run in listed:
         if found := involved(run):
             fraction, volume = found.part(SHARE)
-            solid = KINDS[run.case.packing.kind].solid_fraction if isinstance(run, Granular) else 1.0
+            solid = kind_of(run.case.packing.kind).solid_fraction if isinstance(run, Granular) else 1.0
             energy, mass, bulk = fraction * run.energy, volume * run.case.material.density, volume / solid
             values = run.energy, run.fraction, mass, 1e6 * bulk, energy / mass, 1e-6 * (energy / bulk)
             rows.append((run.label, Cell(run.what), *values))

@@ -1,0 +1,222 @@
+"""Grains at places of their own: the rows of ``packing.file``, or of the same text in ``packing.grains``.
+
+    x, y, z, diameter                    m; depth is +z
+    material                             name of a preset or of a [materials.NAME]; by default that of the packing
+    group                                a word, for [[hold]]
+    vx, vy, vz                           initial velocity, m/s
+
+Columns stand in any order under a line of their names. Other formats are read by ASE, in metres, with diameters (or
+radii) and materials from arrays of these names.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granwave.lammps_inputs.case.schema import LARGEST_COUNT, show
+from granwave.lammps_inputs.files import read_regular
+
+_PLACE = ("x", "y", "z")
+_VELOCITY = ("vx", "vy", "vz")
+_NUMBERS = (*_PLACE, "diameter", *_VELOCITY)
+_WORDS = ("material", "group")
+COLUMNS = (*_PLACE, "diameter", *_WORDS, *_VELOCITY)
+_WORD = re.compile(r"[^,#\"'\s]*(?: [^,#\"'\s]+)*")
+_TABLES = (".csv", ".txt", ".dat")  # suffixes of files that are tables; ASE reads the rest
+_FROM_ASE = {  # names of arrays
+    "diameter": ("diameter", "diameters"),
+    "radius": ("radius", "radii"),
+    "material": ("material", "materials"),
+    "group": ("group", "groups"),
+}
+
+
+class Grains:
+    """Grains in the order of their ids, which count from 1; equal if their text is equal.
+
+    Parameters
+    ----------
+    position
+        Centres: (n, 3), m.
+    diameter
+        (n,), m.
+    material
+        Names of the materials; empty for that of the packing: (n,).
+    group
+        Names of the groups; empty for none: (n,).
+    velocity
+        Initial velocities: (n, 3), m/s.
+    """
+
+    def __init__(
+        self,
+        position: NDArray[np.float64],
+        diameter: NDArray[np.float64],
+        material: Sequence[str],
+        group: Sequence[str],
+        velocity: NDArray[np.float64],
+    ) -> None:
+        self.position, self.diameter, self.velocity = position, diameter, velocity
+        self.material, self.group = tuple(material), tuple(group)
+
+    def __len__(self) -> int:
+        return len(self.diameter)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Grains) and self.text == other.text
+
+    def __hash__(self) -> int:
+        return hash(self.text)
+
+    @cached_property
+    def text(self) -> str:
+        """The grains as a table, with only the columns that are used; numbers keep all their digits."""
+        columns: dict[str, Iterable[str]] = {
+            **{name: map(repr, values) for name, values in zip(_PLACE, self.position.T.tolist(), strict=True)},
+            "diameter": map(repr, self.diameter.tolist()),
+        }
+        columns |= {name: words for name, words in (("material", self.material), ("group", self.group)) if any(words)}
+        if self.velocity.any():
+            columns |= {name: map(repr, v) for name, v in zip(_VELOCITY, self.velocity.T.tolist(), strict=True)}
+        lines = [",".join(columns), *(",".join(row) for row in zip(*columns.values(), strict=True))]
+        return "\n".join(lines) + "\n"
+
+    @property
+    def usual_diameter(self) -> float:
+        """Most frequent diameter, the larger one of several, m."""
+        diameters, counts = np.unique(self.diameter, return_counts=True)
+        return float(diameters[counts == counts.max()].max())
+
+    def of_group(self, name: str) -> tuple[int, ...]:
+        """Return the ids of the grains of a group."""
+        return tuple(number for number, group in enumerate(self.group, start=1) if group == name)
+
+
+def read_grains(path: Path, diameter: float | None) -> Grains:
+    """Read a file of grains.
+
+    Parameters
+    ----------
+    diameter
+        Diameter of grains for which the file gives none, m; None: the file must give it.
+
+    Raises
+    ------
+    ValueError
+        The file is not a table of grains; the message says where and why.
+    OSError
+        It cannot be read.
+    """
+    if path.suffix.lower() in _TABLES:
+        return parse_grains(read_regular(path).decode("utf-8-sig"), diameter)
+    return _from_ase(path, diameter)
+
+
+def parse_grains(text: str, diameter: float | None) -> Grains:
+    """Read a table of grains; see `read_grains`."""
+    lines = ((number, line.partition("#")[0]) for number, line in enumerate(text.splitlines(), start=1))
+    rows = [(number, line) for number, line in lines if line.strip()]
+    if not rows:
+        raise ValueError(f"found no grain, expected a line of names ({', '.join(COLUMNS)}) and a row for each grain")
+    table = csv.reader(io.StringIO("\n".join(line for _, line in rows)), skipinitialspace=True)
+    names = _column_names([name.strip() for name in next(table)], rows[0][0], diameter)
+    values: dict[str, list[Any]] = {name: [] for name in names}
+    for (number, _), row in zip(rows[1:], table, strict=True):
+        if len(row) != len(names):
+            raise ValueError(f"line {number}: found {len(row)} values, expected {len(names)}: {', '.join(names)}")
+        for name, value in zip(names, row, strict=True):
+            values[name].append(_number(value, name, number) if name in _NUMBERS else _word(value, name, number))
+    return _grains(values, [f"line {number}" for number, _ in rows[1:]], diameter)
+
+
+def _column_names(names: list[str], line: int, diameter: float | None) -> list[str]:
+    for name in names:
+        if name not in COLUMNS:
+            raise ValueError(f"line {line}: found a column {show(name)}, expected names among {', '.join(COLUMNS)}")
+        if names.count(name) > 1:
+            raise ValueError(f"line {line}: found the column {name} twice")
+    needed = _PLACE if diameter is not None else (*_PLACE, "diameter")
+    missing = [name for name in needed if name not in names]
+    if missing:
+        more = "" if missing != ["diameter"] else ", or packing.diameter for all grains"
+        raise ValueError(f"line {line}: found no column {missing[0]}, expected {', '.join(needed)}{more}")
+    return names
+
+
+def _number(value: str, name: str, line: int) -> float:
+    try:
+        number = float(value)
+    except ValueError:
+        number = math.nan
+    if not math.isfinite(number):
+        raise ValueError(f"line {line}: found {show(value.strip())} for {name}, expected a finite number")
+    return number
+
+
+def _word(value: str, name: str, line: int) -> str:
+    if not _WORD.fullmatch(value.strip()):
+        raise ValueError(f"line {line}: found {show(value.strip())} for {name}, expected a word without , # and quotes")
+    return value.strip()
+
+
+def _grains(values: Mapping[str, list[Any]], places: Sequence[str], diameter: float | None) -> Grains:
+    """Make the grains of columns of values; ``places`` names the place of each grain in the file."""
+    n = len(places)
+    if not n:
+        raise ValueError("found no grain, expected a row for each below the line of names")
+    if n > LARGEST_COUNT:
+        raise ValueError(f"found {n} grains, expected at most {LARGEST_COUNT}")
+    sizes = np.array(values.get("diameter", [diameter] * n), dtype=np.float64)
+    if not (sizes > 0).all():
+        first = int(np.argmin(sizes > 0))
+        raise ValueError(f"{places[first]}: found a diameter of {sizes[first]:g} m, expected one above 0")
+    zeros = [0.0] * n
+    return Grains(
+        np.array([values[name] for name in _PLACE], dtype=np.float64).T.copy(),
+        sizes,
+        values.get("material", [""] * n),
+        values.get("group", [""] * n),
+        np.array([values.get(name, zeros) for name in _VELOCITY], dtype=np.float64).T.copy(),
+    )
+
+
+def _from_ase(path: Path, diameter: float | None) -> Grains:
+    """Read the last frame of a file by ASE, whose lengths are taken as metres."""
+    import ase.io  # takes longer to load than most commands need
+
+    read_regular(path)  # raises if it is missing, or no file
+    try:
+        atoms: ase.Atoms = ase.io.read(path, index=-1)  # type: ignore[assignment]
+    except Exception as error:  # ASE raises exceptions of all kinds
+        reason = " ".join(str(error).split()) or type(error).__name__
+        tables = ", ".join(_TABLES)
+        raise ValueError(f"ASE cannot read it ({reason}); expected a format of ASE, or a table ({tables})") from None
+    found = {name: next((atoms.arrays[one] for one in names if one in atoms.arrays), None)
+             for name, names in _FROM_ASE.items()}  # fmt: skip
+    sizes = found["diameter"] if found["radius"] is None else 2 * np.asarray(found["radius"])
+    if sizes is None and diameter is None:
+        raise ValueError("found no diameters, expected an array diameter or radius, or packing.diameter for all grains")
+    values: dict[str, list[Any]] = {
+        name: column.tolist() for name, column in zip(_PLACE, atoms.positions.T, strict=True)
+    }
+    if sizes is not None:
+        values["diameter"] = np.asarray(sizes, dtype=np.float64).tolist()
+    for name in _WORDS:
+        if (words := found[name]) is not None:
+            values[name] = [str(word) for word in words]
+    if "momenta" in atoms.arrays and atoms.get_momenta().any():
+        raise ValueError("found momenta, whose units are those of atoms; give vx, vy, vz (m/s) in a table")
+    for name in _PLACE:
+        if not np.isfinite(values[name]).all():
+            raise ValueError(f"found {name} of grain {int(np.argmin(np.isfinite(values[name]))) + 1} that is no number")
+    return _grains(values, [f"grain {number}" for number in range(1, len(atoms) + 1)], diameter)

@@ -1,0 +1,174 @@
+"""``[packing]``: a lattice of spheres, or grains at places of their own."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Literal
+
+from granwave.lammps_inputs.case.grains import Grains, parse_grains, read_grains
+from granwave.lammps_inputs.case.schema import (
+    LARGEST_COUNT,
+    ErrorList,
+    ValidationError,
+    choice,
+    custom,
+    finite,
+    number,
+    read_table,
+    show,
+    whole,
+)
+from granwave.lammps_inputs.case.si_values import DIAMETER, Usual
+from granwave.lammps_inputs.lattices import FILE, KINDS
+
+LARGEST_ID = LARGEST_COUNT
+_FORM_OF_FILE = "the path of a table of grains (x, y, z, diameter in m), or of a file that ASE reads"
+_NOT_OF_FILE = ("size", "diameter_scatter", "scatter_distribution", "vacancies", "tilt", "seed")
+
+
+def _parse_size(value: Any) -> tuple[int, ...]:
+    expected = "whole numbers from 1 up: [nx, ny, nz], [nx, ny] (square) or n (chain)"
+    counts = value if isinstance(value, list | tuple) else [value]
+    size = tuple(whole(count, expected) for count in counts)
+    if not 1 <= len(size) <= 3:
+        raise ValidationError(expected)
+    if math.prod(size) > LARGEST_ID:
+        raise ValidationError(f"at most {LARGEST_ID} spheres in all")
+    return size
+
+
+def _parse_seed(value: Any) -> int:
+    expected = f"a whole number from 0 to {LARGEST_ID}"
+    seed = whole(value, expected, at_least=0)
+    if seed > LARGEST_ID:
+        raise ValidationError(expected)
+    return seed
+
+
+def _parse_vacancies(value: Any) -> float | tuple[int, ...]:
+    expected = "a share of the spheres, 0 or more and below 1, or a list of ids"
+    if isinstance(value, list | tuple):
+        return tuple(sorted({whole(one, expected) for one in value}))
+    share = finite(value, expected)
+    if not 0 <= share < 1:
+        raise ValidationError(expected)
+    return share
+
+
+def _parse_tilt(value: Any) -> tuple[int, int]:
+    expected = "[1, 1], [1, -1], [-1, 1] or [-1, -1]: the ways along x and y in which the spheres roll"
+    if not isinstance(value, list | tuple) or len(value) != 2:
+        raise ValidationError(expected)
+    x, y = (int(finite(one, expected)) for one in value)
+    if any(one not in (1, -1) for one in value):
+        raise ValidationError(expected)
+    return x, y
+
+
+def _parse_grains(value: Any) -> Grains:
+    if isinstance(value, Grains):
+        return value
+    expected = "a table of grains as text, as it stands in packing.file"
+    if not isinstance(value, str):
+        raise ValidationError(expected)
+    try:
+        return parse_grains(value, None)
+    except ValueError as error:
+        raise ValidationError(f"{expected}: {error}") from None
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class PackingSection:
+    """``[packing]``: lattice, size and spheres of the packing, or a file of grains."""
+
+    kind: str = choice("lattice; file: grains at places of their own", (*KINDS, FILE))
+    size: tuple[int, ...] = custom("spheres along x, rows along y, layers along z; not of a file", _parse_size)
+    diameter: float = number(
+        "diameter of the spheres; in a file, of grains for which it has none", unit="m", above=0, usual=DIAMETER
+    )
+    grains: Grains | None = custom(  # noqa: RUF009 (Grains are not changed)
+        "the table of a file as text; a case that was run holds its grains so", _parse_grains, default=None
+    )
+    diameter_scatter: float = number(
+        "tolerance: the diameters lie between this much less and the nominal one",
+        unit="m",
+        at_least=0,
+        default=0.0,
+        usual=Usual(1e-12, 0.1, ("mm", "um")),
+    )
+    scatter_distribution: Literal["uniform", "normal"] = choice(
+        "distribution of the diameters in the tolerance band; normal: three standard deviations to either side",
+        ("uniform", "normal"),
+        default="uniform",
+    )
+    vacancies: float | tuple[int, ...] = custom(
+        "spheres left out: a share of them, chosen at random, or their ids", _parse_vacancies, default=0.0
+    )
+    tilt: tuple[int, int] | None = custom(
+        "slight tilt of a square packing's floor: ways along x and y, 1 or -1 each, in which the spheres roll until "
+        "they lean on each other; left out: they stay at the sites of the lattice",
+        _parse_tilt,
+        default=None,
+    )
+    seed: int | None = custom("seed of all that is random in the packing", _parse_seed, default=None)
+
+    def keys(self) -> dict[str, Any]:
+        """Return the keys of the packing, as a case file has them."""
+        keys: dict[str, Any] = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
+        if self.grains is not None:
+            return {"kind": self.kind, "diameter": self.diameter, "grains": self.grains.text}
+        return keys | {"size": self.size[0] if len(self.size) == 1 else self.size}
+
+
+def read_packing(table: Any, errors: ErrorList) -> PackingSection | None:
+    """Read ``[packing]``; missing and wrong values are added to ``errors``.
+
+    The grains of ``packing.file`` become ``packing.grains``, so that the case is complete without the file.
+    """
+    if not isinstance(table, Mapping):
+        return read_table(PackingSection, table, "packing", errors)
+    if table.get("kind") != FILE:
+        for name in ("file", "grains"):
+            if name in table:
+                errors.add(f"packing.{name}", f'belongs to packing.kind = "file"; found {show(table.get("kind", ""))}')
+                table = {key: value for key, value in table.items() if key != name}
+        return read_table(PackingSection, table, "packing", errors)
+    before = len(errors.lines)
+    for name in _NOT_OF_FILE:
+        if name in table:
+            errors.add(f"packing.{name}", 'does not belong to packing.kind = "file", whose grains are all in the file')
+    rest = {name: value for name, value in table.items() if name not in ("file", *_NOT_OF_FILE)}
+    if "grains" not in table:
+        rest["grains"] = _from_file(table, errors)
+    elif "file" in table:
+        errors.add("packing.file", "found beside packing.grains; give one of them")
+    if len(errors.lines) > before:
+        return None
+    # The rest is read with stand-ins for what follows from the grains.
+    section = read_table(PackingSection, {"diameter": 1e-3, **rest, "size": 1}, "packing", errors)
+    if section is None or section.grains is None:
+        return None
+    diameter = section.diameter if "diameter" in table else section.grains.usual_diameter
+    return dataclasses.replace(section, size=(len(section.grains),), diameter=diameter)
+
+
+def _from_file(table: Mapping[str, Any], errors: ErrorList) -> Grains | None:
+    name, diameter = table.get("file"), table.get("diameter")
+    if "file" not in table:
+        errors.add("packing.file", f'missing; packing.kind = "file" needs {_FORM_OF_FILE}')
+        return None
+    if not isinstance(name, str) or not name:
+        errors.add("packing.file", f"found {show(name)}, expected {_FORM_OF_FILE}")
+        return None
+    if isinstance(diameter, bool) or not isinstance(diameter, int | float) or not diameter > 0:
+        diameter = None
+    try:
+        return read_grains(Path(name), diameter)
+    except OSError as error:
+        errors.add("packing.file", f"{name}: cannot be read: {error.strerror or error}")
+    except ValueError as error:
+        errors.add("packing.file", f"{name}: {error}")
+    return None

