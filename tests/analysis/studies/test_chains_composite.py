@@ -272,6 +272,12 @@ def test_pressures_are_those_of_hertz(chains: list[ChainRun], study: Study) -> N
     assert rows["Last of these pressures over the first, N2 = 6, elastic"].ours == pytest.approx(0.98, abs=0.01)
 
 
+def test_of_equal_chains_one_counts(chains: list[ChainRun], study: Study) -> None:
+    """A suite offers the smooth chains of the study of the holder as well."""
+    (again,) = make_studies({"composite-chain": [*chains, *chains]})
+    assert again.text == study.text and [row.ours for row in again.rows] == [row.ours for row in study.rows]
+
+
 def test_errors_that_the_source_alone_gives(study: Study) -> None:
     rows = rows_of(study)
     assert (rows["Error of lambda at N2 = 3"].source, rows["Error of lambda at N2 = 3"].ours) == (0.53, None)

@@ -40,7 +40,8 @@ def select(runs: Sequence[FinishedRun]) -> list[list[Series]]:
     found = [chain for run in elastic if (chain := composite_of(run)) is not None]
     series = []
     for light in dict.fromkeys(chain.light.name or "section" for chain in found):
-        alike = [chain for chain in found if (chain.light.name or "section") == light]
+        chosen = (chain for chain in found if (chain.light.name or "section") == light)  # of equal ones the last
+        alike = list({(chain.n, _friction(chain)): chain for chain in chosen}.values())
         frictions = sorted({_friction(chain) for chain in alike})
         chains = {
             friction: rising((one for one in alike if _friction(one) == friction), lambda one: one.n)

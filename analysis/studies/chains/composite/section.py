@@ -115,7 +115,8 @@ def select(runs: Sequence[FinishedRun]) -> list[Group]:
     found = [chain for run in smooth if (chain := composite_of(run)) is not None]
     groups = []
     for light in dict.fromkeys(chain.light.name for chain in found):
-        alike = sorted((c for c in found if c.light.name == light), key=lambda c: (c.n, -c.strength))
+        one_each = {(chain.n, -chain.strength): chain for chain in reversed(found) if chain.light.name == light}
+        alike = [one_each[key] for key in sorted(one_each)]
         kinds: Kinds = {}
         for strength in sorted({chain.strength for chain in alike}, reverse=True):
             kind = "elastic" if math.isinf(strength) else f"yielding at {strength / _MEGA:g} MPa"
