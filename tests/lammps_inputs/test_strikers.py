@@ -134,7 +134,9 @@ def test_bad_input_is_one_clear_line(strikers: list[dict[str, Any]], packing: di
     assert len(error.value.errors) == 1, error.value.errors
 
 
-def test_a_tilt_needs_a_corner_of_equal_or_smaller_spheres() -> None:
+def test_a_tilt_needs_a_corner_of_equal_or_smaller_spheres_without_a_static_stage() -> None:
+    with pytest.raises(InputError, match=r"precompression: found beside packing\.tilt"):
+        square(EDGE, {"tilt": [1, 1]}, precompression={"kind": "gravity"})
     with pytest.raises(InputError, match=r"replace\.1\.diameter: found 0\.011 .* packing\.tilt"):
         square(EDGE, {"tilt": [1, 1]}, replace=[{"index": 3, "diameter": 0.011}])
     with pytest.raises(InputError, match=r"boundary\.sides: found \"periodic\" beside packing\.tilt"):
