@@ -34,6 +34,7 @@ _NAMES: Mapping[str, Naming] = {
     "packing.kind": Naming("Packing"),
     "packing.diameter_scatter": Naming("Diameter scatter", r"$\Delta D$", "µm", 1e-6),
     "packing.vacancies": Naming("Vacancies", unit="%", scale=0.01),
+    "packing.tilt": Naming("Tilt of the floor"),
     "material": Naming("Material"),
     "material.youngs_modulus": Naming("Young's modulus", r"$E$", "GPa", 1e9),
     "material.poisson_ratio": Naming("Poisson's ratio", r"$\nu$"),

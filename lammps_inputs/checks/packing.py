@@ -77,6 +77,12 @@ def _check_tilt(packing: PackingSection, parts: Mapping[str, Any], periodic: boo
         errors.add("packing.tilt", f'found with packing.kind = "{packing.kind}", expected "square", a layer on a floor')
     if packing.vacancies:
         errors.add("packing.vacancies", "found beside packing.tilt; spheres beside a vacancy would roll into it")
+    if parts.get("precompression") is not None:
+        errors.add(
+            "precompression",
+            "found beside packing.tilt, which closes contacts without force: the static stage has no weight along the "
+            "floor that would hold the spheres in their corner; take one of them out",
+        )
     if periodic:
         errors.add(
             "boundary.sides", 'found "periodic" beside packing.tilt, expected "wall" or "free": it needs a corner'

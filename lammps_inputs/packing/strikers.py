@@ -74,7 +74,10 @@ def place_strikers(
             centre = rested
         if shift.any():
             way = np.array(striker.velocity) if any(striker.velocity) else -side
-            centre = _brought_up(number, striker, centre + shift, at, reach, way / np.linalg.norm(way))
+            way = way / np.linalg.norm(way)
+            if np.linalg.norm(np.cross(shift, way)) <= _TELLING * np.linalg.norm(shift):
+                raise ValueError(f"striker {number}: its shift along its way has no effect; give a part across it")
+            centre = _brought_up(number, striker, centre + shift, at, reach, way)
         gap = np.linalg.norm(centres - centre, axis=1) - radii - radius
         if gap.min() < -_OVERLAP * 2 * radius:
             other = ids[gap.argmin()]

@@ -119,6 +119,7 @@ def test_without_scatter_a_tilt_changes_nothing() -> None:
             r"striker\.2\.misalignment: .* none of them negative",
         ),
         ([EDGE[0], EDGE[1] | {"offset": [1e-3, 0, 0]}], {}, r"striker\.2\.offset: .* along its way"),
+        ([EDGE[0] | {"offset": [1e-3, 0, 0]}, EDGE[1]], {}, r"striker 1: its shift along its way has no effect"),
         (EDGE, {"tilt": [1, 0]}, r"packing\.tilt: found \[1, 0\], expected \[1, 1\]"),
         (
             EDGE,
@@ -134,7 +135,9 @@ def test_bad_input_is_one_clear_line(strikers: list[dict[str, Any]], packing: di
     assert len(error.value.errors) == 1, error.value.errors
 
 
-def test_a_tilt_needs_a_corner_of_equal_or_smaller_spheres() -> None:
+def test_a_tilt_needs_a_corner_of_equal_or_smaller_spheres_without_a_static_stage() -> None:
+    with pytest.raises(InputError, match=r"precompression: found beside packing\.tilt"):
+        square(EDGE, {"tilt": [1, 1]}, precompression={"kind": "gravity"})
     with pytest.raises(InputError, match=r"replace\.1\.diameter: found 0\.011 .* packing\.tilt"):
         square(EDGE, {"tilt": [1, 1]}, replace=[{"index": 3, "diameter": 0.011}])
     with pytest.raises(InputError, match=r"boundary\.sides: found \"periodic\" beside packing\.tilt"):

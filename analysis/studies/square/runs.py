@@ -41,6 +41,12 @@ class PackingRun(FinishedRun):
         return all(dataclasses.replace(one, source=theirs.source) == theirs for one in others)
 
     @property
+    def ideal(self) -> bool:
+        """Diameters do not scatter, and no striker is misaligned."""
+        aside = any(any(striker.offset) or any(striker.misalignment) for striker in self.case.striker)
+        return not (self.case.packing.diameter_scatter or aside)
+
+    @property
     def is_source_impact(self) -> bool:
         """The source's packing at the source's velocity, whatever the law and single spheres."""
         ours, theirs, packing = self.case.material, material(SOURCE_MATERIAL), self.case.packing
@@ -77,6 +83,7 @@ def packings(runs: Iterable[FinishedRun]) -> list[PackingRun]:
 
 
 def squares(runs: Iterable[FinishedRun], way: str, law: str) -> list[PackingRun]:
-    """Runs of like spheres in a square packing, by rising speed of the striker, one of a speed."""
-    chosen = [run for run in packings(runs) if run.case.packing.kind == "square" and run.way == way and run.alike]
-    return rising((run for run in chosen if run.case.contact.law == law), lambda run: run.speed)
+    """Runs of like spheres in an ideal square packing, by rising speed of the striker, one of a speed."""
+    chosen = [run for run in packings(runs) if run.case.packing.kind == "square" and run.way == way]
+    like = (run for run in chosen if run.alike and run.ideal and run.case.contact.law == law)
+    return rising(like, lambda run: run.speed)
