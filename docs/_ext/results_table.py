@@ -52,7 +52,7 @@ CHOSEN = (
     ),
     ("Elastic chain, 40 N for 10 ms: ", "chains", "elastic-long-load", "Peak force"),
     ("Elasto-plastic chain: ", "chains", "elastoplastic-pulse", "Power of the leading speed with distance"),
-    ("Bilinear chain, 8 kN for 2.5 ms: ", "chains", "bilinear-long-load", "v2, velocity once the fronts have met"),
+    ("Bilinear chain, 8 kN for 2.5 ms: ", "chains", "bilinear-long-load", "xt, where the fronts meet"),
     ("Square packing: ", "square", "square-in-plane", "Energy in central chains"),
     ("Chain: ", "square", "sensor-chain", "Largest reflection of a sphere of 0.921"),
     ("FCC packing: ", "prestress", "precompressed-packing-speed", "Speed of small waves, fcc, uniaxial"),

@@ -46,8 +46,8 @@ def rows(waves: Waves) -> Iterator[Row]:
         theory.PRINTED_FACTOR * float(np.mean(speed / printed)), WHERE,
         "Theory: long waves of the lattice, sqrt(9/pi) 3^(-1/3) 4^(-1/6), with a the diameter.", theory.EXACT_FACTOR,
     )  # fmt: skip
-    for wave, of_source, ours in zip(waves, printed, speed, strict=True):
-        yield Row(f"Speed of small pulses, F0 = {wave.static:g} N", "m/s", of_source, ours, WHERE, "", wave.c0)
+    for wave, ours in zip(waves, speed, strict=True):
+        yield Row(f"Speed of small pulses, F0 = {wave.static:g} N", "m/s", None, ours, "Hertz lattice", "", wave.c0)
 
 
 def pictures(waves: Waves) -> Iterator[Picture]:

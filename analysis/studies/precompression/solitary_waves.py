@@ -46,7 +46,7 @@ def rows(waves: Waves) -> Iterator[Row]:
         if wave.ratio < 1 + SMALL:
             remark += " Theory: the crest in the linear chain."
             expected = wave.linear_speed
-        quantity = f"Speed of the wave, F_m/F0 = {wave.ratio:.4g}, impact at {wave.velocity:g} m/s"
+        quantity = f"Speed of the wave, F_m/F0 = {wave.ratio:.4g}, impact at {wave.velocity:g} m/s; source: equation 3"
         yield Row(quantity, "m/s", wave.printed, wave.speed, WHERE, remark, expected)
     first, last = waves[0], waves[-1]
     if first.reduced_velocity < SMALL:

@@ -224,7 +224,7 @@ def test_continuum_run_with_other_keys_and_nulls(tmp_path):
     assert (row["Balance"].text, row["Hourglass energy"].value) == ("good", 1e-3)
     assert table(report, "results", "Runs")[0]["Peak contact force"].value is None
     (row,) = table(report, "sources", "Source against ours")
-    assert row["Ours"].value == pytest.approx(5.0 / 1.9012)
+    assert row["Formula"].value == pytest.approx(5.0 / 1.9012)
     for suffix in ("html", "pdf", "md"):
         write_report([run], tmp_path / f"r.{suffix}")
 
