@@ -149,7 +149,10 @@ def test_a_lighter_sphere_in_a_chain_reflects_little(tmp_path: Path) -> None:
     case = load_case(CASES / "sensor-chain.toml")
     outcome = run_case(case, tmp_path / "chain", figures=False)
     (study,) = make_studies({"sensor-chain": [FinishedRun("chain", tmp_path / "chain", case, outcome.summary)]})
-    (row,) = study.rows
+    solid, sensor, ratio, row = study.rows
+    assert (solid.source, sensor.source, ratio.source) == (28.79, 26.52, 92.0) and ratio.ours == pytest.approx(
+        92.1, abs=0.05
+    )
     assert row.source == 1.2 and 0.5 < row.ours < 1.2
 
 
