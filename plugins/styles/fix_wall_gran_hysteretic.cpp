@@ -50,8 +50,7 @@ FixWallGranHysteretic::FixWallGranHysteretic(LAMMPS *lmp, int narg, char **arg) 
       error->all(FLERR, "Illegal fix {}: expected xplane, yplane, zplane or tube, found {}", STYLE, arg[3]);
     for (int side = 0; side < 2; side++)
       if (std::strcmp(arg[4 + side], "NULL") != 0) plane[side] = utils::numeric(FLERR, arg[4 + side], false, lmp);
-    if (!(plane[0] < plane[1]))
-      error->all(FLERR, "Illegal fix {}: LO must be below HI, found {} {}", STYLE, arg[4], arg[5]);
+    if (!(plane[0] < plane[1])) error->all(FLERR, "Illegal fix {}: LO must be below HI, found {} {}", STYLE, arg[4], arg[5]);
   }
   std::vector<std::string> words(arg + used_words, arg + narg);
   try {
@@ -334,7 +333,8 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
   if (side.touching == 0.0) {
     side.touching = 1.0;
     if (side.dent > 0.0) {
-      const double circle_sq = std::isfinite(scaled.yield_overlap()) ? scaled.loading_circle(side.dent) : effective * side.dent;
+      const double circle_sq =
+          std::isfinite(scaled.yield_overlap()) ? scaled.loading_circle(side.dent) : effective * side.dent;
       if (distance_squared(side.place, place) > circle_sq) {
         side.lost_before = lost(i, which, scaled);
         side.dent = side.initial = 0.0;

@@ -122,9 +122,9 @@ class FixWallGranHysteretic : public Fix {
   int n_state() const { return N_REPORTED + 2 * N_SIDE + (friction > 0.0 ? 2 * N_SPRING : 0) + 4 * n_extra(); }
 
   int axis = 2;
-  double tube = 0.0;    // radius of the tube; 0: planes
+  double tube = 0.0;                                   // radius of the tube; 0: planes
   std::unordered_map<double, double> radii_in_tube;    // effective radius by radius of the spheres
-  double plane[2];    // positions at rest of the lower and upper wall, infinite if absent
+  double plane[2];                                     // positions at rest of the lower and upper wall, infinite if absent
   granwave::ContactLaw law;
   double friction = 0.0;
   granwave::TangentialModel tangential_model = granwave::TangentialModel::MINDLIN_RESCALE;

@@ -50,7 +50,8 @@ void FixWallGranHysteretic::list_spheres()
   spheres.clear();
   for (int i = 0; i < atom->nlocal; i++)
     if (tube > 0.0 ? !(depth(i, 1) < -neighbor->skin)
-                   : (near[i] && atom->mask[i] & groupbit) || !(x[i][axis] - radius[i] > reach[0] && x[i][axis] + radius[i] < reach[1]))
+                   : (near[i] && atom->mask[i] & groupbit) ||
+                         !(x[i][axis] - radius[i] > reach[0] && x[i][axis] + radius[i] < reach[1]))
       spheres.push_back(i);
   listed = true;
 }
