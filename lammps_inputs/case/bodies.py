@@ -42,9 +42,14 @@ _POINT_FORM = "[x, y, z] in m"
 _OFFSET = Usual(1e-9, 1.0, ("mm", "um"))
 
 
+_NO_DIRECTION = "none"
+
+
 def _parse_directions(value: Any) -> str:
-    expected = 'some of the letters x, y and z, such as "xy"; or "" to block rotations alone'
-    if not isinstance(value, str) or set(value) - set("xyz") or len(set(value)) < len(value):
+    expected = 'some of the letters x, y and z, such as "xy"; or "none" to block rotations alone'
+    if value == _NO_DIRECTION:
+        return _NO_DIRECTION
+    if not isinstance(value, str) or not value or set(value) - set("xyz") or len(set(value)) < len(value):
         raise ValidationError(expected)
     return "".join(sorted(value))
 
@@ -139,6 +144,11 @@ class Hold:
     group: str | None = text("the grains of this group of packing.file", default=None)
     directions: str = custom("directions in which they do not move, of x, y and z", _parse_directions, default="xyz")
     rotation: bool = choice("true: they do not turn either", (True, False), default=True)
+
+    @property
+    def axes(self) -> str:
+        """Letters of the directions in which they do not move."""
+        return "" if self.directions == _NO_DIRECTION else self.directions
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -90,7 +90,7 @@ def check_chosen(
         if max(held) > n:
             errors.add(f"{key}.index", f"found {max(held)}, expected ids from 1 to {n}, the end of the packing")
             continue
-        if not hold.directions and not hold.rotation:
+        if not hold.axes and not hold.rotation:
             errors.add(key, "holds nothing; give directions, or rotation = true")
         _check_motion(load, hold, held, packing.grains, key, errors)
 
@@ -120,14 +120,14 @@ def _check_motion(
 ) -> None:
     """Check that held spheres have no load or velocity in a direction in which they are held."""
     both = sorted(set(held) & set((load.index or ()) if load is not None else ()))
-    if both and "z" in hold.directions:
+    if both and "z" in hold.axes:
         errors.add(key, f"holds sphere {both[0]}, which load.index strikes; take it out of one of them")
     if grains is None:
         return
     rows = np.array(held) - 1
     for axis, letter in enumerate("xyz"):
         moving = rows[grains.velocity[rows, axis] != 0]
-        if letter in hold.directions and len(moving):
+        if letter in hold.axes and len(moving):
             errors.add(key, f"holds grain {moving[0] + 1} along {letter}, along which the file gives it a velocity")
             return
 

@@ -61,7 +61,7 @@ def plane_names(assembly: Assembly) -> list[str]:
     names = []
     for wall in walls(assembly):
         names += ["held"] if wall.held_layer else [name for name, _, _ in wall_fixes(assembly, wall)]
-    names += [f"hold{number}" for number, hold in enumerate(assembly.case.hold, start=1) if hold.directions]
+    names += [f"hold{number}" for number, hold in enumerate(assembly.case.hold, start=1) if hold.axes]
     return names
 
 
@@ -102,8 +102,8 @@ def _hold_commands(case: Case, prefix: str) -> list[str]:
     for number, hold in enumerate(case.hold, start=1):
         name = f"hold{number}"
         lines.append(f"group           {name} id {id_ranges(held_ids(case, hold))}")
-        if hold.directions:
-            zeros = joined("0.0" if axis in hold.directions else "NULL" for axis in "xyz")
+        if hold.axes:
+            zeros = joined("0.0" if axis in hold.axes else "NULL" for axis in "xyz")
             lines.append(f"fix             {prefix}{name} {name} setforce {zeros}")
     return ["# Grains that do not move.", *lines] if lines else []
 

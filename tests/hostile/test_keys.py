@@ -19,7 +19,8 @@ from typing import Any, Literal
 import pytest
 import tomli_w
 
-from granwave.lammps_inputs.case import bodies, sections, supports
+from granwave.lammps_inputs.case import bodies, packing, sections, supports
+from granwave.lammps_inputs.case.added_grains import AddedGrains
 from granwave.lammps_inputs.case.load import Load
 from granwave.lammps_inputs.case.material import Material
 from granwave.workflows.finite_elements.punch.case import Block, ContinuumRun, Punch
@@ -47,7 +48,7 @@ COMMANDS = {
 #: All tables: file, dotted name of the table, dataclass of its keys, and a valid file.
 TABLES: list[tuple[str, str, type, dict[str, Any]]] = [
     (CASE, "material", Material, SPHERES),
-    (CASE, "packing", sections.PackingSection, SPHERES),
+    (CASE, "packing", packing.PackingSection, SPHERES),
     (CASE, "contact", sections.Contact, SPHERES | {"contact": {}}),
     (CASE, "load", Load, SPHERES | {"load": {}}),
     (CASE, "boundary", sections.Boundary, SPHERES | {"boundary": {}}),
@@ -64,6 +65,10 @@ TABLES: list[tuple[str, str, type, dict[str, Any]]] = [
         | {"material": BRASS | {"name": "m"}, "pair": [{"materials": ["m", "m"], "friction": 0.1}]}),
     (CASE, "replace.1", bodies.Replace, SPHERES | {"replace": [{"index": 5, "diameter": 0.009}]}),
     (CASE, "striker.1", bodies.Striker, SPHERES | {"striker": [{"touches": 6, "velocity": [0, 0, 1]}]}),
+    (CASE, "hold.1", bodies.Hold, SPHERES | {"hold": [{"index": 3}]}),
+    (CASE, "grains.1", AddedGrains, CHAIN
+        | {"grains": [{"at": [[0.02, 0.0, 0.0]], "diameter": 0.004}], "boundary": {"bottom": "free"}}),
+    (CASE, "boundary.sides.tube", sections.Tube, CHAIN | {"boundary": {"sides": {"tube": {"radius": 0.02}}}}),
     (CASE, "sensor.1", bodies.Sensor, SPHERES | {"sensor": [{"name": "A", "id": 3}]}),
     (CASE, "bar", bodies.Bar, CHAIN | {"bar": BAR}),
     (CASE, "incident_bar", bodies.Bar, CHAIN | {"incident_bar": BAR, "load": PULSE}),

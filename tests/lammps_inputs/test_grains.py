@@ -194,7 +194,7 @@ HELD = {"hold": [{"index": 3}]}
         ({"hold": [{"group": "end"}]}, 'hold.1.group: found "end", expected index: no grain has a group'),
         ({"hold": [{"index": 9}]}, "hold.1.index: found 9, expected ids from 1 to 3"),
         ({"hold": [{"index": 1, "directions": "xq"}]}, "hold.1.directions: found"),
-        ({"hold": [{"index": 1, "directions": "", "rotation": False}]}, "hold.1: holds nothing"),
+        ({"hold": [{"index": 1, "directions": "none", "rotation": False}]}, "hold.1: holds nothing"),
         ({"load": {"index": [3]}} | HELD, "hold.1: holds sphere 3, which load.index strikes"),
         ({"materials": {"soft": {"youngs_modulus": 1e9}}}, "materials.soft.poisson_ratio: missing"),
     ],

@@ -93,7 +93,7 @@ def test_held_grains(tmp_path: Path, friction: float) -> None:
     if not friction:
         return
     assert found["energy/rotational"].max() > 0
-    still = [*hold, {"index": [1, 3], "directions": ""}]  # all are kept from turning
+    still = [*hold, {"index": [1, 3], "directions": "none"}]  # all are kept from turning
     packing = {"kind": "file", "grains": text}
     upright = result_of(
         tmp_path, "upright", packing=packing, hold=still, boundary={"bottom": "free"},

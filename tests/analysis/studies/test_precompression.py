@@ -281,7 +281,7 @@ def test_packing_hit_three_times(tmp_path: Path) -> None:
     study = made("repeated-hits", *runs)
     assert len(study.tables[0].rows) == 3
     with style():
-        save(study.pictures[0].drawing, tmp_path / "figure", pdf=False)
+        save(study.pictures[0].drawing, tmp_path / "figure", formats=())
 
 
 def test_a_report_shows_the_studies_of_its_runs(tmp_path: Path) -> None:
