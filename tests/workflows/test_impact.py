@@ -75,7 +75,11 @@ def test_three_preferred_directions_are_equal(lmp, tmp_path):
         (2, ("boundary.sides=periodic",)),
         (2, ("load.velocity=40", "load.spheres=7", "boundary.sides=wall")),
         # slow with more ranks than cores: few steps
-        (3, ("load.velocity=40", "boundary.sides=periodic", "run.timestep=1e-7", "run.end_time=3e-5")),
+        pytest.param(
+            3,
+            ("load.velocity=40", "boundary.sides=periodic", "run.timestep=1e-7", "run.end_time=3e-5"),
+            marks=pytest.mark.validation,
+        ),
         pytest.param(
             4,
             ("load.velocity=40", "load.spheres=7", "boundary.sides=wall", "run.timestep=1e-7", "run.end_time=3e-5"),

@@ -350,6 +350,7 @@ def test_ctrl_c_and_kills_lose_nothing(start: Start, granwave, tmp_path: Path) -
     assert steps == sorted(steps) and len(set(lines)) == len(set(steps)) >= len(steps) - 2
 
 
+@pytest.mark.validation
 def test_a_scan_survives_its_engine_and_a_worker(start: Start, tmp_path: Path) -> None:
     directory = tmp_path / "out"
     process = start(LONG % 3e-3)

@@ -126,6 +126,7 @@ def test_points_over_nodes_and_a_point_that_fails(scan, tmp_path):
     assert "energy balance was refused" in (tmp_path / "out" / "report.html").read_text()
 
 
+@pytest.mark.validation
 def test_requeued_job_and_killed_driver_lose_and_double_nothing(scan, tmp_path):
     out = tmp_path / "out"
     driver = scan(LONG)
@@ -156,6 +157,7 @@ def test_requeued_job_and_killed_driver_lose_and_double_nothing(scan, tmp_path):
     assert any("read_restart" in log for log in logs)
 
 
+@pytest.mark.validation
 def test_ctrl_c_takes_jobs_back_and_resume_goes_on(scan, tmp_path):
     out = tmp_path / "out"
     driver = scan(LONG)

@@ -139,6 +139,7 @@ def test_view_that_a_packing_has_not(packing, chain):
         scene(result, "force", "orthogonal")
 
 
+@pytest.mark.validation
 def test_commands(packing, granwave, tmp_path):
     done = granwave("film", packing, "-o", tmp_path / "a.gif", "--width", 200, "--quantity", "velocity")
     assert done.returncode == 0 and done.stdout.strip() == str(tmp_path / "a.gif"), done.stderr
