@@ -27,6 +27,7 @@ from granwave.lammps_inputs.packing.assembly import assemble, velocities_of
 from granwave.lammps_inputs.run_directory import SUMMARY_FILE
 
 Summary = dict[str, Any]
+_TOUCH = 1e-6  # of the input, stored in contacts: bodies that store less have parted
 
 
 def summarise(directory: str | Path, *, at_once: int = AT_ONCE) -> Summary:
@@ -100,7 +101,7 @@ def restitution(result: Result) -> float | None:
     """Coefficient of restitution of a single collision: of two free spheres, or of one and the bottom wall.
 
     Of two equal spheres of which one rests, the struck one keeps (1 - e)/2 of its velocity; from a wall it returns with
-    -e, of an oblique impact with the normal part. None for every other packing.
+    -e, of an oblique impact with the normal part. None for every other packing, and as long as the bodies touch.
     """
     case = result.case
     boundary = case.boundary
@@ -108,6 +109,8 @@ def restitution(result: Result) -> float | None:
     if case.load.kind != "impact" or not assemble(case).plain or moves or case.precompression is not None:
         return None
     if case.load.angle and result.n_spheres > 1:
+        return None
+    if result["energy/elastic"][-1] > _TOUCH * result.energy_input:
         return None
     left = float(result["energy/struck_velocity"][-1]) / velocities_of(assemble(case))[result.struck[0]][2]
     if result.n_spheres == 2 and case.packing.kind == "chain" and case.boundary.bottom == "free":

@@ -11,6 +11,9 @@ import pytest
 from granwave.analysis.contact_law.restitution import restitution
 from granwave.lammps_inputs.case.material import material, sphere_mass
 from granwave.lammps_inputs.contact.law import contact_of, rigid_wall_contact_of
+from granwave.lammps_inputs.load_case import load_case
+from granwave.workflows import library
+from granwave.workflows.run.driver import run_case
 from tests.conftest import script_of
 from tests.helpers.two_spheres import value
 
@@ -74,3 +77,14 @@ def test_built_in_studies(granwave, tmp_path, study):
         assert 1 - 2 * ratio == pytest.approx(at(1.0, contact_of([BRASS], [R]), MASS / 2), rel=1e-3)
     else:
         assert -ratio == pytest.approx(at(1.0, rigid_wall_contact_of(BRASS, R), MASS), rel=1e-3)
+
+
+def test_bodies_that_still_touch_at_the_end_have_none(tmp_path):
+    """A blow at 0.05 m/s lasts 75 us; the automatic end comes after 50 us, in which nothing yields."""
+    changes = {"load.velocity": 0.05, "run.frames": 2}
+    found = [
+        run_case(load_case(library.find("two-spheres"), changes | end), tmp_path / name, figures=False).summary
+        for name, end in (("auto", {}), ("whole", {"run.end_time": 2e-4}))
+    ]
+    assert found[0]["restitution"] is None
+    assert found[1]["restitution"] == pytest.approx(1.0, abs=1e-4)
