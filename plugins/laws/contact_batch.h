@@ -16,10 +16,8 @@ namespace granwave {
 
 struct ContactBatch {
   static constexpr int CAPACITY = 64;
-  static constexpr int GROUP = 8;    // pairs computed at a time: the last pair is repeated up to a multiple of it
 
   int size = 0;
-  int padded_size() const { return (size + GROUP - 1) / GROUP * GROUP; }
   int k[CAPACITY], i[CAPACITY], j[CAPACITY];    // indices of the pair and its spheres, as set by the caller
 
   // input, by pair
@@ -37,42 +35,29 @@ struct ContactBatch {
   double pair_force[CAPACITY];                               // normal force over distance
 
   // friction, input
-  double friction[CAPACITY];        // coefficient
-  double keeps[CAPACITY];           // 1: TangentialModel::MINDLIN, 0: MINDLIN_RESCALE
   double direction[3][CAPACITY];    // components of del
+  double limit[CAPACITY];           // Coulomb's limit of the tangential force; 0 without friction
+  double keeps[CAPACITY];           // 1: TangentialModel::MINDLIN, 0: MINDLIN_RESCALE
   double velocity[3][CAPACITY];     // of i relative to j
-  double spin[3][CAPACITY];         // lever arm times angular velocity, summed over both spheres
-  // friction, input and output
-  double limit[CAPACITY];            // Coulomb's limit of the tangential force; 0 without friction
-  double tangential[3][CAPACITY];    // tangential force on i, before and after
-  double compliance[CAPACITY];       // as in TangentialSpring, before and after
-  double lost[CAPACITY];             // frictional loss of this step
-  double lever_i[CAPACITY], lever_j[CAPACITY];
-  double force_i[3][CAPACITY];                         // on sphere i, the opposite on j
-  double torque[3][CAPACITY];                          // on either sphere per unit of its lever arm
-  TwoComponents load_i[CAPACITY], load_j[CAPACITY];    // force and torque on either sphere
+  double omega_i[3][CAPACITY], omega_j[3][CAPACITY];
+  double tangential[3][CAPACITY];                 // tangential force on i, before and after
+  double compliance[CAPACITY], loss[CAPACITY];    // as in TangentialSpring, before and after
+  // friction, output
+  double force_i[3][CAPACITY];                                         // on sphere i, the opposite on j
+  double torque[3][CAPACITY], lever_i[CAPACITY], lever_j[CAPACITY];    // torque on either sphere per unit of its lever arm
 
-  /* Have velocities and springs, which are needed soon, brought into the cache. */
-  void prefetch(const double *v, const double *omega, const SpringForce *spring, const double *loss) const;
   /* Compute distance, overlap, Hertzian force and contact circle. Returns true if an overlap is too large or not a number. */
   bool compute_overlap();
   /* Compute normal force over distance. */
   void compute_normal();
-  /* Compute lever arms and Coulomb's limit. Returns true if it is 0 for a pair. */
-  bool compute_limit();
-  /* Read velocities, spins and springs. A vector of three is read as four, that of the last sphere from a copy. */
-  void gather(const double *v, const double *omega, int last, const double *last_v, const double *last_omega,
-              const SpringForce *spring);
-  /* Advance tangential force and compliance by a timestep dt; the force is 0 if the limit is 0. */
+  /* Advance tangential force, compliance and loss by a timestep dt; the force is 0 if the limit is 0. */
   void compute_tangential(double dt);
-  /* Write the springs, of all pairs. */
-  void scatter(SpringForce *spring) const;
   /* Compute forces and torques on the spheres, including friction. */
   void compute_forces_and_torques();
-  /* Add the normal forces to the sums of both spheres, of j only if j < owned, and set reached[] of their blocks. */
-  void add_normal(TwofoldSums<Components>::Window, int owned, char *reached) const;
+  /* Add the normal forces to the sums of both spheres, of j only if j < owned, and set reached[i / block] of those summed. */
+  void add_normal(TwofoldSums &, int owned, char *reached, int block) const;
   /* Add forces and torques including friction likewise. */
-  void add_forces_and_torques(TwofoldSums<TwoComponents>::Window, int owned, char *reached) const;
+  void add_forces_and_torques(TwofoldSums &forces, TwofoldSums &torques, int owned, char *reached, int block) const;
 };
 
 }    // namespace granwave

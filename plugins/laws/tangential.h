@@ -35,11 +35,6 @@ struct TangentialSpring {
   double loss = 0.0;          // frictional, since the first contact
 };
 
-/* The part of it that a step needs, in one cache line. */
-struct alignas(4 * sizeof(double)) SpringForce {
-  double force[3] = {}, compliance = 0.0;
-};
-
 inline double dot(const double (&a)[3], const double (&b)[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 inline double tangential_force(const TangentialSpring &spring) { return std::sqrt(dot(spring.force, spring.force)); }

@@ -8,74 +8,53 @@
 #ifndef GRANWAVE_TWOFOLD_SUM_H
 #define GRANWAVE_TWOFOLD_SUM_H
 
-#include "components.h"
-
-#include <algorithm>
 #include <cstddef>
 #include <vector>
 
 namespace granwave {
 
-template <class Vector> struct alignas(2 * sizeof(Vector)) TwofoldSum {
-  using Mask = decltype(Vector{} == Vector{});
+/* Three components and one unused, which the compiler adds at once (extension of GCC and Clang). */
+typedef double Components __attribute__((vector_size(4 * sizeof(double))));
 
-  Vector high = {}, low = {};
+struct alignas(64) TwofoldSum {
+  Components high = {}, low = {};
 
-  void add(const Vector &term)
+  void add(const Components &term)
   {
-    const Vector total = high + term, rounded = total - high;
+    const Components total = high + term, rounded = total - high;
     low += (high - (total - rounded)) + (term - rounded);    // rounding error of the addition (Knuth)
     high = total;
-  }
-
-  /* Take the values of another sum where the mask is set. */
-  void replace(const Mask &mask, const TwofoldSum &by)
-  {
-    high = mask ? by.high : high;
-    low = mask ? by.low : low;
-  }
-
-  /* Add the sum to vectors of three components, and reset it to zero. */
-  template <int N> void give(double *const (&to)[N])
-  {
-    const Vector sum = high + low;
-    for (int n = 0; n < N; n++)
-      for (int d = 0; d < 3; d++) to[n][d] += sum[4 * n + d];
-    high = low = Vector{};
   }
 };
 
 /* One sum per sphere. With an ordered list only the sums between a row and its farthest partner are in use at a time, and a
    ring buffer of that size stays in the cache. All others are zero. */
-template <class Vector> class TwofoldSums {
+class TwofoldSums {
  public:
-  using Sum = TwofoldSum<Vector>;
-
   void reserve(int in_use)
   {
-    if (in_use > static_cast<int>(ring.size())) ring.resize(in_use);
+    std::size_t size = 1;
+    while (size < static_cast<std::size_t>(in_use)) size *= 2;
+    if (size <= ring.size()) return;
+    ring.resize(size);
+    mask = static_cast<int>(size) - 1;
   }
 
-  /* The sums of the spheres from `first` on, as many as were reserved. */
-  class Window {
-   public:
-    Window(Sum *ring, int size, int first) : ring_(ring), size_(size), start_(first - first % size) {}
-    Sum &operator[](int i) const
-    {
-      const int place = i - start_;
-      return ring_[place < size_ ? place : place - size_];
-    }
+  TwofoldSum &operator[](int i) { return ring[i & mask]; }
 
-   private:
-    Sum *ring_;
-    int size_, start_;    // sphere of the first place of the ring
-  };
-  Window from(int first) { return {ring.data(), static_cast<int>(ring.size()), first}; }
+  /* Add the sum to `to` and reset it to zero. */
+  void give(int i, double *to)
+  {
+    TwofoldSum &sum = ring[i & mask];
+    for (int d = 0; d < 3; d++) to[d] += sum.high[d] + sum.low[d];
+    sum = TwofoldSum{};
+  }
 
-  double bytes() const { return static_cast<double>(ring.capacity()) * sizeof(Sum); }
+  double bytes() const { return static_cast<double>(ring.capacity()) * sizeof(TwofoldSum); }
 
  private:
-  std::vector<Sum> ring;
+  std::vector<TwofoldSum> ring;
+  int mask = 0;
 };
 
 }    // namespace granwave

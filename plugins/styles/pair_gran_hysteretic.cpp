@@ -204,14 +204,14 @@ PairGranHysteretic::PairParameters PairGranHysteretic::pair_parameters(int itype
 double PairGranHysteretic::memory_usage()
 {
   const Contacts &c = contacts;
-  double bytes = Pair::memory_usage() + force_sums.bytes() + load_sums.bytes() + c.resting.bytes();
+  double bytes = Pair::memory_usage() + force_sums.bytes() + torque_sums.bytes() + c.resting.bytes();
   bytes += double(c.partner.capacity()) * (2 * sizeof(int) + 4 * sizeof(double) + sizeof(tagint));
   bytes += double(c.partner_radius.capacity()) * (sizeof(double) + sizeof(int));
   bytes += double(c.row.capacity()) * (2 * sizeof(int) + sizeof(tagint));
   bytes += double(c.turnings.capacity()) * (sizeof(Turning) + sizeof(double));
-  bytes += double(c.spring.capacity()) * sizeof(granwave::SpringForce) + double(c.has_spring.capacity());
-  bytes += double(c.circle.capacity() + c.loss.capacity() + c.initial.capacity() + c.reached.capacity() +
-                  c.extra.capacity() + c.initial_extra.capacity()) *
+  bytes += double(c.spring.capacity()) * sizeof(granwave::TangentialSpring) + double(c.has_spring.capacity());
+  bytes += double(c.circle.capacity() + c.initial.capacity() + c.reached.capacity() + c.extra.capacity() +
+                  c.initial_extra.capacity()) *
            sizeof(double);
   return bytes;
 }

@@ -112,11 +112,10 @@ class PairGranHysteretic : public Pair {
     std::vector<granwave::Turning> turnings;
     std::vector<double> work_lost;    // normalized dissipated energy at the turning point; -1 if not yet computed
     std::vector<double> circle;       // with friction: normalized area at the turning point
-    std::vector<granwave::SpringForce> spring;    // with friction: force on the sphere of the row, compliance
-    std::vector<double> loss;                     // with friction: frictional loss
-    std::vector<char> has_spring;                 // with friction: 1 if there is a spring at present
-    std::vector<double> initial, reached;         // with initial dents: initial dent, largest overlap of this run
-    std::vector<double> initial_extra;            // with initial dents: initial doubles of the law
+    std::vector<granwave::TangentialSpring> spring;    // with friction: force on the sphere of the row
+    std::vector<char> has_spring;                      // with friction: 1 if there is a spring at present
+    std::vector<double> initial, reached;              // with initial dents: initial dent, largest overlap of this run
+    std::vector<double> initial_extra;                 // with initial dents: initial doubles of the law
     std::vector<tagint> row_tag, partner_tag;
     std::vector<double> row_radius, partner_radius;    // only the first element is used if all spheres are equal
     std::vector<int> row_type, partner_type;
@@ -157,15 +156,13 @@ class PairGranHysteretic : public Pair {
   void compute_forces(Tally);
   void forget_far_pairs(int r);
   void set_parameters();
-  void compute_batch(Tally, int first);
+  void compute_batch(Tally);
   void give_sums(int begin, int end);
   void update_history(Batch &);
   void compute_tangential(Batch &);
   void tally(const Batch &, Tally);
   void compute_plastic(Batch &, const int *yielded, int n_yielded, const bool *is_raised);
   void discard_turning(int k);
-  granwave::TangentialSpring spring_of(int k) const;
-  void set_spring(int k, const granwave::TangentialSpring &);
   void release_spring(int k);
   void raise_reached(int k, double overlap);
   int cached_turning(int k, const granwave::ScaledLaw &);
@@ -196,11 +193,8 @@ class PairGranHysteretic : public Pair {
   granwave::LoadingBatch loading{};    // those beyond their elastic limit
   granwave::UnloadingBatch unloading{};
   granwave::TouchingPairs pairs{};
-  std::vector<PairParameters> parameters_by_type;              // empty if they are not determined by the types
-  granwave::TwofoldSums<granwave::Components> force_sums;      // without friction
-  granwave::TwofoldSums<granwave::TwoComponents> load_sums;    // with friction: forces and torques
-  int last_sphere = 0;    // the last sphere and its velocities, followed by one number more
-  double last_velocity[4] = {}, last_omega[4] = {};
+  std::vector<PairParameters> parameters_by_type;    // empty if they are not determined by the types
+  granwave::TwofoldSums force_sums, torque_sums;
   std::vector<char> reached;       // of each block of spheres: 1 if one of its sums may not be zero
   double now = 0.0;                // simulation time of this force evaluation
   bool springs_advance = false;    // true if springs are updated in this force evaluation

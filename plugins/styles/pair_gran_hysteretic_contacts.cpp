@@ -87,8 +87,7 @@ void PairGranHysteretic::build_contacts()
   c.work_lost.clear();
   c.circle.clear();
   if (has_friction) c.has_spring.assign(n, 0);
-  if (has_friction) c.spring.assign(n, granwave::SpringForce());
-  if (has_friction) c.loss.assign(n, 0.0);
+  if (has_friction) c.spring.assign(n, granwave::TangentialSpring());
   if (has_initial_dents) {
     c.initial.assign(n, 0.0);
     c.reached.assign(n, 0.0);
@@ -242,7 +241,7 @@ BlockView PairGranHysteretic::block_view(int k) const
   const Contacts &c = contacts;
   BlockView view;
   view.extra = law_history(k).extra;
-  if (has_friction) view.spring = spring_of(k);
+  if (has_friction) view.spring = c.spring[k];
   if (!has_initial_dents) return view;
   view.initial = c.initial[k];
   view.reached = c.reached[k];
@@ -271,7 +270,8 @@ void PairGranHysteretic::unpack_block(int k, const BlockLayout &layout, const do
   Contacts &c = contacts;
   const BlockView view(layout, block);
   std::copy_n(view.extra, c.n_extra, c.extra.data() + static_cast<std::size_t>(k) * c.n_extra);
-  if (has_friction) set_spring(k, view.spring);
+  if (has_friction) c.spring[k] = view.spring;
+  if (has_friction) c.has_spring[k] = view.spring.compliance > 0.0;
   if (!has_initial_dents) return;
   c.initial[k] = view.initial;
   c.reached[k] = view.reached;
@@ -289,7 +289,7 @@ void PairGranHysteretic::reset_history(int k, double peak, bool dented)
   c.peak[k] = peak;
   c.time_first[k] = c.time_peak[k] = c.time_yield[k] = -1.0;
   c.turning[k] = -1;
-  if (has_friction) c.loss[k] = 0.0;
+  if (has_friction) c.spring[k].loss = 0.0;
   if (!has_initial_dents) return;
   c.initial[k] = dented ? peak : 0.0;
   c.reached[k] = 0.0;

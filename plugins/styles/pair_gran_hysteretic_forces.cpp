@@ -46,25 +46,10 @@ inline void PairGranHysteretic::discard_turning(int k)
   if (contacts.turning[k] >= 0) contacts.turnings[contacts.turning[k]].peak = -1.0;
 }
 
-granwave::TangentialSpring PairGranHysteretic::spring_of(int k) const
-{
-  const granwave::SpringForce &s = contacts.spring[k];
-  return {{s.force[0], s.force[1], s.force[2]}, s.compliance, contacts.loss[k]};
-}
-
-void PairGranHysteretic::set_spring(int k, const granwave::TangentialSpring &spring)
-{
-  const double *const force = spring.force;
-  contacts.spring[k] = {{force[0], force[1], force[2]}, spring.compliance};
-  contacts.loss[k] = spring.loss;
-  contacts.has_spring[k] = spring.compliance > 0.0;
-}
-
 inline void PairGranHysteretic::release_spring(int k)
 {
-  granwave::TangentialSpring spring = spring_of(k);
-  release(spring);
-  set_spring(k, spring);
+  release(contacts.spring[k]);
+  contacts.has_spring[k] = 0;
 }
 
 /* Increase the largest overlap of this run, which may be smaller than the initial dent. */
@@ -88,7 +73,6 @@ inline void PairGranHysteretic::Batch::set(int m, const PairParameters &p)
   shear_stiffness[m] = p.shear_stiffness;
   largest_overlap[m] = p.largest_overlap;
   elastic_limit[m] = p.contact.elastic_limit();
-  friction[m] = p.friction;
   keeps[m] = p.tangential_model == granwave::TangentialModel::MINDLIN ? 1.0 : 0.0;
 }
 
@@ -191,24 +175,31 @@ void PairGranHysteretic::compute_plastic(Batch &batch, const int *yielded, int n
 void PairGranHysteretic::compute_tangential(Batch &batch)
 {
   Contacts &c = contacts;
-  const bool any_without = batch.compute_limit();
-  if (any_without)
-    for (int m = 0; m < batch.size; m++)
-      if (batch.limit[m] == 0.0 && c.has_spring[batch.k[m]]) release_spring(batch.k[m]);
-  batch.gather(atom->v[0], atom->omega[0], last_sphere, last_velocity, last_omega, c.spring.data());
+  const double *const v = atom->v[0], *const omega = atom->omega[0];    // contiguous
+  for (int m = 0; m < batch.size; m++) {
+    const int k = batch.k[m], i = 3 * batch.i[m], j = 3 * batch.j[m];
+    batch.limit[m] = std::max(batch.pair[m]->friction * batch.force[m], 0.0);
+    if (batch.limit[m] == 0.0) {
+      if (c.has_spring[k]) release_spring(k);
+      batch.circle[m] = 1.0;    // any value, for a pair without friction
+    }
+    const TangentialSpring &spring = c.spring[k];
+    for (int d = 0; d < 3; d++) {
+      batch.direction[d][m] = batch.del[m][d];
+      batch.velocity[d][m] = v[i + d] - v[j + d];
+      batch.omega_i[d][m] = omega[i + d];
+      batch.omega_j[d][m] = omega[j + d];
+      batch.tangential[d][m] = spring.force[d];
+    }
+    batch.compliance[m] = spring.compliance;
+    batch.loss[m] = spring.loss;
+  }
   if (springs_advance) {
     batch.compute_tangential(update->dt);
-    if (any_without) {
-      for (int m = 0; m < batch.size; m++)
-        if (batch.limit[m] != 0.0)
-          c.spring[batch.k[m]] = {{batch.tangential[0][m], batch.tangential[1][m], batch.tangential[2][m]},
-                                  batch.compliance[m]};
-    } else {
-      batch.scatter(c.spring.data());
-    }
     for (int m = 0; m < batch.size; m++) {
       if (batch.limit[m] == 0.0) continue;
-      c.loss[batch.k[m]] += batch.lost[m];
+      c.spring[batch.k[m]] = {
+          {batch.tangential[0][m], batch.tangential[1][m], batch.tangential[2][m]}, batch.compliance[m], batch.loss[m]};
       c.has_spring[batch.k[m]] = 1;
     }
   }
@@ -242,13 +233,12 @@ void PairGranHysteretic::tally(const Batch &batch, Tally what)
   }
 }
 
-/* Compute forces and history of a batch of touching pairs. The sums in use begin with that of sphere `first`. */
+/* Compute forces and history of a batch of touching pairs. */
 
-void PairGranHysteretic::compute_batch(Tally what, int first)
+void PairGranHysteretic::compute_batch(Tally what)
 {
-  if (has_friction) batch.prefetch(atom->v[0], atom->omega[0], contacts.spring.data(), contacts.loss.data());
   if (!uniform)
-    for (int m = 0; m < batch.padded_size(); m++) {
+    for (int m = 0; m < batch.size; m++) {
       const int i = batch.i[m], j = batch.j[m], itype = atom->type[i], jtype = atom->type[j];
       if (!parameters_by_type.empty()) {
         batch.set(m, parameters_by_type[itype * (atom_types + 1) + jtype]);
@@ -263,10 +253,10 @@ void PairGranHysteretic::compute_batch(Tally what, int first)
   update_history(batch);
   if (has_friction) {
     compute_tangential(batch);
-    batch.add_forces_and_torques(load_sums.from(first), atom->nlocal, reached.data());
+    batch.add_forces_and_torques(force_sums, torque_sums, atom->nlocal, reached.data(), RestingBlocks::SIZE);
   } else {
     batch.compute_normal();
-    batch.add_normal(force_sums.from(first), atom->nlocal, reached.data());
+    batch.add_normal(force_sums, atom->nlocal, reached.data(), RestingBlocks::SIZE);
   }
   if (what != Tally::NONE) tally(batch, what);
 }
@@ -288,15 +278,13 @@ void PairGranHysteretic::forget_far_pairs(int r)
 
 void PairGranHysteretic::give_sums(int begin, int end)
 {
-  const auto forces = force_sums.from(begin);
-  const auto loads = load_sums.from(begin);
   for (int b = RestingBlocks::of(begin); b < RestingBlocks::number(end); b++) {
     if (!reached[b]) continue;
     reached[b] = 0;
     const int last = std::min(end, (b + 1) * RestingBlocks::SIZE);
-    for (int i = b * RestingBlocks::SIZE; i < last; i++)
-      if (has_friction) loads[i].give({atom->f[i], atom->torque[i]});
-      else forces[i].give({atom->f[i]});
+    for (int i = b * RestingBlocks::SIZE; i < last; i++) force_sums.give(i, atom->f[i]);
+    if (!has_friction) continue;
+    for (int i = b * RestingBlocks::SIZE; i < last; i++) torque_sums.give(i, atom->torque[i]);
   }
 }
 
@@ -314,15 +302,11 @@ void PairGranHysteretic::compute_forces(Tally what)
   pairs.gap = gap;
   pairs.has_spring = has_friction ? c.has_spring.data() : nullptr;
   pairs.peak = c.peak.data();
+  pairs.spring = c.spring.data();
 
   const int in_use = c.ordered ? c.span + 2 * RestingBlocks::SIZE : nlocal;
-  force_sums.reserve(has_friction ? 1 : in_use);
-  load_sums.reserve(has_friction ? in_use : 1);
-  if (has_friction) {
-    last_sphere = nall - 1;
-    std::copy_n(atom->v[last_sphere], 3, last_velocity);
-    std::copy_n(atom->omega[last_sphere], 3, last_omega);
-  }
+  force_sums.reserve(in_use);
+  if (has_friction) torque_sums.reserve(in_use);
   reached.resize(RestingBlocks::number(nlocal));
   for (int begin = 0; begin < rows; begin += RestingBlocks::SIZE) {
     const int end = std::min(rows, begin + RestingBlocks::SIZE), block = RestingBlocks::of(begin);
@@ -334,7 +318,7 @@ void PairGranHysteretic::compute_forces(Tally what)
         for (int n = 0; n < pairs.n_released; n++) release_spring(pairs.released[n]);
         for (int n = 0; n < pairs.n_far; n++) forget_far_pairs(pairs.far[n]);
         if (batch.size == 0) continue;
-        compute_batch(what, c.ordered ? begin : 0);
+        compute_batch(what);
         quiet = false;
       }
       c.resting.set_quiet(block, quiet);
