@@ -19,6 +19,8 @@ from granwave.lammps_inputs.load_case import case_from_dict, load_case
 from granwave.lammps_inputs.packing.assembly import assemble, struck_of, velocities_of
 from granwave.lammps_inputs.packing.packing import build_packing
 from granwave.lammps_inputs.packing.places import Places
+from granwave.lammps_inputs.planning.plan import plan
+from granwave.workflows.cli.tables import plan_table
 
 ROW = "x,y,z,diameter\n0,0,0,0.01\n0,0,0.01,0.01\n0,0,0.0225,0.015\n"
 SOFT = {"youngs_modulus": 1e9, "poisson_ratio": 0.4, "density": 1200, "yield_strength": 2e7}
@@ -251,3 +253,8 @@ def test_wrong_added_grains(packing: dict[str, Any], entry: dict[str, Any], faul
     with pytest.raises(InputError) as caught:
         case_from_dict({"packing": packing, "material": "brass", "grains": [entry]}, "mine")
     assert any(fault in line for line in caught.value.errors), caught.value.errors
+
+
+def test_check_tells_the_coordination_found() -> None:
+    case = case_from_dict(case_of(), "mine")
+    assert "contacts of a grain    1.33 in the mean; grains with so many: 2 of 1, 1 of 2" in plan_table(case, plan(case))

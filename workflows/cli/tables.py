@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 
 from granwave.analysis.formatting.numbers import duration
@@ -32,6 +33,7 @@ def plan_table(case: Case, plan: Plan, inputs: Inputs | None = None) -> str:
             ("case", plan.name),
             ("spheres", f"{plan.n_spheres}"),
             ("contacts at the start", f"{plan.n_contacts}"),
+            *_coordination(case),
             *_inputs(inputs, at_most="at most " * (case.load.kind == "force")),
             ("memory", _memory(plan)),
             ("disk", f"about {plan.disk / 1e9:.3g} GB"),
@@ -63,6 +65,19 @@ def _inputs(inputs: Inputs | None, at_most: str = "") -> list[tuple[str, str]]:
     if inputs.velocity_normalised is not None:
         rows.append(("velocity normalised", f"{inputs.velocity_normalised:.6g}"))
     return rows
+
+
+def _coordination(case: Case) -> list[tuple[str, str]]:
+    """Return the contacts of a grain that were found in a file of grains; a lattice has those that it must have."""
+    if case.packing.grains is None:
+        return []
+    assembly = assemble(case)
+    found = Counter(assembly.contacts().ravel().tolist())
+    grains = Counter(found.values())
+    alone = assembly.n_spheres - len(found)
+    counts = ", ".join(f"{n} of {number}" for number, n in sorted((grains | Counter({0: alone})).items()) if n)
+    mean = sum(found.values()) / assembly.n_spheres
+    return [("contacts of a grain", f"{mean:.3g} in the mean; grains with so many: {counts}")]
 
 
 def _of_large_packings(assembly: Assembly) -> list[tuple[str, str]]:
