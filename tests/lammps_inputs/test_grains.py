@@ -257,4 +257,6 @@ def test_wrong_added_grains(packing: dict[str, Any], entry: dict[str, Any], faul
 
 def test_check_tells_the_coordination_found() -> None:
     case = case_from_dict(case_of(), "mine")
-    assert "contacts of a grain    1.33 in the mean; grains with so many: 2 of 1, 1 of 2" in plan_table(case, plan(case))
+    assert "contacts of a grain    1.33 in the mean; grains with so many: 2 of 1, 1 of 2" in plan_table(
+        case, plan(case)
+    )
