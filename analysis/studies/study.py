@@ -72,7 +72,7 @@ class Row:
 
     @property
     def kind(self) -> Kind:
-        """What ours is compared with."""
+        """Kind of the value that ours is compared with."""
         if self.verification:
             return "verification"
         if self.source is not None:

@@ -36,12 +36,13 @@ _FIELD_OF_VIEW = 40.0  # degrees
 _AZIMUTH, _ELEVATION = -58.0, 30.0  # degrees, as in the figures of the cut packing
 _SECONDS = 8.0  # of playing from the start to the end
 _DOTS = 2  # pixels of a colour bar over those on the screen
+_CORNERS = 64  # of the rim of a tube; a multiple of 4
 _BAR_COLOUR, _WALL_COLOUR, _INK = 0x8C9AA8, 0x9AA5B1, 0x222222
 
 
 @dataclass(frozen=True, eq=False)
 class Chosen:
-    """What of a run is on the page.
+    """Spheres and snapshots of a run that are on the page.
 
     Attributes
     ----------
@@ -158,7 +159,7 @@ def _spheres(
 
 
 def _walls(result: Result) -> Iterator[Any]:
-    """Make the planes around the packing: the bottom as a sheet, the sides as their edges."""
+    """Make the walls around the packing: the bottom as a sheet, the sides as their edges."""
     import k3d
 
     low, high = _MILLI * (result.assembly.lattice_bounds() - result.origin)
@@ -166,6 +167,10 @@ def _walls(result: Result) -> Iterator[Any]:
     low, high = low - margin, high + margin
     for wall in walls(result.assembly):
         if wall.held_layer:
+            continue
+        if wall.tube:
+            for number, line in enumerate(_tube(wall.coordinate, result.origin, low[2], high[2]), start=1):
+                yield k3d.line(line, color=_WALL_COLOUR, width=0.1 * margin, name=f"tube {number}")
             continue
         level = _MILLI * (wall.coordinate - result.origin[wall.axis])
         first, second = (axis for axis in range(3) if axis != wall.axis)
@@ -179,6 +184,16 @@ def _walls(result: Result) -> Iterator[Any]:
         else:
             edges = np.concatenate([corners, corners[:1]])
             yield k3d.line(edges, color=_WALL_COLOUR, width=0.1 * margin, name=f"wall {wall.name}")
+
+
+def _tube(radius: float, origin: NDArray[np.float64], top: float, bottom: float) -> Iterator[NDArray[np.float32]]:
+    """Make the rims of a tube and four lines along it, from ``top`` to ``bottom``, mm: (n_points, 3) each."""
+    angle = 2 * np.pi * np.arange(_CORNERS + 1) / _CORNERS
+    circle = _MILLI * (radius * np.stack([np.cos(angle), np.sin(angle)], axis=1) - origin[:2])
+    for level in (top, bottom):
+        yield np.column_stack([circle, np.full(len(circle), level)]).astype(np.float32)
+    for place in circle[: -1 : _CORNERS // 4]:
+        yield np.array([[*place, top], [*place, bottom]], dtype=np.float32)
 
 
 def _bars(result: Result) -> Iterator[Any]:

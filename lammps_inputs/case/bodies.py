@@ -30,14 +30,13 @@ from granwave.lammps_inputs.case.schema import (
     read_table,
     show,
     text,
+    vector,
     whole,
 )
-from granwave.lammps_inputs.case.si_values import AREA, DIAMETER, LENGTH, VELOCITY, Usual
+from granwave.lammps_inputs.case.si_values import AREA, DIAMETER, LENGTH, SPIN, VELOCITY, Usual
 
 Entry = TypeVar("Entry")
 
-_VECTOR_FORM = "[x, y, z] in m/s"
-_SPIN_FORM = "[x, y, z] in rad/s"
 _POINT_FORM = "[x, y, z] in m"
 _OFFSET = Usual(1e-9, 1.0, ("mm", "um"))
 
@@ -87,28 +86,14 @@ class Striker:
     """``[[striker]]``: a sphere in contact with given spheres of the packing, or with earlier strikers."""
 
     touches: tuple[int, ...] = custom("ids of the spheres that it touches", parse_index)
-    velocity: tuple[float, float, float] = custom(
-        "velocity of the striker",
-        lambda value: parse_point(value, _VECTOR_FORM),
-        unit="m/s",
-        default=(0.0, 0.0, 0.0),
-        usual=VELOCITY,
-    )
-    spin: tuple[float, float, float] = custom(
-        "angular velocity of the striker",
-        lambda value: parse_point(value, _SPIN_FORM),
-        unit="rad/s",
-        default=(0.0, 0.0, 0.0),
-        usual=Usual(1e-6, 1e6),
-    )
+    velocity: tuple[float, float, float] = vector("velocity of the striker", unit="m/s", usual=VELOCITY)
+    spin: tuple[float, float, float] = vector("angular velocity of the striker", unit="rad/s", usual=SPIN)
     diameter: float | None = number(
         "diameter of the striker; that of the packing by default", unit="m", above=0, default=None, usual=DIAMETER
     )
-    offset: tuple[float, float, float] = custom(
+    offset: tuple[float, float, float] = vector(
         "shift of the striker across its way; it is then brought up along its way until it touches the first sphere",
-        lambda value: parse_point(value, _POINT_FORM),
         unit="m",
-        default=(0.0, 0.0, 0.0),
         usual=_OFFSET,
     )
     misalignment: tuple[float, float, float] = custom(

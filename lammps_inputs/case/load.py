@@ -33,17 +33,17 @@ from granwave.lammps_inputs.case.schema import (
     custom,
     finite,
     number,
-    parse_point,
     read_table,
     show,
+    vector,
 )
 from granwave.lammps_inputs.case.si_values import (
     DISPLACEMENT,
     FORCE,
     FREQUENCY,
+    SPIN,
     TIME,
     VELOCITY,
-    Usual,
     impossible,
     unusual,
 )
@@ -105,12 +105,8 @@ class Load:
     angle: float = number(
         "angle of an impact between the velocity and +z, towards +x", unit="degrees", at_least=0, below=90, default=0.0
     )
-    spin: tuple[float, float, float] = custom(
-        "angular velocity of the struck spheres at the start",
-        lambda value: parse_point(value, "[x, y, z] in rad/s"),
-        unit="rad/s",
-        default=(0.0, 0.0, 0.0),
-        usual=Usual(1e-6, 1e6),
+    spin: tuple[float, float, float] = vector(
+        "angular velocity of the struck spheres at the start", unit="rad/s", usual=SPIN
     )
     spheres: Literal[1, 3, 7] = choice("how many spheres are struck", (1, 3, 7), default=1)
     index: tuple[int, ...] | None = custom(

@@ -182,6 +182,17 @@ def parse_point(value: Any, expected: str) -> tuple[float, float, float]:
     return x, y, z
 
 
+def vector(description: str, *, unit: str, usual: Usual | None = None) -> Any:
+    """Field of three numbers, zero by default; magnitudes outside ``usual`` give a warning."""
+    return custom(
+        description,
+        lambda value: parse_point(value, f"[x, y, z] in {unit}"),
+        unit=unit,
+        default=(0.0, 0.0, 0.0),
+        usual=usual,
+    )
+
+
 def plain_name(value: Any) -> str:
     """Return ``value`` if it is a name that can safely be used for a directory; raise `ValidationError` otherwise."""
     fits = isinstance(value, str) and value.strip() == value != "" and value.isprintable()

@@ -55,6 +55,7 @@ AREA = Usual(1e-10, 1.0, ("mm^2", "cm^2"))
 TIME = Usual(1e-10, 0.5, ("us", "ms"))  # of a run or a pulse
 INTERVAL = Usual(1e-13, 0.5, ("ns", "us"))  # of a step or a record
 VELOCITY = Usual(1e-6, 1e3, ("mm/s",))
+SPIN = Usual(1e-6, 1e6)  # angular velocity, rad/s
 FREQUENCY = Usual(0.1, 1e8, ("kHz", "MHz"))
 ACCELERATION = Usual(1e-3, 5e3, ("mm/s^2",))
 DISPLACEMENT = Usual(1e-12, 0.1, ("um", "mm"))

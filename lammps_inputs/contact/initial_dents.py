@@ -260,13 +260,11 @@ def contacts_at_start(assembly: Assembly) -> list[NearContacts]:
             rows = (np.minimum(kind[one], kind[two]) == n) & (np.maximum(kind[one], kind[two]) == m)
             add((first, second), ids[one[rows]], two[rows], radius[rows], place[rows])
     for wall in walls(assembly):
-        inner = positions[:, wall.axis] * wall.outward + radii
-        near = np.flatnonzero((wall.coordinate * wall.outward - inner <= reach) & (ids <= assembly.lattice.n_spheres))
+        near = np.flatnonzero((wall.gaps(positions, radii) <= reach) & (ids <= assembly.lattice.n_spheres))
         for name, _, material in [] if wall.held_layer else wall_fixes(assembly, wall):
             own = near[kind[near] == materials.index(material)]
-            touching = positions[own].copy()
-            touching[:, wall.axis] = wall.coordinate
-            add((material, wall.material), np.full(len(own), name, dtype=object), own, radii[own], touching)
+            radius, place = wall.effective_radii(radii[own]), wall.nearest(positions[own])
+            add((material, wall.material), np.full(len(own), name, dtype=object), own, radius, place)
     for bar in assembly.bars:
         row = np.searchsorted(ids, [bar.touches])
         face = np.array([[0.0, 0.0, bar.position[bar.face - bar.first]]])

@@ -6,6 +6,10 @@ import dataclasses
 import math
 from typing import TYPE_CHECKING
 
+import numpy as np
+from numpy.typing import NDArray
+
+from granwave._contact_laws import elliptic_radius
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 
@@ -46,6 +50,24 @@ class Wall:
     tube: bool = False
     material: Material | None = None
     support: Support | None = None
+
+    def gaps(self, positions: NDArray[np.float64], radii: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the gaps between the wall and spheres at positions (n, 3), negative for overlaps: (n,), m."""
+        reach = np.hypot(*positions.T[:2]) if self.tube else positions[:, self.axis] * self.outward
+        return np.asarray(self.coordinate * self.outward - (reach + radii))
+
+    def nearest(self, positions: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the nearest points of the wall to positions (n, 3): (n, 3), m."""
+        found = positions.copy()
+        if self.tube:
+            found[:, :2] *= (self.coordinate / np.hypot(*positions.T[:2]))[:, None]
+        else:
+            found[:, self.axis] = self.coordinate
+        return found
+
+    def effective_radii(self, radii: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the radii of spheres that are as stiff on a plane as these are on the wall: (n,), m."""
+        return np.asarray(elliptic_radius(1 / radii, 1 / radii - 1 / self.coordinate)) if self.tube else radii
 
 
 def walls(case: Case | Assembly) -> tuple[Wall, ...]:

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Fix wall/gran/hysteretic: forces, motion of the plane, totals. Per-sphere state, initial dents and restart files are in
-   fix_wall_gran_hysteretic_state.cpp. */
+/* Fix wall/gran/hysteretic: forces and motion of the plane. Per-sphere state, initial dents and restart files are in
+   fix_wall_gran_hysteretic_state.cpp, totals in fix_wall_gran_hysteretic_totals.cpp. */
 
 #include "fix_wall_gran_hysteretic.h"
 
 #include "atom.h"
 #include "domain.h"
 #include "error.h"
-#include "../laws/elliptic_contact.h"
 #include "finite_motion.h"
 #include "../laws/law_arguments.h"
 #include "neighbor.h"
@@ -28,8 +27,6 @@ namespace {
 
 constexpr double ROUNDING = 1e-12;    // relative to the radius: smaller overlaps are rounding errors of positions
 
-double distance_from_axis(const double *x) { return std::sqrt(x[0] * x[0] + x[1] * x[1]); }
-
 }    // namespace
 
 FixWallGranHysteretic::FixWallGranHysteretic(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg)
@@ -41,9 +38,10 @@ FixWallGranHysteretic::FixWallGranHysteretic(LAMMPS *lmp, int narg, char **arg) 
   int used_words = 6;
   if (std::strcmp(arg[3], "tube") == 0) {
     used_words = 5;
-    tube = utils::numeric(FLERR, arg[4], false, lmp);
-    if (!(tube > 0.0 && std::isfinite(tube)))
+    const double radius = utils::numeric(FLERR, arg[4], false, lmp);
+    if (!(radius > 0.0 && std::isfinite(radius)))
       error->all(FLERR, "Illegal fix {}: the radius of the tube must be above 0, found {}", STYLE, arg[4]);
+    tube = std::make_unique<granwave::Tube>(radius);
   } else {
     axis = arg[3][0] - 'x';
     if (axis < 0 || axis > 2 || std::strcmp(arg[3] + 1, "plane") != 0)
@@ -58,7 +56,7 @@ FixWallGranHysteretic::FixWallGranHysteretic(LAMMPS *lmp, int narg, char **arg) 
       std::size_t used = 0;
       support = std::make_unique<granwave::Support>(std::vector<std::string>(at + 1, words.end()), used);
       words.erase(at, at + 1 + used);
-      if (tube > 0.0) throw std::invalid_argument("support moves a plane, found a tube");
+      if (tube) throw std::invalid_argument("support moves a plane, found a tube");
       if (std::isfinite(plane[0]) && std::isfinite(plane[1]))
         throw std::invalid_argument("support moves one plane, found two: take a fix for each");
       if (!std::isfinite(plane[0]) && !std::isfinite(plane[1]))
@@ -108,7 +106,7 @@ void FixWallGranHysteretic::init()
   if (!atom->radius_flag) error->all(FLERR, "Fix {} requires atom attribute radius (atom_style sphere)", STYLE);
   if (friction > 0.0 && !(atom->omega_flag && atom->torque_flag))
     error->all(FLERR, "Fix {} with friction requires atom attributes omega and torque (atom_style sphere)", STYLE);
-  if (tube > 0.0 ? domain->periodicity[0] || domain->periodicity[1] : domain->periodicity[axis])
+  if (tube ? domain->periodicity[0] || domain->periodicity[1] : domain->periodicity[axis])
     error->all(FLERR, "Fix {}: the box is periodic across the wall", STYLE);
   reset_dt();
 }
@@ -155,58 +153,36 @@ double FixWallGranHysteretic::level(int side) const
 
 double FixWallGranHysteretic::depth(int i, int side) const
 {
-  if (tube > 0.0) return side == 0 ? -INFINITE : distance_from_axis(atom->x[i]) + atom->radius[i] - tube;
+  if (tube) return side == 0 ? -INFINITE : tube->overlap(atom->x[i], atom->radius[i]);
   const double along = atom->x[i][axis], radius = atom->radius[i];
   return side == 0 ? level(0) + radius - along : along + radius - level(1);
 }
 
-/* Unit normal of a wall at sphere i, into the packing. A tube has no normal at its axis, which no sphere that fits reaches. */
+/* Unit normal of a wall at sphere i, into the packing. */
 
 void FixWallGranHysteretic::inward(int i, int side, double normal[3]) const
 {
+  if (tube) return tube->inward(atom->x[i], normal);
   normal[0] = normal[1] = normal[2] = 0.0;
-  if (tube == 0.0) {
-    normal[axis] = side == 0 ? 1.0 : -1.0;
-    return;
-  }
-  const double distance = distance_from_axis(atom->x[i]);
-  if (distance == 0.0) return;
-  normal[0] = -atom->x[i][0] / distance;
-  normal[1] = -atom->x[i][1] / distance;
+  normal[axis] = side == 0 ? 1.0 : -1.0;
 }
 
-/* Location of sphere i along the wall: its two other coordinates, or the arc along a tube and z. */
+/* Location of sphere i along the wall. */
 
 void FixWallGranHysteretic::place_of(int i, double place[2]) const
 {
-  const double *const x = atom->x[i];
-  place[0] = tube > 0.0 ? tube * std::atan2(x[1], x[0]) : x[(axis + 1) % 3];
-  place[1] = tube > 0.0 ? x[2] : x[(axis + 2) % 3];
-}
-
-/* Radius of the sphere that is as stiff on a plane as one of this radius on the wall. */
-
-double FixWallGranHysteretic::effective_radius(double radius)
-{
-  if (tube == 0.0 || radius == 0.0 || !(radius < tube)) return radius;
-  const auto known = radii_in_tube.find(radius);
-  if (known != radii_in_tube.end()) return known->second;
-  return radii_in_tube[radius] = granwave::elliptic_radius(1.0 / radius, 1.0 / radius - 1.0 / tube);
+  if (tube) return tube->place(atom->x[i], place);
+  place[0] = atom->x[i][(axis + 1) % 3];
+  place[1] = atom->x[i][(axis + 2) % 3];
 }
 
 /* Add a force on the wall to its total: along x, y, z, or outward, around and along a tube. */
 
 void FixWallGranHysteretic::add_to_wall(int i, const double force[3])
 {
-  if (tube == 0.0) {
-    for (int d = 0; d < 3; d++) wall_force[d] += force[d];
-    return;
-  }
-  double normal[3];
-  inward(i, 1, normal);
-  wall_force[0] -= force[0] * normal[0] + force[1] * normal[1];
-  wall_force[1] += force[0] * normal[1] - force[1] * normal[0];
-  wall_force[2] += force[2];
+  double along[3] = {force[0], force[1], force[2]};
+  if (tube) tube->cylindrical(atom->x[i], force, along);
+  for (int d = 0; d < 3; d++) wall_force[d] += along[d];
 }
 
 /* Sum the force on the plane over all processors, bitwise identical on each. */
@@ -247,8 +223,8 @@ void FixWallGranHysteretic::evaluate()
   if (!listed || (support && std::fabs(level(moving) - listed_level) > 0.5 * neighbor->skin)) list_spheres();
   for (const int i : spheres) {
     if (!(atom->mask[i] & groupbit) || radius[i] == 0.0) continue;    // flat faces do not interact with walls
-    const double overlap[2] = {tube > 0.0 ? -INFINITE : at[0] + radius[i] - x[i][axis],
-                               tube > 0.0 ? depth(i, 1) : x[i][axis] + radius[i] - at[1]};
+    const double overlap[2] = {tube ? -INFINITE : at[0] + radius[i] - x[i][axis],
+                               tube ? depth(i, 1) : x[i][axis] + radius[i] - at[1]};
     const double least = ROUNDING * radius[i];
     const bool touches[2] = {!(overlap[0] <= least), !(overlap[1] <= least)};    // also true for NaN
     if (!touches[0] && !touches[1] && !near[i]) continue;
@@ -260,7 +236,7 @@ void FixWallGranHysteretic::evaluate()
       Contact contact{};
       if (touches[side]) {
         contact = compute_normal(i, side, overlap[side], now);
-        if (tube > 0.0) {
+        if (tube) {
           double push[3];
           inward(i, side, push);
           for (int d = 0; d < 2; d++) f[i][d] += push[d] *= contact.force;
@@ -292,7 +268,7 @@ double FixWallGranHysteretic::distance_squared(const double from[2], const doubl
   for (int d = 0; d < 2; d++) {
     const int along = (axis + 1 + d) % 3;
     double distance = to[d] - from[d], period = domain->periodicity[along] ? domain->prd[along] : 0.0;
-    if (tube > 0.0) period = d == 0 ? 2.0 * granwave::PI * tube : domain->periodicity[2] ? domain->prd[2] : 0.0;
+    if (tube) period = d == 0 ? tube->circumference() : domain->periodicity[2] ? domain->prd[2] : 0.0;
     if (period > 0.0) distance -= period * std::round(distance / period);
     sum += distance * distance;
   }
@@ -322,9 +298,9 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
                "it, or the timestep is far too large",
                atom->tag[i], overlap, id, radius);
   }
-  if (tube > 0.0 && !(radius < tube))
+  if (tube && !tube->holds(radius))
     error->one(FLERR, "Fix {} {}: sphere {} of radius {:.6g} does not fit into the tube of radius {:.6g}", STYLE, id,
-               atom->tag[i], radius, tube);
+               atom->tag[i], radius, tube->radius());
   const double effective = effective_radius(radius);
   const ScaledLaw scaled(law, effective);
   double place[2];
@@ -409,65 +385,4 @@ void FixWallGranHysteretic::compute_tangential(int i, int which, double overlap,
     granwave::release(spring);
   }
   state[FRICTION_LOSS] = springs[2 * i].loss + springs[2 * i + 1].loss;
-}
-
-/* ---------------------------------------------------------------------- totals */
-
-void FixWallGranHysteretic::tally()
-{
-  if (tallied == update->ntimestep) return;
-  tallied = update->ntimestep;
-  double mine[N_TOTALS] = {};
-  for (int i = 0; i < atom->nlocal; i++) {
-    const double *state = array_atom[i];
-    if (state[PEAK_OVERLAP] == 0.0) continue;
-    const double radius = atom->radius[i];
-    const ScaledLaw scaled(law, effective_radius(radius));
-    mine[DISSIPATED_SUM] += state[DISSIPATED];
-    mine[FRICTION_LOSS_SUM] += state[FRICTION_LOSS];
-    if (law.entry().yields() && state[TIME_YIELD] >= 0.0) mine[YIELDED] += 1.0;
-    if (law.entry().fitted && state[PEAK_OVERLAP] > 0.2 * radius) mine[BEYOND_LAW] += 1.0;
-    for (int side = 0; side < 2; side++) {
-      const Side &own = sides[2 * i + side];
-      const double overlap = depth(i, side);
-      if (friction > 0.0) mine[TANGENTIAL_STORED] += granwave::tangential_energy(springs[2 * i + side]);
-      if (own.touching == 0.0 || overlap <= 0.0) continue;
-      mine[STORED] += scaled.elastic_energy(overlap, law_history(i, side));
-    }
-  }
-  MPI_Allreduce(mine, totals, N_TOTALS, MPI_DOUBLE, MPI_SUM, world);
-}
-
-double FixWallGranHysteretic::compute_scalar()
-{
-  tally();
-  return totals[STORED];
-}
-
-double FixWallGranHysteretic::compute_vector(int n)
-{
-  if (n < 3) {
-    double sum = 0.0;
-    MPI_Allreduce(&wall_force[n], &sum, 1, MPI_DOUBLE, MPI_SUM, world);
-    return sum;
-  }
-  if (n < 3 + N_TOTALS) {
-    tally();
-    return totals[n - 3];
-  }
-  if (!support) return 0.0;
-  switch (n - 3 - N_TOTALS) {
-    case 0:
-      return support->displacement();
-    case 1:
-      return support->velocity();
-    case 2:
-      return support->energy();
-    case 3:
-      return support->damped();
-    case 4:
-      return support->force_on_ground();
-    default:
-      return support->work();
-  }
 }

@@ -18,9 +18,9 @@
 #include "fix.h"
 #include "../laws/support.h"
 #include "../laws/tangential.h"
+#include "../laws/tube.h"
 
 #include <memory>
-#include <unordered_map>
 #include <vector>
 
 namespace LAMMPS_NS {
@@ -105,7 +105,7 @@ class FixWallGranHysteretic : public Fix {
   double depth(int i, int side) const;
   void inward(int i, int side, double normal[3]) const;
   void place_of(int i, double place[2]) const;
-  double effective_radius(double radius);
+  double effective_radius(double radius) const { return tube ? tube->effective_radius(radius) : radius; }
   void add_to_wall(int i, const double force[3]);
   Contact compute_normal(int i, int side, double overlap, double now);
   void compute_tangential(int i, int side, double overlap, const Contact &);
@@ -122,9 +122,8 @@ class FixWallGranHysteretic : public Fix {
   int n_state() const { return N_REPORTED + 2 * N_SIDE + (friction > 0.0 ? 2 * N_SPRING : 0) + 4 * n_extra(); }
 
   int axis = 2;
-  double tube = 0.0;                                   // radius of the tube; 0: planes
-  std::unordered_map<double, double> radii_in_tube;    // effective radius by radius of the spheres
-  double plane[2];                                     // positions at rest of the lower and upper wall, infinite if absent
+  std::unique_ptr<granwave::Tube> tube;    // in place of planes
+  double plane[2];                         // positions at rest of the lower and upper wall, infinite if absent
   granwave::ContactLaw law;
   double friction = 0.0;
   granwave::TangentialModel tangential_model = granwave::TangentialModel::MINDLIN_RESCALE;

@@ -49,9 +49,9 @@ void FixWallGranHysteretic::list_spheres()
   listed_level = level(moving);
   spheres.clear();
   for (int i = 0; i < atom->nlocal; i++)
-    if (tube > 0.0 ? !(depth(i, 1) < -neighbor->skin)
-                   : (near[i] && atom->mask[i] & groupbit) ||
-                         !(x[i][axis] - radius[i] > reach[0] && x[i][axis] + radius[i] < reach[1]))
+    if (tube ? !(depth(i, 1) < -neighbor->skin)
+             : (near[i] && atom->mask[i] & groupbit) ||
+                   !(x[i][axis] - radius[i] > reach[0] && x[i][axis] + radius[i] < reach[1]))
       spheres.push_back(i);
   listed = true;
 }

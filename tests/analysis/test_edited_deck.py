@@ -74,7 +74,7 @@ def test_script_changed_after_a_run_is_told(by_hand, caplog):
 
 
 def test_directories_without_digests(by_hand):
-    """Those of earlier versions."""
+    """Directories of earlier versions have none."""
     marker = by_hand / ".granwave"
     marker.write_text(marker.read_text().replace('"digests"', '"other"'))
     (by_hand / SCRIPT).write_text("")

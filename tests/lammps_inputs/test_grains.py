@@ -11,7 +11,9 @@ import ase.io
 import numpy as np
 import pytest
 
+from granwave._contact_laws import elliptic_radius
 from granwave.lammps_inputs.case.grains import parse_grains
+from granwave.lammps_inputs.contact.initial_dents import contacts_at_start
 from granwave.lammps_inputs.deck.commands import id_ranges
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import Lattice
@@ -260,3 +262,19 @@ def test_check_tells_the_coordination_found() -> None:
     assert "contacts of a grain    1.33 in the mean; grains with so many: 2 of 1, 1 of 2" in plan_table(
         case, plan(case)
     )
+
+
+def test_dents_of_a_tube_are_where_its_grains_touch() -> None:
+    """Four grains around the axis touch the tube; a fifth, on the axis, does not."""
+    ring = "".join(f"{0.01 * np.cos(a)!r},{0.01 * np.sin(a)!r},0,0.01\n" for a in np.pi / 4 + np.pi / 2 * np.arange(4))
+    text = f"x,y,z,diameter\n{ring}0,0,0.03,0.01\n".replace("np.float64(", "").replace("),", ",")
+    case = case_from_dict(
+        case_of(
+            text, boundary={"bottom": "free", "sides": {"tube": {"radius": 0.015}}}, contact={"initial_overlap": 1e-5}
+        ),
+        "mine",
+    )
+    (near,) = [one for one in contacts_at_start(assemble(case)) if "tube" in one.first]
+    assert near.second.tolist() == [1, 2, 3, 4]
+    assert np.hypot(*near.place.T[:2]) == pytest.approx(np.full(4, 0.015))
+    assert near.effective_radius == pytest.approx(np.full(4, elliptic_radius(200.0, 200.0 - 1 / 0.015)))

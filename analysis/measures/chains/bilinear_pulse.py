@@ -75,7 +75,7 @@ class ShortPulse:
 
     @property
     def decay(self) -> float:
-        """Of the logarithm of the leading peak from contact 1 to 2, which the leading wave rules for every beta."""
+        """Fall of the logarithm of the leading peak from contact 1 to 2, where the leading wave rules for all beta."""
         return float(math.log(self.leading[0] / self.leading[1]))
 
     def profile(self, contact: int) -> Array:

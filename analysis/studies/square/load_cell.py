@@ -74,7 +74,7 @@ class Chain:
 
     @property
     def end(self) -> str:
-        """What is at its end."""
+        """Target at the end of the chain, in words."""
         return "load cell" if self.plain.case.boundary.bottom_support else "rigid wall"
 
 

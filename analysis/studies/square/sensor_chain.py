@@ -19,12 +19,12 @@ from granwave.analysis.studies.study import Picture, Row
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Reflected:
-    """What a lighter sphere sends back.
+    """Wave that a lighter sphere sends back.
 
     Attributes
     ----------
     share
-        Largest of it, per cent of the incident wave.
+        Its largest force, per cent of that of the incident wave.
     mass
         Of the sphere, and of one of the others, kg.
     time, force

@@ -96,17 +96,17 @@ class Sample:
 
     @property
     def delay(self) -> Estimate:
-        """Of the second's peak after the first's, us."""
+        """Delay of the second sensor's peak after the first's, us."""
         return self._estimate([_MICRO * one.delay for one in self.found])
 
     @property
     def excess(self) -> Estimate:
-        """Of the first's peak acceleration over the second's less 1, per cent."""
+        """Peak acceleration of the first sensor over that of the second, less 1, per cent."""
         return self._estimate([100 * one.excess for one in self.found])
 
     @property
     def arrival(self) -> Estimate:
-        """Of the peaks, us."""
+        """Arrival of the peaks, us."""
         return self._estimate([_MICRO * one.arrival for one in self.found])
 
     @property
@@ -133,7 +133,7 @@ def select(runs: Sequence[FinishedRun]) -> list[list[Sample]]:
 
 
 def setting(case: Case) -> str:
-    """What is not ideal in a case, in words; ``ideal`` if nothing is."""
+    """Describe what is not ideal in a case; ``ideal`` if nothing is."""
     parts = []
     if case.packing.diameter_scatter:
         half = _MICRO * case.packing.diameter_scatter / 2

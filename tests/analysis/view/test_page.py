@@ -16,11 +16,13 @@ from PIL import Image
 
 from granwave.analysis import write_result
 from granwave.analysis.result.reader import Result
-from granwave.analysis.view import page
+from granwave.analysis.view import page, scene
 from granwave.analysis.view.fields import LEVELS, fields
 from granwave.analysis.view.instants import instants_of
 from granwave.lammps_inputs.case.figures import Figures
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.workflows.run.driver import run_case
 from tests.helpers import synthetic
 from tests.helpers.chromium import Browser
 
@@ -220,3 +222,17 @@ def picture(browser, folder):
     browser.screenshot(folder / "seen.png", whole=False)
     with Image.open(folder / "seen.png") as image:
         return np.asarray(image.convert("RGB"), dtype=int)
+
+
+def test_a_tube_is_drawn_as_rims_and_lines(tmp_path):
+    grains = [{"ring": {"n": 4, "radius": 0.01, "z": 0.005}, "diameter": 0.008}]
+    tables = {
+        "name": "row", "material": "brass", "packing": {"kind": "chain", "size": 2, "diameter": 0.01}, "grains": grains,
+        "boundary": {"bottom": "free", "sides": {"tube": {"radius": 0.014}}}, "run": {"end_time": 2e-6, "frames": 2},
+    }  # fmt: skip
+    run_case(case_from_dict(tables), tmp_path, figures=False)
+    with Result(tmp_path) as result:
+        lines = [np.asarray(one.vertices) for one in scene._walls(result)]
+    assert len(lines) == 6
+    for line in lines:
+        assert np.hypot(*line.T[:2]) == pytest.approx(np.full(len(line), 14.0), rel=1e-5)
