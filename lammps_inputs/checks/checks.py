@@ -23,7 +23,7 @@ from granwave.lammps_inputs.lattices import KINDS, Lattice, kind_of
 from granwave.lammps_inputs.memory import available_memory
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.bars import BAR, INCIDENT_BAR
-from granwave.lammps_inputs.packing.places import Layout, Places
+from granwave.lammps_inputs.packing.places import Layout, places_of
 from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
 
 if TYPE_CHECKING:
@@ -288,7 +288,7 @@ def _check_load(load: Load | None, packing: PackingSection, boundary: Boundary, 
         return
     lattice: Layout = Lattice(packing.kind, packing.size, packing.diameter, boundary.sides == "periodic")
     if packing.grains is not None:
-        lattice = Places(packing.grains, packing.diameter)
+        lattice = places_of(packing.grains, packing.diameter)
     try:
         struck_spheres(lattice, load.spheres)
     except ValueError as error:

@@ -15,7 +15,7 @@ from granwave.lammps_inputs.case.schema import ErrorList, show
 from granwave.lammps_inputs.case.sections import Boundary, Precompression
 from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.assembly import lattice_of
-from granwave.lammps_inputs.packing.places import Places
+from granwave.lammps_inputs.packing.places import Places, places_of
 from granwave.lammps_inputs.packing.sites import sites_of
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ def check_grains(parts: Mapping[str, Any], packing: PackingSection, errors: Erro
     if boundary is not None and boundary.sides == "periodic":
         errors.add("boundary.sides", 'found "periodic" with packing.kind = "file", expected "free" or "wall"')
     _check_materials(parts, grains, errors)
-    _check_overlaps(Places(grains, packing.diameter), errors)
+    _check_overlaps(places_of(grains, packing.diameter), errors)
     load: Load | None = parts.get("load")
     if load is None:
         return

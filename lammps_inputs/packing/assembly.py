@@ -22,7 +22,7 @@ from granwave.lammps_inputs.case.material import Material, sphere_mass
 from granwave.lammps_inputs.lattices import TOUCHING, Lattice
 from granwave.lammps_inputs.packing.bars import BAR, INCIDENT_BAR, PlacedBar, place_bar
 from granwave.lammps_inputs.packing.disorder import striker_shift
-from granwave.lammps_inputs.packing.places import Layout, Places
+from granwave.lammps_inputs.packing.places import Layout, Places, places_of
 from granwave.lammps_inputs.packing.sites import Sites, sites_of
 from granwave.lammps_inputs.packing.strikers import place_strikers
 from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
@@ -356,7 +356,7 @@ def _assemble(case: Case) -> Assembly:
 def lattice_of(case: Case) -> Layout:
     """Return the lattice of a case, or the places of its grains."""
     if case.packing.grains is not None:
-        return Places(case.packing.grains, case.packing.diameter)
+        return places_of(case.packing.grains, case.packing.diameter)
     return Lattice(case.packing.kind, case.packing.size, case.packing.diameter, case.boundary.sides == "periodic")
 
 

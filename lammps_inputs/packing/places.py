@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterator
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TypeAlias
 
 import numpy as np
@@ -153,3 +153,9 @@ class Places:
 
 
 Layout: TypeAlias = Lattice | Places  # where the spheres of a packing are
+
+
+@lru_cache(maxsize=4)
+def places_of(grains: Grains, diameter: float) -> Places:
+    """Return the places of grains; those of equal grains are the same, so that their contacts are searched once."""
+    return Places(grains, diameter)

@@ -171,10 +171,10 @@ def _return_times(
     def outside(zone: PackingZone, name: str) -> NDArray[np.bool_]:
         return _distance(zone, name) >= (1 - _SAME) * (inner[name] or 0.0)
 
-    at_bound = wave_arrivals(result, [[zone.bounds[name] for name in inner] for zone in zones()])
-    at_border = wave_arrivals(result, [[outside(zone, name) for name in inner] for zone in zones()])
-    found = dict(zip(inner, zip(at_bound, at_border, strict=True), strict=True))
-    return {name: far + max(far - near, 0.0) for name, (far, near) in found.items() if np.isfinite(far)}
+    sets = [[part for name in inner for part in (zone.bounds[name], outside(zone, name))] for zone in zones()]
+    arrivals = wave_arrivals(result, sets)
+    found = zip(inner, arrivals[::2], arrivals[1::2], strict=True)
+    return {name: far + max(far - near, 0.0) for name, far, near in found if np.isfinite(far)}
 
 
 def _at_one_speed(
