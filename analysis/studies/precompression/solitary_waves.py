@@ -32,8 +32,8 @@ def text(waves: Waves) -> str:
     return (
         f"A chain under a static force of {one.static:g} N is struck at {one.velocity:g} to "
         f"{waves[-1].velocity:g} m/s. F_m, with F0 in it, and the speed of its crest are taken around contact "
-        f"{one.middle + 1}. Source: equation 3, a continuum's; theory: the travelling wave of the lattice, which is up "
-        "to 1.2 % faster. In the limits the equation is right: its last factors go to 1 for f_r = F_m/F0 to 1, and "
+        f"{one.middle + 1}. Theory: the travelling wave of the lattice, up to 1.2 % faster than that of equation 3, "
+        "a continuum's. In the limits the equation is right: its last factors go to 1 for f_r = F_m/F0 to 1, and "
         "0.9314 sqrt(8/15) = 0.6802 makes it equation 4 for large f_r."
     )
 
@@ -46,8 +46,9 @@ def rows(waves: Waves) -> Iterator[Row]:
         if wave.ratio < 1 + SMALL:
             remark += " Theory: the crest in the linear chain."
             expected = wave.linear_speed
-        quantity = f"Speed of the wave, F_m/F0 = {wave.ratio:.4g}, impact at {wave.velocity:g} m/s; source: equation 3"
-        yield Row(quantity, "m/s", wave.printed, wave.speed, WHERE, remark, expected)
+        remark = f"Equation 3 gives {wave.printed:.5g} m/s. {remark}".rstrip()
+        quantity = f"Speed of the wave, F_m/F0 = {wave.ratio:.4g}, impact at {wave.velocity:g} m/s"
+        yield Row(quantity, "m/s", None, wave.speed, WHERE, remark, expected)
     first, last = waves[0], waves[-1]
     if first.reduced_velocity < SMALL:
         remark = f"Theory: the linear chain at contact {first.middle + 1}."

@@ -52,8 +52,10 @@ def rows(waves: Waves) -> Iterator[Row]:
         f"Largest force at F0 = {first.static:g} N", "N", None, first.static + first.added, "thesis 4.5",
         "Theory: the uncompressed lattice, 0.7176 (m^3 E*^2 R* v^6)^(1/5), and F0.", height + first.static,
     )  # fmt: skip
-    remark = "" if last.steady else "The crest still spreads: it is slower than a solitary wave."
-    yield Row(f"Speed at F0 = {last.static:g} N", "m/s", last.printed, last.speed, WHERE, remark, last.of_lattice)
+    remark = f"Equation 3 gives {last.printed:.5g} m/s."
+    if not last.steady:
+        remark += " The crest still spreads: it is slower than a solitary wave."
+    yield Row(f"Speed at F0 = {last.static:g} N", "m/s", None, last.speed, WHERE, remark, last.of_lattice)
 
 
 def pictures(waves: Waves) -> Iterator[Picture]:

@@ -108,8 +108,8 @@ def _rows_of_decay(pulse: ShortPulse) -> Iterator[Row]:
     beta, last, model = f"beta {pulse.beta:g}", max(2, pulse.last_of_leading), pulse.model
     number, relative = np.arange(1.0, last + 1), pulse.leading[:last] / pulse.leading[0]
     printed, discrete = (float(np.abs(law(number) / relative - 1).max()) for law in (model.printed, model.discrete))
-    yield Row(f"Decay of the leading peak per contact, contacts 1 to 2, {beta}; source: 4.28 with its constants", "",
-              model.decay, pulse.decay, _WHERE, _BY_CONTACTS, -math.log(model.ratio))  # fmt: skip
+    yield Row(f"Decay of the leading peak per contact, contacts 1 to 2, {beta}", "", None, pulse.decay, _WHERE,
+              f"4.28 with its constants gives {model.decay:.3f}. {_BY_CONTACTS}", -math.log(model.ratio))  # fmt: skip
     yield Row(f"Largest difference of 4.28 from the leading peaks 1 to {last}, {beta}", "", _ERROR_OF_MODEL, printed,
               _WHERE, "'Around 10 %', for beta 0.8 presumably; it starts at the simulated contact 1. Contact by "
               f"contact the difference is {discrete:.1%}.")  # fmt: skip

@@ -16,7 +16,8 @@ from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture, Row
 
 TITLE = "Peak force of elastic pulses"
-TRAIN_LIMIT = 92.7 / 40  # F_peak/A of thesis 4.1.3
+_LOAD, _PEAK = 40.0, 92.7  # N, of thesis 4.1.3
+TRAIN_LIMIT = _PEAK / _LOAD  # F_peak/A
 _CROSSING = IMPULSE_LIMIT / TRAIN_LIMIT
 _CLEAR = 8.0  # times away from the crossing a pulse is counted to a limit
 _FEWEST_PULSES = 4
@@ -48,13 +49,14 @@ def rows(pulses: Sequence[ForcePulse]) -> Iterator[Row]:
     reduced, peak, impulse = columns(pulses, "reduced", "reduced_peak", "impulse")
     short, long = reduced > _CLEAR * _CROSSING, reduced < _CROSSING / _CLEAR
     if short.any():
-        remark = f"Mean of A/I^(6/5) > {_CLEAR * _CROSSING:.2g}. Source: from (4.5); theory: the discrete chain."
-        yield Row("Short pulses: F_peak/I^(6/5), normalised", "", IMPULSE_LIMIT, float(peak[short].mean()), _WHERE,
-                  remark, DISCRETE_LIMIT)  # fmt: skip
+        remark = f"Mean of A/I^(6/5) > {_CLEAR * _CROSSING:.2g}. "
+        remark += f"Theory: the discrete chain; (4.5) gives {IMPULSE_LIMIT:.4f}."
+        yield Row("Short pulses: F_peak/I^(6/5), normalised", "", None, float(peak[short].mean()), _WHERE, remark,
+                  DISCRETE_LIMIT)  # fmt: skip
     if long.any():
-        remark = f"Mean of A/I^(6/5) < {_CROSSING / _CLEAR:.2g}. Source: 92.7 N for 40 N."
+        remark = f"Mean of A/I^(6/5) < {_CROSSING / _CLEAR:.2g}, where the force only sets the scale."
         ours = float((peak[long] / reduced[long]).mean())
-        yield Row("Long pulses: F_peak/A", "", TRAIN_LIMIT, ours, _WHERE, remark)
+        yield Row(f"Long pulses: peak force of one of {_LOAD:g} N", "N", _PEAK, ours * _LOAD, "thesis 4.1.3", remark)
     alike = (reduced[1:] < (1 + ALIKE) * reduced[:-1]) & (np.abs(np.diff(np.log(impulse))) > 1)
     if alike.any():
         spread = float(np.expm1(np.abs(np.diff(np.log(peak)))[alike].max()))
