@@ -149,10 +149,5 @@ def _drive(assembly: Assembly) -> list[str]:
         if bar.name == INCIDENT_BAR:
             group = "driven"
             lines.append(f"group           driven id {bar.far}")
-    shape = {
-        "half-sine": (load.amplitude, load.duration),
-        "rectangle": (load.amplitude, load.duration),
-        "harmonic": (load.amplitude, load.frequency),
-    }.get(load.shape or "", ())
-    words = joined(num(value) for value in shape if value is not None) or LOAD_FILE
+    words = joined(num(value) for value in load.numbers) or LOAD_FILE
     return [*lines, f"fix             load {group} gran/load z {load.kind} {load.shape} {words}"]
