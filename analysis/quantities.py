@@ -156,6 +156,9 @@ ENTRIES = (
     Quantity("holder_fraction", "Share dissipated by friction of the holder",
              "Energy dissipated by beads of a chain that slide in their holder, over the input.",
              short="  in the holder", digits=".5f", phrase="{} of it"),
+    Quantity("absorbed_fraction", "Share taken by absorbing spheres",
+             "Energy that the spheres of [[absorb]] took, over the input.",
+             short="  absorbed", digits=".5f", phrase="{} of it"),
     Quantity("deck_changed", "Files of the deck changed by hand",
              "Values that are taken from case.toml may not be those of the run.", short="deck changed by hand"),
     Quantity("energy_balance_error", "Balance error", digits=".1e", phrase="{} of it"),
@@ -167,6 +170,7 @@ ENTRIES = (
     Quantity("energy_dissipated_plastic_J", "Dissipated by yielding"),
     Quantity("energy_dissipated_friction_J", "Dissipated by friction"),
     Quantity("energy_dissipated_holder_J", "Dissipated by friction of the holder"),
+    Quantity("energy_absorbed_J", "Taken by absorbing spheres"),
     Quantity("energy_bar_J", "Energy of the bar"),
     Quantity("energy_incident_bar_J", "Energy of the incident bar"),
     Quantity("energy_punch_J", "Energy of the punch"),
@@ -301,7 +305,7 @@ def _quantities(*names: str | Quantity) -> tuple[Quantity, ...]:
 
 #: Columns of the tables of results in reports, as far as there are values.
 REPORT_COLUMNS = (
-    "dissipated_fraction", "plastic_fraction", "friction_fraction", "holder_fraction",
+    "dissipated_fraction", "plastic_fraction", "friction_fraction", "holder_fraction", "absorbed_fraction",
     "peak_force_N", "n_plastic_contacts",
     "n_plastic_spheres", "plastic_zone_volume_m3", "plastic_zone_volume_ever_m3", "plastic_zone_depth_m",
     "plastic_zone_radius_m", "zone_depth_90_m", "zone_radius_90_m", "zone_volume_90_m3", "zone_cut",
@@ -317,7 +321,7 @@ FRICTION_SHARES = ("plastic_fraction", "friction_fraction")
 #: Rows at the terminal at the end of a run.
 RUN_ROWS = _quantities(
     "n_spheres", "n_contacts", "n_loaded_contacts", "end_time_s", "end_reason", "timestep_s", "n_steps",
-    "energy_input_J", "dissipated_fraction", *FRICTION_SHARES, "holder_fraction",
+    "energy_input_J", "dissipated_fraction", *FRICTION_SHARES, "holder_fraction", "absorbed_fraction",
     "energy_balance_error", "peak_force_N",
     "n_plastic_contacts", "n_plastic_spheres", "plastic_zone_depth_m", "plastic_zone_radius_m", "wave_speed_m_s",
     "contacts_beyond_law", "wall_peak_force_N", "wall_impulse_Ns", "peak_reduction", "impactor_velocity_m_s",

@@ -158,7 +158,7 @@ def _energies(result: Result) -> Summary:
         return energy / given if given else None
 
     rubbed, plastic = final("friction"), float(result.yield_ledger[-1])
-    holder = final("holder") if "energy/holder" in result else None
+    holder, absorbed = (final(name) if f"energy/{name}" in result else None for name in ("holder", "absorbed"))
     return {
         "energy_input_J": given,
         **{f"energy_{name}_J": final(name) for name in ("kinetic", "elastic", "dissipated", "rotational")},
@@ -166,10 +166,12 @@ def _energies(result: Result) -> Summary:
         "energy_dissipated_plastic_J": plastic,
         "energy_dissipated_friction_J": rubbed,
         "energy_dissipated_holder_J": holder,
+        "energy_absorbed_J": absorbed,
         "dissipated_fraction": share(final("dissipated")),
         "plastic_fraction": share(plastic),
         "friction_fraction": share(rubbed),
         "holder_fraction": None if holder is None else share(holder),
+        "absorbed_fraction": None if absorbed is None else share(absorbed),
         "energy_balance_error": energy_balance_error(result),
     }
 
