@@ -159,6 +159,16 @@ ENTRIES = (
     Quantity("absorbed_fraction", "Share taken by absorbing spheres",
              "Energy that the spheres of [[absorb]] took, over the input.",
              short="  absorbed", digits=".5f", phrase="{} of it"),
+    Quantity("transmission", "Transmission",
+             "Velocity of the last bead before those that absorb over that of the loaded one, amplitudes at the "
+             "frequency of a harmonic load over the last whole periods; null if the motion is not steady within 2 %.",
+             digits=".4g"),
+    Quantity("driven_velocity_m_s", "Velocity of the loaded sphere", "Amplitude at the frequency of a harmonic load.",
+             digits=".4g"),
+    Quantity("unsteady_part", "Unsteady part",
+             "Part of the motion of the loaded and of the last bead that is not a sine of the load's frequency; the "
+             "larger of both.",
+             digits=".2g"),
     Quantity("deck_changed", "Files of the deck changed by hand",
              "Values that are taken from case.toml may not be those of the run.", short="deck changed by hand"),
     Quantity("energy_balance_error", "Balance error", digits=".1e", phrase="{} of it"),
@@ -325,7 +335,7 @@ RUN_ROWS = _quantities(
     "energy_balance_error", "peak_force_N",
     "n_plastic_contacts", "n_plastic_spheres", "plastic_zone_depth_m", "plastic_zone_radius_m", "wave_speed_m_s",
     "contacts_beyond_law", "wall_peak_force_N", "wall_impulse_Ns", "peak_reduction", "impactor_velocity_m_s",
-    "wall_time_s", "sphere_steps_per_s",
+    "transmission", "wall_time_s", "sphere_steps_per_s",
 )  # fmt: skip
 
 #: The same of continuum runs and of contacts of two spheres.

@@ -14,6 +14,7 @@ import numpy as np
 from granwave.analysis.measures.normalised import velocity_normalised
 from granwave.analysis.measures.sensors import sensor_accelerations, sensor_forces, sensor_velocities
 from granwave.analysis.measures.target.record import protection, reached
+from granwave.analysis.measures.transmission import SteadyMotion, transmission_of
 from granwave.analysis.measures.wave_speed import wave_speed_of
 from granwave.analysis.measures.zone.packing import zone_summary
 from granwave.analysis.measures.zone.plastic_zone import HALF_LAW_LIMIT, LAW_LIMIT, PlasticZone, plastic_zone
@@ -77,6 +78,7 @@ def summary_of(result: Result) -> Summary:
         "end_time_s": end_time,
         **_energies(result),
         **_precompression(result),
+        **_transmission(result),
         **_contacts(result),
         **_plasticity(result),
         **zone_summary(result),
@@ -173,6 +175,17 @@ def _energies(result: Result) -> Summary:
         "holder_fraction": None if holder is None else share(holder),
         "absorbed_fraction": None if absorbed is None else share(absorbed),
         "energy_balance_error": energy_balance_error(result),
+    }
+
+
+def _transmission(result: Result) -> Summary:
+    """Return what a chain passes on of a harmonic load."""
+    found = transmission_of(result)
+    steady = found if isinstance(found, SteadyMotion) else None
+    return {
+        "transmission": steady.ratio if steady else None,
+        "driven_velocity_m_s": float(abs(steady.velocity[steady.first - 1])) if steady else None,
+        "unsteady_part": float(steady.left[[steady.first - 1, steady.last - 1]].max()) if steady else None,
     }
 
 

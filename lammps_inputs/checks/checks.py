@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
 
 _LOG = logging.getLogger("granwave")
+_STEPS_IN_A_PERIOD = 10  # at least
 _OVERLAP = 1e-6  # diameters; largest overlap of a striker with the bottom, for rounding
 _LONGEST_ELEMENT = 10  # length of an element of a bar, in bead diameters
 _MEMORY_OF_SITE = 40.0  # bytes a site; measured 34 to 68 for 1e7 spheres
@@ -46,6 +47,7 @@ def check_together(parts: Mapping[str, Any], errors: ErrorList) -> None:
     check_contacts(parts, errors)
     if run is not None:
         _check_times(run, output, errors)
+        _check_resolution(parts.get("load"), run, errors)
     if packing is None or not _size_fits(packing, errors) or not _fits_into_memory(packing, parts, errors):
         return
     n_spheres = math.prod(packing.size)
@@ -271,6 +273,20 @@ def _boundary_fits(packing: PackingSection, boundary: Boundary, errors: ErrorLis
         elif ny % rule.row_period:
             errors.add("packing.size", f"found {ny} rows, expected an even number for periodic {packing.kind} layers")
     return len(errors.lines) == before
+
+
+def _check_resolution(load: Load | None, run: Run, errors: ErrorList) -> None:
+    """Check that a fixed timestep resolves the oscillation of the load."""
+    if load is None or not load.driven or not load.oscillates or isinstance(run.timestep, str):
+        return
+    key = "last_frequency" if load.last_frequency and load.last_frequency > (load.frequency or 0.0) else "frequency"
+    highest, most = load.frequencies[1], 1 / (_STEPS_IN_A_PERIOD * run.timestep)
+    if highest > most:
+        errors.add(
+            f"load.{key}",
+            f"found {highest:g} Hz, expected at most {most:.4g} Hz, {_STEPS_IN_A_PERIOD} timesteps of {run.timestep:g} s a "
+            'period; make run.timestep shorter, or "auto"',
+        )
 
 
 def _check_holder(parts: Mapping[str, Any], packing: PackingSection, boundary: Boundary, errors: ErrorList) -> None:
