@@ -27,6 +27,7 @@ LEAST_PER_PERIOD = 6  # recorded instants in the shortest period
 STEADY = 0.02  # part of the motion that a steady fit may leave
 _LEAST_PERIODS = 3
 _HEARD = 0.05  # of the largest value of the spectrum, below which a frequency does not count
+_FADING = 0.1  # part of the record, its end, that is tapered
 _AVERAGED = 9  # frequencies over which spectra of noise are averaged
 
 
@@ -114,7 +115,7 @@ def steady_amplitudes(time: Array, signals: Array, frequency: float) -> tuple[ND
 
 
 def transfer(time: Array, drive: Array, answer: Array, *, averaged: int = 1) -> tuple[Array, NDArray[np.complex128]]:
-    """Ratio of the spectra of two signals, where that of the first is not weak.
+    """Ratio of the spectra of two signals, where that of the first is not weak; both are tapered at their end.
 
     Parameters
     ----------
@@ -128,7 +129,10 @@ def transfer(time: Array, drive: Array, answer: Array, *, averaged: int = 1) -> 
     tuple
         Frequencies, Hz, and complex ratios, both (n,).
     """
-    one, two = (np.fft.rfft(signal) for signal in (drive, answer))
+    taper = np.ones(len(time))
+    fading = max(1, int(_FADING * len(time)))
+    taper[-fading:] = np.cos(np.linspace(0, np.pi / 2, fading)) ** 2
+    one, two = (np.fft.rfft(signal * taper) for signal in (drive, answer))
     frequency = np.fft.rfftfreq(len(time), (time[-1] - time[0]) / (len(time) - 1))
     window = np.ones(averaged) / averaged
     cross, power = (np.convolve(values, window, mode="same") for values in (two * one.conj(), np.abs(one) ** 2))

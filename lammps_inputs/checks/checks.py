@@ -284,8 +284,8 @@ def _check_resolution(load: Load | None, run: Run, errors: ErrorList) -> None:
     if highest > most:
         errors.add(
             f"load.{key}",
-            f"found {highest:g} Hz, expected at most {most:.4g} Hz, {_STEPS_IN_A_PERIOD} timesteps of {run.timestep:g} s a "
-            'period; make run.timestep shorter, or "auto"',
+            f"found {highest:g} Hz, expected at most {most:.4g} Hz, a period of {_STEPS_IN_A_PERIOD} timesteps of "
+            f'{run.timestep:g} s; make run.timestep shorter, or "auto"',
         )
 
 

@@ -10,6 +10,8 @@ from granwave.analysis.figures.style import BLUE, GREY, Drawing
 from granwave.analysis.measures.transmission import SteadyMotion, transmission_of
 from granwave.analysis.result.reader import Result
 
+_WIDE = 0.05  # smallest over largest ratio below which the axis is logarithmic
+
 
 def transmission(result: Result) -> Drawing | None:
     """Draw the amplitudes along a chain under a harmonic load, or the transmission of a burst, a sweep or noise."""
@@ -27,8 +29,13 @@ def transmission(result: Result) -> Drawing | None:
         axes.xaxis.set_major_locator(MaxNLocator(integer=True))
         columns = {"bead": bead, "velocity_amplitude_m_s": size, "phase_rad": np.angle(found.velocity)}
         return Drawing(figure, columns | {"left_by_fit": found.left})
-    axes.semilogy(found.frequency * 1e-3, np.abs(found.ratio), color=BLUE, linewidth=0.8)
+    ratio = np.abs(found.ratio)
+    axes.plot(found.frequency * 1e-3, ratio, color=BLUE, linewidth=0.8)
     label(axes, "Frequency (kHz)", f"Velocity of bead {found.last} over that of {found.first}")
     axes.axhline(1.0, color=GREY, linewidth=0.6)
+    if ratio.min() < _WIDE * ratio.max():
+        axes.set_yscale("log")
+    else:
+        axes.set_ylim(0, None)
     columns = {"frequency_Hz": found.frequency, "ratio": np.abs(found.ratio), "phase_rad": np.angle(found.ratio)}
     return Drawing(figure, columns)
