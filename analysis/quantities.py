@@ -165,6 +165,9 @@ ENTRIES = (
              digits=".4g"),
     Quantity("driven_velocity_m_s", "Velocity of the loaded sphere", "Amplitude at the frequency of a harmonic load.",
              digits=".4g"),
+    Quantity("amplitude_hysteresis", "Hysteresis of amplitude",
+             "Largest difference of the last bead's velocity between rising and falling amplitude of a load, over its "
+             "largest; 0 where the row has one state at every amplitude.", digits=".2g"),
     Quantity("unsteady_part", "Unsteady part",
              "Part of the motion of the loaded and of the last bead that is not a sine of the load's frequency; the "
              "larger of both.",

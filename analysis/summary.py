@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from granwave.analysis.measures.amplitude_sweep import amplitude_sweep_of
 from granwave.analysis.measures.normalised import velocity_normalised
 from granwave.analysis.measures.sensors import sensor_accelerations, sensor_forces, sensor_velocities
 from granwave.analysis.measures.target.record import protection, reached
@@ -179,12 +180,14 @@ def _energies(result: Result) -> Summary:
 
 
 def _transmission(result: Result) -> Summary:
-    """Return what a chain passes on of a harmonic load."""
+    """Return what a chain passes on of a load that oscillates."""
     found = transmission_of(result)
+    swept = amplitude_sweep_of(result)
     steady = found if isinstance(found, SteadyMotion) else None
     return {
         "transmission": steady.ratio if steady else None,
         "driven_velocity_m_s": float(abs(steady.velocity[steady.first - 1])) if steady else None,
+        "amplitude_hysteresis": None if swept is None else swept.apart,
         "unsteady_part": float(steady.left[[steady.first - 1, steady.last - 1]].max()) if steady else None,
     }
 

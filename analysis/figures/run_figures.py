@@ -110,6 +110,7 @@ FIGURES: dict[str, RunFigure] = {
         "Amplitude along the row, or transmission against frequency, of a load that oscillates",
         transmission.transmission,
     ),
+    "amplitude_sweep": RunFigure("Answer of the row against the amplitude of its load", transmission.amplitude_sweep),
     "bars": RunFigure("Bars: contact force and energy", chain.bars),
     "sensors": RunFigure("Sensors", chain.sensors),
     "accelerations": RunFigure("Accelerations of the sensors", histories.sensors),

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.case.load import Load
-from granwave.lammps_inputs.packing.absorbing import absorbing_ids
+from granwave.lammps_inputs.contact.absorbing import absorbing_ids
 from granwave.lammps_inputs.packing.assembly import struck_of
 
 Array = NDArray[np.float64]
@@ -150,6 +150,8 @@ def transmission_of(result: Result) -> SteadyMotion | Spectrum | None:
     if len(time) < 2 or not sampled(load, float(time[-1] - time[0]) / (len(time) - 1)):
         return None
     first, last = ends_of(result)
+    if load.shape == "up-and-down":
+        return None
     if load.shape == "harmonic":
         fit = steady_amplitudes(time, velocity, load.frequencies[1])
         return None if fit is None else SteadyMotion(load.frequencies[1], *fit, first, last)

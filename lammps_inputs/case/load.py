@@ -12,6 +12,7 @@ Time functions of forces and displacements, with amplitude A, duration T and fre
     rectangle      A up to T (thesis 4.2)
     harmonic       A sin(2 pi f t), risen over a ramp R by sin^2(pi t / 2R) if there is one
     burst          A sin^2(pi t / T) sin(2 pi f t) up to T = n/f: n cycles under a window (Hann)
+    up-and-down    A (1 - |2t/T - 1|) sin(2 pi f t) up to T
     sweep          A sin(2 pi (f t + (f_last - f) t^2 / 2T)) up to T, with a ramp at either end
     noise          sines at all multiples of 1/T from f to f_last, alike in size, of random phase, with the root mean
                    square A; up to T, with a ramp at either end
@@ -60,12 +61,13 @@ Array = NDArray[np.float64]
 
 DEFAULT_VELOCITY = 5.0  # m/s
 _KINDS = ("impact", "striker", "force", "displacement", "grains")
-_SHAPES = ("half-sine", "rectangle", "harmonic", "burst", "sweep", "noise", "table")
+_SHAPES = ("half-sine", "rectangle", "harmonic", "burst", "up-and-down", "sweep", "noise", "table")
 _NEEDS: dict[str, tuple[str, ...]] = {
     "half-sine": ("amplitude", "duration"),
     "rectangle": ("amplitude", "duration"),
     "harmonic": ("amplitude", "frequency"),
     "burst": ("amplitude", "frequency", "cycles"),
+    "up-and-down": ("amplitude", "frequency", "duration"),
     "sweep": ("amplitude", "frequency", "last_frequency", "duration"),
     "noise": ("amplitude", "frequency", "last_frequency", "duration"),
     "table": ("table",),
@@ -83,7 +85,7 @@ _OF_KIND = {
     "displacement": ("kind", "spheres", "index", *_OF_SHAPES),
     "grains": ("kind",),
 }
-_OF_DISPLACEMENT = ("harmonic", "burst", "sweep", "noise", "table")
+_OF_DISPLACEMENT = ("harmonic", "burst", "up-and-down", "sweep", "noise", "table")
 _TABLE_FORM = "rows [time in s, value], at least two, times rising from 0 on"
 
 
@@ -129,8 +131,8 @@ class Load:
     index: tuple[int, ...] | None = custom(
         "ids of the struck spheres, instead of those at the centre of the top layer", parse_index, default=None
     )
-    shape: Literal["half-sine", "rectangle", "harmonic", "burst", "sweep", "noise", "table"] | None = choice(
-        "shape of the force or displacement in time", _SHAPES, default=None
+    shape: Literal["half-sine", "rectangle", "harmonic", "burst", "up-and-down", "sweep", "noise", "table"] | None = (
+        choice("shape of the force or displacement in time", _SHAPES, default=None)
     )
     amplitude: float | None = number(
         "amplitude of the force on all struck spheres together, along +z; of a displacement, in m; "
@@ -140,7 +142,11 @@ class Load:
         default=None,
     )
     duration: float | None = number(
-        "duration of a half-sine, a rectangle, a sweep or noise", unit="s", above=0, default=None, usual=TIME
+        "duration of a half-sine, a rectangle, a rise and fall of the amplitude, a sweep or noise",
+        unit="s",
+        above=0,
+        default=None,
+        usual=TIME,
     )
     frequency: float | None = number(
         "frequency of a harmonic load or a burst, first frequency of a sweep, lowest of noise",
@@ -207,7 +213,7 @@ class Load:
     @property
     def oscillates(self) -> bool:
         """True for a load of given frequencies."""
-        return self.shape in ("harmonic", "burst", "sweep", "noise")
+        return self.shape in ("harmonic", "burst", "up-and-down", "sweep", "noise")
 
     @property
     def frequencies(self) -> tuple[float, float]:
@@ -230,6 +236,7 @@ class Load:
             "rectangle": (self.amplitude, self.duration),
             "harmonic": (self.amplitude, self.frequency, self.rise or None),
             "burst": (self.amplitude, self.frequency, self.cycles),
+            "up-and-down": (self.amplitude, self.frequency, self.duration),
             "sweep": (self.amplitude, self.frequency, self.last_frequency, self.duration, self.rise),
             "noise": (
                 self.amplitude, self.frequency, self.last_frequency, self.duration, self.rise,

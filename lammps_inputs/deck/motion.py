@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from granwave.lammps_inputs.contact.absorbing import absorbing_ids, impedance_of, rise_of
 from granwave.lammps_inputs.deck.commands import id_ranges, joined, num
-from granwave.lammps_inputs.packing.absorbing import absorbing_ids, impedance_of, rise_of
 from granwave.lammps_inputs.packing.assembly import Assembly, own_velocities, struck_of
 from granwave.lammps_inputs.packing.bars import INCIDENT_BAR
 from granwave.lammps_inputs.packing.walls import walls

@@ -10,6 +10,7 @@
 
      ramped       A w sin(2 pi f t)                                from t = 0 on
      burst        A sin^2(pi t/T) sin(2 pi f t)                    0 <= t <= T = n/f, else 0
+     up-and-down  A (1 - |2t/T - 1|) sin(2 pi f t)                 0 <= t <= T, else 0
      sweep        A w sin(2 pi (f0 t + (f1 - f0) t^2/2T))          0 <= t <= T, else 0
      noise        A w sqrt(2/N) sum sin(2 pi f_k t + phase_k)      0 <= t <= T, else 0
                   f_k the N multiples of 1/T from f0 to f1, phases from a generator of random numbers  */
@@ -31,7 +32,7 @@ namespace granwave {
 
 class SmoothForm {
  public:
-  enum class Form { ramped, burst, sweep, noise };
+  enum class Form { ramped, burst, up_and_down, sweep, noise };
 
   static SmoothForm ramped(double amplitude, double frequency, double ramp)
   {
@@ -40,6 +41,10 @@ class SmoothForm {
   static SmoothForm burst(double amplitude, double frequency, double cycles)
   {
     return {Form::burst, amplitude, frequency, frequency, cycles / frequency, 0.0};
+  }
+  static SmoothForm up_and_down(double amplitude, double frequency, double duration)
+  {
+    return {Form::up_and_down, amplitude, frequency, frequency, duration, 0.0};
   }
   static SmoothForm sweep(double amplitude, double first, double last, double duration, double ramp)
   {
@@ -106,12 +111,14 @@ class SmoothForm {
   {
     if (form_ == Form::burst) return squared_sine(PI_ * t / duration_);
     const double since = near_end(t);
+    if (form_ == Form::up_and_down) return 2.0 * since / duration_;
     return since < ramp_ ? squared_sine(0.5 * PI_ * since / ramp_) : 1.0;
   }
   double window_slope(double t) const
   {
     if (form_ == Form::burst) return PI_ / duration_ * std::sin(2.0 * PI_ * t / duration_);
     const double since = near_end(t);
+    if (form_ == Form::up_and_down) return (since < t ? -2.0 : 2.0) / duration_;
     if (since >= ramp_) return 0.0;
     return (since < t ? -0.5 : 0.5) * PI_ / ramp_ * std::sin(PI_ * since / ramp_);
   }
@@ -180,6 +187,7 @@ class LoadShape {
     if (form == "harmonic" && is.size() == 2) return {Form::harmonic, is[0], 1.0 / is[1]};
     if (form == "harmonic") return SmoothForm::ramped(is.at(0), is.at(1), is.at(2));
     if (form == "burst") return SmoothForm::burst(is.at(0), is.at(1), is.at(2));
+    if (form == "up-and-down") return SmoothForm::up_and_down(is.at(0), is.at(1), is.at(2));
     if (form == "sweep") return SmoothForm::sweep(is.at(0), is.at(1), is.at(2), is.at(3), is.at(4));
     if (form != "noise") throw std::invalid_argument("no shape of a load is called " + form);
     return SmoothForm::noise(is.at(0), is.at(1), is.at(2), is.at(3), is.at(4), static_cast<std::uint64_t>(is.at(5)));

@@ -29,7 +29,7 @@ namespace {
 constexpr int RESTART_FORMAT = 1;
 constexpr const char *USAGE =
     "expected x|y|z, then force half-sine|rectangle AMPLITUDE DURATION, or force|displacement and one of harmonic AMPLITUDE "
-    "FREQUENCY [RAMP], burst AMPLITUDE FREQUENCY CYCLES, sweep AMPLITUDE FIRST LAST DURATION RAMP, noise AMPLITUDE FIRST LAST "
+    "FREQUENCY [RAMP], burst AMPLITUDE FREQUENCY CYCLES, up-and-down AMPLITUDE FREQUENCY DURATION, sweep AMPLITUDE FIRST LAST DURATION RAMP, noise AMPLITUDE FIRST LAST "
     "DURATION RAMP SEED, table FILE";
 
 /* Numbers of a shape: their names, and how many may be left out. */
@@ -43,6 +43,7 @@ const std::map<std::string, Words> SHAPES = {
     {"rectangle", {{"amplitude", "duration"}}},
     {"harmonic", {{"amplitude", "frequency", "ramp"}, 1}},
     {"burst", {{"amplitude", "frequency", "number of cycles"}}},
+    {"up-and-down", {{"amplitude", "frequency", "duration"}}},
     {"sweep", {{"amplitude", "first frequency", "last frequency", "duration", "ramp"}}},
     {"noise", {{"amplitude", "first frequency", "last frequency", "duration", "ramp", "seed"}}},
     {"table", {{"file"}}},

@@ -4,6 +4,7 @@
    fix ID group gran/load x|y|z force half-sine|rectangle AMPLITUDE DURATION
    fix ID group gran/load x|y|z force|displacement harmonic AMPLITUDE FREQUENCY [RAMP]
    fix ID group gran/load x|y|z force|displacement burst AMPLITUDE FREQUENCY CYCLES
+   fix ID group gran/load x|y|z force|displacement up-and-down AMPLITUDE FREQUENCY DURATION
    fix ID group gran/load x|y|z force|displacement sweep AMPLITUDE FIRST LAST DURATION RAMP
    fix ID group gran/load x|y|z force|displacement noise AMPLITUDE FIRST LAST DURATION RAMP SEED
    fix ID group gran/load x|y|z force|displacement table FILE

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from granwave.analysis.measures.amplitude_sweep import AmplitudeSweep, amplitude_sweep_of, fitted_amplitudes
 from granwave.analysis.measures.transmission import steady_amplitudes, transfer, transmission_of
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.contact.static_load import static_stiffness
@@ -133,3 +134,39 @@ def test_wrong_loads_and_layers_are_refused(changes, says):
 def test_no_impedance_matches_a_row_without_static_force():
     with pytest.raises(InputError, match="no impedance of long waves"):
         load_case("elastic-impact", {"absorb": [{"layers": 1, "impedance": "matched"}]})
+
+
+def test_amplitudes_at_multiples_of_a_frequency():
+    time = np.arange(801) * 1e-6  # eight periods
+    angle = 2 * np.pi * 1e4 * time
+    signals = np.stack(
+        [3 * np.sin(angle) + 0.5 * np.cos(2 * angle + 1) + 0.2 * np.sin(angle / 2), 7 + 0 * time], axis=1
+    )
+    assert fitted_amplitudes(time, signals, 1e4) == pytest.approx(
+        np.array([[3, 0.5, 0, 0.2], [0, 0, 0, 0]]).T, abs=1e-12
+    )
+
+
+def test_branches_of_rising_and_falling_amplitude():
+    load = np.array([1.0, 2.0, 3.0, 2.5, 1.5, 0.5])
+    rising = np.array([True, True, True, False, False, False])
+    alike = AmplitudeSweep(load, rising, np.tile(load, (4, 1)), np.tile(load, (4, 1)))
+    assert alike.apart == pytest.approx(0, abs=1e-12)
+    two = AmplitudeSweep(load, rising, np.tile(load, (4, 1)), np.tile(load + 2.0 * ~rising, (4, 1)))
+    assert two.apart == pytest.approx(2 / 4.5, rel=0.1)
+
+
+def test_amplitude_of_a_driven_row_rises_and_falls(tmp_path):
+    """A light load: the row answers in proportion, with one state; the share of the second harmonic rises with the load."""
+    load = {"kind": "displacement", "shape": "up-and-down", "amplitude": 4e-8, "frequency": 8e3, "duration": 8e-3}
+    changes = {"packing.size": 20, "load": load, "absorb": [{"layers": 14, "rate": 5e4}], "run.end_time": 8.2e-3}
+    outcome = run_case(load_case("driven-row", changes), tmp_path / "run", figures=False)
+    with Result(tmp_path / "run") as result:
+        found = amplitude_sweep_of(result)
+    assert found is not None and len(found.load) == 8 and found.rising.sum() == 4
+    assert found.first[0] == pytest.approx(2 * np.pi * 8e3 * found.load, rel=1e-2)
+    inner = slice(1, 7)
+    assert found.last[0][inner] == pytest.approx(found.first[0][inner], rel=0.1)
+    assert outcome.summary["amplitude_hysteresis"] == pytest.approx(found.apart) and found.apart < 0.15
+    share = found.last[1] / found.last[0]
+    assert share[3] > 1.5 * share[1] and share.max() < 0.2

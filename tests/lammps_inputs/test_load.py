@@ -40,6 +40,7 @@ def balance(lmp) -> float:
 SMOOTH = {
     "harmonic": f"harmonic {A} 2e5 2e-5",
     "burst": f"burst {A} 2e5 4",
+    "up-and-down": f"up-and-down {A} 2e5 3e-5",
     "sweep": f"sweep {A} 1e5 4e5 3e-5 6e-6",
     "noise": f"noise {A} 1e5 6e5 3e-5 6e-6 7",
 }
@@ -54,6 +55,8 @@ def smooth_force(shape: str, time):
     if shape == "burst":
         return np.where(at < 2e-5, A * np.sin(np.pi * at / 2e-5) ** 2 * np.sin(2 * np.pi * 2e5 * at), 0.0)
     inside = at < 3e-5
+    if shape == "up-and-down":
+        return np.where(inside, A * (1 - np.abs(2 * at / 3e-5 - 1)) * np.sin(2 * np.pi * 2e5 * at), 0.0)
     window = rise(at, 6e-6) * rise(3e-5 - at, 6e-6)
     if shape == "sweep":
         return np.where(inside, A * window * np.sin(2 * np.pi * (1e5 * at + 3e5 * at**2 / 6e-5)), 0.0)

@@ -1,4 +1,4 @@
-"""Figure of what a row passes on of a load that oscillates: amplitudes along it, or transmission against frequency."""
+"""Figures of what a row passes on of a load that oscillates: along it, against frequency, and against amplitude."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator
 
 from granwave.analysis.figures.series import label, panels
-from granwave.analysis.figures.style import BLUE, GREY, Drawing
+from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, Drawing, legend_above
+from granwave.analysis.measures.amplitude_sweep import MULTIPLES, amplitude_sweep_of
 from granwave.analysis.measures.transmission import SteadyMotion, transmission_of
 from granwave.analysis.result.reader import Result
 
@@ -38,4 +39,27 @@ def transmission(result: Result) -> Drawing | None:
     else:
         axes.set_ylim(0, None)
     columns = {"frequency_Hz": found.frequency, "ratio": np.abs(found.ratio), "phase_rad": np.angle(found.ratio)}
+    return Drawing(figure, columns)
+
+
+def amplitude_sweep(result: Result) -> Drawing | None:
+    """Draw the velocity of the last bead against the amplitude of the load, rising and falling."""
+    found = amplitude_sweep_of(result)
+    if found is None:
+        return None
+    scale, unit = (1.0, "N") if result.case.load.kind == "force" else (1e6, "µm")
+    names = ("load's frequency", "twice", "three times", "half of it")
+    figure, axes = panels(2.9)
+    columns = {"load": found.load, "rising": found.rising.astype(int)}
+    for number, (name, colour) in enumerate(zip(names, (BLUE, ORANGE, GREEN, PURPLE), strict=True)):
+        for chosen, line in ((found.rising, "-"), (~found.rising, "--")):
+            size = found.last[number][chosen]
+            label_of = name if line == "-" else None
+            axes.plot(found.load[chosen] * scale, size, line, color=colour, linewidth=0.9, label=label_of)
+        columns[f"last_at_{MULTIPLES[number]:g}_f_m_s"] = found.last[number]
+        columns[f"first_at_{MULTIPLES[number]:g}_f_m_s"] = found.first[number]
+    label(axes, f"Amplitude of the load ({unit}), dashed: falling", "Velocity of the last bead (m/s)")
+    axes.set_xlim(0, None)
+    axes.set_yscale("log")
+    legend_above(axes, 2)
     return Drawing(figure, columns)
