@@ -156,6 +156,22 @@ ENTRIES = (
     Quantity("holder_fraction", "Share dissipated by friction of the holder",
              "Energy dissipated by beads of a chain that slide in their holder, over the input.",
              short="  in the holder", digits=".5f", phrase="{} of it"),
+    Quantity("absorbed_fraction", "Share taken by absorbing spheres",
+             "Energy that the spheres of [[absorb]] took, over the input.",
+             short="  absorbed", digits=".5f", phrase="{} of it"),
+    Quantity("transmission", "Transmission",
+             "Velocity of the last bead before those that absorb over that of the loaded one, amplitudes at the "
+             "frequency of a harmonic load over the last whole periods; null if the motion is not steady within 2 %.",
+             digits=".4g"),
+    Quantity("driven_velocity_m_s", "Velocity of the loaded sphere", "Amplitude at the frequency of a harmonic load.",
+             digits=".4g"),
+    Quantity("amplitude_hysteresis", "Hysteresis of amplitude",
+             "Largest difference of the last bead's velocity between rising and falling amplitude of a load, over its "
+             "largest; 0 where the row has one state at every amplitude.", digits=".2g"),
+    Quantity("unsteady_part", "Unsteady part",
+             "Part of the motion of the loaded and of the last bead that is not a sine of the load's frequency; the "
+             "larger of both.",
+             digits=".2g"),
     Quantity("deck_changed", "Files of the deck changed by hand",
              "Values that are taken from case.toml may not be those of the run.", short="deck changed by hand"),
     Quantity("energy_balance_error", "Balance error", digits=".1e", phrase="{} of it"),
@@ -167,6 +183,7 @@ ENTRIES = (
     Quantity("energy_dissipated_plastic_J", "Dissipated by yielding"),
     Quantity("energy_dissipated_friction_J", "Dissipated by friction"),
     Quantity("energy_dissipated_holder_J", "Dissipated by friction of the holder"),
+    Quantity("energy_absorbed_J", "Taken by absorbing spheres"),
     Quantity("energy_bar_J", "Energy of the bar"),
     Quantity("energy_incident_bar_J", "Energy of the incident bar"),
     Quantity("energy_punch_J", "Energy of the punch"),
@@ -301,7 +318,7 @@ def _quantities(*names: str | Quantity) -> tuple[Quantity, ...]:
 
 #: Columns of the tables of results in reports, as far as there are values.
 REPORT_COLUMNS = (
-    "dissipated_fraction", "plastic_fraction", "friction_fraction", "holder_fraction",
+    "dissipated_fraction", "plastic_fraction", "friction_fraction", "holder_fraction", "absorbed_fraction",
     "peak_force_N", "n_plastic_contacts",
     "n_plastic_spheres", "plastic_zone_volume_m3", "plastic_zone_volume_ever_m3", "plastic_zone_depth_m",
     "plastic_zone_radius_m", "zone_depth_90_m", "zone_radius_90_m", "zone_volume_90_m3", "zone_cut",
@@ -317,11 +334,11 @@ FRICTION_SHARES = ("plastic_fraction", "friction_fraction")
 #: Rows at the terminal at the end of a run.
 RUN_ROWS = _quantities(
     "n_spheres", "n_contacts", "n_loaded_contacts", "end_time_s", "end_reason", "timestep_s", "n_steps",
-    "energy_input_J", "dissipated_fraction", *FRICTION_SHARES, "holder_fraction",
+    "energy_input_J", "dissipated_fraction", *FRICTION_SHARES, "holder_fraction", "absorbed_fraction",
     "energy_balance_error", "peak_force_N",
     "n_plastic_contacts", "n_plastic_spheres", "plastic_zone_depth_m", "plastic_zone_radius_m", "wave_speed_m_s",
     "contacts_beyond_law", "wall_peak_force_N", "wall_impulse_Ns", "peak_reduction", "impactor_velocity_m_s",
-    "wall_time_s", "sphere_steps_per_s",
+    "transmission", "wall_time_s", "sphere_steps_per_s",
 )  # fmt: skip
 
 #: The same of continuum runs and of contacts of two spheres.

@@ -36,6 +36,7 @@ NOTES = {
     "energy_dissipated_plastic_J": "Part of the dissipated energy.",
     "energy_dissipated_friction_J": "Part of the dissipated energy.",
     "energy_dissipated_holder_J": "Part of the dissipated energy.",
+    "energy_absorbed_J": "Part of the dissipated energy.",
     "energy_bar_J": "At the end, kinetic and elastic.",
     "energy_incident_bar_J": "At the end, kinetic and elastic.",
     "energy_punch_J": "At the end: what is left of the punch's kinetic energy.",

@@ -11,9 +11,11 @@ from typing import Any
 
 import numpy as np
 
+from granwave.analysis.measures.amplitude_sweep import amplitude_sweep_of
 from granwave.analysis.measures.normalised import velocity_normalised
 from granwave.analysis.measures.sensors import sensor_accelerations, sensor_forces, sensor_velocities
 from granwave.analysis.measures.target.record import protection, reached
+from granwave.analysis.measures.transmission import SteadyMotion, transmission_of
 from granwave.analysis.measures.wave_speed import wave_speed_of
 from granwave.analysis.measures.zone.packing import zone_summary
 from granwave.analysis.measures.zone.plastic_zone import HALF_LAW_LIMIT, LAW_LIMIT, PlasticZone, plastic_zone
@@ -77,6 +79,7 @@ def summary_of(result: Result) -> Summary:
         "end_time_s": end_time,
         **_energies(result),
         **_precompression(result),
+        **_transmission(result),
         **_contacts(result),
         **_plasticity(result),
         **zone_summary(result),
@@ -158,7 +161,7 @@ def _energies(result: Result) -> Summary:
         return energy / given if given else None
 
     rubbed, plastic = final("friction"), float(result.yield_ledger[-1])
-    holder = final("holder") if "energy/holder" in result else None
+    holder, absorbed = (final(name) if f"energy/{name}" in result else None for name in ("holder", "absorbed"))
     return {
         "energy_input_J": given,
         **{f"energy_{name}_J": final(name) for name in ("kinetic", "elastic", "dissipated", "rotational")},
@@ -166,11 +169,26 @@ def _energies(result: Result) -> Summary:
         "energy_dissipated_plastic_J": plastic,
         "energy_dissipated_friction_J": rubbed,
         "energy_dissipated_holder_J": holder,
+        "energy_absorbed_J": absorbed,
         "dissipated_fraction": share(final("dissipated")),
         "plastic_fraction": share(plastic),
         "friction_fraction": share(rubbed),
         "holder_fraction": None if holder is None else share(holder),
+        "absorbed_fraction": None if absorbed is None else share(absorbed),
         "energy_balance_error": energy_balance_error(result),
+    }
+
+
+def _transmission(result: Result) -> Summary:
+    """Return what a chain passes on of a load that oscillates."""
+    found = transmission_of(result)
+    swept = amplitude_sweep_of(result)
+    steady = found if isinstance(found, SteadyMotion) else None
+    return {
+        "transmission": steady.ratio if steady else None,
+        "driven_velocity_m_s": float(abs(steady.velocity[steady.first - 1])) if steady else None,
+        "amplitude_hysteresis": None if swept is None else swept.apart,
+        "unsteady_part": float(steady.left[[steady.first - 1, steady.last - 1]].max()) if steady else None,
     }
 
 

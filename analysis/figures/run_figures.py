@@ -17,6 +17,7 @@ from granwave.analysis.figures.run import (
     sections,
     target,
     timestep,
+    transmission,
     zone,
 )
 from granwave.analysis.figures.side_by_side import Helpers
@@ -105,6 +106,11 @@ FIGURES: dict[str, RunFigure] = {
     "force_histories": RunFigure("Forces of single contacts", chain.force_histories),
     "along_chain": RunFigure("Peak force and dissipation along the chain", chain.along_chain),
     "bead_velocities": RunFigure("Velocities along the chain", chain.bead_velocities),
+    "transmission": RunFigure(
+        "Amplitude along the row, or transmission against frequency, of a load that oscillates",
+        transmission.transmission,
+    ),
+    "amplitude_sweep": RunFigure("Answer of the row against the amplitude of its load", transmission.amplitude_sweep),
     "bars": RunFigure("Bars: contact force and energy", chain.bars),
     "sensors": RunFigure("Sensors", chain.sensors),
     "accelerations": RunFigure("Accelerations of the sensors", histories.sensors),

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.lammps_inputs.deck.columns import (
+    ABSORBED,
     CONTACTS,
     HOLDER,
     LEDGER,
@@ -37,6 +38,7 @@ _UNITS = {
         *ROTATION,
         *TANGENTIAL,
         *HOLDER,
+        *ABSORBED,
         *MOVING_WALL,
         *WALL_CONTACTS,
         *CONTACTS,

@@ -299,7 +299,7 @@ class Result(_Spheres):
     @property
     def yield_ledger(self) -> NDArray[np.float64]:
         """Energy dissipated by yielding against time, without friction and dampers: (n_times,), J."""
-        others = ("energy/friction", "energy/support_lost", "energy/holder")
+        others = ("energy/friction", "energy/support_lost", "energy/holder", "energy/absorbed")
         return self["energy/dissipated"] - sum(self[name] for name in others if name in self)
 
     @property

@@ -4,6 +4,7 @@
     [[striker]]                  a sphere placed against given spheres, resting or moving
     [bar], [incident_bar]        elastic bars at the far and at the struck end of a chain (thesis 3.2)
     [[hold]]                     grains that do not move
+    [[absorb]]                   grains that are damped, so that waves run out of the packing
     [[sensor]]                   a sphere whose mean contact force (chains) or acceleration is recorded
 
 Spheres of a chain are numbered from 1 at the struck end. Strikers follow the spheres of the packing, in the order of
@@ -24,6 +25,7 @@ from granwave.lammps_inputs.case.schema import (
     choice,
     count,
     custom,
+    finite,
     number,
     parse_point,
     plain_name,
@@ -42,6 +44,19 @@ _OFFSET = Usual(1e-9, 1.0, ("mm", "um"))
 
 
 _NO_DIRECTION = "none"
+_DIRECTIONS = ("+z", "-z", "+x", "-x", "+y", "-y", _NO_DIRECTION)
+MATCHED = "matched"
+RATE = Usual(1.0, 1e8)
+
+
+def _parse_impedance(value: Any) -> float | str:
+    expected = 'a number above 0, or "matched"'
+    if value == MATCHED:
+        return MATCHED
+    found = finite(value, expected)
+    if found <= 0:
+        raise ValidationError(expected)
+    return found
 
 
 def _parse_directions(value: Any) -> str:
@@ -134,6 +149,33 @@ class Hold:
     def axes(self) -> str:
         """Letters of the directions in which they do not move."""
         return "" if self.directions == _NO_DIRECTION else self.directions
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Absorb:
+    """``[[absorb]]``: spheres that are damped, so that waves run out of the packing.
+
+    ``rate`` damps motion in all directions, and rotation, by m rate v: a layer that becomes stronger with depth
+    reflects little over many frequencies. ``impedance`` is a dashpot along z on each sphere: the end of a row, without
+    reflection where it is the impedance of the row.
+    """
+
+    index: tuple[int, ...] | None = custom("which spheres", parse_index, default=None)
+    layers: int | None = count("the last layers of the packing; of a chain its last spheres", default=None)
+    rate: float | None = number(
+        "largest damping rate: the force is mass x rate x velocity", unit="1/s", above=0, default=None, usual=RATE
+    )
+    towards: str = choice(
+        'direction in which the rate rises, as the square of the depth, from zero; "none": the same everywhere',
+        _DIRECTIONS,
+        default="+z",
+    )
+    impedance: float | str | None = custom(
+        "force along z over the velocity of each sphere; matched: that of long waves under the precompression",
+        _parse_impedance,
+        unit="N s/m",
+        default=None,
+    )
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -10,7 +10,12 @@ Time functions of forces and displacements, with amplitude A, duration T and fre
 
     half-sine      A sin(pi t / T) up to T (thesis 2.21)
     rectangle      A up to T (thesis 4.2)
-    harmonic       A sin(2 pi f t)
+    harmonic       A sin(2 pi f t), risen over a ramp R by sin^2(pi t / 2R) if there is one
+    burst          A sin^2(pi t / T) sin(2 pi f t) up to T = n/f: n cycles under a window (Hann)
+    up-and-down    A (1 - |2t/T - 1|) sin(2 pi f t) up to T
+    sweep          A sin(2 pi (f t + (f_last - f) t^2 / 2T)) up to T, with a ramp at either end
+    noise          sines at all multiples of 1/T from f to f_last, alike in size, of random phase, with the root mean
+                   square A; up to T, with a ramp at either end
     table          linear interpolation between given points; zero before and after
 """
 
@@ -24,12 +29,15 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
+from granwave._contact_laws import load_at
 from granwave.lammps_inputs.case.ids import parse_index
 from granwave.lammps_inputs.case.schema import (
     ErrorList,
     ValidationError,
     choice,
+    count,
     custom,
     finite,
     number,
@@ -49,16 +57,27 @@ from granwave.lammps_inputs.case.si_values import (
 )
 from granwave.lammps_inputs.files import read_regular
 
+Array = NDArray[np.float64]
+
 DEFAULT_VELOCITY = 5.0  # m/s
 _KINDS = ("impact", "striker", "force", "displacement", "grains")
-_SHAPES = ("half-sine", "rectangle", "harmonic", "table")
+_SHAPES = ("half-sine", "rectangle", "harmonic", "burst", "up-and-down", "sweep", "noise", "table")
 _NEEDS: dict[str, tuple[str, ...]] = {
     "half-sine": ("amplitude", "duration"),
     "rectangle": ("amplitude", "duration"),
     "harmonic": ("amplitude", "frequency"),
+    "burst": ("amplitude", "frequency", "cycles"),
+    "up-and-down": ("amplitude", "frequency", "duration"),
+    "sweep": ("amplitude", "frequency", "last_frequency", "duration"),
+    "noise": ("amplitude", "frequency", "last_frequency", "duration"),
     "table": ("table",),
 }
-_OF_SHAPES = ("shape", "amplitude", "duration", "frequency", "table", "file")
+_MAY_HAVE: dict[str, tuple[str, ...]] = {"harmonic": ("ramp",), "sweep": ("ramp",), "noise": ("ramp", "seed")}
+_OF_ONE_SHAPE = ("amplitude", "duration", "frequency", "last_frequency", "cycles", "ramp", "seed", "table")
+_OF_SHAPES = ("shape", *_OF_ONE_SHAPE, "file")
+_SEED = 1
+_SHARE_OF_RAMP = 0.05  # of the duration of a sweep or noise, if none is given
+_CREST = 5.0  # largest value of noise over its root mean square; more is rare
 _OF_KIND = {
     "impact": ("kind", "spheres", "index", "velocity", "angle", "spin"),
     "striker": ("kind",),
@@ -66,7 +85,7 @@ _OF_KIND = {
     "displacement": ("kind", "spheres", "index", *_OF_SHAPES),
     "grains": ("kind",),
 }
-_OF_DISPLACEMENT = ("harmonic", "table")
+_OF_DISPLACEMENT = ("harmonic", "burst", "up-and-down", "sweep", "noise", "table")
 _TABLE_FORM = "rows [time in s, value], at least two, times rising from 0 on"
 
 
@@ -112,21 +131,47 @@ class Load:
     index: tuple[int, ...] | None = custom(
         "ids of the struck spheres, instead of those at the centre of the top layer", parse_index, default=None
     )
-    shape: Literal["half-sine", "rectangle", "harmonic", "table"] | None = choice(
-        "shape of the force or displacement in time", _SHAPES, default=None
+    shape: Literal["half-sine", "rectangle", "harmonic", "burst", "up-and-down", "sweep", "noise", "table"] | None = (
+        choice("shape of the force or displacement in time", _SHAPES, default=None)
     )
     amplitude: float | None = number(
-        "amplitude of the force on all struck spheres together, along +z; of a displacement, in m",
+        "amplitude of the force on all struck spheres together, along +z; of a displacement, in m; "
+        "of noise its root mean square",
         unit="N",
         above=0,
         default=None,
     )
     duration: float | None = number(
-        "duration of a half-sine or a rectangle", unit="s", above=0, default=None, usual=TIME
+        "duration of a half-sine, a rectangle, a rise and fall of the amplitude, a sweep or noise",
+        unit="s",
+        above=0,
+        default=None,
+        usual=TIME,
     )
     frequency: float | None = number(
-        "frequency of a harmonic force or displacement", unit="Hz", above=0, default=None, usual=FREQUENCY
+        "frequency of a harmonic load or a burst, first frequency of a sweep, lowest of noise",
+        unit="Hz",
+        above=0,
+        default=None,
+        usual=FREQUENCY,
     )
+    last_frequency: float | None = number(
+        "frequency at the end of a sweep, which may fall, or highest of noise",
+        unit="Hz",
+        above=0,
+        default=None,
+        usual=FREQUENCY,
+    )
+    cycles: float | None = number("number of cycles of a burst under its window", at_least=1, at_most=1e6, default=None)
+    ramp: float | None = number(
+        "time over which a harmonic load, a sweep or noise rises; a sweep and noise also fall in it; "
+        "default 0 for a harmonic load, else a twentieth of the duration",
+        unit="s",
+        at_least=0,
+        default=None,
+        usual=TIME,
+    )
+    seed: int | None = count("seed of the phases of noise; default 1", default=None)
     table: tuple[tuple[float, float], ...] | None = custom(
         "points of force (N) or displacement (m) against time (s)", _parse_table, default=None
     )
@@ -154,23 +199,70 @@ class Load:
             return 0.0
         if self.shape == "harmonic":
             return math.inf
+        if self.shape == "burst":
+            return (self.cycles or 0.0) / (self.frequency or 1.0)
         return self.table[-1][0] if self.table else self.duration or 0.0
 
     @property
     def largest(self) -> float:
         """Largest magnitude of the force, N, or of the displacement, m."""
-        return max(abs(size) for _, size in self.table) if self.table else self.amplitude or 0.0
+        if self.table:
+            return max(abs(size) for _, size in self.table)
+        return (self.amplitude or 0.0) * (_CREST if self.shape == "noise" else 1.0)
+
+    @property
+    def oscillates(self) -> bool:
+        """True for a load of given frequencies."""
+        return self.shape in ("harmonic", "burst", "up-and-down", "sweep", "noise")
+
+    @property
+    def frequencies(self) -> tuple[float, float]:
+        """Lowest and highest frequency of a load that oscillates, Hz."""
+        both = self.frequency or 0.0, self.last_frequency or self.frequency or 0.0
+        return min(both), max(both)
+
+    @property
+    def rise(self) -> float:
+        """Ramp of a harmonic load, of a sweep or of noise, s."""
+        if self.ramp is None:
+            return _SHARE_OF_RAMP * (self.duration or 0.0)
+        return self.ramp
+
+    @property
+    def numbers(self) -> list[float]:
+        """Numbers of the shape, as fix gran/load takes them; empty for a table."""
+        one: tuple[float | None, ...] = {
+            "half-sine": (self.amplitude, self.duration),
+            "rectangle": (self.amplitude, self.duration),
+            "harmonic": (self.amplitude, self.frequency, self.rise or None),
+            "burst": (self.amplitude, self.frequency, self.cycles),
+            "up-and-down": (self.amplitude, self.frequency, self.duration),
+            "sweep": (self.amplitude, self.frequency, self.last_frequency, self.duration, self.rise),
+            "noise": (
+                self.amplitude, self.frequency, self.last_frequency, self.duration, self.rise,
+                _SEED if self.seed is None else self.seed,
+            ),
+        }.get(self.shape or "", ())  # fmt: skip
+        return [value for value in one if value is not None]
+
+    def at(self, time: Array) -> Array:
+        """Return the force, N, or the displacement, m, at some times, s: (n_times,)."""
+        if self.table:
+            given = np.array(self.table)
+            ends = {"left": 0.0, "right": 0.0} if self.kind == "force" else {}
+            return np.interp(time, given[:, 0], given[:, 1], **ends)
+        return np.asarray(load_at(self.shape or "", self.numbers, time))
 
     @property
     def impulse(self) -> float:
-        """Largest magnitude of the impulse up to any time, N s; a harmonic force reaches it after half a period."""
+        """Largest magnitude of the impulse up to any time, N s; one that oscillates reaches it after half a period."""
         if self.table:
             time, size = np.array(self.table).T
             parts = np.diff(time) * (size[1:] + size[:-1]) / 2
             return float(np.abs(np.cumsum(parts)).max())
+        if self.oscillates:
+            return self.largest / (math.pi * self.frequencies[0])
         amplitude = self.amplitude or 0.0
-        if self.shape == "harmonic":
-            return amplitude / (math.pi * (self.frequency or 1.0))
         return amplitude * (self.duration or 0.0) * (2 / math.pi if self.shape == "half-sine" else 1.0)
 
     @property
@@ -179,7 +271,7 @@ class Load:
         if self.table:
             time, size = np.array(self.table).T
             return float(np.abs(np.diff(size) / np.diff(time)).max())
-        return 2 * math.pi * (self.frequency or 0.0) * (self.amplitude or 0.0)
+        return 2 * math.pi * self.frequencies[1] * self.largest
 
     def keys(self) -> dict[str, Any]:
         """Return the keys that apply to this kind of load, with their values."""
@@ -231,9 +323,33 @@ def _check_shape(load: Load, errors: ErrorList) -> None:
         if getattr(load, name) is None:
             alternative = " (or load.file)" if name == "table" else ""
             errors.add(f"load.{name}", f'missing; shape "{load.shape}" needs it{alternative}')
-    for name in ("amplitude", "duration", "frequency", "table"):
-        if name not in needed and getattr(load, name) is not None:
-            errors.add(f"load.{name}", f'does not belong to shape "{load.shape}", which takes {", ".join(needed)}')
+    taken = (*needed, *_MAY_HAVE.get(str(load.shape), ()))
+    for name in _OF_ONE_SHAPE:
+        if name not in taken and getattr(load, name) is not None:
+            errors.add(f"load.{name}", f'does not belong to shape "{load.shape}", which takes {", ".join(taken)}')
+    if load.shape in ("sweep", "noise") and load.duration and load.frequency and load.last_frequency:
+        _check_band(load, errors)
+
+
+def _check_band(load: Load, errors: ErrorList) -> None:
+    """Check duration and frequencies of a sweep or noise."""
+    duration, (lowest, highest) = load.duration or 0.0, load.frequencies
+    if 2 * load.rise > duration:
+        errors.add("load.ramp", f"found {load.rise:g} s, expected at most half of load.duration, {duration / 2:g} s")
+    if load.shape == "sweep":
+        if duration * lowest < 1:
+            errors.add("load.duration", f"found {duration:g} s, less than a period at {lowest:g} Hz; expected more")
+        return
+    if (load.frequency or 0.0) > (load.last_frequency or 0.0):
+        errors.add(
+            "load.last_frequency", f"found {load.last_frequency:g}, expected more than load.frequency, {highest:g}"
+        )
+    elif math.floor(highest * duration * (1 + 1e-12)) < max(1, math.ceil(lowest * duration * (1 - 1e-12))):
+        errors.add(
+            "load.duration",
+            f"found {duration:g} s; no multiple of {1 / duration:g} Hz lies between {lowest:g} and {highest:g} Hz; "
+            f"expected at least {1 / (highest - lowest) if highest > lowest else 1 / highest:g} s",
+        )
 
 
 def _from_file(table: Mapping[str, Any], errors: ErrorList) -> dict[str, Any]:

@@ -15,6 +15,7 @@ from granwave.lammps_inputs.case.packing import PackingSection
 from granwave.lammps_inputs.case.schema import ErrorList, show
 from granwave.lammps_inputs.case.sections import ENERGY_TOLERANCE, Boundary, Output, Run
 from granwave.lammps_inputs.case.yield_factor import FITTED_POISSON_RATIO, hertz_von_mises_yield_factor
+from granwave.lammps_inputs.checks.absorbing import check_absorbing
 from granwave.lammps_inputs.checks.contacts import check_contacts, check_dents
 from granwave.lammps_inputs.checks.grains import check_chosen, check_grains, check_tube
 from granwave.lammps_inputs.checks.packing import check_disorder, check_room
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
 
 _LOG = logging.getLogger("granwave")
+_STEPS_IN_A_PERIOD = 10  # at least
 _OVERLAP = 1e-6  # diameters; largest overlap of a striker with the bottom, for rounding
 _LONGEST_ELEMENT = 10  # length of an element of a bar, in bead diameters
 _MEMORY_OF_SITE = 40.0  # bytes a site; measured 34 to 68 for 1e7 spheres
@@ -45,6 +47,7 @@ def check_together(parts: Mapping[str, Any], errors: ErrorList) -> None:
     check_contacts(parts, errors)
     if run is not None:
         _check_times(run, output, errors)
+        _check_resolution(parts.get("load"), run, errors)
     if packing is None or not _size_fits(packing, errors) or not _fits_into_memory(packing, parts, errors):
         return
     n_spheres = math.prod(packing.size)
@@ -78,6 +81,7 @@ def check_case(case: Case, errors: ErrorList) -> Assembly | None:
         return None
     check_support(assembly, errors)
     check_first_yield(assembly, errors)
+    check_absorbing(assembly, errors)
     check_dents(assembly, errors)
     if case.packing.kind == "chain" and (case.boundary.bottom == "wall" or case.bar is not None):
         _check_below(assembly, errors)
@@ -269,6 +273,20 @@ def _boundary_fits(packing: PackingSection, boundary: Boundary, errors: ErrorLis
         elif ny % rule.row_period:
             errors.add("packing.size", f"found {ny} rows, expected an even number for periodic {packing.kind} layers")
     return len(errors.lines) == before
+
+
+def _check_resolution(load: Load | None, run: Run, errors: ErrorList) -> None:
+    """Check that a fixed timestep resolves the oscillation of the load."""
+    if load is None or not load.driven or not load.oscillates or isinstance(run.timestep, str):
+        return
+    key = "last_frequency" if load.last_frequency and load.last_frequency > (load.frequency or 0.0) else "frequency"
+    highest, most = load.frequencies[1], 1 / (_STEPS_IN_A_PERIOD * run.timestep)
+    if highest > most:
+        errors.add(
+            f"load.{key}",
+            f"found {highest:g} Hz, expected at most {most:.4g} Hz, a period of {_STEPS_IN_A_PERIOD} timesteps of "
+            f'{run.timestep:g} s; make run.timestep shorter, or "auto"',
+        )
 
 
 def _check_holder(parts: Mapping[str, Any], packing: PackingSection, boundary: Boundary, errors: ErrorList) -> None:

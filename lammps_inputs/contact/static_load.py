@@ -1,6 +1,7 @@
 """Dead loads of ``[precompression]``: constant forces on spheres during the static stage and the run.
 
-uniaxial   the same force along +z on each sphere of the top layer; for a pressure, pressure times area of a cell
+uniaxial   the same force along +z on each sphere of the top layer; for a pressure, pressure times area of a cell;
+           the opposite force on the last sphere of a chain without a bottom
 uniform    the forces of the missing neighbours outside of the packing, if every contact of the lattice carried the
            same force f. The mean stress (virial) of spheres with z contacts each in a cell of volume V is
            p = z f D/(2 d V) in d dimensions; hence f = p D^2/(2 sqrt 2) for fcc and hcp. A lattice of equal spheres
@@ -43,6 +44,8 @@ def dead_loads(assembly: Assembly) -> tuple[NDArray[np.int64], NDArray[np.float6
         force[:, 2] = assembly.sphere_masses()[: len(ids)] * stage.acceleration
     elif stage.kind == "uniaxial":
         force[ids <= nx * ny, 2] = force_on_top(assembly)
+        if case.boundary.bottom == "free":
+            force[ids > nx * ny * (nz - 1), 2] = -force_on_top(assembly)
     else:
         force = force_of_contact(assembly) * _missing_neighbours(assembly)[ids - 1]
     if case.boundary.bottom == "fixed":

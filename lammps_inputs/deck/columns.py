@@ -164,6 +164,9 @@ TANGENTIAL = (Column("elastic_tangential", "v_elastic_tangential", "J"), Column(
 #: dumps/energy.txt, of chains that rub against their holder.
 HOLDER = (Column("holder", "f_holder", "J"),)
 
+#: dumps/energy.txt, of cases with spheres that absorb waves.
+ABSORBED = (Column("absorbed", "v_absorbed", "J"),)
+
 
 def names(table: Iterable[Column]) -> tuple[str, ...]:
     """Return the names of the columns that all cases have."""

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from granwave.lammps_inputs.deck.commands import joined, num
+from granwave.lammps_inputs.contact.absorbing import absorbing_ids, impedance_of, rise_of
+from granwave.lammps_inputs.deck.commands import id_ranges, joined, num
 from granwave.lammps_inputs.packing.assembly import Assembly, own_velocities, struck_of
 from granwave.lammps_inputs.packing.bars import INCIDENT_BAR
 from granwave.lammps_inputs.packing.walls import walls
@@ -37,7 +38,7 @@ def motion(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> 
         lines.append("variable        input equal v_given+f_load")
     else:
         lines.append("variable        input equal v_given")
-    return [*lines, *_holder(assembly)]
+    return [*lines, *_absorbing(assembly), *_holder(assembly)]
 
 
 def _timestep(schedule: Schedule) -> list[str]:
@@ -88,6 +89,22 @@ def _prescribed(assembly: Assembly) -> list[str]:
     fixed = {f"hold{n}": hold.axes == "xyz" and (hold.rotation or not case.has_rotation)
              for n, hold in enumerate(case.hold, start=1)}  # fmt: skip
     return [*(["held"] if held else []), *(["hit"] if moved else []), *(name for name, still in fixed.items() if still)]
+
+
+def _absorbing(assembly: Assembly) -> list[str]:
+    """Return the commands of spheres that absorb waves."""
+    lines = []
+    for number, entry in enumerate(assembly.case.absorb, start=1):
+        name = f"absorb{number}"
+        lines.append(f"group           {name} id {id_ranges(absorbing_ids(assembly, entry))}")
+        if entry.rate is None:
+            words = ["impedance", num(impedance_of(assembly, entry)), "z"]
+        else:
+            rise = rise_of(assembly, entry)
+            words = ["rate", num(entry.rate)]
+            words += [entry.towards[1], *map(num, rise)] if rise is not None else []
+        lines.append(f"fix             {name} {name} gran/absorb {joined(words)}")
+    return ["# Spheres that absorb waves.", *lines] if lines else []
 
 
 def _holder(assembly: Assembly) -> list[str]:
@@ -149,10 +166,5 @@ def _drive(assembly: Assembly) -> list[str]:
         if bar.name == INCIDENT_BAR:
             group = "driven"
             lines.append(f"group           driven id {bar.far}")
-    shape = {
-        "half-sine": (load.amplitude, load.duration),
-        "rectangle": (load.amplitude, load.duration),
-        "harmonic": (load.amplitude, load.frequency),
-    }.get(load.shape or "", ())
-    words = joined(num(value) for value in shape if value is not None) or LOAD_FILE
+    words = joined(num(value) for value in load.numbers) or LOAD_FILE
     return [*lines, f"fix             load {group} gran/load z {load.kind} {load.shape} {words}"]

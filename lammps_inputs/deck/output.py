@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from granwave.lammps_inputs.deck.columns import (
+    ABSORBED,
     CONTACTS,
     DENTS,
     FORCES,
@@ -80,6 +81,11 @@ def ledger(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> 
     if case.has_holder_friction:
         columns |= sources(HOLDER)
         dissipated.append(columns["holder"])
+    if case.absorb:
+        columns |= sources(ABSORBED)
+        layers = [f"f_absorb{number}" for number in range(1, len(case.absorb) + 1)]
+        lines.append(f"variable        absorbed equal {_sum(layers)}")
+        dissipated.append(columns["absorbed"])
     if support := moving_fix(assembly):
         columns |= sources(SUPPORT, of=support)
         elastic.append(columns["support"])

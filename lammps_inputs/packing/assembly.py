@@ -30,6 +30,7 @@ from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
 _KEPT = 4  # assemblies
 _HISTORY, _LEAST_HISTORY = 1000, 5  # instants; beads of a chain from which on they are recorded by themselves
 _PARTS_FROM = 10_000_000  # spheres: one rank alone writes a snapshot of them, 1.4 GB, for seconds while all others wait
+_IN_A_PERIOD, _MOST_HISTORY_VALUES = 10, 1e7  # instants in the shortest period of a load; instants times particles
 _HISTORY_VALUES, _LEAST_ROWS = 1e6, 250  # instants times particles, nodes of bars among them; fewest instants
 
 
@@ -286,7 +287,10 @@ class Assembly:
             return output.history
         if packing.kind != "chain" or packing.size[0] < _LEAST_HISTORY:
             return 0
-        return int(min(_HISTORY, max(_LEAST_ROWS, _HISTORY_VALUES / self.n_particles)))
+        instants = min(_HISTORY, max(_LEAST_ROWS, _HISTORY_VALUES / self.n_particles))
+        if self.case.load.driven and self.case.load.oscillates:
+            instants = max(instants, _IN_A_PERIOD * self.case.load.frequencies[1] * self.case.run.longest)
+        return int(min(instants, _MOST_HISTORY_VALUES / self.n_particles))
 
     @property
     def in_parts(self) -> bool:

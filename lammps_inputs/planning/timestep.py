@@ -254,7 +254,7 @@ def _limited(assembly: Assembly, law: ContactLaw, energy: float) -> float:
     if load.kind != "force" or velocities_of(assembly):
         return energy
     bound = _work_to_force(law, _LARGEST_FORCE * load.largest)
-    return bound if load.shape == "harmonic" else min(energy, bound)
+    return bound if load.oscillates else min(energy, bound)
 
 
 def _energy_of_force(assembly: Assembly) -> float:
@@ -337,8 +337,8 @@ def _kinds_of_pairs(assembly: Assembly) -> list[tuple[int, int]]:
 
 def _times_of_load(load: Load) -> list[float]:
     """Return the duration or the period of the load, s; empty if it has none."""
-    if load.shape == "harmonic" and load.frequency:
-        return [1 / load.frequency]
+    if load.oscillates:
+        return [1 / load.frequencies[1]]
     return [load.duration] if load.duration else []
 
 

@@ -5,6 +5,7 @@
 #include "../laws/elliptic_contact.h"
 #include "../laws/law_arguments.h"
 #include "../laws/line_contact.h"
+#include "../laws/load_shape.h"
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
@@ -142,6 +143,14 @@ PYBIND11_MODULE(_contact_laws, module)
              "x^y as the laws compute it, for positive x.");
   module.def("elliptic_radius", py::vectorize(granwave::elliptic_radius), py::arg("first"), py::arg("second"),
              "Radius of the sphere that is as stiff on a plane as a contact with these two relative curvatures (1/m), m.");
+  module.def(
+      "load_at",
+      [](const std::string &shape, const std::vector<double> &numbers, const py::array_t<double> &time) -> py::object {
+        const auto load = granwave::LoadShape::named(shape, numbers);
+        return py::vectorize([&load](double t) { return load.value(t); })(time);
+      },
+      py::arg("shape"), py::arg("numbers"), py::arg("time"),
+      "Force or displacement at times (s), from the name and the numbers that fix gran/load takes.");
   module.def("logarithm", py::vectorize(granwave::logarithm), py::arg("x"), "ln(x) as the laws compute it, for positive x.");
   py::class_<granwave::LineContact>(module, "LineContact",
                                     "Contact along a line: a cylinder on a plane, or two parallel cylinders.\n\n"

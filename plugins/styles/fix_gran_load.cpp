@@ -13,10 +13,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <fstream>
+#include <map>
 #include <sstream>
 #include <string>
+#include <vector>
 
 using namespace LAMMPS_NS;
 using granwave::LoadShape;
@@ -25,8 +28,26 @@ namespace {
 
 constexpr int RESTART_FORMAT = 1;
 constexpr const char *USAGE =
-    "expected x|y|z, then force half-sine|rectangle AMPLITUDE DURATION, or force|displacement harmonic "
-    "AMPLITUDE FREQUENCY, or force|displacement table FILE";
+    "expected x|y|z, then force half-sine|rectangle AMPLITUDE DURATION, or force|displacement and one of harmonic AMPLITUDE "
+    "FREQUENCY [RAMP], burst AMPLITUDE FREQUENCY CYCLES, up-and-down AMPLITUDE FREQUENCY DURATION, sweep AMPLITUDE FIRST LAST DURATION RAMP, noise AMPLITUDE FIRST LAST "
+    "DURATION RAMP SEED, table FILE";
+
+/* Numbers of a shape: their names, and how many may be left out. */
+struct Words {
+  std::vector<const char *> names;
+  int optional = 0;
+};
+
+const std::map<std::string, Words> SHAPES = {
+    {"half-sine", {{"amplitude", "duration"}}},
+    {"rectangle", {{"amplitude", "duration"}}},
+    {"harmonic", {{"amplitude", "frequency", "ramp"}, 1}},
+    {"burst", {{"amplitude", "frequency", "number of cycles"}}},
+    {"up-and-down", {{"amplitude", "frequency", "duration"}}},
+    {"sweep", {{"amplitude", "first frequency", "last frequency", "duration", "ramp"}}},
+    {"noise", {{"amplitude", "first frequency", "last frequency", "duration", "ramp", "seed"}}},
+    {"table", {{"file"}}},
+};
 
 }    // namespace
 
@@ -40,24 +61,35 @@ FixGranLoad::FixGranLoad(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg
   if (kind != "force" && kind != "displacement")
     error->all(FLERR, "Illegal fix {}: '{}' is neither force nor displacement; {}", STYLE, kind, USAGE);
   moves = kind == "displacement";
+  const auto known = SHAPES.find(form);
   const bool pulse = form == "half-sine" || form == "rectangle";
-  if (!(form == "table" || form == "harmonic" || (pulse && !moves)))
+  if (known == SHAPES.end() || (pulse && moves))
     error->all(FLERR, "Illegal fix {}: '{}' is no shape of a {}; {}", STYLE, form, kind, USAGE);
-  if (narg != (form == "table" ? 7 : 8))
+  const auto &[names, optional] = known->second;
+  const int most = static_cast<int>(names.size());
+  if (narg - 6 > most || narg - 6 < most - optional)
     error->all(FLERR, "Illegal fix {}: {} words after '{}'; {}", STYLE, narg - 6, form, USAGE);
   if (form == "table") {
     read_table(arg[6]);
   } else {
-    const double amplitude = utils::numeric(FLERR, arg[6], false, lmp), other = utils::numeric(FLERR, arg[7], false, lmp);
-    const char *const name = pulse ? "duration" : "frequency";
-    if (!(amplitude > 0.0) || !std::isfinite(amplitude))
-      error->all(FLERR, "Illegal fix {}: the amplitude must be positive, found {}", STYLE, arg[6]);
-    if (!(other > 0.0) || !std::isfinite(other))
-      error->all(FLERR, "Illegal fix {}: the {} must be positive, found {}", STYLE, name, arg[7]);
-    const auto known = form == "half-sine" ? LoadShape::Form::half_sine
-                       : pulse             ? LoadShape::Form::rectangle
-                                           : LoadShape::Form::harmonic;
-    shape = LoadShape(known, amplitude, pulse ? other : 1.0 / other);
+    std::vector<double> numbers;
+    for (int k = 6; k < narg; k++) {
+      const std::string name = names[k - 6];
+      const bool may_be_zero = name == "ramp" || name == "seed";
+      const double number = utils::numeric(FLERR, arg[k], false, lmp);
+      if (!(may_be_zero ? number >= 0.0 : number > 0.0) || !std::isfinite(number))
+        error->all(FLERR, "Illegal fix {}: the {} must be positive{}, found {}", STYLE, name, may_be_zero ? " or 0" : "",
+                   arg[k]);
+      numbers.push_back(number);
+    }
+    const bool ends = form == "sweep" || form == "noise";
+    if (ends && 2.0 * numbers[4] > numbers[3])
+      error->all(FLERR, "Illegal fix {}: the ramp must be at most half the duration, found {} of {}", STYLE, arg[10], arg[9]);
+    try {
+      shape = LoadShape::named(form, numbers);
+    } catch (const std::invalid_argument &fault) {
+      error->all(FLERR, "Illegal fix {}: {} cannot be used: {}", STYLE, form, fault.what());
+    }
   }
 
   restart_global = 1;
@@ -139,7 +171,7 @@ void FixGranLoad::setup(int)
 {
   const double now = granwave::simulated_time(*update);
   if (!moves) {
-    force = (shape.integral(now + 0.5 * update->dt) - shape.integral(now - 0.5 * update->dt)) / update->dt;
+    force = shape.integral(now - 0.5 * update->dt, now + 0.5 * update->dt) / update->dt;
     apply_force(force);
     stepped = update->dt;
     if (!started) total[WORK] -= half_kick_work(update->dt);
@@ -191,7 +223,7 @@ void FixGranLoad::reset_dt()
   if (moves || !started || stepped == 0.0 || stepped == update->dt) return;
   const double now = granwave::simulated_time(*update), dt = update->dt, before = force;
   total[WORK] += half_kick_work(stepped);
-  force = 2.0 * (shape.integral(now + 0.5 * dt) - shape.integral(now - 0.5 * stepped) - 0.5 * stepped * before) / dt;
+  force = 2.0 * (shape.integral(now - 0.5 * stepped, now + 0.5 * dt) - 0.5 * stepped * before) / dt;
   apply_force(force - before);
   total[WORK] -= half_kick_work(dt);
   stepped = dt;
@@ -202,7 +234,7 @@ void FixGranLoad::reset_dt()
 void FixGranLoad::post_force(int)
 {
   const double dt = update->dt, now = granwave::simulated_time(*update), before = force;
-  force = (shape.integral(now + 0.5 * dt) - shape.integral(now - 0.5 * dt)) / dt;
+  force = shape.integral(now - 0.5 * dt, now + 0.5 * dt) / dt;
   double speeds = 0.0;
   for (int i = 0; i < atom->nlocal; i++)
     if (atom->mask[i] & groupbit) speeds += atom->v[i][axis];

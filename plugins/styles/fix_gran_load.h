@@ -2,11 +2,15 @@
 /* Fix gran/load: force or prescribed displacement of a group, with its work and impulse.
 
    fix ID group gran/load x|y|z force half-sine|rectangle AMPLITUDE DURATION
-   fix ID group gran/load x|y|z force|displacement harmonic AMPLITUDE FREQUENCY
+   fix ID group gran/load x|y|z force|displacement harmonic AMPLITUDE FREQUENCY [RAMP]
+   fix ID group gran/load x|y|z force|displacement burst AMPLITUDE FREQUENCY CYCLES
+   fix ID group gran/load x|y|z force|displacement up-and-down AMPLITUDE FREQUENCY DURATION
+   fix ID group gran/load x|y|z force|displacement sweep AMPLITUDE FIRST LAST DURATION RAMP
+   fix ID group gran/load x|y|z force|displacement noise AMPLITUDE FIRST LAST DURATION RAMP SEED
    fix ID group gran/load x|y|z force|displacement table FILE
 
-   The force of a step is the mean of the shape over the timestep centered at it, from the closed-form integral, so that the
-   impulse of a pulse does not depend on the timestep. */
+   The force of a step is the mean of the shape over the timestep centered at it, from its integral, so that the impulse of a pulse does
+   not depend on the timestep. */
 
 #ifndef LMP_FIX_GRAN_LOAD_H
 #define LMP_FIX_GRAN_LOAD_H

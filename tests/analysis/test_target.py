@@ -12,7 +12,6 @@ from granwave.analysis.measures.target.bare_target import (
     Target,
     bare_target_peak,
     impactors_of,
-    load_at,
     target_of,
     unprotected,
 )
@@ -106,13 +105,6 @@ def test_a_force_acts_on_the_target_itself():
     assert bare_target_peak(short, 1e-2) == pytest.approx((100.0, impulse * 1e3), rel=1e-3)
     long = sphere(load={**load, "duration": 0.1}, **{"boundary.bottom": plate, "run.end_time": 0.2})
     assert bare_target_peak(long, 0.2)[1] == pytest.approx(100.0, rel=5e-2)
-
-
-def test_shapes_of_loads():
-    case = sphere(load={"kind": "force", "shape": "table", "table": [[1e-5, 2.0], [3e-5, 6.0]]})
-    assert load_at(case.load, np.array([0.0, 1e-5, 2e-5, 3e-5, 4e-5])).tolist() == [0, 2, 4, 6, 0]
-    case = sphere(load={"kind": "force", "shape": "rectangle", "amplitude": 5.0, "duration": 1e-5})
-    assert load_at(case.load, np.array([0.0, 1e-5, 2e-5])).tolist() == [5, 5, 0]
 
 
 def test_nothing_to_compare_with():

@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pytest
 
-from granwave._contact_laws import ContactLaw
+from granwave._contact_laws import ContactLaw, load_at
 from tests.conftest import script_of
 from tests.helpers.manual import PAGES, Log
 from tests.helpers.two_spheres import BOX, R, value
@@ -35,6 +35,68 @@ def pushed(lmp, load, positions=((0, 0, 0),), extra="", **options):
 def balance(lmp) -> float:
     """Ratio of kinetic, stored and dissipated energy to the work."""
     return value(lmp, "(c_ke+pe+c_ep[1])/f_push")
+
+
+SMOOTH = {
+    "harmonic": f"harmonic {A} 2e5 2e-5",
+    "burst": f"burst {A} 2e5 4",
+    "up-and-down": f"up-and-down {A} 2e5 3e-5",
+    "sweep": f"sweep {A} 1e5 4e5 3e-5 6e-6",
+    "noise": f"noise {A} 1e5 6e5 3e-5 6e-6 7",
+}
+
+
+def smooth_force(shape: str, time):
+    """The smooth shapes, once more; noise has the same phases in any program that uses splitmix64."""
+    at = np.asarray(time)
+    rise = lambda since, ramp: np.where(since < ramp, np.sin(np.pi * since / (2 * ramp)) ** 2, 1.0)  # noqa: E731
+    if shape == "harmonic":
+        return A * rise(at, 2e-5) * np.sin(2 * np.pi * 2e5 * at)
+    if shape == "burst":
+        return np.where(at < 2e-5, A * np.sin(np.pi * at / 2e-5) ** 2 * np.sin(2 * np.pi * 2e5 * at), 0.0)
+    inside = at < 3e-5
+    if shape == "up-and-down":
+        return np.where(inside, A * (1 - np.abs(2 * at / 3e-5 - 1)) * np.sin(2 * np.pi * 2e5 * at), 0.0)
+    window = rise(at, 6e-6) * rise(3e-5 - at, 6e-6)
+    if shape == "sweep":
+        return np.where(inside, A * window * np.sin(2 * np.pi * (1e5 * at + 3e5 * at**2 / 6e-5)), 0.0)
+    state, phases, mask = 7, [], 2**64 - 1
+    for _ in range(3, 19):
+        state = (state + 0x9E3779B97F4A7C15) & mask
+        z = ((state ^ (state >> 30)) * 0xBF58476D1CE4E5B9) & mask
+        z = ((z ^ (z >> 27)) * 0x94D049BB133111EB) & mask
+        phases.append(2 * np.pi * ((z ^ (z >> 31)) >> 11) / 2**53)
+    waves = sum(np.sin(2 * np.pi * k / 3e-5 * at + phase) for k, phase in zip(range(3, 19), phases, strict=True))
+    return np.where(inside, A * np.sqrt(2 / 16) * window * waves, 0.0)
+
+
+@pytest.mark.parametrize("shape", SMOOTH)
+def test_smooth_shapes_give_the_impulse_of_their_closed_form(lammps, shape):
+    end, dt = 4e-5, 2e-8
+    lmp = pushed(lammps(), f"force {SMOOTH[shape]}", extra=f"timestep {dt}")
+    at = np.linspace(0.0, end, 400_001)
+    due = np.trapezoid(smooth_force(shape, at), at)
+    lmp.command(f"run {round(end / dt)}")
+    near = {"rel": 1e-4} if shape == "harmonic" else {"rel": 1e-6, "abs": 1e-9 * A * end}  # the first goes on
+    assert value(lmp, "f_push[2]") == pytest.approx(due, **near)
+    assert MASS * value(lmp, "vz[1]") == pytest.approx(due, **near)
+    words = SMOOTH[shape].split()
+    at = np.linspace(0, 3.5e-5, 57)
+    assert load_at(words[0], [float(word) for word in words[1:]], at) == pytest.approx(
+        smooth_force(shape, at), abs=1e-9 * A
+    )
+
+
+@pytest.mark.parametrize("shape", SMOOTH)
+def test_work_of_smooth_shapes(lammps, shape):
+    force = pushed(lammps(), f"force {SMOOTH[shape]}", extra="timestep 1e-8")
+    force.command("run 1100")
+    assert balance(force) == pytest.approx(1, rel=1e-4)
+    drive = f"driven|displacement {SMOOTH[shape].replace(f'{A}', '1e-6')}"
+    moved = pushed(lammps(), drive, PAIR, extra=f"{DRIVEN}timestep 1e-8\n")
+    moved.command("run 1700")
+    assert value(moved, "z[1]") == pytest.approx(1e-6 / A * float(smooth_force(shape, 1.7e-5)), abs=1e-13)
+    assert balance(moved) == pytest.approx(1, rel=1e-4)
 
 
 SHAPES = {
@@ -389,6 +451,10 @@ def test_example_of_the_manual(lmp, tmp_path):
         ("z force rectangle 1 -1e-5", "duration must be positive"),
         ("z force harmonic 1 0", "frequency must be positive"),
         ("z force half-sine 1", "words after 'half-sine'"),
+        ("z force harmonic 1 1 1 1", "4 words after 'harmonic'"),
+        ("z force burst 1 1e5 0", "number of cycles must be positive, found 0"),
+        ("z force sweep 1 1e5 2e5 1e-4 6e-5", "ramp must be at most half the duration"),
+        ("z force noise 1 1e3 2e3 1e-4 0 1", "noise cannot be used: no multiple of 1/T lies between its frequencies"),
         ("z force half-sine", "expected x|y|z"),
         ("z force table {}/none.txt", "cannot read the table"),
         ("z force table {}/falls.txt", "row 3 does not"),

@@ -16,6 +16,7 @@ STYLES = (
     "pair_gran_hysteretic",
     "fix_wall_gran_hysteretic",
     "fix_gran_load",
+    "fix_gran_absorb",
     "fix_gran_holder",
     "fix_gran_timestep",
     "compute_gran_hysteretic_atom",

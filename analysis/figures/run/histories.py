@@ -33,14 +33,17 @@ _QUANTITIES = {
     "overlap": ("Overlap (µm)", 1e6),
     "force": ("Contact force (N)", 1.0),
 }
-_BROWN = "#8C5A2B"
+_BROWN, _PALE = "#8C5A2B", "#C9C2B2"
 _COLOURS = (BLUE, ORANGE, GREEN, PURPLE, GREY)
 #: Parts of the energy and their colours, from the bottom of the figure up.
 _AREAS = {
     "dissipated": ORANGE, "yielding": ORANGE, "friction": YELLOW, "holder": _BROWN, "support's damper": GREY,
+    "absorbed": _PALE,
     "support": PURPLE,
     "elastic": GREEN, "rotation": SKY, "kinetic": BLUE,
 }  # fmt: skip
+#: Parts of the dissipated energy other than yielding, and their names in the ledger.
+_LOSSES = {"friction": "friction", "holder": "holder", "support's damper": "support_lost", "absorbed": "absorbed"}
 _NEGLIGIBLE = 1e-3  # negative energy over the input that counts as rounding
 _IN_PANEL = 4  # sensors in a panel
 
@@ -87,11 +90,11 @@ def _energy_parts(result: Result) -> dict[str, NDArray]:
     if result.has("energy/support"):
         parts["elastic"] = elastic - result["energy/support"]
         parts["support"] = result["energy/support"]
-    for name, source in (("friction", "friction"), ("holder", "holder"), ("support's damper", "support_lost")):
+    for name, source in _LOSSES.items():
         if result.has(f"energy/{source}"):
             parts["dissipated"] = parts["dissipated"] - result[f"energy/{source}"]
             parts[name] = result[f"energy/{source}"]
-    if any(part in parts for part in ("friction", "holder", "support's damper")):
+    if any(part in parts for part in _LOSSES):
         parts = {"yielding" if name == "dissipated" else name: values for name, values in parts.items()}
     return dict(sorted(parts.items(), key=lambda item: list(_AREAS).index(item[0])))
 

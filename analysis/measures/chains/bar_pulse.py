@@ -21,7 +21,6 @@ import numpy as np
 
 from granwave.analysis.measures.chains.record import ChainRecord
 from granwave.analysis.measures.signals import Array, arrival
-from granwave.lammps_inputs.case.load import Load
 from granwave.lammps_inputs.packing.assembly import BAR, INCIDENT_BAR, PlacedBar
 
 _NEAR, _FAR = 0.25, 0.75  # sections, in lengths of the bar from where the pulse enters
@@ -124,14 +123,14 @@ def passage(run: ChainRecord, bar: PlacedBar) -> Passage:
     if bar.name == INCIDENT_BAR:
         energy = run.value("energy_input_J")
         instants = np.linspace(0, time[-1], _FINER * len(time))
-        values = applied(run.case.load, instants)
+        values = run.case.load.at(instants)
     else:
         energy = run.value(f"energy_{BAR}_J")
         instants, values = (run.array(f"walls/{bar.name}/{name}") for name in ("time", "force"))
 
     def entered(at: Array) -> Array:
         if bar.name == INCIDENT_BAR:
-            return applied(run.case.load, at)
+            return run.case.load.at(at)
         return np.interp(at, instants, values, left=0.0)
 
     elements = [int(np.abs(depth - share * bar.section.length).argmin()) for share in (_NEAR, _FAR)]
@@ -151,15 +150,3 @@ def passage(run: ChainRecord, bar: PlacedBar) -> Passage:
 def impedance(bar: PlacedBar) -> float:
     """A sqrt(E rho), N s/m."""
     return bar.section.area * float(np.sqrt(bar.material.youngs_modulus * bar.material.density))
-
-
-def applied(load: Load, time: Array) -> Array:
-    """The force of a load at given times, N."""
-    if load.table:
-        points, values = np.array(load.table).T
-        return np.interp(time, points, values, left=0.0, right=0.0)
-    amplitude, duration = load.amplitude or 0.0, load.duration or np.inf
-    if load.shape == "harmonic":
-        return amplitude * np.sin(2 * np.pi * (load.frequency or 0.0) * time)
-    shape = np.sin(np.pi * time / duration) if load.shape == "half-sine" else np.ones_like(time)
-    return amplitude * np.where((time > 0) & (time <= duration), shape, 0.0)

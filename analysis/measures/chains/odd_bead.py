@@ -89,7 +89,7 @@ def odd_bead_of(run: ChainRecord) -> OddBead | None:
     odd = {*assembly.diameters, *assembly.materials}
     if case.bar is None or case.incident_bar is not None or assembly.strikers or case.load.kind != "force":
         return None
-    if len(odd) > 1 or case.load.shape == "harmonic":
+    if len(odd) > 1 or case.load.oscillates:
         return None
     place = next(iter(odd), None)
     return OddBead(run, place, assembly.material_of(place or 1), assembly.diameter_of(place or 1))

@@ -234,32 +234,19 @@ def impactors_of(case: Case, material: Material | None) -> list[Impactors]:
     ]
 
 
-def load_at(load: Load, time: Array) -> Array:
-    """The force of a load in time, N: (n_times,)."""
-    if load.table:
-        given = np.array(load.table)
-        return np.interp(time, given[:, 0], given[:, 1], left=0.0, right=0.0)
-    amplitude, acts = load.amplitude or 0.0, time <= (load.duration or math.inf)
-    if load.shape == "harmonic":
-        return amplitude * np.sin(2 * math.pi * (load.frequency or 0.0) * time)
-    if load.shape == "half-sine":
-        return np.where(acts, amplitude * np.sin(math.pi * time / (load.duration or math.inf)), 0.0)
-    return np.where(acts, amplitude, 0.0)
-
-
 def _pushed(load: Load, target: Target, end_time: float) -> BareTarget:
     """A force on the target itself."""
     end = min(end_time, load.lasts + target.settles)
     time = np.linspace(0.0, end, _AFTER + 1)
     turns = [one for one, _ in load.table or ()] + [load.lasts / 2]
     time = np.union1d(time, [one for one in turns if one < end])
-    force = load_at(load, time)
+    force = load.at(time)
     if not target.moves:
         return BareTarget(time, force, force)
     n = len(target.mass)
 
     def rates(now: float, state: Array) -> Array:
-        return np.concatenate(target.rates(state[:n], state[n:], float(load_at(load, np.array(now)))))
+        return np.concatenate(target.rates(state[:n], state[n:], float(load.at(np.array(now)))))
 
     from scipy.integrate import solve_ivp  # takes longer to load than many a figure to draw
 

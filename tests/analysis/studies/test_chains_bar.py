@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from granwave.analysis.measures.chains.bar_pulse import applied, passage
+from granwave.analysis.measures.chains.bar_pulse import passage
 from granwave.analysis.studies.chains.runs import ChainRun
 from granwave.analysis.studies.study import make_studies
-from granwave.lammps_inputs.case.load import Load
 from granwave.lammps_inputs.deck.deck import write_deck
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import assemble
@@ -62,19 +61,6 @@ def test_study_of_bars(lone_bars):
     assert sum(row.quantity.startswith("Speed") for row in study.rows) == 1
     assert all(np.isfinite(row.ours) for row in study.rows)
     assert all(abs(row.ours / row.theory - 1) < 5e-3 for row in study.rows if row.theory)
-
-
-@pytest.mark.parametrize(
-    ("load", "expected"),
-    [
-        (Load(kind="force", shape="half-sine", amplitude=2.0, duration=1.0), [0, 2, 0, 0]),
-        (Load(kind="force", shape="rectangle", amplitude=2.0, duration=1.0), [0, 2, 2, 0]),
-        (Load(kind="force", shape="harmonic", amplitude=2.0, frequency=0.5), [0, 2, 0, -2]),
-        (Load(kind="force", shape="table", table=((0.0, 0.0), (1.0, 4.0))), [0, 2, 4, 0]),
-    ],
-)
-def test_applied_force(load, expected):
-    assert applied(load, np.array([0.0, 0.5, 1.0, 1.5])) == pytest.approx(expected, abs=1e-12)
 
 
 @pytest.fixture(scope="module")

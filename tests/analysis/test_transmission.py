@@ -1,0 +1,172 @@
+"""Transmission of rows: fits of made-up signals, and driven chains beside the linear chain."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from granwave.analysis.measures.amplitude_sweep import AmplitudeSweep, amplitude_sweep_of, fitted_amplitudes
+from granwave.analysis.measures.transmission import steady_amplitudes, transfer, transmission_of
+from granwave.analysis.result.reader import Result
+from granwave.lammps_inputs.contact.static_load import static_stiffness
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.workflows import load_case, run_case
+
+SWEEP = {
+    "shape": "sweep",
+    "amplitude": 0.02,
+    "frequency": 4e3,
+    "last_frequency": 2.4e4,
+    "duration": 6e-3,
+    "kind": "force",
+}
+
+
+def test_steady_amplitudes_of_made_up_signals():
+    time = np.linspace(0, 1e-2, 1201)
+    signals = np.stack([0.3 * np.cos(2 * np.pi * 1234.0 * time - 0.7), 2 + np.sin(2 * np.pi * 1234.0 * time)], axis=1)
+    found = steady_amplitudes(time, signals, 1234.0)
+    assert found is not None
+    assert found[0] == pytest.approx([0.3 * np.exp(-0.7j), -1j], abs=1e-12) and found[1] == pytest.approx(0, abs=1e-12)
+    growing = steady_amplitudes(time, signals * np.exp(300 * time)[:, None], 1234.0)
+    assert growing is not None and min(growing[1]) > 0.1
+    assert steady_amplitudes(time, signals, 500.0) is None  # two periods in half of the time
+
+
+def test_transfer_of_a_delayed_and_weakened_signal():
+    time = np.arange(4096) * 1e-6
+    pulse = np.exp(-(((time - 5e-4) / 2e-5) ** 2))
+    later = 0.4 * np.exp(-(((time - 9e-4) / 2e-5) ** 2))
+    frequency, ratio = transfer(time, pulse, later)
+    assert frequency[0] > 0 and np.abs(ratio) == pytest.approx(0.4, rel=1e-6)
+    assert ratio == pytest.approx(0.4 * np.exp(-2j * np.pi * frequency * 4e-4), abs=1e-6)
+
+
+@pytest.fixture(scope="module")
+def swept(tmp_path_factory):
+    """The case of a driven row, shorter, under a sweep across its cut-off frequency."""
+    folder = tmp_path_factory.mktemp("swept") / "run"
+    case = load_case("driven-row", {"packing.size": 40, "load": SWEEP, "run.end_time": 9e-3})
+    run_case(case, folder, figures=False)
+    return folder
+
+
+def test_a_row_passes_all_below_its_cut_off(swept):
+    """An endless linear row: 1 below omega_c = 2 sqrt(k/m), little above it."""
+    with Result(swept) as result:
+        found, assembly = transmission_of(result), result.assembly
+        balance = np.abs(result["energy/kinetic"] + result["energy/elastic"] + result["energy/dissipated"]
+                         - result["energy/input"]).max() / result.energy_input  # fmt: skip
+    assert balance < 1e-5 and (found.first, found.last) == (1, 10)
+    cut_off = math.sqrt(static_stiffness(assembly) / assembly.case.sphere_mass) / math.pi
+    inside = (found.frequency > 8e3) & (found.frequency < 0.95 * cut_off)
+    assert np.abs(found.ratio[inside]) == pytest.approx(1, abs=0.02)
+    assert np.abs(found.ratio[found.frequency > 1.04 * cut_off]).max() < 0.05
+
+
+def test_attenuation_above_the_cut_off(tmp_path):
+    """(q - sqrt(q^2 - 1))^2 for every bead, with q = f/f_c: the evanescent wave of a linear row."""
+    load = {"kind": "force", "shape": "harmonic", "amplitude": 0.02, "frequency": 2.1e4, "ramp": 1e-3}
+    changes = {"packing.size": 16, "load": load, "absorb": [{"layers": 10, "rate": 3e4}], "run.end_time": 5e-3}
+    run_case(load_case("driven-row", changes), tmp_path / "run", figures=False)
+    with Result(tmp_path / "run") as result:
+        found, assembly = transmission_of(result), result.assembly
+    q = math.pi * 2.1e4 / math.sqrt(static_stiffness(assembly) / assembly.case.sphere_mass)
+    due = (q - math.sqrt(q**2 - 1)) ** 2
+    size = np.abs(found.velocity)
+    assert size[2:5] / size[1:4] == pytest.approx(due, rel=0.02)
+    assert found.ratio is None or found.ratio == pytest.approx(due ** (found.last - found.first), rel=0.1)
+
+
+def test_a_matched_end_reflects_little(tmp_path):
+    """Impedance sqrt(k m) on the last bead: at a third of the cut-off frequency the reflection is some 3 %."""
+    changes = {"packing.size": 20, "boundary.bottom": "free", "absorb": [{"layers": 1, "impedance": "matched"}], "run.end_time": 4e-3,
+               "load": {"kind": "force", "shape": "harmonic", "amplitude": 0.02, "frequency": 3e3, "ramp": 5e-4}}  # fmt: skip
+    outcome = run_case(load_case("driven-row", changes), tmp_path / "run", figures=False)
+    with Result(tmp_path / "run") as result:
+        found, case = transmission_of(result), result.case
+        stiffness = static_stiffness(result.assembly)
+    size = np.abs(found.velocity[:18])
+    reflected = (size.max() - size.min()) / (size.max() + size.min())
+    phase = math.asin(math.pi * 3e3 * math.sqrt(case.sphere_mass / stiffness))  # k a/2
+    impedance = math.sqrt(stiffness * case.sphere_mass)
+    omega = 2 * math.pi * 3e3
+    # the last bead: m v' = force of the row - Z v, with a wave exp(+-i k a n)
+    step = np.exp(2j * phase)
+    end = 1j * omega * case.sphere_mass + impedance + stiffness / (1j * omega)
+    due = abs((stiffness / (1j * omega) * step - end) / (stiffness / (1j * omega) / step - end))
+    assert due < 0.2 and reflected == pytest.approx(due, abs=0.01)
+    assert outcome.summary["absorbed_fraction"] > 0.5 and outcome.summary["energy_balance_error"] < 1e-5
+
+
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        ({"load.frequency": 5e3, "run.timestep": 3e-5}, "load.frequency: found 5000 Hz, expected at most 3333 Hz"),
+        ({"load": SWEEP | {"ramp": 4e-3}}, "load.ramp: found 0.004 s, expected at most half of load.duration"),
+        (
+            {"load": SWEEP | {"shape": "noise", "duration": 1e-5, "last_frequency": 5e3}},
+            "load.duration: found 1e-05 s; no",
+        ),
+        ({"load": SWEEP | {"cycles": 3}}, 'load.cycles: does not belong to shape "sweep"'),
+        ({"load": SWEEP | {"shape": "burst"}}, 'load.cycles: missing; shape "burst" needs it'),
+        ({"absorb": [{"layers": 3}]}, "absorb.1: found neither of rate and impedance"),
+        ({"absorb": [{"rate": 1.0}]}, "absorb.1: found neither of index and layers"),
+        ({"absorb": [{"layers": 60, "rate": 1.0}]}, "absorb.1.layers: found 60, expected fewer than all 60 layers"),
+        ({"absorb": [{"index": [61], "rate": 1.0}]}, "absorb.1.index: found 61, expected ids from 1 to 60"),
+        ({"absorb": [{"layers": 3, "rate": 1.0}, {"index": [59], "rate": 2.0}]}, "absorb.2: damps sphere 59"),
+        (
+            {"absorb": [{"layers": 1, "impedance": 0}]},
+            'absorb.1.impedance: found 0, expected a number above 0, or "matched"',
+        ),
+        ({"absorb": [{"layers": 1, "rate": 1.0, "towards": "up"}]}, "absorb.1.towards"),
+    ],
+)
+def test_wrong_loads_and_layers_are_refused(changes, says):
+    with pytest.raises(InputError) as caught:
+        assemble(load_case("driven-row", changes))
+    assert any(says in line for line in caught.value.errors), caught.value.errors
+
+
+def test_no_impedance_matches_a_row_without_static_force():
+    with pytest.raises(InputError, match="no impedance of long waves"):
+        load_case("elastic-impact", {"absorb": [{"layers": 1, "impedance": "matched"}]})
+
+
+def test_amplitudes_at_multiples_of_a_frequency():
+    time = np.arange(801) * 1e-6  # eight periods
+    angle = 2 * np.pi * 1e4 * time
+    signals = np.stack(
+        [3 * np.sin(angle) + 0.5 * np.cos(2 * angle + 1) + 0.2 * np.sin(angle / 2), 7 + 0 * time], axis=1
+    )
+    assert fitted_amplitudes(time, signals, 1e4) == pytest.approx(
+        np.array([[3, 0.5, 0, 0.2], [0, 0, 0, 0]]).T, abs=1e-12
+    )
+
+
+def test_branches_of_rising_and_falling_amplitude():
+    load = np.array([1.0, 2.0, 3.0, 2.5, 1.5, 0.5])
+    rising = np.array([True, True, True, False, False, False])
+    alike = AmplitudeSweep(load, rising, np.tile(load, (4, 1)), np.tile(load, (4, 1)))
+    assert alike.apart == pytest.approx(0, abs=1e-12)
+    two = AmplitudeSweep(load, rising, np.tile(load, (4, 1)), np.tile(load + 2.0 * ~rising, (4, 1)))
+    assert two.apart == pytest.approx(2 / 4.5, rel=0.1)
+
+
+def test_amplitude_of_a_driven_row_rises_and_falls(tmp_path):
+    """A light load: the row answers in proportion, with one state; the share of the second harmonic rises with the load."""
+    load = {"kind": "displacement", "shape": "up-and-down", "amplitude": 4e-8, "frequency": 8e3, "duration": 8e-3}
+    changes = {"packing.size": 20, "load": load, "absorb": [{"layers": 14, "rate": 5e4}], "run.end_time": 8.2e-3}
+    outcome = run_case(load_case("driven-row", changes), tmp_path / "run", figures=False)
+    with Result(tmp_path / "run") as result:
+        found = amplitude_sweep_of(result)
+    assert found is not None and len(found.load) == 8 and found.rising.sum() == 4
+    assert found.first[0] == pytest.approx(2 * np.pi * 8e3 * found.load, rel=1e-2)
+    inner = slice(1, 7)
+    assert found.last[0][inner] == pytest.approx(found.first[0][inner], rel=0.1)
+    assert outcome.summary["amplitude_hysteresis"] == pytest.approx(found.apart) and found.apart < 0.15
+    share = found.last[1] / found.last[0]
+    assert share[3] > 1.5 * share[1] and share.max() < 0.2
