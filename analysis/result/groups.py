@@ -18,6 +18,7 @@ from granwave.lammps_inputs.deck.columns import (
     SUPPORT,
     TANGENTIAL,
     TIMESTEP,
+    VISCOUS,
     WALL_CONTACTS,
 )
 from granwave.lammps_inputs.planning.space import ANALYSED_AT_ONCE
@@ -37,6 +38,7 @@ _UNITS = {
         *ROTATION,
         *TANGENTIAL,
         *HOLDER,
+        *VISCOUS,
         *MOVING_WALL,
         *WALL_CONTACTS,
         *CONTACTS,
@@ -50,6 +52,7 @@ _UNITS = {
     "dissipated_energy": "J",
     "dissipated_energy_wall": "J",
     "friction_energy": "J",
+    "viscous_energy": "J",
     "stored": "J",
     "bar": "J",
     "incident_bar": "J",
