@@ -154,8 +154,7 @@ ENTRIES = (
              "Energy dissipated by sliding between spheres and at walls, over the input.",
              short="  by friction", digits=".5f", phrase="{} of it"),
     Quantity("viscous_fraction", "Share dissipated by viscous losses",
-             "Energy that contacts between spheres and with walls lost by the rate of their overlap (contact.loss), over "
-             "the input.",
+             "Energy that contacts lost by the rate of their overlap (contact.loss), walls included, over the input.",
              short="  by viscous losses", digits=".5f", phrase="{} of it", axis="Viscous losses over the input"),
     Quantity("holder_fraction", "Share dissipated by friction of the holder",
              "Energy dissipated by beads of a chain that slide in their holder, over the input.",

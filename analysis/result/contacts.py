@@ -31,7 +31,8 @@ def merge_dents(dents: Frame) -> Contacts:
     dict
         ``i``, ``j`` (n_pairs,), i < j; ``overlap``, ``peak_overlap``, ``initial_overlap`` (initial dent) m;
         ``force``, ``peak_force``, ``tangential_force`` N; ``elastic_energy``, ``dissipated_energy`` (of yielding,
-        friction and viscous losses), ``friction_energy``, with viscous losses ``viscous_energy`` J; ``time_first``, ``time_peak``, ``time_yield`` s (NaN: never); ``n_dents``;
+        friction and viscous losses), ``friction_energy``, with viscous losses ``viscous_energy`` J;
+        ``time_first``, ``time_peak``, ``time_yield`` s (NaN: never); ``n_dents``;
         ``grown_overlap``: largest overlap of dents that grew in this run, m.
     """
     first, second = np.sort(dents.vector("i", "j").astype(np.int64), axis=1).T
@@ -193,8 +194,8 @@ def sphere_values(
     -------
     dict
         ``peak_force`` of the largest single contact, N; ``peak_overlap``, m; ``dissipated_energy`` and its part
-        ``friction_energy``, with viscous losses ``viscous_energy``, J; ``contacts_yielded``; ``coordination`` at the start; ``time_first``, ``time_yield`` of
-        the earliest contact, s (NaN: never). Each (n_spheres,).
+        ``friction_energy``, with viscous losses ``viscous_energy``, J; ``contacts_yielded``; ``coordination`` at the
+        start; ``time_first``, ``time_yield`` of the earliest contact, s (NaN: never). Each (n_spheres,).
     """
     n_spheres = len(ids)
     ends = rows_of(ids, np.concatenate([contacts["i"], contacts["j"]]))

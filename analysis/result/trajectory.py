@@ -1,12 +1,12 @@
 """Trajectory of a run in the H5MD format (version 1.1, P. de Buyl et al., doi:10.1016/j.cpc.2014.01.018).
 
 ``/particles/spheres`` holds ``position``, ``displacement``, ``velocity``, ``contact_force`` (largest present force of a
-single contact), ``peak_force``, ``dissipated_energy`` (by yielding, friction and viscous losses), ``elastic_energy`` (half
-the energy stored in each contact with another sphere; NaN if it was not recorded) and, with friction,
-``friction_energy``, with viscous losses ``viscous_energy``, each as
-``value``, ``step`` and ``time`` of every snapshot; ``id``, ``species``, ``radius`` and ``mass`` are constant. Positions
-are initial positions plus displacements, not wrapped into periodic boxes. All values are float64; overlaps should be
-computed from displacements, which have 17 digits independently of the distance from the origin.
+single contact), ``peak_force``, ``dissipated_energy`` (by yielding, friction and viscous losses), ``elastic_energy``
+(half the energy stored in each contact with another sphere; NaN if it was not recorded) and, with friction,
+``friction_energy``, with viscous losses ``viscous_energy``, each as ``value``, ``step`` and ``time`` of every snapshot;
+``id``, ``species``, ``radius`` and ``mass`` are constant. Positions are initial positions plus displacements, not
+wrapped into periodic boxes. All values are float64; overlaps should be computed from displacements, which have 17
+digits independently of the distance from the origin.
 """
 
 from __future__ import annotations

@@ -15,6 +15,7 @@ LOSS_FORM = (
 )
 _KINDS = ("time", "restitution", "dashpot")
 _LONGEST_TIME = 1.0  # s
+_GAIN = "below 0 a contact would gain energy, and restitution exceed 1"
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -63,9 +64,7 @@ def parse_loss(value: Any) -> Loss:
     if "time" in value:
         time = finite(value["time"], LOSS_FORM)
         if not 0 <= time <= _LONGEST_TIME:
-            raise ValidationError(
-                f"a loss time from 0 to {_LONGEST_TIME:g} s; below 0 a contact would gain energy, and restitution exceed 1"
-            )
+            raise ValidationError(f"a loss time from 0 to {_LONGEST_TIME:g} s; {_GAIN}")
         return Loss(time=time)
     if "dashpot" in value:
         return Loss(dashpot=_parse_dashpot(value["dashpot"]))
@@ -82,9 +81,7 @@ def _parse_dashpot(value: Any) -> float | DashpotRestitution:
         return DashpotRestitution(restitution=_parse_restitution(value["restitution"]))
     factor = finite(value, LOSS_FORM)
     if factor < 0:
-        raise ValidationError(
-            "a factor of the dashpot from 0 up; below 0 a contact would gain energy, and restitution exceed 1"
-        )
+        raise ValidationError(f"a factor of the dashpot from 0 up; {_GAIN}")
     return factor
 
 

@@ -1,7 +1,7 @@
 """Viscous losses of contacts as the plugin takes them: a loss time, or the factor of a dashpot.
 
 The loss time of a restitution at a speed is found from the head-on collision of two bodies with their own law
-(`ContactLaw.collide`). Bodies have the median diameter of the spheres of their material: all of a material have one time.
+(`ContactLaw.collide`). Bodies have the median diameter of the spheres of their material, all of which have one time.
 """
 
 from __future__ import annotations

@@ -82,7 +82,7 @@ def energies(result: Result) -> Drawing | None:
 
 
 def _energy_parts(result: Result) -> dict[str, NDArray]:
-    """Return the energies that add up to the input; rotation, friction, losses, holder and support separately, if any."""
+    """Return the energies that add up to the input; rotation and kinds of dissipation separately, if any."""
     kinetic, elastic, dissipated = (result[f"energy/{name}"] for name in ("kinetic", "elastic", "dissipated"))
     parts = {"kinetic": kinetic, "elastic": elastic, "dissipated": dissipated}
     if result.has("energy/rotational"):
