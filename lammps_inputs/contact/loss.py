@@ -100,6 +100,8 @@ def loss_time(
     """
     law = law_between(contact, materials, radii)
     alone = law.collide(mass, velocity, steps=_STEPS)
+    if math.isnan(alone["restitution"]):  # nothing stops them
+        return 0.0
     longest = _MOST_TIME * alone["duration"]
 
     def excess(time: float) -> float:

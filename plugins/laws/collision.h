@@ -12,19 +12,22 @@
 namespace granwave {
 
 struct Collision {
-  double restitution;    // speed of separation over that of approach, 0 if the bodies do not part
+  double restitution;    // speed of separation over that of approach, 0 if the bodies do not part, NaN if nothing stops them
   double duration, peak_force, peak_overlap;
 };
 
 /* Collide bodies of an effective mass with a speed of approach. `steps` is about the number of steps in the collision. */
 inline Collision collide(const ScaledLaw &law, const ViscousLoss &loss, double mass, double speed, int steps)
 {
+  constexpr double MOST_OVERLAP = 4.0;    // over the effective radius
   constexpr double LONGEST = 50.0;    // end of a collision in which the bodies do not part, over its duration without loss
   // the time scale: overlap at which first loading has taken up the kinetic energy, over the speed
   const std::vector<double> zero(std::max(law.law().entry().n_extra, 1), 0.0);
   const double energy = 0.5 * mass * speed * speed;
   double low = 0.0, high = 1e-9 * law.effective_radius();
-  while (law.loading_work(high, zero.data()) < energy) high *= 2.0;
+  const double most = std::min(law.largest_overlap(), MOST_OVERLAP * law.effective_radius());
+  while (high < most && law.loading_work(high, zero.data()) < energy) high *= 2.0;
+  if (!(high < most)) return {NAN, NAN, NAN, NAN};
   for (int n = 0; n < 60; n++) {
     const double middle = 0.5 * (low + high);
     (law.loading_work(middle, zero.data()) < energy ? low : high) = middle;

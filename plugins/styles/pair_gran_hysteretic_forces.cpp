@@ -68,7 +68,8 @@ void PairGranHysteretic::release_contact(int k)
     const int i = c.row[row], j = c.partner[k];
     const double *const *const x = atom->x;
     const double delx = x[i][0] - x[j][0], dely = x[i][1] - x[j][1], delz = x[i][2] - x[j][2];
-    viscous(k)->release(atom->radius[i] + atom->radius[j] - std::sqrt(delx * delx + dely * dely + delz * delz));
+    const double apart = distance(i, j, delx * delx + dely * dely + delz * delz);
+    viscous(k)->release(atom->radius[i] + atom->radius[j] - apart);
   }
   if (has_friction) release(c.spring[k]);
   c.has_spring[k] = 0;
@@ -215,7 +216,7 @@ void PairGranHysteretic::compute_viscous(Batch &batch)
       batch.force[m] = force + history.force;
       continue;
     }
-    double stiffness = 1.5 * force / overlap;
+    double stiffness = p.contact.is_hertzian() ? 1.5 * force / overlap : p.contact.hertz_stiffness(overlap);
     if (p.contact.yielded(c.peak[k]))
       stiffness = overlap >= c.peak[k]
                       ? p.contact.tangent_stiffness(overlap, law_history(k))
@@ -289,7 +290,8 @@ void PairGranHysteretic::tally(const Batch &batch, Tally what)
     }
     const PairParameters &p = *batch.pair[m];
     const double peak = contacts.peak[batch.k[m]], overlap = batch.overlap[m];
-    double elastic = has_loss ? p.contact.hertz_energy(overlap) : 0.4 * batch.force[m] * overlap;
+    double elastic =
+        has_loss || !p.contact.is_hertzian() ? p.contact.hertz_energy(overlap) : 0.4 * batch.force[m] * overlap;
     if (p.contact.yielded(peak))
       elastic = p.contact.elastic_energy(overlap, contacts.turnings[cached_turning(batch.k[m], p.contact)]);
     ev_tally_xyz(batch.i[m], batch.j[m], nlocal, 0, elastic, 0.0, fx, fy, fz, delx, dely, delz);
@@ -298,7 +300,7 @@ void PairGranHysteretic::tally(const Batch &batch, Tally what)
 
 /* Compute forces and history of a batch of touching pairs. */
 
-void PairGranHysteretic::compute_batch(Tally what)
+void PairGranHysteretic::compute_batch(Tally what, bool special)
 {
   if (!uniform)
     for (int m = 0; m < batch.size; m++) {
@@ -313,6 +315,7 @@ void PairGranHysteretic::compute_batch(Tally what)
   if (batch.compute_overlap())
     for (int m = 0; m < batch.size; m++)
       if (!(batch.overlap[m] <= batch.largest_overlap[m])) overlap_error(batch.i[m], batch.j[m], batch.overlap[m]);
+  if (special) set_elastic(batch);
   update_history(batch);
   if (has_loss) compute_viscous(batch);
   if (has_friction) {
@@ -355,7 +358,7 @@ void PairGranHysteretic::give_sums(int begin, int end)
 void PairGranHysteretic::compute_forces(Tally what)
 {
   Contacts &c = contacts;
-  const int nlocal = atom->nlocal, nall = nlocal + atom->nghost, rows = static_cast<int>(c.row.size());
+  const int nlocal = atom->nlocal, nall = nlocal + atom->nghost, rows = c.plain;
   if (c.resting.compare(atom->x[0], nall, atom->radius, uniform ? 1 : nall)) set_parameters();
   pairs.row = c.row.data();
   pairs.begin = c.begin.data();
@@ -390,6 +393,7 @@ void PairGranHysteretic::compute_forces(Tally what)
     if (c.ordered) give_sums(begin, end);    // no later row adds to them
   }
   if (!c.ordered) give_sums(0, nlocal);
+  if (has_special) compute_special(what);
 }
 
 void PairGranHysteretic::compute(int eflag, int vflag)
