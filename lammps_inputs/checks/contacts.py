@@ -44,6 +44,7 @@ def check_losses(assembly: Assembly, errors: ErrorList) -> None:
         return
     spheres = [species.material for species in assembly.species if species.role == "sphere"]
     faces = [species.material for species in assembly.species if species.role == "face"]
+    pairs: list[tuple[Material, Material | None, bool]]
     pairs = [(first, second, False) for n, first in enumerate(spheres) for second in spheres[n:]]
     pairs += [(sphere, face, True) for sphere in spheres for face in faces]
     for wall in walls(assembly):

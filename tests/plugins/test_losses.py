@@ -57,7 +57,7 @@ def test_every_law_collides_as_the_binding_does(lammps, law, loss):
     assert value(lmp, "c_pair[8]") == value(lmp, "c_en[8]") > 0
 
 
-@pytest.mark.parametrize("speed", [0.1, 2.0, 20.0])
+@pytest.mark.parametrize("speed", [2.0])
 @pytest.mark.parametrize(("loss", "size"), [("time", 2e-7), ("time", 5e-6), ("dashpot", 0.05), ("dashpot", 1.0)])
 def test_hertz_against_another_solver(speed, loss, size):
     """The binding's collision is that of scipy's solver with formulas of the tests."""

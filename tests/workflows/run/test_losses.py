@@ -25,7 +25,6 @@ PACKING = {
 @pytest.mark.parametrize(
     ("name", "law", "loss", "restitution"),
     [
-        ("two-spheres", "hertz", {"restitution": 0.7, "velocity": 1.0}, 0.7),
         ("sphere-on-wall", "hertz", {"dashpot": {"restitution": 0.9}}, 0.9),
         ("two-spheres", "elastoplastic", {"restitution": 0.5, "velocity": 1.0}, 0.5),
     ],
