@@ -161,18 +161,22 @@ def _energies(result: Result) -> Summary:
         return energy / given if given else None
 
     rubbed, plastic = final("friction"), float(result.yield_ledger[-1])
-    holder, absorbed = (final(name) if f"energy/{name}" in result else None for name in ("holder", "absorbed"))
+    holder, viscous, absorbed = (
+        final(name) if f"energy/{name}" in result else None for name in ("holder", "viscous", "absorbed")
+    )
     return {
         "energy_input_J": given,
         **{f"energy_{name}_J": final(name) for name in ("kinetic", "elastic", "dissipated", "rotational")},
         "energy_dissipated_wall_J": final("dissipated_wall"),
         "energy_dissipated_plastic_J": plastic,
         "energy_dissipated_friction_J": rubbed,
+        "energy_dissipated_viscous_J": viscous,
         "energy_dissipated_holder_J": holder,
         "energy_absorbed_J": absorbed,
         "dissipated_fraction": share(final("dissipated")),
         "plastic_fraction": share(plastic),
         "friction_fraction": share(rubbed),
+        "viscous_fraction": None if viscous is None else share(viscous),
         "holder_fraction": None if holder is None else share(holder),
         "absorbed_fraction": None if absorbed is None else share(absorbed),
         "energy_balance_error": energy_balance_error(result),

@@ -9,7 +9,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterable
 
-FRICTION, DENTS = "friction", "dents"  # columns of cases with friction; of cases with initial dents
+FRICTION, DENTS, LOSS = "friction", "dents", "loss"  # columns of cases with friction; initial dents; viscous losses
 
 
 @dataclasses.dataclass(frozen=True)
@@ -25,7 +25,7 @@ class Column:
     unit
         SI unit; "1" if dimensionless.
     when
-        `FRICTION` or `DENTS` for a column of such cases only; empty: of all cases.
+        `FRICTION`, `DENTS` or `LOSS` for a column of such cases only; empty: of all cases.
     """
 
     name: str
@@ -92,6 +92,7 @@ SNAPSHOT = (
     Column("elastic", "c_sphere[10]", "J"),
     Column("elastic_tangential", "c_sphere[11]", "J", FRICTION),
     Column("friction", "c_sphere[12]", "J", FRICTION),
+    Column("viscous", "c_sphere[13]", "J", LOSS),
 )
 
 #: dumps/history.dump: history of a chain.
@@ -121,6 +122,7 @@ CONTACTS = of_compute(
         ("elastic_tangential", "J", FRICTION),
         ("friction", "J", FRICTION),
         ("initial", "m", DENTS),
+        ("viscous", "J", LOSS),
     ],
 )
 
@@ -140,6 +142,7 @@ WALL_CONTACTS = of_compute(
         ("tangential_force", "N", FRICTION),
         ("friction", "J", FRICTION),
         ("initial", "m", DENTS),
+        ("viscous", "J", LOSS),
     ],
 )
 
@@ -161,6 +164,9 @@ SUPPORT = (
 ROTATION = (Column("rotational", "c_rotational", "J"),)
 TANGENTIAL = (Column("elastic_tangential", "v_elastic_tangential", "J"), Column("friction", "v_friction", "J"))
 
+#: dumps/energy.txt, of cases with viscous losses.
+VISCOUS = (Column("viscous", "v_viscous", "J"),)
+
 #: dumps/energy.txt, of chains that rub against their holder.
 HOLDER = (Column("holder", "f_holder", "J"),)
 
@@ -179,7 +185,7 @@ def sources(table: Iterable[Column], *having: str, of: str = "") -> dict[str, st
     Parameters
     ----------
     having
-        `FRICTION` and `DENTS`, as far as they apply to the case.
+        `FRICTION`, `DENTS` and `LOSS`, as far as they apply to the case.
     of
         Name of the fix, inserted for ``{}``.
     """

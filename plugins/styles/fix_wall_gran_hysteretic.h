@@ -2,9 +2,12 @@
 /* Fix wall/gran/hysteretic: plane walls normal to an axis, or a tube around z, with the contact laws and the persistent dents of pair style
    gran/hysteretic, with friction, and with the support of a movable plane (support.h).
 
-   fix ID group wall/gran/hysteretic xplane|yplane|zplane LO HI law ... [friction MU] [support ...]
+   fix ID group wall/gran/hysteretic xplane|yplane|zplane LO HI law ... [friction MU] [line half-space|plane-strain] [support ...]
        (law_arguments.h, support.h; LO, HI a coordinate or NULL)
    fix ID group wall/gran/hysteretic tube RADIUS law ... [friction MU]
+
+   Types of fix gran/cylinder touch a plane that is parallel to their axis along a line, elastically (line_contact.h), and none
+   that they stand on.
 
    With one material the wall is rigid; with two, the second is that of the wall. Dents are stored with their location on the
    wall: a sphere that has separated and touches the wall again starts a new contact if it is further from that location than
@@ -14,12 +17,15 @@
 #define LMP_FIX_WALL_GRAN_HYSTERETIC_H
 
 #include "../laws/contact_law.h"
+#include "../laws/elastic_contact.h"
 #include "../laws/exact_sum.h"
 #include "fix.h"
 #include "../laws/support.h"
 #include "../laws/tangential.h"
 #include "../laws/tube.h"
+#include "../laws/viscous_loss.h"
 
+#include <map>
 #include <memory>
 #include <vector>
 
@@ -83,6 +89,8 @@ class FixWallGranHysteretic : public Fix {
     TANGENTIAL,
     FRICTION_LOSS,
     INITIAL,
+    N_KEPT,    // those before it belong to the state; the others follow from it
+    VISCOUS = N_KEPT,
     N_REPORTED
   };
 
@@ -106,8 +114,12 @@ class FixWallGranHysteretic : public Fix {
   void inward(int i, int side, double normal[3]) const;
   void place_of(int i, double place[2]) const;
   double effective_radius(double radius) const { return tube ? tube->effective_radius(radius) : radius; }
+  void init_cylinders();
+  bool is_line(int i) const;
+  granwave::ScaledLaw scaled_law(int i);
   void add_to_wall(int i, const double force[3]);
   Contact compute_normal(int i, int side, double overlap, double now);
+  void compute_viscous(int i, int side, double overlap, const granwave::ScaledLaw &, Contact &);
   void compute_tangential(int i, int side, double overlap, const Contact &);
   double distance_squared(const double from[2], const double to[2]) const;
   double *extra(int i, int side) { return extras.data() + (4 * static_cast<std::size_t>(i) + side) * n_extra(); }
@@ -118,15 +130,26 @@ class FixWallGranHysteretic : public Fix {
   void push_support();
   void check_timestep(double contacts) const;
   void tally();
-  int n_extra() const { return law.entry().n_extra; }
-  int n_state() const { return N_REPORTED + 2 * N_SIDE + (friction > 0.0 ? 2 * N_SPRING : 0) + 4 * n_extra(); }
+  int n_extra() const { return law.entry().n_extra + (loss ? granwave::ViscousHistory::SIZE : 0); }
+  granwave::ViscousHistory &viscous(int i, int side)    // behind the history of the law
+  {
+    return granwave::viscous_history(extra(i, side) + law.entry().n_extra);
+  }
+  void report_viscous(int i);
+  int n_state() const { return N_KEPT + 2 * N_SIDE + (friction > 0.0 ? 2 * N_SPRING : 0) + 4 * n_extra(); }
 
   int axis = 2;
   std::unique_ptr<granwave::Tube> tube;    // in place of planes
   double plane[2];                         // positions at rest of the lower and upper wall, infinite if absent
   granwave::ContactLaw law;
+  granwave::Material body{}, wall{};                   // materials of the spheres and of the wall
+  bool plane_strain = false;                           // of cylinders
+  const class FixGranCylinder *cylinders = nullptr;    // null if there are none
+  std::vector<char> stands;    // by type: 1 for cylinders on their end, which the wall does not touch
+  std::map<std::pair<int, double>, granwave::ElasticContact> lines;    // of cylinders, by type and radius
   double friction = 0.0;
   granwave::TangentialModel tangential_model = granwave::TangentialModel::MINDLIN_RESCALE;
+  granwave::ViscousLoss loss;
   std::unique_ptr<granwave::Support> support;    // of the plane, if it can move
   int moving = 0;                                // index of the movable plane
 
@@ -143,9 +166,9 @@ class FixWallGranHysteretic : public Fix {
   granwave::ExactSum pressed, stiffness;    // force and stiffness of the contacts of this processor with a movable plane
   double contact_stiffness = 0.0;           // sum over all processors
   bigint tallied = -1;
-  enum { STORED, DISSIPATED_SUM, YIELDED, BEYOND_LAW, TANGENTIAL_STORED, FRICTION_LOSS_SUM, N_TOTALS };
+  enum { STORED, DISSIPATED_SUM, YIELDED, BEYOND_LAW, TANGENTIAL_STORED, FRICTION_LOSS_SUM, VISCOUS_SUM, N_TOTALS };
   double totals[N_TOTALS];    // of all processors
-  int extensive[15] = {1, 1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 1, 1, 1, 1};
+  int extensive[16] = {1, 1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 1, 1, 1, 1, 1};
 };
 
 }    // namespace LAMMPS_NS

@@ -17,11 +17,12 @@ void FixWallGranHysteretic::tally()
   for (int i = 0; i < atom->nlocal; i++) {
     const double *state = array_atom[i];
     if (state[PEAK_OVERLAP] == 0.0) continue;
-    const ScaledLaw scaled(law, effective_radius(atom->radius[i]));
+    const ScaledLaw scaled = scaled_law(i);
     mine[DISSIPATED_SUM] += state[DISSIPATED];
     mine[FRICTION_LOSS_SUM] += state[FRICTION_LOSS];
+    mine[VISCOUS_SUM] += state[VISCOUS];
     if (law.entry().yields() && state[TIME_YIELD] >= 0.0) mine[YIELDED] += 1.0;
-    if (law.entry().fitted && state[PEAK_OVERLAP] > 0.2 * scaled.effective_radius()) mine[BEYOND_LAW] += 1.0;
+    if (state[PEAK_OVERLAP] > scaled.valid_overlap()) mine[BEYOND_LAW] += 1.0;
     for (int side = 0; side < 2; side++) {
       const Side &own = sides[2 * i + side];
       const double overlap = depth(i, side);
@@ -46,12 +47,13 @@ double FixWallGranHysteretic::compute_vector(int n)
     MPI_Allreduce(&wall_force[n], &sum, 1, MPI_DOUBLE, MPI_SUM, world);
     return sum;
   }
-  if (n < 3 + N_TOTALS) {
+  constexpr int AT_SUPPORT = 3 + VISCOUS_SUM;    // first value of the support; the viscous loss comes after all others
+  if (n < AT_SUPPORT || n == AT_SUPPORT + 6) {
     tally();
-    return totals[n - 3];
+    return totals[n < AT_SUPPORT ? n - 3 : int(VISCOUS_SUM)];
   }
   if (!support) return 0.0;
-  switch (n - 3 - N_TOTALS) {
+  switch (n - AT_SUPPORT) {
     case 0:
       return support->displacement();
     case 1:

@@ -9,7 +9,10 @@
    are stored with the spheres (FixGranHystereticHistory).
 
    A particle of radius 0 is the flat face of a larger body, such as the end node of an elastic bar: it touches a sphere if
-   their distance is the radius of the sphere, with R* the radius of the sphere, without friction. Two faces never touch. */
+   their distance is the radius of the sphere, with R* the radius of the sphere, without friction. Two faces never touch.
+
+   Types of fix gran/cylinder are cylinders. Their pairs, and those whose force is a power of the overlap, are in further rows
+   of the flat list, evaluated one by one (pair_gran_hysteretic_shapes.cpp). */
 
 #ifndef LMP_PAIR_GRAN_HYSTERETIC_H
 #define LMP_PAIR_GRAN_HYSTERETIC_H
@@ -17,14 +20,19 @@
 #include "../laws/contact_batch.h"
 #include "../laws/contact_history.h"
 #include "../laws/contact_law.h"
+#include "../laws/cylinders.h"
 #include "../laws/law_arguments.h"
 #include "../laws/plastic_batch.h"
 #include "../laws/resting_blocks.h"
 #include "../laws/touching_pairs.h"
+#include "../laws/viscous_loss.h"
 #include "pair.h"
 #include "../laws/twofold_sum.h"
 
 #include <functional>
+#include <map>
+#include <memory>
+#include <tuple>
 #include <vector>
 
 namespace LAMMPS_NS {
@@ -42,6 +50,7 @@ class PairGranHysteretic : public Pair {
     double overlap, force;    // present values; overlap < 0 is a gap
     double peak_force, elastic, dissipated, share_i;
     double tangential_force, tangential_elastic, frictional_loss;
+    double viscous_loss;
     double effective_radius;
     double initial;    // initial dent
     bool live, yielded;
@@ -71,7 +80,7 @@ class PairGranHysteretic : public Pair {
      dent by the owner of each sphere. Requires a current list (after setup or during a run). */
   void for_each_dent(const std::function<void(const Report &)> &);
 
-  enum { DISSIPATED, YIELDED, BEYOND_LAW, BEYOND_HALF, LARGEST_FORCE, TANGENTIAL, FRICTIONAL, N_TOTALS };    // in pvector
+  enum { DISSIPATED, YIELDED, BEYOND_LAW, BEYOND_HALF, LARGEST_FORCE, TANGENTIAL, FRICTIONAL, VISCOUS, N_TOTALS };    // in pvector
 
   /* Sum the part of this processor in the totals; LARGEST_FORCE is nonzero only on the first processor. Returns the energy stored
      by the normal forces. A collective call. Requires a current list. */
@@ -96,9 +105,10 @@ class PairGranHysteretic : public Pair {
 
   enum { OVERLAP, PEAK_OVERLAP, PEAK_FORCE, LOST, TIME_FIRST, TIME_PEAK, TIME_YIELD, N_SINGLE };    // of compute pair/local
 
-  /* Pairs of spheres within reach, in rows as in LAMMPS's half neighbor list. */
+  /* Pairs within reach, in rows as in LAMMPS's half neighbor list; behind them, in rows of their own, the special pairs. */
   struct Contacts {
     bool valid = false, published = false;
+    int plain = 0;                  // number of rows of pairs of spheres with laws that depend on their radii
     int owned = 0;                  // number of owned spheres when the list was built
     bool ordered = true;            // each sphere has a row, in their order, and no partner precedes its row
     int span = 0;                   // largest difference of indices between a row and an owned partner
@@ -107,13 +117,13 @@ class PairGranHysteretic : public Pair {
     std::vector<double> peak;       // largest overlap so far
     std::vector<double> time_first, time_peak, time_yield;
     int n_extra = 0;              // number of history variables of the laws in use in addition to the peak
-    std::vector<double> extra;    // n_extra values per pair
+    std::vector<double> extra;    // n_extra values per pair; with losses a ViscousHistory comes last
     std::vector<int> turning;     // index into turnings, or -1 while Hertzian
     std::vector<granwave::Turning> turnings;
     std::vector<double> work_lost;    // normalized dissipated energy at the turning point; -1 if not yet computed
     std::vector<double> circle;       // with friction: normalized area at the turning point
     std::vector<granwave::TangentialSpring> spring;    // with friction: force on the sphere of the row
-    std::vector<char> has_spring;                      // with friction: 1 if there is a spring at present
+    std::vector<char> has_spring;                      // with friction or losses: 1 if something ends when the pair parts
     std::vector<double> initial, reached;              // with initial dents: initial dent, largest overlap of this run
     std::vector<double> initial_extra;                 // with initial dents: initial doubles of the law
     std::vector<tagint> row_tag, partner_tag;
@@ -128,6 +138,12 @@ class PairGranHysteretic : public Pair {
     double friction;           // 0 if one of the two is a face
     double shear_stiffness;    // 8 G*
     granwave::TangentialModel tangential_model = granwave::TangentialModel::MINDLIN_RESCALE;
+    granwave::ViscousLoss loss;
+  };
+
+  struct SpecialPair {                                 // pair of a cylinder, or with a power of the overlap
+    std::unique_ptr<granwave::ElasticContact> line;    // of parallel cylinders
+    granwave::ScaledLaw contact;
   };
 
   struct Batch : granwave::ContactBatch {
@@ -148,6 +164,13 @@ class PairGranHysteretic : public Pair {
   void allocate();
   granwave::ContactLaw &law(int itype, int jtype) { return laws[itype * (atom_types + 1) + jtype]; }
   PairParameters pair_parameters(int itype, int jtype, double ri, double rj);
+  double init_shape(int itype, int jtype);
+  bool is_special(int itype, int jtype) const { return has_special && special_types[itype * (atom_types + 1) + jtype]; }
+  granwave::ScaledLaw scaled_law(int itype, int jtype, double ri, double rj);
+  granwave::CylinderPair::Separation separation(int i, int j) const;
+  double distance(int i, int j, double rsq) const;
+  double longest_cylinder(int axis) const;
+  void add_special_rows(const std::vector<std::pair<int, int>> &);
   void build_contacts();
   void check_displacements();
   void restore_history();
@@ -156,17 +179,23 @@ class PairGranHysteretic : public Pair {
   void compute_forces(Tally);
   void forget_far_pairs(int r);
   void set_parameters();
-  void compute_batch(Tally);
+  void compute_batch(Tally, bool special = false);
+  void compute_special(Tally);
+  void set_elastic(Batch &);
   void give_sums(int begin, int end);
   void update_history(Batch &);
+  void compute_viscous(Batch &);
   void compute_tangential(Batch &);
   void tally(const Batch &, Tally);
   void compute_plastic(Batch &, const int *yielded, int n_yielded, const bool *is_raised);
   void discard_turning(int k);
   void release_spring(int k);
+  void release_contact(int k);
   void raise_reached(int k, double overlap);
   int cached_turning(int k, const granwave::ScaledLaw &);
   granwave::LawHistory law_history(int k) const;
+  granwave::ViscousHistory *viscous(int k);
+  double viscous_loss(const double *extra) const;
   granwave::Dent dent_of(int k) const;
   granwave::BlockView block_view(int k) const;
   void pack_block(int k, double side, double *block) const;
@@ -185,8 +214,14 @@ class PairGranHysteretic : public Pair {
   std::vector<granwave::ContactLaw> laws;
   std::vector<granwave::LawArguments> coefficients;    // as set by pair_coeff, for mixing and restarts
   std::vector<double> largest_radius;
+  const class FixGranCylinder *cylinders = nullptr;    // null if there are none
+  bool has_special = false;
+  std::vector<char> special_types;                                    // by pair of types
+  std::vector<std::unique_ptr<granwave::CylinderPair>> geometries;    // by pair of types, null for spheres
+  std::map<std::tuple<int, int, double, double>, SpecialPair> special_pairs;
   bool uniform = false;
   bool has_friction = false;         // true from the first pair_coeff with friction on
+  bool has_loss = false;             // true from the first pair_coeff with a loss on
   bool has_initial_dents = false;    // true if initial dents are stored
   Contacts contacts;
   Batch batch;                         // of the pairs found last
