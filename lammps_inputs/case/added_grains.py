@@ -30,7 +30,7 @@ from granwave.lammps_inputs.case.schema import (
     whole,
 )
 from granwave.lammps_inputs.case.si_values import DIAMETER
-from granwave.lammps_inputs.lattices import FILE, Lattice
+from granwave.lammps_inputs.lattices import FILE
 
 _POINT = "[x, y, z] in m"
 _PLACES = f"places, {_POINT} each"
@@ -127,7 +127,7 @@ def with_added_grains(
         return packing
     own = packing.grains
     if own is None:
-        lattice = Lattice(packing.kind, packing.size, packing.diameter)
+        lattice = packing.lattice()
         n = lattice.n_spheres
         own = Grains(lattice.positions(1, n), np.full(n, packing.diameter), [""] * n, [""] * n, np.zeros((n, 3)))
     position, diameter, material, group = [own.position], [own.diameter], [*own.material], [*own.group]

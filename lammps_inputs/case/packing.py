@@ -22,15 +22,16 @@ from granwave.lammps_inputs.case.schema import (
     whole,
 )
 from granwave.lammps_inputs.case.si_values import DIAMETER, Usual
-from granwave.lammps_inputs.lattices import FILE, KINDS
+from granwave.lammps_inputs.lattices import FILE, KINDS, Lattice
+from granwave.lammps_inputs.plane_lattices import ROWS, PlaneLattice, is_plane_crystal
 
 LARGEST_ID = LARGEST_COUNT
 _FORM_OF_FILE = "the path of a table of grains (x, y, z, diameter in m), or of a file that ASE reads"
-_NOT_OF_FILE = ("size", "diameter_scatter", "scatter_distribution", "vacancies", "tilt", "seed")
+_NOT_OF_FILE = ("size", "top_row", "diameter_scatter", "scatter_distribution", "vacancies", "tilt", "seed")
 
 
 def _parse_size(value: Any) -> tuple[int, ...]:
-    expected = "whole numbers from 1 up: [nx, ny, nz], [nx, ny] (square) or n (chain)"
+    expected = "whole numbers from 1 up: [nx, ny, nz], [nx, ny] (square), [nx, nz] (crystals in the plane) or n (chain)"
     counts = value if isinstance(value, list | tuple) else [value]
     size = tuple(whole(count, expected) for count in counts)
     if not 1 <= len(size) <= 3:
@@ -85,7 +86,15 @@ class PackingSection:
     """``[packing]``: lattice, size and spheres of the packing, or a file of grains."""
 
     kind: str = choice("lattice; file: grains at places of their own", (*KINDS, FILE))
-    size: tuple[int, ...] = custom("spheres along x, rows along y, layers along z; not of a file", _parse_size)
+    size: tuple[int, ...] = custom(
+        "spheres along x, rows along y, layers along z, as far as the kind has them; not of a file", _parse_size
+    )
+    top_row: Literal["long", "short", "equal"] = choice(
+        "struck row of a crystal in the plane: a long one of rows that alternate between n and n - 1 grains, a short "
+        "one, or all rows have n",
+        ROWS,
+        default="long",
+    )
     diameter: float = number(
         "diameter of the spheres; in a file, of grains for which it has none", unit="m", above=0, usual=DIAMETER
     )
@@ -115,11 +124,19 @@ class PackingSection:
     )
     seed: int | None = custom("seed of all that is random in the packing", _parse_seed, default=None)
 
+    def lattice(self, *, periodic: bool = False) -> Lattice:
+        """Return the lattice of the packing; that of grains of a file is none."""
+        if is_plane_crystal(self.kind):
+            return PlaneLattice(self.kind, self.size, self.diameter, periodic, self.top_row)
+        return Lattice(self.kind, self.size, self.diameter, periodic)
+
     def keys(self) -> dict[str, Any]:
         """Return the keys of the packing, as a case file has them."""
         keys: dict[str, Any] = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
         if self.grains is not None:
             return {"kind": self.kind, "diameter": self.diameter, "grains": self.grains.text}
+        if not is_plane_crystal(self.kind):
+            del keys["top_row"]
         return keys | {"size": self.size[0] if len(self.size) == 1 else self.size}
 
 
@@ -135,6 +152,9 @@ def read_packing(table: Any, errors: ErrorList) -> PackingSection | None:
             if name in table:
                 errors.add(f"packing.{name}", f'belongs to packing.kind = "file"; found {show(table.get("kind", ""))}')
                 table = {key: value for key, value in table.items() if key != name}
+        if "top_row" in table and table.get("kind") in KINDS and not is_plane_crystal(str(table["kind"])):
+            able = " or ".join(f'"{name}"' for name in KINDS if is_plane_crystal(name))
+            errors.add("packing.top_row", f"belongs to packing.kind = {able}; found {show(table['kind'])}")
         return read_table(PackingSection, table, "packing", errors)
     before = len(errors.lines)
     for name in _NOT_OF_FILE:

@@ -19,12 +19,13 @@ from granwave.lammps_inputs.checks.contacts import check_contacts, check_dents
 from granwave.lammps_inputs.checks.grains import check_chosen, check_grains, check_tube
 from granwave.lammps_inputs.checks.packing import check_disorder, check_room
 from granwave.lammps_inputs.checks.precompression import check_first_yield, check_precompression, check_support
-from granwave.lammps_inputs.lattices import KINDS, Lattice, kind_of
+from granwave.lammps_inputs.lattices import KINDS, kind_of
 from granwave.lammps_inputs.memory import available_memory
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.bars import BAR, INCIDENT_BAR
 from granwave.lammps_inputs.packing.places import Layout, places_of
 from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
+from granwave.lammps_inputs.plane_lattices import is_plane_crystal
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
@@ -45,9 +46,11 @@ def check_together(parts: Mapping[str, Any], errors: ErrorList) -> None:
     check_contacts(parts, errors)
     if run is not None:
         _check_times(run, output, errors)
-    if packing is None or not _size_fits(packing, errors) or not _fits_into_memory(packing, parts, errors):
+    if packing is None or not _size_fits(packing, errors) or not _rows_fit(packing, errors):
         return
-    n_spheres = math.prod(packing.size)
+    if not _fits_into_memory(packing, parts, errors):
+        return
+    n_spheres = len(packing.grains) if packing.grains is not None else packing.lattice().n_spheres
     check_grains(parts, packing, errors)
     check_chosen(parts.get("load"), parts.get("hold", ()), packing, n_spheres, errors)
     strikers, sensors = parts.get("striker", ()), parts.get("sensor", ())
@@ -220,11 +223,21 @@ def _size_fits(packing: PackingSection, errors: ErrorList) -> bool:
     return False
 
 
+def _rows_fit(packing: PackingSection, errors: ErrorList) -> bool:
+    """Check that the short rows of a crystal in the plane have a grain."""
+    if not is_plane_crystal(packing.kind) or packing.top_row == "equal" or packing.size[0] > 1:
+        return True
+    errors.add(
+        "packing.size", f"found {show(packing.size)}: the short rows would be empty; expected 2 or more in a row"
+    )
+    return False
+
+
 def _fits_into_memory(packing: PackingSection, parts: Mapping[str, Any], errors: ErrorList) -> bool:
     """Check that the memory suffices for the arrays over sites that reading the case needs; a run needs more."""
     if packing.grains is not None:
         return True  # they were read into memory
-    nx, ny, nz = Lattice(packing.kind, packing.size, packing.diameter).shape
+    nx, ny, nz = packing.lattice().shape
     unlike = packing.diameter_scatter or packing.vacancies or parts.get("replace")
     needed, available = nx * ny * (nz if unlike else 1) * _MEMORY_OF_SITE, available_memory()
     if needed <= available:
@@ -251,7 +264,7 @@ def _boundary_fits(packing: PackingSection, boundary: Boundary, errors: ErrorLis
     if packing.grains is not None:
         return boundary.sides != "periodic"
     rule = KINDS[packing.kind]
-    nx, ny, nz = Lattice(packing.kind, packing.size, packing.diameter).shape
+    nx, ny, nz = packing.lattice().shape
     if boundary.bottom == "fixed" and nz == 1:
         errors.add(
             "boundary.bottom",
@@ -260,7 +273,11 @@ def _boundary_fits(packing: PackingSection, boundary: Boundary, errors: ErrorLis
     if boundary.sides == "periodic":
         if packing.kind == "chain":
             errors.add("boundary.sides", 'found "periodic" for a chain, expected "free" or "wall"')
-        elif min(nx, ny) < _LEAST_PERIODIC:
+        elif is_plane_crystal(packing.kind) and packing.top_row != "equal":
+            errors.add(
+                "packing.top_row", f'found {show(packing.top_row)} with boundary.sides = "periodic", expected "equal"'
+            )
+        elif min(n for n, axis in zip((nx, ny), "xy", strict=True) if axis in rule.axes) < _LEAST_PERIODIC:
             errors.add(
                 "packing.size",
                 f"found {nx} x {ny} spheres in a layer, expected at least {_LEAST_PERIODIC} each way "
@@ -286,7 +303,7 @@ def _check_holder(parts: Mapping[str, Any], packing: PackingSection, boundary: B
 def _check_load(load: Load | None, packing: PackingSection, boundary: Boundary, errors: ErrorList) -> None:
     if load is None or not load.hits_spheres or load.index is not None:
         return
-    lattice: Layout = Lattice(packing.kind, packing.size, packing.diameter, boundary.sides == "periodic")
+    lattice: Layout = packing.lattice(periodic=boundary.sides == "periodic")
     if packing.grains is not None:
         lattice = places_of(packing.grains, packing.diameter)
     try:

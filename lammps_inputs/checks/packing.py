@@ -27,7 +27,7 @@ def check_disorder(parts: Mapping[str, Any], errors: ErrorList) -> None:
     packing: PackingSection = parts["packing"]
     boundary: Boundary | None = parts.get("boundary")
     periodic = boundary is not None and boundary.sides == "periodic"
-    lattice = Lattice(packing.kind, packing.size, packing.diameter, periodic)
+    lattice = packing.lattice(periodic=periodic)
     _check_scatter(packing, errors)
     if packing.tilt is not None:
         _check_tilt(packing, parts, periodic, errors)

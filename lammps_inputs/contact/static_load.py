@@ -34,7 +34,6 @@ def dead_loads(assembly: Assembly) -> tuple[NDArray[np.int64], NDArray[np.float6
     case = assembly.case
     stage, lattice = case.precompression, assembly.lattice
     assert stage is not None
-    nx, ny, nz = lattice.shape
     ids = assembly.ids[assembly.ids <= lattice.n_spheres]
     force = np.zeros((len(ids), 3))
     if stage.kind == "walls":
@@ -42,11 +41,11 @@ def dead_loads(assembly: Assembly) -> tuple[NDArray[np.int64], NDArray[np.float6
     if stage.kind == "gravity":
         force[:, 2] = assembly.sphere_masses()[: len(ids)] * stage.acceleration
     elif stage.kind == "uniaxial":
-        force[ids <= nx * ny, 2] = force_on_top(assembly)
+        force[ids <= lattice.top_layer[-1], 2] = force_on_top(assembly)
     else:
         force = force_of_contact(assembly) * _missing_neighbours(assembly)[ids - 1]
     if case.boundary.bottom == "fixed":
-        force[ids > nx * ny * (nz - 1)] = 0.0
+        force[ids >= lattice.last_layer[0]] = 0.0
     loaded = force.any(axis=1)
     return ids[loaded], force[loaded]
 
@@ -89,9 +88,9 @@ def force_of_contact(assembly: Assembly) -> float:
         )  # fmt: skip
     top = force_on_top(assembly) if stage.kind == "uniaxial" else 0.0
     if stage.kind == "gravity":
-        nx, ny, nz = lattice.shape
+        nz, on_floor = lattice.n_layers, len(lattice.last_layer)
         held = case.boundary.bottom == "fixed"
-        top = float(assembly.sphere_masses().sum()) * stage.acceleration / (nx * ny) * (nz - held) / nz
+        top = float(assembly.sphere_masses().sum()) * stage.acceleration / on_floor * (nz - held) / nz
     return top / lattice.rule.carried
 
 

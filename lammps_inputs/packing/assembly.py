@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from granwave.lammps_inputs.case.bodies import Hold, Striker
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material, sphere_mass
-from granwave.lammps_inputs.lattices import TOUCHING, Lattice
+from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.bars import BAR, INCIDENT_BAR, PlacedBar, place_bar
 from granwave.lammps_inputs.packing.disorder import striker_shift
 from granwave.lammps_inputs.packing.places import Layout, Places, places_of
@@ -357,7 +357,7 @@ def lattice_of(case: Case) -> Layout:
     """Return the lattice of a case, or the places of its grains."""
     if case.packing.grains is not None:
         return places_of(case.packing.grains, case.packing.diameter)
-    return Lattice(case.packing.kind, case.packing.size, case.packing.diameter, case.boundary.sides == "periodic")
+    return case.packing.lattice(periodic=case.boundary.sides == "periodic")
 
 
 def struck_of(assembly: Assembly) -> tuple[int, ...]:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from granwave._contact_laws import elliptic_radius
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
+from granwave.lammps_inputs.plane_lattices import is_plane_crystal
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
@@ -85,11 +86,16 @@ def walls(case: Case | Assembly) -> tuple[Wall, ...]:
             Wall("tube", 0, 1, case.boundary.sides_tube - moves.get("tube", 0.0), tube=True, material=material)
         )
     for axis, letter in enumerate("xy"):
-        if case.boundary.has_planes(letter):
+        if case.boundary.has_planes(letter) and (letter == "x" or across_y(case)):
             (low, high), inwards = assembly.faces()[:, axis].tolist(), moves.get(letter, 0.0)
             found.append(Wall(f"{letter}lo", axis, -1, low + inwards, material=material))
             found.append(Wall(f"{letter}hi", axis, 1, high - inwards, material=material))
     return tuple(found)
+
+
+def across_y(case: Case) -> bool:
+    """Return True if sides across y can be walls: for a crystal in the x-z plane only where `boundary.y` says so."""
+    return not is_plane_crystal(case.packing.kind) or case.boundary.y is not None
 
 
 def wall_fixes(assembly: Assembly, wall: Wall) -> list[tuple[str, str, Material]]:
