@@ -218,6 +218,13 @@ ENTRIES = (
     # bottom and target
     Quantity("wall_peak_force_N", "Peak force on the bottom", short="peak force at the bottom", digits=".6g"),
     Quantity("wall_impulse_Ns", "Impulse on the bottom", short="impulse at the bottom", digits=".6g"),
+    Quantity("wall_*_peak_force_N", "Peak force on a side wall"),
+    Quantity("wall_*_impulse_Ns", "Impulse on a side wall"),
+    Quantity("plate_peak_force_N", "Peak force on the plate", digits=".6g"),
+    Quantity("plate_impulse_Ns", "Impulse on the plate", digits=".6g"),
+    Quantity("plate_velocity_m_s", "Plate at the end", "Velocity into the packing; negative: it rebounds.",
+             digits=".5g", axis="Velocity of the plate at the end", symbol=r"v_\mathrm{p}"),
+    Quantity("energy_plate_J", "Kinetic energy of the plate", "Part of the kinetic energy."),
     Quantity("base_arrival_s", "Arrival at the bottom",
              "When the force on the bottom has first risen by 1 % of its largest rise."),
     Quantity("target_peak_displacement_m", "Largest displacement of the target"),

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from granwave.lammps_inputs.deck.columns import (
     CONTACTS,
+    FREE_PLATE,
     HOLDER,
     LEDGER,
     MOVING_WALL,
@@ -37,6 +38,7 @@ _UNITS = {
         *ROTATION,
         *TANGENTIAL,
         *HOLDER,
+        *FREE_PLATE,
         *MOVING_WALL,
         *WALL_CONTACTS,
         *CONTACTS,
@@ -51,6 +53,7 @@ _UNITS = {
     "dissipated_energy_wall": "J",
     "friction_energy": "J",
     "stored": "J",
+    "impulse": "N s",
     "bar": "J",
     "incident_bar": "J",
     "yield_overlap": "m",

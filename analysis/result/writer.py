@@ -4,7 +4,7 @@
     /contacts/{i, j, peak_overlap, peak_force, ...}             a row for each pair, sorted by (i, j)
     /wall_contacts/{wall, id, peak_overlap, ...}                a row for each sphere that touched a wall or bar
     /energy/{time, kinetic, elastic, dissipated, input, ...}    energy ledger
-    /walls/NAME/{time, force}   /probes/{time, ...}             walls and bars, and probes, at their own rates; for a
+    /walls/NAME/{time, force, impulse}   /probes/{time, ...}    walls and bars, and probes, at their own rates; for a
                                                                 moving wall also displacement, velocity, ground_force
     /prestage/{residual, stored, ...}                           static stage of precompressed runs, one value each
     /chain/...   /bars/NAME/...                                 chains, see `granwave.analysis.result.chain`
@@ -25,6 +25,8 @@ from pathlib import Path
 from typing import Any
 
 import h5py
+import numpy as np
+from numpy.typing import NDArray
 
 import granwave
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
@@ -147,11 +149,16 @@ def _timestep(text: str, ledger: Table) -> float:
     return float(given)
 
 
+def _impulse(time: NDArray[np.float64], force: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the impulse of a force up to each time, by the trapezoidal rule: (n,), N s."""
+    return np.concatenate([[0.0], np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(time))])
+
+
 def _walls(table: Table) -> Groups:
     """Return the force on each wall, and the motion of a moving one, by name of the wall."""
     names = [name for name in table if name not in ("step", "time") and not name.endswith(_OF_MOVING_WALLS)]
     return {
-        name: {"time": table["time"], "force": table[name]}
+        name: {"time": table["time"], "force": table[name], "impulse": _impulse(table["time"], table[name])}
         | {own: table[f"{name}_{own}"] for own in _OF_MOVING_WALLS if f"{name}_{own}" in table}
         for name in names
     }

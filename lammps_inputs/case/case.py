@@ -30,6 +30,7 @@ from granwave.lammps_inputs.case.schema import ErrorList, keys_of, read_name, re
 from granwave.lammps_inputs.case.sections import Boundary, Contact, Output, Precompression, Probe, Run, Tube
 from granwave.lammps_inputs.case.supports import SUPPORTS, read_bottom
 from granwave.lammps_inputs.named_files import with_absolute_paths
+from granwave.lammps_inputs.plane_lattices import is_plane_crystal
 from granwave.lammps_inputs.run_directory import FIGURES_TABLE
 
 _SECTIONS: dict[str, type] = {
@@ -109,6 +110,11 @@ class Case:
         return self.has_friction or any(self.load.spin) or any(any(striker.spin) for striker in self.striker)
 
     @property
+    def moves_otherwise(self) -> bool:
+        """True if there is kinetic energy besides that of the spheres' translation: of rotation, or of a plate."""
+        return self.has_rotation or self.load.plate is not None
+
+    @property
     def has_initial_dents(self) -> bool:
         """True if contacts may have dents before the run, given or left by precompression."""
         return bool(self.contact.initial_overlap) or self.precompression is not None
@@ -170,6 +176,7 @@ def parse_case(data: Mapping[str, Any], source: str | Path, errors: ErrorList) -
     parts = read_parts(data, source, errors, sections=_SECTIONS, required=_REQUIRED, read=_read_section)
     if _PRECOMPRESSION in data:
         parts[_PRECOMPRESSION] = read_table(Precompression, data[_PRECOMPRESSION], _PRECOMPRESSION, errors)
+    parts[_PRECOMPRESSION] = _pressed(parts, errors)
     parts["pair"] = read_pairs(data.get("pair", ()), data.get("contact", {}), errors)
     parts[MATERIALS] = tuple(materials.values())
     for name, section in _LISTS.items():
@@ -184,6 +191,24 @@ def parse_case(data: Mapping[str, Any], source: str | Path, errors: ErrorList) -
     if "load" not in data and packing is not None and packing.grains is not None and packing.grains.velocity.any():
         parts["load"] = Load(kind="grains")
     return parts
+
+
+def _pressed(parts: Mapping[str, Any], errors: ErrorList) -> Precompression | None:
+    """Return the precompression, which a negative gap at the sides implies."""
+    given: Precompression | None = parts.get(_PRECOMPRESSION)
+    boundary: Boundary | None = parts.get("boundary")
+    if boundary is None or boundary.gap >= 0:
+        return given
+    axes = [axis for axis in "xy" if boundary.has_planes(axis)]
+    if (packing := parts.get("packing")) is not None and is_plane_crystal(packing.kind) and boundary.y is None:
+        axes = [axis for axis in axes if axis != "y"]
+    implied = Precompression(kind="walls", **dict.fromkeys(axes, -boundary.gap))
+    if given is not None and given != implied:
+        errors.add(
+            "boundary.side_gap",
+            f"found {boundary.gap:g} m, which presses, beside [{_PRECOMPRESSION}]; take one of them out",
+        )
+    return implied if axes else given
 
 
 def read_parts(

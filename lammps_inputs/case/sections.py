@@ -253,6 +253,13 @@ class Boundary:
     y: Literal["free", "wall"] | None = choice(
         "the two planes across y, where they differ from sides", ("free", "wall"), default=None
     )
+    side_gap: float | None = number(
+        "gap between the side walls and the outermost spheres, none by default; negative: the walls press by as much "
+        "before the run, as [precompression] of walls does",
+        unit="m",
+        default=None,
+        usual=DISPLACEMENT,
+    )
     sides_tube: float | None = None  # radius of a tube around the axis x = y = 0, m: sides = {tube = {radius = ...}}
     bottom_support: Support | None = None  # of a moving bottom plane: plate, half_space or bar = {...}
     sides_material: Material | None = None  # of all side planes: sides = {material = ...}; None: rigid
@@ -277,6 +284,11 @@ class Boundary:
         at_most=2,
         default=0.1,
     )
+
+    @property
+    def gap(self) -> float:
+        """Gap between the side walls and the packing, m; negative: they press."""
+        return self.side_gap or 0.0
 
     def has_planes(self, axis: str) -> bool:
         """True if there are planes across x or y."""

@@ -18,6 +18,7 @@ from granwave.lammps_inputs.case.yield_factor import FITTED_POISSON_RATIO, hertz
 from granwave.lammps_inputs.checks.contacts import check_contacts, check_dents
 from granwave.lammps_inputs.checks.grains import check_chosen, check_grains, check_tube
 from granwave.lammps_inputs.checks.packing import check_disorder, check_room
+from granwave.lammps_inputs.checks.plate import check_plate, check_side_gap, check_top
 from granwave.lammps_inputs.checks.precompression import check_first_yield, check_precompression, check_support
 from granwave.lammps_inputs.lattices import KINDS, kind_of
 from granwave.lammps_inputs.memory import available_memory
@@ -64,6 +65,8 @@ def check_together(parts: Mapping[str, Any], errors: ErrorList) -> None:
     if boundary is not None and _boundary_fits(packing, boundary, errors):
         _check_load(parts.get("load"), packing, boundary, errors)
         _check_bars(parts, packing, boundary, errors)
+        check_side_gap(packing, boundary, errors)
+        check_plate(parts, errors)
         check_precompression(parts, packing, boundary, errors)
         _check_holder(parts, packing, boundary, errors)
     if packing.grains is None:
@@ -80,6 +83,7 @@ def check_case(case: Case, errors: ErrorList) -> Assembly | None:
         errors.add("striker", str(error))
         return None
     check_support(assembly, errors)
+    check_top(assembly, errors)
     check_first_yield(assembly, errors)
     check_dents(assembly, errors)
     if case.packing.kind == "chain" and (case.boundary.bottom == "wall" or case.bar is not None):

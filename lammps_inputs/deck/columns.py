@@ -157,6 +157,9 @@ SUPPORT = (
     Column("target", "f_{}[15]", "J"),
 )
 
+#: dumps/energy.txt, of a load by a plate: its kinetic energy, part of the kinetic energy.
+FREE_PLATE = (Column("plate", "f_{}[12]", "J"),)
+
 #: dumps/energy.txt, of cases with rotation or friction.
 ROTATION = (Column("rotational", "c_rotational", "J"),)
 TANGENTIAL = (Column("elastic_tangential", "v_elastic_tangential", "J"), Column("friction", "v_friction", "J"))

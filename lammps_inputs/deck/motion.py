@@ -50,7 +50,7 @@ def adaptive_timestep(case: Case, schedule: Schedule) -> list[str]:
     """Timestep that follows the error of the energy balance; behind all fixes that act at the end of a step."""
     if not schedule.adaptive:
         return []
-    kinetic = "v_motion" if case.has_rotation else "c_kinetic"
+    kinetic = "v_motion" if case.moves_otherwise else "c_kinetic"
     until = f"until {num(case.load.lasts)} " if 0 < case.load.lasts < math.inf else ""
     tolerance, longest, first = schedule.energy_tolerance, schedule.longest_step, schedule.first_step
     return [
@@ -115,6 +115,9 @@ def _velocities(assembly: Assembly, *, resumed: bool) -> list[str]:
     own = own_velocities(assembly)  # in the data file
     if own:
         terms.append(num(sum(assembly.mass_of(one) * math.hypot(*velocity) ** 2 / 2 for one, velocity in own.items())))
+    if case.load.plate is not None:
+        mass, speed = case.load.plate
+        terms.append(f"0.5*{num(mass)}*{num(speed)}^2")
     for number, striker in enumerate(case.striker, start=1):
         if striker.moves:
             lines.append(f"group           striker{number} id {n + number}")

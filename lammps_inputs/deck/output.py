@@ -8,6 +8,7 @@ from granwave.lammps_inputs.deck.columns import (
     CONTACTS,
     DENTS,
     FORCES,
+    FREE_PLATE,
     FRICTION,
     HISTORY,
     HOLDER,
@@ -24,7 +25,7 @@ from granwave.lammps_inputs.deck.columns import (
 )  # fmt: skip
 from granwave.lammps_inputs.deck.commands import command, joined, num
 from granwave.lammps_inputs.packing.assembly import Assembly
-from granwave.lammps_inputs.packing.walls import Wall, moving_fix, wall_fixes, walls
+from granwave.lammps_inputs.packing.walls import PLATE, Wall, moving_fix, wall_fixes, walls
 from granwave.lammps_inputs.run_directory import (
     CHECKPOINT_FILE,
     CONTACTS_FILE,
@@ -65,10 +66,17 @@ def ledger(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> 
     at_bars = [[f"c_on_{name}[{n}]" for name in bars] for n in (4, 5)]
     elastic, dissipated = ["c_contact", *stored], ["c_contact[1]", *lost]
     lines = []
+    moving = ["c_kinetic"]
     if case.has_rotation:
-        columns |= {"kinetic": "v_motion"} | sources(ROTATION)
+        columns |= sources(ROTATION)
         lines.append("compute         rotational all erotate/sphere")
-        lines.append("variable        motion equal c_kinetic+c_rotational")
+        moving.append("c_rotational")
+    if case.load.plate is not None:
+        columns |= sources(FREE_PLATE, of=PLATE)
+        moving += sources(FREE_PLATE, of=PLATE).values()
+    if case.moves_otherwise:
+        columns["kinetic"] = "v_motion"
+        lines.append(f"variable        motion equal {_sum(moving)}")
     if case.has_friction:
         stretched, rubbed = ([f"f_{name}[{n}]" for name in planes] for n in (8, 9))
         columns |= sources(TANGENTIAL)
@@ -124,12 +132,14 @@ def _bar_energy(bar: PlacedBar) -> list[str]:
 
 def wall_forces(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> list[str]:
     """Return the commands for the forces on walls, positive outwards."""
-    found, bars = walls(assembly), assembly.bars
+    case, found, bars = assembly.case, walls(assembly), assembly.bars
     if not found and not bars:
         return []
     columns = {wall.name: f"v_{wall.name}" for wall in found} | {bar.name: f"c_on_{bar.name}[2]" for bar in bars}
     if support := moving_fix(assembly):
         columns |= {f"bottom_{name}": source for name, source in sources(MOVING_WALL, of=support).items()}
+    if case.load.plate is not None:
+        columns |= {f"{PLATE}_{name}": source for name, source in sources(MOVING_WALL, of=PLATE).items()}
     return [
         "# Force of the spheres on each wall and bar, N, positive outwards.",
         *(f"variable        {wall.name} equal {_outward_force(assembly, wall)}" for wall in found),
@@ -236,7 +246,7 @@ def history(case: Case, schedule: Schedule, *, resumed: bool = False) -> list[st
 def thermo(case: Case, schedule: Schedule) -> list[str]:
     """Return the commands of thermodynamic output."""
     every = schedule.block_steps or max(1, schedule.n_steps // schedule.ledger_every // 20) * schedule.ledger_every
-    kinetic = "v_motion" if case.has_rotation else "c_kinetic"
+    kinetic = "v_motion" if case.moves_otherwise else "c_kinetic"
     return [
         "# The log.",
         f"thermo_style    custom step v_time {kinetic} v_elastic v_dissipated c_contact[2] v_struck_velocity",

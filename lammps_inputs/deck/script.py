@@ -74,6 +74,7 @@ def _head(case: Case) -> list[str]:
         "impact": f"{what} struck at {load.velocity:g} m/s along +z.",
         "striker": f"struck by {len(case.striker)} sphere{'s' if len(case.striker) > 1 else ''} placed against it.",
         "force": f"{load.shape} force, at most {load.largest:g} N, along +z.",
+        "plate": f"struck by a rigid plate of {load.mass or 0.0:g} kg at {load.velocity:g} m/s along +z.",
         "grains": "moved by the velocities of grains.",
         "displacement": f"{what} moved by a {load.shape} displacement, at most {load.largest:g} m, along z.",
     }

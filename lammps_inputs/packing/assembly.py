@@ -251,6 +251,12 @@ class Assembly:
             last = float(self.sites.nominal[-1])
         return float(self.lattice_bounds()[1, 2]) + last / 2
 
+    def top(self) -> float:
+        """Return the z at which a plate on the free top touches nominal spheres of the top layer, m."""
+        if isinstance(self.lattice, Places):
+            return float(self.lattice.faces()[0, 2])
+        return float(self.lattice_bounds()[0, 2]) - self.top_radius
+
     def contacts(self) -> NDArray[np.int64]:
         """Return the ids of touching pairs at the start, i < j, in no particular order: (n_contacts, 2)."""
         pairs = list(self.lattice.pairs() if self.sites is None else self.sites.contacts())
@@ -367,6 +373,9 @@ def struck_of(assembly: Assembly) -> tuple[int, ...]:
         return case.load.index
     if case.load.hits_spheres:
         return struck_spheres(assembly.lattice, case.load.spheres)
+    if case.load.kind == "plate":
+        centre = struck_spheres(assembly.lattice, 1)
+        return centre + tuple(one for one in assembly.lattice.top_layer.tolist() if one not in centre)
     if case.load.kind == "grains":
         return tuple(own_velocities(assembly))
     moving = [

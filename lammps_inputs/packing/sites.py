@@ -252,6 +252,8 @@ def named_spheres(
     names: list[tuple[str, Sequence[int]]] = []
     if load.index is not None:
         names.append(("load.index", load.index))
+    elif load.kind == "plate":
+        names.append(("load.kind", struck_spheres(lattice, 1)))
     elif load.hits_spheres:
         names.append(("load.spheres", struck_spheres(lattice, load.spheres)))
     names += [("output.probes", [one for probe in output.probes for one in probe.spheres])]

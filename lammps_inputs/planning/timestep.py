@@ -6,6 +6,7 @@ velocity v_n, in which the contact takes up at most W = m_eff v_n^2 / 2 on loadi
 * the struck sphere against one resting sphere, head on: m_eff = m/2, v_n = v;
 * the struck sphere against the n spheres that it rests on, at the angle theta to the impact direction:
   m_eff = m / (1 + n cos^2 theta), v_n = v cos theta (for fcc and hcp n = 3, cos^2 theta = 2/3);
+* a sphere that a rigid plate throws forward at twice its velocity, or the share of a contact in the plate's energy;
 * a sphere against a wall: m_eff = m, v_n = v if lines of contacts carry the pulse there undivided (chain, simple
   cubic), else v halved with each layer on the way.
 
@@ -64,6 +65,7 @@ if TYPE_CHECKING:
 _TOLERANCE = 1e-6  # error of the energy balance at any instant over the energy input
 _ERROR = 0.135  # c above, upper end of its range in fcc packings
 _SLOPE_SPAN = 1e-6  # relative step of a finite difference in overlap
+_OF_PLATE = 4.0  # energy of a contact over its share of that of a plate: twice the mean force, in the softest direction
 _LARGEST_FORCE = 2.5  # upper bound of contact forces over the force that drives a chain
 _OF_LOAD = 0.01  # timestep over the duration or period of a load
 _OF_LOAD_ON_BAR = 5e-4  # same for a load on a bar, whose energy balance has an error of some (pi dt/T)^2
@@ -172,6 +174,7 @@ def expected_energy(assembly: Assembly) -> float:
     """Return the energy input of the load, J; for a force an upper bound."""
     case = assembly.case
     energy = sum(0.5 * assembly.mass_of(k) * math.hypot(*v) ** 2 for k, v in velocities_of(assembly).items())
+    energy += _energy_of_plate(case.load)
     return energy + (_energy_of_force(assembly) if case.load.kind == "force" else 0.0)
 
 
@@ -183,6 +186,8 @@ def fastest(assembly: Assembly) -> float:
         given = max(given, math.sqrt(2 * _energy_of_force(assembly) / _least_mass(assembly)))
     elif case.load.kind == "displacement":
         given = max(given, case.load.fastest)
+    elif case.load.plate is not None:
+        given = max(given, 2 * case.load.velocity)  # of a sphere that a heavy plate hits
     return given
 
 
@@ -237,6 +242,8 @@ def _of_any(assembly: Assembly) -> list[Encounter]:
         law, effective = pair_contact(assembly, first, second), math.prod(masses) / sum(masses)
         found.append(Encounter(law, _limited(assembly, law, energy * max(masses) / sum(masses)), 2 * effective))
     flats: list[tuple[int, Material | None]] = [(bar.touches, bar.material) for bar in assembly.bars]
+    if case.load.plate is not None:
+        flats += [(int(assembly.lattice.top_layer[0]), None)]
     if case.boundary.bottom == "wall":
         flats += [(sphere, case.boundary.bottom_material) for sphere in _kinds_of_last_layer(assembly)]
     for sphere, material in flats:
@@ -251,6 +258,10 @@ def _limited(assembly: Assembly, law: ContactLaw, energy: float) -> float:
     load = case.load
     if load.kind == "displacement":
         return energy + _work(law, 2 * load.largest) + case.sphere_mass * (2 * load.fastest) ** 2
+    if load.plate is not None:
+        # a sphere that the plate throws against a wall, or a share of its energy if all layers are compressed alike
+        share = _energy_of_plate(load) / (len(assembly.lattice.top_layer) * assembly.lattice.n_layers)
+        return min(energy, max(_OF_PLATE * share, _largest_mass(assembly) * (2 * load.velocity) ** 2 / 2))
     if load.kind != "force" or velocities_of(assembly):
         return energy
     bound = _work_to_force(law, _LARGEST_FORCE * load.largest)
@@ -267,6 +278,16 @@ def _energy_of_force(assembly: Assembly) -> float:
             return load.largest * load.impulse / impedance
     masses = [assembly.mass_of(sphere) for sphere in struck_of(assembly)]
     return load.impulse**2 / (2 * sum(masses))
+
+
+def _energy_of_plate(load: Load) -> float:
+    """Return the energy of a plate, J; 0 for other loads."""
+    mass, velocity = load.plate or (0.0, 0.0)
+    return mass * velocity**2 / 2
+
+
+def _largest_mass(assembly: Assembly) -> float:
+    return float(assembly.sphere_masses().max()) if not assembly.plain else assembly.case.sphere_mass
 
 
 def _least_mass(assembly: Assembly) -> float:

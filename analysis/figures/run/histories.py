@@ -39,7 +39,7 @@ _COLOURS = (BLUE, ORANGE, GREEN, PURPLE, GREY)
 _AREAS = {
     "dissipated": ORANGE, "yielding": ORANGE, "friction": YELLOW, "holder": _BROWN, "support's damper": GREY,
     "support": PURPLE,
-    "elastic": GREEN, "rotation": SKY, "kinetic": BLUE,
+    "elastic": GREEN, "rotation": SKY, "kinetic": BLUE, "plate": _NIGHT,
 }  # fmt: skip
 _NEGLIGIBLE = 1e-3  # negative energy over the input that counts as rounding
 _IN_PANEL = 4  # sensors in a panel
@@ -84,6 +84,9 @@ def _energy_parts(result: Result) -> dict[str, NDArray]:
     if result.has("energy/rotational"):
         rotational = result["energy/rotational"]
         parts = {"kinetic": kinetic - rotational, "rotation": rotational, "elastic": elastic, "dissipated": dissipated}
+    if result.has("energy/plate"):
+        parts["kinetic"] = parts["kinetic"] - result["energy/plate"]
+        parts["plate"] = result["energy/plate"]
     if result.has("energy/support"):
         parts["elastic"] = elastic - result["energy/support"]
         parts["support"] = result["energy/support"]
