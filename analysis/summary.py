@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from granwave.analysis.measures.lines.record import line_summary
 from granwave.analysis.measures.normalised import velocity_normalised
 from granwave.analysis.measures.sensors import sensor_accelerations, sensor_forces, sensor_velocities
 from granwave.analysis.measures.target.record import protection, reached
@@ -87,6 +88,7 @@ def summary_of(result: Result) -> Summary:
         **protection(result),
         **_bars(result),
         **_sensors(result),
+        **line_summary(result),
         "wave_speed_m_s": wave_speed_of(result),
         "impactor_velocity_m_s": float(result["energy/struck_velocity"][-1]),
         "restitution": restitution(result),

@@ -8,6 +8,7 @@
                                                                 moving wall also displacement, velocity, ground_force
     /prestage/{residual, stored, ...}                           static stage of precompressed runs, one value each
     /chain/...   /bars/NAME/...                                 chains, see `granwave.analysis.result.chain`
+    /lines/NAME/...                                             lines of grains, `granwave.analysis.result.lines`
     /h5md, /particles/spheres                                   trajectory, see `granwave.analysis.result.trajectory`
 
 The root has the attributes ``name``, ``case`` (TOML), ``run`` and ``versions`` (JSON); every data set has a ``unit``.
@@ -38,6 +39,7 @@ from granwave.analysis.lammps_output.time_series import Table, read_energy, read
 from granwave.analysis.result.chain import Groups, read_chain
 from granwave.analysis.result.groups import AT_ONCE, write_group
 from granwave.analysis.result.hdf5_file import new_hdf5
+from granwave.analysis.result.lines import line_groups
 from granwave.analysis.result.scratch import Buckets
 from granwave.analysis.result.sphere_tables import Dents, periodic, write_tables
 from granwave.analysis.result.start import Start
@@ -46,6 +48,7 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.columns import MOVING_WALL, names
 from granwave.lammps_inputs.load_case import load_case
 from granwave.lammps_inputs.ownership import claim
+from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.run_directory import CASE_FILE, DUMPS, RESULT_FILE, WALL_CONTACTS_FILE
 from granwave.lammps_inputs.run_state import check_case
 
@@ -113,6 +116,9 @@ def _write(file: h5py.File, directory: Path, at_once: int, scratch: list[FileIO]
         raise OutputFormatError(f"{path} ends with the snapshot of step {end}, the run at step {n_steps}: {CUT}")
     if every := _resolved(text).get("history_every"):
         for name, columns in read_chain(directory, case, start.whole(), timestep, n_steps - n_steps % every).items():
+            write_group(file, name, columns)
+    if every := _resolved(text).get("line_every"):
+        for name, columns in line_groups(directory, assemble(case), timestep, n_steps - n_steps % every).items():
             write_group(file, name, columns)
     planes = read_wall_contacts(directory)
     for name, frame in planes.items():

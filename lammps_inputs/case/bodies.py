@@ -4,6 +4,7 @@
     [[striker]]                  a sphere placed against given spheres, resting or moving
     [bar], [incident_bar]        elastic bars at the far and at the struck end of a chain (thesis 3.2)
     [[hold]]                     grains that do not move
+    [[line]]                     a line of grains whose motion is recorded and measured
     [[sensor]]                   a sphere whose mean contact force (chains) or acceleration is recorded
 
 Spheres of a chain are numbered from 1 at the struck end. Strikers follow the spheres of the packing, in the order of
@@ -134,6 +135,51 @@ class Hold:
     def axes(self) -> str:
         """Letters of the directions in which they do not move."""
         return "" if self.directions == _NO_DIRECTION else self.directions
+
+
+def _parse_direction(value: Any) -> tuple[float, float, float]:
+    expected = "[x, y, z], a vector of any length but 0, as [0, 0, 1] straight down"
+    direction = parse_point(value, expected)
+    if not any(direction):
+        raise ValidationError(expected)
+    return direction
+
+
+def _parse_leave_out(value: Any) -> int | str:
+    return value if value == "auto" else whole(value, 'a whole number from 0 up, or "auto"', at_least=0)
+
+
+def _parse_line_name(value: Any) -> str:
+    name = plain_name(value)
+    if not all(one.isascii() and (one.isalnum() or one in "_-") for one in name):
+        raise ValidationError("a name of letters, digits, _ and -")
+    return name
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Line:
+    """``[[line]]``: grains in a line, whose motion is recorded: arrival, speed, decay and width of a wave."""
+
+    name: str = custom("name of the line", _parse_line_name)
+    start: int | None = custom(
+        "id of the grain that it starts from; the struck one by default",
+        lambda value: whole(value, "an id from 1 up"),
+        default=None,
+    )
+    direction: tuple[float, float, float] = custom(
+        "direction in which it goes; grains up to a quarter of a diameter beside it belong to it",
+        _parse_direction,
+        default=(0.0, 0.0, 1.0),
+    )
+    index: tuple[int, ...] | None = custom(
+        "ids of its grains in their order, in place of start and direction", parse_index, default=None
+    )
+    leave_out: int | str = custom(
+        "grains at its end that the fit of the decay leaves out; auto: those within three diameters of a floor that "
+        "does not move",
+        _parse_leave_out,
+        default="auto",
+    )
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

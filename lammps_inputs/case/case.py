@@ -11,7 +11,7 @@ from typing import Any
 import tomli_w
 
 from granwave.lammps_inputs.case.added_grains import AddedGrains, with_added_grains
-from granwave.lammps_inputs.case.bodies import Bar, Hold, Replace, Sensor, Striker, read_body, read_list
+from granwave.lammps_inputs.case.bodies import Bar, Hold, Line, Replace, Sensor, Striker, read_body, read_list
 from granwave.lammps_inputs.case.contact_pairs import RIGID, Pair, read_pairs
 from granwave.lammps_inputs.case.figures import FRAMES_OF_A_FILM, Figures
 from granwave.lammps_inputs.case.load import Load, read_load
@@ -42,7 +42,7 @@ _SECTIONS: dict[str, type] = {
     "output": Output,
     FIGURES_TABLE: Figures,
 }
-_LISTS: dict[str, type] = {"replace": Replace, "striker": Striker, "hold": Hold, "sensor": Sensor}
+_LISTS: dict[str, type] = {"replace": Replace, "striker": Striker, "hold": Hold, "sensor": Sensor, "line": Line}
 _BARS = ("bar", "incident_bar")
 _GRAINS = "grains"
 _PRECOMPRESSION = "precompression"
@@ -74,6 +74,7 @@ class Case:
     striker: tuple[Striker, ...] = ()
     hold: tuple[Hold, ...] = ()
     sensor: tuple[Sensor, ...] = ()
+    line: tuple[Line, ...] = ()
     bar: Bar | None = None
     incident_bar: Bar | None = None
 

@@ -28,8 +28,8 @@ FIGURE_NAMES = (
     "dissipation_ranked", "dissipation_cumulated", "plastic_zone_growth", "plastic_zone_size",
     "energies", "timestep", "bottom_force", "target", "impactor_velocity",
     "packing_3d", "packing_3d_dissipation", "probes", "wave_front",
-    "force_map", "force_histories", "along_chain", "bead_velocities", "bars", "sensors", "accelerations",
-    "directions",
+    "force_map", "force_histories", "along_chain", "bead_velocities", "bars", "sensors",
+    "line_speeds", "line_decay", "accelerations", "directions",
 )  # fmt: skip
 FORMATS = ("pdf", "svg")  # of figures, besides PNG
 FILM_FORMATS = ("mp4", "gif", "webp")

@@ -394,7 +394,7 @@ class Output:
     )
     history: int | Literal["auto"] = custom(
         "instants at which the velocity of every bead of a chain and the force of every contact are recorded; "
-        "auto: 1000 (fewer with long bars) for chains of five beads and more",
+        "auto: 1000 (fewer with long bars) for chains of five beads and more; the same for each [[line]], auto: 2000",
         _parse_history,
         default="auto",
     )

@@ -17,6 +17,7 @@ from granwave.lammps_inputs.case.sections import ENERGY_TOLERANCE, Boundary, Out
 from granwave.lammps_inputs.case.yield_factor import FITTED_POISSON_RATIO, hertz_von_mises_yield_factor
 from granwave.lammps_inputs.checks.contacts import check_contacts, check_dents
 from granwave.lammps_inputs.checks.grains import check_chosen, check_grains, check_tube
+from granwave.lammps_inputs.checks.lines import check_lines
 from granwave.lammps_inputs.checks.packing import check_disorder, check_room
 from granwave.lammps_inputs.checks.plate import check_plate, check_side_gap, check_top
 from granwave.lammps_inputs.checks.precompression import check_first_yield, check_precompression, check_support
@@ -60,8 +61,11 @@ def check_together(parts: Mapping[str, Any], errors: ErrorList) -> None:
     _check_sensors(sensors, n_spheres, errors)
     if output is not None:
         _check_probes(output, n_spheres, errors)
-        if output.history not in (0, "auto") and packing.kind != "chain":
-            errors.add("output.history", f"found {output.history} for {packing.kind}, expected 0: only chains have one")
+        if output.history not in (0, "auto") and packing.kind != "chain" and not parts.get("line"):
+            errors.add(
+                "output.history",
+                f"found {output.history} for {packing.kind}, expected 0: only chains and [[line]]s have one",
+            )
     if boundary is not None and _boundary_fits(packing, boundary, errors):
         _check_load(parts.get("load"), packing, boundary, errors)
         _check_bars(parts, packing, boundary, errors)
@@ -82,6 +86,7 @@ def check_case(case: Case, errors: ErrorList) -> Assembly | None:
     except ValueError as error:
         errors.add("striker", str(error))
         return None
+    check_lines(assembly, errors)
     check_support(assembly, errors)
     check_top(assembly, errors)
     check_first_yield(assembly, errors)

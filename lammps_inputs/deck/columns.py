@@ -10,6 +10,7 @@ import dataclasses
 from collections.abc import Iterable
 
 FRICTION, DENTS = "friction", "dents"  # columns of cases with friction; of cases with initial dents
+TURNING = "turning"  # of cases with rotation
 
 
 @dataclasses.dataclass(frozen=True)
@@ -96,6 +97,15 @@ SNAPSHOT = (
 
 #: dumps/history.dump: history of a chain.
 HISTORY = (Column("id", "id"), Column("uz", "c_displacement[3]", "m"), Column("vz", "vz", "m s-1"))
+
+#: dumps/lines.dump: history of lines of grains.
+LINES = (
+    Column("id", "id"),
+    *of_compute("c_displacement", [(f"u{axis}", "m") for axis in "xyz"]),
+    *(Column(f"v{axis}", f"v{axis}", "m s-1") for axis in "xyz"),
+    *of_compute("c_sums", [(f"sum_f{axis}", "N") for axis in "xyz"]),
+    *(Column(f"omega{axis}", f"omega{axis}", "rad s-1", TURNING) for axis in "xyz"),
+)
 
 _HISTORY_OF_CONTACT = [
     ("time_first", "s"),

@@ -13,18 +13,21 @@ from granwave.lammps_inputs.deck.columns import (
     HISTORY,
     HOLDER,
     LEDGER,
+    LINES,
     MOVING_WALL,
     ROTATION,
     SNAPSHOT,
     SUPPORT,
     TANGENTIAL,
     TIMESTEP,
+    TURNING,
     WALL_CONTACTS,
     names,
     sources,
 )  # fmt: skip
-from granwave.lammps_inputs.deck.commands import command, joined, num
+from granwave.lammps_inputs.deck.commands import command, id_ranges, joined, num
 from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.lines import all_line_ids
 from granwave.lammps_inputs.packing.walls import PLATE, Wall, moving_fix, wall_fixes, walls
 from granwave.lammps_inputs.run_directory import (
     CHECKPOINT_FILE,
@@ -36,6 +39,7 @@ from granwave.lammps_inputs.run_directory import (
     FRAMES_FILES,
     FRAMES_RESUMED,
     HISTORY_FILE,
+    LINES_FILE,
     PROBES_FILE,
     STATIC_FILE,
     STATIC_STAGE_FILE,
@@ -243,6 +247,22 @@ def history(case: Case, schedule: Schedule, *, resumed: bool = False) -> list[st
     ]
 
 
+def lines(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> list[str]:
+    """Return the commands for the motion of lines of grains, and of the sums of the forces on each."""
+    case = assembly.case
+    if not case.line:
+        return []
+    columns = sources(LINES, *([TURNING] if case.has_rotation else []))
+    return [
+        "# Lines of grains in time; sums of the magnitudes of the components of their contact forces.",
+        "compute         sums all gran/hysteretic/sums",
+        *command("group           lines id", id_ranges(all_line_ids(assembly))),
+        *command(f"dump            lines lines custom {schedule.line_every} {DUMPS}/{LINES_FILE}", *columns.values()),
+        f'dump_modify     lines {_first(resumed)} sort id format line "%d{" %.12g" * (len(columns) - 1)}"',
+        *command("dump_modify     lines", *_names(columns)),
+    ]
+
+
 def thermo(case: Case, schedule: Schedule) -> list[str]:
     """Return the commands of thermodynamic output."""
     every = schedule.block_steps or max(1, schedule.n_steps // schedule.ledger_every // 20) * schedule.ledger_every
@@ -321,6 +341,7 @@ def output_files(assembly: Assembly, schedule: Schedule) -> list[str]:
     files += [WALLS_FILE] if wall_forces(assembly, schedule) else []
     files += [PROBES_FILE] if case.probes else []
     files += [HISTORY_FILE, FORCES_FILE] if schedule.history_every else []
+    files += [LINES_FILE] if case.line else []
     return files + ([STATIC_STAGE_FILE, STATIC_FILE] if case.precompression else [])
 
 

@@ -13,7 +13,7 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.commands import num
 from granwave.lammps_inputs.deck.contacts import contacts, dents, wall_commands
 from granwave.lammps_inputs.deck.motion import adaptive_timestep, motion
-from granwave.lammps_inputs.deck.output import dumps_at_end, frames, history, ledger, probes, thermo, wall_forces
+from granwave.lammps_inputs.deck.output import dumps_at_end, frames, history, ledger, lines, probes, thermo, wall_forces
 from granwave.lammps_inputs.deck.static_stage import dead_load_commands, first_half, reference_state, second_half
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.planning.schedule import BLOCK_THRESHOLD, Schedule
@@ -56,6 +56,7 @@ def input_script(assembly: Assembly, schedule: Schedule, *, restart_from: str = 
         probes(case, schedule, resumed=resumed),
         frames(assembly, schedule, restart_from=restart_from),
         history(case, schedule, resumed=resumed),
+        lines(assembly, schedule, resumed=resumed),
         adaptive_timestep(case, schedule),
         thermo(case, schedule),
         _run(case, schedule),

@@ -29,6 +29,7 @@ from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
 
 _KEPT = 4  # assemblies
 _HISTORY, _LEAST_HISTORY = 1000, 5  # instants; beads of a chain from which on they are recorded by themselves
+_LINE_HISTORY = 2000  # instants
 _PARTS_FROM = 10_000_000  # spheres: one rank alone writes a snapshot of them, 1.4 GB, for seconds while all others wait
 _HISTORY_VALUES, _LEAST_ROWS = 1e6, 250  # instants times particles, nodes of bars among them; fewest instants
 
@@ -293,6 +294,12 @@ class Assembly:
         if packing.kind != "chain" or packing.size[0] < _LEAST_HISTORY:
             return 0
         return int(min(_HISTORY, max(_LEAST_ROWS, _HISTORY_VALUES / self.n_particles)))
+
+    @property
+    def line_history(self) -> int:
+        """Number of instants at which the grains of the lines of a case are recorded."""
+        history = self.case.output.history
+        return history if not isinstance(history, str) and history else _LINE_HISTORY
 
     @property
     def in_parts(self) -> bool:

@@ -56,6 +56,9 @@ class FixWallGranHysteretic : public Fix {
     if (support) support->add_power(power, force_squared_over_mass);
   }
 
+  /* Add the magnitudes of the components of the forces of the walls on sphere i; of two planes at once the larger force. */
+  void add_magnitudes(int i, double sums[3]) const;
+
   void grow_arrays(int) override;
   void copy_arrays(int, int, int) override;
   void set_arrays(int) override;

@@ -174,7 +174,12 @@ void PairGranHysteretic::for_each_dent(const std::function<void(const Report &)>
       if (c.peak[k] == 0.0) continue;
       const int j = c.partner[k];
       const double delx = x[i][0] - x[j][0], dely = x[i][1] - x[j][1], delz = x[i][2] - x[j][2];
-      visit(report_pair(i, j, k, delx * delx + dely * dely + delz * delz));
+      Report report = report_pair(i, j, k, delx * delx + dely * dely + delz * delz);
+      const double delta[3] = {delx, dely, delz};
+      const double per_distance = report.force / std::sqrt(granwave::dot(delta, delta));
+      for (int d = 0; d < 3; d++)
+        report.on_first[d] = per_distance * delta[d] + (has_friction ? c.spring[k].force[d] : 0.0);
+      visit(report);
     }
   }
   const granwave::ContactHistory &history = fix_history->history;

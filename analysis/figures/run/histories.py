@@ -34,12 +34,13 @@ _QUANTITIES = {
     "force": ("Contact force (N)", 1.0),
 }
 _BROWN = "#8C5A2B"
+_NAVY = "#1B2A49"
 _COLOURS = (BLUE, ORANGE, GREEN, PURPLE, GREY)
 #: Parts of the energy and their colours, from the bottom of the figure up.
 _AREAS = {
     "dissipated": ORANGE, "yielding": ORANGE, "friction": YELLOW, "holder": _BROWN, "support's damper": GREY,
     "support": PURPLE,
-    "elastic": GREEN, "rotation": SKY, "kinetic": BLUE, "plate": _NIGHT,
+    "elastic": GREEN, "rotation": SKY, "kinetic": BLUE, "plate": _NAVY,
 }  # fmt: skip
 _NEGLIGIBLE = 1e-3  # negative energy over the input that counts as rounding
 _IN_PANEL = 4  # sensors in a panel
