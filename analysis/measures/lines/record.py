@@ -121,7 +121,7 @@ def lines_of(result: Result) -> list[LineRecord]:
 
 
 def _straight(position: NDArray[np.float64], diameter: float) -> bool:
-    """Return True if the grains lie within half a diameter of the straight line from the first to the last, in order."""
+    """Return True if the grains follow each other within half a diameter of a straight line."""
     way = position[-1] - position[0]
     length = float(np.linalg.norm(way))
     if not length:
