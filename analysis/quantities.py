@@ -153,6 +153,9 @@ ENTRIES = (
     Quantity("friction_fraction", "Share dissipated by friction",
              "Energy dissipated by sliding between spheres and at walls, over the input.",
              short="  by friction", digits=".5f", phrase="{} of it"),
+    Quantity("viscous_fraction", "Share dissipated by viscous losses",
+             "Energy that contacts lost by the rate of their overlap (contact.loss), walls included, over the input.",
+             short="  by viscous losses", digits=".5f", phrase="{} of it", axis="Viscous losses over the input"),
     Quantity("holder_fraction", "Share dissipated by friction of the holder",
              "Energy dissipated by beads of a chain that slide in their holder, over the input.",
              short="  in the holder", digits=".5f", phrase="{} of it"),
@@ -166,6 +169,7 @@ ENTRIES = (
     Quantity("energy_dissipated_wall_J", "Dissipated at walls"),
     Quantity("energy_dissipated_plastic_J", "Dissipated by yielding"),
     Quantity("energy_dissipated_friction_J", "Dissipated by friction"),
+    Quantity("energy_dissipated_viscous_J", "Dissipated by viscous losses"),
     Quantity("energy_dissipated_holder_J", "Dissipated by friction of the holder"),
     Quantity("energy_bar_J", "Energy of the bar"),
     Quantity("energy_incident_bar_J", "Energy of the incident bar"),
@@ -324,7 +328,7 @@ def _quantities(*names: str | Quantity) -> tuple[Quantity, ...]:
 
 #: Columns of the tables of results in reports, as far as there are values.
 REPORT_COLUMNS = (
-    "dissipated_fraction", "plastic_fraction", "friction_fraction", "holder_fraction",
+    "dissipated_fraction", "plastic_fraction", "friction_fraction", "viscous_fraction", "holder_fraction",
     "peak_force_N", "n_plastic_contacts",
     "n_plastic_spheres", "plastic_zone_volume_m3", "plastic_zone_volume_ever_m3", "plastic_zone_depth_m",
     "plastic_zone_radius_m", "zone_depth_90_m", "zone_radius_90_m", "zone_volume_90_m3", "zone_cut",
@@ -340,7 +344,7 @@ FRICTION_SHARES = ("plastic_fraction", "friction_fraction")
 #: Rows at the terminal at the end of a run.
 RUN_ROWS = _quantities(
     "n_spheres", "n_contacts", "n_loaded_contacts", "end_time_s", "end_reason", "timestep_s", "n_steps",
-    "energy_input_J", "dissipated_fraction", *FRICTION_SHARES, "holder_fraction",
+    "energy_input_J", "dissipated_fraction", *FRICTION_SHARES, "viscous_fraction", "holder_fraction",
     "energy_balance_error", "peak_force_N",
     "n_plastic_contacts", "n_plastic_spheres", "plastic_zone_depth_m", "plastic_zone_radius_m", "wave_speed_m_s",
     "contacts_beyond_law", "wall_peak_force_N", "wall_impulse_Ns", "peak_reduction", "impactor_velocity_m_s",

@@ -162,17 +162,19 @@ def _energies(result: Result) -> Summary:
         return energy / given if given else None
 
     rubbed, plastic = final("friction"), float(result.yield_ledger[-1])
-    holder = final("holder") if "energy/holder" in result else None
+    holder, viscous = (final(name) if f"energy/{name}" in result else None for name in ("holder", "viscous"))
     return {
         "energy_input_J": given,
         **{f"energy_{name}_J": final(name) for name in ("kinetic", "elastic", "dissipated", "rotational")},
         "energy_dissipated_wall_J": final("dissipated_wall"),
         "energy_dissipated_plastic_J": plastic,
         "energy_dissipated_friction_J": rubbed,
+        "energy_dissipated_viscous_J": viscous,
         "energy_dissipated_holder_J": holder,
         "dissipated_fraction": share(final("dissipated")),
         "plastic_fraction": share(plastic),
         "friction_fraction": share(rubbed),
+        "viscous_fraction": None if viscous is None else share(viscous),
         "holder_fraction": None if holder is None else share(holder),
         "energy_balance_error": energy_balance_error(result),
     }

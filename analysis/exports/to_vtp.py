@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from vtkmodules.vtkCommonDataModel import vtkPolyData
 
 OUTDATED = r"(spheres|contacts)_\d{4,}\.vtp"
-_OF_RUN = ("peak_overlap", "peak_force", "dissipated_energy", "friction_energy", "initial_overlap")
+_OF_RUN = ("peak_overlap", "peak_force", "dissipated_energy", "friction_energy", "viscous_energy", "initial_overlap")
 
 Arrays = Mapping[str, NDArray]
 

@@ -30,7 +30,7 @@ def read_energy(directory: str | Path) -> Table:
 
     Columns `ENERGY_COLUMNS` and `FRICTION_COLUMNS`; with a moving bottom ``support``, ``support_lost`` and ``target``
     (energy of the support, dissipation by its damper, work done on it), J; with bars the energy of each, J; of chains
-    that rub against their holder ``holder`` (dissipation by this friction), J.
+    that rub against their holder ``holder`` (dissipation by this friction), with viscous losses ``viscous``, J.
 
     Raises
     ------

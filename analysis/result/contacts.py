@@ -19,6 +19,7 @@ LISTED_FROM = 1e-6  # peak overlap over alpha_y from which on pairs that did not
 Contacts = dict[str, NDArray]
 _TIMES = ("time_first", "time_peak", "time_yield")
 _FRICTION_COLUMNS = ("tangential_force", "elastic_tangential", "friction")
+_ZERO_IF_MISSING = (*_FRICTION_COLUMNS, "initial", "viscous")
 _LARGE = 1.5  # radius over the median from which on the neighbours of a sphere are searched separately
 
 
@@ -29,13 +30,14 @@ def merge_dents(dents: Frame) -> Contacts:
     -------
     dict
         ``i``, ``j`` (n_pairs,), i < j; ``overlap``, ``peak_overlap``, ``initial_overlap`` (initial dent) m;
-        ``force``, ``peak_force``, ``tangential_force`` N; ``elastic_energy``, ``dissipated_energy`` (of yielding and
-        friction), ``friction_energy`` J; ``time_first``, ``time_peak``, ``time_yield`` s (NaN: never); ``n_dents``;
+        ``force``, ``peak_force``, ``tangential_force`` N; ``elastic_energy``, ``dissipated_energy`` (of yielding,
+        friction and viscous losses), ``friction_energy``, with viscous losses ``viscous_energy`` J;
+        ``time_first``, ``time_peak``, ``time_yield`` s (NaN: never); ``n_dents``;
         ``grown_overlap``: largest overlap of dents that grew in this run, m.
     """
     first, second = np.sort(dents.vector("i", "j").astype(np.int64), axis=1).T
     order = np.lexsort((-dents["peak_overlap"], second, first))  # the deepest dent of a pair first
-    values = {name: dents.get(name)[order] for name in (*dents.columns, *_FRICTION_COLUMNS, "initial")}
+    values = {name: dents.get(name)[order] for name in (*dents.columns, *_ZERO_IF_MISSING)}
     first, second = first[order], second[order]
     new = np.ones(len(first), dtype=bool)
     new[1:] = (first[1:] != first[:-1]) | (second[1:] != second[:-1])
@@ -63,8 +65,9 @@ def merge_dents(dents: Frame) -> Contacts:
         "grown_overlap": reduce(np.maximum, np.where(peak > initial, peak, 0.0)),
         "peak_force": reduce(np.maximum, values["peak_force"]),
         "elastic_energy": reduce(np.add, now("elastic") + now("elastic_tangential")),
-        "dissipated_energy": reduce(np.add, values["dissipated"] + values["friction"]),
+        "dissipated_energy": reduce(np.add, values["dissipated"] + values["friction"] + values["viscous"]),
         "friction_energy": reduce(np.add, values["friction"]),
+        **({"viscous_energy": reduce(np.add, values["viscous"])} if "viscous" in dents.columns else {}),
         **{name: np.where(np.isfinite(times[name]), times[name], np.nan) for name in _TIMES},
         "n_dents": np.diff(np.append(starts, len(first))),
     }
@@ -185,14 +188,14 @@ def sphere_values(
         True for contacts that have yielded: (n_contacts,).
     share
         Share of the first sphere in the energy dissipated by yielding; (n_contacts,) or one for all. Dissipation by
-        friction is halved.
+        friction and viscous losses is halved.
 
     Returns
     -------
     dict
         ``peak_force`` of the largest single contact, N; ``peak_overlap``, m; ``dissipated_energy`` and its part
-        ``friction_energy``, J; ``contacts_yielded``; ``coordination`` at the start; ``time_first``, ``time_yield`` of
-        the earliest contact, s (NaN: never). Each (n_spheres,).
+        ``friction_energy``, with viscous losses ``viscous_energy``, J; ``contacts_yielded``; ``coordination`` at the
+        start; ``time_first``, ``time_yield`` of the earliest contact, s (NaN: never). Each (n_spheres,).
     """
     n_spheres = len(ids)
     ends = rows_of(ids, np.concatenate([contacts["i"], contacts["j"]]))
@@ -211,13 +214,16 @@ def sphere_values(
 
     times = {name: extreme(np.minimum, name, np.inf) for name in ("time_first", "time_yield")}
     friction = contacts["friction_energy"]
-    plastic = contacts["dissipated_energy"] - friction
-    lost = np.concatenate([part * plastic + 0.5 * friction for part in (share, 1 - share)])
+    viscous = {name: contacts[name] for name in ("viscous_energy",) if name in contacts}
+    halved = sum(viscous.values(), start=friction)
+    plastic = contacts["dissipated_energy"] - halved
+    lost = np.concatenate([part * plastic + 0.5 * halved for part in (share, 1 - share)])
     return {
         "peak_force": extreme(np.maximum, "peak_force", 0.0),
         "peak_overlap": extreme(np.maximum, "peak_overlap", 0.0),
         "dissipated_energy": np.bincount(ends, lost, minlength=n_spheres),
         "friction_energy": np.bincount(ends, 0.5 * both(friction), minlength=n_spheres),
+        **{name: np.bincount(ends, 0.5 * both(lost), minlength=n_spheres) for name, lost in viscous.items()},
         "contacts_yielded": count(yielded),
         "coordination": count(contacts["touching"]),
         **{name: np.where(np.isfinite(time), time, np.nan) for name, time in times.items()},

@@ -19,6 +19,7 @@ from granwave.lammps_inputs.deck.columns import (
     SUPPORT,
     TANGENTIAL,
     TIMESTEP,
+    VISCOUS,
     WALL_CONTACTS,
 )
 from granwave.lammps_inputs.planning.space import ANALYSED_AT_ONCE
@@ -39,6 +40,7 @@ _UNITS = {
         *TANGENTIAL,
         *HOLDER,
         *FREE_PLATE,
+        *VISCOUS,
         *MOVING_WALL,
         *WALL_CONTACTS,
         *CONTACTS,
@@ -52,6 +54,7 @@ _UNITS = {
     "dissipated_energy": "J",
     "dissipated_energy_wall": "J",
     "friction_energy": "J",
+    "viscous_energy": "J",
     "stored": "J",
     "impulse": "N s",
     "distance": "m",

@@ -59,9 +59,9 @@ class _Spheres:
 
     @property
     def yield_energy(self) -> NDArray[np.float64]:
-        """Energy dissipated by yielding by sphere, including walls, without friction: (n_spheres,), J."""
-        lost = self["spheres/dissipated_energy"]
-        return lost - self["spheres/friction_energy"] if self.has("spheres/friction_energy") else lost
+        """Energy dissipated by yielding by sphere, with walls, without friction and viscous losses: (n_spheres,), J."""
+        others = [f"spheres/{name}" for name in ("friction_energy", "viscous_energy")]
+        return self["spheres/dissipated_energy"] - sum(self[name] for name in others if self.has(name))
 
 
 class Result(_Spheres):
@@ -298,8 +298,8 @@ class Result(_Spheres):
 
     @property
     def yield_ledger(self) -> NDArray[np.float64]:
-        """Energy dissipated by yielding against time, without friction and dampers: (n_times,), J."""
-        others = ("energy/friction", "energy/support_lost", "energy/holder")
+        """Energy dissipated by yielding against time, without friction, viscous losses and dampers: (n_times,), J."""
+        others = ("energy/friction", "energy/viscous", "energy/support_lost", "energy/holder")
         return self["energy/dissipated"] - sum(self[name] for name in others if name in self)
 
     @property

@@ -80,7 +80,7 @@ def write_tables(file: h5py.File, case: Case, start: Start, dents: Dents, planes
     planes
         Contacts with each plane, by its name.
     """
-    wall_contacts = _wall_contacts(planes, _bar_contacts(case, dents.at_bars()))
+    wall_contacts = _wall_contacts(planes, _bar_contacts(case, dents.at_bars()), has_loss=case.has_loss)
     write_group(file, "wall_contacts", wall_contacts)
     at_walls = start.rows(wall_contacts["id"])
     losses = _losses_at_walls(case, wall_contacts)
@@ -161,12 +161,13 @@ def _losses_at_walls(case: Case, wall_contacts: Contacts) -> dict[str, NDArray[n
     materials: dict[str, Material | None] = {bar.name: bar.material for bar in assemble(case).bars}
     materials |= {wall.name: wall.material for wall in walls(case)}
     partners = [materials[wall] for wall in wall_contacts["wall"].tolist()]
-    own = [assemble(case).material_of(sphere) for sphere in wall_contacts["id"].tolist()]
-    plastic_share = np.array([dissipated_share(*pair) for pair in zip(own, partners, strict=True)])
+    spheres = [assemble(case).material_of(sphere) for sphere in wall_contacts["id"].tolist()]
+    plastic_share = np.array([dissipated_share(*pair) for pair in zip(spheres, partners, strict=True)])
     friction_share = np.array([0.5 if partner else 1.0 for partner in partners])
-    friction = friction_share * wall_contacts["friction_energy"]
-    plastic = plastic_share * (wall_contacts["dissipated_energy"] - wall_contacts["friction_energy"])
-    return {"dissipated_energy_wall": plastic + friction, "friction_energy": friction}
+    others = {name: wall_contacts[name] for name in ("friction_energy", "viscous_energy") if name in wall_contacts}
+    plastic = plastic_share * (wall_contacts["dissipated_energy"] - sum(others.values()))
+    own = {name: friction_share * lost for name, lost in others.items()}
+    return {"dissipated_energy_wall": plastic + sum(own.values()), **own}
 
 
 def _bar_contacts(case: Case, dents: Frame) -> dict[str, Contacts]:
@@ -178,24 +179,26 @@ def _bar_contacts(case: Case, dents: Frame) -> dict[str, Contacts]:
     }
 
 
-def _wall_contacts(planes: Mapping[str, Frame], bars: Mapping[str, Contacts]) -> Contacts:
+def _wall_contacts(planes: Mapping[str, Frame], bars: Mapping[str, Contacts], *, has_loss: bool) -> Contacts:
     """Return the contacts with walls and bars as one table; times in s (NaN: never)."""
     parts: list[Contacts] = []
+    columns = (*_OF_WALL_CONTACTS, *(["viscous_energy"] if has_loss else []))
     for wall, frame in planes.items():
         values: Contacts = {name: frame[name] for name in WALL_COLUMNS if name != "dissipated"}
         for name in values:
             if name.startswith("time"):
                 values[name] = np.where(values[name] < 0, np.nan, values[name])
         values |= {
-            "dissipated_energy": frame["dissipated"] + frame.get("friction"),
+            "dissipated_energy": frame["dissipated"] + frame.get("friction") + frame.get("viscous"),
             "friction_energy": frame.get("friction"),
             "tangential_force": frame.get("tangential_force"),
             "initial_overlap": frame.get("initial"),
         }
+        values |= {"viscous_energy": frame["viscous"]} if has_loss else {}
         parts.append({"wall": np.full(len(frame), wall, dtype=object), "id": frame["id"].astype(np.int64)} | values)
     for bar, found in bars.items():
         part: Contacts = {"wall": np.full(len(found["i"]), bar, dtype=object), "id": found["i"]}
-        parts.append(part | {name: found[name] for name in _OF_WALL_CONTACTS})
+        parts.append(part | {name: found[name] for name in columns})
     empty: Contacts = {"wall": np.empty(0, dtype=object), "id": np.empty(0, dtype=np.int64)}
-    empty |= {name: np.empty(0) for name in _OF_WALL_CONTACTS}
+    empty |= {name: np.empty(0) for name in columns}
     return {name: np.concatenate([part[name] for part in (empty, *parts)]) for name in empty}

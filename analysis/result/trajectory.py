@@ -1,11 +1,12 @@
 """Trajectory of a run in the H5MD format (version 1.1, P. de Buyl et al., doi:10.1016/j.cpc.2014.01.018).
 
 ``/particles/spheres`` holds ``position``, ``displacement``, ``velocity``, ``contact_force`` (largest present force of a
-single contact), ``peak_force``, ``dissipated_energy`` (by yielding and friction), ``elastic_energy`` (half the energy
-stored in each contact with another sphere; NaN if it was not recorded) and, with friction, ``friction_energy``, each as
-``value``, ``step`` and ``time`` of every snapshot; ``id``, ``species``, ``radius`` and ``mass`` are constant. Positions
-are initial positions plus displacements, not wrapped into periodic boxes. All values are float64; overlaps should be
-computed from displacements, which have 17 digits independently of the distance from the origin.
+single contact), ``peak_force``, ``dissipated_energy`` (by yielding, friction and viscous losses), ``elastic_energy``
+(half the energy stored in each contact with another sphere; NaN if it was not recorded) and, with friction,
+``friction_energy``, with viscous losses ``viscous_energy``, each as ``value``, ``step`` and ``time`` of every snapshot;
+``id``, ``species``, ``radius`` and ``mass`` are constant. Positions are initial positions plus displacements, not
+wrapped into periodic boxes. All values are float64; overlaps should be computed from displacements, which have 17
+digits independently of the distance from the origin.
 """
 
 from __future__ import annotations
@@ -29,12 +30,13 @@ _VECTORS = {"position": "m", "displacement": "m", "velocity": "m s-1"}
 _SCALARS = {
     "contact_force": (("force",), "N"),
     "peak_force": (("peak_force",), "N"),
-    "dissipated_energy": (("dissipated", "friction"), "J"),
+    "dissipated_energy": (("dissipated", "friction", "viscous"), "J"),
     "elastic_energy": (("elastic", "elastic_tangential"), "J"),
 }
 _FIXED = {"id": (np.int64, "1"), "species": (np.int32, "1"), "radius": (np.float64, "m"), "mass": (np.float64, "kg")}
 _FRICTION = {"friction_energy": (("friction",), "J")}
-QUANTITIES = (*_VECTORS, *_SCALARS, *_FRICTION)
+_VISCOUS = {"viscous_energy": (("viscous",), "J")}
+QUANTITIES = (*_VECTORS, *_SCALARS, *_FRICTION, *_VISCOUS)
 
 
 def write_metadata(file: h5py.File, version: str) -> None:
@@ -56,6 +58,7 @@ def write_trajectory(
     source: Path,
     *,
     friction: bool = False,
+    viscous: bool = False,
 ) -> int:
     """Write ``/particles/spheres``, one snapshot at a time, or a part of one.
 
@@ -73,6 +76,8 @@ def write_trajectory(
         File of the snapshots, for messages.
     friction
         True to write ``friction_energy``.
+    viscous
+        True to write ``viscous_energy``.
 
     Returns
     -------
@@ -94,7 +99,7 @@ def write_trajectory(
         group["species"][rows] = spheres["type"]
         group["radius"][rows] = spheres["diameter"] / 2
         group["mass"][rows] = spheres["density"] * np.pi / 6 * spheres["diameter"] ** 3
-    scalars = _SCALARS | (_FRICTION if friction else {})
+    scalars = _SCALARS | (_FRICTION if friction else {}) | (_VISCOUS if viscous else {})
     elements = _elements(group, n_spheres, {name: unit for name, (_, unit) in scalars.items()})
     number, first, step = 0, 0, 0
     for piece in frames:

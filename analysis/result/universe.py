@@ -3,7 +3,8 @@
 MDAnalysis stores positions in single precision, with a spacing of 60 nm at 0.7 m, which is 5 % of a yield overlap:
 never compute overlaps from ``ts.positions``. This reader adds quantities in double precision to every snapshot:
 ``ts.data["displacement"]`` (m), ``ts.data["contact_force"]`` (N), ``ts.data["peak_force"]`` (N),
-``ts.data["dissipated_energy"]`` (J) and, with friction, ``ts.data["friction_energy"]`` (J). Lengths are in m and times
+``ts.data["dissipated_energy"]`` (J) and, with friction, ``ts.data["friction_energy"]`` (J), with viscous losses
+``ts.data["viscous_energy"]`` (J). Lengths are in m and times
 in s, regardless of the units that MDAnalysis assumes.
 """
 
@@ -27,7 +28,7 @@ from MDAnalysis.coordinates.timestep import Timestep
 from granwave.analysis.result.reader import Result
 from granwave.analysis.result.trajectory import GROUP
 
-DATA = ("displacement", "contact_force", "peak_force", "dissipated_energy", "friction_energy")
+DATA = ("displacement", "contact_force", "peak_force", "dissipated_energy", "friction_energy", "viscous_energy")
 
 
 class ResultReader(ReaderBase):

@@ -110,7 +110,8 @@ def _write(file: h5py.File, directory: Path, at_once: int, scratch: list[FileIO]
     timestep = _timestep(text, ledger)
     path = frames_path(directory)
     frames = read_frames_in_parts(directory, at_once)
-    end = write_trajectory(file, start, frames, timestep, periodic(case), path, friction=case.has_friction)
+    recorded = {"friction": case.has_friction, "viscous": case.has_loss}
+    end = write_trajectory(file, start, frames, timestep, periodic(case), path, **recorded)
     n_steps = int(ledger["step"][-1])
     if end < n_steps:  # the end of a run is always a snapshot
         raise OutputFormatError(f"{path} ends with the snapshot of step {end}, the run at step {n_steps}: {CUT}")

@@ -101,6 +101,11 @@ class Case:
         return any(contacts)
 
     @property
+    def has_loss(self) -> bool:
+        """True if any contact loses energy by the rate of its overlap."""
+        return any(one.loss is not None for one in (self.contact, *(pair.contact for pair in self.pair)))
+
+    @property
     def has_holder_friction(self) -> bool:
         """True if beads rub against the holder of their chain."""
         return bool(self.boundary.holder_friction)

@@ -88,4 +88,4 @@ def _others(common: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]
     """Return the values that a pair takes from ``[contact]``: all but the constants of another law."""
     if own.get("law", common.get("law")) == common.get("law"):
         return dict(common)
-    return {name: common[name] for name in ("friction", "tangential") if name in common}
+    return {name: common[name] for name in ("friction", "tangential", "loss") if name in common}

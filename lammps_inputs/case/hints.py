@@ -48,9 +48,9 @@ _WITHIN = {
     "load.period": "frequency",
 }
 _NOTES = {
-    "restitution": 'restitution follows from the contact law; contact.law = "bilinear" sets it by contact.beta',
+    "restitution": "take contact.loss = {restitution = 0.9, velocity = 1.0}; without it the contact law decides",
     "gravity": 'take [precompression] with kind = "gravity" and, perhaps, acceleration',
-    "damping": "contacts have no damper: they dissipate by yielding (contact.law) and by contact.friction",
+    "damping": "contacts dissipate by yielding (contact.law), contact.friction and contact.loss = {dashpot = 0.1}",
     "ranks": "the number of MPI ranks is given on the command line: --np",
 }
 _OTHER_WORDS = {

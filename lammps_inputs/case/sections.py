@@ -9,6 +9,7 @@ from itertools import pairwise
 from typing import Any, Literal
 
 from granwave import _contact_laws
+from granwave.lammps_inputs.case.loss import Loss, parse_loss
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.schema import (
     LARGEST_COUNT,
@@ -179,6 +180,11 @@ class Contact:
         "spring of friction where its circle shrinks: force scaled down with it, or kept, which can create energy",
         ("mindlin_rescale", "mindlin"),
         default="mindlin_rescale",
+    )
+    loss: Loss | None = custom(  # noqa: RUF009
+        "loss by the rate of the overlap: by a time, by the restitution at a velocity, or by a dashpot (Tsuji)",
+        parse_loss,
+        default=None,
     )
     initial_overlap: float | str | tuple[Dents, ...] = custom(
         "largest overlap that the contacts had before the run, their dents: a value, values by region, or an earlier "

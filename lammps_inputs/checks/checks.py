@@ -15,7 +15,7 @@ from granwave.lammps_inputs.case.packing import PackingSection
 from granwave.lammps_inputs.case.schema import ErrorList, show
 from granwave.lammps_inputs.case.sections import ENERGY_TOLERANCE, Boundary, Output, Run
 from granwave.lammps_inputs.case.yield_factor import FITTED_POISSON_RATIO, hertz_von_mises_yield_factor
-from granwave.lammps_inputs.checks.contacts import check_contacts, check_dents
+from granwave.lammps_inputs.checks.contacts import check_contacts, check_dents, check_losses
 from granwave.lammps_inputs.checks.grains import check_chosen, check_grains, check_tube
 from granwave.lammps_inputs.checks.lines import check_lines
 from granwave.lammps_inputs.checks.packing import check_disorder, check_room
@@ -91,6 +91,7 @@ def check_case(case: Case, errors: ErrorList) -> Assembly | None:
     check_top(assembly, errors)
     check_first_yield(assembly, errors)
     check_dents(assembly, errors)
+    check_losses(assembly, errors)
     if case.packing.kind == "chain" and (case.boundary.bottom == "wall" or case.bar is not None):
         _check_below(assembly, errors)
     return assembly

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping
 from typing import Any
 
@@ -11,7 +12,9 @@ from granwave.lammps_inputs.case.schema import ErrorList, show
 from granwave.lammps_inputs.case.sections import Boundary, Contact
 from granwave.lammps_inputs.contact.initial_dents import KEY, error_in_dents
 from granwave.lammps_inputs.contact.law import error_in_constants
+from granwave.lammps_inputs.contact.loss import viscous_loss
 from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.walls import wall_fixes, walls
 
 
 def check_contacts(parts: Mapping[str, Any], errors: ErrorList) -> None:
@@ -32,6 +35,38 @@ def check_dents(assembly: Assembly, errors: ErrorList) -> None:
     """Check initial dents that are given by value."""
     if fault := error_in_dents(assembly):
         errors.add(KEY, fault)
+
+
+def check_losses(assembly: Assembly, errors: ErrorList) -> None:
+    """Check that some loss time gives the restitution that is asked for, of each pair of materials."""
+    case = assembly.case
+    if not case.has_loss:
+        return
+    spheres = [species.material for species in assembly.species if species.role == "sphere"]
+    faces = [species.material for species in assembly.species if species.role == "face"]
+    pairs = [(first, second, False) for n, first in enumerate(spheres) for second in spheres[n:]]
+    pairs += [(sphere, face, True) for sphere in spheres for face in faces]
+    for wall in walls(assembly):
+        fixes = [] if wall.held_layer else wall_fixes(assembly, wall)
+        pairs += [(material, wall.material, True) for _, _, material in fixes]
+    wrong: dict[str, str] = {}
+    for first, second, flat in pairs:
+        contact = case.contact_between(first, second)
+        own = next((n for n, pair in enumerate(case.pair, start=1) if pair.contact is contact), None)
+        key = "contact.loss" if own is None else f"pair.{own}.loss"
+        try:
+            viscous_loss(assembly, contact, first, second, flat=flat)
+        except ValueError as error:
+            names = " and ".join(RIGID if one is None else str(one.name) for one in (first, second))
+            found = show(_plain_loss(contact))
+            wrong.setdefault(key, f"found {found}, expected of {names} a restitution of {error}")
+    for key, message in wrong.items():
+        errors.add(key, message)
+
+
+def _plain_loss(contact: Contact) -> dict[str, Any]:
+    assert contact.loss is not None
+    return {name: value for name, value in dataclasses.asdict(contact.loss).items() if value is not None}
 
 
 def _check_constants(contact: Contact, key: str, errors: ErrorList) -> None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterable
 
-FRICTION, DENTS = "friction", "dents"  # columns of cases with friction; of cases with initial dents
+FRICTION, DENTS, LOSS = "friction", "dents", "loss"  # columns of cases with friction; initial dents; viscous losses
 TURNING = "turning"  # of cases with rotation
 
 
@@ -26,7 +26,7 @@ class Column:
     unit
         SI unit; "1" if dimensionless.
     when
-        `FRICTION` or `DENTS` for a column of such cases only; empty: of all cases.
+        `FRICTION`, `DENTS` or `LOSS` for a column of such cases only; empty: of all cases.
     """
 
     name: str
@@ -93,6 +93,7 @@ SNAPSHOT = (
     Column("elastic", "c_sphere[10]", "J"),
     Column("elastic_tangential", "c_sphere[11]", "J", FRICTION),
     Column("friction", "c_sphere[12]", "J", FRICTION),
+    Column("viscous", "c_sphere[13]", "J", LOSS),
 )
 
 #: dumps/history.dump: history of a chain.
@@ -131,6 +132,7 @@ CONTACTS = of_compute(
         ("elastic_tangential", "J", FRICTION),
         ("friction", "J", FRICTION),
         ("initial", "m", DENTS),
+        ("viscous", "J", LOSS),
     ],
 )
 
@@ -150,6 +152,7 @@ WALL_CONTACTS = of_compute(
         ("tangential_force", "N", FRICTION),
         ("friction", "J", FRICTION),
         ("initial", "m", DENTS),
+        ("viscous", "J", LOSS),
     ],
 )
 
@@ -174,6 +177,9 @@ FREE_PLATE = (Column("plate", "f_{}[12]", "J"),)
 ROTATION = (Column("rotational", "c_rotational", "J"),)
 TANGENTIAL = (Column("elastic_tangential", "v_elastic_tangential", "J"), Column("friction", "v_friction", "J"))
 
+#: dumps/energy.txt, of cases with viscous losses.
+VISCOUS = (Column("viscous", "v_viscous", "J"),)
+
 #: dumps/energy.txt, of chains that rub against their holder.
 HOLDER = (Column("holder", "f_holder", "J"),)
 
@@ -189,7 +195,7 @@ def sources(table: Iterable[Column], *having: str, of: str = "") -> dict[str, st
     Parameters
     ----------
     having
-        `FRICTION` and `DENTS`, as far as they apply to the case.
+        `FRICTION`, `DENTS` and `LOSS`, as far as they apply to the case.
     of
         Name of the fix, inserted for ``{}``.
     """

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.material import Material
     from granwave.lammps_inputs.case.sections import Contact
+    from granwave.lammps_inputs.contact.loss import Viscous
 
 _WIDTH = 110
 
@@ -46,7 +47,13 @@ def command(*words: str) -> list[str]:
     return lines
 
 
-def law_coefficients(contact: Contact, first: Material, second: Material | None = None, friction: float = 0.0) -> str:
+def law_coefficients(
+    contact: Contact,
+    first: Material,
+    second: Material | None = None,
+    friction: float = 0.0,
+    loss: Viscous | None = None,
+) -> str:
     """Return the coefficients of a contact law, as pair_coeff and the wall fix take them.
 
     Parameters
@@ -57,6 +64,8 @@ def law_coefficients(contact: Contact, first: Material, second: Material | None 
         Material of its partner; None if it is the same. A partner without a yield strength is elastic.
     friction
         Coefficient of friction.
+    loss
+        Kind and size of a viscous loss.
     """
     words: list[str] = [contact.law]
     for material in (first,) if second is None else (first, second):
@@ -72,4 +81,6 @@ def law_coefficients(contact: Contact, first: Material, second: Material | None 
     if friction:
         words += ["friction", num(friction)]
         words += [] if contact.tangential == "mindlin_rescale" else ["tangential", contact.tangential]
+    if loss is not None:
+        words += ["loss", loss[0], num(loss[1])]
     return joined(words)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.sections import Contact
 from granwave.lammps_inputs.case.supports import NodeConstants
+from granwave.lammps_inputs.contact.loss import viscous_loss
 from granwave.lammps_inputs.deck.commands import id_ranges, joined, law_coefficients, num
 from granwave.lammps_inputs.packing.assembly import Assembly, held_ids
 from granwave.lammps_inputs.packing.walls import (
@@ -43,11 +44,14 @@ def pair_coefficients(assembly: Assembly, *, elastic: bool = False) -> list[str]
     kinds = list(enumerate(assembly.species, start=1))
     for i, first in kinds:
         for j, second in kinds[i - 1 :]:
-            contact, partner = _ELASTIC, None if i == j else second.material
+            contact, partner, loss = _ELASTIC, None if i == j else second.material, None
             if first.role == "sphere" and not elastic:  # nodes of bars do not touch each other
-                contact = case.contact_between(first.material, second.material)
+                contact, flat = case.contact_between(first.material, second.material), second.role != "sphere"
+                loss = viscous_loss(assembly, contact, first.material, second.material, flat=flat)
             friction = contact.friction if second.role == "sphere" else 0.0  # the face of a bar has none
-            lines.append(f"pair_coeff      {i} {j} {law_coefficients(contact, first.material, partner, friction)}")
+            lines.append(
+                f"pair_coeff      {i} {j} {law_coefficients(contact, first.material, partner, friction, loss)}"
+            )
     return lines
 
 
@@ -88,7 +92,9 @@ def wall_commands(assembly: Assembly, *, elastic: bool = False, prefix: str = ""
             words = [law_coefficients(_ELASTIC, material, wall.material)]
             if not elastic:
                 contact = case.contact_between(material, wall.material)
-                words = [law_coefficients(contact, material, wall.material, wall_friction(case, wall, material))]
+                friction = wall_friction(case, wall, material)
+                loss = viscous_loss(assembly, contact, material, wall.material, flat=True)
+                words = [law_coefficients(contact, material, wall.material, friction, loss)]
                 words += _support_arguments(assembly, wall, material)
             lines.append(f"fix             {prefix}{name} {group} wall/gran/hysteretic {style} {joined(words)}")
     if lines:

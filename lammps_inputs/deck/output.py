@@ -14,6 +14,7 @@ from granwave.lammps_inputs.deck.columns import (
     HOLDER,
     LEDGER,
     LINES,
+    LOSS,
     MOVING_WALL,
     ROTATION,
     SNAPSHOT,
@@ -21,6 +22,7 @@ from granwave.lammps_inputs.deck.columns import (
     TANGENTIAL,
     TIMESTEP,
     TURNING,
+    VISCOUS,
     WALL_CONTACTS,
     names,
     sources,
@@ -89,6 +91,13 @@ def ledger(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> 
         stored, lost = [*stored, *stretched], [*lost, *rubbed]
         elastic.append("v_elastic_tangential")
         dissipated.append("v_friction")
+    if case.has_loss:
+        damped = [f"f_{name}[16]" for name in planes]
+        columns |= sources(VISCOUS)
+        lines.append(f"variable        viscous equal {_sum(['c_contact[8]', *damped])}")
+        lost = [*lost, *damped]
+        at_bars[1] += [f"c_on_{name}[8]" for name in bars]
+        dissipated.append("v_viscous")
     if case.has_holder_friction:
         columns |= sources(HOLDER)
         dissipated.append(columns["holder"])
@@ -347,7 +356,8 @@ def output_files(assembly: Assembly, schedule: Schedule) -> list[str]:
 
 def _recorded(case: Case) -> tuple[str, ...]:
     """Return the conditions that select the columns of the contacts of a case."""
-    return (*([FRICTION] if case.has_friction else []), *([DENTS] if case.has_initial_dents else []))
+    conditions = {FRICTION: case.has_friction, DENTS: case.has_initial_dents, LOSS: case.has_loss}
+    return tuple(condition for condition, applies in conditions.items() if applies)
 
 
 def _series(name: str, every: int, file: str, title: str, columns: dict[str, str], resumed: bool) -> list[str]:

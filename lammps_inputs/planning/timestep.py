@@ -48,6 +48,7 @@ from granwave.lammps_inputs.case.sections import ENERGY_TOLERANCE
 from granwave.lammps_inputs.case.supports import BAR_COURANT_NUMBER
 from granwave.lammps_inputs.contact.initial_dents import largest_dent
 from granwave.lammps_inputs.contact.law import flat_contact, pair_contact
+from granwave.lammps_inputs.contact.loss import Viscous, viscous_loss
 from granwave.lammps_inputs.contact.static_load import force_of_contact
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble, struck_of, velocities_of
 from granwave.lammps_inputs.packing.bars import INCIDENT_BAR
@@ -64,6 +65,7 @@ if TYPE_CHECKING:
 
 _TOLERANCE = 1e-6  # error of the energy balance at any instant over the energy input
 _ERROR = 0.135  # c above, upper end of its range in fcc packings
+_OF_VISCOUS_DECAY = 0.1  # timestep over effective mass/viscous coefficient; unstable from 0.25 on in fcc packings
 _SLOPE_SPAN = 1e-6  # relative step of a finite difference in overlap
 _OF_PLATE = 4.0  # energy of a contact over its share of that of a plate: twice the mean force, in the softest direction
 _LARGEST_FORCE = 2.5  # upper bound of contact forces over the force that drives a chain
@@ -90,6 +92,8 @@ class Encounter:
         True if there is no second sphere.
     dent
         Largest overlap that such a contact had before the run, m; up to it the unloading stiffness applies.
+    loss
+        Kind and size of the viscous loss of the contact.
     """
 
     law: ContactLaw
@@ -97,6 +101,7 @@ class Encounter:
     mass: float
     against_wall: bool = False
     dent: float = 0.0
+    loss: Viscous | None = None
 
     @property
     def overlap(self) -> float:
@@ -124,6 +129,17 @@ class Encounter:
         unloading = self.law.unloading_stiffness(peak)
         returned = 1 - self.law.dissipated_energy(peak) / self.law.loading_work(peak)
         return float((returned * unloading + (1 - returned) * loading)[0])
+
+    @property
+    def decay_time(self) -> float:
+        """Time in which the viscous force would stop the bodies at that overlap, s; infinite without one."""
+        if self.loss is None:
+            return math.inf
+        kind, size = self.loss
+        peak = np.array([max(self.overlap, self.dent)])
+        stiffness = max(float(self.law.unloading_stiffness(peak)[0]), self.stiffness)
+        coefficient = size * stiffness if kind == "time" else size * math.sqrt(self.mass / 3 * stiffness)
+        return self.mass / 2 / coefficient
 
     @property
     def _within_dent(self) -> float:
@@ -164,10 +180,11 @@ def auto_timestep(case: Case | Assembly, *, tolerance: float = ENERGY_TOLERANCE)
 
 
 def largest_timestep(assembly: Assembly) -> float:
-    """Bound on the timestep by support and bars at any time, s; infinite without these."""
+    """Bound on the timestep by viscous losses, support and bars at any time, s; infinite without these."""
     stiffness = max(encounter.stiffness for encounter in _some_encounters(assembly))
+    of_losses = [_OF_VISCOUS_DECAY * encounter.decay_time for encounter in _some_encounters(assembly)]
     of_bars = [BAR_COURANT_NUMBER * bar.pitch / bar.wave_speed for bar in assembly.bars]
-    return min(support_timestep(assembly, stiffness), *of_bars, math.inf)
+    return min(support_timestep(assembly, stiffness), *of_bars, *of_losses, math.inf)
 
 
 def expected_energy(assembly: Assembly) -> float:
@@ -219,16 +236,20 @@ def _of_impact(assembly: Assembly) -> list[Encounter]:
     sites = assembly.sites
     smallest = 1 if sites is None else int(np.where(sites.present, sites.diameter, np.inf).argmin()) + 1
     law, mass = pair_contact(assembly, smallest, smallest), assembly.mass_of(smallest)
-    found = [Encounter(law, striking * velocity**2 / 2 * (striking / (striking + mass)), mass)]
+    loss = _loss(assembly, assembly.material, assembly.material)
+    found = [Encounter(law, striking * velocity**2 / 2 * (striking / (striking + mass)), mass, loss=loss)]
     supports = assembly.lattice.rule.supports
     if len(supports):
         n, cosine_squared = len(supports), float(supports[0, 2] ** 2)
-        found.append(Encounter(law, striking * velocity**2 * cosine_squared / (1 + n * cosine_squared) / 2, mass))
+        found.append(
+            Encounter(law, striking * velocity**2 * cosine_squared / (1 + n * cosine_squared) / 2, mass, loss=loss)
+        )
     if case.boundary.bottom == "wall":
         # along lines of contacts, or through a single layer, the pulse reaches the wall undivided
         halvings = assembly.lattice.n_layers - 1 if assembly.lattice.rule.set_back else 0
         energy = striking * (velocity * 0.5**halvings) ** 2 / 2
-        found.append(Encounter(flat_contact(assembly, smallest), energy, 2 * mass, against_wall=True))
+        loss = _loss(assembly, assembly.material, None, flat=True)
+        found.append(Encounter(flat_contact(assembly, smallest), energy, 2 * mass, against_wall=True, loss=loss))
     return found
 
 
@@ -240,7 +261,9 @@ def _of_any(assembly: Assembly) -> list[Encounter]:
     for first, second in _kinds_of_pairs(assembly):
         masses = assembly.mass_of(first), assembly.mass_of(second)
         law, effective = pair_contact(assembly, first, second), math.prod(masses) / sum(masses)
-        found.append(Encounter(law, _limited(assembly, law, energy * max(masses) / sum(masses)), 2 * effective))
+        taken = _limited(assembly, law, energy * max(masses) / sum(masses))
+        loss = _loss(assembly, assembly.material_of(first), assembly.material_of(second))
+        found.append(Encounter(law, taken, 2 * effective, loss=loss))
     flats: list[tuple[int, Material | None]] = [(bar.touches, bar.material) for bar in assembly.bars]
     if case.load.plate is not None:
         flats += [(int(assembly.lattice.top_layer[0]), None)]
@@ -248,8 +271,14 @@ def _of_any(assembly: Assembly) -> list[Encounter]:
         flats += [(sphere, case.boundary.bottom_material) for sphere in _kinds_of_last_layer(assembly)]
     for sphere, material in flats:
         law = flat_contact(assembly, sphere, material)
-        found.append(Encounter(law, _limited(assembly, law, energy), 2 * assembly.mass_of(sphere), against_wall=True))
+        loss = _loss(assembly, assembly.material_of(sphere), material, flat=True)
+        taken, mass = _limited(assembly, law, energy), 2 * assembly.mass_of(sphere)
+        found.append(Encounter(law, taken, mass, against_wall=True, loss=loss))
     return found
+
+
+def _loss(assembly: Assembly, first: Material, second: Material | None, *, flat: bool = False) -> Viscous | None:
+    return viscous_loss(assembly, assembly.case.contact_between(first, second), first, second, flat=flat)
 
 
 def _limited(assembly: Assembly, law: ContactLaw, energy: float) -> float:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-only
 /* Python bindings of the contact laws: the table of laws, and the law of one contact, with numpy arrays and SI units. */
 
+#include "../laws/collision.h"
 #include "../laws/contact_law.h"
 #include "../laws/cylinders.h"
 #include "../laws/elliptic_contact.h"
@@ -114,6 +115,29 @@ class Contact {
   double residual_overlap(double peak) const { return scaled.residual_overlap(history(peak)); }
   double unloading_exponent(double peak) const { return scaled.unloading_exponent(history(peak)); }
   double unloading_stiffness(double peak) const { return scaled.unloading_stiffness(history(peak)); }
+  double tangent_stiffness(double overlap, double peak) const
+  {
+    return scaled.tangent_stiffness(overlap, history(std::max(peak, overlap)));
+  }
+  granwave::ViscousLoss loss_of(const std::optional<double> &time, const std::optional<double> &dashpot) const
+  {
+    if (time && dashpot) throw py::value_error("take one of loss_time and loss_dashpot");
+    if (!(time.value_or(0.0) >= 0.0 && dashpot.value_or(0.0) >= 0.0)) throw py::value_error("a loss must not be negative");
+    if (time) return {granwave::LossKind::TIME, *time};
+    return dashpot ? granwave::ViscousLoss{granwave::LossKind::DASHPOT, *dashpot} : granwave::ViscousLoss{};
+  }
+  py::dict collide(double mass, double speed, const std::optional<double> &time, const std::optional<double> &dashpot,
+                   int steps) const
+  {
+    if (!(mass > 0.0 && speed > 0.0 && steps > 0)) throw py::value_error("mass, speed and steps must be positive");
+    const granwave::Collision found = granwave::collide(scaled, loss_of(time, dashpot), mass, speed, steps);
+    py::dict values;
+    values["restitution"] = found.restitution;
+    values["duration"] = found.duration;
+    values["peak_force"] = found.peak_force;
+    values["peak_overlap"] = found.peak_overlap;
+    return values;
+  }
   double contact_radius(double overlap, double peak) const
   {
     return std::sqrt(scaled.circle_squared(overlap, history(peak)));
@@ -286,6 +310,12 @@ PYBIND11_MODULE(_contact_laws, module)
       .def("unloading_exponent", one<&Contact::unloading_exponent>(), py::arg("peak_overlap"), "n of the unloading branch.")
       .def("unloading_stiffness", one<&Contact::unloading_stiffness>(), py::arg("peak_overlap"),
            "Slope dF/d(overlap) where unloading starts, N/m.")
+      .def("tangent_stiffness", two<&Contact::tangent_stiffness>(), py::arg("overlap"), py::arg("peak_overlap"),
+           "Slope dF/d(overlap) at an overlap, of loading at the peak and of unloading below it, N/m.")
+      .def("collide", &Contact::collide, py::arg("effective_mass"), py::arg("speed"), py::kw_only(),
+           py::arg("loss_time") = py::none(), py::arg("loss_dashpot") = py::none(), py::arg("steps") = 400,
+           "Head-on collision of the two bodies: restitution, duration (s), peak_force (N), peak_overlap (m).\n\n"
+           "effective_mass in kg, speed of approach in m/s; loss_time in s, or the factor of Tsuji's dashpot.")
       .def("contact_radius", one<&Contact::peak_contact_radius>(), py::arg("peak_overlap"),
            "Radius of the contact circle at a peak, m.")
       .def("contact_radius", two<&Contact::contact_radius>(), py::arg("overlap"), py::arg("peak_overlap"),

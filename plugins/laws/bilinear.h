@@ -17,6 +17,7 @@ class Bilinear : public NormalLaw {
   Bilinear(double slope, double beta) : slope_(slope), beta_(beta) {}
 
   double loading(double a, const double *) const { return slope_ * a; }
+  double loading_slope(double, const double *) const { return slope_; }
   double loading_work(double a, const double *) const { return 0.5 * slope_ * a * a; }
   Turning turning(double peak, const double *) const { return {peak, slope_ * peak, beta_ * peak, 1.0}; }
   double dissipated_energy(const Turning &t, const double *extra) const

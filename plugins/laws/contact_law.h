@@ -61,6 +61,10 @@ class ContactLaw {
   {
     return a <= 0.0 ? 0.0 : with([&](const auto &law) { return law.loading(a, extra); });
   }
+  double loading_slope(double a, const double *extra) const
+  {
+    return a <= 0.0 ? 0.0 : with([&](const auto &law) { return law.loading_slope(a, extra); });
+  }
   double loading_work(double a, const double *extra) const
   {
     return a <= 0.0 ? 0.0 : with([&](const auto &law) { return law.loading_work(a, extra); });
@@ -215,6 +219,16 @@ class ScaledLaw {
 
   double residual_overlap(const LawHistory &h) const { return yielded(h.peak) ? overlap_ * turning(h).residual : 0.0; }
   double unloading_exponent(const LawHistory &h) const { return yielded(h.peak) ? turning(h).exponent : 1.5; }
+
+  /* Slope of the force over the overlap, on loading at the peak and below it on unloading: the tangent stiffness. */
+  double tangent_stiffness(double overlap, const LawHistory &h) const
+  {
+    if (overlap <= 0.0) return 0.0;
+    if (!yielded(std::max(overlap, h.peak))) return hertz_stiffness(overlap);
+    const double a = normalised(overlap);
+    return force_ / overlap_ * (overlap >= h.peak ? law_->loading_slope(a, h.extra) : turning(h).slope(a));
+  }
+  double tangent_stiffness(double overlap, const Turning &t) const { return force_ / overlap_ * t.slope(normalised(overlap)); }
 
   /* Slope of the force at the start of unloading. */
   double unloading_stiffness(const LawHistory &h) const

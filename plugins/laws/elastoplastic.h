@@ -80,6 +80,15 @@ class Elastoplastic : public NormalLaw {
   double loading(double a, const double *) const { return a <= 1.0 ? hertz_force(a) : loading_beyond_yield(a); }
   double loading_beyond_yield(double a) const { return amplitude_ * pressure(a) * area_beyond_yield(a); }
 
+  double loading_slope(double a, const double *) const
+  {
+    if (a <= 1.0) return hertz_slope(a);
+    const double area = area_beyond_yield(a), limit = constants_.pressure_limit, rate = constants_.pressure_rate;
+    const double area_slope = a < constants_.area_switch ? area_exponent_ * area / a : constants_.area_slope;
+    const double pressure_slope = rate * (limit - pressure_at_yield_) * exponential(-rate * (a - 1.0));
+    return amplitude_ * (pressure_slope * area + pressure(a) * area_slope);
+  }
+
   double loading_work(double a, const double *) const
   {
     if (a <= 1.0) return hertz_work(a);

@@ -55,7 +55,7 @@ LawArguments parse_law(const std::vector<std::string> &words)
                             law_names("|", true) +
                             " E nu sigma_y "
                             "[E2 nu2 sigma_y2], then [friction mu] [tangential mindlin_rescale|mindlin] "
-                            "[variant continuous|published] [yield_factor C] "
+                            "[loss time A|dashpot alpha] [variant continuous|published] [yield_factor C] "
                             "[beta b], and for elastoplastic its constants [pressure_limit x] [pressure_rate x] ...";
   if (words.empty()) refuse("no contact law; " + usage);
   LawArguments args;
@@ -88,6 +88,14 @@ LawArguments parse_law(const std::vector<std::string> &words)
       if (value != "mindlin_rescale" && value != "mindlin")
         refuse("tangential must be mindlin_rescale or mindlin, found '" + value + "'");
       args.tangential = value == "mindlin" ? TangentialModel::MINDLIN : TangentialModel::MINDLIN_RESCALE;
+    } else if (key == "loss") {
+      if (value != "time" && value != "dashpot") refuse("loss must be time or dashpot, found '" + value + "'");
+      if (args.loss) refuse("loss is given twice: take one of time and dashpot");
+      if (k + 2 == words.size()) refuse("'loss " + value + "' has no value; " + usage);
+      const double size = number(words[k + 2], "loss " + value);
+      if (size < 0.0) refuse("loss " + value + " must not be negative, found '" + words[k + 2] + "'");
+      if (size > 0.0) args.loss = {value == "time" ? LossKind::TIME : LossKind::DASHPOT, size};
+      k++;
     } else if (key == "variant" && args.law->takes(VARIANT)) {
       if (value != "continuous" && value != "published")
         refuse("variant must be continuous or published, found '" + value + "'");

@@ -4,7 +4,7 @@
      hertz|none E nu [E2 nu2]
      power E nu [E2 nu2] constant K exponent p      (F = K overlap^p, whatever the radii)
      any other law of the table  E nu sigma_y [E2 nu2 sigma_y2]      (INF for one sigma_y: that body stays elastic)
-     keywords: friction mu, tangential mindlin_rescale|mindlin, and of the options that the law takes: variant
+     keywords: friction mu, tangential mindlin_rescale|mindlin, loss time A, loss dashpot alpha, and of the options that the law takes: variant
      continuous|published, yield_factor C, beta b, any of LAW_CONSTANTS  */
 
 #ifndef GRANWAVE_LAW_ARGUMENTS_H
@@ -12,6 +12,7 @@
 
 #include "contact_law.h"
 #include "tangential.h"
+#include "viscous_loss.h"
 
 #include <optional>
 #include <stdexcept>
@@ -27,10 +28,12 @@ struct LawArguments {
   LawOptions options;
   double friction = 0.0;    // Coulomb's coefficient
   TangentialModel tangential = TangentialModel::MINDLIN_RESCALE;
+  ViscousLoss loss;
 
   bool same_options(const LawArguments &other) const
   {
-    return law == other.law && options == other.options && friction == other.friction && tangential == other.tangential;
+    return law == other.law && options == other.options && friction == other.friction && tangential == other.tangential &&
+        loss == other.loss;
   }
 
   ContactLaw contact(const Material &m1, const Material &m2) const { return ContactLaw(*law, m1, m2, options); }

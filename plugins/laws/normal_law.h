@@ -48,6 +48,9 @@ struct Turning {
     return force * span / (exponent + 1.0) * power((a - residual) / span, exponent + 1.0);
   }
 
+  /* Slope below the peak. */
+  double slope(double a) const { return a > residual ? exponent * unloading(a) / (a - residual) : 0.0; }
+
   /* Slope at the start of unloading. */
   double slope() const { return peak > residual ? exponent * force / (peak - residual) : 0.0; }
 
@@ -61,6 +64,7 @@ struct Turning {
 /* Base of the laws. A law is a class with the functions
 
        double loading(double a, const double *extra) const              force on the loading branch, a > 0
+       double loading_slope(double a, const double *extra) const        slope of that branch, a > 0
        double loading_work(double a, const double *extra) const         work of loading from zero overlap, a > 0
        Turning turning(double peak, const double *extra) const          branch below a peak beyond the elastic limit
        double dissipated_energy(const Turning &, const double *extra) const     dissipated energy of a contact that has yielded

@@ -14,6 +14,7 @@ class Thornton : public NormalLaw {
   explicit Thornton(double yield_factor) : yield_factor_(yield_factor), slope_(1.5 / yield_factor) {}
 
   double loading(double a, const double *) const { return a <= 1.0 ? hertz_force(a) : 1.0 + slope_ * (a - 1.0); }
+  double loading_slope(double a, const double *) const { return a <= 1.0 ? hertz_slope(a) : slope_; }
 
   double loading_work(double a, const double *) const
   {

@@ -38,6 +38,7 @@ enum {
   ELASTIC,
   TANGENTIAL,
   FRICTIONAL,
+  VISCOUS,
   N_ATOM
 };
 
@@ -82,6 +83,7 @@ void ComputeGranHystereticAtom::compute_peratom()
     row[ELASTIC] += 0.5 * report.elastic;
     row[TANGENTIAL] += 0.5 * report.tangential_elastic;
     row[FRICTIONAL] += 0.5 * report.frictional_loss;
+    row[VISCOUS] += 0.5 * report.viscous_loss;
     if (report.yielded) row[YIELDED] += 1.0;
     if (report.force > 0.0) row[COORDINATION] += 1.0;
     earliest(row[FIRST], report.dent.time_first);
@@ -100,7 +102,7 @@ double ComputeGranHystereticAtom::memory_usage() { return double(nmax) * N_ATOM 
 /* ---------------------------------------------------------------------- per contact */
 
 namespace {
-constexpr int N_LOCAL = 16;
+constexpr int N_LOCAL = 17;
 }
 
 ComputeGranHystereticLocal::ComputeGranHystereticLocal(LAMMPS *lmp, int narg, char **arg) :
@@ -136,7 +138,8 @@ void ComputeGranHystereticLocal::compute_local()
                                  report.tangential_force,
                                  report.tangential_elastic,
                                  report.frictional_loss,
-                                 report.initial};
+                                 report.initial,
+                                 report.viscous_loss};
     values.insert(values.end(), row, row + N_LOCAL);
   });
   size_local_rows = static_cast<int>(values.size() / N_LOCAL);
@@ -153,7 +156,7 @@ double ComputeGranHystereticLocal::memory_usage()
 /* ---------------------------------------------------------------------- one contact */
 
 namespace {
-constexpr int N_CONTACT = 7;
+constexpr int N_CONTACT = 8;
 }
 
 ComputeGranHystereticContact::ComputeGranHystereticContact(LAMMPS *lmp, int narg, char **arg) :
@@ -177,8 +180,8 @@ void ComputeGranHystereticContact::compute_vector()
   double mine[N_CONTACT + 1] = {};    // the last element counts the processors that have the pair
   pair->visit_pair(first, second, [&](const Report &report) {
     const double row[N_CONTACT + 1] = {
-        report.overlap,         report.force, report.dent.peak, report.elastic, report.dissipated, report.tangential_force,
-        report.frictional_loss, 1.0};
+        report.overlap,          report.force,           report.dent.peak,    report.elastic, report.dissipated,
+        report.tangential_force, report.frictional_loss, report.viscous_loss, 1.0};
     std::copy_n(row, N_CONTACT + 1, mine);
   });
   double sum[N_CONTACT + 1];

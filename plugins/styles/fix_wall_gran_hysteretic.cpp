@@ -77,6 +77,7 @@ FixWallGranHysteretic::FixWallGranHysteretic(LAMMPS *lmp, int narg, char **arg) 
     law = args.contact(body, wall);
     friction = args.friction;
     tangential_model = args.tangential;
+    loss = args.loss;
   } catch (const std::invalid_argument &fault) {
     error->all(FLERR, "Illegal fix {}: {}", STYLE, fault.what());
   }
@@ -114,6 +115,7 @@ void FixWallGranHysteretic::init()
   if (std::strncmp(update->integrate_style, "respa", 5) == 0)
     error->all(FLERR, "Fix {} does not work with run_style respa", STYLE);
   if (!atom->radius_flag) error->all(FLERR, "Fix {} requires atom attribute radius (atom_style sphere)", STYLE);
+  if (loss && !atom->rmass_flag) error->all(FLERR, "Fix {} with a loss requires atom attribute rmass (atom_style sphere)", STYLE);
   if (friction > 0.0 && !(atom->omega_flag && atom->torque_flag))
     error->all(FLERR, "Fix {} with friction requires atom attributes omega and torque (atom_style sphere)", STYLE);
   if (tube ? domain->periodicity[0] || domain->periodicity[1] : domain->periodicity[axis])
@@ -265,6 +267,10 @@ void FixWallGranHysteretic::evaluate()
         }
       } else {
         mine.touching = 0.0;
+        if (loss) {
+          viscous(i, side).release(overlap[side]);
+          report_viscous(i);
+        }
       }
       if (friction > 0.0) compute_tangential(i, side, overlap[side], contact);
     }
@@ -330,11 +336,11 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
       if (distance_squared(side.place, place) > circle_sq) {
         side.lost_before = lost(i, which, scaled);
         side.dent = side.initial = 0.0;
-        std::fill_n(extra(i, which), n_extra(), 0.0);
+        std::fill_n(extra(i, which), law.entry().n_extra, 0.0);
       }
     }
   }
-  if (n_extra() > 0) scaled.update(overlap, side.dent, extra(i, which));
+  if (law.entry().n_extra > 0) scaled.update(overlap, side.dent, extra(i, which));
   const bool raised = overlap > side.dent;
   if (raised) {
     side.dent = overlap;
@@ -358,6 +364,7 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
       state[DISSIPATED] = lost(i, 0, scaled) + lost(i, 1, scaled);
     }
   }
+  if (loss) compute_viscous(i, which, overlap, scaled, contact);
   if (contact.force > state[FORCE] || state[FORCE] == 0.0) {
     state[FORCE] = contact.force;
     state[OVERLAP] = overlap;
@@ -369,6 +376,34 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
   state[PEAK_OVERLAP] = std::max(state[PEAK_OVERLAP], overlap);
   return contact;
 }
+
+/* Add the viscous force of one wall on sphere i to the normal force, as the pair style does. */
+
+void FixWallGranHysteretic::compute_viscous(int i, int which, double overlap, const ScaledLaw &scaled, Contact &contact)
+{
+  granwave::ViscousHistory &history = viscous(i, which);
+  if (update->whichflag != 1) {
+    history.forget_state();
+    return;
+  }
+  const bool advances = !update->setupflag;
+  if (!advances && history.continues(overlap, ROUNDING * atom->radius[i])) {
+    contact.force += history.force;
+    return;
+  }
+  const double coefficient = loss.coefficient(scaled.tangent_stiffness(overlap, law_history(i, which)), atom->rmass[i]);
+  double normal[3], approach = 0.0;    // from the velocities
+  inward(i, which, normal);
+  for (int d = 0; d < 3; d++) approach -= normal[d] * atom->v[i][d];
+  if (support && which == moving) approach -= support->velocity();
+  contact.force += advances ? history.advance(overlap, contact.force, coefficient, approach, update->dt)
+                            : history.start(overlap, contact.force, coefficient, approach, update->dt);
+  report_viscous(i);
+}
+
+/* Update the column of the energy that the viscous forces of both walls took. */
+
+void FixWallGranHysteretic::report_viscous(int i) { array_atom[i][VISCOUS] = viscous(i, 0).lost + viscous(i, 1).lost; }
 
 /* Compute the tangential force of one wall on sphere i, and its torque. The spring is updated only if a timestep was made. */
 

@@ -23,6 +23,7 @@
 #include "../laws/support.h"
 #include "../laws/tangential.h"
 #include "../laws/tube.h"
+#include "../laws/viscous_loss.h"
 
 #include <map>
 #include <memory>
@@ -91,6 +92,8 @@ class FixWallGranHysteretic : public Fix {
     TANGENTIAL,
     FRICTION_LOSS,
     INITIAL,
+    N_KEPT,    // those before it belong to the state; the others follow from it
+    VISCOUS = N_KEPT,
     N_REPORTED
   };
 
@@ -119,6 +122,7 @@ class FixWallGranHysteretic : public Fix {
   granwave::ScaledLaw scaled_law(int i);
   void add_to_wall(int i, const double force[3]);
   Contact compute_normal(int i, int side, double overlap, double now);
+  void compute_viscous(int i, int side, double overlap, const granwave::ScaledLaw &, Contact &);
   void compute_tangential(int i, int side, double overlap, const Contact &);
   double distance_squared(const double from[2], const double to[2]) const;
   double *extra(int i, int side) { return extras.data() + (4 * static_cast<std::size_t>(i) + side) * n_extra(); }
@@ -129,8 +133,13 @@ class FixWallGranHysteretic : public Fix {
   void push_support();
   void check_timestep(double contacts) const;
   void tally();
-  int n_extra() const { return law.entry().n_extra; }
-  int n_state() const { return N_REPORTED + 2 * N_SIDE + (friction > 0.0 ? 2 * N_SPRING : 0) + 4 * n_extra(); }
+  int n_extra() const { return law.entry().n_extra + (loss ? granwave::ViscousHistory::SIZE : 0); }
+  granwave::ViscousHistory &viscous(int i, int side)    // behind the history of the law
+  {
+    return granwave::viscous_history(extra(i, side) + law.entry().n_extra);
+  }
+  void report_viscous(int i);
+  int n_state() const { return N_KEPT + 2 * N_SIDE + (friction > 0.0 ? 2 * N_SPRING : 0) + 4 * n_extra(); }
 
   int axis = 2;
   std::unique_ptr<granwave::Tube> tube;    // in place of planes
@@ -143,6 +152,7 @@ class FixWallGranHysteretic : public Fix {
   std::map<std::pair<int, double>, granwave::ElasticContact> lines;    // of cylinders, by type and radius
   double friction = 0.0;
   granwave::TangentialModel tangential_model = granwave::TangentialModel::MINDLIN_RESCALE;
+  granwave::ViscousLoss loss;
   std::unique_ptr<granwave::Support> support;    // of the plane, if it can move
   int moving = 0;                                // index of the movable plane
 
@@ -159,9 +169,9 @@ class FixWallGranHysteretic : public Fix {
   granwave::ExactSum pressed, stiffness;    // force and stiffness of the contacts of this processor with a movable plane
   double contact_stiffness = 0.0;           // sum over all processors
   bigint tallied = -1;
-  enum { STORED, DISSIPATED_SUM, YIELDED, BEYOND_LAW, TANGENTIAL_STORED, FRICTION_LOSS_SUM, N_TOTALS };
+  enum { STORED, DISSIPATED_SUM, YIELDED, BEYOND_LAW, TANGENTIAL_STORED, FRICTION_LOSS_SUM, VISCOUS_SUM, N_TOTALS };
   double totals[N_TOTALS];    // of all processors
-  int extensive[15] = {1, 1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 1, 1, 1, 1};
+  int extensive[16] = {1, 1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 1, 1, 1, 1, 1};
 };
 
 }    // namespace LAMMPS_NS

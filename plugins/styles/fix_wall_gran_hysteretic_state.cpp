@@ -125,8 +125,8 @@ void FixWallGranHysteretic::set_dent(int i, double peak)
   place_of(i, side.place);
   side.initial = peak > scaled_law(i).elastic_limit() ? peak : 0.0;
   side.lost_before = 0.0;
-  std::fill_n(extra(i, which), n_extra(), 0.0);
-  std::fill_n(initial_extra(i, which), n_extra(), 0.0);
+  std::fill_n(extra(i, which), law.entry().n_extra, 0.0);
+  std::fill_n(initial_extra(i, which), law.entry().n_extra, 0.0);
   report_dents(i);
 }
 
@@ -144,9 +144,11 @@ void FixWallGranHysteretic::begin()
       if (!yielded) side.dent = side.touching != 0.0 ? std::max(depth(i, which), 0.0) : 0.0;
       side.lost_before = 0.0;
       if (!yielded) std::fill_n(extra(i, which), n_extra(), 0.0);
+      if (loss) viscous(i, which) = {};
       std::copy_n(extra(i, which), n_extra(), initial_extra(i, which));
       if (friction > 0.0) springs[2 * i + which].loss = 0.0;
     }
+    state[VISCOUS] = 0.0;
     report_dents(i);
   }
   if (support) support->begin();
@@ -199,7 +201,7 @@ void FixWallGranHysteretic::set_arrays(int i)
 
 int FixWallGranHysteretic::pack_exchange(int i, double *buf)
 {
-  buf = std::copy_n(array_atom[i], static_cast<int>(N_REPORTED), buf);
+  buf = std::copy_n(array_atom[i], static_cast<int>(N_KEPT), buf);
   buf = std::copy_n(numbers(&sides[2 * i]), 2 * N_SIDE, buf);
   if (friction > 0.0) buf = std::copy_n(numbers(&springs[2 * i]), 2 * N_SPRING, buf);
   std::copy_n(extra(i, 0), 4 * n_extra(), buf);
@@ -210,10 +212,12 @@ int FixWallGranHysteretic::unpack_exchange(int i, double *buf)
 {
   near[i] = 1;
   listed = false;
-  std::copy_n(buf, static_cast<int>(N_REPORTED), array_atom[i]);
-  std::copy_n(buf + N_REPORTED, 2 * N_SIDE, numbers(&sides[2 * i]));
-  if (friction > 0.0) std::copy_n(buf + N_REPORTED + 2 * N_SIDE, 2 * N_SPRING, numbers(&springs[2 * i]));
+  std::copy_n(buf, static_cast<int>(N_KEPT), array_atom[i]);
+  std::copy_n(buf + N_KEPT, 2 * N_SIDE, numbers(&sides[2 * i]));
+  if (friction > 0.0) std::copy_n(buf + N_KEPT + 2 * N_SIDE, 2 * N_SPRING, numbers(&springs[2 * i]));
   std::copy_n(buf + n_state() - 4 * n_extra(), 4 * n_extra(), extra(i, 0));
+  array_atom[i][VISCOUS] = 0.0;
+  if (loss) report_viscous(i);
   return n_state();
 }
 
@@ -238,13 +242,14 @@ void FixWallGranHysteretic::unpack_restart(int i, int nth)
   if (format == EXTRA_HISTORY && size != n_state())
     error->one(FLERR, "Restart file holds fix {} {} with another law or friction: give it again as it was", STYLE, id);
   const bool old = format == WITHOUT_FRICTION;
-  const int reported = old ? OLD_REPORTED : N_REPORTED, each = old ? OLD_SIDE : N_SIDE, behind = reported + 2 * each;
+  const int reported = old ? OLD_REPORTED : N_KEPT, each = old ? OLD_SIDE : N_SIDE, behind = reported + 2 * each;
   FixWallGranHysteretic::set_arrays(i);
   std::copy_n(stored, reported, array_atom[i]);
   for (int which = 0; which < 2; which++)
     std::copy_n(stored + reported + which * each, each, numbers(&sides[2 * i + which]));
   if (friction > 0.0 && size >= behind + 2 * N_SPRING) std::copy_n(stored + behind, 2 * N_SPRING, numbers(&springs[2 * i]));
   if (format == EXTRA_HISTORY) std::copy_n(stored + size - 4 * n_extra(), 4 * n_extra(), extra(i, 0));
+  if (loss) report_viscous(i);
 }
 
 int FixWallGranHysteretic::size_restart(int) { return n_state() + 2; }

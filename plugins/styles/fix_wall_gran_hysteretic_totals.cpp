@@ -22,6 +22,7 @@ void FixWallGranHysteretic::tally()
     const ScaledLaw scaled = scaled_law(i);
     mine[DISSIPATED_SUM] += state[DISSIPATED];
     mine[FRICTION_LOSS_SUM] += state[FRICTION_LOSS];
+    mine[VISCOUS_SUM] += state[VISCOUS];
     if (law.entry().yields() && state[TIME_YIELD] >= 0.0) mine[YIELDED] += 1.0;
     if (state[PEAK_OVERLAP] > scaled.valid_overlap()) mine[BEYOND_LAW] += 1.0;
     for (int side = 0; side < 2; side++) {
@@ -61,12 +62,13 @@ double FixWallGranHysteretic::compute_vector(int n)
     MPI_Allreduce(&wall_force[n], &sum, 1, MPI_DOUBLE, MPI_SUM, world);
     return sum;
   }
-  if (n < 3 + N_TOTALS) {
+  constexpr int AT_SUPPORT = 3 + VISCOUS_SUM;    // first value of the support; the viscous loss comes after all others
+  if (n < AT_SUPPORT || n == AT_SUPPORT + 6) {
     tally();
-    return totals[n - 3];
+    return totals[n < AT_SUPPORT ? n - 3 : int(VISCOUS_SUM)];
   }
   if (!support) return 0.0;
-  switch (n - 3 - N_TOTALS) {
+  switch (n - AT_SUPPORT) {
     case 0:
       return support->displacement();
     case 1:

@@ -116,24 +116,34 @@ void PairGranHysteretic::init_style()
   if (std::strncmp(update->integrate_style, "respa", 5) == 0)
     error->all(FLERR, "Pair style gran/hysteretic does not work with run_style respa");
 
-  bool any = has_friction;
+  bool any = has_friction, any_loss = has_loss;
   int n_extra = 0;
   for (int i = 1; i <= atom_types; i++)
     for (int j = i; j <= atom_types; j++) {
       if (!setflag[i][j]) continue;
       const LawArguments &args = coefficients[i * (atom_types + 1) + j];
       any = any || args.friction > 0.0;
+      any_loss = any_loss || args.loss;
       n_extra = std::max(n_extra, args.law->n_extra);
     }
+  if (any_loss) n_extra += granwave::ViscousHistory::SIZE;
   if (fix_history && ((any && !has_friction) || n_extra > contacts.n_extra))
     release_contacts();    // its list lacks these variables
   has_friction = any;
+  if (has_loss && fix_history && n_extra > fix_history->history.layout().n_extra)
+    error->all(FLERR, "Pair style gran/hysteretic: a law with more history than those before cannot be added once there is a "
+                      "loss: give all laws before the first run");
+  has_loss = any_loss;
   if (has_friction && (!atom->omega_flag || !atom->torque_flag))
     error->all(FLERR,
                "Pair style gran/hysteretic with friction requires atom attributes omega and torque (atom_style sphere)");
   if (has_friction && comm->ghost_velocity == 0)
     error->all(FLERR,
                "Pair style gran/hysteretic with friction needs the velocities of ghost atoms: use 'comm_modify vel yes'");
+
+  if (has_loss && comm->ghost_velocity == 0)
+    error->all(FLERR,
+               "Pair style gran/hysteretic with a loss needs the velocities of ghost atoms: use 'comm_modify vel yes'");
 
   neighbor->add_request(this);
 
@@ -206,6 +216,7 @@ PairGranHysteretic::PairParameters PairGranHysteretic::pair_parameters(int itype
   p.friction = ri > 0.0 && rj > 0.0 ? args.friction : 0.0;
   p.shear_stiffness = contact_law.tangential_stiffness(1.0);
   p.tangential_model = args.tangential;
+  p.loss = args.loss;
   return p;
 }
 

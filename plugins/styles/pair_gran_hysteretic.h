@@ -25,6 +25,7 @@
 #include "../laws/plastic_batch.h"
 #include "../laws/resting_blocks.h"
 #include "../laws/touching_pairs.h"
+#include "../laws/viscous_loss.h"
 #include "pair.h"
 #include "../laws/twofold_sum.h"
 
@@ -50,6 +51,7 @@ class PairGranHysteretic : public Pair {
     double on_first[3];       // present force on i: normal and tangential; of for_each_dent, for live contacts
     double peak_force, elastic, dissipated, share_i;
     double tangential_force, tangential_elastic, frictional_loss;
+    double viscous_loss;
     double effective_radius;
     double initial;    // initial dent
     bool live, yielded;
@@ -79,7 +81,7 @@ class PairGranHysteretic : public Pair {
      dent by the owner of each sphere. Requires a current list (after setup or during a run). */
   void for_each_dent(const std::function<void(const Report &)> &);
 
-  enum { DISSIPATED, YIELDED, BEYOND_LAW, BEYOND_HALF, LARGEST_FORCE, TANGENTIAL, FRICTIONAL, N_TOTALS };    // in pvector
+  enum { DISSIPATED, YIELDED, BEYOND_LAW, BEYOND_HALF, LARGEST_FORCE, TANGENTIAL, FRICTIONAL, VISCOUS, N_TOTALS };    // in pvector
 
   /* Sum the part of this processor in the totals; LARGEST_FORCE is nonzero only on the first processor. Returns the energy stored
      by the normal forces. A collective call. Requires a current list. */
@@ -116,13 +118,13 @@ class PairGranHysteretic : public Pair {
     std::vector<double> peak;       // largest overlap so far
     std::vector<double> time_first, time_peak, time_yield;
     int n_extra = 0;              // number of history variables of the laws in use in addition to the peak
-    std::vector<double> extra;    // n_extra values per pair
+    std::vector<double> extra;    // n_extra values per pair; with losses a ViscousHistory comes last
     std::vector<int> turning;     // index into turnings, or -1 while Hertzian
     std::vector<granwave::Turning> turnings;
     std::vector<double> work_lost;    // normalized dissipated energy at the turning point; -1 if not yet computed
     std::vector<double> circle;       // with friction: normalized area at the turning point
     std::vector<granwave::TangentialSpring> spring;    // with friction: force on the sphere of the row
-    std::vector<char> has_spring;                      // with friction: 1 if there is a spring at present
+    std::vector<char> has_spring;                      // with friction or losses: 1 if something ends when the pair parts
     std::vector<double> initial, reached;              // with initial dents: initial dent, largest overlap of this run
     std::vector<double> initial_extra;                 // with initial dents: initial doubles of the law
     std::vector<tagint> row_tag, partner_tag;
@@ -137,6 +139,7 @@ class PairGranHysteretic : public Pair {
     double friction;           // 0 if one of the two is a face
     double shear_stiffness;    // 8 G*
     granwave::TangentialModel tangential_model = granwave::TangentialModel::MINDLIN_RESCALE;
+    granwave::ViscousLoss loss;
   };
 
   struct SpecialPair {                                 // pair of a cylinder, or with a power of the overlap
@@ -182,14 +185,18 @@ class PairGranHysteretic : public Pair {
   void set_elastic(Batch &);
   void give_sums(int begin, int end);
   void update_history(Batch &);
+  void compute_viscous(Batch &);
   void compute_tangential(Batch &);
   void tally(const Batch &, Tally);
   void compute_plastic(Batch &, const int *yielded, int n_yielded, const bool *is_raised);
   void discard_turning(int k);
   void release_spring(int k);
+  void release_contact(int k);
   void raise_reached(int k, double overlap);
   int cached_turning(int k, const granwave::ScaledLaw &);
   granwave::LawHistory law_history(int k) const;
+  granwave::ViscousHistory *viscous(int k);
+  double viscous_loss(const double *extra) const;
   granwave::Dent dent_of(int k) const;
   granwave::BlockView block_view(int k) const;
   void pack_block(int k, double side, double *block) const;
@@ -215,6 +222,7 @@ class PairGranHysteretic : public Pair {
   std::map<std::tuple<int, int, double, double>, SpecialPair> special_pairs;
   bool uniform = false;
   bool has_friction = false;         // true from the first pair_coeff with friction on
+  bool has_loss = false;             // true from the first pair_coeff with a loss on
   bool has_initial_dents = false;    // true if initial dents are stored
   Contacts contacts;
   Batch batch;                         // of the pairs found last

@@ -94,7 +94,7 @@ void PairGranHysteretic::build_contacts()
   c.turnings.clear();
   c.work_lost.clear();
   c.circle.clear();
-  if (has_friction) c.has_spring.assign(n, 0);
+  if (has_friction || has_loss) c.has_spring.assign(n, 0);
   if (has_friction) c.spring.assign(n, granwave::TangentialSpring());
   if (has_initial_dents) {
     c.initial.assign(n, 0.0);
@@ -278,7 +278,8 @@ void PairGranHysteretic::unpack_block(int k, const BlockLayout &layout, const do
   const BlockView view(layout, block);
   std::copy_n(view.extra, c.n_extra, c.extra.data() + static_cast<std::size_t>(k) * c.n_extra);
   if (has_friction) c.spring[k] = view.spring;
-  if (has_friction) c.has_spring[k] = view.spring.compliance > 0.0;
+  if (has_friction || has_loss)
+    c.has_spring[k] = view.spring.compliance > 0.0 || (has_loss && viscous(k)->step > 0.0);
   if (!has_initial_dents) return;
   c.initial[k] = view.initial;
   c.reached[k] = view.reached;
@@ -297,6 +298,7 @@ void PairGranHysteretic::reset_history(int k, double peak, bool dented)
   c.time_first[k] = c.time_peak[k] = c.time_yield[k] = -1.0;
   c.turning[k] = -1;
   if (has_friction) c.spring[k].loss = 0.0;
+  if (has_loss) *viscous(k) = {};
   if (!has_initial_dents) return;
   c.initial[k] = dented ? peak : 0.0;
   c.reached[k] = 0.0;

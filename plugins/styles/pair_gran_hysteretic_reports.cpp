@@ -29,6 +29,13 @@ double PairGranHysteretic::largest_force_of_run(const ScaledLaw &contact, const 
                                  : contact.unloading(reached, contact.turning(history));
 }
 
+/* Energy lost by the viscous force of a contact with this block; 0 without losses. */
+
+double PairGranHysteretic::viscous_loss(const double *extra) const
+{
+  return has_loss ? granwave::viscous_history(extra + contacts.n_extra - granwave::ViscousHistory::SIZE).lost : 0.0;
+}
+
 /* Sum the totals; a pair shared with another processor counts half. */
 
 double PairGranHysteretic::tally_totals()
@@ -47,8 +54,14 @@ double PairGranHysteretic::tally_totals()
                          double peak_force, double overlap, double weight) {
     pvector[TANGENTIAL] += weight * tangential_energy(view.spring);
     pvector[FRICTIONAL] += weight * view.spring.loss;
-    largest_force =
-        std::max(largest_force, has_initial_dents ? largest_force_of_run(contact, h, view, overlap) : peak_force);
+    if (has_initial_dents) peak_force = largest_force_of_run(contact, h, view, overlap);
+    if (has_loss) {
+      const granwave::ViscousHistory &viscous =
+          granwave::viscous_history(h.extra + c.n_extra - granwave::ViscousHistory::SIZE);
+      pvector[VISCOUS] += weight * viscous.lost;
+      if (viscous.peak_force > 0.0) peak_force = viscous.peak_force;
+    }
+    largest_force = std::max(largest_force, peak_force);
     if (!contact.is_hertzian() && h.peak > 0.5 * contact.valid_overlap()) {
       pvector[BEYOND_HALF] += weight;
       if (h.peak > contact.valid_overlap()) pvector[BEYOND_LAW] += weight;
@@ -108,7 +121,7 @@ double PairGranHysteretic::tally_totals()
   double all_largest = 0.0;
   MPI_Allreduce(&largest_force, &all_largest, 1, MPI_DOUBLE, MPI_MAX, world);
   pvector[LARGEST_FORCE] = comm->me == 0 ? all_largest : 0.0;    // compute pair sums over processors
-  if (!std::isfinite(elastic + pvector[DISSIPATED] + pvector[TANGENTIAL] + pvector[FRICTIONAL]))
+  if (!std::isfinite(elastic + pvector[DISSIPATED] + pvector[TANGENTIAL] + pvector[FRICTIONAL] + pvector[VISCOUS]))
     error->one(FLERR, "Pair style gran/hysteretic: the energy of the contacts is not a number: positions or velocities "
                       "are wrong, or the timestep is far too large");
   return elastic;
@@ -124,6 +137,7 @@ void PairGranHysteretic::fill_report(Report &report, const ScaledLaw &contact, c
   report.tangential_elastic = tangential_energy(view.spring);
   report.frictional_loss = view.spring.loss;
   report.initial = view.initial;
+  report.viscous_loss = viscous_loss(view.extra);
   // a pair that was moved since the last step may be beyond its peak
   const LawHistory h{std::max(report.dent.peak, overlap), view.extra};
   if (contact.yielded(h.peak)) {
@@ -141,6 +155,11 @@ void PairGranHysteretic::fill_report(Report &report, const ScaledLaw &contact, c
     report.elastic = contact.is_hertzian() ? 0.4 * report.force * overlap : contact.hertz_energy(overlap);
   }
   if (has_initial_dents) report.peak_force = largest_force_of_run(contact, h, view, overlap);
+  if (!has_loss) return;
+  const granwave::ViscousHistory &viscous =
+      granwave::viscous_history(view.extra + contacts.n_extra - granwave::ViscousHistory::SIZE);
+  if (overlap > 0.0) report.force += viscous.force;
+  if (viscous.peak_force > 0.0) report.peak_force = viscous.peak_force;
 }
 
 PairGranHysteretic::Report PairGranHysteretic::report_pair(int i, int j, int k, double rsq)

@@ -17,14 +17,21 @@ namespace {
 
 // Each format extends the previous one. A file has the lowest format that contains all features in use, and is readable by
 // every version that supports this format.
-enum { DEFAULT_CONSTANTS = 1, OWN_CONSTANTS = 2, FRICTION = 3, EXTRA_HISTORY = 4, POWER = 5 };    // 3 also for initial dents
+enum {    // format 3 also for initial dents
+  DEFAULT_CONSTANTS = 1,
+  OWN_CONSTANTS = 2,
+  FRICTION = 3,
+  EXTRA_HISTORY = 4,
+  POWER = 5,
+  LOSS = 6
+};
 constexpr int N_BASIC = 11, N_CONSTANTS = std::size(granwave::LAW_CONSTANTS), N_OWN = N_BASIC + N_CONSTANTS,
-              N_FRICTION = N_OWN + 2, N_STORED = N_FRICTION + 2;
+              N_FRICTION = N_OWN + 2, N_POWER = N_FRICTION + 2, N_STORED = N_POWER + 2;
 
 int stored(int format)
 {
-  if (format == DEFAULT_CONSTANTS) return N_BASIC;
-  return format == OWN_CONSTANTS ? N_OWN : format == POWER ? N_STORED : N_FRICTION;
+  if (format >= POWER) return format == POWER ? N_POWER : N_STORED;
+  return format == DEFAULT_CONSTANTS ? N_BASIC : format == OWN_CONSTANTS ? N_OWN : N_FRICTION;
 }
 
 void store(const LawArguments &a, double *v)
@@ -47,6 +54,8 @@ void store(const LawArguments &a, double *v)
   v[N_OWN + 1] = double(a.tangential);
   v[N_FRICTION] = a.options.constant;
   v[N_FRICTION + 1] = a.options.exponent;
+  v[N_POWER] = double(a.loss.kind);
+  v[N_POWER + 1] = a.loss.value;
 }
 
 LawArguments recall(const double *v, int format)
@@ -68,6 +77,7 @@ LawArguments recall(const double *v, int format)
     a.options.constant = v[N_FRICTION];
     a.options.exponent = v[N_FRICTION + 1];
   }
+  if (format >= LOSS) a.loss = {static_cast<granwave::LossKind>(int(v[N_POWER])), v[N_POWER + 1]};
   return a;
 }
 
@@ -83,6 +93,8 @@ void PairGranHysteretic::write_restart_settings(FILE *fp)
     if (args.law->n_extra > 0) restart_format = EXTRA_HISTORY;
   for (const LawArguments &args : coefficients)
     if (args.law->is_power()) restart_format = POWER;
+  for (const LawArguments &args : coefficients)
+    if (args.loss) restart_format = LOSS;
   fwrite(&restart_format, sizeof(int), 1, fp);
   fwrite(&gap, sizeof(double), 1, fp);
   const int extras[2] = {has_friction, has_initial_dents};
@@ -97,9 +109,9 @@ void PairGranHysteretic::read_restart_settings(FILE *fp)
   }
   MPI_Bcast(&restart_format, 1, MPI_INT, 0, world);
   MPI_Bcast(&gap, 1, MPI_DOUBLE, 0, world);
-  if (restart_format < DEFAULT_CONSTANTS || restart_format > POWER)
+  if (restart_format < DEFAULT_CONSTANTS || restart_format > LOSS)
     error->all(FLERR, "Restart file holds format {} of pair style gran/hysteretic; this version reads formats {} to {}",
-               restart_format, int(DEFAULT_CONSTANTS), int(POWER));
+               restart_format, int(DEFAULT_CONSTANTS), int(LOSS));
   int extras[2] = {};
   if (restart_format >= FRICTION && comm->me == 0) utils::sfread(FLERR, extras, sizeof(int), 2, fp, nullptr, error);
   MPI_Bcast(extras, 2, MPI_INT, 0, world);

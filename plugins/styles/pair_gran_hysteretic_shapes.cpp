@@ -161,10 +161,7 @@ void PairGranHysteretic::compute_special(Tally what)
                      "Particles {} and {} touch beyond the end of a cylinder, where the law of their contact ends: take "
                      "longer cylinders",
                      atom->tag[i], atom->tag[j]);
-        if (has_friction && c.has_spring[k]) {
-          release(c.spring[k]);
-          c.has_spring[k] = 0;
-        }
+        if ((has_friction || has_loss) && c.has_spring[k]) release_contact(k);
         if (c.peak[k] > 0.0 && found.distance > radsum + gap) forget(r, k);
         continue;
       }

@@ -7,7 +7,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from granwave.analysis.figures.run.sections import force_scale, spheres_beyond_law
-from granwave.analysis.figures.style import BLUE, GREEN, ORANGE, Drawing, new_figure
+from granwave.analysis.figures.style import BLUE, GREEN, ORANGE, PURPLE, Drawing, new_figure
 from granwave.analysis.measures.dissipation import cumulated, peak_force_by_depth, ranked, rays, zone_growth
 from granwave.analysis.measures.zone.marks import bounds_in_words
 from granwave.analysis.measures.zone.packing import packing_zone
@@ -17,6 +17,7 @@ _MILLI = 1e3  # mm in a metre
 _MICRO = 1e6  # microseconds in a second
 _SHOWN_SHARE = 0.95  # share of the dissipation up to which the cumulated figure goes
 _RANGE = 1e-10  # smallest over largest dissipation in the ranked figure
+_ALL = {2: "both", 3: "all"}  # label of the sum, by number of kinds of dissipation
 
 
 def dissipation_ranked(result: Result) -> Drawing | None:
@@ -36,7 +37,7 @@ def dissipation_ranked(result: Result) -> Drawing | None:
     figure = new_figure(2.4)
     axes = figure.subplots()
     parts = _parts(result)
-    axes.loglog(rank, values, color=BLUE, linewidth=0.8, label="both" if parts else None)
+    axes.loglog(rank, values, color=BLUE, linewidth=0.8, label=_ALL.get(len(parts)))
     axes.plot(rank[~beyond], values[~beyond], "o", color=BLUE, markersize=2.5, markeredgewidth=0)
     if beyond.any():
         axes.plot(
@@ -70,7 +71,7 @@ def dissipation_cumulated(result: Result) -> Drawing | None:
     figure = new_figure(2.4)
     axes = figure.subplots()
     parts = _parts(result)
-    axes.plot(fraction[:enough], volume[:enough], "-o", color=BLUE, markersize=2.5, label="both" if parts else None)
+    axes.plot(fraction[:enough], volume[:enough], "-o", color=BLUE, markersize=2.5, label=_ALL.get(len(parts)))
     axes.axvline(fraction[-1], color="black", linestyle=":", linewidth=0.8)
     columns = {"dissipated_over_input": fraction, "volume_over_sphere_volume": volume}
     top = float(volume[min(enough, len(volume)) - 1])
@@ -95,11 +96,16 @@ def dissipation_cumulated(result: Result) -> Drawing | None:
 
 
 def _parts(result: Result) -> dict[str, tuple[NDArray[np.float64], str, str]]:
-    """Return the dissipation by yielding and by friction, with colour and line; empty without friction."""
-    if not result.has("spheres/friction_energy"):
+    """Return the dissipation by yielding, friction and losses, with colour and line; empty if there is one kind."""
+    styles = {"friction": ("friction_energy", GREEN, ":"), "viscous losses": ("viscous_energy", PURPLE, "-.")}
+    others = {
+        part: (result[f"spheres/{name}"], colour, line)
+        for part, (name, colour, line) in styles.items()
+        if result.has(f"spheres/{name}")
+    }
+    if not others or (not result.yields and "friction" not in others):
         return {}
-    friction = result["spheres/friction_energy"]
-    return {"yielding": (result.yield_energy, ORANGE, "--"), "friction": (friction, GREEN, ":")}
+    return {"yielding": (result.yield_energy, ORANGE, "--")} | others
 
 
 def plastic_zone_growth(result: Result) -> Drawing | None:

@@ -33,14 +33,17 @@ _QUANTITIES = {
     "overlap": ("Overlap (µm)", 1e6),
     "force": ("Contact force (N)", 1.0),
 }
-_BROWN = "#8C5A2B"
-_NAVY = "#1B2A49"
+_BROWN, _WINE, _NAVY = "#8C5A2B", "#882255", "#1B2A49"
 _COLOURS = (BLUE, ORANGE, GREEN, PURPLE, GREY)
 #: Parts of the energy and their colours, from the bottom of the figure up.
 _AREAS = {
-    "dissipated": ORANGE, "yielding": ORANGE, "friction": YELLOW, "holder": _BROWN, "support's damper": GREY,
-    "support": PURPLE,
+    "dissipated": ORANGE, "yielding": ORANGE, "friction": YELLOW, "viscous losses": _WINE, "holder": _BROWN,
+    "support's damper": GREY, "support": PURPLE,
     "elastic": GREEN, "rotation": SKY, "kinetic": BLUE, "plate": _NAVY,
+}  # fmt: skip
+#: Energies that are dissipated, but not by yielding: label and column of the ledger.
+_LOST_OTHERWISE = {
+    "friction": "friction", "viscous losses": "viscous", "holder": "holder", "support's damper": "support_lost",
 }  # fmt: skip
 _NEGLIGIBLE = 1e-3  # negative energy over the input that counts as rounding
 _IN_PANEL = 4  # sensors in a panel
@@ -79,7 +82,7 @@ def energies(result: Result) -> Drawing | None:
 
 
 def _energy_parts(result: Result) -> dict[str, NDArray]:
-    """Return the energies that add up to the input; rotation, friction, holder and support separately, if any."""
+    """Return the energies that add up to the input; rotation and kinds of dissipation separately, if any."""
     kinetic, elastic, dissipated = (result[f"energy/{name}"] for name in ("kinetic", "elastic", "dissipated"))
     parts = {"kinetic": kinetic, "elastic": elastic, "dissipated": dissipated}
     if result.has("energy/rotational"):
@@ -91,17 +94,17 @@ def _energy_parts(result: Result) -> dict[str, NDArray]:
     if result.has("energy/support"):
         parts["elastic"] = elastic - result["energy/support"]
         parts["support"] = result["energy/support"]
-    for name, source in (("friction", "friction"), ("holder", "holder"), ("support's damper", "support_lost")):
+    for name, source in _LOST_OTHERWISE.items():
         if result.has(f"energy/{source}"):
             parts["dissipated"] = parts["dissipated"] - result[f"energy/{source}"]
             parts[name] = result[f"energy/{source}"]
-    if any(part in parts for part in ("friction", "holder", "support's damper")):
+    if any(part in parts for part in _LOST_OTHERWISE):
         parts = {"yielding" if name == "dissipated" else name: values for name, values in parts.items()}
     return dict(sorted(parts.items(), key=lambda item: list(_AREAS).index(item[0])))
 
 
 def _column(part: str) -> str:
-    return part.replace("'s ", "_")
+    return part.replace("'s ", "_").replace(" ", "_")
 
 
 def bottom_force(result: Result) -> Drawing | None:

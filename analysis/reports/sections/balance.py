@@ -16,8 +16,8 @@ MOST_OPEN = 12  # runs whose table is not folded
 LIMITS = {"run": 1e-5, "continuum": 2e-2}
 _PARTS = ("kinetic", "elastic", "dissipated", "punch", "viscous", "hourglass")
 #: Parts of these, shown if any run has them.
-_SHARES = ("energy_rotational_J", "energy_dissipated_friction_J", "energy_dissipated_holder_J", "support_energy_J",
-           "support_lost_J")  # fmt: skip
+_SHARES = ("energy_rotational_J", "energy_dissipated_friction_J", "energy_dissipated_viscous_J",
+           "energy_dissipated_holder_J", "support_energy_J", "support_lost_J")  # fmt: skip
 
 
 def verdict(run: Run) -> tuple[str, Tone]:
@@ -38,9 +38,9 @@ def balance_section(inputs: Inputs) -> Section:
         return Section("Energy balance", SLUG, (Note("There is no finished run."),))
     text = "Error: the largest |kinetic + elastic + dissipated - input| of the ledger, over the input."
     limits = {
-        "run": "Kinetic includes rotation; elastic what is stored tangentially and in the support; dissipated friction "
-        "and the support's damper. A granular run above 1e-5 is refused (the published variant of the law, which "
-        "cannot close, excepted).",
+        "run": "Kinetic includes rotation; elastic what is stored tangentially and in the support; dissipated "
+        "friction, viscous losses and the support's damper. A granular run above 1e-5 is refused (the published "
+        "variant of the law, which cannot close, excepted).",
         "continuum": "A continuum run above 2 % is stopped.",
     }
     text = " ".join([text, *(limits[kind] for kind in LIMITS if any(run.kind == kind for run in runs))])

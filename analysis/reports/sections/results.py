@@ -183,9 +183,10 @@ def _table(
 
 
 def _worth_showing(summaries: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Return the main values that any summary has; shares of yielding and friction only with friction."""
-    has_friction = any(summary.get("friction_fraction") for summary in summaries)
-    left_out = () if has_friction else FRICTION_SHARES
+    """Return the main values that any summary has; shares of yielding and friction only with friction or losses."""
+    shares = "friction_fraction", "viscous_fraction"
+    several = any(summary.get(share) for summary in summaries for share in shares)
+    left_out = () if several else FRICTION_SHARES
     there = (key for key in REPORT_COLUMNS if any(summary.get(key) is not None for summary in summaries))
     return [key for key in there if key not in left_out]
 

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: GPL-2.0-only
+/* Loss of a contact that grows with the rate of its overlap, for any normal law. No LAMMPS types.
+
+   With the force P of the law and its slope k = dP/d(overlap), the tangent stiffness,
+
+       F = max(0, P + c rate)      c = A k                          loss time A
+                                   c = alpha sqrt((2/3) m* k)       dashpot alpha, m* = effective mass
+
+   The first is a material of Young's modulus E (1 + A d/dt) (Kuwabara and Kono 1987; Brilliantov, Spahn, Hertzsch, Poeschel
+   1996). The second is alpha sqrt(m* K) overlap^(1/4) for Hertz's P = K overlap^(3/2) (Tsuji, Tanaka, Ishida 1992): its
+   restitution does not depend on the speed. Nothing pulls. The energy stored is that of the law, and (F - P) rate is lost, also
+   where F is cut off.
+
+   In velocity Verlet the velocities at hand are those of the middle of the step. The rate at its end is extrapolated from the
+   last two steps, which makes the force accurate to the second order. The loss of a step is (F - P) of both ends times the
+   change of the overlap: velocity Verlet takes just that from the kinetic energy, so that the ledger closes as well as without
+   loss. */
+
+#ifndef GRANWAVE_VISCOUS_LOSS_H
+#define GRANWAVE_VISCOUS_LOSS_H
+
+#include <algorithm>
+#include <cmath>
+
+namespace granwave {
+
+enum class LossKind { NONE, TIME, DASHPOT };
+
+struct ViscousLoss {
+  LossKind kind = LossKind::NONE;
+  double value = 0.0;    // loss time, or factor of the dashpot
+
+  explicit operator bool() const { return kind != LossKind::NONE; }
+  bool operator==(const ViscousLoss &other) const { return kind == other.kind && value == other.value; }
+
+  /* Force over the rate of the overlap, from the tangent stiffness and the effective mass. */
+  double coefficient(double stiffness, double mass) const
+  {
+    if (kind == LossKind::TIME) return value * stiffness;
+    return kind == LossKind::DASHPOT ? value * std::sqrt(2.0 / 3.0 * mass * stiffness) : 0.0;
+  }
+};
+
+/* Part F - P of the force. P is not negative. */
+inline double viscous_force(double force, double coefficient, double rate) { return std::max(coefficient * rate, -force); }
+
+/* Viscous history of a contact; all members are doubles, for communication. The energy lost and the largest force are kept
+   after separation, the others are zero. */
+struct ViscousHistory {
+  double overlap = 0.0;       // at the last step
+  double force = 0.0;         // F - P at the last step
+  double rate = 0.0;          // of the overlap, mean of the last step
+  double step = 0.0;          // duration of that step; 0: no earlier state
+  double peak_force = 0.0;    // largest F so far
+  double lost = 0.0;          // energy
+
+  static constexpr int SIZE = 6;
+
+  /* Advance by a step to the present overlap, with the force P of the law there. Returns F - P.
+
+     first_rate    rate of the overlap from the present velocities, used if there is no earlier state */
+  double advance(double present, double law_force, double coefficient, double first_rate, double dt)
+  {
+    const bool known = step > 0.0;
+    const double moved = known ? present - overlap : first_rate * dt, mean = moved / dt;
+    const double now = known ? mean + (mean - rate) * (dt / (dt + step)) : mean;
+    const double viscous = viscous_force(law_force, coefficient, now);
+    lost += 0.5 * (force + viscous) * moved;
+    set(present, law_force, viscous, mean, dt);
+    return viscous;
+  }
+
+  /* Start from a state whose velocities are those of the same instant. Returns F - P. */
+  double start(double present, double law_force, double coefficient, double present_rate, double dt)
+  {
+    set(present, law_force, viscous_force(law_force, coefficient, present_rate), present_rate, dt);
+    return force;
+  }
+
+  /* True if the last step ended at this overlap, up to rounding: a run is continued. */
+  bool continues(double present, double rounding) const { return step > 0.0 && std::fabs(present - overlap) <= rounding; }
+
+  /* Surfaces that parted in the last step; the overlap is negative. */
+  void release(double present)
+  {
+    if (step > 0.0) lost += 0.5 * force * (present - overlap);
+    forget_state();
+  }
+
+  void forget_state() { overlap = force = rate = step = 0.0; }
+
+ private:
+  void set(double present, double law_force, double viscous, double mean, double dt)
+  {
+    overlap = present;
+    force = viscous;
+    rate = mean;
+    step = dt;
+    peak_force = std::max(peak_force, law_force + viscous);
+  }
+};
+
+static_assert(sizeof(ViscousHistory) == ViscousHistory::SIZE * sizeof(double));
+
+/* The history in a block of doubles of a contact. */
+inline ViscousHistory &viscous_history(double *block) { return *reinterpret_cast<ViscousHistory *>(block); }
+inline const ViscousHistory &viscous_history(const double *block)
+{
+  return *reinterpret_cast<const ViscousHistory *>(block);
+}
+
+}    // namespace granwave
+
+#endif
