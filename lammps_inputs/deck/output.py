@@ -75,8 +75,11 @@ def ledger(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> 
     moving = ["c_kinetic"]
     if case.has_rotation:
         columns |= sources(ROTATION)
+        columns |= {"rotational": "v_rotational"} if assembly.has_cylinders else {}
         lines.append("compute         rotational all erotate/sphere")
-        moving.append("c_rotational")
+        if assembly.has_cylinders:  # of spheres of their masses and radii, and what they have beyond
+            lines.append("variable        rotational equal c_rotational+f_cylinders")
+        moving.append("v_rotational" if assembly.has_cylinders else "c_rotational")
     if case.load.plate is not None:
         columns |= sources(FREE_PLATE, of=PLATE)
         moving += sources(FREE_PLATE, of=PLATE).values()
