@@ -43,6 +43,7 @@ _OFFSET = Usual(1e-9, 1.0, ("mm", "um"))
 
 
 _NO_DIRECTION = "none"
+ALL_GRAINS = "all"  # of a line
 
 
 def _parse_directions(value: Any) -> str:
@@ -145,6 +146,10 @@ def _parse_direction(value: Any) -> tuple[float, float, float]:
     return direction
 
 
+def _parse_line_index(value: Any) -> tuple[int, ...] | str:
+    return value if value == ALL_GRAINS else parse_index(value)
+
+
 def _parse_leave_out(value: Any) -> int | str:
     return value if value == "auto" else whole(value, 'a whole number from 0 up, or "auto"', at_least=0)
 
@@ -171,8 +176,10 @@ class Line:
         _parse_direction,
         default=(0.0, 0.0, 1.0),
     )
-    index: tuple[int, ...] | None = custom(
-        "ids of its grains in their order, in place of start and direction", parse_index, default=None
+    index: tuple[int, ...] | str | None = custom(
+        'ids of its grains in their order, in place of start and direction; "all": every grain of the packing',
+        _parse_line_index,
+        default=None,
     )
     leave_out: int | str = custom(
         "grains at its end that the fit of the decay leaves out; auto: those within three diameters of a floor that "

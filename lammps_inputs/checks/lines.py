@@ -19,7 +19,8 @@ def check_lines(assembly: Assembly, errors: ErrorList) -> None:
         if line.index is not None and line.start is not None:
             errors.add(f"{key}.index", "found beside start; give one of them")
             continue
-        named = {"index": line.index or (), "start": () if line.start is None else (line.start,)}
+        index = () if line.index is None or isinstance(line.index, str) else line.index
+        named = {"index": index, "start": () if line.start is None else (line.start,)}
         strange = [(name, one) for name, ids in named.items() for one in ids if one > last]
         if strange:
             name, one = strange[0]
@@ -29,8 +30,8 @@ def check_lines(assembly: Assembly, errors: ErrorList) -> None:
         if vacant:
             errors.add(f"{key}.{vacant[0][0]}", f"found {vacant[0][1]}, a vacant site; expected a grain that is there")
             continue
-        if len(set(line.index or ())) < len(line.index or ()):
-            errors.add(f"{key}.index", f"found {show(list(line.index or ()))}, expected each id once")
+        if len(set(index)) < len(index):
+            errors.add(f"{key}.index", f"found {show(list(index))}, expected each id once")
         elif (found := len(line_ids(assembly, line))) < 2:
             errors.add(
                 key,

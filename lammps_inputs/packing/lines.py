@@ -17,11 +17,13 @@ _HELD = 3.0  # diameters above a floor that does not move: grains there cannot r
 
 def line_ids(assembly: Assembly, line: Line) -> tuple[int, ...]:
     """Return the ids of the grains of a line in their order: those given, or those along a direction."""
+    ids = assembly.ids
+    own = ids <= assembly.lattice.n_spheres
+    if isinstance(line.index, str):
+        return tuple(ids[own].tolist())
     if line.index is not None:
         return line.index
-    ids, positions = assembly.ids, assembly.positions()
-    own = ids <= assembly.lattice.n_spheres
-    ids, positions = ids[own], positions[own]
+    ids, positions = ids[own], assembly.positions()[own]
     start = line.start or struck_site(assembly) or int(ids[0])
     row = int(np.searchsorted(ids, start))
     if row == len(ids) or ids[row] != start:
