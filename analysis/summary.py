@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from granwave.analysis.measures.amplitude_sweep import amplitude_sweep_of
+from granwave.analysis.measures.lines.record import line_summary
 from granwave.analysis.measures.normalised import velocity_normalised
 from granwave.analysis.measures.sensors import sensor_accelerations, sensor_forces, sensor_velocities
 from granwave.analysis.measures.target.record import protection, reached
@@ -26,6 +27,7 @@ from granwave.lammps_inputs.deck_changes import changed_files
 from granwave.lammps_inputs.files import plain, replace_text
 from granwave.lammps_inputs.ownership import claim
 from granwave.lammps_inputs.packing.assembly import assemble, velocities_of
+from granwave.lammps_inputs.packing.walls import PLATE, SIDE_WALLS
 from granwave.lammps_inputs.run_directory import SUMMARY_FILE
 
 Summary = dict[str, Any]
@@ -85,9 +87,11 @@ def summary_of(result: Result) -> Summary:
         **zone_summary(result),
         **_normalised(result),
         **_bottom(result),
+        **_other_walls(result),
         **protection(result),
         **_bars(result),
         **_sensors(result),
+        **line_summary(result),
         "wave_speed_m_s": wave_speed_of(result),
         "impactor_velocity_m_s": float(result["energy/struck_velocity"][-1]),
         "restitution": restitution(result),
@@ -275,6 +279,19 @@ def _bottom(result: Result) -> Summary:
         "wall_impulse_Ns": float(found.impulse[-1]) if found else None,
         "base_arrival_s": found.arrival if found else None,
     }
+
+
+def _other_walls(result: Result) -> Summary:
+    """Peak force and impulse of each side wall, and of a plate on the top; and how fast this is at the end."""
+    found: Summary = {}
+    for name in (name for name in result.names("walls") if name in SIDE_WALLS or name == PLATE):
+        force, impulse = result[f"walls/{name}/force"], result[f"walls/{name}/impulse"]
+        prefix = name if name == PLATE else f"wall_{name}"
+        found |= {f"{prefix}_peak_force_N": float(force.max()), f"{prefix}_impulse_Ns": float(impulse[-1])}
+    if f"walls/{PLATE}" in result:
+        found["plate_velocity_m_s"] = -float(result[f"walls/{PLATE}/velocity"][-1])
+        found["energy_plate_J"] = float(result["energy/plate"][-1])
+    return found
 
 
 def _bars(result: Result) -> Summary:

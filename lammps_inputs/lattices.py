@@ -6,6 +6,7 @@ Centre of sphere (i, j, k) in units of the diameter D; i runs fastest, k counts 
                with s = k mod 3 (fcc, impact along [111]) or k mod 2 (hcp)
     bcc        (001) layers of pitch a = 2/sqrt(3), a/2 apart, odd layers shifted by (a/2, a/2)
     sc         x = i, y = j, z = k;     square is its one layer in x-y, chain its one column along z
+    hexagonal, centred-square           crystals in x-z, see `granwave.lammps_inputs.plane_lattices`
 
 No array over the whole packing is stored, so that a lattice of any size takes no memory.
 """
@@ -165,6 +166,14 @@ def _simple(i: NDArray, j: NDArray, k: NDArray) -> tuple[NDArray, NDArray, NDArr
     return i * 1.0, j * 1.0, k * 1.0
 
 
+def _hexagonal_plane(i: NDArray, j: NDArray, k: NDArray) -> tuple[NDArray, NDArray, NDArray]:
+    return i + (k % 2) / 2, j * 1.0, k * math.sqrt(3) / 2
+
+
+def _centred_square(i: NDArray, j: NDArray, k: NDArray) -> tuple[NDArray, NDArray, NDArray]:
+    return math.sqrt(2) * (i + (k % 2) / 2), j * 1.0, k / math.sqrt(2)
+
+
 def _no_site(i: NDArray, j: NDArray, k: NDArray) -> tuple[NDArray, NDArray, NDArray]:
     raise LookupError("grains of a file are on no lattice")
 
@@ -186,6 +195,8 @@ KINDS: dict[str, Kind] = {
     ),
     "sc": Kind("Simple cubic", "xyz", 1, 1, (1.0, 1.0), _simple, (Plane(_X, _Z), Plane(_DIAGONAL, _Z))),
     "square": Kind("Square", "xy", 1, 1, (1.0, 1.0), _simple, (Plane(_X, _Y, down_label="y"),)),
+    "hexagonal": Kind("Hexagonal", "xz", 2, 1, (1.0, 1.0), _hexagonal_plane, (Plane(_X, _Z),)),
+    "centred-square": Kind("Centred square", "xz", 2, 1, (math.sqrt(2), 1.0), _centred_square, (Plane(_X, _Z),)),
     "chain": Kind("Chain", "z", 1, 1, (1.0, 1.0), _simple, ()),
 }  # fmt: skip
 _FREE = Kind("Grains of a file", "", 1, 1, (1.0, 1.0), _no_site, (Plane(_X, _Z, 0.5), Plane(_Y, _Z, 0.5)))
@@ -319,6 +330,13 @@ class Lattice:
         here = np.asarray(i), np.asarray(j), np.asarray(k)
         shifted = [self._shifted(*here, offset) for offset in self._offsets(j, k)]
         return sorted(int(other) for other, exists in shifted if exists)
+
+    def at_sides(self, ids: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """Return True for the spheres at the ends of rows and layers that are not periodic: (n,)."""
+        nx, ny, _ = self.shape
+        places = (((ids - 1) % nx, nx), ((ids - 1) // nx % ny, ny))
+        ends = [(place == 0) | (place == n - 1) for place, n in places if n > 1]
+        return np.any(ends, axis=0) if ends else np.zeros(ids.shape, dtype=bool)
 
     def layer_of(self, sphere: int) -> int:
         """Return the layer of the sphere with this id, counted from 0 at the struck top."""

@@ -32,7 +32,7 @@ from granwave.analysis.result.trajectory import GROUP
 from granwave.analysis.scans.table import ScanData
 
 OUTDATED = (
-    r"snapshot_\d{4,}\.csv|walls_(bottom|[xy]lo|[xy]hi|bar|incident_bar)\.csv|(probes|prestage)\.csv"
+    r"snapshot_\d{4,}\.csv|walls_(bottom|plate|tube|[xy]lo|[xy]hi|bar|incident_bar)\.csv|(probes|prestage)\.csv"
     r"|chain_\w+\.csv|bar_(bar|incident_bar)_\w+\.csv"
 )
 TABLES = ("spheres", "contacts", "wall_contacts", "energy", "probes", "prestage")

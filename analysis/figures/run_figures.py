@@ -13,6 +13,7 @@ from granwave.analysis.figures.run import (
     directions,
     dissipation,
     histories,
+    lines,
     packing3d,
     sections,
     target,
@@ -113,6 +114,8 @@ FIGURES: dict[str, RunFigure] = {
     "amplitude_sweep": RunFigure("Answer of the row against the amplitude of its load", transmission.amplitude_sweep),
     "bars": RunFigure("Bars: contact force and energy", chain.bars),
     "sensors": RunFigure("Sensors", chain.sensors),
+    "line_speeds": RunFigure("Speeds along lines of grains", lines.line_speeds),
+    "line_decay": RunFigure("Peak speed along lines of grains, and its decay in two regions", lines.line_decay),
     "accelerations": RunFigure("Accelerations of the sensors", histories.sensors),
     "directions": RunFigure("Energy and dissipation by direction from the impact point", directions.directions),
 }

@@ -15,6 +15,7 @@ from granwave.lammps_inputs.packing.walls import wall_fixes, walls
 from granwave.lammps_inputs.run_directory import (
     DUMPS,
     ENERGY_FILE,
+    LINES_FILE,
     PROBES_FILE,
     STATIC_STAGE_FILE,
     WALL_CONTACTS_FILE,
@@ -43,6 +44,8 @@ def check_complete(directory: Path) -> None:
     if case.probes:
         columns = _probe_columns(case)
         _check_series(dumps / PROBES_FILE, read_probes(directory), columns, last, max(every, deck.schedule.probe_every))
+    if case.line and not (dumps / LINES_FILE).exists():
+        raise MissingOutputError(f"{dumps / LINES_FILE} is missing; {AGAIN}")
     if case.precompression and not read_static_stage(directory):
         raise MissingOutputError(f"{dumps / STATIC_STAGE_FILE} is missing; {AGAIN}")
     for name in (name for wall in found if not wall.held_layer for name, _, _ in wall_fixes(assemble(case), wall)):

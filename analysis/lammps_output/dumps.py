@@ -90,6 +90,11 @@ def read_history(directory: str | Path) -> Iterator[Frame]:
     yield from _rising(_frames(_dump(directory, HISTORY_FILE), HISTORY_COLUMNS, sort_by="id"))
 
 
+def instants(directory: str | Path, name: str, columns: tuple[str, ...]) -> Iterator[Frame]:
+    """Iterate over the instants of the dump of this name, sorted by id; raise as `read_frames`."""
+    yield from _rising(_frames(_dump(directory, name), columns, sort_by="id"))
+
+
 def read_forces(directory: str | Path) -> Iterator[Frame]:
     """Iterate over the contacts at these instants (``dumps/forces.dump``: i, j, force); raise as `read_frames`."""
     yield from _rising(_frames(_dump(directory, FORCES_FILE), ("i", "j", "force")))

@@ -4,10 +4,11 @@
     /contacts/{i, j, peak_overlap, peak_force, ...}             a row for each pair, sorted by (i, j)
     /wall_contacts/{wall, id, peak_overlap, ...}                a row for each sphere that touched a wall or bar
     /energy/{time, kinetic, elastic, dissipated, input, ...}    energy ledger
-    /walls/NAME/{time, force}   /probes/{time, ...}             walls and bars, and probes, at their own rates; for a
+    /walls/NAME/{time, force, impulse}   /probes/{time, ...}    walls and bars, and probes, at their own rates; for a
                                                                 moving wall also displacement, velocity, ground_force
     /prestage/{residual, stored, ...}                           static stage of precompressed runs, one value each
     /chain/...   /bars/NAME/...                                 chains, see `granwave.analysis.result.chain`
+    /lines/NAME/...                                             lines of grains, `granwave.analysis.result.lines`
     /h5md, /particles/spheres                                   trajectory, see `granwave.analysis.result.trajectory`
 
 The root has the attributes ``name``, ``case`` (TOML), ``run`` and ``versions`` (JSON); every data set has a ``unit``.
@@ -25,6 +26,8 @@ from pathlib import Path
 from typing import Any
 
 import h5py
+import numpy as np
+from numpy.typing import NDArray
 
 import granwave
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
@@ -36,6 +39,7 @@ from granwave.analysis.lammps_output.time_series import Table, read_energy, read
 from granwave.analysis.result.chain import Groups, read_chain
 from granwave.analysis.result.groups import AT_ONCE, write_group
 from granwave.analysis.result.hdf5_file import new_hdf5
+from granwave.analysis.result.lines import line_groups
 from granwave.analysis.result.scratch import Buckets
 from granwave.analysis.result.sphere_tables import Dents, periodic, write_tables
 from granwave.analysis.result.start import Start
@@ -44,6 +48,7 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.columns import MOVING_WALL, names
 from granwave.lammps_inputs.load_case import load_case
 from granwave.lammps_inputs.ownership import claim
+from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.run_directory import CASE_FILE, DUMPS, RESULT_FILE, WALL_CONTACTS_FILE
 from granwave.lammps_inputs.run_state import check_case
 
@@ -113,6 +118,9 @@ def _write(file: h5py.File, directory: Path, at_once: int, scratch: list[FileIO]
     if every := _resolved(text).get("history_every"):
         for name, columns in read_chain(directory, case, start.whole(), timestep, n_steps - n_steps % every).items():
             write_group(file, name, columns)
+    if every := _resolved(text).get("line_every"):
+        for name, columns in line_groups(directory, assemble(case), timestep, n_steps - n_steps % every).items():
+            write_group(file, name, columns)
     planes = read_wall_contacts(directory)
     for name, frame in planes.items():
         start.check_ids(directory / DUMPS / WALL_CONTACTS_FILE.format(name), frame)
@@ -148,11 +156,16 @@ def _timestep(text: str, ledger: Table) -> float:
     return float(given)
 
 
+def _impulse(time: NDArray[np.float64], force: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the impulse of a force up to each time, by the trapezoidal rule: (n,), N s."""
+    return np.concatenate([[0.0], np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(time))])
+
+
 def _walls(table: Table) -> Groups:
     """Return the force on each wall, and the motion of a moving one, by name of the wall."""
     names = [name for name in table if name not in ("step", "time") and not name.endswith(_OF_MOVING_WALLS)]
     return {
-        name: {"time": table["time"], "force": table[name]}
+        name: {"time": table["time"], "force": table[name], "impulse": _impulse(table["time"], table[name])}
         | {own: table[f"{name}_{own}"] for own in _OF_MOVING_WALLS if f"{name}_{own}" in table}
         for name in names
     }

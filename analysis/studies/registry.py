@@ -58,6 +58,10 @@ STUDIES: dict[str, str] = {
     "protected-spectrum": "protection.spectrum",
     "protected-checks": "protection.checks",
     "tolerance": "tolerance.study",
+    "lateral-source": "lateral.source",
+    "lateral-crystals": "lateral.crystals",
+    "lateral-width": "lateral.width",
+    "lateral-parameters": "lateral.parameters",
     "sphere-contact": "sphere_contact",
 }
 

@@ -4,7 +4,7 @@
     [[striker]]                  a sphere placed against given spheres, resting or moving
     [bar], [incident_bar]        elastic bars at the far and at the struck end of a chain (thesis 3.2)
     [[hold]]                     grains that do not move
-    [[absorb]]                   grains that are damped, so that waves run out of the packing
+    [[line]]                     a line of grains whose motion is recorded and measured
     [[sensor]]                   a sphere whose mean contact force (chains) or acceleration is recorded
 
 Spheres of a chain are numbered from 1 at the struck end. Strikers follow the spheres of the packing, in the order of
@@ -25,7 +25,6 @@ from granwave.lammps_inputs.case.schema import (
     choice,
     count,
     custom,
-    finite,
     number,
     parse_point,
     plain_name,
@@ -44,19 +43,7 @@ _OFFSET = Usual(1e-9, 1.0, ("mm", "um"))
 
 
 _NO_DIRECTION = "none"
-_DIRECTIONS = ("+z", "-z", "+x", "-x", "+y", "-y", _NO_DIRECTION)
-MATCHED = "matched"
-RATE = Usual(1.0, 1e8)
-
-
-def _parse_impedance(value: Any) -> float | str:
-    expected = 'a number above 0, or "matched"'
-    if value == MATCHED:
-        return MATCHED
-    found = finite(value, expected)
-    if found <= 0:
-        raise ValidationError(expected)
-    return found
+ALL_GRAINS = "all"  # of a line
 
 
 def _parse_directions(value: Any) -> str:
@@ -151,30 +138,54 @@ class Hold:
         return "" if self.directions == _NO_DIRECTION else self.directions
 
 
+def _parse_direction(value: Any) -> tuple[float, float, float]:
+    expected = "[x, y, z], a vector of any length but 0, as [0, 0, 1] straight down"
+    direction = parse_point(value, expected)
+    if not any(direction):
+        raise ValidationError(expected)
+    return direction
+
+
+def _parse_line_index(value: Any) -> tuple[int, ...] | str:
+    return value if value == ALL_GRAINS else parse_index(value)
+
+
+def _parse_leave_out(value: Any) -> int | str:
+    return value if value == "auto" else whole(value, 'a whole number from 0 up, or "auto"', at_least=0)
+
+
+def _parse_line_name(value: Any) -> str:
+    name = plain_name(value)
+    if not all(one.isascii() and (one.isalnum() or one in "_-") for one in name):
+        raise ValidationError("a name of letters, digits, _ and -")
+    return name
+
+
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class Absorb:
-    """``[[absorb]]``: spheres that are damped, so that waves run out of the packing.
+class Line:
+    """``[[line]]``: grains in a line, whose motion is recorded: arrival, speed, decay and width of a wave."""
 
-    ``rate`` damps motion in all directions, and rotation, by m rate v: a layer that becomes stronger with depth
-    reflects little over many frequencies. ``impedance`` is a dashpot along z on each sphere: the end of a row, without
-    reflection where it is the impedance of the row.
-    """
-
-    index: tuple[int, ...] | None = custom("which spheres", parse_index, default=None)
-    layers: int | None = count("the last layers of the packing; of a chain its last spheres", default=None)
-    rate: float | None = number(
-        "largest damping rate: the force is mass x rate x velocity", unit="1/s", above=0, default=None, usual=RATE
-    )
-    towards: str = choice(
-        'direction in which the rate rises, as the square of the depth, from zero; "none": the same everywhere',
-        _DIRECTIONS,
-        default="+z",
-    )
-    impedance: float | str | None = custom(
-        "force along z over the velocity of each sphere; matched: that of long waves under the precompression",
-        _parse_impedance,
-        unit="N s/m",
+    name: str = custom("name of the line", _parse_line_name)
+    start: int | None = custom(
+        "id of the grain that it starts from; the struck one by default",
+        lambda value: whole(value, "an id from 1 up"),
         default=None,
+    )
+    direction: tuple[float, float, float] = custom(
+        "direction in which it goes; grains up to a quarter of a diameter beside it belong to it",
+        _parse_direction,
+        default=(0.0, 0.0, 1.0),
+    )
+    index: tuple[int, ...] | str | None = custom(
+        'ids of its grains in their order, in place of start and direction; "all": every grain of the packing',
+        _parse_line_index,
+        default=None,
+    )
+    leave_out: int | str = custom(
+        "grains at its end that the fit of the decay leaves out; auto: those within three diameters of a floor that "
+        "does not move",
+        _parse_leave_out,
+        default="auto",
     )
 
 

@@ -10,8 +10,9 @@ from typing import Any
 
 import tomli_w
 
+from granwave.lammps_inputs.case.absorb import Absorb
 from granwave.lammps_inputs.case.added_grains import AddedGrains, with_added_grains
-from granwave.lammps_inputs.case.bodies import Absorb, Bar, Hold, Replace, Sensor, Striker, read_body, read_list
+from granwave.lammps_inputs.case.bodies import Bar, Hold, Line, Replace, Sensor, Striker, read_body, read_list
 from granwave.lammps_inputs.case.contact_pairs import RIGID, Pair, read_pairs
 from granwave.lammps_inputs.case.figures import FRAMES_OF_A_FILM, Figures
 from granwave.lammps_inputs.case.load import Load, read_load
@@ -22,14 +23,15 @@ from granwave.lammps_inputs.case.material import (
     presets,
     read_material,
     read_materials,
-    sphere_mass,
     with_named_materials,
 )
 from granwave.lammps_inputs.case.packing import PackingSection, read_packing
 from granwave.lammps_inputs.case.schema import ErrorList, keys_of, read_name, read_table, refuse_unknown, show
 from granwave.lammps_inputs.case.sections import Boundary, Contact, Output, Precompression, Probe, Run, Tube
+from granwave.lammps_inputs.case.shape import mass_of
 from granwave.lammps_inputs.case.supports import SUPPORTS, read_bottom
 from granwave.lammps_inputs.named_files import with_absolute_paths
+from granwave.lammps_inputs.plane_lattices import is_plane_crystal
 from granwave.lammps_inputs.run_directory import FIGURES_TABLE
 
 _SECTIONS: dict[str, type] = {
@@ -41,7 +43,9 @@ _SECTIONS: dict[str, type] = {
     "output": Output,
     FIGURES_TABLE: Figures,
 }
-_LISTS: dict[str, type] = {"replace": Replace, "striker": Striker, "hold": Hold, "absorb": Absorb, "sensor": Sensor}
+_LISTS: dict[str, type] = {
+    "replace": Replace, "striker": Striker, "hold": Hold, "absorb": Absorb, "sensor": Sensor, "line": Line,
+}  # fmt: skip
 _BARS = ("bar", "incident_bar")
 _GRAINS = "grains"
 _PRECOMPRESSION = "precompression"
@@ -74,6 +78,7 @@ class Case:
     hold: tuple[Hold, ...] = ()
     absorb: tuple[Absorb, ...] = ()
     sensor: tuple[Sensor, ...] = ()
+    line: tuple[Line, ...] = ()
     bar: Bar | None = None
     incident_bar: Bar | None = None
 
@@ -115,6 +120,11 @@ class Case:
         return self.has_friction or any(self.load.spin) or any(any(striker.spin) for striker in self.striker)
 
     @property
+    def moves_otherwise(self) -> bool:
+        """True if there is kinetic energy besides that of the spheres' translation: of rotation, or of a plate."""
+        return self.has_rotation or self.load.plate is not None
+
+    @property
     def has_initial_dents(self) -> bool:
         """True if contacts may have dents before the run, given or left by precompression."""
         return bool(self.contact.initial_overlap) or self.precompression is not None
@@ -128,14 +138,16 @@ class Case:
 
     @property
     def sphere_mass(self) -> float:
-        """Mass of one sphere of the packing, kg."""
-        return sphere_mass(self.material, self.packing.diameter / 2)
+        """Mass of one grain of the packing, kg."""
+        return mass_of(self.material, self.packing.diameter / 2, self.packing.of_grain)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the case as nested tables of TOML values, all defaults filled in; [figures] only if it is given."""
         tables = _plain(self)
         if self.figures == Figures():
             del tables[FIGURES_TABLE]
+        if self.contact.line == "auto":
+            del tables["contact"]["line"]
         tables["packing"] = _plain(self.packing.keys())
         tables["load"] = _plain(self.load.keys())
         for key in _WALLS:
@@ -176,6 +188,7 @@ def parse_case(data: Mapping[str, Any], source: str | Path, errors: ErrorList) -
     parts = read_parts(data, source, errors, sections=_SECTIONS, required=_REQUIRED, read=_read_section)
     if _PRECOMPRESSION in data:
         parts[_PRECOMPRESSION] = read_table(Precompression, data[_PRECOMPRESSION], _PRECOMPRESSION, errors)
+    parts[_PRECOMPRESSION] = _pressed(parts, errors)
     parts["pair"] = read_pairs(data.get("pair", ()), data.get("contact", {}), errors)
     parts[MATERIALS] = tuple(materials.values())
     for name, section in _LISTS.items():
@@ -190,6 +203,24 @@ def parse_case(data: Mapping[str, Any], source: str | Path, errors: ErrorList) -
     if "load" not in data and packing is not None and packing.grains is not None and packing.grains.velocity.any():
         parts["load"] = Load(kind="grains")
     return parts
+
+
+def _pressed(parts: Mapping[str, Any], errors: ErrorList) -> Precompression | None:
+    """Return the precompression, which a negative gap at the sides implies."""
+    given: Precompression | None = parts.get(_PRECOMPRESSION)
+    boundary: Boundary | None = parts.get("boundary")
+    if boundary is None or boundary.gap >= 0:
+        return given
+    axes = [axis for axis in "xy" if boundary.has_planes(axis)]
+    if (packing := parts.get("packing")) is not None and is_plane_crystal(packing.kind) and boundary.y is None:
+        axes = [axis for axis in axes if axis != "y"]
+    implied = Precompression(kind="walls", **dict.fromkeys(axes, -boundary.gap))
+    if given is not None and given != implied:
+        errors.add(
+            "boundary.side_gap",
+            f"found {boundary.gap:g} m, which presses, beside [{_PRECOMPRESSION}]; take one of them out",
+        )
+    return implied if axes else given
 
 
 def read_parts(

@@ -29,7 +29,7 @@ FIGURE_NAMES = (
     "energies", "timestep", "bottom_force", "target", "impactor_velocity",
     "packing_3d", "packing_3d_dissipation", "probes", "wave_front",
     "force_map", "force_histories", "along_chain", "bead_velocities", "transmission", "amplitude_sweep", "bars",
-    "sensors", "accelerations", "directions",
+    "sensors", "line_speeds", "line_decay", "accelerations", "directions",
 )  # fmt: skip
 FORMATS = ("pdf", "svg")  # of figures, besides PNG
 FILM_FORMATS = ("mp4", "gif", "webp")

@@ -4,6 +4,7 @@
     striker        velocities of the [[striker]]s only
     force          force on the struck spheres, or on the free end of the incident bar
     displacement   prescribed displacement of the struck spheres
+    plate          a rigid plate on the free top, with a mass and a velocity
     grains         velocities of the grains of packing.file only
 
 Time functions of forces and displacements, with amplitude A, duration T and frequency f:
@@ -49,6 +50,7 @@ from granwave.lammps_inputs.case.si_values import (
     DISPLACEMENT,
     FORCE,
     FREQUENCY,
+    MASS,
     SPIN,
     TIME,
     VELOCITY,
@@ -60,7 +62,7 @@ from granwave.lammps_inputs.files import read_regular
 Array = NDArray[np.float64]
 
 DEFAULT_VELOCITY = 5.0  # m/s
-_KINDS = ("impact", "striker", "force", "displacement", "grains")
+_KINDS = ("impact", "striker", "force", "displacement", "plate", "grains")
 _SHAPES = ("half-sine", "rectangle", "harmonic", "burst", "up-and-down", "sweep", "noise", "table")
 _NEEDS: dict[str, tuple[str, ...]] = {
     "half-sine": ("amplitude", "duration"),
@@ -83,6 +85,7 @@ _OF_KIND = {
     "striker": ("kind",),
     "force": ("kind", "spheres", "index", *_OF_SHAPES),
     "displacement": ("kind", "spheres", "index", *_OF_SHAPES),
+    "plate": ("kind", "mass", "velocity"),
     "grains": ("kind",),
 }
 _OF_DISPLACEMENT = ("harmonic", "burst", "up-and-down", "sweep", "noise", "table")
@@ -108,14 +111,15 @@ def _parse_table(value: Any) -> tuple[tuple[float, float], ...]:
 class Load:
     """``[load]``: the load on a packing."""
 
-    kind: Literal["impact", "striker", "force", "displacement", "grains"] = choice(
-        "velocity of the struck spheres, the strikers alone, a force, a prescribed displacement, or the velocities of "
-        "the grains of a file alone",
+    kind: Literal["impact", "striker", "force", "displacement", "plate", "grains"] = choice(
+        "velocity of the struck spheres, the strikers alone, a force, a prescribed displacement, a rigid plate on the "
+        "free top, or the velocities of the grains of a file alone",
         _KINDS,
         default="impact",
     )
+    mass: float | None = number("mass of the plate", unit="kg", above=0, default=None, usual=MASS)
     velocity: float = number(
-        "velocity of the struck spheres, into the packing",
+        "velocity of the struck spheres, or of the plate, into the packing",
         unit="m/s",
         above=0,
         default=DEFAULT_VELOCITY,
@@ -179,7 +183,12 @@ class Load:
     @property
     def hits_spheres(self) -> bool:
         """True if the load acts on spheres of the packing that the case chooses."""
-        return self.kind not in ("striker", "grains")
+        return self.kind not in ("striker", "plate", "grains")
+
+    @property
+    def plate(self) -> tuple[float, float] | None:
+        """Mass (kg) and velocity (m/s) of a plate; None for other loads."""
+        return (self.mass or 0.0, self.velocity) if self.kind == "plate" else None
 
     @property
     def driven(self) -> bool:
@@ -301,6 +310,8 @@ def read_load(table: Any, errors: ErrorList) -> Load | None:
         errors.add("load.index", "found beside load.spheres; give one of them")
     if load.index is not None and len(set(load.index)) < len(load.index):
         errors.add("load.index", f"found {show(list(load.index))}, expected each id once")
+    if load.kind == "plate" and load.mass is None:
+        errors.add("load.mass", "missing; a plate needs a mass, in kg")
     if load.driven:
         _check_shape(load, errors)
         unit, usual = ("N", FORCE) if load.kind == "force" else ("m", DISPLACEMENT)

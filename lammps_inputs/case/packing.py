@@ -8,6 +8,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal
 
+import numpy as np
+
 from granwave.lammps_inputs.case.grains import Grains, parse_grains, read_grains
 from granwave.lammps_inputs.case.schema import (
     LARGEST_COUNT,
@@ -21,16 +23,30 @@ from granwave.lammps_inputs.case.schema import (
     show,
     whole,
 )
+from granwave.lammps_inputs.case.shape import (
+    Shape,
+    Vector,
+    axis_field,
+    check_shape,
+    length_field,
+    shape_field,
+    shape_of,
+)
 from granwave.lammps_inputs.case.si_values import DIAMETER, Usual
-from granwave.lammps_inputs.lattices import FILE, KINDS
+from granwave.lammps_inputs.lattices import FILE, KINDS, Lattice, kind_of
+from granwave.lammps_inputs.plane_lattices import ROWS, PlaneLattice, is_plane_crystal
 
 LARGEST_ID = LARGEST_COUNT
+_ACROSS = 1e-9  # largest component of a direction along another that it is normal to
 _FORM_OF_FILE = "the path of a table of grains (x, y, z, diameter in m), or of a file that ASE reads"
-_NOT_OF_FILE = ("size", "diameter_scatter", "scatter_distribution", "vacancies", "tilt", "seed")
+_NOT_OF_FILE = (
+    "size", "top_row", "diameter_scatter", "scatter_distribution", "vacancies", "tilt", "seed",
+    "shape", "length", "axis",
+)  # fmt: skip
 
 
 def _parse_size(value: Any) -> tuple[int, ...]:
-    expected = "whole numbers from 1 up: [nx, ny, nz], [nx, ny] (square) or n (chain)"
+    expected = "whole numbers from 1 up: [nx, ny, nz], [nx, ny] (square), [nx, nz] (crystals in the plane) or n (chain)"
     counts = value if isinstance(value, list | tuple) else [value]
     size = tuple(whole(count, expected) for count in counts)
     if not 1 <= len(size) <= 3:
@@ -85,10 +101,21 @@ class PackingSection:
     """``[packing]``: lattice, size and spheres of the packing, or a file of grains."""
 
     kind: str = choice("lattice; file: grains at places of their own", (*KINDS, FILE))
-    size: tuple[int, ...] = custom("spheres along x, rows along y, layers along z; not of a file", _parse_size)
+    size: tuple[int, ...] = custom(
+        "spheres along x, rows along y, layers along z, as far as the kind has them; not of a file", _parse_size
+    )
+    top_row: Literal["long", "short", "equal"] = choice(
+        "struck row of a crystal in the plane: a long one of rows that alternate between n and n - 1 grains, a short "
+        "one, or all rows have n",
+        ROWS,
+        default="long",
+    )
     diameter: float = number(
         "diameter of the spheres; in a file, of grains for which it has none", unit="m", above=0, usual=DIAMETER
     )
+    shape: str = shape_field()
+    length: float | None = length_field()
+    axis: Vector | None = axis_field()
     grains: Grains | None = custom(  # noqa: RUF009 (Grains are not changed)
         "the table of a file as text; a case that was run holds its grains so", _parse_grains, default=None
     )
@@ -115,11 +142,27 @@ class PackingSection:
     )
     seed: int | None = custom("seed of all that is random in the packing", _parse_seed, default=None)
 
+    def lattice(self, *, periodic: bool = False) -> Lattice:
+        """Return the lattice of the packing; that of grains of a file is none."""
+        if is_plane_crystal(self.kind):
+            return PlaneLattice(self.kind, self.size, self.diameter, periodic, self.top_row)
+        return Lattice(self.kind, self.size, self.diameter, periodic)
+
+    @property
+    def of_grain(self) -> Shape:
+        """Shape of the grains of a lattice; the axis of cylinders is y by default, or z where contacts are along y."""
+        along_y = any(abs(y) > _ACROSS for _, y, _ in kind_of(self.kind).contact_directions.tolist())
+        return shape_of(self, (0.0, 0.0, 1.0) if along_y else (0.0, 1.0, 0.0))
+
     def keys(self) -> dict[str, Any]:
         """Return the keys of the packing, as a case file has them."""
         keys: dict[str, Any] = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
         if self.grains is not None:
             return {"kind": self.kind, "diameter": self.diameter, "grains": self.grains.text}
+        if not is_plane_crystal(self.kind):
+            del keys["top_row"]
+        if self.shape == "sphere":
+            del keys["shape"]
         return keys | {"size": self.size[0] if len(self.size) == 1 else self.size}
 
 
@@ -135,7 +178,10 @@ def read_packing(table: Any, errors: ErrorList) -> PackingSection | None:
             if name in table:
                 errors.add(f"packing.{name}", f'belongs to packing.kind = "file"; found {show(table.get("kind", ""))}')
                 table = {key: value for key, value in table.items() if key != name}
-        return read_table(PackingSection, table, "packing", errors)
+        if "top_row" in table and table.get("kind") in KINDS and not is_plane_crystal(str(table["kind"])):
+            able = " or ".join(f'"{name}"' for name in KINDS if is_plane_crystal(name))
+            errors.add("packing.top_row", f"belongs to packing.kind = {able}; found {show(table['kind'])}")
+        return _with_shape(read_table(PackingSection, table, "packing", errors), errors)
     before = len(errors.lines)
     for name in _NOT_OF_FILE:
         if name in table:
@@ -153,6 +199,28 @@ def read_packing(table: Any, errors: ErrorList) -> PackingSection | None:
         return None
     diameter = section.diameter if "diameter" in table else section.grains.usual_diameter
     return dataclasses.replace(section, size=(len(section.grains),), diameter=diameter)
+
+
+def _with_shape(packing: PackingSection | None, errors: ErrorList) -> PackingSection | None:
+    """Check the shape of the grains of a lattice; return the packing, or None if it is wrong."""
+    if packing is None:
+        return None
+    before = len(errors.lines)
+    check_shape(packing, "packing", errors)
+    if len(errors.lines) == before and (shape := packing.of_grain) is not None:
+        along = np.abs(kind_of(packing.kind).contact_directions @ shape.vector).max()
+        flat = [name for name, kind in KINDS.items() if kind.dimension < len("xyz")]
+        if packing.kind not in flat:
+            errors.add(
+                "packing.shape",
+                f'found "cylinder" for {packing.kind}, expected a packing in a plane: {", ".join(flat)}',
+            )
+        elif along > _ACROSS:
+            errors.add(
+                "packing.axis",
+                f"found {show(list(shape.axis))}, expected a direction across all contacts of {packing.kind}",
+            )
+    return packing if len(errors.lines) == before else None
 
 
 def _from_file(table: Mapping[str, Any], errors: ErrorList) -> Grains | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from granwave.lammps_inputs.case.bodies import MATCHED, Absorb
+from granwave.lammps_inputs.case.absorb import MATCHED, Absorb
 from granwave.lammps_inputs.case.schema import ErrorList, show
 from granwave.lammps_inputs.contact.absorbing import absorbing_ids, rise_of
 from granwave.lammps_inputs.packing.assembly import Assembly, struck_of

@@ -17,15 +17,18 @@ from granwave.lammps_inputs.case.sections import ENERGY_TOLERANCE, Boundary, Out
 from granwave.lammps_inputs.case.yield_factor import FITTED_POISSON_RATIO, hertz_von_mises_yield_factor
 from granwave.lammps_inputs.checks.absorbing import check_absorbing
 from granwave.lammps_inputs.checks.contacts import check_contacts, check_dents, check_losses
-from granwave.lammps_inputs.checks.grains import check_chosen, check_grains, check_tube
+from granwave.lammps_inputs.checks.grains import check_chosen, check_cylinders, check_grains, check_tube
+from granwave.lammps_inputs.checks.lines import check_lines
 from granwave.lammps_inputs.checks.packing import check_disorder, check_room
+from granwave.lammps_inputs.checks.plate import check_plate, check_side_gap, check_top
 from granwave.lammps_inputs.checks.precompression import check_first_yield, check_precompression, check_support
-from granwave.lammps_inputs.lattices import KINDS, Lattice, kind_of
+from granwave.lammps_inputs.lattices import KINDS, kind_of
 from granwave.lammps_inputs.memory import available_memory
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.bars import BAR, INCIDENT_BAR
 from granwave.lammps_inputs.packing.places import Layout, places_of
 from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
+from granwave.lammps_inputs.plane_lattices import is_plane_crystal
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
@@ -48,9 +51,11 @@ def check_together(parts: Mapping[str, Any], errors: ErrorList) -> None:
     if run is not None:
         _check_times(run, output, errors)
         _check_resolution(parts.get("load"), run, errors)
-    if packing is None or not _size_fits(packing, errors) or not _fits_into_memory(packing, parts, errors):
+    if packing is None or not _size_fits(packing, errors) or not _rows_fit(packing, errors):
         return
-    n_spheres = math.prod(packing.size)
+    if not _fits_into_memory(packing, parts, errors):
+        return
+    n_spheres = len(packing.grains) if packing.grains is not None else packing.lattice().n_spheres
     check_grains(parts, packing, errors)
     check_chosen(parts.get("load"), parts.get("hold", ()), packing, n_spheres, errors)
     strikers, sensors = parts.get("striker", ()), parts.get("sensor", ())
@@ -59,11 +64,16 @@ def check_together(parts: Mapping[str, Any], errors: ErrorList) -> None:
     _check_sensors(sensors, n_spheres, errors)
     if output is not None:
         _check_probes(output, n_spheres, errors)
-        if output.history not in (0, "auto") and packing.kind != "chain":
-            errors.add("output.history", f"found {output.history} for {packing.kind}, expected 0: only chains have one")
+        if output.history not in (0, "auto") and packing.kind != "chain" and not parts.get("line"):
+            errors.add(
+                "output.history",
+                f"found {output.history} for {packing.kind}, expected 0: only chains and [[line]]s have one",
+            )
     if boundary is not None and _boundary_fits(packing, boundary, errors):
         _check_load(parts.get("load"), packing, boundary, errors)
         _check_bars(parts, packing, boundary, errors)
+        check_side_gap(packing, boundary, errors)
+        check_plate(parts, errors)
         check_precompression(parts, packing, boundary, errors)
         _check_holder(parts, packing, boundary, errors)
     if packing.grains is None:
@@ -73,13 +83,16 @@ def check_together(parts: Mapping[str, Any], errors: ErrorList) -> None:
 def check_case(case: Case, errors: ErrorList) -> Assembly | None:
     """Check the whole case: space for larger spheres, places of strikers, support, static load and dents."""
     check_room(case, errors)
+    check_cylinders(case, errors)
     check_tube(case, errors)
     try:
         assembly = assemble(case)
     except ValueError as error:
         errors.add("striker", str(error))
         return None
+    check_lines(assembly, errors)
     check_support(assembly, errors)
+    check_top(assembly, errors)
     check_first_yield(assembly, errors)
     check_absorbing(assembly, errors)
     check_dents(assembly, errors)
@@ -114,6 +127,13 @@ def warn_about(assembly: Assembly, *, chose_yield_factor: bool) -> None:
             ratio,
             hertz_von_mises_yield_factor(ratio),
             case.contact.yield_factor,
+        )
+    if case.contact.yields and assembly.has_cylinders:
+        _LOG.warning(
+            "%s: contacts along a line, of parallel cylinders and of cylinders on walls, stay elastic: "
+            "contact.law = %s holds for the others",
+            case.name,
+            case.contact.law,
         )
     for probe in case.output.probes:
         if probe.contact is not None and not _touch(assembly, *probe.contact):
@@ -225,11 +245,21 @@ def _size_fits(packing: PackingSection, errors: ErrorList) -> bool:
     return False
 
 
+def _rows_fit(packing: PackingSection, errors: ErrorList) -> bool:
+    """Check that the short rows of a crystal in the plane have a grain."""
+    if not is_plane_crystal(packing.kind) or packing.top_row == "equal" or packing.size[0] > 1:
+        return True
+    errors.add(
+        "packing.size", f"found {show(packing.size)}: the short rows would be empty; expected 2 or more in a row"
+    )
+    return False
+
+
 def _fits_into_memory(packing: PackingSection, parts: Mapping[str, Any], errors: ErrorList) -> bool:
     """Check that the memory suffices for the arrays over sites that reading the case needs; a run needs more."""
     if packing.grains is not None:
         return True  # they were read into memory
-    nx, ny, nz = Lattice(packing.kind, packing.size, packing.diameter).shape
+    nx, ny, nz = packing.lattice().shape
     unlike = packing.diameter_scatter or packing.vacancies or parts.get("replace")
     needed, available = nx * ny * (nz if unlike else 1) * _MEMORY_OF_SITE, available_memory()
     if needed <= available:
@@ -256,7 +286,7 @@ def _boundary_fits(packing: PackingSection, boundary: Boundary, errors: ErrorLis
     if packing.grains is not None:
         return boundary.sides != "periodic"
     rule = KINDS[packing.kind]
-    nx, ny, nz = Lattice(packing.kind, packing.size, packing.diameter).shape
+    nx, ny, nz = packing.lattice().shape
     if boundary.bottom == "fixed" and nz == 1:
         errors.add(
             "boundary.bottom",
@@ -265,7 +295,11 @@ def _boundary_fits(packing: PackingSection, boundary: Boundary, errors: ErrorLis
     if boundary.sides == "periodic":
         if packing.kind == "chain":
             errors.add("boundary.sides", 'found "periodic" for a chain, expected "free" or "wall"')
-        elif min(nx, ny) < _LEAST_PERIODIC:
+        elif is_plane_crystal(packing.kind) and packing.top_row != "equal":
+            errors.add(
+                "packing.top_row", f'found {show(packing.top_row)} with boundary.sides = "periodic", expected "equal"'
+            )
+        elif min(n for n, axis in zip((nx, ny), "xy", strict=True) if axis in rule.axes) < _LEAST_PERIODIC:
             errors.add(
                 "packing.size",
                 f"found {nx} x {ny} spheres in a layer, expected at least {_LEAST_PERIODIC} each way "
@@ -305,7 +339,7 @@ def _check_holder(parts: Mapping[str, Any], packing: PackingSection, boundary: B
 def _check_load(load: Load | None, packing: PackingSection, boundary: Boundary, errors: ErrorList) -> None:
     if load is None or not load.hits_spheres or load.index is not None:
         return
-    lattice: Layout = Lattice(packing.kind, packing.size, packing.diameter, boundary.sides == "periodic")
+    lattice: Layout = packing.lattice(periodic=boundary.sides == "periodic")
     if packing.grains is not None:
         lattice = places_of(packing.grains, packing.diameter)
     try:

@@ -27,7 +27,7 @@ def check_disorder(parts: Mapping[str, Any], errors: ErrorList) -> None:
     packing: PackingSection = parts["packing"]
     boundary: Boundary | None = parts.get("boundary")
     periodic = boundary is not None and boundary.sides == "periodic"
-    lattice = Lattice(packing.kind, packing.size, packing.diameter, periodic)
+    lattice = packing.lattice(periodic=periodic)
     _check_scatter(packing, errors)
     if packing.tilt is not None:
         _check_tilt(packing, parts, periodic, errors)
@@ -172,7 +172,10 @@ def _check_walls(case: Case, sites: Sites, errors: ErrorList) -> None:
     lattice, boundary = sites.lattice, case.boundary
     low, high = lattice.bounds() + np.array([[-1.0], [1.0]]) * lattice.diameter / 2
     planes = [("bottom", 2, high[2], 1)] if boundary.bottom == "wall" else []
+    planes += [("plate", 2, low[2], -1)] if case.load.plate is not None else []
     if boundary.sides == "wall":
+        low[:2] -= max(boundary.gap, 0.0)
+        high[:2] += max(boundary.gap, 0.0)
         planes += [(f"{letter}{end}", axis, plane[axis], sign) for axis, letter in enumerate("xy")
                    for end, plane, sign in (("lo", low, -1), ("hi", high, 1))]  # fmt: skip
     large = np.flatnonzero(sites.larger & sites.present)

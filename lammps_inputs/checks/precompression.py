@@ -16,6 +16,7 @@ from granwave.lammps_inputs.contact.static_load import force_of_contact
 from granwave.lammps_inputs.lattices import KINDS
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.walls import materials_of_last_layer
+from granwave.lammps_inputs.plane_lattices import is_plane_crystal
 
 _TABLE = "precompression"
 
@@ -36,8 +37,9 @@ def check_precompression(
         _check_moves(stage, packing, boundary, errors)
         return
     if stage.kind == "uniform":
-        if packing.kind == "chain":
-            errors.add(f"{_TABLE}.kind", 'found "uniform" for a chain, expected "uniaxial" with a force')
+        if packing.kind == "chain" or is_plane_crystal(packing.kind):
+            what = "a chain" if packing.kind == "chain" else packing.kind
+            errors.add(f"{_TABLE}.kind", f'found "uniform" for {what}, expected "uniaxial" with a force')
         elif boundary.sides != "free":
             errors.add(
                 "boundary.sides",
@@ -108,6 +110,8 @@ def _spreads(assembly: Assembly) -> bool:
     case = assembly.case
     stage, packing, boundary = case.precompression, case.packing, case.boundary
     nx, ny, nz = assembly.lattice.shape
+    if is_plane_crystal(packing.kind) and boundary.has_planes("x") and packing.top_row != "equal":
+        return False  # its rows fill the space between straight walls
     free = stage is not None and stage.kind != "uniform" and boundary.sides != "periodic" and boundary.bottom != "fixed"
     layers = KINDS[packing.kind].set_back and nz > 1 and nx * ny > 1 and not isinstance(packing.vacancies, tuple)
     return free and layers
@@ -148,5 +152,6 @@ def _check_size(stage: Precompression, packing: PackingSection, errors: ErrorLis
     elif len(given) != 1:
         found = "neither pressure nor force" if not given else "both pressure and force"
         errors.add(_TABLE, f"found {found}, expected one of them")
-    elif packing.kind == "chain" and stage.pressure is not None:
-        errors.add(f"{_TABLE}.pressure", "found for a chain, which has no face; expected a force")
+    elif (packing.kind == "chain" or is_plane_crystal(packing.kind)) and stage.pressure is not None:
+        what = "a chain" if packing.kind == "chain" else "a crystal in the plane"
+        errors.add(f"{_TABLE}.pressure", f"found for {what}, which has no face; expected a force")

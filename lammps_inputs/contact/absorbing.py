@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from granwave.lammps_inputs.case.bodies import MATCHED, Absorb
+from granwave.lammps_inputs.case.absorb import MATCHED, Absorb
 from granwave.lammps_inputs.contact.static_load import static_stiffness
 from granwave.lammps_inputs.packing.assembly import Assembly
 
@@ -16,9 +16,9 @@ def absorbing_ids(assembly: Assembly, entry: Absorb) -> tuple[int, ...]:
     lattice = assembly.lattice
     if entry.index is not None:
         return tuple(sorted(set(entry.index)))
-    in_layer = lattice.shape[0] * lattice.shape[1]
     there = assembly.ids[assembly.ids <= lattice.n_spheres]
-    return tuple(there[there > in_layer * (lattice.shape[2] - (entry.layers or 0))].tolist())
+    layer = np.array([lattice.layer_of(int(one)) for one in there])
+    return tuple(there[layer >= lattice.n_layers - (entry.layers or 0)].tolist())
 
 
 def rise_of(assembly: Assembly, entry: Absorb) -> tuple[float, float] | None:

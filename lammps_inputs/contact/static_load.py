@@ -35,7 +35,6 @@ def dead_loads(assembly: Assembly) -> tuple[NDArray[np.int64], NDArray[np.float6
     case = assembly.case
     stage, lattice = case.precompression, assembly.lattice
     assert stage is not None
-    nx, ny, nz = lattice.shape
     ids = assembly.ids[assembly.ids <= lattice.n_spheres]
     force = np.zeros((len(ids), 3))
     if stage.kind == "walls":
@@ -43,13 +42,13 @@ def dead_loads(assembly: Assembly) -> tuple[NDArray[np.int64], NDArray[np.float6
     if stage.kind == "gravity":
         force[:, 2] = assembly.sphere_masses()[: len(ids)] * stage.acceleration
     elif stage.kind == "uniaxial":
-        force[ids <= nx * ny, 2] = force_on_top(assembly)
+        force[ids <= lattice.top_layer[-1], 2] = force_on_top(assembly)
         if case.boundary.bottom == "free":
-            force[ids > nx * ny * (nz - 1), 2] = -force_on_top(assembly)
+            force[ids >= lattice.last_layer[0], 2] = -force_on_top(assembly)
     else:
         force = force_of_contact(assembly) * _missing_neighbours(assembly)[ids - 1]
     if case.boundary.bottom == "fixed":
-        force[ids > nx * ny * (nz - 1)] = 0.0
+        force[ids >= lattice.last_layer[0]] = 0.0
     loaded = force.any(axis=1)
     return ids[loaded], force[loaded]
 
@@ -92,22 +91,26 @@ def force_of_contact(assembly: Assembly) -> float:
         )  # fmt: skip
     top = force_on_top(assembly) if stage.kind == "uniaxial" else 0.0
     if stage.kind == "gravity":
-        nx, ny, nz = lattice.shape
+        nz, on_floor = lattice.n_layers, len(lattice.last_layer)
         held = case.boundary.bottom == "fixed"
-        top = float(assembly.sphere_masses().sum()) * stage.acceleration / (nx * ny) * (nz - held) / nz
+        top = float(assembly.sphere_masses().sum()) * stage.acceleration / on_floor * (nz - held) / nz
     return top / lattice.rule.carried
 
 
 def sphere_hertz(case: Case) -> ContactLaw:
-    """Return Hertz's law between two spheres of the packing."""
-    radius = case.packing.diameter / 2
-    return law_between(Contact(law="hertz"), (case.material, case.material), (radius, radius))
+    """Return the elastic law between two grains of the packing."""
+    radius, shape = case.packing.diameter / 2, case.packing.of_grain
+    return law_between(Contact(law="hertz"), (case.material, case.material), (radius, radius), shapes=(shape, shape))
 
 
 def static_stiffness(assembly: Assembly) -> float:
     """Estimate the stiffness of a contact under the static load, N/m: that of Hertz's law at `force_of_contact`."""
     case = assembly.case
     law = sphere_hertz(case)
+    if case.packing.of_grain is not None:
+        force, largest = force_of_contact(assembly), np.array([case.packing.diameter / 2])
+        overlap = largest * min(1.0, force / float(law.loading_force(largest)[0]))  # nearly linear
+        return float(law.unloading_stiffness(overlap)[0])
     hertz = 4 / 3 * law.effective_modulus * math.sqrt(law.effective_radius)
     return 1.5 * hertz ** (2 / 3) * force_of_contact(assembly) ** (1 / 3)
 

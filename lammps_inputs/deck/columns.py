@@ -10,6 +10,7 @@ import dataclasses
 from collections.abc import Iterable
 
 FRICTION, DENTS, LOSS = "friction", "dents", "loss"  # columns of cases with friction; initial dents; viscous losses
+TURNING = "turning"  # of cases with rotation
 
 
 @dataclasses.dataclass(frozen=True)
@@ -98,6 +99,15 @@ SNAPSHOT = (
 #: dumps/history.dump: history of a chain.
 HISTORY = (Column("id", "id"), Column("uz", "c_displacement[3]", "m"), Column("vz", "vz", "m s-1"))
 
+#: dumps/lines.dump: history of lines of grains.
+LINES = (
+    Column("id", "id"),
+    *of_compute("c_displacement", [(f"u{axis}", "m") for axis in "xyz"]),
+    *(Column(f"v{axis}", f"v{axis}", "m s-1") for axis in "xyz"),
+    *of_compute("c_sums", [(f"sum_f{axis}", "N") for axis in "xyz"]),
+    *(Column(f"omega{axis}", f"omega{axis}", "rad s-1", TURNING) for axis in "xyz"),
+)
+
 _HISTORY_OF_CONTACT = [
     ("time_first", "s"),
     ("time_peak", "s"),
@@ -159,6 +169,9 @@ SUPPORT = (
     Column("support_lost", "f_{}[13]", "J"),
     Column("target", "f_{}[15]", "J"),
 )
+
+#: dumps/energy.txt, of a load by a plate: its kinetic energy, part of the kinetic energy.
+FREE_PLATE = (Column("plate", "f_{}[12]", "J"),)
 
 #: dumps/energy.txt, of cases with rotation or friction.
 ROTATION = (Column("rotational", "c_rotational", "J"),)

@@ -147,7 +147,13 @@ def _tables(assembly: Assembly) -> dict[str, str]:
     return tables
 
 
-_NEW = {"history_every": 0, "first_step": 1, "longest_step": 1, "energy_tolerance": 0.0}  # since version 0.1
+_NEW = {
+    "history_every": 0,
+    "first_step": 1,
+    "longest_step": 1,
+    "energy_tolerance": 0.0,
+    "line_every": 0,
+}  # since version 0.1
 
 
 def read_deck(directory: str | Path) -> Deck:
@@ -179,5 +185,5 @@ def resolved(deck: Deck) -> dict[str, Any]:
         "struck": deck.struck,
         "walls": [wall.name for wall in walls(case)],
         "forget_gap_m": case.boundary.forget_gap * case.packing.diameter,
-        **dataclasses.asdict(deck.schedule),
+        **{name: value for name, value in dataclasses.asdict(deck.schedule).items() if name != "line_every" or value},
     }

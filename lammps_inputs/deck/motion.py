@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 GRAVITY = 9.81  # m/s^2, of beads on their holder
 _HALF_INERTIA = 0.2  # half the moment of inertia of a sphere over m R^2
+_OF_CYLINDER = 1.25  # moment of inertia of a cylinder over that of a sphere of this mass and radius
 
 
 def motion(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> list[str]:
@@ -51,7 +52,7 @@ def adaptive_timestep(case: Case, schedule: Schedule) -> list[str]:
     """Timestep that follows the error of the energy balance; behind all fixes that act at the end of a step."""
     if not schedule.adaptive:
         return []
-    kinetic = "v_motion" if case.has_rotation else "c_kinetic"
+    kinetic = "v_motion" if case.moves_otherwise else "c_kinetic"
     until = f"until {num(case.load.lasts)} " if 0 < case.load.lasts < math.inf else ""
     tolerance, longest, first = schedule.energy_tolerance, schedule.longest_step, schedule.first_step
     return [
@@ -132,6 +133,9 @@ def _velocities(assembly: Assembly, *, resumed: bool) -> list[str]:
     own = own_velocities(assembly)  # in the data file
     if own:
         terms.append(num(sum(assembly.mass_of(one) * math.hypot(*velocity) ** 2 / 2 for one, velocity in own.items())))
+    if case.load.plate is not None:
+        mass, speed = case.load.plate
+        terms.append(f"0.5*{num(mass)}*{num(speed)}^2")
     for number, striker in enumerate(case.striker, start=1):
         if striker.moves:
             lines.append(f"group           striker{number} id {n + number}")
@@ -144,7 +148,12 @@ def _velocities(assembly: Assembly, *, resumed: bool) -> list[str]:
         if any(spin):
             if not resumed:
                 lines.append(f"set             group {group} omega {_components(spin)}")
-            inertia = sum(assembly.mass_of(one) * (assembly.diameter_of(one) / 2) ** 2 for one in spheres)
+            inertia = sum(
+                assembly.mass_of(one)
+                * (assembly.diameter_of(one) / 2) ** 2
+                * (_OF_CYLINDER if assembly.shape_of(one) else 1.0)
+                for one in spheres
+            )
             terms.append(f"{num(_HALF_INERTIA * inertia)}*({_square(spin)})")
     given = f"$({'+'.join(terms)}:%.17g)" if terms else "0.0"
     return [*lines, f"variable        given equal {given}"]

@@ -9,10 +9,12 @@ from granwave.lammps_inputs.deck.columns import (
     CONTACTS,
     DENTS,
     FORCES,
+    FREE_PLATE,
     FRICTION,
     HISTORY,
     HOLDER,
     LEDGER,
+    LINES,
     LOSS,
     MOVING_WALL,
     ROTATION,
@@ -20,14 +22,16 @@ from granwave.lammps_inputs.deck.columns import (
     SUPPORT,
     TANGENTIAL,
     TIMESTEP,
+    TURNING,
     VISCOUS,
     WALL_CONTACTS,
     names,
     sources,
 )  # fmt: skip
-from granwave.lammps_inputs.deck.commands import command, joined, num
+from granwave.lammps_inputs.deck.commands import command, id_ranges, joined, num
 from granwave.lammps_inputs.packing.assembly import Assembly
-from granwave.lammps_inputs.packing.walls import Wall, moving_fix, wall_fixes, walls
+from granwave.lammps_inputs.packing.lines import all_line_ids
+from granwave.lammps_inputs.packing.walls import PLATE, Wall, moving_fix, wall_fixes, walls
 from granwave.lammps_inputs.run_directory import (
     CHECKPOINT_FILE,
     CONTACTS_FILE,
@@ -38,6 +42,7 @@ from granwave.lammps_inputs.run_directory import (
     FRAMES_FILES,
     FRAMES_RESUMED,
     HISTORY_FILE,
+    LINES_FILE,
     PROBES_FILE,
     STATIC_FILE,
     STATIC_STAGE_FILE,
@@ -68,10 +73,20 @@ def ledger(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> 
     at_bars = [[f"c_on_{name}[{n}]" for name in bars] for n in (4, 5)]
     elastic, dissipated = ["c_contact", *stored], ["c_contact[1]", *lost]
     lines = []
+    moving = ["c_kinetic"]
     if case.has_rotation:
-        columns |= {"kinetic": "v_motion"} | sources(ROTATION)
+        columns |= sources(ROTATION)
+        columns |= {"rotational": "v_rotational"} if assembly.has_cylinders else {}
         lines.append("compute         rotational all erotate/sphere")
-        lines.append("variable        motion equal c_kinetic+c_rotational")
+        if assembly.has_cylinders:  # of spheres of their masses and radii, and what they have beyond
+            lines.append("variable        rotational equal c_rotational+f_cylinders")
+        moving.append("v_rotational" if assembly.has_cylinders else "c_rotational")
+    if case.load.plate is not None:
+        columns |= sources(FREE_PLATE, of=PLATE)
+        moving += sources(FREE_PLATE, of=PLATE).values()
+    if case.moves_otherwise:
+        columns["kinetic"] = "v_motion"
+        lines.append(f"variable        motion equal {_sum(moving)}")
     if case.has_friction:
         stretched, rubbed = ([f"f_{name}[{n}]" for name in planes] for n in (8, 9))
         columns |= sources(TANGENTIAL)
@@ -140,12 +155,14 @@ def _bar_energy(bar: PlacedBar) -> list[str]:
 
 def wall_forces(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> list[str]:
     """Return the commands for the forces on walls, positive outwards."""
-    found, bars = walls(assembly), assembly.bars
+    case, found, bars = assembly.case, walls(assembly), assembly.bars
     if not found and not bars:
         return []
     columns = {wall.name: f"v_{wall.name}" for wall in found} | {bar.name: f"c_on_{bar.name}[2]" for bar in bars}
     if support := moving_fix(assembly):
         columns |= {f"bottom_{name}": source for name, source in sources(MOVING_WALL, of=support).items()}
+    if case.load.plate is not None:
+        columns |= {f"{PLATE}_{name}": source for name, source in sources(MOVING_WALL, of=PLATE).items()}
     return [
         "# Force of the spheres on each wall and bar, N, positive outwards.",
         *(f"variable        {wall.name} equal {_outward_force(assembly, wall)}" for wall in found),
@@ -249,10 +266,26 @@ def history(case: Case, schedule: Schedule, *, resumed: bool = False) -> list[st
     ]
 
 
+def lines(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> list[str]:
+    """Return the commands for the motion of lines of grains, and of the sums of the forces on each."""
+    case = assembly.case
+    if not case.line:
+        return []
+    columns = sources(LINES, *([TURNING] if case.has_rotation else []))
+    return [
+        "# Lines of grains in time; sums of the magnitudes of the components of their contact forces.",
+        "compute         sums all gran/hysteretic/sums",
+        *command("group           lines id", id_ranges(all_line_ids(assembly))),
+        *command(f"dump            lines lines custom {schedule.line_every} {DUMPS}/{LINES_FILE}", *columns.values()),
+        f'dump_modify     lines {_first(resumed)} sort id format line "%d{" %.12g" * (len(columns) - 1)}"',
+        *command("dump_modify     lines", *_names(columns)),
+    ]
+
+
 def thermo(case: Case, schedule: Schedule) -> list[str]:
     """Return the commands of thermodynamic output."""
     every = schedule.block_steps or max(1, schedule.n_steps // schedule.ledger_every // 20) * schedule.ledger_every
-    kinetic = "v_motion" if case.has_rotation else "c_kinetic"
+    kinetic = "v_motion" if case.moves_otherwise else "c_kinetic"
     return [
         "# The log.",
         f"thermo_style    custom step v_time {kinetic} v_elastic v_dissipated c_contact[2] v_struck_velocity",
@@ -327,6 +360,7 @@ def output_files(assembly: Assembly, schedule: Schedule) -> list[str]:
     files += [WALLS_FILE] if wall_forces(assembly, schedule) else []
     files += [PROBES_FILE] if case.probes else []
     files += [HISTORY_FILE, FORCES_FILE] if schedule.history_every else []
+    files += [LINES_FILE] if case.line else []
     return files + ([STATIC_STAGE_FILE, STATIC_FILE] if case.precompression else [])
 
 

@@ -11,9 +11,9 @@ from collections.abc import Iterable
 
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.commands import num
-from granwave.lammps_inputs.deck.contacts import contacts, dents, wall_commands
+from granwave.lammps_inputs.deck.contacts import contacts, cylinder_commands, dents, wall_commands
 from granwave.lammps_inputs.deck.motion import adaptive_timestep, motion
-from granwave.lammps_inputs.deck.output import dumps_at_end, frames, history, ledger, probes, thermo, wall_forces
+from granwave.lammps_inputs.deck.output import dumps_at_end, frames, history, ledger, lines, probes, thermo, wall_forces
 from granwave.lammps_inputs.deck.static_stage import dead_load_commands, first_half, reference_state, second_half
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.planning.schedule import BLOCK_THRESHOLD, Schedule
@@ -48,6 +48,7 @@ def input_script(assembly: Assembly, schedule: Schedule, *, restart_from: str = 
         dead_load_commands(assembly) if static else [],
         first_half(assembly) if static and not resumed else [],
         wall_commands(assembly),
+        cylinder_commands(assembly, again=True),
         dents() if case.contact.initial_overlap and not resumed else [],
         [*([] if resumed else second_half(assembly)), *reference_state()] if static else [],
         motion(assembly, schedule, resumed=resumed),
@@ -56,6 +57,7 @@ def input_script(assembly: Assembly, schedule: Schedule, *, restart_from: str = 
         probes(case, schedule, resumed=resumed),
         frames(assembly, schedule, restart_from=restart_from),
         history(case, schedule, resumed=resumed),
+        lines(assembly, schedule, resumed=resumed),
         adaptive_timestep(case, schedule),
         thermo(case, schedule),
         _run(case, schedule),
@@ -74,6 +76,7 @@ def _head(case: Case) -> list[str]:
         "impact": f"{what} struck at {load.velocity:g} m/s along +z.",
         "striker": f"struck by {len(case.striker)} sphere{'s' if len(case.striker) > 1 else ''} placed against it.",
         "force": f"{load.shape} force, at most {load.largest:g} N, along +z.",
+        "plate": f"struck by a rigid plate of {load.mass or 0.0:g} kg at {load.velocity:g} m/s along +z.",
         "grains": "moved by the velocities of grains.",
         "displacement": f"{what} moved by a {load.shape} displacement, at most {load.largest:g} m, along z.",
     }

@@ -12,10 +12,15 @@ from numpy.typing import NDArray
 from granwave._contact_laws import elliptic_radius
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
+from granwave.lammps_inputs.plane_lattices import is_plane_crystal
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
     from granwave.lammps_inputs.case.supports import Support
+
+
+SIDE_WALLS = ("tube", "xlo", "xhi", "ylo", "yhi")
+PLATE = "plate"  # name of the wall that is a plate on the free top, and of its fix
 
 
 @dataclasses.dataclass(frozen=True)
@@ -25,7 +30,7 @@ class Wall:
     Attributes
     ----------
     name
-        Name of the wall: bottom, xlo, xhi, ylo, yhi or tube.
+        Name of the wall: bottom, plate, xlo, xhi, ylo, yhi or tube.
     axis
         Axis of the normal: 0, 1 or 2 for x, y or z; 0 of a tube, whose first direction is radial.
     outward
@@ -40,6 +45,8 @@ class Wall:
         Material of the plane; None if rigid.
     support
         Support of a moving plane; None if it does not move.
+    plate
+        Mass (kg) and velocity (m/s) of a rigid plate on the free top; None for other walls.
     """
 
     name: str
@@ -50,6 +57,7 @@ class Wall:
     tube: bool = False
     material: Material | None = None
     support: Support | None = None
+    plate: tuple[float, float] | None = None
 
     def gaps(self, positions: NDArray[np.float64], radii: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the gaps between the wall and spheres at positions (n, 3), negative for overlaps: (n,), m."""
@@ -71,7 +79,7 @@ class Wall:
 
 
 def walls(case: Case | Assembly) -> tuple[Wall, ...]:
-    """Return the walls of a case: the bottom first, then the sides."""
+    """Return the walls of a case: the bottom first, then a plate on the top, then the sides."""
     assembly = assemble(case)
     case = assembly.case
     found = []
@@ -79,32 +87,45 @@ def walls(case: Case | Assembly) -> tuple[Wall, ...]:
         boundary, held = case.boundary, case.boundary.bottom == "fixed"
         material, support = boundary.bottom_material, boundary.bottom_support
         found.append(Wall("bottom", 2, 1, assembly.bottom(), held, material=material, support=support))
+    if (plate := case.load.plate) is not None:
+        found.append(Wall(PLATE, 2, -1, assembly.top(), plate=plate))
     material, moves = case.boundary.sides_material, case.precompression.moves if case.precompression else {}
     if case.boundary.sides_tube is not None:
         found.append(
             Wall("tube", 0, 1, case.boundary.sides_tube - moves.get("tube", 0.0), tube=True, material=material)
         )
     for axis, letter in enumerate("xy"):
-        if case.boundary.has_planes(letter):
+        if case.boundary.has_planes(letter) and (letter == "x" or across_y(case)):
             (low, high), inwards = assembly.faces()[:, axis].tolist(), moves.get(letter, 0.0)
+            inwards -= max(case.boundary.gap, 0.0)
             found.append(Wall(f"{letter}lo", axis, -1, low + inwards, material=material))
             found.append(Wall(f"{letter}hi", axis, 1, high - inwards, material=material))
     return tuple(found)
 
 
+def across_y(case: Case) -> bool:
+    """Return True if sides across y can be walls: for a crystal in the x-z plane only where `boundary.y` says so."""
+    return not is_plane_crystal(case.packing.kind) or case.boundary.y is not None
+
+
 def wall_fixes(assembly: Assembly, wall: Wall) -> list[tuple[str, str, Material]]:
-    """Return the LAMMPS fixes of a plane, one for each material: name, group and material of the spheres.
+    """Return the LAMMPS fixes of a plane, one for each material: name, group and material of the grains.
 
     Walls act on the spheres of the packing; strikers, which are outside, can pass them.
     """
     case = assembly.case
     if case.packing.kind == "chain" and wall.name == "bottom":
         return [(wall.name, "all", assembly.material_of(assembly.lattice.n_spheres))]
-    materials = [species.material for species in assembly.species if species.role == "sphere"]
+    materials = list(dict.fromkeys(species.material for species in assembly.species if species.role == "sphere"))
     if len(materials) == 1 and not case.striker:
         return [(wall.name, "all", materials[0])]
     names = [wall.name, *(f"{wall.name}_{n}" for n in range(2, len(materials) + 1))]
-    return [(name, f"species{n}", material) for n, (name, material) in enumerate(zip(names, materials, strict=True), 1)]
+    fixes = [
+        (name, f"species{n}", material) for n, (name, material) in enumerate(zip(names, materials, strict=True), 1)
+    ]
+    if wall.plate is not None:  # it moves with the spheres that it touches: those of the top layer
+        return [(wall.name, group, material) for _, group, material in fixes if material in materials_on_top(assembly)]
+    return fixes
 
 
 def wall_friction(case: Case, wall: Wall, material: Material) -> float:
@@ -116,12 +137,20 @@ def wall_friction(case: Case, wall: Wall, material: Material) -> float:
 
 def materials_of_last_layer(assembly: Assembly) -> list[Material]:
     """Return the materials of the spheres in the last layer, each once."""
-    case = assembly.case
+    return _materials(assembly, assembly.lattice.last_layer)
+
+
+def materials_on_top(assembly: Assembly) -> list[Material]:
+    """Return the materials of the spheres in the top layer, each once."""
+    return _materials(assembly, assembly.lattice.top_layer)
+
+
+def _materials(assembly: Assembly, ids: NDArray[np.int64]) -> list[Material]:
     sites = assembly.sites
     if sites is None:
-        return [case.material]
-    last = assembly.lattice.last_layer - 1
-    return list(dict.fromkeys(sites.materials[kind] for kind in sites.kind[last][sites.present[last]]))
+        return [assembly.case.material]
+    rows = ids - 1
+    return list(dict.fromkeys(sites.materials[kind] for kind in sites.kind[rows][sites.present[rows]]))
 
 
 def moving_fix(assembly: Assembly) -> str | None:

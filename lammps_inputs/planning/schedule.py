@@ -61,6 +61,8 @@ class Schedule:
         Counts at the snapshots after the first, at 0, if they are not evenly spaced.
     history_every
         Counts between the instants at which a whole chain is recorded; 0: never.
+    line_every
+        Counts between the instants at which lines of grains are recorded; 0: never.
     first_step, longest_step
         Ticks of the first and the longest timestep; both 1 with a fixed timestep.
     energy_tolerance
@@ -76,6 +78,7 @@ class Schedule:
     frame_every: int
     frame_steps: tuple[int, ...] = ()
     history_every: int = 0
+    line_every: int = 0
     first_step: int = 1
     longest_step: int = 1
     energy_tolerance: float = 0.0
@@ -132,6 +135,7 @@ def make_schedule(case: Case | Assembly, timestep: float | None = None) -> Sched
         frame_every=frame_every,
         frame_steps=frame_steps,
         history_every=_history_every(assembly, steps, span),
+        line_every=steps.unit * steps.units(span / assembly.line_history) if case.line else 0,
         first_step=steps.unit // steps.per_first,
         longest_step=steps.unit,
         energy_tolerance=case.run.energy_tolerance if steps.adaptive else 0.0,
@@ -249,6 +253,8 @@ def _intervals(assembly: Assembly, first: float) -> list[float]:
         found.append(_AUTO_PROBE_STEPS * first if isinstance(interval, str) else interval)
     if assembly.history:
         found.append(span / assembly.history)
+    if case.line:
+        found.append(span / assembly.line_history)
     return found
 
 

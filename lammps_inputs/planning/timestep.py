@@ -6,6 +6,7 @@ velocity v_n, in which the contact takes up at most W = m_eff v_n^2 / 2 on loadi
 * the struck sphere against one resting sphere, head on: m_eff = m/2, v_n = v;
 * the struck sphere against the n spheres that it rests on, at the angle theta to the impact direction:
   m_eff = m / (1 + n cos^2 theta), v_n = v cos theta (for fcc and hcp n = 3, cos^2 theta = 2/3);
+* a sphere that a rigid plate throws forward at twice its velocity, or the share of a contact in the plate's energy;
 * a sphere against a wall: m_eff = m, v_n = v if lines of contacts carry the pulse there undivided (chain, simple
   cubic), else v halved with each layer on the way.
 
@@ -43,7 +44,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.lammps_inputs.case.sections import ENERGY_TOLERANCE
+from granwave.lammps_inputs.case.sections import ENERGY_TOLERANCE, NO_FORCE
 from granwave.lammps_inputs.case.supports import BAR_COURANT_NUMBER
 from granwave.lammps_inputs.contact.initial_dents import largest_dent
 from granwave.lammps_inputs.contact.law import flat_contact, pair_contact
@@ -66,6 +67,7 @@ _TOLERANCE = 1e-6  # error of the energy balance at any instant over the energy 
 _ERROR = 0.135  # c above, upper end of its range in fcc packings
 _OF_VISCOUS_DECAY = 0.1  # timestep over effective mass/viscous coefficient; unstable from 0.25 on in fcc packings
 _SLOPE_SPAN = 1e-6  # relative step of a finite difference in overlap
+_OF_PLATE = 4.0  # energy of a contact over its share of that of a plate: twice the mean force, in the softest direction
 _LARGEST_FORCE = 2.5  # upper bound of contact forces over the force that drives a chain
 _OF_LOAD = 0.01  # timestep over the duration or period of a load
 _OF_LOAD_ON_BAR = 5e-4  # same for a load on a bar, whose energy balance has an error of some (pi dt/T)^2
@@ -189,6 +191,7 @@ def expected_energy(assembly: Assembly) -> float:
     """Return the energy input of the load, J; for a force an upper bound."""
     case = assembly.case
     energy = sum(0.5 * assembly.mass_of(k) * math.hypot(*v) ** 2 for k, v in velocities_of(assembly).items())
+    energy += _energy_of_plate(case.load)
     return energy + (_energy_of_force(assembly) if case.load.kind == "force" else 0.0)
 
 
@@ -200,6 +203,8 @@ def fastest(assembly: Assembly) -> float:
         given = max(given, math.sqrt(2 * _energy_of_force(assembly) / _least_mass(assembly)))
     elif case.load.kind == "displacement":
         given = max(given, case.load.fastest)
+    elif case.load.plate is not None:
+        given = max(given, 2 * case.load.velocity)  # of a sphere that a heavy plate hits
     return given
 
 
@@ -214,6 +219,7 @@ def _encounters(assembly: Assembly) -> list[Encounter]:
     plain = assembly.like and case.boundary.bottom_material is None and case.load.kind == "impact"
     found = _of_impact(assembly) if plain else _of_any(assembly)
     if case.precompression is not None:
+        found = [one for one in found if one.law.name != NO_FORCE]
         force = force_of_contact(assembly)  # its work is stored at the start, and the load does more during the run
         found = [
             dataclasses.replace(one, energy=one.energy + _OF_PRECOMPRESSION * _work_to_force(one.law, force))
@@ -221,7 +227,7 @@ def _encounters(assembly: Assembly) -> list[Encounter]:
         ]
     if case.contact.initial_overlap:
         found = [dataclasses.replace(one, dent=largest_dent(case, one.law)) for one in found]
-    return [encounter for encounter in found if encounter.energy > 0]
+    return [encounter for encounter in found if encounter.energy > 0 and encounter.law.name != NO_FORCE]
 
 
 def _of_impact(assembly: Assembly) -> list[Encounter]:
@@ -260,8 +266,13 @@ def _of_any(assembly: Assembly) -> list[Encounter]:
         loss = _loss(assembly, assembly.material_of(first), assembly.material_of(second))
         found.append(Encounter(law, taken, 2 * effective, loss=loss))
     flats: list[tuple[int, Material | None]] = [(bar.touches, bar.material) for bar in assembly.bars]
+    if case.load.plate is not None:
+        flats += [(int(assembly.lattice.top_layer[0]), None)]
     if case.boundary.bottom == "wall":
         flats += [(sphere, case.boundary.bottom_material) for sphere in _kinds_of_last_layer(assembly)]
+    if assembly.has_cylinders and any(case.boundary.has_planes(axis) for axis in "xy"):
+        kinds = [1] if assembly.sites is None else _kinds(assembly.sites).example.tolist()
+        flats += [(grain, case.boundary.sides_material) for grain in kinds if assembly.shape_of(grain)]
     for sphere, material in flats:
         law = flat_contact(assembly, sphere, material)
         loss = _loss(assembly, assembly.material_of(sphere), material, flat=True)
@@ -280,6 +291,10 @@ def _limited(assembly: Assembly, law: ContactLaw, energy: float) -> float:
     load = case.load
     if load.kind == "displacement":
         return energy + _work(law, 2 * load.largest) + case.sphere_mass * (2 * load.fastest) ** 2
+    if load.plate is not None:
+        # a sphere that the plate throws against a wall, or a share of its energy if all layers are compressed alike
+        share = _energy_of_plate(load) / (len(assembly.lattice.top_layer) * assembly.lattice.n_layers)
+        return min(energy, max(_OF_PLATE * share, _largest_mass(assembly) * (2 * load.velocity) ** 2 / 2))
     if load.kind != "force" or velocities_of(assembly):
         return energy
     bound = _work_to_force(law, _LARGEST_FORCE * load.largest)
@@ -296,6 +311,16 @@ def _energy_of_force(assembly: Assembly) -> float:
             return load.largest * load.impulse / impedance
     masses = [assembly.mass_of(sphere) for sphere in struck_of(assembly)]
     return load.impulse**2 / (2 * sum(masses))
+
+
+def _energy_of_plate(load: Load) -> float:
+    """Return the energy of a plate, J; 0 for other loads."""
+    mass, velocity = load.plate or (0.0, 0.0)
+    return mass * velocity**2 / 2
+
+
+def _largest_mass(assembly: Assembly) -> float:
+    return float(assembly.sphere_masses().max()) if not assembly.plain else assembly.case.sphere_mass
 
 
 def _least_mass(assembly: Assembly) -> float:
@@ -322,9 +347,9 @@ class _Kinds:
 def _kinds(sites: Sites) -> _Kinds:
     """Classify spheres by material and diameter, or by ranges of diameters if there are too many."""
     diameters, size = np.unique(sites.diameter, return_inverse=True)
-    if len(diameters) * len(sites.materials) > _MOST_KINDS:
+    if len(diameters) * len(sites.bodies) > _MOST_KINDS:
         size = (np.log(sites.diameter / diameters[0]) / math.log(_NEAR)).astype(np.int64)
-    code = np.where(sites.present, sites.kind * (size.max() + 1) + size, -1)
+    code = np.where(sites.present, sites.body * (size.max() + 1) + size, -1)
     order = np.lexsort((sites.diameter, code))  # the smallest of each kind first
     codes, first = np.unique(code[order], return_index=True)
     example = order[first][codes >= 0] + 1
@@ -360,7 +385,10 @@ def _kinds_of_pairs(assembly: Assembly) -> list[tuple[int, int]]:
         pairs += [(int(plain[0]), int(plain[0]))] if len(plain) > 1 else []
     for number, (striker, _) in enumerate(assembly.strikers, start=assembly.lattice.n_spheres + 1):
         pairs += [(number, touched) for touched in striker.touches]
-    alike = {frozenset((assembly.material_of(k), assembly.diameter_of(k)) for k in pair): pair for pair in pairs}
+    alike = {
+        frozenset((assembly.material_of(k), assembly.diameter_of(k), assembly.shape_of(k)) for k in pair): pair
+        for pair in pairs
+    }
     return list(alike.values())
 
 

@@ -3,6 +3,7 @@
 
      support MASS STIFFNESS DAMPING                  M u" + C u' + K u = F, or with MASS 0  C u' + K u = F
      support bar ELEMENTS MASS STIFFNESS END         lumped masses joined by springs; END = free | fixed | impedance
+     support free MASS VELOCITY                      M u" = F, u' = -VELOCITY at the start: a plate that moves towards the spheres
 
    u is the outward displacement of the plane, away from the spheres; F >= 0 is their normal force on it. Both kinds are a chain
    of nodes that starts at the plane; the last node has a spring and a damper to the ground:
@@ -36,7 +37,7 @@ class Support {
   /* Parse the words after `support`; sets `used` to their number. Throws std::invalid_argument. */
   Support(const std::vector<std::string> &words, std::size_t &used)
   {
-    const bool bar = !words.empty() && words[0] == "bar";
+    const bool bar = !words.empty() && words[0] == "bar", plate = !words.empty() && words[0] == "free";
     used = bar ? 5 : 3;
     if (words.size() < used) refuse("it has " + std::to_string(words.size()) + " words");
     if (bar) {
@@ -56,6 +57,10 @@ class Support {
         mass_.back() *= 0.5;
         if (words[4] != "free") ground_damping_ = number(words[4], "END of a bar, unless free or fixed,");
       }
+    } else if (plate) {
+      mass_ = {number(words[1], "MASS of a free plate")};
+      if (mass_[0] == 0.0) refuse("MASS of a free plate must be positive, found '" + words[1] + "'");
+      launch_ = number(words[2], "VELOCITY of a free plate");
     } else {
       mass_ = {number(words[0], "MASS")};
       ground_stiffness_ = number(words[1], "STIFFNESS");
@@ -66,7 +71,7 @@ class Support {
       }
     }
     place_.assign(mass_.size(), 0.0);
-    speed_.assign(mass_.size(), 0.0);
+    speed_.assign(mass_.size(), 0.0 - launch_);
   }
 
   /* Critical timestep of the support, together with contacts of the given total stiffness. */
@@ -120,11 +125,11 @@ class Support {
   }
 
   /* Make a Newton step of a minimization towards static equilibrium, with the spheres at their present positions. A support
-     without a spring to the ground does not move. */
+     without a spring to the ground does not move; a free plate is launched when the run begins. */
   void settle(double contacts)
   {
     started_ = false;    // a subsequent run has no previous step
-    std::fill(speed_.begin(), speed_.end(), 0.0);
+    std::fill(speed_.begin(), speed_.end(), 0.0 - launch_);
     if (ground_stiffness_ == 0.0) return;
     const auto n = static_cast<double>(place_.size());
     const double whole = ground_stiffness_ / n;    // all springs of a bar are equal, including that to the ground
@@ -197,6 +202,7 @@ class Support {
   std::vector<double> mass_, place_, speed_;    // per node, starting at the plane; displacement and velocity
   double stiffness_ = 0.0;                      // of each spring between two nodes
   double ground_stiffness_ = 0.0, ground_damping_ = 0.0;
+  double launch_ = 0.0;                   // speed of a free plate at the start, towards the spheres
   double force_ = 0.0, earlier_ = 0.0;    // of the spheres, in this evaluation and in that of the previous step
   double work_ = 0.0, damped_ = 0.0;
   bool started_ = false;
@@ -222,8 +228,8 @@ class Support {
   [[noreturn]] static void refuse(const std::string &what)
   {
     throw std::invalid_argument("support: " + what +
-                                "; expected support MASS STIFFNESS DAMPING (MASS may be 0 with DAMPING), or "
-                                "support bar ELEMENTS MASS STIFFNESS free|fixed|IMPEDANCE");
+                                "; expected support MASS STIFFNESS DAMPING (MASS may be 0 with DAMPING), "
+                                "support bar ELEMENTS MASS STIFFNESS free|fixed|IMPEDANCE, or support free MASS VELOCITY");
   }
 
   static double number(const std::string &word, const std::string &what)

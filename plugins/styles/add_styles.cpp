@@ -2,6 +2,7 @@
 /* Registration of the styles with LAMMPS, after granwaveplugin.cpp has checked that library and styles match. */
 
 #include "compute_gran_hysteretic.h"
+#include "compute_gran_hysteretic_sums.h"
 #include "fix_gran_absorb.h"
 #include "fix_gran_cylinder.h"
 #include "fix_gran_holder.h"
@@ -66,6 +67,7 @@ extern "C" __attribute__((visibility("default"))) void granwave_add_styles(void 
   add("compute", ComputeGranHystereticLocal::STYLE, &create_named<Compute, ComputeGranHystereticLocal>, computes);
   add("compute", ComputeGranHystereticContact::STYLE, &create_named<Compute, ComputeGranHystereticContact>, computes);
   add("compute", ComputeGranHystereticEnergy::STYLE, &create_named<Compute, ComputeGranHystereticEnergy>, computes);
+  add("compute", ComputeGranHystereticSums::STYLE, &create_named<Compute, ComputeGranHystereticSums>, computes);
   // `clear` keeps commands, and the loader, which registers all styles again, would warn of a duplicate
   lmp->input->command_map->emplace(GranDents::STYLE, &create<Command, GranDents>);
 }

@@ -56,11 +56,15 @@ class FixWallGranHysteretic : public Fix {
   void set_dent(int i, double peak);
   /* Turn all dents so far into initial dents, and reset the totals. */
   void begin();
+  bool has_friction() const { return friction > 0.0; }
   /* Power of the forces on a plane that moves, and force^2 over mass: parts of them that are not of spheres. */
   void add_power(double &power, double &force_squared_over_mass) const
   {
     if (support) support->add_power(power, force_squared_over_mass);
   }
+
+  /* Add the magnitudes of the components of the forces of the walls on sphere i; of two planes at once the larger force. */
+  void add_magnitudes(int i, double sums[3]) const;
 
   void grow_arrays(int) override;
   void copy_arrays(int, int, int) override;

@@ -6,6 +6,8 @@
 #include "atom.h"
 #include "update.h"
 
+#include <cmath>
+
 using namespace LAMMPS_NS;
 using granwave::ScaledLaw;
 
@@ -32,6 +34,19 @@ void FixWallGranHysteretic::tally()
     }
   }
   MPI_Allreduce(mine, totals, N_TOTALS, MPI_DOUBLE, MPI_SUM, world);
+}
+
+void FixWallGranHysteretic::add_magnitudes(int i, double sums[3]) const
+{
+  const double force = array_atom[i][FORCE];
+  if (force <= 0.0) return;
+  double normal[3];
+  inward(i, 1, normal);
+  for (int d = 0; d < 3; d++) {
+    double along = 0.0;
+    for (int side = 0; side < 2 && friction > 0.0; side++) along += springs[2 * i + side].force[d];
+    sums[d] += std::fabs(force * normal[d]) + std::fabs(along);
+  }
 }
 
 double FixWallGranHysteretic::compute_scalar()

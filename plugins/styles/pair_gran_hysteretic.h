@@ -48,6 +48,7 @@ class PairGranHysteretic : public Pair {
     int i, j;    // local index; j may be a ghost, -1 for a forgotten dent
     tagint tag_i, tag_j;
     double overlap, force;    // present values; overlap < 0 is a gap
+    double on_first[3];       // present force on i: normal and tangential; of for_each_dent, for live contacts
     double peak_force, elastic, dissipated, share_i;
     double tangential_force, tangential_elastic, frictional_loss;
     double viscous_loss;

@@ -197,7 +197,13 @@ void PairGranHysteretic::for_each_dent(const std::function<void(const Report &)>
       if (c.peak[k] == 0.0) continue;
       const int j = c.partner[k];
       const double delx = x[i][0] - x[j][0], dely = x[i][1] - x[j][1], delz = x[i][2] - x[j][2];
-      visit(report_pair(i, j, k, delx * delx + dely * dely + delz * delz));
+      Report report = report_pair(i, j, k, delx * delx + dely * dely + delz * delz);
+      const double r = std::sqrt(delx * delx + dely * dely + delz * delz);
+      double normal[3] = {delx / r, dely / r, delz / r};
+      if (is_special(atom->type[i], atom->type[j])) std::copy_n(separation(i, j).normal, 3, normal);
+      for (int d = 0; d < 3; d++)
+        report.on_first[d] = report.force * normal[d] + (has_friction ? c.spring[k].force[d] : 0.0);
+      visit(report);
     }
   }
   const granwave::ContactHistory &history = fix_history->history;

@@ -16,7 +16,16 @@ from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
 from granwave.lammps_inputs.packing.walls import walls
 
 D = 0.01
-INSIDE = {"fcc": 12, "hcp": 12, "bcc": 8, "sc": 6, "square": 4, "chain": 2}  # coordination
+INSIDE = {
+    "fcc": 12,
+    "hcp": 12,
+    "bcc": 8,
+    "sc": 6,
+    "square": 4,
+    "hexagonal": 6,
+    "centred-square": 4,
+    "chain": 2,
+}  # coordination
 SOLID = [kind for kind, rule in KINDS.items() if rule.axes == "xyz"]
 
 
@@ -67,6 +76,7 @@ def test_positions_of_the_other_kinds() -> None:
 SIZES = [
     *[(kind, size) for kind in SOLID for size in [(1, 1, 1), (2, 3, 4), (6, 5, 7), (1, 6, 2)]],
     *[("square", size) for size in [(1, 1), (2, 3), (7, 6)]],
+    *[(kind, size) for kind in ("hexagonal", "centred-square") for size in [(2, 1), (5, 6), (6, 7)]],
     *[("chain", (n,)) for n in (1, 2, 9)],
 ]
 

@@ -23,6 +23,7 @@ STYLES = (
     "compute_gran_hysteretic_local",
     "compute_gran_hysteretic_contact",
     "compute_gran_hysteretic_energy",
+    "compute_gran_hysteretic_sums",
     "gran_dents",
 )
 SECTIONS = ("Syntax", "Examples", "Description", "Restrictions", "Related commands", "Default")
@@ -166,6 +167,15 @@ def test_loop_area_is_the_dissipated_energy(example, tmp_path):
     assert area == pytest.approx(lost[-1], rel=1e-4)
     assert lost[-1] == pytest.approx(run["c_lost[1]"][-1], rel=1e-12) and stored[-1] == 0
     assert peak[-1] == overlap.max() and force[overlap <= 0].max() == 0
+
+
+def test_half_the_sum_is_the_force_passed_on(example):
+    run = example("sums").runs[0]
+    assert run["c_left[2]"].max() > 0
+    assert run["v_half"] == pytest.approx(run["c_left[2]"], rel=1e-9, abs=1e-9)
+    walls = np.abs(run["f_low[3]"]) + np.abs(run["f_high[3]"])
+    assert walls.max() > 0
+    assert run["c_total"] == pytest.approx(4 * run["c_left[2]"] + walls, rel=1e-9, abs=1e-6)
 
 
 def test_energies_summed_when_asked_for_are_those_of_the_tally(example):

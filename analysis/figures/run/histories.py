@@ -33,13 +33,13 @@ _QUANTITIES = {
     "overlap": ("Overlap (µm)", 1e6),
     "force": ("Contact force (N)", 1.0),
 }
-_BROWN, _WINE, _PALE = "#8C5A2B", "#882255", "#C9C2B2"
+_BROWN, _WINE, _PALE, _NAVY = "#8C5A2B", "#882255", "#C9C2B2", "#1B2A49"
 _COLOURS = (BLUE, ORANGE, GREEN, PURPLE, GREY)
 #: Parts of the energy and their colours, from the bottom of the figure up.
 _AREAS = {
     "dissipated": ORANGE, "yielding": ORANGE, "friction": YELLOW, "viscous losses": _WINE, "holder": _BROWN,
     "support's damper": GREY, "absorbed": _PALE, "support": PURPLE,
-    "elastic": GREEN, "rotation": SKY, "kinetic": BLUE,
+    "elastic": GREEN, "rotation": SKY, "kinetic": BLUE, "plate": _NAVY,
 }  # fmt: skip
 #: Energies that are dissipated, but not by yielding: label and column of the ledger.
 _LOST_OTHERWISE = {
@@ -89,6 +89,9 @@ def _energy_parts(result: Result) -> dict[str, NDArray]:
     if result.has("energy/rotational"):
         rotational = result["energy/rotational"]
         parts = {"kinetic": kinetic - rotational, "rotation": rotational, "elastic": elastic, "dissipated": dissipated}
+    if result.has("energy/plate"):
+        parts["kinetic"] = parts["kinetic"] - result["energy/plate"]
+        parts["plate"] = result["energy/plate"]
     if result.has("energy/support"):
         parts["elastic"] = elastic - result["energy/support"]
         parts["support"] = result["energy/support"]

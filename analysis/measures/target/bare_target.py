@@ -194,7 +194,7 @@ def unprotected(case: Case, end_time: float) -> BareTarget | None:
         return None
     if case.load.kind == "force":
         return _pushed(case.load, target, end_time)
-    groups = impactors_of(case, target.material) if case.load.kind != "displacement" else []
+    groups = impactors_of(case, target.material) if case.load.kind not in ("displacement", "plate") else []
     return _hit(groups, target, end_time) if groups else None
 
 

@@ -138,16 +138,15 @@ def _bounds(
     if isinstance(lattice, Places):
         return {}  # such grains may leave off anywhere
     nx, ny, nz = lattice.shape
-    site = result["spheres/id"][own] - 1
+    ids = result["spheres/id"][own]
     found = {}
     if nz > 1:
-        found[BOTTOM] = site // (nx * ny) == nz - 1
+        found[BOTTOM] = ids >= lattice.last_layer[0]
     if periods is not None:
         pitch = np.array(lattice.rule.pitch) * lattice.diameter
         found[SIDES] = np.any(np.abs(offset[:, :2]) >= periods / 2 - pitch, axis=1)
     elif nx * ny > 1:
-        ends = [(place == 0) | (place == n - 1) for place, n in ((site % nx, nx), (site // nx % ny, ny)) if n > 1]
-        found[SIDES] = np.any(ends, axis=0)
+        found[SIDES] = lattice.at_sides(ids)
     return found
 
 

@@ -1,0 +1,86 @@
+"""Lines of grains, ``[[line]]``, as groups of ``result.h5``.
+
+    /lines/NAME/{time, id, position, distance, displacement, velocity, force_sums}    motion, in the order of the line;
+                                                                                     angular_velocity if grains turn
+    /lines/NAME/{arrival, peak_speed, peak_time, width, lateral_force, largest_speed}     of each grain
+
+``distance`` counts along the line from its first grain to each. ``force_sums`` are the sums of the magnitudes of the
+contact forces along x, y and z; the lateral force is half of that across the line, at the instant of the peak.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granwave.analysis.lammps_output.lines import read_lines
+from granwave.analysis.result.first_pulse import first_pulses
+from granwave.lammps_inputs.packing.assembly import Assembly, velocities_of
+from granwave.lammps_inputs.packing.lines import all_line_ids, line_ids
+
+
+def line_groups(
+    directory: str | Path, assembly: Assembly, timestep: float, last: int
+) -> dict[str, dict[str, NDArray[np.generic]]]:
+    """Read the lines of a case as groups by name; raise as `read_lines`.
+
+    Parameters
+    ----------
+    timestep
+        Time of a count of the step counter, s.
+    last
+        Count of the last instant.
+    """
+    history = read_lines(directory, all_line_ids(assembly), last)
+    centre, row = dict(zip(assembly.ids.tolist(), assembly.positions(), strict=True)), history.ids
+    time = history.steps * timestep
+    groups: dict[str, dict[str, NDArray[np.generic]]] = {}
+    for line in assembly.case.line:
+        ids = np.array(line_ids(assembly, line))
+        chosen, position = np.searchsorted(row, ids), np.array([centre[one] for one in ids.tolist()])
+        velocity, sums = history.velocity[:, chosen], history.sums[:, chosen]
+        speed = np.linalg.norm(velocity, axis=2)
+        pulses = first_pulses(time, speed, reference_speed(assembly) or float(speed.max(initial=0.0)))
+        steps = np.linalg.norm(np.diff(position, axis=0), axis=1)
+        groups[f"lines/{line.name}"] = {
+            "time": time,
+            "id": ids,
+            "position": position,
+            "distance": np.concatenate([[0.0], np.cumsum(steps)]),
+            "displacement": history.displacement[:, chosen],
+            "velocity": velocity,
+            "force_sums": sums,
+            "arrival": pulses.arrival,
+            "peak_speed": pulses.peak,
+            "peak_time": pulses.time,
+            "width": pulses.width,
+            "lateral_force": _lateral(sums, pulses.row, position),
+            "largest_speed": speed.max(axis=0),
+        }
+        if history.angular_velocity is not None:
+            groups[f"lines/{line.name}"]["angular_velocity"] = history.angular_velocity[:, chosen]
+    return groups
+
+
+def reference_speed(assembly: Assembly) -> float:
+    """Return the speed that arrivals refer to: the largest that the load gives at the start, m/s; 0 of a force."""
+    speeds = [math.hypot(*velocity) for velocity in velocities_of(assembly).values()]
+    if assembly.case.load.plate is not None:
+        speeds.append(assembly.case.load.velocity)
+    return max(speeds, default=0.0)
+
+
+def _lateral(sums: NDArray[np.float64], row: NDArray[np.int64], position: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return half the sum of the contact forces across the line at the peaks: (n,), N; NaN without a peak.
+
+    Across is the horizontal axis that is most nearly normal to the line.
+    """
+    way = np.abs(position[-1] - position[0])
+    axis = int(np.argmin(way[:2]))
+    if way[0] == way[1]:
+        axis = 0
+    found = 0.5 * sums[np.maximum(row, 0), np.arange(len(row)), axis]
+    return np.where(row >= 0, found, np.nan)

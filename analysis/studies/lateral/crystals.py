@@ -1,0 +1,176 @@
+"""The two crystals of the source with and without side walls: speeds, decay, widths, lateral forces, distributions."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from granwave.analysis.figures.series import label, legend_above, panels
+from granwave.analysis.figures.style import BLUE, ORANGE, Drawing
+from granwave.analysis.studies.lateral.motion import (
+    later_peak,
+    mirrored,
+    row_shift,
+    seen_by_camera,
+    turned,
+)
+from granwave.analysis.studies.lateral.runs import LateralRun, lateral_runs
+from granwave.analysis.studies.runs import FinishedRun, grouped
+from granwave.analysis.studies.study import Picture, Row
+
+TITLE = "Plane crystals of soft cylinders under a plate"
+TEXT = (
+    "A centred-square (BCC in the source) and a hexagonal crystal (HCP) of polyurethane cylinders between rigid "
+    "walls, struck by a rigid plate at 6 m/s. The source prints neither the modulus at that rate, nor density, "
+    "friction, loss, the mass of the plate, nor how many grains there are: 70 MPa, 1130 kg/m3, 0.3, 12 us, 20 kg/m, "
+    "88 and 105 grains are chosen. What it does print is compared; values of an independent trial program for the "
+    "same crystals test the code."
+)
+_SOURCE = "lateral constraints"
+_CHECK = "independent program"
+_EACH = {  # values of the independent program: BCC, HCP
+    "front": (120.0, 204.0),
+    "first": (8.8, 3.0),
+    "second": (4.7, 10.7),
+    "border": (7.1, 7.9),
+    "width_first": (0.98, 0.68),
+    "width_last": (0.25, 0.22),
+    "lateral_second": (6848.0, 3432.0),
+    "lateral_late": (4425.0, 2683.0),
+    "mean": (4.08, 4.65),
+    "deviation": (1.51, 1.12),
+    "friction": (0.52, 0.32),
+    "loss": (0.08, 0.14),
+    "rebound": (3.4, 4.0),
+}
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Crystals:
+    """The runs with side walls and without, by the name of the crystal."""
+
+    walls: dict[str, LateralRun]
+    free: dict[str, LateralRun]
+
+
+def select(runs: Sequence[FinishedRun]) -> list[Crystals]:
+    """Both crystals that differ in kind and sides alone and recorded all of their grains."""
+    found = []
+    for group in grouped(lateral_runs(runs), "packing.kind", "packing.size", "boundary.sides"):
+        whole = [run for run in group if "all" in run.lines and not run.case.boundary.gap]
+        walls = {run.crystal: run for run in whole if run.case.boundary.has_planes("x")}
+        free = {run.crystal: run for run in whole if not run.case.boundary.has_planes("x")}
+        if walls:
+            found.append(Crystals(walls, free))
+    return found
+
+
+def rows(group: Crystals) -> Iterator[Row]:
+    """What the source prints, then the independent program's values, then what only the runs tell."""
+    yield from _printed(group)
+    for name, run in group.walls.items():
+        yield from _verified(run, 0 if name == "BCC" else 1)
+    yield from _alone(group)
+
+
+def _printed(group: Crystals) -> Iterator[Row]:
+    remark = "The source sees the same speed in both; a lattice of such contacts cannot have it."
+    if {"BCC", "HCP"} <= group.walls.keys():
+        square, hexagonal = (group.walls[name].down.front_speed for name in ("BCC", "HCP"))
+        if square and hexagonal:
+            where = f"{_SOURCE}, Fig. 9"
+            yield Row("Front speed of BCC over that of HCP", "", 1.0, square / hexagonal, where, remark, digits=3)
+    for name, run in group.walls.items():
+        where = f"{_SOURCE}, Fig. 9"
+        later = later_peak(run)
+        if later is not None:
+            remark = "After the start of the impact; the zero of the source's camera is not known."
+            yield Row(f"Second, small peak of the speed in deep grains, {name}", "ms", 4.0, 1e3 * later, where, remark,
+                      digits=2)  # fmt: skip
+    for name, run in group.walls.items():
+        low, high = seen_by_camera(run, 8000.0)
+        quantity = f"Largest speeds as 8000 frames/s show them over the true ones, least, {name}"
+        remark = f"Up to {high:.2f}; the source's largest speeds are low by this."
+        yield Row(quantity, "", None, low, f"{_SOURCE}, camera", remark, digits=2)
+
+
+def _verified(run: LateralRun, which: int) -> Iterator[Row]:
+    line, decay, values = run.down, run.whole_decay, run.lines["all"].distribution
+    diameter, length = run.case.packing.diameter, run.case.packing.length or 1.0
+    lateral = line.lateral_force / length
+    found: list[tuple[str, str, str, float | None, int]] = [
+        ("front", "Front speed along the middle line", "m/s", line.front_speed, 4),
+        ("first", "Decay of the peak speed, first region, all grains", "1/m", decay and decay.first, 2),
+        ("second", "Decay of the peak speed, second region, all grains", "1/m", decay and decay.second, 2),
+        ("border", "Border of the two regions, all grains", "D", decay and decay.border / diameter, 2),
+        ("width_first", "Half width of the pulse at the first grain", "ms", 1e3 * line.width[0], 2),
+        ("width_last", "Half width of the pulse at the last grain", "ms", 1e3 * line.width[-1], 2),
+        ("lateral_second", "Lateral force at the peak, second grain", "N/m", lateral[1], 3),
+        ("lateral_late", "Lateral force at the peak, last grain but one", "N/m", lateral[-2], 3),
+        ("mean", "Largest speeds of all grains, mean", "m/s", values and values.mean, 3),
+        ("deviation", "Largest speeds of all grains, standard deviation", "m/s", values and values.deviation, 3),
+        ("friction", "Dissipated by friction over the input", "", run.value("friction_fraction"), 2),
+        ("loss", "Dissipated by the loss of contacts over the input", "", run.value("viscous_fraction"), 2),
+        ("rebound", "Speed at which the plate rebounds", "m/s", -run.value("plate_velocity_m_s"), 2),
+    ]
+    soft = "A tangential spring that stays as stiff as at 1 % of E* R there, one that follows the contact here."
+    for key, quantity, unit, ours, digits in found:
+        if ours is not None and np.isfinite(ours):
+            remark = soft if key in ("second", "lateral_late", "width_first", "friction") else ""
+            theory = _EACH[key][which]
+            yield Row(f"{quantity}, {run.crystal}", unit, None, float(ours), _CHECK, remark, theory, True, digits)
+
+
+def _alone(group: Crystals) -> Iterator[Row]:
+    for name, run in group.walls.items():
+        values = run.lines["all"].distribution
+        if values is not None:
+            remark = "The source: Gaussian. Of the test of Shapiro and Wilk."
+            yield Row(f"Largest speeds of all grains, p that they are Gaussian, {name}", "", None, values.normal_p,
+                      f"{_SOURCE}, Fig. 10", remark, digits=1)  # fmt: skip
+            quantity = f"Largest speeds of all grains, standard deviation over mean, {name}"
+            remark = "The source: HCP is narrower."
+            yield Row(quantity, "", None, values.deviation / values.mean, f"{_SOURCE}, Fig. 10", remark, digits=2)
+        walls, others = turned(run)
+        remark = f"Of the grains that are not at walls {others:.0f}. The source: huge in HCP, none in BCC."
+        yield Row(f"Largest rotation of grains at side walls, mean, {name}", "degrees", None, walls, _SOURCE, remark,
+                  digits=2)  # fmt: skip
+        outward, inward = row_shift(run)
+        remark = f"Then inwards by {inward:.0f} um, before 1.1 ms. The source: out, then in."
+        yield Row(f"Left half of the second row, outwards at most before 0.5 ms, {name}", "um", None, outward,
+                  f"{_SOURCE}, Fig. 4", remark, digits=2)  # fmt: skip
+        yield Row(f"Largest deviation from mirror symmetry over a diameter, {name}", "", None, mirrored(run), _SOURCE,
+                  "The source: almost perfect.", digits=1)  # fmt: skip
+    for name, run in group.free.items():
+        inside = run.down.peak_speed[np.isfinite(run.down.peak_speed)]
+        beside = group.walls.get(name)
+        if beside is not None and len(inside) > 1:
+            n = len(inside) - 1
+            ratio = inside[n] / beside.down.peak_speed[n]
+            quantity = f"Last peak down the line without side walls over that with them, {name}"
+            yield Row(quantity, "", None, float(ratio), _SOURCE, f"At a depth of {run.depth[n]:.1f} D.", digits=2)
+
+
+def pictures(group: Crystals) -> Iterator[Picture]:
+    """Peak speed, lateral force and half width against depth, with side walls and without."""
+    figure, *axes = panels(2.4, 3)
+    columns = {}
+    for runs, line, mark, word in ((group.walls, "-", "o", "walls"), (group.free, "--", "^", "free")):
+        for (name, run), colour in zip(runs.items(), (BLUE, ORANGE), strict=False):
+            length = run.case.packing.length or 1.0
+            curves = (run.down.peak_speed, run.down.lateral_force / length, 1e3 * run.down.width)
+            for panel, values in zip(axes, curves, strict=True):
+                panel.plot(run.depth, values, line, marker=mark, markersize=3, color=colour, label=f"{name}, {word}")
+            columns |= {
+                f"{name}_{word}_depth_diameters": run.depth,
+                f"{name}_{word}_peak_m_s": curves[0],
+                f"{name}_{word}_lateral_N_per_m": curves[1],
+                f"{name}_{word}_width_ms": curves[2],
+            }
+    names = ("Peak speed (m/s)", "Lateral force (N/m)", "Half width (ms)")
+    for panel, name in zip(axes, names, strict=True):
+        label(panel, "Depth (diameters)", name, ylim=(0, None))
+    legend_above(axes[0], 2)
+    yield Picture("", "Middle line of both crystals, with side walls and without", Drawing(figure, columns))
