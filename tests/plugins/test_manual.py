@@ -118,6 +118,12 @@ def test_restart_repeats_the_run(example):
         assert abs(log.printed(f"change of {what}")) < 1e-10
 
 
+def test_losses_give_the_restitution_of_the_series(example):
+    log = example("losses")
+    assert log.printed("restitution") == pytest.approx(log.printed("series"), abs=2e-4)
+    assert np.abs(log.runs[0]["v_balance"]).max() < 3e-6 and log.runs[0]["c_contact[8]"][-1] > 0
+
+
 def test_walls_take_the_momentum_and_keep_the_dents(example, tmp_path):
     run = example("between_walls").runs[0]
     assert run["f_floor[6]"][-1] == run["f_ceiling[6]"][-1] == 1
