@@ -177,7 +177,7 @@ class Contact:
     constant: float | None = number("law power: K of F = K overlap^p, N/m^p", above=0, default=None)
     exponent: float | None = number("law power: p", at_least=1, default=None)
     line: str = choice(
-        "law of a cylinder on a plane: that of a half-space, or plane strain; auto: plane strain if all grains are cylinders",
+        "law of a cylinder on a plane: half-space, or plane strain; auto: plane strain if all grains are cylinders",
         LINES,
         default="auto",
     )

@@ -43,7 +43,7 @@ def test_crossed_cylinders(degrees):
     t = math.radians(degrees)
     pair = CylinderPair(length=(0.01, 0.02), first_axis=X, second_axis=(math.cos(t), math.sin(t), 0.0))
     one, other = 0.002, 0.003
-    assert not pair.parallel and pair.effective_radius(one, one) == pytest.approx(one, rel=1e-15) or degrees != 90
+    assert (not pair.parallel and pair.effective_radius(one, one) == pytest.approx(one, rel=1e-15)) or degrees != 90
     difference = math.sqrt(one**-2 + other**-2 + 2 / (one * other) * math.cos(2 * t))  # Johnson, 4.2
     low, high = (1 / one + 1 / other - difference) / 2, (1 / one + 1 / other + difference) / 2
     assert pair.effective_radius(one, other) == pytest.approx(radius_by_scipy(low, high / low), rel=1e-9)
@@ -101,7 +101,9 @@ def test_parallel_cylinders_collide_as_their_equations_say(lammps):
         + "timestep 5e-9\nrun 600\n"
     )  # fmt: skip
     stored = value(lmp, "pe")
-    assert 0 < stored and value(lmp, "c_ke+pe") == pytest.approx(sum(m * v * v / 2 for m, v in zip(mass, (0.5, 1))), rel=1e-6)
+    assert stored > 0 and value(lmp, "c_ke+pe") == pytest.approx(
+        sum(m * v * v / 2 for m, v in zip(mass, (0.5, 1), strict=True)), rel=1e-6
+    )
     lmp.command("run 5400")
     x, v = lmp.numpy.extract_atom("x"), lmp.numpy.extract_atom("v")
     assert 0.011 - (x[0] - x[1]) @ n == pytest.approx(end[0], abs=2e-10)
@@ -213,7 +215,9 @@ def test_powers_of_the_overlap(lammps):
                                 "pair_coeff * * none 1e9 0.3", "pair_coeff 1 2 power 1e9 0.3 2e9 0.3 constant 3e7 exponent 1.25"])
         + "compute pair all pair/local force eng\nthermo_style custom step pe\nrun 0\n"
     )  # fmt: skip
-    assert [value(lmp, f"fz[{k}]") for k in (1, 2, 3)] == pytest.approx([-3e7 * 1e-7**1.25, 3e7 * 1e-7**1.25, 0.0], rel=1e-6)
+    assert [value(lmp, f"fz[{k}]") for k in (1, 2, 3)] == pytest.approx(
+        [-3e7 * 1e-7**1.25, 3e7 * 1e-7**1.25, 0.0], rel=1e-6
+    )
     assert value(lmp, "pe") == pytest.approx(3e7 * 1e-7**2.25 / 2.25, rel=1e-6)
 
 
