@@ -29,6 +29,7 @@ from granwave.lammps_inputs.case.schema import (
     text,
     whole,
 )
+from granwave.lammps_inputs.case.shape import Vector, axis_field, check_shape, length_field, shape_field, shape_of
 from granwave.lammps_inputs.case.si_values import DIAMETER
 from granwave.lammps_inputs.lattices import FILE, Lattice
 
@@ -86,6 +87,9 @@ class AddedGrains:
     ring: Ring | None = custom("places around the axis x = y = 0", _parse_ring, default=None)  # noqa: RUF009
     repeat: Repeat | None = custom("copies of these places, each a step on", _parse_repeat, default=None)  # noqa: RUF009
     diameter: float = number("diameter of these grains", unit="m", above=0, usual=DIAMETER)
+    shape: str = shape_field()
+    length: float | None = length_field()
+    axis: Vector | None = axis_field()  # noqa: RUF009 (axes are not changed)
     material: Material | None = None
     group: str | None = text("name of their group, for [[hold]]", default=None)
 
@@ -120,6 +124,7 @@ def with_added_grains(
         if (entry.at is None) == (entry.ring is None):
             found = "neither at nor ring" if entry.at is None else "both at and ring"
             errors.add(f"grains.{place}", f"found {found}, expected one of them")
+        check_shape(entry, f"grains.{place}", errors)
     for name in _OF_SITES:
         if getattr(packing, name):
             errors.add(f"packing.{name}", "found beside [[grains]], whose packing is no lattice; take one of them out")
@@ -129,17 +134,31 @@ def with_added_grains(
     if own is None:
         lattice = Lattice(packing.kind, packing.size, packing.diameter)
         n = lattice.n_spheres
-        own = Grains(lattice.positions(1, n), np.full(n, packing.diameter), [""] * n, [""] * n, np.zeros((n, 3)))
+        own = Grains(
+            lattice.positions(1, n),
+            np.full(n, packing.diameter),
+            [""] * n,
+            [""] * n,
+            np.zeros((n, 3)),
+            [packing.of_grain] * n,
+        )
     position, diameter, material, group = [own.position], [own.diameter], [*own.material], [*own.group]
+    shape = [*own.shape]
     for entry in added:
         places = entry.places()
         position.append(places)
         diameter.append(np.full(len(places), entry.diameter))
         material += [_name_of(entry.material, materials)] * len(places)
         group += [entry.group or ""] * len(places)
+        shape += [shape_of(entry)] * len(places)
     still = np.zeros((sum(map(len, position[1:])), 3))
     grains = Grains(
-        np.concatenate(position), np.concatenate(diameter), material, group, np.concatenate([own.velocity, still])
+        np.concatenate(position),
+        np.concatenate(diameter),
+        material,
+        group,
+        np.concatenate([own.velocity, still]),
+        shape,
     )
     return PackingSection(kind=FILE, size=(len(grains),), diameter=packing.diameter, grains=grains)
 

@@ -1,6 +1,8 @@
 """Grains at places of their own: the rows of ``packing.file``, or of the same text in ``packing.grains``.
 
     x, y, z, diameter                    m; depth is +z
+    shape, length                        sphere or cylinder, and the length of this, m
+    axis_x, axis_y, axis_z               direction of the axis of a cylinder, by default y
     material                             name of a preset or of a [materials.NAME]; by default that of the packing
     group                                a word, for [[hold]]
     vx, vy, vz                           initial velocity, m/s
@@ -24,13 +26,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.schema import LARGEST_COUNT, show
+from granwave.lammps_inputs.case.shape import AXIS_COLUMNS, Shape, read_shapes, shape_columns
 from granwave.lammps_inputs.files import read_regular
 
 _PLACE = ("x", "y", "z")
 _VELOCITY = ("vx", "vy", "vz")
-_NUMBERS = (*_PLACE, "diameter", *_VELOCITY)
+_NUMBERS = (*_PLACE, "diameter", "length", *AXIS_COLUMNS, *_VELOCITY)
 _WORDS = ("material", "group")
-COLUMNS = (*_PLACE, "diameter", *_WORDS, *_VELOCITY)
+COLUMNS = (*_PLACE, "diameter", "shape", "length", *AXIS_COLUMNS, *_WORDS, *_VELOCITY)
 _WORD = re.compile(r"[^,#\"'\s]*(?: [^,#\"'\s]+)*")
 _TABLES = (".csv", ".txt", ".dat")  # suffixes of files that are tables; ASE reads the rest
 _FROM_ASE = {  # names of arrays
@@ -38,6 +41,9 @@ _FROM_ASE = {  # names of arrays
     "radius": ("radius", "radii"),
     "material": ("material", "materials"),
     "group": ("group", "groups"),
+    "shape": ("shape", "shapes"),
+    "length": ("length", "lengths"),
+    **{name: (name,) for name in AXIS_COLUMNS},
 }
 
 
@@ -56,6 +62,8 @@ class Grains:
         Names of the groups; empty for none: (n,).
     velocity
         Initial velocities: (n, 3), m/s.
+    shape
+        Shapes: (n,); None: all are spheres.
     """
 
     def __init__(
@@ -65,8 +73,10 @@ class Grains:
         material: Sequence[str],
         group: Sequence[str],
         velocity: NDArray[np.float64],
+        shape: Sequence[Shape] | None = None,
     ) -> None:
         self.position, self.diameter, self.velocity = position, diameter, velocity
+        self.shape = (None,) * len(diameter) if shape is None else tuple(shape)
         self.material, self.group = tuple(material), tuple(group)
 
     def __len__(self) -> int:
@@ -85,6 +95,7 @@ class Grains:
             **{name: map(repr, values) for name, values in zip(_PLACE, self.position.T.tolist(), strict=True)},
             "diameter": map(repr, self.diameter.tolist()),
         }
+        columns |= shape_columns(self.shape)
         columns |= {name: words for name, words in (("material", self.material), ("group", self.group)) if any(words)}
         if self.velocity.any():
             columns |= {name: map(repr, v) for name, v in zip(_VELOCITY, self.velocity.T.tolist(), strict=True)}
@@ -154,6 +165,8 @@ def _column_names(names: list[str], line: int, diameter: float | None) -> list[s
 
 
 def _number(value: str, name: str, line: int) -> float:
+    if not value.strip() and name in ("length", *AXIS_COLUMNS):
+        return 0.0  # of a sphere
     try:
         number = float(value)
     except ValueError:
@@ -187,6 +200,7 @@ def _grains(values: Mapping[str, list[Any]], places: Sequence[str], diameter: fl
         values.get("material", [""] * n),
         values.get("group", [""] * n),
         np.array([values.get(name, zeros) for name in _VELOCITY], dtype=np.float64).T.copy(),
+        read_shapes(values, places),
     )
 
 
@@ -211,12 +225,15 @@ def _from_ase(path: Path, diameter: float | None) -> Grains:
     }
     if sizes is not None:
         values["diameter"] = np.asarray(sizes, dtype=np.float64).tolist()
-    for name in _WORDS:
+    for name in ("shape", *_WORDS):
         if (words := found[name]) is not None:
             values[name] = [str(word) for word in words]
+    for name in ("length", *AXIS_COLUMNS):
+        if (column := found[name]) is not None:
+            values[name] = np.asarray(column, dtype=np.float64).tolist()
     if "momenta" in atoms.arrays and atoms.get_momenta().any():
         raise ValueError("found momenta, whose units are those of atoms; give vx, vy, vz (m/s) in a table")
-    for name in _PLACE:
+    for name in (*_PLACE, *(one for one in ("length", *AXIS_COLUMNS) if one in values)):
         if not np.isfinite(values[name]).all():
             raise ValueError(f"found {name} of grain {int(np.argmin(np.isfinite(values[name]))) + 1} that is no number")
     return _grains(values, [f"grain {number}" for number in range(1, len(atoms) + 1)], diameter)

@@ -93,14 +93,14 @@ def walls(case: Case | Assembly) -> tuple[Wall, ...]:
 
 
 def wall_fixes(assembly: Assembly, wall: Wall) -> list[tuple[str, str, Material]]:
-    """Return the LAMMPS fixes of a plane, one for each material: name, group and material of the spheres.
+    """Return the LAMMPS fixes of a plane, one for each material: name, group and material of the grains.
 
     Walls act on the spheres of the packing; strikers, which are outside, can pass them.
     """
     case = assembly.case
     if case.packing.kind == "chain" and wall.name == "bottom":
         return [(wall.name, "all", assembly.material_of(assembly.lattice.n_spheres))]
-    materials = [species.material for species in assembly.species if species.role == "sphere"]
+    materials = list(dict.fromkeys(species.material for species in assembly.species if species.role == "sphere"))
     if len(materials) == 1 and not case.striker:
         return [(wall.name, "all", materials[0])]
     names = [wall.name, *(f"{wall.name}_{n}" for n in range(2, len(materials) + 1))]

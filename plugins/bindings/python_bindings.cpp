@@ -252,6 +252,8 @@ PYBIND11_MODULE(_contact_laws, module)
       .def_readonly("fitted", &LawEntry::fitted, "True for a fit, valid to overlaps of 0.2 R*")
       .def_readonly("n_extra", &LawEntry::n_extra, "numbers of history beyond the largest overlap")
       .def_property_readonly("yields", &LawEntry::yields, "True if the law needs a yield strength")
+      .def_property_readonly("is_power", &LawEntry::is_power,
+                             "True for a power of the overlap, or no force at all, whatever the radii")
       .def_property_readonly("options", &option_names, "names of its options, of variant, yield_factor, beta and constants");
   py::dict laws;
   for (const LawEntry &entry : granwave::law_table()) laws[entry.name] = py::cast(entry, py::return_value_policy::reference);
