@@ -32,6 +32,7 @@ def found(tmp_path_factory: pytest.TempPathFactory) -> list[ChainRun]:
     return [*runs, run(folder / "chain", "elastic-impact", chain | {"contact.loss": losses["time"]})]
 
 
+@pytest.mark.validation
 def test_restitution_and_decay(found: list[ChainRun]) -> None:
     """Restitution is that of the formulas; F^(-1/6) grows linearly along a chain with a loss time."""
     (study,) = make_studies({"loss": found})
