@@ -56,6 +56,12 @@ STUDIES: dict[str, str] = {
     "protected-spectrum": "protection.spectrum",
     "protected-checks": "protection.checks",
     "tolerance": "tolerance.study",
+    "confined-waves": "confined.waves",
+    "confined-velocities": "confined.velocities",
+    "confined-resonance": "confined.resonance",
+    "confined-scaling": "confined.scaling",
+    "confined-theory": "confined.asymptotics",
+    "confined-yielding": "confined.yielding",
     "sphere-contact": "sphere_contact",
 }
 
