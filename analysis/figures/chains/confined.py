@@ -119,3 +119,14 @@ def decay_slopes(theory: Curve, runs: Curve) -> Drawing:
     label(axes, r"$\hat\delta = 2\,\delta\tan\theta/A$", "Decay per contact", log="y")
     axes.legend(fontsize="small")
     return Drawing(figure, _columns([theory, runs], "delta_hat", "decay"))
+
+
+def two_pulses(curves: Sequence[Curve]) -> Drawing:
+    """Peak force against contact, N: first pulses as full lines, second ones, which follow them, as broken ones."""
+    figure, axes = panels(2.8, width=4.4)
+    for k, (words, contact, force) in enumerate(curves):
+        look = f"{MARKS[k // 2 % len(MARKS)]}{'-' if k % 2 == 0 else '--'}"
+        axes.plot(contact, force, look, color=COLOURS[k // 2 % len(COLOURS)], label=words, markersize=3.5)
+    label(axes, "Contact", "Peak force (N)", log="y")
+    legend_outside(figure, 2, fontsize="small")
+    return Drawing(figure, _columns(curves, "contact", "force_N"))

@@ -23,14 +23,14 @@ TEXT = (
     "this fixes beads of 15 mm. Without precompression the beads swing on behind the wave; with it there is next to nothing."
 )
 BEADS = (100, 150)
-_WHERE = "independent program"
-_PROGRAM = {  # by a, bead: largest velocity and when, in the source's units (thesis model of a and contacts, counted from 0)
+_WHERE = "thesis figure 6.5"
+_PROGRAM = {  # by a, bead: largest velocity and when, in the source's units: the source's model in an independent program
     (0.0, 100): (4.00e-5, 1546.0),
     (0.0, 150): (2.85e-5, 2485.0),
     (1.9e-3, 100): (4.08e-5, 1285.0),
     (1.9e-3, 150): (4.07e-5, 1995.0),
 }
-_BEHIND = 300.0  # units of time behind the crest, from which on a bead's velocity is of the tail
+_TAIL = (60.0, 200.0)  # units of time behind the crest; later, waves come back from the held first bead
 _FLOOR = 0.5  # of the largest velocity, for the first peak
 _SHIFT = 1200.0  # of the curves with precompression in the figure
 
@@ -72,17 +72,14 @@ def rows(pair: Pair) -> Iterator[Row]:
         when, largest = first_peak(time, velocity, floor=_FLOOR)
         what = f"bead {bead}, {run.label_of_row}"
         known = _PROGRAM.get((round(run.a, 6), bead)) if from_thesis(run) else None
-        values = ((f"Largest velocity times 1e5, {what}", 1e5 * largest, 1e5), (f"Time of it, {what}", when, 1.0))
-        for k, (quantity, ours, factor) in enumerate(values):
-            if known is None:
-                yield Row(quantity, "", None, ours, "thesis figure 6.5")
-            else:
-                remark = "Of the source's model; ours has the true contacts of ring and tube. Beads from 0 there." if run.a else "Its beads count from 0."
-                yield Row(quantity, "", None, ours, _WHERE, remark, factor * known[k], True)
-        after = np.abs(velocity[time > when + _BEHIND])
-        if len(after) > 1:
-            quantity = f"Largest velocity times 1e5 more than {_BEHIND:g} units behind the crest, {what}"
-            yield Row(quantity, "", None, 1e5 * float(after.max()), "thesis figure 6.5", digits=3)
+        values = ((f"Largest velocity times 1e5, {what}", 1e5 * largest), (f"Time of it, {what}", when))
+        for (quantity, ours), factor, value in zip(values, (1e5, 1.0), known or (math.nan, math.nan), strict=True):
+            remark = f"The source's model in an independent program: {factor * value:.5g}." if known else ""
+            yield Row(quantity, "", None, ours, _WHERE, remark)
+        behind = (time > when + _TAIL[0]) & (time < when + _TAIL[1])
+        if behind.any():
+            quantity = f"Largest velocity times 1e5, {_TAIL[0]:g} to {_TAIL[1]:g} units behind the crest, {what}"
+            yield Row(quantity, "", None, 1e5 * float(np.abs(velocity[behind]).max()), _WHERE, digits=3)
     run = pair.pressed
     found = run.probe(BEADS[0], "vz")
     if found is not None and math.isfinite(run.speed):
