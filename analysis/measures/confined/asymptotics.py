@@ -4,10 +4,11 @@ Lengths in units of a bead's distance, forces of k_bb, displacements of the wave
 spheres follow the beads to order zero, and the beads are a chain with a second, precompressed contact:
 
     k = (2 eta tan(theta)/gamma)^(2/3),  eta_hat = n eta/[2 (1 + k tan(theta))]^1.5,  delta_hat = 2 delta tan(theta)/A
-    w_i'' = F(w_(i-1) - w_i) - F(w_i - w_(i+1)),   F(r) = [r]^1.5 + eta_hat ([r + delta_hat]^1.5 - delta_hat^1.5)   (6.13)
+    w_i'' = F(w_(i-1) - w_i) - F(w_i - w_(i+1)), F(r) = [r]^1.5 + eta_hat ([r + delta_hat]^1.5 - delta_hat^1.5)  (6.13)
 
-A travelling wave w(x - c tau) with the difference r(z) = w(z - 1/2) - w(z + 1/2) obeys c^2 r = Lambda * F(r) (Lambda: sinc^2(k/2) in
-Fourier space), whose integral gives c. To first order the small spheres are oscillators that the wave drives:
+A travelling wave w(x - c tau) with the difference r(z) = w(z - 1/2) - w(z + 1/2) obeys c^2 r = Lambda * F(r), with
+Lambda = sinc^2(k/2) in Fourier space; its integral gives c. To first order the small
+spheres are oscillators that the wave drives:
 
     eps w_1'' + 3 eta sqrt(beta) w_1 = -w_0'',    eps u_1'' + 1.5 gamma sqrt(k beta) (1 + k tan(theta)) u_1 = -u_0''
     beta = (w_i - w_(i+1) + delta_hat)/(2 (1 + k tan(theta)))                                          (6.16, 6.17)

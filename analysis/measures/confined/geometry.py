@@ -1,4 +1,4 @@
-"""Beads in a row with a ring of ``n`` small spheres around each contact, in a tube (thesis 6.1): sizes, constants, balance.
+"""Beads in a row with a ring of ``n`` small spheres around each contact, in a tube (thesis 6.1): sizes and balance.
 
     d = 2 D tan^2(pi/n)                      diameter of small spheres that touch two beads and both neighbours (6.2)
     rho = sqrt(d^2 + 2 d D)/2,  Rc = rho + d/2               radius of the ring, and of the tube around it
@@ -6,8 +6,8 @@
     eps = m_s/m_b,  eta = k_sb cos^2.5(theta)/k_bb,  gamma = k_w/k_bb                                              (6.8)
 
 All contacts are Hertz's, F = k alpha^1.5. The thesis takes k_w = 1.2 E sqrt(d/2)/(1 - nu^2) (6.4), softer than a flat
-wall (4/3) and than the inside of the tube, whose contact is an ellipse; `Row.k_wall` is that of the ellipse. Nor has it contacts in the
-ring, without which the printed balance is none: 2 k_ss [2 u sin(pi/n)]^1.5 sin(pi/n) outward on a sphere that has moved in by u.
+wall (4/3) and than the inside of the tube, whose contact is an ellipse; `Row.k_wall` is that of the ellipse. Nor has it
+contacts in the ring: 2 k_ss [2 u sin(pi/n)]^1.5 sin(pi/n) outward on a sphere that has moved in by u.
 
 Arrays hold one row each: (n_rows,). A fraction as ``n`` makes a row that only the equations have.
 """
@@ -16,9 +16,10 @@ from __future__ import annotations
 
 import dataclasses
 from functools import cached_property
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
 from granwave._contact_laws import elliptic_radius
@@ -63,16 +64,19 @@ class Row:
         density: ArrayLike,
         density_ratio: ArrayLike = 1.0,
     ) -> Row:
-        """Rows whose small spheres touch two beads, both neighbours and the tube; ``density_ratio``: small over beads."""
+        """Rows whose small spheres touch two beads, both neighbours and the tube; ``density_ratio``: theirs."""
         n, bead, shrinks, modulus, density, ratio = np.broadcast_arrays(
-            *(np.atleast_1d(np.asarray(one, dtype=float)) for one in (n, bead, shrinks, modulus, density, density_ratio))
+            *(
+                np.atleast_1d(np.asarray(one, dtype=float))
+                for one in (n, bead, shrinks, modulus, density, density_ratio)
+            )
         )
         small = fitting_diameter(n, bead)
         tube = np.sqrt(small**2 + 2 * small * bead) / 2 + small / 2
         return cls(n=n, bead=bead, small=small, tube=tube, shrinks=shrinks, modulus=modulus, small_modulus=modulus,
                    density=density, small_density=ratio * density)  # fmt: skip
 
-    def part(self, which: Array | slice) -> Row:
+    def part(self, which: NDArray[Any] | slice) -> Row:
         """Some of the rows."""
         return Row(**{field.name: getattr(self, field.name)[which] for field in dataclasses.fields(self)})
 
@@ -161,7 +165,9 @@ class Row:
         for k in range(len(self.n)):
             one = self.part(slice(k, k + 1))
             limit = float(one.shrinks[0])
-            found.append(brentq(lambda u, one=one: float(one.outward_force(u)[0]), 0.0, limit, xtol=1e-18) if limit else 0.0)
+            found.append(
+                brentq(lambda u, one=one: float(one.outward_force(u)[0]), 0.0, limit, xtol=1e-18) if limit else 0.0
+            )
         return np.array(found)
 
     def outward_force(self, inward: ArrayLike) -> Array:

@@ -142,7 +142,7 @@ class _Run:
         on_bead = np.zeros_like(z)
         on_bead[:, :-1] -= push
         on_bead[:, 1:] += push
-        axial, outward = 0.0, 0.0
+        axial, outward = np.zeros((2, *u.shape))
         for offset, place, beads in ((self.half, z[:, :-1], slice(0, -1)), (-self.half, z[:, 1:], slice(1, None))):
             along = w - place
             along += offset
@@ -167,9 +167,9 @@ class _Run:
         crest = np.where(started, (rising * np.arange(1, rising.shape[1] + 1)).max(axis=1), 0)
         done = self.first + crest - _AHEAD // 2 > self.last
         moving = ~done & (crest > _WINDOW - _AHEAD)
-        for k in np.flatnonzero(done):
+        for k in np.flatnonzero(done).tolist():
             self._keep(k, _WINDOW - 1)
-        for k in np.flatnonzero(moving):
+        for k in np.flatnonzero(moving).tolist():
             self._keep(k, _SHIFT)
             self.first[k] += _SHIFT
             for values, rest in self._fields(k):

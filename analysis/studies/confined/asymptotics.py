@@ -1,4 +1,4 @@
-"""Asymptotic theory of confined rows beside runs: travelling waves, velocities of small spheres, slopes (thesis 6.3)."""
+"""Asymptotic theory of confined rows beside runs: travelling waves, small spheres, slopes (thesis 6.3)."""
 
 from __future__ import annotations
 
@@ -18,10 +18,14 @@ from granwave.analysis.studies.study import Picture, Row
 
 TITLE = "Confined rows: asymptotic theory"
 TEXT = (
-    "Light small spheres follow the beads, which are then a chain with a second, precompressed contact (6.13); small spheres that swing on behind the wave "
-    "take energy from it (6.16 to 6.18). k_w is the source's (factor 1.2). Mended: delta_hat is 2 delta tan(theta), eta_hat has no further cos^2.5 (0.5286 for "
-    "n = 8, not 0.2528), the residual keeps its powers 3/2 and c^2 w'', (6.17) has the difference of beads, (6.18) n eps^3/A^2 (w_1'^2 + u_1'^2) with the largest velocity of a bead "
-    "in the place of A. Waves become wider with precompression, not narrower: C1 falls. The legends of figure 6.10 (0.09, 0.22, 0.36) are in the ratio of "
+    "Light small spheres follow the beads, which are then a chain with a second, precompressed contact (6.13); small "
+    "spheres that swing on behind the wave "
+    "take energy from it (6.16 to 6.18). k_w is the source's (factor 1.2). Mended: delta_hat is 2 delta tan(theta), "
+    "eta_hat has no further cos^2.5 (0.5286 for "
+    "n = 8, not 0.2528), the residual keeps its powers 3/2 and c^2 w'', (6.17) has the difference of beads, (6.18) n "
+    "eps^3/A^2 (w_1'^2 + u_1'^2) with the largest velocity of a bead "
+    "in the place of A. Waves become wider with precompression, not narrower: C1 falls. The legends of figure 6.10 "
+    "(0.09, 0.22, 0.36) are in the ratio of "
     "the precompressions, but about a quarter of delta_hat: their scale cannot be found, so slopes are compared."
 )
 _WHERE = "independent program"
@@ -62,8 +66,11 @@ class Theory:
     @cached_property
     def curve(self) -> tuple[Array, Array]:
         """delta_hat and decay of the energy in theory, over the same range."""
-        x = np.linspace(*np.array(self.points[0])[[0, -1]], _DENSE)
-        return x, np.array([energy_decay(self.limit, wave, first_order(self.limit, wave)) for wave in map(self.wave, x)])
+        points = self.points[0]
+        x = np.linspace(float(points[0]), float(points[-1]), _DENSE)
+        return x, np.array(
+            [energy_decay(self.limit, wave, first_order(self.limit, wave)) for wave in map(self.wave, x)]
+        )
 
     def wave(self, delta_hat: float) -> Travelling:
         """Travelling wave of unit amplitude."""
@@ -76,7 +83,9 @@ class Theory:
 
 def select(runs: Sequence[FinishedRun]) -> list[Theory]:
     """Precompressed rows of n = 8 at 1 m/s, of three precompressions and more."""
-    known = [run for run in confined_runs(runs) if run.n == 8 and run.velocity == 1 and run.a and math.isfinite(run.decay)]
+    known = [
+        run for run in confined_runs(runs) if run.n == 8 and run.velocity == 1 and run.a and math.isfinite(run.decay)
+    ]
     known = [run for run in known if math.isfinite(_amplitude(run))]
     known.sort(key=lambda run: run.a)
     return [Theory(known)] if len(known) > 2 else []
@@ -99,14 +108,25 @@ def rows(theory: Theory) -> Iterator[Row]:
         found = theory.tail(delta_hat)
         for way, ours, value in zip(("Axial", "Radial"), (found.axial_tail, found.radial_tail), tails, strict=True):
             what = f"{way} first-order velocity behind the wave, {at}"
-            yield Row(what, "", None, ours, _WHERE if program else "thesis 6.16, 6.17", "", value if program else None, program, 2)
+            yield Row(
+                what,
+                "",
+                None,
+                ours,
+                _WHERE if program else "thesis 6.16, 6.17",
+                "",
+                value if program else None,
+                program,
+                2,
+            )
     x, decay = theory.points
     known = decay > _LEAST_DECAY
     if np.count_nonzero(known) > 1:
         slope, expected = float(np.polyfit(x[known], np.log(decay[known]), 1)[0]), _slope(*theory.curve)
         yield Row(
             "Slope of ln(decay of the force) with delta_hat", "", None, slope, "thesis figure 6.11",
-            "Theory: decay of the energy by (6.18), with the source's wall and without the rings. The source calls the slopes equal; "
+            "Theory: decay of the energy by (6.18), with the source's wall and without the rings. The source calls "
+            "the slopes equal; "
             "its own model has -3.16 in an independent program.", expected, digits=3,
         )  # fmt: skip
 
@@ -131,7 +151,9 @@ def pictures(theory: Theory) -> Iterator[Picture]:
     """Travelling waves, velocities of small spheres, slopes."""
     z = np.linspace(-3, 3, 121)
     waves = [(f"δ̂ = {one:g}", z, theory.wave(one).series()(z), theory.wave(one).displacement(z)) for one in _SHOWN]
-    yield Picture("", "Travelling waves: series of three terms and lattice (thesis figure 6.9)", figures.travelling_waves(waves))
+    yield Picture(
+        "", "Travelling waves: series of three terms and lattice (thesis figure 6.9)", figures.travelling_waves(waves)
+    )
     tails = [(one, theory.tail(one)) for one in theory.points[0]]
     caption = "First-order velocities of the small spheres (thesis figure 6.10)"
     curves = [(f"δ̂ = {one:.2f}", tail.time, tail.axial, tail.radial) for one, tail in tails]

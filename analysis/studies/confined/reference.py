@@ -1,8 +1,8 @@
 """Numbers of the thesis model and of an independent program for the confined rows of chapter 6.
 
-The program (velocity Verlet for the equations of symmetric motion, no code shared with granwave) counts contacts from 0: its contact
-20 is our 21st. It stopped at some 6 ms, so that of slow waves (n = 6, and n = 7 without precompression) its value for contact
-200 is that of the contact where the wave was then: 129th, 142nd, 154th and 185th, the first four below.
+The program (velocity Verlet for the equations of symmetric motion, no code shared with granwave) counts contacts from
+0: its contact 20 is our 21st. It stopped at some 6 ms: of slow waves its value for contact 200 is that of the contact
+where the wave was then, some 129, 142 and 154 for n = 6 and a up to 1.3e-3, and 185 for n = 7 and a = 0.
 The thesis model has directions that do not turn, no contacts in the rings, and k_w with the factor 1.2.
 """
 
@@ -45,9 +45,7 @@ _TABLE = """
 """
 for _line in _TABLE.strip().splitlines():
     _n, _a, *_values = map(float, _line.split())
-    _models = tuple(
-        Reference((one[0], one[1], one[2], one[3]), one[4], one[5]) for one in (_values[:6], _values[6:])
-    )
+    _models = tuple(Reference((one[0], one[1], one[2], one[3]), one[4], one[5]) for one in (_values[:6], _values[6:]))
     REFERENCES[int(_n), _a] = (_models[0], _models[1])
 
 

@@ -49,7 +49,16 @@ def select(runs: Sequence[FinishedRun]) -> list[Densities]:
     groups: dict[tuple, list[ConfinedRun]] = {}
     for run in confined_runs(runs):
         row = run.row
-        key = (run.n, run.a, row.bead[0], row.modulus[0], row.small_modulus[0], row.density[0], run.velocity, run.struck)
+        key = (
+            run.n,
+            run.a,
+            row.bead[0],
+            row.modulus[0],
+            row.small_modulus[0],
+            row.density[0],
+            run.velocity,
+            run.struck,
+        )
         if math.isfinite(run.decay):
             groups.setdefault(key, []).append(run)
     found = [rising(group, ratio_of) for group in groups.values()]
@@ -69,9 +78,12 @@ def title(found: Densities) -> str:
 def text(found: Densities) -> str:
     """Describe the resonances."""
     return (
-        f"n = {found.runs[0].n}, a = {found.runs[0].a:g}; the density of the small spheres alone varies. Where they still swing when the wave "
-        "has passed, it loses energy to them: resonances with rapid decay, and anti-resonances between them at which the wave "
-        "is nearly solitary. The source draws (1/F) dF/dx, which is minus the decay, between -7e-3 and 1e-3, with several peaks "
+        f"n = {found.runs[0].n}, a = {found.runs[0].a:g}; the density of the small spheres alone varies. Where they "
+        "still swing when the wave "
+        "has passed, it loses energy to them: resonances with rapid decay, and anti-resonances between them at which "
+        "the wave "
+        "is nearly solitary. The source draws (1/F) dF/dx, which is minus the decay, between -7e-3 and 1e-3, with "
+        "several peaks "
         "and troughs. Theory: the equations of symmetric motion, over the same contacts."
     )
 
@@ -85,7 +97,7 @@ def rows(found: Densities) -> Iterator[Row]:
     light = [run for run in found.runs if ratio_of(run) <= _SETTLED]
     worst = max(light, key=lambda run: run.decay)
     yield Row("Density ratio of the most rapid decay", "", None, ratio_of(worst), "thesis figure 6.7",
-              "Of the densities that were run; the lowest point of its axis, -7e-3, is that of ours.", digits=3)  # fmt: skip
+              "Of the densities that were run.", digits=3)  # fmt: skip
     yield Row("Largest decay per contact", "", None, worst.decay, "thesis figure 6.7", digits=3)
 
 

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Sequence
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from granwave.analysis.measures.confined.geometry import Row
 from granwave.analysis.measures.confined.symmetric import Wave, leading_wave
@@ -24,6 +25,7 @@ DECAY_BETWEEN = (60, 200)
 FORCE = 1e4  # over E* R*^2, for tables
 _FEWEST = 20  # beads, for waves with a leading pulse of their own
 _ON_AXIS = 1e-6  # of a diameter
+_TOUCHING = 1e-6  # gap over the diameter of a bead, of spheres that touch
 _LEAST_SPAN = 20  # contacts, for a decay
 
 
@@ -40,7 +42,13 @@ def row_of(case: Case) -> Row | None:
     place = grains.position[others]
     rings = np.unique(np.round(place[:, 2] / grains.diameter[beads[0]], 6), return_counts=True)[1]
     fits = [len(one) == 1 for one in diameters] + [len(set(rings)) == 1 and len(rings) == len(beads) - 1]
-    if not all(fits) or np.ptp(np.hypot(place[:, 0], place[:, 1])) > _ON_AXIS * tube:
+    if not all(fits):
+        return None
+    big, small_one = (float(one[0]) for one in diameters)
+    ring = np.hypot(place[:, 0], place[:, 1])
+    gaps = [ring + small_one / 2 - tube, np.hypot(ring, big / 2) - (big + small_one) / 2,
+            np.diff(grains.position[beads, 2]) - big]  # fmt: skip
+    if max(float(np.abs(gap).max()) for gap in gaps) > _TOUCHING * big:
         return None
     assembly = assemble(case)
     bead, small = (assembly.material_of(int(one[0]) + 1) for one in (beads, others))
@@ -51,7 +59,7 @@ def row_of(case: Case) -> Row | None:
     return Row(**{name: np.array([value], dtype=float) for name, value in zip(names, values, strict=True)})
 
 
-def beads_of(case: Case) -> Array:
+def beads_of(case: Case) -> NDArray[np.intp]:
     """Rows of the grains on the axis, along it."""
     grains = case.packing.grains
     assert grains is not None
@@ -74,7 +82,7 @@ class ConfinedRun(FinishedRun):
         return found
 
     @cached_property
-    def beads(self) -> Array:
+    def beads(self) -> NDArray[np.intp]:
         """Rows of the beads among the grains."""
         return beads_of(self.case)
 
@@ -132,7 +140,7 @@ class ConfinedRun(FinishedRun):
     def profile(self) -> tuple[Array, Array]:
         """Contacts that the wave has passed, and their largest forces over E* R*^2."""
         contacts = np.arange(self.struck, self.passed + 1)
-        return contacts, self._contacts[0][contacts - 1] / self.row.force_unit[0]
+        return contacts.astype(float), self._contacts[0][contacts - 1] / self.row.force_unit[0]
 
     @property
     def speed(self) -> float:

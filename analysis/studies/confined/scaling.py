@@ -6,7 +6,6 @@ import dataclasses
 import math
 from collections.abc import Iterator, Sequence
 
-
 from granwave.analysis.figures.chains import confined as figures
 from granwave.analysis.studies.confined.runs import ConfinedRun, confined_runs, from_thesis
 from granwave.analysis.studies.runs import FinishedRun
@@ -14,8 +13,10 @@ from granwave.analysis.studies.study import Picture, Row
 
 TITLE = "Confined rows: similar waves"
 TEXT = (
-    "Forces of Hertz have no length of their own: with velocities v, displacements v^(4/5), and so the precompression a, forces "
-    "v^(6/5) and speeds v^(1/5) the motion is the same (6.11). The source strikes at 2 m/s with the same a and with one that goes along. "
+    "Forces of Hertz have no length of their own: with velocities v, displacements v^(4/5), and so the "
+    "precompression a, forces "
+    "v^(6/5) and speeds v^(1/5) the motion is the same (6.11). The source strikes at 2 m/s with the same a and with "
+    "one that goes along. "
     "The moving geometry has a length, and breaks the similarity by some 1e-3."
 )
 _WHERE = "thesis 6.11"
@@ -44,14 +45,20 @@ def select(runs: Sequence[FinishedRun]) -> list[Scaled]:
         for other in pressed:
             ratio = other.velocity / first.velocity
             if ratio > 1 and _alike(first, other) and math.isclose(other.a, first.a * ratio**0.8, rel_tol=1e-3):
-                kept = [run for run in pressed if _alike(first, run) and run.velocity == other.velocity and math.isclose(run.a, first.a)]
+                kept = [
+                    run
+                    for run in pressed
+                    if _alike(first, run) and run.velocity == other.velocity and math.isclose(run.a, first.a)
+                ]
                 found.append(Scaled(first, other, kept[0] if kept else None))
     return found
 
 
 def _alike(first: ConfinedRun, other: ConfinedRun) -> bool:
     names = ("n", "bead", "small", "density", "small_density", "modulus")
-    return first.struck == other.struck and all(getattr(first.row, name)[0] == getattr(other.row, name)[0] for name in names)
+    return first.struck == other.struck and all(
+        getattr(first.row, name)[0] == getattr(other.row, name)[0] for name in names
+    )
 
 
 def rows(found: Scaled) -> Iterator[Row]:

@@ -18,13 +18,16 @@ from granwave.analysis.studies.study import Picture, Row
 
 TITLE = "Confined rows: velocities of beads"
 TEXT = (
-    "Velocities of beads 100 and 150 with a = 0 and with the largest precompression, in the source's units: times sqrt(m_b/k_bb) in SI, which is "
-    "1.7063e-6 s for its beads, velocities 1.1375e-4 for 1 m/s. Its axes end at 4.5e-5, and bead 100 moves between 1300 and 1700: "
-    "this fixes beads of 15 mm. Without precompression the beads swing on behind the wave; with it there is next to nothing."
+    "Velocities of beads 100 and 150 with a = 0 and with the largest precompression, in the source's units: times "
+    "sqrt(m_b/k_bb) in SI, which is "
+    "1.7063e-6 s for its beads, velocities 1.1375e-4 for 1 m/s. Its axes end at 4.5e-5, and bead 100 moves between "
+    "1300 and 1700: "
+    "this fixes beads of 15 mm. Without precompression the beads swing on behind the wave; with it there is next to "
+    "nothing."
 )
 BEADS = (100, 150)
 _WHERE = "thesis figure 6.5"
-_PROGRAM = {  # by a, bead: largest velocity and when, in the source's units: the source's model in an independent program
+_PROGRAM = {  # by a, bead: largest velocity, and when, of the source's model in an independent program
     (0.0, 100): (4.00e-5, 1546.0),
     (0.0, 150): (2.85e-5, 2485.0),
     (1.9e-3, 100): (4.08e-5, 1285.0),
@@ -87,7 +90,8 @@ def rows(pair: Pair) -> Iterator[Row]:
         length = half * LENGTH / solitary_lengths()[MEASURES[3]]
         yield Row(
             f"Length of the wave, {run.label_of_row}", "D", 5.0, length, "thesis 6.2",
-            '"About five"; from the width at half the velocity, as of a solitary wave of 4.97 D. Longer under precompression.',
+            '"About five"; from the width at half the velocity, as of a solitary wave of 4.97 D. Longer under '
+            'precompression.',
         )  # fmt: skip
 
 

@@ -86,14 +86,20 @@ def text(waves: Waves) -> str:
     """Describe the rows, and why the source's peaks are larger."""
     one = waves.runs[0]
     return (
-        f"Beads of {1e3 * one.row.bead[0]:g} mm in a row, n small spheres around each contact, in a rigid tube whose radius "
-        f"then shrinks by delta, a = 2 delta/D; bead {one.struck} is struck at {one.velocity:g} m/s. Forces over E* R*^2. "
+        f"Beads of {1e3 * one.row.bead[0]:g} mm in a row, n small spheres around each contact, in a rigid tube whose "
+        "radius "
+        f"then shrinks by delta, a = 2 delta/D; bead {one.struck} is struck at {one.velocity:g} m/s. Forces over E* "
+        "R*^2. "
         "Theory: the equations of symmetric motion, solved apart from LAMMPS with the true geometry. The source's "
-        "model differs: a wall softer than any of Hertz's (factor 1.2; inside the tube 1.44 to 1.48), no contacts in the rings "
+        "model differs: a wall softer than any of Hertz's (factor 1.2; inside the tube 1.44 to 1.48), no contacts in "
+        "the rings "
         "and directions that do not turn. For n = 8 and a = 1.9e-3 its force at contact 201 is 1.343e-4; the moving "
-        "geometry makes it 1.342, the ring 1.293, the factor of a flat wall 1.267 and that of the tube 1.247. The curves "
-        "of the source are pictures without numbers: its axes end at 3e-4, and all four of its statements hold, in either "
-        "model: rapid decay for n = 7 and 8 that precompression takes away, hardly any for n = 6 and 9, less force and more speed with a. "
+        "geometry makes it 1.342, the ring 1.293, the factor of a flat wall 1.267 and that of the tube 1.247. The "
+        "curves "
+        "of the source are pictures without numbers: its axes end at 3e-4, and all four of its statements hold, in "
+        "either "
+        "model: rapid decay for n = 7 and 8 that precompression takes away, hardly any for n = 6 and 9, less force "
+        "and more speed with a. "
         "Contacts count from 1."
     )
 
@@ -121,7 +127,8 @@ def _printed(waves: Waves) -> Iterator[Row]:
         )  # fmt: skip
     yield Row(
         "Impact velocity of 1 m/s in the source's unit", "", 1.35e-4, None, "thesis 6.1",
-        "Its unit D sqrt(k_bb/m_b) is not dimensionless (m^(-1/4)); 1.3528e-4 belongs to D = 30 mm, and figures 6.2 and 6.5 to 15 mm.",
+        "Its unit D sqrt(k_bb/m_b) is not dimensionless (m^(-1/4)); 1.3528e-4 belongs to D = 30 mm, and figures 6.2 "
+        "and 6.5 to 15 mm.",
         float(time / bead),
     )  # fmt: skip
     for n, legends in _LEGENDS.items():
@@ -138,12 +145,13 @@ def _printed(waves: Waves) -> Iterator[Row]:
                 "thesis figures 6.2, 6.3", remark, theory,
             )  # fmt: skip
     for place, source in ((7.0, 7), (8.0, 8)):
-        n, decay = waves.fractions
-        near = np.abs(n - place - 0.15) < 0.5
+        fractions, decay = waves.fractions
+        near = np.abs(fractions - place - 0.15) < 0.5
         yield Row(
             f"n of the largest decay near {source}, a = 0", "", source, None, "thesis figure 6.6",
-            f"Theory: {number(float(decay[near].max()))} per contact. A fraction of n has meaning in the equations only.",
-            float(n[near][decay[near].argmax()]),
+            f"Theory: {number(float(decay[near].max()))} per contact. A fraction of n has meaning in the equations "
+            "only.",
+            float(fractions[near][decay[near].argmax()]),
         )  # fmt: skip
 
 
@@ -191,8 +199,10 @@ def tables(waves: Waves) -> Iterator[Table]:
         heads = [f"{who} at {one}" for who in ("ours", "program", "thesis model") for one in at]
         heads += [f"{what}, {who}" for what in ("speed (m/s)", "decay") for who in ("ours", "program", "thesis model")]
         caption = (
-            "Peak forces times 1e4, speed and decay beside an independent program, for the same rows and for the source's model. "
-            "Its run stopped at some 6 ms: for n = 6, and n = 7 with a = 0, its last force is that of the contact where the "
+            "Peak forces times 1e4, speed and decay beside an independent program, for the same rows and for the "
+            "source's model. "
+            "Its run stopped at some 6 ms: for n = 6, and n = 7 with a = 0, its last force is that of the contact "
+            "where the "
             "wave was then (129, 142, 154, and 185)."
         )
         yield table_of(caption, numeric("n", "a", *heads), lines)
@@ -206,16 +216,15 @@ def verdict(waves: Waves) -> Iterator[str]:
             first, last = known[0], known[-1]
             kept = "hardly decays" if last.decay < _NEAR_SOLITARY else "decays"
             yield (
-                f"n = {n}: the wave {kept} ({number(last.decay)} per contact) at a = {last.a:.2g}, {number(first.decay)} "
+                f"n = {n}: the wave {kept} ({number(last.decay)} per contact) at a = {last.a:.2g}, "
+                f"{number(first.decay)} "
                 f"at a = {first.a:.2g}; its speed rises from {first.speed:.0f} to {last.speed:.0f} m/s."
             )
 
 
 def pictures(waves: Waves) -> Iterator[Picture]:
     """Peak forces along the rows, speed, and decay against n."""
-    series = {
-        f"n = {n}": [(f"a = {run.a:.3g}", *run.profile) for run in runs] for n, runs in waves.by_n.items()
-    }
+    series = {f"n = {n}": [(f"a = {run.a:.3g}", *run.profile) for run in runs] for n, runs in waves.by_n.items()}
     yield Picture("", "Peak forces of the contacts of beads (thesis figures 6.2 and 6.3)", figures.peak_forces(series))
     curves = [
         (f"n = {n}", np.array([run.a for run in runs]), np.array([run.speed for run in runs]))

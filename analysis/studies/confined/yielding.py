@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 import re
 from collections.abc import Iterator, Sequence
@@ -23,9 +22,12 @@ from granwave.lammps_inputs.contact.law import pair_contact
 
 TITLE = "Confined rows that yield: two equal pulses"
 TEXT = (
-    "Beyond the source, whose rows are elastic: a bead is pushed twice alike. The first pulse dents the contacts, among beads and in the rings; the second "
-    "finds them stiffer, and some of them with gaps. Peak forces of contacts of beads, of the first pulse and of the second, "
-    "of a row that yields and of an elastic one, where the second runs into what still swings behind the first. Decay: over the contacts named."
+    "Beyond the source, whose rows are elastic: a bead is pushed twice alike. The first pulse dents the contacts, "
+    "among beads and in the rings; the second "
+    "finds them stiffer, and some of them with gaps. Peak forces of contacts of beads, of the first pulse and of the "
+    "second, "
+    "of a row that yields and of an elastic one, where the second runs into what still swings behind the first. "
+    "Decay: over the contacts named."
 )
 _PROBE = re.compile(r"probes/contact_(\d+)_(\d+)_force")
 _ARRIVED = 0.2  # of the largest force
@@ -110,7 +112,9 @@ def rows(runs: Sequence[PushedRun]) -> Iterator[Row]:
                     yield Row(f"{which} pulse at contact {contact}, {run.words}", "N", None, ours, "ours", digits=4)
             decay = run.decay_of_pulse(1 if which == "First" else 2)
             if math.isfinite(decay):
-                what = f"Decay per contact of the {which.lower()} pulse, contacts {_DECAY[0]} to {_DECAY[1]}, {run.words}"
+                what = (
+                    f"Decay per contact of the {which.lower()} pulse, contacts {_DECAY[0]} to {_DECAY[1]}, {run.words}"
+                )
                 yield Row(what, "", None, decay, "ours", digits=2)
         if run.yields:
             share = 100 * run.value("dissipated_fraction")
@@ -126,8 +130,10 @@ def verdict(runs: Sequence[PushedRun]) -> Iterator[str]:
             continue
         (mine, theirs) = ([float(force[one.pulses[0] == last][0]) for force in one.pulses[1:]] for one in (run, twin))
         yield (
-            f"a = {run.a:.2g}: at contact {last} yielding leaves {percent(100 * mine[0] / theirs[0]).lstrip('+')} of the first pulse "
-            f"({number(mine[0])} N) and {number(mine[1])} N of the second, after {number(theirs[0])} N in the elastic row."
+            f"a = {run.a:.2g}: at contact {last} yielding leaves {percent(100 * mine[0] / theirs[0]).lstrip('+')} of "
+            "the first pulse "
+            f"({number(mine[0])} N) and {number(mine[1])} N of the second, after {number(theirs[0])} N in the "
+            "elastic row."
         )
 
 
