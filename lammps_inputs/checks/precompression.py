@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
+from itertools import combinations_with_replacement
 from typing import Any
 
 import numpy as np
@@ -11,7 +13,7 @@ from granwave.lammps_inputs.case.packing import PackingSection
 from granwave.lammps_inputs.case.schema import ErrorList, show
 from granwave.lammps_inputs.case.sections import Boundary, Precompression
 from granwave.lammps_inputs.contact.initial_dents import LARGEST
-from granwave.lammps_inputs.contact.law import sphere_contact
+from granwave.lammps_inputs.contact.law import flat_contact, pair_contact, sphere_contact
 from granwave.lammps_inputs.contact.static_load import force_of_contact
 from granwave.lammps_inputs.lattices import KINDS
 from granwave.lammps_inputs.packing.assembly import Assembly
@@ -19,6 +21,7 @@ from granwave.lammps_inputs.packing.walls import materials_of_last_layer
 from granwave.lammps_inputs.plane_lattices import is_plane_crystal
 
 _TABLE = "precompression"
+_INCLINED = 2.0  # way of a wall over the overlap of a contact inclined by 60 degrees to it
 
 
 def check_precompression(
@@ -63,7 +66,10 @@ def check_first_yield(assembly: Assembly, errors: ErrorList) -> None:
     """Refuse a static load that yields every contact, exceeds the range of the law, or spreads the layers."""
     case = assembly.case
     stage, contact = case.precompression, case.contact_between(case.material, case.material)
-    if stage is None or stage.kind == "walls":
+    if stage is not None and stage.kind == "walls":
+        _check_yield_by_walls(assembly, stage, errors)
+        return
+    if stage is None:
         return
     name, unit = ("force", "N") if stage.force is not None else ("pressure", "Pa")
     if stage.kind == "gravity":
@@ -129,6 +135,33 @@ def _check_moves(stage: Precompression, packing: PackingSection, boundary: Bound
             errors.add(f"{_TABLE}.{name}", f"found {distance:g} m, expected at most {most:g} m, {LARGEST} radii")
     if not stage.moves:
         errors.add(_TABLE, 'found kind = "walls" and no wall that moves; give x, y or tube, in m')
+
+
+def _check_yield_by_walls(assembly: Assembly, stage: Precompression, errors: ErrorList) -> None:
+    """Refuse walls that move farther than any row of contacts, from wall to wall or axis, can give way elastically."""
+    case = assembly.case
+    contact = case.contact_between(case.material, case.material)
+    if errors.lines or not contact.yields or case.contact.initial_overlap:
+        return
+    n = assembly.lattice.n_spheres
+    grains = case.packing.grains
+    kinds = {(assembly.diameter_of(k), assembly.material_of(k).name): k for k in range(1, (n if grains else 1) + 1)}
+    ids = list(kinds.values())
+    laws = [pair_contact(assembly, first, second) for first, second in combinations_with_replacement(ids, 2)]
+    laws += [flat_contact(assembly, sphere, case.boundary.sides_material) for sphere in ids]
+    most = max(law.yield_overlap for law in laws)
+    places = (grains.position if grains else assembly.lattice.positions(1, n))[:, :2]
+    smallest = min(diameter for diameter, _ in kinds)
+    for name, distance in stage.moves.items():
+        tube = case.boundary.sides_tube
+        across = tube if name == "tube" and tube else float(np.ptp(places[:, 0 if name == "x" else 1])) / 2
+        limit = _INCLINED * (math.ceil(across / smallest) + 1) * most
+        if distance > limit:
+            errors.add(
+                f"{_TABLE}.{name}",
+                f"found {distance:g} m, by which contacts yield before the load: together they give way by less than "
+                f'{limit:.3g} m elastically; give less, a higher yield_strength, or contact.law = "hertz"',
+            )
 
 
 def _check_size(stage: Precompression, packing: PackingSection, errors: ErrorList) -> None:

@@ -51,15 +51,17 @@ class Tube {
   /* Radius of the sphere that is as stiff on a plane as one of this radius in the tube; of one that does not fit its own. */
   double effective_radius(double radius)
   {
+    if (radius == last_radius_) return last_;
     if (!(radius > 0.0 && holds(radius))) return radius;
     const auto known = found_.find(radius);
-    if (known != found_.end()) return known->second;
-    return found_[radius] = elliptic_radius(1.0 / radius, 1.0 / radius - 1.0 / radius_);
+    last_ = known != found_.end() ? known->second : elliptic_radius(1.0 / radius, 1.0 / radius - 1.0 / radius_);
+    return found_[last_radius_ = radius] = last_;
   }
 
  private:
   double radius_;
-  std::unordered_map<double, double> found_;    // by radius of the spheres
+  std::unordered_map<double, double> found_;      // by radius of the spheres
+  double last_radius_ = 0.0, last_ = 0.0;         // of the sphere asked for last: neighbours are mostly alike
 
   static double from_axis(const double *x) { return std::sqrt(x[0] * x[0] + x[1] * x[1]); }
 };

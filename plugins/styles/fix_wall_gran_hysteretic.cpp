@@ -253,9 +253,8 @@ void FixWallGranHysteretic::evaluate()
         if (tube) {
           double push[3];
           inward(i, side, push);
-          for (int d = 0; d < 2; d++) f[i][d] += push[d] *= contact.force;
-          const double on_wall[3] = {-push[0], -push[1], 0.0};
-          add_to_wall(i, on_wall);
+          for (int d = 0; d < 2; d++) f[i][d] += push[d] * contact.force;
+          wall_force[0] += contact.force;    // outward
         } else {
           const double push = contact.force * (side == 0 ? 1.0 : -1.0);
           f[i][axis] += push;
@@ -325,14 +324,14 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
     error->one(FLERR,
                "Cylinder {} reaches {:.3g} into the wall of fix {}, where the law of a line contact ends: it is too short",
                atom->tag[i], overlap, id);
-  double place[2];
-  place_of(i, place);
   if (state[TIME_FIRST] < 0.0) state[TIME_FIRST] = now;
   if (side.touching == 0.0) {
     side.touching = 1.0;
     if (side.dent > 0.0) {
       const double circle_sq =
           std::isfinite(scaled.yield_overlap()) ? scaled.loading_circle(side.dent) : effective * side.dent;
+      double place[2];
+      place_of(i, place);
       if (distance_squared(side.place, place) > circle_sq) {
         side.lost_before = lost(i, which, scaled);
         side.dent = side.initial = 0.0;
@@ -344,8 +343,7 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
   const bool raised = overlap > side.dent;
   if (raised) {
     side.dent = overlap;
-    side.place[0] = place[0];
-    side.place[1] = place[1];
+    place_of(i, side.place);
   }
   Contact contact{};
   if (!scaled.yielded(side.dent)) {

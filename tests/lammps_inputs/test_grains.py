@@ -187,6 +187,10 @@ HELD = {"hold": [{"index": 3}]}
         ),
         ({"precompression": {"kind": "walls", "x": 1e-6}}, 'expected boundary.x = "wall"'),
         ({"precompression": {"kind": "walls", "x": 2e-3}, "boundary": {"x": "wall"}}, "expected at most"),
+        (
+            {"precompression": {"kind": "walls", "x": 1e-4}, "boundary": {"x": "wall"}},
+            "precompression.x: found 0.0001 m, by which contacts yield before the load",
+        ),
         ({"boundary": {"sides": {"tube": {"radius": 0.006}}}}, "sphere 3 reaches 0.0075 m from the axis"),
         ({"boundary": {"sides": {"tube": {}}}}, "boundary.sides.tube.radius: missing"),
         ({"boundary": {"sides": {"pipe": 1}}}, "boundary.sides.pipe: unknown key"),

@@ -18,6 +18,7 @@ _AZIMUTH, _ELEVATION = -58.0, 30.0  # degrees
 _MILLI = 1e3  # mm in a metre
 _DECADES = 4  # of peak force, far below F_y, to include the elastic wave
 _LEAST_SPHERES = 8
+_LONGEST = 20.0  # height over width of a picture
 _ROUND_LENGTHS = (1, 2, 5)
 
 
@@ -70,9 +71,12 @@ def bar_location(size: tuple[float, float] | None) -> str:
 
 
 def can_be_cut(result: Result) -> bool:
-    """Return True for a packing that extends along x and y; of a chain curves show more."""
+    """Return True for a packing that extends along x and y; of chains and of long rows curves show more."""
     positions = result["spheres/position"]
-    return len(positions) >= _LEAST_SPHERES and bool(np.min(np.ptp(positions, axis=0)[:2]) > 0)
+    if len(positions) < _LEAST_SPHERES:
+        return False
+    *across, along = np.ptp(positions, axis=0)
+    return min(across) > 0 and bool(along < _LONGEST * max(across))
 
 
 def _cut_away(offset: NDArray[np.float64], camera: Camera, diameter: float) -> NDArray[np.bool_]:

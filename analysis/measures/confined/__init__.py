@@ -1,0 +1,1 @@
+"""Rows of beads with rings of small spheres in a tube (thesis chapter 6): geometry, motion, asymptotics."""

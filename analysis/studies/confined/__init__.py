@@ -1,0 +1,1 @@
+"""Confined rows: beads with rings of small spheres in a tube (thesis chapter 6)."""
