@@ -9,8 +9,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from granwave.analysis.document.model import Table
-from granwave.analysis.figures.series import label, legend_above, panels
-from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing
+from granwave.analysis.figures.series import label, panels
+from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing, legend_above
 from granwave.analysis.studies.lateral.runs import NAMES, LateralRun, lateral_runs
 from granwave.analysis.studies.runs import FinishedRun, rising
 from granwave.analysis.studies.study import Picture, Row
