@@ -169,7 +169,7 @@ def _losses_at_walls(case: Case, wall_contacts: Contacts) -> dict[str, NDArray[n
     friction_share = np.array([0.5 if partner else 1.0 for partner in partners])
     others = {name: wall_contacts[name] for name in ("friction_energy", "viscous_energy") if name in wall_contacts}
     plastic = plastic_share * (wall_contacts["dissipated_energy"] - sum(others.values()))
-    own = {name: friction_share * lost for name, lost in others.items()}
+    own: dict[str, NDArray[np.float64]] = {name: friction_share * lost for name, lost in others.items()}
     return {"dissipated_energy_wall": plastic + sum(own.values()), **own}
 
 

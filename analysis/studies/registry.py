@@ -29,6 +29,8 @@ STUDIES: dict[str, str] = {
     "homogeneous-chain": "chains.composite.homogeneous",
     "composite-chain": "chains.composite.section",
     "composite-holder": "chains.composite.holder",
+    "composite-loss": "chains.composite.loss",
+    "loss": "chains.loss",
     "elastic-bar": "chains.bars.bar",
     "intruder-place": "chains.bars.intruder_place",
     "intruder-properties": "chains.bars.intruder_properties",

@@ -89,7 +89,7 @@ class AddedGrains:
     diameter: float = number("diameter of these grains", unit="m", above=0, usual=DIAMETER)
     shape: str = shape_field()
     length: float | None = length_field()
-    axis: Vector | None = axis_field()
+    axis: Vector | None = axis_field()  # noqa: RUF009 (axes are not changed)
     material: Material | None = None
     group: str | None = text("name of their group, for [[hold]]", default=None)
 
@@ -153,7 +153,11 @@ def with_added_grains(
         shape += [shape_of(entry)] * len(places)
     still = np.zeros((sum(map(len, position[1:])), 3))
     grains = Grains(
-        np.concatenate(position), np.concatenate(diameter), material, group, np.concatenate([own.velocity, still]),
+        np.concatenate(position),
+        np.concatenate(diameter),
+        material,
+        group,
+        np.concatenate([own.velocity, still]),
         shape,
     )
     return PackingSection(kind=FILE, size=(len(grains),), diameter=packing.diameter, grains=grains)

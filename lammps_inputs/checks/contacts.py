@@ -10,6 +10,7 @@ from granwave.lammps_inputs.case.contact_pairs import RIGID, Pair
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.schema import ErrorList, show
 from granwave.lammps_inputs.case.sections import Boundary, Contact
+from granwave.lammps_inputs.case.shape import Shape
 from granwave.lammps_inputs.contact.initial_dents import KEY, error_in_dents
 from granwave.lammps_inputs.contact.law import error_in_constants
 from granwave.lammps_inputs.contact.loss import viscous_loss
@@ -44,20 +45,22 @@ def check_losses(assembly: Assembly, errors: ErrorList) -> None:
     case = assembly.case
     if not case.has_loss:
         return
-    spheres = [species.material for species in assembly.species if species.role == "sphere"]
-    faces = [species.material for species in assembly.species if species.role == "face"]
-    pairs = [(first, second, False) for n, first in enumerate(spheres) for second in spheres[n:]]
-    pairs += [(sphere, face, True) for sphere in spheres for face in faces]
+    grains = [species for species in assembly.species if species.role == "sphere"]
+    faces = [species for species in assembly.species if species.role == "face"]
+    pairs: list[tuple[Material, Material | None, tuple[Shape, Shape] | None]]
+    pairs = [(one.material, other.material, (one.shape, other.shape))
+             for n, one in enumerate(grains) for other in grains[n:]]  # fmt: skip
+    pairs += [(one.material, face.material, None) for one in grains for face in faces]
     for wall in walls(assembly):
         fixes = [] if wall.held_layer else wall_fixes(assembly, wall)
-        pairs += [(material, wall.material, True) for _, _, material in fixes]
+        pairs += [(material, wall.material, None) for _, _, material in fixes]
     wrong: dict[str, str] = {}
-    for first, second, flat in pairs:
+    for first, second, shapes in pairs:
         contact = case.contact_between(first, second)
         own = next((n for n, pair in enumerate(case.pair, start=1) if pair.contact is contact), None)
         key = "contact.loss" if own is None else f"pair.{own}.loss"
         try:
-            viscous_loss(assembly, contact, first, second, flat=flat)
+            viscous_loss(assembly, contact, first, second, flat=shapes is None, shapes=shapes)
         except ValueError as error:
             names = " and ".join(RIGID if one is None else str(one.name) for one in (first, second))
             found = show(_plain_loss(contact))

@@ -1,12 +1,13 @@
 """Viscous losses of contacts as the plugin takes them: a loss time, or the factor of a dashpot.
 
 The loss time of a restitution at a speed is found from the head-on collision of two bodies with their own law
-(`ContactLaw.collide`). Bodies have the median diameter of the spheres of their material, all of which have one time.
+(`ContactLaw.collide`). Grains have the median diameter of those of their material, all of which have one time.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING, Literal
 
@@ -14,13 +15,13 @@ import numpy as np
 
 from granwave._contact_laws import ContactLaw
 from granwave.lammps_inputs.case.loss import DashpotRestitution, Loss
-from granwave.lammps_inputs.case.material import sphere_mass
 from granwave.lammps_inputs.contact.law import law_between
 from granwave.lammps_inputs.roots import brentq
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.material import Material
     from granwave.lammps_inputs.case.sections import Contact
+    from granwave.lammps_inputs.case.shape import Shape
     from granwave.lammps_inputs.packing.assembly import Assembly
 
 _STEPS = 2000  # of a collision
@@ -33,9 +34,15 @@ Viscous = tuple[Literal["time", "dashpot"], float]  # kind, and loss time (s) or
 
 
 def viscous_loss(
-    assembly: Assembly, contact: Contact, first: Material, second: Material | None, *, flat: bool = False
+    assembly: Assembly,
+    contact: Contact,
+    first: Material,
+    second: Material | None,
+    *,
+    flat: bool = False,
+    shapes: tuple[Shape, Shape] | None = None,
 ) -> Viscous | None:
-    """Return the loss of contacts between spheres of a material and their partners; None if they lose nothing.
+    """Return the loss of contacts between grains of a material and their partners; None if they lose nothing.
 
     Parameters
     ----------
@@ -43,6 +50,8 @@ def viscous_loss(
         Material of the partners; None for a rigid one.
     flat
         True for partners that are planes: walls and faces of bars.
+    shapes
+        Shapes of the grains; by default whatever there are of these materials.
 
     Raises
     ------
@@ -52,15 +61,21 @@ def viscous_loss(
     loss = contact.loss
     if loss is None:
         return None
-    if loss.restitution is None:
+    if loss.restitution is None or loss.velocity is None:
         return _given(loss)
-    own = nominal_diameter(assembly, first) / 2
-    other = math.inf if flat or second is None else nominal_diameter(assembly, second) / 2
-    masses = [sphere_mass(first, own)]
-    masses += [sphere_mass(second, other)] if second is not None and math.isfinite(other) else []
-    mass = 1 / sum(1 / each for each in masses)
-    assert loss.velocity is not None
-    time = loss_time(contact, (first, second), (own, other), mass, loss.restitution, loss.velocity)
+    own = nominal_grain(assembly, first, None if shapes is None else shapes[:1])
+    bodies, inverse_mass = [(assembly.diameter_of(own) / 2, assembly.shape_of(own))], 1 / assembly.mass_of(own)
+    if flat or second is None:
+        bodies.append((math.inf, None))
+    else:
+        other = nominal_grain(assembly, second, None if shapes is None else shapes[1:])
+        bodies.append((assembly.diameter_of(other) / 2, assembly.shape_of(other)))
+        inverse_mass += 1 / assembly.mass_of(other)
+    (radius, shape), (partner_radius, partner_shape) = bodies
+    time = loss_time(
+        contact, (first, second), (radius, partner_radius), (shape, partner_shape), assembly.plane_strain,
+        1 / inverse_mass, loss.restitution, loss.velocity,
+    )  # fmt: skip
     return ("time", time) if time else None
 
 
@@ -78,6 +93,8 @@ def loss_time(
     contact: Contact,
     materials: tuple[Material, Material | None],
     radii: tuple[float, float],
+    shapes: tuple[Shape, Shape],
+    plane_strain: bool,
     mass: float,
     restitution: float,
     velocity: float,
@@ -88,6 +105,10 @@ def loss_time(
     ----------
     radii
         m; infinite for a plane.
+    shapes
+        Shapes of grains; None for spheres and planes.
+    plane_strain
+        True if a cylinder on a plane is in plane strain.
     mass
         Effective mass, kg.
     velocity
@@ -98,7 +119,7 @@ def loss_time(
     ValueError
         The law alone, by yielding, leaves less than this restitution, or no loss time as little.
     """
-    law = law_between(contact, materials, radii)
+    law = law_between(contact, materials, radii, shapes=shapes, plane_strain=plane_strain)
     alone = law.collide(mass, velocity, steps=_STEPS)
     if math.isnan(alone["restitution"]):  # nothing stops them
         return 0.0
@@ -136,15 +157,22 @@ def dashpot_factor(restitution: float) -> float:
     return brentq(excess, 0.0, _MOST_FACTOR, xtol=_ACCURACY)
 
 
-def nominal_diameter(assembly: Assembly, material: Material) -> float:
-    """Return the median diameter of the spheres of a material, m; that of the packing if there are none."""
-    found = []
-    if assembly.sites is None:
-        found += [assembly.lattice.diameter] if material == assembly.material else []
+def nominal_grain(assembly: Assembly, material: Material, shapes: Sequence[Shape] | None = None) -> int:
+    """Return the id of the grain of a material, and one of these shapes if they are given, with the median diameter."""
+    sites, first_striker = assembly.sites, assembly.lattice.n_spheres + 1
+    if sites is None:
+        ids = np.array([1] if material == assembly.material else [], dtype=int)
     else:
-        kinds = [kind for kind, one in enumerate(assembly.sites.materials) if one == material]
-        own = assembly.sites.diameter[assembly.sites.present & np.isin(assembly.sites.kind, kinds)]
-        found += [float(np.median(own))] if len(own) else []
-    ids = range(assembly.lattice.n_spheres + 1, assembly.last_sphere + 1)
-    found = found or [assembly.diameter_of(one) for one in ids if assembly.material_of(one) == material]
-    return found[0] if found else assembly.lattice.diameter
+        kinds = [kind for kind, one in enumerate(sites.materials) if one == material]
+        ids = np.flatnonzero(sites.present & np.isin(sites.kind, kinds)) + 1
+    strikers = range(first_striker, assembly.last_sphere + 1)
+    found = [ids, np.array([one for one in strikers if assembly.material_of(one) == material], dtype=int)]
+    if shapes is not None and len(assembly.shapes) > 1:
+        found = [np.array([one for one in group.tolist() if assembly.shape_of(one) in shapes], dtype=int)
+                 for group in found]  # fmt: skip
+    group = next((group for group in found if len(group)), np.array([1]))
+    if sites is not None and group[-1] < first_striker:
+        diameters = sites.diameter[group - 1]
+    else:
+        diameters = np.array([assembly.diameter_of(one) for one in group.tolist()])
+    return int(group[np.argsort(diameters, kind="stable")[(len(group) - 1) // 2]])

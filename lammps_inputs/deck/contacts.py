@@ -50,12 +50,12 @@ def pair_coefficients(assembly: Assembly, *, elastic: bool = False) -> list[str]
             if first.role == "sphere":  # nodes of bars do not touch each other
                 own, flat = case.contact_between(first.material, second.material), second.role != "sphere"
                 contact = _elastic(own) if elastic else own
-                loss = None if elastic else viscous_loss(assembly, own, first.material, second.material, flat=flat)
+                bodies, shapes = (first.material, second.material), (first.shape, second.shape)
+                loss = None if elastic else viscous_loss(assembly, own, *bodies, flat=flat, shapes=shapes)
             # the face of a bar has none
             friction = contact.friction if second.role == "sphere" and not elastic else 0.0
-            lines.append(
-                f"pair_coeff      {i} {j} {law_coefficients(contact, first.material, partner, friction, loss)}"
-            )
+            words = law_coefficients(contact, first.material, partner, friction, loss)
+            lines.append(f"pair_coeff      {i} {j} {words}")
     return lines
 
 
@@ -74,10 +74,8 @@ def cylinder_commands(assembly: Assembly, *, again: bool = False) -> list[str]:
     ]
     if not words:
         return []
-    return [
-        *(["unfix           cylinders"] if again else []),
-        f"fix             cylinders all gran/cylinder {joined(words)}",
-    ]
+    back = ["unfix           cylinders"] if again else []
+    return [*back, f"fix             cylinders all gran/cylinder {joined(words)}"]
 
 
 def dents() -> list[str]:

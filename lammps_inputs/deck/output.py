@@ -97,10 +97,11 @@ def ledger(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> 
     if case.has_loss:
         damped = [f"f_{name}[16]" for name in planes]
         columns |= sources(VISCOUS)
-        lines.append(f"variable        viscous equal {_sum(['c_contact[8]', *damped])}")
+        viscous = ["c_contact[8]", *damped]  # a variable within another has 15 digits
+        lines.append(f"variable        viscous equal {_sum(viscous)}")
         lost = [*lost, *damped]
         at_bars[1] += [f"c_on_{name}[8]" for name in bars]
-        dissipated.append("v_viscous")
+        dissipated += viscous
     if case.has_holder_friction:
         columns |= sources(HOLDER)
         dissipated.append(columns["holder"])

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.grains import Grains
-from granwave.lammps_inputs.packing.cylinders import distances, extents, reaches
 from granwave.lammps_inputs.lattices import FILE, TOUCHING, Kind, Lattice, kind_of
+from granwave.lammps_inputs.packing.cylinders import distances, extents, reaches
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

@@ -93,9 +93,7 @@ class Sites:
     @cached_property
     def like(self) -> bool:
         """True if all spheres are of the first material and the nominal diameter of the lattice."""
-        return (
-            len(self.shapes) == 1 and not self.kind.any() and bool((self.nominal == self.lattice.diameter).all())
-        )
+        return len(self.shapes) == 1 and not self.kind.any() and bool((self.nominal == self.lattice.diameter).all())
 
     @cached_property
     def stacked(self) -> NDArray[np.float64] | None:

@@ -45,7 +45,7 @@ def _fault(override: str, case: str = "fcc-small") -> str:
         ("load.force=3", "did you mean load.amplitude?"),
         ("output.frames=3", "did you mean run.frames?"),
         ("packing.velocty=3", "did you mean load.velocity?"),
-        ("contact.restitution=0.9", 'contact.law = "bilinear" sets it by contact.beta'),
+        ("contact.restitution=0.9", "take contact.loss = {restitution = 0.9, velocity = 1.0}"),
         ("gravity=9.81", 'take [precompression] with kind = "gravity"'),
         ("np=4", "--np"),
         ("index=4", "did you mean load.index?"),

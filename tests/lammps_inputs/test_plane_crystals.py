@@ -128,6 +128,6 @@ def test_other_lines() -> None:
 )
 def test_what_cannot_be(changes: dict[str, Any], said: str) -> None:
     size = changes.pop("size", (6, 6))
-    with pytest.raises(InputError, match=".*") as found:
+    with pytest.raises(InputError) as found:
         crystal(size=size, **changes)
     assert any(said in line for line in found.value.errors), found.value.errors

@@ -253,7 +253,7 @@ def test_packing_keeps_its_energy(lammps):
         assert table[:, 13].sum() == pytest.approx(value(lmp, "c_en[6]"), rel=1e-12)
         assert np.all(table[:, 12] <= MU * table[:, 3] * (1 + 1e-12))
     grains = lmp.numpy.extract_compute("grains", 1, 2)[: len(places)]
-    assert grains[:, 10:].sum(axis=0) == pytest.approx([value(lmp, "c_en[6]"), loss[-1]], rel=1e-12)
+    assert grains[:, 10:12].sum(axis=0) == pytest.approx([value(lmp, "c_en[6]"), loss[-1]], rel=1e-12)
     assert worst < 1e-6
     assert np.all(np.diff(loss) >= 0) and loss[-1] > 0.02 * value(lmp, "v_start")
     assert value(lmp, "c_en[1]") > 0.02 * value(lmp, "v_start")

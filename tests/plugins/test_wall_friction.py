@@ -215,7 +215,7 @@ def test_a_sliding_sphere_reports_its_limit(lammps):
     force = value(lmp, "f_floor[3]")
     assert value(lmp, "f_floor[1]") == pytest.approx(0.3 * force, rel=1e-12)  # friction force on the wall
     assert value(lmp, "fx[1]") == pytest.approx(-0.3 * force, rel=1e-12)
-    overlap, _, *_, tangential, _, _ = lmp.numpy.extract_fix("floor", 1, 2)[0]
+    overlap, _, *_, tangential, _, _, _ = lmp.numpy.extract_fix("floor", 1, 2)[0]
     assert tangential == pytest.approx(0.3 * force, rel=1e-12)
     torque = lmp.numpy.extract_atom("torque")[0]
     assert torque == pytest.approx([0, -(BRASS["radius"] - overlap / 2) * tangential, 0], rel=1e-12)

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from granwave.analysis.formatting.numbers import duration
 from granwave.analysis.summary_table import lines
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.contact.loss import viscous_loss
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.planning.plan import Plan
 from granwave.lammps_inputs.planning.schedule import Schedule
@@ -45,6 +46,7 @@ def plan_table(case: Case, plan: Plan, inputs: Inputs | None = None) -> str:
             *([("static stage", static_stage_note([times]))] if times.most_static > times.static else []),
             *_of_large_packings(assemble(case)),
             ("largest overlap", f"up to {overlap}"),
+            *_loss(case),
             *([("outermost yield", _expected(plan.zone))] if plan.zone else []),
         ]
     )
@@ -65,6 +67,15 @@ def _inputs(inputs: Inputs | None, at_most: str = "") -> list[tuple[str, str]]:
     if inputs.velocity_normalised is not None:
         rows.append(("velocity normalised", f"{inputs.velocity_normalised:.6g}"))
     return rows
+
+
+def _loss(case: Case) -> list[tuple[str, str]]:
+    """Return the loss between two grains of the packing: that which a restitution asks for is found."""
+    found = viscous_loss(assemble(case), case.contact, case.material, case.material)
+    if found is None:
+        return []
+    kind, size = found
+    return [("loss", f"time {size:.4g} s" if kind == "time" else f"dashpot {size:.4g}")]
 
 
 def _coordination(case: Case) -> list[tuple[str, str]]:

@@ -218,13 +218,13 @@ class TestContinuation:
             patched.setattr(driver, "_PIECE", 1e-3)
             assert driver.run_case(case, directory, figures=False).state == "interrupted"
 
-    @pytest.mark.parametrize("friction", [0.0, 0.3])
+    @pytest.mark.parametrize("contact", [{}, {"friction": 0.3, "loss": {"time": 5e-7}}])
     def test_resumed_run_gives_the_same_bits(
-        self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, friction: float
+        self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, contact: dict
     ) -> None:
         case = make(
             "fcc", [6, 6, 4], packing={"diameter_scatter": 1e-6}, precompression={"kind": "uniform", "pressure": 5e4},
-            load={"velocity": 5.0, "angle": 20.0}, contact={"friction": friction}, run={"end_time": 6e-5},
+            load={"velocity": 5.0, "angle": 20.0}, contact=contact, run={"end_time": 6e-5},
             output={"dump_format": "text"},
         )  # fmt: skip
         ran(case, tmp_path / "whole")

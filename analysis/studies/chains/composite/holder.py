@@ -36,7 +36,7 @@ class Series:
 
 def select(runs: Sequence[FinishedRun]) -> list[list[Series]]:
     """Elastic composite chains of two coefficients of friction and more, by the section's material."""
-    elastic = [run for run in chain_runs(runs) if not run.case.contact.yields]
+    elastic = [run for run in chain_runs(runs) if not (run.case.contact.yields or run.case.has_loss)]
     found = [chain for run in elastic if (chain := composite_of(run)) is not None]
     series = []
     for light in dict.fromkeys(chain.light.name or "section" for chain in found):

@@ -68,7 +68,8 @@ class Source:
     ratio_error: float | None = None
 
 
-_SOURCES = {
+#: Values of the source by the section's material.
+SOURCES = {
     "brass-composite": Source({3: 469.0, 24: 424.0}, 1.25, (1200.0, 1110.0), {}, 0.53),
     "ptfe": Source({}, 1.85, (35.0, 20.0), {"at N2 = 1": 17.1, "beyond N2 = 3, less than": 2.3}, 1.3),
 }
@@ -111,7 +112,9 @@ class Group:
 
 def select(runs: Sequence[FinishedRun]) -> list[Group]:
     """Chains with a section of another material between two sensors, a group for each material."""
-    smooth = [run for run in chain_runs(runs) if not run.case.has_holder_friction]  # others: `holder`
+    smooth = [
+        run for run in chain_runs(runs) if not (run.case.has_holder_friction or run.case.has_loss)
+    ]  # `holder`, `loss`
     found = [chain for run in smooth if (chain := composite_of(run)) is not None]
     groups = []
     for light in dict.fromkeys(chain.light.name for chain in found):
@@ -121,7 +124,7 @@ def select(runs: Sequence[FinishedRun]) -> list[Group]:
         for strength in sorted({chain.strength for chain in alike}, reverse=True):
             kind = "elastic" if math.isinf(strength) else f"yielding at {strength / _MEGA:g} MPa"
             kinds[kind] = rising((chain for chain in alike if chain.strength == strength), lambda chain: chain.n)
-        known = (source for name, source in _SOURCES.items() if all(_is_source(chain, name) for chain in alike))
+        known = (source for name, source in SOURCES.items() if all(is_source(chain, name) for chain in alike))
         groups.append(Group(alike, kinds, next(known, Source())))
     return groups
 
@@ -186,7 +189,7 @@ def pictures(group: Group) -> Iterator[Picture]:
         yield Picture(f"composite_{slug}_length", caption, drawing)
 
 
-def _is_source(chain: Composite, light: str) -> bool:
+def is_source(chain: Composite, light: str) -> bool:
     """The chain of the composite-chain source with this material of the section."""
     case, assembly = chain.run.case, chain.run.assembly
     return (
