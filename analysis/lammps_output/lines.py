@@ -65,6 +65,6 @@ def read_lines(directory: str | Path, ids: tuple[int, ...], last: int) -> LineHi
     def vectors(form: str) -> NDArray[np.float64]:
         return np.stack([frame.vector(*(form.format(axis) for axis in "xyz")) for frame in frames])
 
-    turning = vectors("omega{}") if frames[0].get("omegax") is not None else None
+    turning = vectors("omega{}") if "omegax" in frames[0].columns else None
     steps = np.array([frame.step for frame in frames])
     return LineHistory(steps, np.array(ids), vectors("u{}"), vectors("v{}"), vectors("sum_f{}"), turning)

@@ -168,7 +168,9 @@ def _groups(assembly: Assembly) -> list[str]:
 def _support_arguments(assembly: Assembly, wall: Wall, material: Material) -> list[str]:
     """Support arguments of the wall fix for spheres of a material; empty for planes that do not move."""
     if wall.plate is not None:
-        return ["support", "free", *(num(value) for value in wall.plate)]
+        mass, velocity = wall.plate
+        held = assembly.case.precompression is not None  # until the run begins, see `motion`
+        return ["support", "free", num(mass), "0.0" if held else num(velocity)]
     if wall.support is None or material != materials_of_last_layer(assembly)[0]:
         return []
     constants = wall.support.constants(wall.material, footprint_radius(assembly))

@@ -9,7 +9,7 @@ from granwave.lammps_inputs.contact.absorbing import absorbing_ids, impedance_of
 from granwave.lammps_inputs.deck.commands import id_ranges, joined, num
 from granwave.lammps_inputs.packing.assembly import Assembly, own_velocities, struck_of
 from granwave.lammps_inputs.packing.bars import INCIDENT_BAR
-from granwave.lammps_inputs.packing.walls import walls
+from granwave.lammps_inputs.packing.walls import PLATE, walls
 from granwave.lammps_inputs.run_directory import LOAD_FILE
 
 if TYPE_CHECKING:
@@ -136,6 +136,8 @@ def _velocities(assembly: Assembly, *, resumed: bool) -> list[str]:
     if case.load.plate is not None:
         mass, speed = case.load.plate
         terms.append(f"0.5*{num(mass)}*{num(speed)}^2")
+        if case.precompression is not None and not resumed:
+            lines.append(f"fix_modify      {PLATE} velocity {num(speed)}")
     for number, striker in enumerate(case.striker, start=1):
         if striker.moves:
             lines.append(f"group           striker{number} id {n + number}")

@@ -166,6 +166,15 @@ class Support {
     }
   }
 
+  /* Give a plate a velocity towards the spheres, from which a run starts. Returns false if it is none. */
+  bool launch(double velocity)
+  {
+    if (mass_.size() > 1 || ground_stiffness_ > 0.0 || ground_damping_ > 0.0) return false;
+    launch_ = velocity;
+    speed_[0] = -velocity;
+    return true;
+  }
+
   /* Reset work and damper loss to zero. */
   void begin() { work_ = damped_ = 0.0; }
 

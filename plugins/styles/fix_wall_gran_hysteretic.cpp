@@ -156,6 +156,17 @@ void FixWallGranHysteretic::min_post_force(int)
   evaluate();
 }
 
+/* fix_modify ID velocity V: of a free plate, towards the spheres. */
+
+int FixWallGranHysteretic::modify_param(int narg, char **arg)
+{
+  if (std::strcmp(arg[0], "velocity") != 0) return 0;
+  if (narg < 2) error->all(FLERR, "Illegal fix_modify {}: expected velocity V", id);
+  if (!support || !support->launch(utils::numeric(FLERR, arg[1], false, lmp)))
+    error->all(FLERR, "Illegal fix_modify {}: velocity belongs to a free plate (support free)", id);
+  return 2;
+}
+
 /* Present position of the lower or upper plane. */
 
 double FixWallGranHysteretic::level(int side) const

@@ -50,6 +50,7 @@ class FixWallGranHysteretic : public Fix {
   void min_post_force(int) override;
   void final_integrate() override;
   double compute_scalar() override;
+  int modify_param(int, char **) override;
   double compute_vector(int) override;
 
   /* Set the initial dent of a sphere at its present position, on the nearer of the two walls. */

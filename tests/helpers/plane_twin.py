@@ -11,7 +11,8 @@ import dataclasses
 
 import numpy as np
 
-_AT_TYPICAL = 0.01  # P over E* R at which the stiffness of a constant tangential spring is taken
+# Stiffness over E* at P = 0.01 E* R, of two grains and on a plane: that of a tangential spring that stays the same.
+_TYPICAL, _TYPICAL_ON_PLANE = 0.539, 1.078
 
 
 def crystal(kind: str, n: int, layers: int, short_first: bool) -> np.ndarray:
@@ -49,14 +50,20 @@ class LineLaw:
         """Return dP/d overlap."""
         return np.pi * self.modulus / (np.log(self.scale / p) - 2)
 
-    def energy(self, p: np.ndarray) -> np.ndarray:
-        """Return the stored energy per length."""
-        return p**2 / (np.pi * self.modulus) * (np.log(self.scale / p) / 2 - 0.75)
-
 
 @dataclasses.dataclass
 class Discs:
-    """State of a crystal of equal discs; see `run`."""
+    """Crystal of equal discs under a plate; see `run`.
+
+    Attributes
+    ----------
+    centres
+        In diameters: (n_grains, 2), across and down.
+    plate_mass
+        Per length, kg/m.
+    constant_spring
+        True for a tangential spring whose stiffness does not follow the contact.
+    """
 
     centres: np.ndarray
     radius: float
@@ -131,19 +138,15 @@ class Discs:
         slip = np.einsum("ij,ij->i", relative, tangent) - spin  # n x w in the plane, with the lever arms
         ratio = 2 * (1 - self.poisson_ratio) / (2 - self.poisson_ratio)
         if self.constant_spring:
-            typical = [law.stiffness(np.array(_AT_TYPICAL * self.laws[0].modulus * r)) for law in self.laws]
-            k_t = ratio * np.where(pair, 0.539 * self.laws[0].modulus, 1.078 * self.laws[0].modulus)
-            del typical
+            k_t = ratio * np.where(pair, _TYPICAL, _TYPICAL_ON_PLANE) * self.laws[0].modulus
         else:
             k_t = ratio * k
         if dt:
             self.viscous += float(np.sum((total - p) * rate)) * dt
             old = self.spring
             if not self.constant_spring:
-                shrink = np.where(
-                    (self.k_before > 0) & (k_t < self.k_before), k_t / np.maximum(self.k_before, 1e-300), 1
-                )
-                old = old * shrink
+                shrinks = (self.k_before > 0) & (k_t < self.k_before)
+                old = old * np.where(shrinks, k_t / np.where(shrinks, self.k_before, 1.0), 1.0)
             new = np.where(touch, old - k_t * slip * dt, 0.0)
             limit = self.friction * total
             new = np.clip(new, -limit, limit)

@@ -76,6 +76,28 @@ def motion(law, mass, stiffness, damping, speed, time):
     return state
 
 
+@pytest.mark.parametrize("side", ["low", "high"])
+@pytest.mark.parametrize("mass", [1e-4, 0.02, 5.0])
+def test_a_free_plate_and_a_sphere_collide_as_two_bodies(lammps, side, mass):
+    law, speed = "hertz 115e9 0.3", 2.0
+    lmp = thrown(lammps(), f"free {mass} {speed}", speed=0.0, law=law, side=side)
+    lmp.command("run 1")
+    given = 0.5 * mass * speed**2
+    lmp.command("run 12000")
+    sign = -1.0 if side == "high" else 1.0
+    thrown_at, left = 2 * mass / (mass + MASS) * speed, (mass - MASS) / (mass + MASS) * speed
+    assert value(lmp, "vz[1]") == pytest.approx(sign * thrown_at, rel=1e-6)
+    assert -value(lmp, "f_plate[11]") == pytest.approx(left, rel=1e-6, abs=1e-6 * speed)
+    assert value(lmp, LEDGER) == pytest.approx(given, rel=1e-6)
+    assert value(lmp, "f_plate[15]") == pytest.approx(0.5 * mass * (left**2 - speed**2), rel=1e-4)  # work done on it
+
+
+def test_a_free_plate_waits_for_the_run(lammps):
+    lmp = thrown(lammps(), "free 0.02 3.0", speed=0.0, law="hertz 115e9 0.3")
+    lmp.commands_string("min_style fire\nminimize 0 1e-9 100 100")
+    assert value(lmp, "f_plate[10]") == 0.0 and value(lmp, "f_plate[11]") == -3.0
+
+
 def state_of(lmp):
     return np.array([value(lmp, f) for f in ("z[1]", "vz[1]", "f_plate[10]", "f_plate[11]")])
 

@@ -8,13 +8,14 @@ from numpy.typing import NDArray
 from granwave.analysis.studies.lateral.runs import LateralRun
 
 _ALL = "lines/all"
-_EARLY, _LATER = 0.5e-3, 1.1e-3  # s, between which the upper rows come back
+_IN_ROW = 0.01  # diameters
 _QUIET = 0.25  # of the peak: a second pulse begins where the speed has been below it
+_SMALL = 0.05  # of the first peak: least prominence of the second
 _SAME = 1e-6  # diameters
 
 
 def turned(run: LateralRun) -> tuple[float, float]:
-    """Return the means of the largest rotations of the grains at side walls, and of the others, degrees."""
+    """Return the largest rotations of the grains at side walls, and of the others, degrees."""
     with_all = f"{_ALL}/angular_velocity"
     time, rate = run.array(f"{_ALL}/time"), run.array(with_all)[:, :, 1]
     angle = np.concatenate(
@@ -23,19 +24,18 @@ def turned(run: LateralRun) -> tuple[float, float]:
     largest = np.degrees(np.abs(angle).max(axis=0))
     x = run.array(f"{_ALL}/position")[:, 0]
     at_walls = (x < x.min() + _SAME) | (x > x.max() - _SAME)
-    return float(largest[at_walls].mean()), float(largest[~at_walls].mean())
+    return float(largest[at_walls].max()), float(largest[~at_walls].max())
 
 
-def row_shift(run: LateralRun) -> tuple[float, float]:
-    """Return how far the left half of the second row moves out before 0.5 ms at most, and in until 1.1 ms, um."""
+def row_shift(run: LateralRun, when: float) -> float:
+    """Return how far the left half of the second row has moved outwards at a time (s), um."""
     time, position = run.array(f"{_ALL}/time"), run.array(f"{_ALL}/position")
     aside = -run.array(f"{_ALL}/displacement")[:, :, 0]
     rows = np.unique(np.round(position[:, 2] / run.case.packing.diameter, 3))
     middle = 0.5 * (position[:, 0].min() + position[:, 0].max())
-    second = np.abs(position[:, 2] / run.case.packing.diameter - rows[1]) < 1e-2
+    second = np.abs(position[:, 2] / run.case.packing.diameter - rows[1]) < _IN_ROW
     left = second & (position[:, 0] < middle - _SAME)
-    mean = 1e6 * aside[:, left].mean(axis=1)
-    return float(mean[time <= _EARLY].max()), float(-mean[(time > _EARLY) & (time <= _LATER)].min())
+    return float(np.interp(when, time, 1e6 * aside[:, left].mean(axis=1)))
 
 
 def mirrored(run: LateralRun) -> float:
@@ -89,5 +89,7 @@ def _second(time: NDArray[np.float64], speed: NDArray[np.float64]) -> float | No
     if not low.size:
         return None
     rest = first + int(low[0])
-    ahead = rest + int(speed[rest:].argmax())
-    return float(time[ahead]) if ahead > rest else None
+    from scipy.signal import find_peaks  # takes longer to load than most commands need
+
+    peaks, _ = find_peaks(speed[rest:], prominence=_SMALL * float(speed[first]))
+    return float(time[rest + int(peaks[np.argmax(speed[rest + peaks])])]) if len(peaks) else None

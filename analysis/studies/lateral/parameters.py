@@ -9,8 +9,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from granwave.analysis.document.model import Table
-from granwave.analysis.figures.series import label, legend_above, panels
-from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing
+from granwave.analysis.figures.series import label, panels
+from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing, legend_above
 from granwave.analysis.studies.lateral.runs import NAMES, LateralRun, lateral_runs
 from granwave.analysis.studies.runs import FinishedRun, rising
 from granwave.analysis.studies.study import Picture, Row
@@ -35,6 +35,7 @@ _TRIAL: dict[str, dict[float, tuple[float | None, float | None]]] = {  # BCC, HC
     "plate": {40.0: (3.7, 2.6), 80.0: (2.6, 2.3)},
     "modulus": {150e6: (175.0, 299.0), 480e6: (315.0, 546.0), 1573e6: (587.0, 1043.0)},
 }
+_FEW = "Two regions of eight or seven grains, whose border jumps from grain to grain: near another minimum of the fit."
 _GIVES = {"BCC": 76e6, "HCP": 25e6}  # modulus that gives 125 m/s, by the independent program
 
 
@@ -109,7 +110,7 @@ def rows(group: Changed) -> Iterator[Row]:
                     continue
                 quantity = f"Decay of the peak speed, first region, {words.format(value * scale)}, {name}"
                 if trial is not None:
-                    yield Row(quantity, "1/m", None, decay.first, _CHECK, "", trial, True, 2)
+                    yield Row(quantity, "1/m", None, decay.first, _CHECK, _FEW, trial, True, 2)
                 else:
                     yield Row(quantity, "1/m", None, decay.first, _SOURCE, digits=2)
         for what, quantity, trial in (
@@ -119,7 +120,7 @@ def rows(group: Changed) -> Iterator[Row]:
             for value, run in group.series.get((what, name), []):
                 decay = run.whole_decay
                 if decay is not None and value != _reference(what) and value != 1.0:
-                    yield Row(quantity.format(name), "1/m", None, decay.first, _CHECK, "", trial, True, 2)
+                    yield Row(quantity.format(name), "1/m", None, decay.first, _CHECK, _FEW, trial, True, 2)
         for value, run in group.series.get(("scatter", name), []):
             if value and run.down.front_speed:
                 remark = "One set of random diameters; the program's were others."

@@ -8,8 +8,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from granwave.analysis.document.model import Table
-from granwave.analysis.figures.series import label, legend_above, panels
-from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing
+from granwave.analysis.figures.series import label, panels
+from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing, legend_above
 from granwave.analysis.measures.lines.decay import parted_at
 from granwave.analysis.studies.lateral.runs import LateralRun, lateral_runs
 from granwave.analysis.studies.runs import FinishedRun, all_but, rising
@@ -26,7 +26,7 @@ TEXT = (
     "nothing of the sides has arrived, and free sides part at the same depth."
 )
 _SOURCE, _CHECK = "lateral constraints", "independent program"
-_WIDE = 40  # a row
+_LEAST = 2  # widths
 _TRIAL = {  # depth where they part with walls, without, D, by the independent program
     "BCC": {4: (2.8, 2.8), 6: (2.8, 4.2), 8: (5.7, 5.7), 10: (5.7, 7.1), 12: (7.1, 8.5), 16: (9.9, 11.3)},
     "HCP": {4: (1.7, 1.7), 6: (3.5, 3.5), 8: (6.9, 5.2), 10: (8.7, 8.7), 12: (10.4, 10.4), 16: (None, 13.9)},
@@ -98,14 +98,20 @@ def rows(group: Widths) -> Iterator[Row]:
     for runs, which, word in ((group.walls, 0, "walls"), (group.free, 1, "free sides")):
         for run in runs:
             parted, count = group.parted(run), run.case.packing.size[0]
-            if parted is None:
-                continue
-            quantity = f"Depth where {count} a row part from {group.wide.case.packing.size[0]}, {word}, {group.crystal}"
-            remark = "Depths are those of grains, 1.41 D apart in BCC and 1.73 D in HCP."
-            yield Row(quantity, "D", None, parted, _SOURCE, remark, run.meeting, digits=2)
             trial = _TRIAL[group.crystal].get(count, (None, None))[which]
-            if trial is not None:
+            if parted is not None and trial is not None:
+                quantity = (
+                    f"Depth where {count} a row part from {group.wide.case.packing.size[0]}, {word}, {group.crystal}"
+                )
                 yield Row(quantity, "D", None, parted, _CHECK, "", trial, True, 2)
+    spacing = float(np.diff(group.wide.depth).mean())
+    away = [
+        abs(d - run.meeting) / spacing for run in (*group.walls, *group.free) if (d := group.parted(run)) is not None
+    ]
+    if away:
+        remark = "Of all widths, with walls and with free sides; they can only part at a grain."
+        quantity = f"Depth where crystals part less that of the law, at most, {group.crystal}"
+        yield Row(quantity, "grains", None, max(away), _SOURCE, remark, digits=2)
 
 
 def pictures(group: Widths) -> Iterator[Picture]:
@@ -156,11 +162,10 @@ def tables(group: Widths) -> Iterator[Table]:
 
 
 def _slope(group: Widths, runs: list[LateralRun]) -> float | None:
-    """Return depth over width, by a line through the origin; they part half a spacing before the first that differs."""
+    """Return depth over width, by a line through the origin."""
     known = [(run.width, group.parted(run)) for run in runs]
     pairs = [(w, d) for w, d in known if d is not None]
-    if len(pairs) < 2:
+    if len(pairs) < _LEAST:
         return None
     w, d = np.array(pairs).T
-    spacing = float(np.diff(group.wide.depth).mean())
-    return float(np.sum(w * (d - 0.5 * spacing)) / np.sum(w**2))
+    return float(np.sum(w * d) / np.sum(w**2))

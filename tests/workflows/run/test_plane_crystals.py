@@ -1,0 +1,119 @@
+"""Runs of plane crystals of cylinders under a plate: against an independent solver, balances, symmetry, walls."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from granwave.analysis.measures.lines.record import lines_of
+from granwave.analysis.result.reader import Result
+from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.workflows.library import load_case
+from granwave.workflows.run.driver import run_case
+from tests.helpers.plane_twin import Discs, crystal
+
+D, L = 0.0127, 0.0254
+LINES = [{"name": "down"}, {"name": "all", "index": "all"}]
+RECORDED = 400  # instants
+
+
+def made(place: Path, end: float = 4e-4, **changes: Any) -> Path:
+    """Run a small crystal."""
+    tables: dict[str, Any] = {
+        "packing": {
+            "kind": "hexagonal", "size": [4, 5], "top_row": "short", "shape": "cylinder", "diameter": D, "length": L,
+        },
+        "material": {"name": "soft", "youngs_modulus": 70e6, "poisson_ratio": 0.48, "density": 1130},
+        "contact": {"law": "hertz", "friction": 0.3, "loss": {"time": 12e-6}},
+        "load": {"kind": "plate", "mass": 10 * L, "velocity": 6.0},
+        "boundary": {"sides": "wall"},
+        "line": LINES,
+        "run": {"end_time": end, "frames": 2},
+        "output": {"history": RECORDED},
+    }  # fmt: skip
+    tables = {
+        name: table | changes.get(name, {}) if isinstance(table, dict) else table for name, table in tables.items()
+    }
+    run_case(case_from_dict({"name": "crystal", **tables}), place, figures=False)
+    return place
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return made(tmp_path_factory.mktemp("plane") / "run")
+
+
+def test_every_grain_moves_as_in_an_independent_solver(run: Path) -> None:
+    twin = Discs(crystal("hexagonal", 4, 5, True), D / 2, 70e6, 0.48, 1130, 0.3, 12e-6, 10.0, 6.0)
+    time, velocity = twin.run(4e-4)
+    with Result(run) as result:
+        own, ours = result["lines/all/time"], result["lines/all/velocity"]
+    expected = np.stack([[np.interp(own, time, v) for v in one.T] for one in velocity.transpose(1, 0, 2)])
+    assert np.abs(ours[:, :, [0, 2]] - expected.transpose(2, 0, 1)).max() < 0.05  # of 6 m/s; the solver is of first order in the loss
+    assert np.abs(ours[:, :, 1]).max() == 0  # nothing leaves the plane
+
+
+def test_energy_momentum_and_symmetry(run: Path) -> None:
+    with Result(run) as result:
+        energy = {name: result[f"energy/{name}"] for name in ("kinetic", "elastic", "dissipated", "input", "plate")}
+        speed, impulse = result["walls/plate/velocity"], result["walls/plate/impulse"]
+        sides = [result[f"walls/{name}/force"] for name in ("xlo", "xhi")]
+        position, moved = result["lines/all/position"], result["lines/all/displacement"]
+    total = energy["kinetic"] + energy["elastic"] + energy["dissipated"]
+    assert np.abs(total - energy["input"]).max() < 2e-5 * energy["input"][-1]
+    mass = 10 * L
+    assert energy["input"][-1] == pytest.approx(0.5 * mass * 36) and energy["plate"][0] == pytest.approx(
+        0.5 * mass * 36
+    )
+    assert mass * (speed[-1] - speed[0]) == pytest.approx(impulse[-1], rel=1e-3)
+    assert sides[0] == pytest.approx(sides[1], rel=1e-6, abs=1e-6) and sides[0].max() > 0
+    order = np.lexsort((position[:, 0], position[:, 2].round(9)))
+    mirror = np.lexsort((-position[:, 0], position[:, 2].round(9)))
+    assert np.abs(moved[:, order, 0] + moved[:, mirror, 0]).max() < 1e-9 * D
+
+
+def test_a_line_is_measured(run: Path) -> None:
+    with Result(run) as result:
+        down, _ = lines_of(result)
+        assert result.unit("lines/down/lateral_force") == "N"
+    assert down.straight and down.distance / D == pytest.approx([0, np.sqrt(3), 2 * np.sqrt(3)])
+    assert np.all(np.diff(down.arrival) > 0) and 150 < (down.front_speed or 0) < 250
+
+
+def test_pressed_sides_and_a_gap(tmp_path: Path) -> None:
+    pressed = made(tmp_path / "pressed", 5e-5, boundary={"side_gap": -2e-5}, contact={"friction": 0.0})
+    with Result(pressed) as result:
+        force, kinetic = result["walls/xlo/force"], result["energy/kinetic"]
+        total = kinetic + result["energy/elastic"] + result["energy/dissipated"]
+        assert force[0] > 1.0  # the walls press before the plate does
+        assert np.abs(total - result["energy/input"]).max() < 1e-5 * result.energy_input
+    with Result(made(tmp_path / "gap", 5e-5, boundary={"side_gap": 1e-3})) as result:
+        assert result["walls/xlo/force"].max() == 0
+
+
+@pytest.mark.validation
+@pytest.mark.parametrize(("name", "kind", "size", "speed"), [
+    ("lateral-square", "centred-square", (6, 16), 120.0), ("lateral-hexagonal", "hexagonal", (8, 14), 204.0),
+])  # fmt: skip
+def test_front_speeds_of_both_crystals(
+    tmp_path: Path, name: str, kind: str, size: tuple[int, int], speed: float
+) -> None:
+    """Within 1 % of an independent program, and of the solver here with either tangential spring."""
+    case = load_case(name, {"run.end_time": 2.4e-3, "line": LINES[:1]})
+    run_case(case, tmp_path / name, figures=False)
+    with Result(tmp_path / name) as result:
+        (down,) = lines_of(result)
+    assert down.front_speed == pytest.approx(speed, rel=0.01)
+    for constant in (False, True):
+        twin = Discs(
+            crystal(kind, *size, True), D / 2, 70e6, 0.48, 1130, 0.3, 12e-6, 20.0, 6.0, constant_spring=constant
+        )
+        time, velocity = twin.run(1.6e-3)
+        middle = np.abs(twin.centres[:, 0] - twin.centres[:, 0].mean()) < 0.1
+        speeds = np.linalg.norm(velocity[:, middle], axis=2)
+        arrival = [time[np.argmax(one > 0.3)] for one in speeds.T]
+        front = np.polyfit(arrival, down.distance, 1)[0]
+        assert front == pytest.approx(down.front_speed, rel=0.005 if constant else 0.002)
