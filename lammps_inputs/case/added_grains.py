@@ -1,6 +1,8 @@
 """``[[grains]]``: grains at places given by a formula, next to a lattice or to the grains of a file.
 
     at = [[0, 0, 0.01], ...]                     places, m
+    at = "octahedral"                            all holes of an fcc or hcp packing between six spheres, or between
+                                                 four ("tetrahedral")
     ring = {n = 6, radius = 0.01, z = 0.005}     n places around the axis x = y = 0; angle: of the first
     repeat = {times = 10, step = [0, 0, 0.015]}  these places again and again, each time moved on by a step
 
@@ -10,6 +12,7 @@ A case with such grains is one of ``packing.kind = "file"``: the sites of the la
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -26,6 +29,7 @@ from granwave.lammps_inputs.case.schema import (
     finite,
     number,
     parse_point,
+    show,
     text,
     whole,
 )
@@ -33,9 +37,13 @@ from granwave.lammps_inputs.case.si_values import DIAMETER
 from granwave.lammps_inputs.lattices import FILE, Lattice
 
 _POINT = "[x, y, z] in m"
-_PLACES = f"places, {_POINT} each"
+_PLACES = f'places, {_POINT} each, or "octahedral" or "tetrahedral" for the holes of fcc and hcp'
+_HOLES = {"octahedral": (1 / math.sqrt(2), 6), "tetrahedral": (math.sqrt(3 / 8), 4)}  # distance, diameters; neighbours
+_NEAR = 1e-6  # diameters
+_UP = np.array([0.0, 0.0, 1.0])
 _RING = "{n = 6, radius = 0.01, z = 0.005}, and perhaps angle = 30 (degrees from x)"
 _REPEAT = "{times = 10, step = [0, 0, 0.015]}"
+_HOLED = ("fcc", "hcp")
 _OF_SITES = ("diameter_scatter", "vacancies")  # keys of a lattice that such a packing does not have
 
 
@@ -57,7 +65,9 @@ class Repeat:
     step: tuple[float, float, float]
 
 
-def _parse_places(value: Any) -> tuple[tuple[float, float, float], ...]:
+def _parse_places(value: Any) -> str | tuple[tuple[float, float, float], ...]:
+    if isinstance(value, str) and value in _HOLES:
+        return value
     if not isinstance(value, list | tuple) or not value:
         raise ValidationError(_PLACES)
     return tuple(parse_point(place, _PLACES) for place in value)
@@ -82,16 +92,21 @@ def _parse_repeat(value: Any) -> Repeat:
 class AddedGrains:
     """``[[grains]]``: grains of one size and material at places given by a formula."""
 
-    at: tuple[tuple[float, float, float], ...] | None = custom("places", _parse_places, unit="m", default=None)
+    at: str | tuple[tuple[float, float, float], ...] | None = custom(
+        "places, or the holes of an fcc or hcp packing", _parse_places, unit="m", default=None
+    )
     ring: Ring | None = custom("places around the axis x = y = 0", _parse_ring, default=None)  # noqa: RUF009
     repeat: Repeat | None = custom("copies of these places, each a step on", _parse_repeat, default=None)  # noqa: RUF009
     diameter: float = number("diameter of these grains", unit="m", above=0, usual=DIAMETER)
     material: Material | None = None
     group: str | None = text("name of their group, for [[hold]]", default=None)
 
-    def places(self) -> NDArray[np.float64]:
-        """Return the places: (n, 3), m."""
-        if self.ring is not None:
+    def places(self, lattice: Lattice | None) -> NDArray[np.float64]:
+        """Return the places, next to a lattice if there is one: (n, 3), m."""
+        if isinstance(self.at, str):
+            assert lattice is not None
+            places = holes(lattice, self.at)
+        elif self.ring is not None:
             angle = np.deg2rad(self.ring.angle) + 2 * np.pi * np.arange(self.ring.n) / self.ring.n
             across = self.ring.radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
             places = np.column_stack([across, np.full(self.ring.n, self.ring.z)])
@@ -103,13 +118,52 @@ class AddedGrains:
         return places
 
 
+def holes(lattice: Lattice, kind: str) -> NDArray[np.float64]:
+    """Return the centres of the holes of a lattice between six spheres ("octahedral") or four ("tetrahedral").
+
+    Those at the faces, which lack some of these spheres, are left out. Returns an array (n, 3), m, in the order of z, y
+    and x; empty if the lattice has no such holes.
+    """
+    from scipy.spatial import KDTree  # takes longer to load than most commands need
+
+    distance, n_around = _HOLES[kind]
+    spheres = lattice.positions(1, lattice.n_spheres) / lattice.diameter
+    around, periods = spheres, np.array([*lattice.lengths, 0.0]) / lattice.diameter
+    if lattice.periodic:
+        around = np.concatenate([spheres + (i, j, 0) * periods for i in (0, -1, 1) for j in (0, -1, 1)])
+    tree = KDTree(around)
+    if kind == "octahedral":  # three pairs of spheres are opposite to each other
+        near = tree.query_ball_point(spheres, 2 * distance + _NEAR)
+        pairs = np.array([(i, j) for i, others in enumerate(near) for j in others], dtype=np.int64).reshape(-1, 2)
+        apart = np.linalg.norm(around[pairs[:, 1]] - spheres[pairs[:, 0]], axis=1)
+        pairs = pairs[np.abs(apart - 2 * distance) <= _NEAR]
+        found = (around[pairs[:, 1]] + spheres[pairs[:, 0]]) / 2
+    else:  # a hole is above or below a sphere
+        found = np.concatenate([spheres + distance * _UP, spheres - distance * _UP])
+    if lattice.periodic:
+        low = spheres.min(axis=0)
+        found[:, :2] = low[:2] + np.mod(found[:, :2] - low[:2] + _NEAR, periods[:2]) - _NEAR
+    same = KDTree(found).query_ball_point(found, 100 * _NEAR) if len(found) else []
+    found = found[[min(rows) == row for row, rows in enumerate(same)]]  # each once
+    found = found[np.lexsort(np.round(found / (100 * _NEAR)).T)]
+    counts = np.array([len(one) for one in tree.query_ball_point(found, distance + 10 * _NEAR)] if len(found) else [])
+    return np.asarray(found[counts == n_around] * lattice.diameter)
+
+
 def with_added_grains(
-    packing: PackingSection, added: Sequence[AddedGrains], materials: dict[str, Material], errors: ErrorList
+    packing: PackingSection,
+    added: Sequence[AddedGrains],
+    materials: dict[str, Material],
+    errors: ErrorList,
+    *,
+    periodic: bool = False,
 ) -> PackingSection:
     """Return the packing with its added grains, as one of grains of a file.
 
     Parameters
     ----------
+    periodic
+        True if the lattice is periodic along x and y.
     materials
         Further materials of the case, by name; those of the grains are added.
     errors
@@ -120,19 +174,29 @@ def with_added_grains(
         if (entry.at is None) == (entry.ring is None):
             found = "neither at nor ring" if entry.at is None else "both at and ring"
             errors.add(f"grains.{place}", f"found {found}, expected one of them")
+        elif isinstance(entry.at, str) and packing.kind not in _HOLED:
+            errors.add(
+                f"grains.{place}.at",
+                f"found {show(entry.at)} with packing.kind = {show(packing.kind)}, expected fcc or hcp, or places",
+            )
+        elif isinstance(entry.at, str) and entry.repeat is not None:
+            errors.add(f"grains.{place}.repeat", f"found beside at = {show(entry.at)}, which are all such holes")
     for name in _OF_SITES:
         if getattr(packing, name):
             errors.add(f"packing.{name}", "found beside [[grains]], whose packing is no lattice; take one of them out")
     if len(errors.lines) > before:
         return packing
-    own = packing.grains
+    own, lattice, period = packing.grains, None, packing.period
     if own is None:
-        lattice = Lattice(packing.kind, packing.size, packing.diameter)
+        lattice = Lattice(packing.kind, packing.size, packing.diameter, periodic)
+        period = lattice.lengths if periodic else None
         n = lattice.n_spheres
         own = Grains(lattice.positions(1, n), np.full(n, packing.diameter), [""] * n, [""] * n, np.zeros((n, 3)))
     position, diameter, material, group = [own.position], [own.diameter], [*own.material], [*own.group]
-    for entry in added:
-        places = entry.places()
+    for place, entry in enumerate(added, start=1):
+        places = entry.places(lattice)
+        if not len(places):
+            errors.add(f"grains.{place}.at", f"found no {entry.at} hole in a packing of {show(packing.size)} spheres")
         position.append(places)
         diameter.append(np.full(len(places), entry.diameter))
         material += [_name_of(entry.material, materials)] * len(places)
@@ -141,7 +205,7 @@ def with_added_grains(
     grains = Grains(
         np.concatenate(position), np.concatenate(diameter), material, group, np.concatenate([own.velocity, still])
     )
-    return PackingSection(kind=FILE, size=(len(grains),), diameter=packing.diameter, grains=grains)
+    return PackingSection(kind=FILE, size=(len(grains),), diameter=packing.diameter, grains=grains, period=period)
 
 
 def _name_of(material: Material | None, materials: dict[str, Material]) -> str:

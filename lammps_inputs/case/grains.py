@@ -18,13 +18,16 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.schema import LARGEST_COUNT, show
 from granwave.lammps_inputs.files import read_regular
+
+if TYPE_CHECKING:
+    import ase
 
 _PLACE = ("x", "y", "z")
 _VELOCITY = ("vx", "vy", "vz")
@@ -33,6 +36,7 @@ _WORDS = ("material", "group")
 COLUMNS = (*_PLACE, "diameter", *_WORDS, *_VELOCITY)
 _WORD = re.compile(r"[^,#\"'\s]*(?: [^,#\"'\s]+)*")
 _TABLES = (".csv", ".txt", ".dat")  # suffixes of files that are tables; ASE reads the rest
+_STRAIGHT = 1e-9  # components of the edges of a box across its axes, over its largest edge
 _FROM_ASE = {  # names of arrays
     "diameter": ("diameter", "diameters"),
     "radius": ("radius", "radii"),
@@ -56,6 +60,8 @@ class Grains:
         Names of the groups; empty for none: (n,).
     velocity
         Initial velocities: (n, 3), m/s.
+    period
+        Periods along x and y of the file that they come from, m; None if it has none. Not part of the table.
     """
 
     def __init__(
@@ -65,7 +71,9 @@ class Grains:
         material: Sequence[str],
         group: Sequence[str],
         velocity: NDArray[np.float64],
+        period: tuple[float, float] | None = None,
     ) -> None:
+        self.period = period
         self.position, self.diameter, self.velocity = position, diameter, velocity
         self.material, self.group = tuple(material), tuple(group)
 
@@ -219,4 +227,16 @@ def _from_ase(path: Path, diameter: float | None) -> Grains:
     for name in _PLACE:
         if not np.isfinite(values[name]).all():
             raise ValueError(f"found {name} of grain {int(np.argmin(np.isfinite(values[name]))) + 1} that is no number")
-    return _grains(values, [f"grain {number}" for number in range(1, len(atoms) + 1)], diameter)
+    grains = _grains(values, [f"grain {number}" for number in range(1, len(atoms) + 1)], diameter)
+    if atoms.pbc[:2].all():
+        grains.period = _period_of(atoms)
+    return grains
+
+
+def _period_of(atoms: ase.Atoms) -> tuple[float, float] | None:
+    """Return the periods of a cell along x and y, m; None if it is no box along x, y and z."""
+    cell = np.asarray(atoms.cell)
+    slant = cell - np.diag(np.diag(cell))
+    if np.abs(slant).max() > _STRAIGHT * np.abs(cell).max() or min(cell[0, 0], cell[1, 1]) <= 0:
+        return None
+    return float(cell[0, 0]), float(cell[1, 1])

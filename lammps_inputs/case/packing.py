@@ -21,7 +21,7 @@ from granwave.lammps_inputs.case.schema import (
     show,
     whole,
 )
-from granwave.lammps_inputs.case.si_values import DIAMETER, Usual
+from granwave.lammps_inputs.case.si_values import DIAMETER, LENGTH, Usual
 from granwave.lammps_inputs.lattices import FILE, KINDS
 
 LARGEST_ID = LARGEST_COUNT
@@ -68,6 +68,16 @@ def _parse_tilt(value: Any) -> tuple[int, int]:
     return x, y
 
 
+def _parse_period(value: Any) -> tuple[float, float]:
+    expected = "[along x, along y] in m, both above 0"
+    if not isinstance(value, list | tuple) or len(value) != 2:
+        raise ValidationError(expected)
+    x, y = (finite(one, expected) for one in value)
+    if min(x, y) <= 0:
+        raise ValidationError(expected)
+    return x, y
+
+
 def _parse_grains(value: Any) -> Grains:
     if isinstance(value, Grains):
         return value
@@ -91,6 +101,14 @@ class PackingSection:
     )
     grains: Grains | None = custom(  # noqa: RUF009 (Grains are not changed)
         "the table of a file as text; a case that was run holds its grains so", _parse_grains, default=None
+    )
+    period: tuple[float, float] | None = custom(
+        'periods along x and y of grains of a file, for boundary.sides = "periodic"; those of the file\'s cell if it '
+        "has one",
+        _parse_period,
+        unit="m",
+        default=None,
+        usual=LENGTH,
     )
     diameter_scatter: float = number(
         "tolerance: the diameters lie between this much less and the nominal one",
@@ -119,7 +137,8 @@ class PackingSection:
         """Return the keys of the packing, as a case file has them."""
         keys: dict[str, Any] = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
         if self.grains is not None:
-            return {"kind": self.kind, "diameter": self.diameter, "grains": self.grains.text}
+            own = {"kind": self.kind, "diameter": self.diameter, "grains": self.grains.text}
+            return own | ({} if self.period is None else {"period": self.period})
         return keys | {"size": self.size[0] if len(self.size) == 1 else self.size}
 
 
@@ -131,7 +150,7 @@ def read_packing(table: Any, errors: ErrorList) -> PackingSection | None:
     if not isinstance(table, Mapping):
         return read_table(PackingSection, table, "packing", errors)
     if table.get("kind") != FILE:
-        for name in ("file", "grains"):
+        for name in ("file", "grains", "period"):
             if name in table:
                 errors.add(f"packing.{name}", f'belongs to packing.kind = "file"; found {show(table.get("kind", ""))}')
                 table = {key: value for key, value in table.items() if key != name}
@@ -142,7 +161,9 @@ def read_packing(table: Any, errors: ErrorList) -> PackingSection | None:
             errors.add(f"packing.{name}", 'does not belong to packing.kind = "file", whose grains are all in the file')
     rest = {name: value for name, value in table.items() if name not in ("file", *_NOT_OF_FILE)}
     if "grains" not in table:
-        rest["grains"] = _from_file(table, errors)
+        rest["grains"] = found = _from_file(table, errors)
+        if found is not None and found.period is not None:
+            rest.setdefault("period", found.period)
     elif "file" in table:
         errors.add("packing.file", "found beside packing.grains; give one of them")
     if len(errors.lines) > before:
