@@ -337,8 +337,8 @@ class Precompression:
     x_force: float | None = number("force to which each of the planes across x is moved in", **_PRESS)
     y_force: float | None = number("force to which each of the planes across y is moved in", **_PRESS)
     tube_force: float | None = number("force outward on the whole tube to which it shrinks", **_PRESS)
-    overlaps: bool = choice(
-        "true: overlaps of grains at the start are part of it; false: they are refused", (False, True), default=False
+    overlaps: bool | None = choice(
+        "true: overlaps of grains at the start are part of it; else they are refused", (True, False), default=None
     )
     acceleration: float = number("acceleration of gravity", unit="m/s^2", above=0, default=9.81, usual=ACCELERATION)
 
@@ -362,7 +362,7 @@ class Precompression:
     @property
     def takes_overlaps(self) -> bool:
         """True if overlaps of grains at the start are part of the load."""
-        return self.overlaps or self.kind == "overlaps"
+        return bool(self.overlaps) or self.kind == "overlaps"
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
