@@ -56,6 +56,7 @@ STUDIES: dict[str, str] = {
     "protected-spectrum": "protection.spectrum",
     "protected-checks": "protection.checks",
     "tolerance": "tolerance.study",
+    "interstitial-fcc": "rows.interstitial",
     "sphere-contact": "sphere_contact",
 }
 

@@ -4,6 +4,7 @@
     at = "octahedral"                            all holes of an fcc or hcp packing between six spheres, or between
                                                  four ("tetrahedral")
     ring = {n = 6, radius = 0.01, z = 0.005}     n places around the axis x = y = 0; angle: of the first
+    ring = {n = 2, radius = "touching", gap = 3} where they touch both spheres of a gap of a chain: 3 and 4
     repeat = {times = 10, step = [0, 0, 0.015]}  these places again and again, each time moved on by a step
 
 A case with such grains is one of ``packing.kind = "file"``: the sites of the lattice come first and keep their ids.
@@ -20,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.grains import Grains
+from granwave.lammps_inputs.case.ids import parse_index
 from granwave.lammps_inputs.case.material import Material, presets
 from granwave.lammps_inputs.case.packing import PackingSection
 from granwave.lammps_inputs.case.schema import (
@@ -41,7 +43,11 @@ _PLACES = f'places, {_POINT} each, or "octahedral" or "tetrahedral" for the hole
 _HOLES = {"octahedral": (1 / math.sqrt(2), 6), "tetrahedral": (math.sqrt(3 / 8), 4)}  # distance, diameters; neighbours
 _NEAR = 1e-6  # diameters
 _UP = np.array([0.0, 0.0, 1.0])
-_RING = "{n = 6, radius = 0.01, z = 0.005}, and perhaps angle = 30 (degrees from x)"
+_RING = (
+    "{n = 6, radius = 0.01, z = 0.005}, and perhaps angle = 30 (degrees from x); in place of z there may be gap = 3, "
+    '[3, 5] or "all" (after which spheres of a chain), and then the radius may be "touching"'
+)
+_TOUCHING, _ALL = "touching", "all"
 _REPEAT = "{times = 10, step = [0, 0, 0.015]}"
 _HOLED = ("fcc", "hcp")
 _OF_SITES = ("diameter_scatter", "vacancies")  # keys of a lattice that such a packing does not have
@@ -49,11 +55,22 @@ _OF_SITES = ("diameter_scatter", "vacancies")  # keys of a lattice that such a p
 
 @dataclasses.dataclass(frozen=True)
 class Ring:
-    """Places around the axis x = y = 0."""
+    """Places around the axis x = y = 0.
+
+    Attributes
+    ----------
+    radius
+        m; None: where they touch both spheres of the gap.
+    z
+        m; None for rings at gaps.
+    gap
+        Spheres that the gaps follow; empty: all gaps.
+    """
 
     n: int
-    radius: float
-    z: float
+    radius: float | None
+    z: float | None
+    gap: tuple[int, ...] = ()
     angle: float = 0.0
 
 
@@ -74,12 +91,19 @@ def _parse_places(value: Any) -> str | tuple[tuple[float, float, float], ...]:
 
 
 def _parse_ring(value: Any) -> Ring:
-    if not isinstance(value, Mapping) or not {"n", "radius", "z"} <= set(value) <= {"n", "radius", "z", "angle"}:
+    if not isinstance(value, Mapping) or not {"n", "radius"} <= set(value) <= {"n", "radius", "z", "gap", "angle"}:
         raise ValidationError(_RING)
-    radius = finite(value["radius"], _RING)
-    if radius <= 0:
+    touching = value["radius"] == _TOUCHING
+    radius = None if touching else finite(value["radius"], _RING)
+    if radius is not None and radius <= 0:
         raise ValidationError(f"{_RING}, with a radius above 0")
-    return Ring(whole(value["n"], _RING), radius, finite(value["z"], _RING), finite(value.get("angle", 0.0), _RING))
+    if ("z" in value) == ("gap" in value) or (touching and "z" in value):
+        raise ValidationError(f'{_RING}, with z or gap, and a gap for a radius "touching"')
+    gap: tuple[int, ...] = ()
+    if value.get("gap", _ALL) != _ALL:
+        gap = parse_index(value["gap"])
+    z = finite(value["z"], _RING) if "z" in value else None
+    return Ring(whole(value["n"], _RING), radius, z, gap, finite(value.get("angle", 0.0), _RING))
 
 
 def _parse_repeat(value: Any) -> Repeat:
@@ -101,21 +125,66 @@ class AddedGrains:
     material: Material | None = None
     group: str | None = text("name of their group, for [[hold]]", default=None)
 
-    def places(self, lattice: Lattice | None) -> NDArray[np.float64]:
-        """Return the places, next to a lattice if there is one: (n, 3), m."""
+    def places(self, lattice: Lattice | None, own: Grains) -> NDArray[np.float64]:
+        """Return the places: (n, 3), m.
+
+        Parameters
+        ----------
+        lattice
+            Lattice that they are next to, if there is one.
+        own
+            Grains that they are next to.
+
+        Raises
+        ------
+        ValueError
+            There is no such gap, or it has no place where they touch both spheres.
+        """
         if isinstance(self.at, str):
             assert lattice is not None
             places = holes(lattice, self.at)
         elif self.ring is not None:
             angle = np.deg2rad(self.ring.angle) + 2 * np.pi * np.arange(self.ring.n) / self.ring.n
-            across = self.ring.radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-            places = np.column_stack([across, np.full(self.ring.n, self.ring.z)])
+            around = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+            rings = [(self.ring.radius or 0.0, self.ring.z)] if self.ring.z is not None else self._at_gaps(own)
+            places = np.concatenate(
+                [np.column_stack([radius * around, np.full(self.ring.n, z)]) for radius, z in rings]
+            )
         else:
             places = np.array(self.at)
         if self.repeat is not None:
             steps = np.arange(self.repeat.times)[:, None, None] * np.array(self.repeat.step)
             places = (places + steps).reshape(-1, 3)
         return places
+
+    def _at_gaps(self, own: Grains) -> list[tuple[float, float]]:
+        """Return the radii and places along the row of the rings at gaps, m."""
+        assert self.ring is not None
+        found = []
+        for first in self.ring.gap or range(1, len(own)):
+            if first >= len(own):
+                raise ValueError(f"found gap {first}, expected one from 1 to {len(own) - 1}, between two spheres")
+            (x1, y1, z1), (x2, y2, z2) = own.position[first - 1 : first + 1].tolist()
+            slack = _NEAR * self.diameter
+            if max(abs(x1), abs(y1), abs(x2), abs(y2)) > slack or z2 <= z1:
+                raise ValueError(f"found gap {first} between spheres that do not follow each other along x = y = 0")
+            if self.ring.radius is not None:
+                found.append((self.ring.radius, (z1 + z2) / 2))
+                continue
+            one, other = (own.diameter[first - 1 : first + 1] + self.diameter) / 2
+            step = (one**2 - other**2 + (z2 - z1) ** 2) / (2 * (z2 - z1))
+            if step**2 >= one**2:
+                raise ValueError(f"found gap {first} of {z2 - z1:g} m between centres, too wide to touch both spheres")
+            found.append((math.sqrt(one**2 - step**2), z1 + step))
+        return found
+
+
+def _opened(positions: NDArray[np.float64], gaps: Sequence[tuple[int, float]]) -> NDArray[np.float64]:
+    """Open a chain: move all spheres behind a gap on by its width."""
+    positions = positions.copy()
+    for sphere, width in gaps:
+        positions[sphere:, 2] += width
+    return positions
 
 
 def holes(lattice: Lattice, kind: str) -> NDArray[np.float64]:
@@ -181,6 +250,11 @@ def with_added_grains(
             )
         elif isinstance(entry.at, str) and entry.repeat is not None:
             errors.add(f"grains.{place}.repeat", f"found beside at = {show(entry.at)}, which are all such holes")
+    if packing.gaps and packing.kind != "chain":
+        errors.add("packing.gaps", f"found with packing.kind = {show(packing.kind)}, expected a chain")
+    elif beyond := [sphere for sphere, _ in packing.gaps if sphere >= packing.size[0]]:
+        last = packing.size[0] - 1
+        errors.add("packing.gaps", f"found a gap after sphere {beyond[0]}, expected after one from 1 to {last}")
     for name in _OF_SITES:
         if getattr(packing, name):
             errors.add(f"packing.{name}", "found beside [[grains]], whose packing is no lattice; take one of them out")
@@ -191,10 +265,15 @@ def with_added_grains(
         lattice = Lattice(packing.kind, packing.size, packing.diameter, periodic)
         period = lattice.lengths if periodic else None
         n = lattice.n_spheres
-        own = Grains(lattice.positions(1, n), np.full(n, packing.diameter), [""] * n, [""] * n, np.zeros((n, 3)))
+        place = _opened(lattice.positions(1, n), packing.gaps)
+        own = Grains(place, np.full(n, packing.diameter), [""] * n, [""] * n, np.zeros((n, 3)))
     position, diameter, material, group = [own.position], [own.diameter], [*own.material], [*own.group]
     for place, entry in enumerate(added, start=1):
-        places = entry.places(lattice)
+        try:
+            places = entry.places(lattice, own)
+        except ValueError as error:
+            errors.add(f"grains.{place}.ring", str(error))
+            continue
         if not len(places):
             errors.add(f"grains.{place}.at", f"found no {entry.at} hole in a packing of {show(packing.size)} spheres")
         position.append(places)

@@ -187,7 +187,7 @@ def parse_case(data: Mapping[str, Any], source: str | Path, errors: ErrorList) -
         parts[name] = read_body(Bar, data[name], name, errors) if name in data else None
     packing: PackingSection | None = parts["packing"] if "packing" in data else None
     added = read_list(AddedGrains, data.get(_GRAINS, ()), _GRAINS, errors)
-    if packing is not None and added:
+    if packing is not None and (added or packing.gaps):
         boundary: Boundary | None = parts["boundary"]
         periodic = boundary is not None and boundary.sides == "periodic"
         packing = parts["packing"] = with_added_grains(packing, added, materials, errors, periodic=periodic)

@@ -26,7 +26,7 @@ from granwave.lammps_inputs.lattices import FILE, KINDS
 
 LARGEST_ID = LARGEST_COUNT
 _FORM_OF_FILE = "the path of a table of grains (x, y, z, diameter in m), or of a file that ASE reads"
-_NOT_OF_FILE = ("size", "diameter_scatter", "scatter_distribution", "vacancies", "tilt", "seed")
+_NOT_OF_FILE = ("size", "gaps", "diameter_scatter", "scatter_distribution", "vacancies", "tilt", "seed")
 
 
 def _parse_size(value: Any) -> tuple[int, ...]:
@@ -78,6 +78,16 @@ def _parse_period(value: Any) -> tuple[float, float]:
     return x, y
 
 
+def _parse_gaps(value: Any) -> tuple[tuple[int, float], ...]:
+    expected = "a list of [sphere, width], such as [[14, 3e-4], [15, 3e-4]], each sphere once"
+    if not isinstance(value, list | tuple) or not all(isinstance(one, list | tuple) and len(one) == 2 for one in value):
+        raise ValidationError(expected)
+    found = tuple((whole(sphere, expected), finite(width, expected)) for sphere, width in value)
+    if not found or len({sphere for sphere, _ in found}) < len(found):
+        raise ValidationError(expected)
+    return found
+
+
 def _parse_grains(value: Any) -> Grains:
     if isinstance(value, Grains):
         return value
@@ -110,6 +120,9 @@ class PackingSection:
         default=None,
         usual=LENGTH,
     )
+    gaps: tuple[tuple[int, float], ...] = custom(
+        "gaps in a chain: after which sphere, and how wide; negative: an overlap", _parse_gaps, unit="m", default=()
+    )
     diameter_scatter: float = number(
         "tolerance: the diameters lie between this much less and the nominal one",
         unit="m",
@@ -139,6 +152,8 @@ class PackingSection:
         if self.grains is not None:
             own = {"kind": self.kind, "diameter": self.diameter, "grains": self.grains.text}
             return own | ({} if self.period is None else {"period": self.period})
+        if not self.gaps:
+            del keys["gaps"]
         return keys | {"size": self.size[0] if len(self.size) == 1 else self.size}
 
 
