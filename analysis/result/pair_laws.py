@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.law import law_between
-from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.packing.assembly import Species, assemble
 
 if TYPE_CHECKING:
     from granwave._contact_laws import ContactLaw
@@ -53,7 +53,8 @@ def pair_laws(case: Case, types: NDArray[np.int64], radii: NDArray[np.float64]) 
     radii
         Radii of the spheres: (n_pairs, 2), m.
     """
-    materials = [species.material for species in assemble(case).species]
+    species = assemble(case).species
+    materials = [one.material for one in species]
     effective_radius = radii[:, 0] * radii[:, 1] / radii.sum(axis=1)
     base = len(materials) + 1
     kinds, kind = np.unique(types[:, 0] * base + types[:, 1], return_inverse=True)
@@ -66,12 +67,31 @@ def pair_laws(case: Case, types: NDArray[np.int64], radii: NDArray[np.float64]) 
 
     shares = np.array([dissipated_share(*pair) for pair in pairs])
     scale = effective_radius / (radius / 2)
-    return PairLaws(
+    found = PairLaws(
         each(lambda law: law.yield_overlap) * scale,
         each(lambda law: law.elastic_limit) * scale,
         effective_radius,
         shares[kind] if laws else np.empty(0),
     )
+    if any(one.shape for one in species):
+        _set_cylinders(case, species, types, radii, found)
+    return found
+
+
+def _set_cylinders(
+    case: Case, species: tuple[Species, ...], types: NDArray[np.int64], radii: NDArray[np.float64], laws: PairLaws
+) -> None:
+    """Set the constants of the pairs with a cylinder, kind by kind."""
+    kinds, kind = np.unique(np.column_stack([types, radii]), axis=0, return_inverse=True)
+    for number, (one, other, r1, r2) in enumerate(kinds.tolist()):
+        first, second = species[int(one) - 1], species[int(other) - 1]
+        if not (first.shape or second.shape):
+            continue
+        materials = first.material, second.material
+        law = law_between(case.contact_between(*materials), materials, (r1, r2), shapes=(first.shape, second.shape))
+        rows = kind.ravel() == number
+        laws.yield_overlap[rows], laws.yielded_from[rows] = law.yield_overlap, law.elastic_limit
+        laws.effective_radius[rows] = law.effective_radius
 
 
 def dissipated_share(own: Material, partner: Material | None) -> float:

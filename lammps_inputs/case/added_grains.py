@@ -35,6 +35,7 @@ from granwave.lammps_inputs.case.schema import (
     text,
     whole,
 )
+from granwave.lammps_inputs.case.shape import Vector, axis_field, check_shape, length_field, shape_field, shape_of
 from granwave.lammps_inputs.case.si_values import DIAMETER
 from granwave.lammps_inputs.lattices import FILE, Lattice
 
@@ -122,6 +123,9 @@ class AddedGrains:
     ring: Ring | None = custom("places around the axis x = y = 0", _parse_ring, default=None)  # noqa: RUF009
     repeat: Repeat | None = custom("copies of these places, each a step on", _parse_repeat, default=None)  # noqa: RUF009
     diameter: float = number("diameter of these grains", unit="m", above=0, usual=DIAMETER)
+    shape: str = shape_field()
+    length: float | None = length_field()
+    axis: Vector | None = axis_field()
     material: Material | None = None
     group: str | None = text("name of their group, for [[hold]]", default=None)
 
@@ -250,6 +254,7 @@ def with_added_grains(
             )
         elif isinstance(entry.at, str) and entry.repeat is not None:
             errors.add(f"grains.{place}.repeat", f"found beside at = {show(entry.at)}, which are all such holes")
+        check_shape(entry, f"grains.{place}", errors)
     if packing.gaps and packing.kind != "chain":
         errors.add("packing.gaps", f"found with packing.kind = {show(packing.kind)}, expected a chain")
     elif beyond := [sphere for sphere, _ in packing.gaps if sphere >= packing.size[0]]:
@@ -265,9 +270,16 @@ def with_added_grains(
         lattice = Lattice(packing.kind, packing.size, packing.diameter, periodic)
         period = lattice.lengths if periodic else None
         n = lattice.n_spheres
-        place = _opened(lattice.positions(1, n), packing.gaps)
-        own = Grains(place, np.full(n, packing.diameter), [""] * n, [""] * n, np.zeros((n, 3)))
+        own = Grains(
+            _opened(lattice.positions(1, n), packing.gaps),
+            np.full(n, packing.diameter),
+            [""] * n,
+            [""] * n,
+            np.zeros((n, 3)),
+            [packing.of_grain] * n,
+        )
     position, diameter, material, group = [own.position], [own.diameter], [*own.material], [*own.group]
+    shape = [*own.shape]
     for place, entry in enumerate(added, start=1):
         try:
             places = entry.places(lattice, own)
@@ -280,9 +292,15 @@ def with_added_grains(
         diameter.append(np.full(len(places), entry.diameter))
         material += [_name_of(entry.material, materials)] * len(places)
         group += [entry.group or ""] * len(places)
+        shape += [shape_of(entry)] * len(places)
     still = np.zeros((sum(map(len, position[1:])), 3))
     grains = Grains(
-        np.concatenate(position), np.concatenate(diameter), material, group, np.concatenate([own.velocity, still])
+        np.concatenate(position),
+        np.concatenate(diameter),
+        material,
+        group,
+        np.concatenate([own.velocity, still]),
+        shape,
     )
     return PackingSection(kind=FILE, size=(len(grains),), diameter=packing.diameter, grains=grains, period=period)
 

@@ -23,12 +23,12 @@ from granwave.lammps_inputs.case.material import (
     presets,
     read_material,
     read_materials,
-    sphere_mass,
     with_named_materials,
 )
 from granwave.lammps_inputs.case.packing import PackingSection, read_packing
 from granwave.lammps_inputs.case.schema import ErrorList, keys_of, read_name, read_table, refuse_unknown, show
 from granwave.lammps_inputs.case.sections import Boundary, Contact, Output, Precompression, Probe, Run, Tube
+from granwave.lammps_inputs.case.shape import mass_of
 from granwave.lammps_inputs.case.supports import SUPPORTS, read_bottom
 from granwave.lammps_inputs.named_files import with_absolute_paths
 from granwave.lammps_inputs.run_directory import FIGURES_TABLE
@@ -131,14 +131,16 @@ class Case:
 
     @property
     def sphere_mass(self) -> float:
-        """Mass of one sphere of the packing, kg."""
-        return sphere_mass(self.material, self.packing.diameter / 2)
+        """Mass of one grain of the packing, kg."""
+        return mass_of(self.material, self.packing.diameter / 2, self.packing.of_grain)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the case as nested tables of TOML values, all defaults filled in; [figures] only if it is given."""
         tables = _plain(self)
         if self.figures == Figures():
             del tables[FIGURES_TABLE]
+        if self.contact.line == "auto":
+            del tables["contact"]["line"]
         tables["packing"] = _plain(self.packing.keys())
         tables["load"] = _plain(self.load.keys())
         for key in _WALLS:

@@ -10,7 +10,7 @@ from granwave.lammps_inputs.case.schema import ErrorList, read_table, refuse_unk
 from granwave.lammps_inputs.case.sections import Contact
 
 RIGID = "rigid"  # name of a rigid wall in `Pair.materials`
-_NOT_BY_PAIR = ("initial_overlap",)
+_NOT_BY_PAIR = ("initial_overlap", "line")
 _KEYS = tuple(field.name for field in dataclasses.fields(Contact) if field.name not in _NOT_BY_PAIR)
 
 

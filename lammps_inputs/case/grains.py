@@ -1,6 +1,8 @@
 """Grains at places of their own: the rows of ``packing.file``, or of the same text in ``packing.grains``.
 
     x, y, z, diameter                    m; depth is +z
+    shape, length                        sphere or cylinder, and the length of this, m
+    axis_x, axis_y, axis_z               direction of the axis of a cylinder, by default y
     material                             name of a preset or of a [materials.NAME]; by default that of the packing
     group                                a word, for [[hold]]
     vx, vy, vz                           initial velocity, m/s
@@ -24,6 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.schema import LARGEST_COUNT, show
+from granwave.lammps_inputs.case.shape import AXIS_COLUMNS, Shape, read_shapes, shape_columns
 from granwave.lammps_inputs.files import read_regular
 
 if TYPE_CHECKING:
@@ -31,9 +34,9 @@ if TYPE_CHECKING:
 
 _PLACE = ("x", "y", "z")
 _VELOCITY = ("vx", "vy", "vz")
-_NUMBERS = (*_PLACE, "diameter", *_VELOCITY)
+_NUMBERS = (*_PLACE, "diameter", "length", *AXIS_COLUMNS, *_VELOCITY)
 _WORDS = ("material", "group")
-COLUMNS = (*_PLACE, "diameter", *_WORDS, *_VELOCITY)
+COLUMNS = (*_PLACE, "diameter", "shape", "length", *AXIS_COLUMNS, *_WORDS, *_VELOCITY)
 _WORD = re.compile(r"[^,#\"'\s]*(?: [^,#\"'\s]+)*")
 _TABLES = (".csv", ".txt", ".dat")  # suffixes of files that are tables; ASE reads the rest
 _STRAIGHT = 1e-9  # components of the edges of a box across its axes, over its largest edge
@@ -42,6 +45,9 @@ _FROM_ASE = {  # names of arrays
     "radius": ("radius", "radii"),
     "material": ("material", "materials"),
     "group": ("group", "groups"),
+    "shape": ("shape", "shapes"),
+    "length": ("length", "lengths"),
+    **{name: (name,) for name in AXIS_COLUMNS},
 }
 
 
@@ -60,6 +66,8 @@ class Grains:
         Names of the groups; empty for none: (n,).
     velocity
         Initial velocities: (n, 3), m/s.
+    shape
+        Shapes: (n,); None: all are spheres.
     period
         Periods along x and y of the file that they come from, m; None if it has none. Not part of the table.
     """
@@ -71,10 +79,12 @@ class Grains:
         material: Sequence[str],
         group: Sequence[str],
         velocity: NDArray[np.float64],
+        shape: Sequence[Shape] | None = None,
         period: tuple[float, float] | None = None,
     ) -> None:
         self.period = period
         self.position, self.diameter, self.velocity = position, diameter, velocity
+        self.shape = (None,) * len(diameter) if shape is None else tuple(shape)
         self.material, self.group = tuple(material), tuple(group)
 
     def __len__(self) -> int:
@@ -93,6 +103,7 @@ class Grains:
             **{name: map(repr, values) for name, values in zip(_PLACE, self.position.T.tolist(), strict=True)},
             "diameter": map(repr, self.diameter.tolist()),
         }
+        columns |= shape_columns(self.shape)
         columns |= {name: words for name, words in (("material", self.material), ("group", self.group)) if any(words)}
         if self.velocity.any():
             columns |= {name: map(repr, v) for name, v in zip(_VELOCITY, self.velocity.T.tolist(), strict=True)}
@@ -195,6 +206,7 @@ def _grains(values: Mapping[str, list[Any]], places: Sequence[str], diameter: fl
         values.get("material", [""] * n),
         values.get("group", [""] * n),
         np.array([values.get(name, zeros) for name in _VELOCITY], dtype=np.float64).T.copy(),
+        read_shapes(values, places),
     )
 
 
@@ -219,9 +231,16 @@ def _from_ase(path: Path, diameter: float | None) -> Grains:
     }
     if sizes is not None:
         values["diameter"] = np.asarray(sizes, dtype=np.float64).tolist()
-    for name in _WORDS:
+    for name in ("shape", *_WORDS):
         if (words := found[name]) is not None:
             values[name] = [str(word) for word in words]
+    for name in ("length", *AXIS_COLUMNS):
+        if (column := found[name]) is not None:
+            values[name] = np.asarray(column, dtype=np.float64).tolist()
+            if not np.isfinite(values[name]).all():
+                raise ValueError(
+                    f"found {name} of grain {int(np.argmin(np.isfinite(values[name]))) + 1} that is no number"
+                )
     if "momenta" in atoms.arrays and atoms.get_momenta().any():
         raise ValueError("found momenta, whose units are those of atoms; give vx, vy, vz (m/s) in a table")
     for name in _PLACE:

@@ -8,6 +8,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal
 
+import numpy as np
+
 from granwave.lammps_inputs.case.grains import Grains, parse_grains, read_grains
 from granwave.lammps_inputs.case.schema import (
     LARGEST_COUNT,
@@ -21,12 +23,33 @@ from granwave.lammps_inputs.case.schema import (
     show,
     whole,
 )
+from granwave.lammps_inputs.case.shape import (
+    Shape,
+    Vector,
+    axis_field,
+    check_shape,
+    length_field,
+    shape_field,
+    shape_of,
+)
 from granwave.lammps_inputs.case.si_values import DIAMETER, LENGTH, Usual
-from granwave.lammps_inputs.lattices import FILE, KINDS
+from granwave.lammps_inputs.lattices import FILE, KINDS, kind_of
 
 LARGEST_ID = LARGEST_COUNT
+_ACROSS = 1e-9  # largest component of a direction along another that it is normal to
 _FORM_OF_FILE = "the path of a table of grains (x, y, z, diameter in m), or of a file that ASE reads"
-_NOT_OF_FILE = ("size", "gaps", "diameter_scatter", "scatter_distribution", "vacancies", "tilt", "seed")
+_NOT_OF_FILE = (
+    "size",
+    "gaps",
+    "diameter_scatter",
+    "scatter_distribution",
+    "vacancies",
+    "tilt",
+    "seed",
+    "shape",
+    "length",
+    "axis",
+)
 
 
 def _parse_size(value: Any) -> tuple[int, ...]:
@@ -109,6 +132,9 @@ class PackingSection:
     diameter: float = number(
         "diameter of the spheres; in a file, of grains for which it has none", unit="m", above=0, usual=DIAMETER
     )
+    shape: str = shape_field()
+    length: float | None = length_field()
+    axis: Vector | None = axis_field()
     grains: Grains | None = custom(  # noqa: RUF009 (Grains are not changed)
         "the table of a file as text; a case that was run holds its grains so", _parse_grains, default=None
     )
@@ -146,6 +172,12 @@ class PackingSection:
     )
     seed: int | None = custom("seed of all that is random in the packing", _parse_seed, default=None)
 
+    @property
+    def of_grain(self) -> Shape:
+        """Shape of the grains of a lattice; the axis of cylinders is y by default, or z where contacts are along y."""
+        along_y = any(abs(y) > _ACROSS for _, y, _ in kind_of(self.kind).contact_directions.tolist())
+        return shape_of(self, (0.0, 0.0, 1.0) if along_y else (0.0, 1.0, 0.0))
+
     def keys(self) -> dict[str, Any]:
         """Return the keys of the packing, as a case file has them."""
         keys: dict[str, Any] = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
@@ -154,6 +186,8 @@ class PackingSection:
             return own | ({} if self.period is None else {"period": self.period})
         if not self.gaps:
             del keys["gaps"]
+        if self.shape == "sphere":
+            del keys["shape"]
         return keys | {"size": self.size[0] if len(self.size) == 1 else self.size}
 
 
@@ -169,7 +203,7 @@ def read_packing(table: Any, errors: ErrorList) -> PackingSection | None:
             if name in table:
                 errors.add(f"packing.{name}", f'belongs to packing.kind = "file"; found {show(table.get("kind", ""))}')
                 table = {key: value for key, value in table.items() if key != name}
-        return read_table(PackingSection, table, "packing", errors)
+        return _with_shape(read_table(PackingSection, table, "packing", errors), errors)
     before = len(errors.lines)
     for name in _NOT_OF_FILE:
         if name in table:
@@ -189,6 +223,28 @@ def read_packing(table: Any, errors: ErrorList) -> PackingSection | None:
         return None
     diameter = section.diameter if "diameter" in table else section.grains.usual_diameter
     return dataclasses.replace(section, size=(len(section.grains),), diameter=diameter)
+
+
+def _with_shape(packing: PackingSection | None, errors: ErrorList) -> PackingSection | None:
+    """Check the shape of the grains of a lattice; return the packing, or None if it is wrong."""
+    if packing is None:
+        return None
+    before = len(errors.lines)
+    check_shape(packing, "packing", errors)
+    if len(errors.lines) == before and (shape := packing.of_grain) is not None:
+        along = np.abs(kind_of(packing.kind).contact_directions @ shape.vector).max()
+        flat = [name for name, kind in KINDS.items() if kind.dimension < len("xyz")]
+        if packing.kind not in flat:
+            errors.add(
+                "packing.shape",
+                f'found "cylinder" for {packing.kind}, expected a packing in a plane: {", ".join(flat)}',
+            )
+        elif along > _ACROSS:
+            errors.add(
+                "packing.axis",
+                f"found {show(list(shape.axis))}, expected a direction across all contacts of {packing.kind}",
+            )
+    return packing if len(errors.lines) == before else None
 
 
 def _from_file(table: Mapping[str, Any], errors: ErrorList) -> Grains | None:

@@ -35,7 +35,10 @@ from granwave.lammps_inputs.case.supports import Support
 from granwave.lammps_inputs.case.yield_factor import DEFAULT_YIELD_FACTOR
 
 BOTTOMS = ("wall", "fixed", "free")
-LAWS = _contact_laws.LAWS  # contact laws of the plugin, by name
+ALL_LAWS = _contact_laws.LAWS  # contact laws of the plugin, by name
+LAWS = {name: law for name, law in ALL_LAWS.items() if not law.is_power}  # those of two materials
+NO_FORCE = "none"  # law of materials whose grains do not touch each other
+LINES = ("auto", "half-space", "plane-strain")
 LAW_CONSTANTS = tuple(_contact_laws.LAW_CONSTANTS)  # names of the constants of the elasto-plastic law
 AUTO_END_TIME = 5e-3  # s, upper limit of `end_time = "auto"`
 ENERGY_TOLERANCE = 3e-6  # default of `run.energy_tolerance`
@@ -164,7 +167,7 @@ class Dents:
 class Contact:
     """``[contact]``: contact law and friction."""
 
-    law: str = choice("contact law", tuple(LAWS), default="elastoplastic")
+    law: str = choice("contact law", tuple(ALL_LAWS), default="elastoplastic")
     variant: Literal["continuous", "published"] = choice(
         "constants of the elasto-plastic law: made continuous, or as printed",
         ("continuous", "published"),
@@ -172,6 +175,13 @@ class Contact:
     )
     yield_factor: float = number(
         "C = p_y / sigma_y, contact pressure at first yield", at_least=0.1, at_most=10, default=DEFAULT_YIELD_FACTOR
+    )
+    constant: float | None = number("law power: K of F = K overlap^p", unit="N/m^p", above=0, default=None)
+    exponent: float | None = number("law power: p", at_least=1, default=None)
+    line: str = choice(
+        "law of a cylinder on a plane: that of a half-space, or plane strain; auto: plane strain if all grains are cylinders",
+        LINES,
+        default="auto",
     )
     beta: float = number("bilinear law: residual overlap over the largest overlap", at_least=0, below=1, default=0.8)
     friction: float = number(
@@ -217,7 +227,7 @@ class Contact:
     @property
     def entry(self) -> _contact_laws.LawEntry:
         """Entry of the law in the plugin's table."""
-        return LAWS[self.law]
+        return ALL_LAWS[self.law]
 
     @property
     def yields(self) -> bool:
@@ -225,7 +235,7 @@ class Contact:
         return bool(self.entry.yields)
 
     def takes(self, option: str) -> bool:
-        """Return True if the law has an option: ``variant``, ``yield_factor``, ``beta`` or ``constants``."""
+        """Return True if the law has an option: such as ``variant``, ``yield_factor`` or ``beta``."""
         return option in self.entry.options
 
 

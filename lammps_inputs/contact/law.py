@@ -6,10 +6,12 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from granwave._contact_laws import ContactLaw
+from granwave._contact_laws import ContactLaw, LineContact
 from granwave.lammps_inputs.case.sections import LAW_CONSTANTS, LAWS, Contact
+from granwave.lammps_inputs.case.shape import Shape
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
+from granwave.lammps_inputs.packing.cylinders import cylinder_pair
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
@@ -19,9 +21,9 @@ _RIGID = (math.inf, 0.0, math.inf)  # Young's modulus, Poisson's ratio, yield st
 
 
 def sphere_contact(case: Case) -> ContactLaw:
-    """Return the law between two spheres of the packing that are not replaced."""
-    radius = case.packing.diameter / 2
-    return _law(case, (case.material, case.material), (radius, radius))
+    """Return the law between two grains of the packing that are not replaced."""
+    radius, shape = case.packing.diameter / 2, case.packing.of_grain
+    return _law(case, (case.material, case.material), (radius, radius), (shape, shape))
 
 
 def pair_contact(case: Case | Assembly, first: int, second: int) -> ContactLaw:
@@ -32,6 +34,7 @@ def pair_contact(case: Case | Assembly, first: int, second: int) -> ContactLaw:
         case,
         (assembly.material_of(first), assembly.material_of(second)),
         (assembly.diameter_of(first) / 2, assembly.diameter_of(second) / 2),
+        (assembly.shape_of(first), assembly.shape_of(second)),
     )
 
 
@@ -39,11 +42,25 @@ def flat_contact(case: Case | Assembly, sphere: int, partner: Material | None = 
     """Return the law between a sphere and a flat: a wall or bar of a material, or a rigid wall (None)."""
     assembly = assemble(case)
     case = assembly.case
-    return _law(case, (assembly.material_of(sphere), partner), (assembly.diameter_of(sphere) / 2, math.inf))
+    return _law(
+        case,
+        (assembly.material_of(sphere), partner),
+        (assembly.diameter_of(sphere) / 2, math.inf),
+        (assembly.shape_of(sphere), None),
+        plane_strain=assembly.plane_strain,
+    )
 
 
-def _law(case: Case, materials: tuple[Material, Material | None], radii: tuple[float, float]) -> ContactLaw:
-    return law_between(case.contact_between(*materials), materials, radii)
+def _law(
+    case: Case,
+    materials: tuple[Material, Material | None],
+    radii: tuple[float, float],
+    shapes: tuple[Shape, Shape],
+    *,
+    plane_strain: bool = False,
+) -> ContactLaw:
+    contact = case.contact_between(*materials)
+    return law_between(contact, materials, radii, shapes=shapes, plane_strain=plane_strain)
 
 
 def law_between(
@@ -52,14 +69,28 @@ def law_between(
     radii: tuple[float, float],
     *,
     checked: bool = True,
+    shapes: tuple[Shape, Shape] = (None, None),
+    plane_strain: bool = False,
 ) -> ContactLaw:
     """Return the law of ``[contact]`` between bodies of two materials (None: rigid) and radii (m; infinite: flat).
 
-    With ``checked``, raise ValueError for constants of a law that is not passive.
+    Parameters
+    ----------
+    checked
+        True to raise ValueError for constants of a law that is not passive.
+    shapes
+        Shapes of the bodies; None for spheres and flats.
+    plane_strain
+        True if a cylinder on a flat is in plane strain, False if on a half-space.
     """
     bodies = [(one.youngs_modulus, one.poisson_ratio, one.yield_strength or math.inf) if one else _RIGID
               for one in materials]  # fmt: skip
     moduli, ratios, strengths = zip(*bodies, strict=True)
+    constants: dict[str, Any] = {} if contact.constant is None else {"constant": contact.constant}
+    if contact.exponent is not None:
+        constants["exponent"] = contact.exponent
+    if any(shapes):
+        constants |= _of_cylinders({"youngs_modulus": moduli, "poisson_ratio": ratios}, radii, shapes, plane_strain)
     return ContactLaw(
         youngs_modulus=moduli,
         poisson_ratio=ratios,
@@ -71,7 +102,24 @@ def law_between(
         beta=contact.beta,
         constants=contact.constants,
         checked=checked,
+        **constants,
     )
+
+
+def _of_cylinders(
+    bodies: dict[str, Any], radii: tuple[float, float], shapes: tuple[Shape, Shape], plane_strain: bool
+) -> dict[str, Any]:
+    """Return the effective radius of a contact in a point, or the law of one along a line."""
+    if math.isinf(radii[1]):
+        assert shapes[0] is not None
+        length = shapes[0].length
+        if plane_strain:
+            return {"line": LineContact.plane_strain(**bodies, radius=radii, length=length)}
+        return {"line": LineContact(**bodies, diameter=2 * radii[0], length=length)}
+    pair = cylinder_pair(*shapes)
+    if pair.parallel:
+        return {"line": LineContact.plane_strain(**bodies, radius=radii, length=pair.length)}
+    return {"effective_radius": pair.effective_radius(*radii)}
 
 
 def error_in_constants(contact: Contact) -> str:

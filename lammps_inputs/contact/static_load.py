@@ -117,15 +117,19 @@ def _n_touching(assembly: Assembly, name: str) -> int:
 
 
 def sphere_hertz(case: Case) -> ContactLaw:
-    """Return Hertz's law between two spheres of the packing."""
-    radius = case.packing.diameter / 2
-    return law_between(Contact(law="hertz"), (case.material, case.material), (radius, radius))
+    """Return the elastic law between two grains of the packing."""
+    radius, shape = case.packing.diameter / 2, case.packing.of_grain
+    return law_between(Contact(law="hertz"), (case.material, case.material), (radius, radius), shapes=(shape, shape))
 
 
 def static_stiffness(assembly: Assembly) -> float:
     """Estimate the stiffness of a contact under the static load, N/m: that of Hertz's law at `force_of_contact`."""
     case = assembly.case
     law = sphere_hertz(case)
+    if case.packing.of_grain is not None:
+        force, largest = force_of_contact(assembly), np.array([case.packing.diameter / 2])
+        overlap = largest * min(1.0, force / float(law.loading_force(largest)[0]))  # nearly linear
+        return float(law.unloading_stiffness(overlap)[0])
     hertz = 4 / 3 * law.effective_modulus * math.sqrt(law.effective_radius)
     return 1.5 * hertz ** (2 / 3) * force_of_contact(assembly) ** (1 / 3)
 

@@ -65,7 +65,7 @@ def law_coefficients(contact: Contact, first: Material, second: Material | None 
             words.append("INF" if material.yield_strength is None else num(material.yield_strength))
     if contact.takes("variant"):
         words += ["variant", contact.variant]
-    for option in ("yield_factor", "beta"):
+    for option in ("yield_factor", "beta", "constant", "exponent"):
         if contact.takes(option):
             words += [option, num(getattr(contact, option))]
     words += [word for name, value in contact.constants.items() for word in (name, num(value))]

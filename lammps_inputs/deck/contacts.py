@@ -33,6 +33,8 @@ def contacts(assembly: Assembly) -> list[str]:
     case = assembly.case
     gap = case.boundary.forget_gap * case.packing.diameter
     return [
+        *(["# Cylinders: type, length and axis of each kind."] if assembly.has_cylinders else []),
+        *cylinder_commands(assembly),
         f"# Contact: {case.contact.law}; a dent is forgotten beyond the gap given here, m.",
         f"pair_style      gran/hysteretic {num(gap)}",
         *pair_coefficients(assembly),
@@ -47,16 +49,44 @@ def pair_coefficients(assembly: Assembly, *, elastic: bool = False) -> list[str]
     for i, first in kinds:
         for j, second in kinds[i - 1 :]:
             contact, partner = _ELASTIC, None if i == j else second.material
-            if first.role == "sphere" and not elastic:  # nodes of bars do not touch each other
-                contact = case.contact_between(first.material, second.material)
-            friction = contact.friction if second.role == "sphere" else 0.0  # the face of a bar has none
+            if first.role == "sphere":  # nodes of bars do not touch each other
+                own = case.contact_between(first.material, second.material)
+                contact = _elastic(own) if elastic else own
+            # the face of a bar has none
+            friction = contact.friction if second.role == "sphere" and not elastic else 0.0
             lines.append(f"pair_coeff      {i} {j} {law_coefficients(contact, first.material, partner, friction)}")
     return lines
+
+
+def cylinder_commands(assembly: Assembly, *, again: bool = False) -> list[str]:
+    """Return the command for the cylinders of the packing; none if it has only spheres.
+
+    Parameters
+    ----------
+    again
+        True after the walls, whose torques it projects on the axes of the cylinders: the first one is taken back.
+    """
+    words = [
+        f"{number} {num(one.shape.length)} {joined(map(num, one.shape.axis))}"
+        for number, one in enumerate(assembly.species, start=1)
+        if one.shape is not None
+    ]
+    if not words:
+        return []
+    return [
+        *(["unfix           cylinders"] if again else []),
+        f"fix             cylinders all gran/cylinder {joined(words)}",
+    ]
 
 
 def dents() -> list[str]:
     """Return the command that reads the initial dents."""
     return ["# Dents from before the run, of pairs of spheres and on walls.", f"gran/dents      read {DENTS_FILE}"]
+
+
+def _elastic(contact: Contact) -> Contact:
+    """Return Hertz's law, or the one given if it is a power of the overlap, which is elastic."""
+    return contact if contact.entry.is_power else _ELASTIC
 
 
 def plane_names(assembly: Assembly) -> list[str]:
@@ -93,11 +123,13 @@ def wall_commands(
         low, high = ("NULL", place) if wall.outward > 0 else (place, "NULL")
         style = f"tube {place}" if wall.tube else f"{'xyz'[wall.axis]}plane {low} {high}"
         for name, group, material in wall_fixes(assembly, wall):
-            words = [law_coefficients(_ELASTIC, material, wall.material)]
+            contact = case.contact_between(material, wall.material)
+            words = [law_coefficients(_elastic(contact), material, wall.material)]
+            line = ["line plane-strain"] if assembly.has_cylinders and assembly.plane_strain else []
             if not elastic:
-                contact = case.contact_between(material, wall.material)
                 words = [law_coefficients(contact, material, wall.material, wall_friction(case, wall, material))]
                 words += _support_arguments(assembly, wall, material)
+            words += line
             lines.append(f"fix             {prefix}{name} {group} wall/gran/hysteretic {style} {joined(words)}")
     if only is not None:
         return lines
@@ -139,15 +171,20 @@ def _groups(assembly: Assembly) -> list[str]:
     if chosen is not None:
         lines += [f"group           {name} id {id_ranges(ids)}" for name, _, ids in touched_groups(assembly, chosen)]
         planes = [wall for wall in planes if touched_by(assembly, wall) is None]
-    groups = [group for wall in planes[-1:] for _, group, _ in wall_fixes(assembly, wall) if group != "all"]
+    fixes = [(group, of) for wall in planes[-1:] for _, group, of in wall_fixes(assembly, wall) if group != "all"]
+    groups = [group for group, _ in fixes]
+    types = [
+        joined(str(n) for n, one in enumerate(assembly.species, 1) if one.role == "sphere" and one.material == of)
+        for _, of in fixes
+    ]
     first, last = assembly.lattice.n_spheres + 1, assembly.last_sphere
     outside = [f"group           strikers id {first}:{last}"] if groups and last >= first else []
-    for number, group in enumerate(groups, start=1):
+    for number, (group, kinds) in enumerate(zip(groups, types, strict=True), start=1):
         if outside:
-            lines.append(f"group           type{number} type {number}")
+            lines.append(f"group           type{number} type {kinds}")
             lines.append(f"group           {group} subtract type{number} strikers")
         else:
-            lines.append(f"group           {group} type {number}")
+            lines.append(f"group           {group} type {kinds}")
     return outside + lines
 
 

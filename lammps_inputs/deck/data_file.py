@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from granwave.lammps_inputs.case.material import Material
+from granwave.lammps_inputs.case.shape import Shape, density_as_sphere
 from granwave.lammps_inputs.deck.commands import joined, num
 from granwave.lammps_inputs.packing.assembly import Assembly, Species, own_velocities
 from granwave.lammps_inputs.packing.bars import PlacedBar
@@ -53,7 +54,7 @@ def _sphere_rows(assembly: Assembly) -> Iterator[list[str]]:
 
 def _like_rows(assembly: Assembly, first: int, last: int) -> list[str]:
     """Return the rows of the sites with these ids, for equal spheres."""
-    row = _row(assembly, assembly.material, f"{assembly.lattice.diameter:.17g}")
+    row = _row(assembly, assembly.material, f"{assembly.lattice.diameter:.17g}", assembly.case.packing.of_grain)
     columns = assembly.lattice_positions(first, last).T.tolist()
     return [row % line for line in zip(range(first, last + 1), *columns, strict=True)]
 
@@ -66,14 +67,29 @@ def _own_rows(assembly: Assembly, first: int, last: int) -> list[str]:
     place = assembly.lattice_positions(first, last)[here - first + 1].T.tolist()
     diameter = sites.diameter[here].tolist()
     columns = [*place, diameter] if assembly.bars else [diameter, *place]
+    if assembly.has_cylinders:
+        return [
+            _row(assembly, material, f"{size:.17g}", shape) % (number, *centre)
+            for number, size, centre, (material, shape) in zip(
+                (here + 1).tolist(),
+                diameter,
+                assembly.lattice_positions(first, last)[here - first + 1].tolist(),
+                [sites.bodies[body] for body in sites.body[here].tolist()],
+                strict=True,
+            )
+        ]
     rows = [_row(assembly, material) for material in sites.materials]
     lines = zip((here + 1).tolist(), *columns, strict=True)
     return [rows[kind] % line for kind, line in zip(sites.kind[here].tolist(), lines, strict=True)]
 
 
-def _row(assembly: Assembly, material: Material, diameter: str = "%.17g") -> str:
-    """Return the format of a sphere's row, to be filled with id, x, y and z; in a hybrid style diameter follows z."""
-    kind, constants = assembly.type_of(material), f"{diameter} {material.density:.17g}"
+def _row(assembly: Assembly, material: Material, diameter: str = "%.17g", shape: Shape = None) -> str:
+    """Return the format of a grain's row, to be filled with id, x, y and z; in a hybrid style diameter follows z.
+
+    LAMMPS reads the density of a sphere: that of a cylinder gives its mass to a sphere of its diameter.
+    """
+    density = material.density if shape is None else density_as_sphere(material.density, float(diameter), shape)
+    kind, constants = assembly.type_of(material, shape), f"{diameter} {density:.17g}"
     if assembly.bars:
         return f"%d {kind} %.17g %.17g %.17g {constants} 0\n"
     return f"%d {kind} {constants} %.17g %.17g %.17g\n"

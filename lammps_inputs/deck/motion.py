@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 GRAVITY = 9.81  # m/s^2, of beads on their holder
 _HALF_INERTIA = 0.2  # half the moment of inertia of a sphere over m R^2
+_OF_CYLINDER = 1.25  # moment of inertia of a cylinder over that of a sphere of this mass and radius
 
 
 def motion(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> list[str]:
@@ -126,7 +127,12 @@ def _velocities(assembly: Assembly, *, resumed: bool) -> list[str]:
         if any(spin):
             if not resumed:
                 lines.append(f"set             group {group} omega {_components(spin)}")
-            inertia = sum(assembly.mass_of(one) * (assembly.diameter_of(one) / 2) ** 2 for one in spheres)
+            inertia = sum(
+                assembly.mass_of(one)
+                * (assembly.diameter_of(one) / 2) ** 2
+                * (_OF_CYLINDER if assembly.shape_of(one) else 1.0)
+                for one in spheres
+            )
             terms.append(f"{num(_HALF_INERTIA * inertia)}*({_square(spin)})")
     given = f"$({'+'.join(terms)}:%.17g)" if terms else "0.0"
     return [*lines, f"variable        given equal {given}"]

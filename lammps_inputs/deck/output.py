@@ -68,8 +68,12 @@ def ledger(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> 
     lines = []
     if case.has_rotation:
         columns |= {"kinetic": "v_motion"} | sources(ROTATION)
+        columns |= {"rotational": "v_rotational"} if assembly.has_cylinders else {}
         lines.append("compute         rotational all erotate/sphere")
-        lines.append("variable        motion equal c_kinetic+c_rotational")
+        turning = "v_rotational" if assembly.has_cylinders else "c_rotational"
+        if assembly.has_cylinders:  # of spheres of their masses and radii, and what they have beyond
+            lines.append("variable        rotational equal c_rotational+f_cylinders")
+        lines.append(f"variable        motion equal c_kinetic+{turning}")
     if case.has_friction:
         stretched, rubbed = ([f"f_{name}[{n}]" for name in planes] for n in (8, 9))
         columns |= sources(TANGENTIAL)

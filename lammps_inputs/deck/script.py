@@ -11,7 +11,7 @@ from collections.abc import Iterable
 
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.commands import num
-from granwave.lammps_inputs.deck.contacts import contacts, dents, wall_commands
+from granwave.lammps_inputs.deck.contacts import contacts, cylinder_commands, dents, wall_commands
 from granwave.lammps_inputs.deck.motion import adaptive_timestep, motion
 from granwave.lammps_inputs.deck.output import dumps_at_end, frames, history, ledger, probes, thermo, wall_forces
 from granwave.lammps_inputs.deck.static_stage import (
@@ -55,6 +55,7 @@ def input_script(assembly: Assembly, schedule: Schedule, *, restart_from: str = 
         first_half(assembly) if static and not resumed else [],
         moved_walls(case) if resumed else [],
         wall_commands(assembly),
+        cylinder_commands(assembly, again=True),
         dents() if case.contact.initial_overlap and not resumed else [],
         [*([] if resumed else second_half(assembly)), *reference_state()] if static else [],
         motion(assembly, schedule, resumed=resumed),

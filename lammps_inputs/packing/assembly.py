@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.bodies import Hold, Striker
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.material import Material, sphere_mass
+from granwave.lammps_inputs.case.material import Material
+from granwave.lammps_inputs.case.shape import Shape, mass_of
 from granwave.lammps_inputs.lattices import TOUCHING, Lattice
 from granwave.lammps_inputs.packing.bars import BAR, INCIDENT_BAR, PlacedBar, place_bar
 from granwave.lammps_inputs.packing.disorder import striker_shift
@@ -35,7 +36,7 @@ _HISTORY_VALUES, _LEAST_ROWS = 1e6, 250  # instants times particles, nodes of ba
 
 @dataclasses.dataclass(frozen=True)
 class Species:
-    """Particles of one LAMMPS type: spheres of one material, the face of a bar, or the rest of its nodes.
+    """Particles of one LAMMPS type: grains of one material and shape, the face of a bar, or the rest of its nodes.
 
     Attributes
     ----------
@@ -43,11 +44,14 @@ class Species:
         ``sphere``, ``face`` or ``node``.
     bar
         Name of the bar that it belongs to; empty for spheres.
+    shape
+        Shape of the grains; None for spheres.
     """
 
     material: Material
     role: str = "sphere"
     bar: str = ""
+    shape: Shape = None
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -152,7 +156,41 @@ class Assembly:
 
     def mass_of(self, sphere: int) -> float:
         """Return the mass of the sphere with this id, kg."""
-        return sphere_mass(self.material_of(sphere), self.diameter_of(sphere) / 2)
+        return mass_of(self.material_of(sphere), self.diameter_of(sphere) / 2, self.shape_of(sphere))
+
+    def shape_of(self, sphere: int) -> Shape:
+        """Return the shape of the grain with this id; strikers are spheres."""
+        if sphere > self.lattice.n_spheres:
+            return None
+        return self.case.packing.of_grain if self.sites is None else self.sites.shape_of(sphere - 1)
+
+    @cached_property
+    def shapes(self) -> tuple[Shape, ...]:
+        """Shapes of the grains of the packing, each once."""
+        if self.sites is None:
+            return (self.case.packing.of_grain,)
+        if self.sites.shape is None:
+            return self.sites.shapes
+        return tuple(self.sites.shapes[k] for k in np.unique(self.sites.shape[self.sites.present]))
+
+    @property
+    def has_cylinders(self) -> bool:
+        """True if any grain is a cylinder."""
+        return any(self.shapes)
+
+    def grain_shapes(self) -> list[Shape]:
+        """Return the shapes of all grains and strikers: n_spheres of them."""
+        if self.sites is None or self.sites.shape is None:
+            shapes = [self.shapes[0]] * (self.n_spheres - len(self.strikers))
+        else:
+            shapes = [self.sites.shapes[k] for k in self.sites.shape[self.sites.present]]
+        return [*shapes, *[None] * len(self.strikers)]
+
+    @property
+    def plane_strain(self) -> bool:
+        """True if cylinders touch planes in plane strain, False if as on a half-space: ``contact.line``."""
+        line = self.case.contact.line
+        return all(self.shapes) if line == "auto" else line == "plane-strain"
 
     def sphere_diameters(self) -> NDArray[np.float64]:
         """Return the diameters of all spheres: (n_spheres,), m."""
@@ -170,11 +208,16 @@ class Assembly:
             np.broadcast_to(density, self.lattice.n_spheres),
             [self.material_of(striker).density for striker in self._striker_ids],
         )
-        return densities * 4 / 3 * math.pi * (self.sphere_diameters() / 2) ** 3
+        radii = self.sphere_diameters() / 2
+        masses = densities * 4 / 3 * math.pi * radii**3
+        if self.has_cylinders:
+            lengths = np.array([one.length if one else 0.0 for one in self.grain_shapes()])
+            masses = np.where(lengths > 0, densities * math.pi * radii**2 * lengths, masses)
+        return masses
 
-    def type_of(self, material: Material) -> int:
-        """Return the LAMMPS type of spheres of a material."""
-        return 1 + self.species.index(Species(material))
+    def type_of(self, material: Material, shape: Shape = None) -> int:
+        """Return the LAMMPS type of grains of a material and shape."""
+        return 1 + self.species.index(Species(material, shape=shape))
 
     def lattice_positions(self, first: int, last: int) -> NDArray[np.float64]:
         """Return the centres of the sites with ids ``first`` to ``last``, including vacant ones: (n, 3), m."""
@@ -324,9 +367,14 @@ def assemble(case: Case | Assembly) -> Assembly:
 def _assemble(case: Case) -> Assembly:
     lattice = lattice_of(case)
     sites = sites_of(case, lattice)
-    materials = [case.material] if sites is None else sites.materials
-    spheres = dict.fromkeys([*materials, *(striker.material or case.material for striker in case.striker)])
-    assembly = Assembly(case, lattice, case.material, sites, (), (), tuple(Species(one) for one in spheres))
+    if sites is None:
+        bodies = [(case.material, case.packing.of_grain)]
+    else:
+        there = np.unique(sites.body) if sites.shape is not None else range(len(sites.bodies))
+        bodies = [sites.bodies[number] for number in there]
+    grains = dict.fromkeys([*bodies, *((striker.material or case.material, None) for striker in case.striker)])
+    species = tuple(Species(material, shape=shape) for material, shape in grains)
+    assembly = Assembly(case, lattice, case.material, sites, (), (), species)
     if case.striker:
         middle = assembly.lattice_positions(1, lattice.n_spheres).mean(axis=0)
         centres = place_strikers(

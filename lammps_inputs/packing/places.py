@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.grains import Grains
+from granwave.lammps_inputs.packing.cylinders import distances, extents, reaches
 from granwave.lammps_inputs.lattices import FILE, TOUCHING, Kind, Lattice, kind_of
 
 
@@ -79,7 +80,7 @@ class Places:
     @property
     def last_layer(self) -> NDArray[np.int64]:
         """Ids of the grains that a plane below would touch, in rising order."""
-        below = self.grains.position[:, 2] + self.grains.diameter / 2
+        below = self.grains.position[:, 2] + extents(self.grains.diameter / 2, self.grains.shape)[:, 2]
         return self._at(below.max() - below)
 
     @property
@@ -97,20 +98,32 @@ class Places:
 
     def faces(self) -> NDArray[np.float64]:
         """Return the lowest and highest coordinates of surfaces along x, y, z: (2, 3), m."""
-        radius = self.grains.diameter[:, None] / 2
-        return np.stack([(self.grains.position - radius).min(axis=0), (self.grains.position + radius).max(axis=0)])
+        extent = extents(self.grains.diameter / 2, self.grains.shape)
+        return np.stack([(self.grains.position - extent).min(axis=0), (self.grains.position + extent).max(axis=0)])
 
     def pairs(self) -> Iterator[NDArray[np.int64]]:
         """Iterate over the touching pairs in batches of ids (n, 2), i < j; every pair once."""
         yield self._touching
 
     def apart(self, pairs: NDArray[np.int64]) -> NDArray[np.float64]:
-        """Return the distances of the centres of pairs of ids (n, 2): (n,), m."""
+        """Return the distances of pairs of ids (n, 2), from which overlaps count: (n,), m.
+
+        They are those of the centres of spheres, and of the axes of cylinders.
+        """
         first, second = pairs.T - 1
         step = self.grains.position[second] - self.grains.position[first]
         if self.period is not None:
             step[:, :2] -= self.period * np.round(step[:, :2] / self.period)
-        return np.linalg.norm(step, axis=1)
+        apart = np.linalg.norm(step, axis=1)
+        if any(self.grains.shape):
+            rows = self._shaped[first] | self._shaped[second]
+            apart[rows] = distances(self.grains, pairs[rows], self.period)
+        return apart
+
+    @cached_property
+    def _shaped(self) -> NDArray[np.bool_]:
+        """True for cylinders: (n,)."""
+        return np.array([one is not None for one in self.grains.shape])
 
     def overlapping(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
         """Return the pairs that overlap at the start, deepest first: ids (n, 2), i < j, and overlaps (n,), m."""
@@ -134,7 +147,7 @@ class Places:
         """Touching and overlapping pairs, sorted: ids (n, 2), i < j, and gaps (n,), m."""
         from scipy.spatial import KDTree  # takes longer to load than most commands need
 
-        centres, radius, box = self.grains.position, self.grains.diameter / 2, None
+        centres, radius, box = self.grains.position, reaches(self.grains), None
         if self.period is not None:
             box = np.array([*self.period, 0.0])  # 0: not periodic along z
             centres = centres.copy()
@@ -155,7 +168,7 @@ class Places:
                 near = np.stack([table.row, table.col], axis=1)
             found.append(np.stack([members[one][near[:, 0]], members[other][near[:, 1]]], axis=1))
         pairs = np.sort(np.concatenate(found).astype(np.int64), axis=1) + 1
-        gaps = self.apart(pairs) - radius[pairs - 1].sum(axis=1)
+        gaps = self.apart(pairs) - self.grains.diameter[pairs - 1].sum(axis=1) / 2
         close = gaps <= slack
         pairs, gaps = pairs[close], gaps[close]
         order = np.lexsort((pairs[:, 1], pairs[:, 0]))

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.bodies import Replace, Sensor, Striker
 from granwave.lammps_inputs.case.material import Material
+from granwave.lammps_inputs.case.shape import Shape
 from granwave.lammps_inputs.lattices import FILE, TOUCHING, Lattice
 from granwave.lammps_inputs.packing.disorder import diameter_losses, random_share, random_vacancies
 from granwave.lammps_inputs.packing.places import Layout, Places
@@ -49,6 +50,10 @@ class Sites:
         True for sites with a sphere.
     leaning
         Centres of spheres that lean on each other: (n_sites, 3), m; None: they are at the sites.
+    shapes
+        Shapes of the grains, each once.
+    shape
+        Index of the shape in ``shapes``; None: all have the first.
     """
 
     lattice: Layout
@@ -58,6 +63,22 @@ class Sites:
     materials: tuple[Material, ...]
     present: NDArray[np.bool_]
     leaning: NDArray[np.float64] | None = None
+    shapes: tuple[Shape, ...] = (None,)
+    shape: NDArray[np.int16] | None = None
+
+    def shape_of(self, row: int) -> Shape:
+        """Return the shape of the grain at a site, counted from 0."""
+        return self.shapes[0 if self.shape is None else self.shape[row]]
+
+    @cached_property
+    def body(self) -> NDArray[np.int64]:
+        """Index of material and shape in `bodies`: (n_sites,)."""
+        return self.kind.astype(np.int64) if self.shape is None else self.kind * np.int64(len(self.shapes)) + self.shape
+
+    @property
+    def bodies(self) -> list[tuple[Material, Shape]]:
+        """Pairs of a material and a shape, among them all of the packing."""
+        return [(material, shape) for material in self.materials for shape in self.shapes]
 
     @cached_property
     def count(self) -> int:
@@ -72,7 +93,7 @@ class Sites:
     @cached_property
     def like(self) -> bool:
         """True if all spheres are of the first material and the nominal diameter of the lattice."""
-        return not self.kind.any() and bool((self.nominal == self.lattice.diameter).all())
+        return len(self.shapes) == 1 and not self.kind.any() and bool((self.nominal == self.lattice.diameter).all())
 
     @cached_property
     def stacked(self) -> NDArray[np.float64] | None:
@@ -227,7 +248,8 @@ def sites_of(case: Case, lattice: Layout) -> Sites | None:
     leaning = None
     if packing.tilt is not None and (diameter < packing.diameter).any():
         leaning = lean(packing.size, packing.diameter, diameter, packing.tilt)
-    found = Sites(lattice, nominal, diameter, kind, tuple(materials[k] for k in used), present, leaning)
+    shapes = (packing.of_grain,)
+    found = Sites(lattice, nominal, diameter, kind, tuple(materials[k] for k in used), present, leaning, shapes)
     return None if found.like and diameter is nominal and present.all() else found
 
 
@@ -239,7 +261,11 @@ def _sites_of_grains(case: Case, places: Places) -> Sites:
     number = {name: materials.index(material) for name, material in found.items()}
     kind = np.array([number[name] for name in grains.material], dtype=np.int16)
     present = np.ones(len(grains), dtype=bool)
-    return Sites(places, grains.diameter, grains.diameter, kind, tuple(materials), present)
+    shapes = list(dict.fromkeys(grains.shape))
+    shape = np.array([shapes.index(one) for one in grains.shape], dtype=np.int16) if len(shapes) > 1 else None
+    return Sites(
+        places, grains.diameter, grains.diameter, kind, tuple(materials), present, shapes=tuple(shapes), shape=shape
+    )
 
 
 def named_spheres(

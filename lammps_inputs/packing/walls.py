@@ -13,6 +13,7 @@ from granwave._contact_laws import elliptic_radius
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.sections import Touched
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
+from granwave.lammps_inputs.packing.cylinders import extents
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
@@ -123,12 +124,13 @@ def _faces(assembly: Assembly, axis: int) -> tuple[float, float]:
         low, high = assembly.faces()[:, axis].tolist()
         return low, high
     chosen = touched(assembly.case, assembly.sites, only)
-    place, radius = sites.positions(1, len(chosen))[chosen, axis], sites.diameter[chosen] / 2
-    return float((place - radius).min()), float((place + radius).max())
+    shapes = [sites.shape_of(row) for row in np.flatnonzero(chosen).tolist()]
+    place, reach = sites.positions(1, len(chosen))[chosen, axis], extents(sites.diameter[chosen] / 2, shapes)[:, axis]
+    return float((place - reach).min()), float((place + reach).max())
 
 
 def wall_fixes(assembly: Assembly, wall: Wall) -> list[tuple[str, str, Material]]:
-    """Return the LAMMPS fixes of a plane, one for each material: name, group and material of the spheres.
+    """Return the LAMMPS fixes of a plane, one for each material: name, group and material of the grains.
 
     Walls act on the spheres of the packing; strikers, which are outside, can pass them.
     """
@@ -140,7 +142,7 @@ def wall_fixes(assembly: Assembly, wall: Wall) -> list[tuple[str, str, Material]
         return [(name, group, material) for name, (group, material, _) in zip(names, groups, strict=True)]
     if case.packing.kind == "chain" and wall.name == "bottom":
         return [(wall.name, "all", assembly.material_of(assembly.lattice.n_spheres))]
-    materials = [species.material for species in assembly.species if species.role == "sphere"]
+    materials = list(dict.fromkeys(species.material for species in assembly.species if species.role == "sphere"))
     if len(materials) == 1 and not case.striker:
         return [(wall.name, "all", materials[0])]
     names = [wall.name, *(f"{wall.name}_{n}" for n in range(2, len(materials) + 1))]

@@ -43,7 +43,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.lammps_inputs.case.sections import ENERGY_TOLERANCE
+from granwave.lammps_inputs.case.sections import ENERGY_TOLERANCE, NO_FORCE
 from granwave.lammps_inputs.case.supports import BAR_COURANT_NUMBER
 from granwave.lammps_inputs.contact.initial_dents import largest_dent
 from granwave.lammps_inputs.contact.law import flat_contact, pair_contact
@@ -197,6 +197,7 @@ def _encounters(assembly: Assembly) -> list[Encounter]:
     plain = assembly.like and case.boundary.bottom_material is None and case.load.kind == "impact"
     found = _of_impact(assembly) if plain else _of_any(assembly)
     if case.precompression is not None:
+        found = [one for one in found if one.law.name != NO_FORCE]
         force = force_of_contact(assembly)  # its work is stored at the start, and the load does more during the run
         found = [
             dataclasses.replace(one, energy=one.energy + _OF_PRECOMPRESSION * _work_to_force(one.law, force))
@@ -204,7 +205,7 @@ def _encounters(assembly: Assembly) -> list[Encounter]:
         ]
     if case.contact.initial_overlap:
         found = [dataclasses.replace(one, dent=largest_dent(case, one.law)) for one in found]
-    return [encounter for encounter in found if encounter.energy > 0]
+    return [encounter for encounter in found if encounter.energy > 0 and encounter.law.name != NO_FORCE]
 
 
 def _of_impact(assembly: Assembly) -> list[Encounter]:
@@ -239,6 +240,9 @@ def _of_any(assembly: Assembly) -> list[Encounter]:
     flats: list[tuple[int, Material | None]] = [(bar.touches, bar.material) for bar in assembly.bars]
     if case.boundary.bottom == "wall":
         flats += [(sphere, case.boundary.bottom_material) for sphere in _kinds_of_last_layer(assembly)]
+    if assembly.has_cylinders and any(case.boundary.has_planes(axis) for axis in "xy"):
+        kinds = [1] if assembly.sites is None else _kinds(assembly.sites).example.tolist()
+        flats += [(grain, case.boundary.sides_material) for grain in kinds if assembly.shape_of(grain)]
     for sphere, material in flats:
         law = flat_contact(assembly, sphere, material)
         found.append(Encounter(law, _limited(assembly, law, energy), 2 * assembly.mass_of(sphere), against_wall=True))
@@ -293,9 +297,9 @@ class _Kinds:
 def _kinds(sites: Sites) -> _Kinds:
     """Classify spheres by material and diameter, or by ranges of diameters if there are too many."""
     diameters, size = np.unique(sites.diameter, return_inverse=True)
-    if len(diameters) * len(sites.materials) > _MOST_KINDS:
+    if len(diameters) * len(sites.bodies) > _MOST_KINDS:
         size = (np.log(sites.diameter / diameters[0]) / math.log(_NEAR)).astype(np.int64)
-    code = np.where(sites.present, sites.kind * (size.max() + 1) + size, -1)
+    code = np.where(sites.present, sites.body * (size.max() + 1) + size, -1)
     order = np.lexsort((sites.diameter, code))  # the smallest of each kind first
     codes, first = np.unique(code[order], return_index=True)
     example = order[first][codes >= 0] + 1
@@ -331,7 +335,10 @@ def _kinds_of_pairs(assembly: Assembly) -> list[tuple[int, int]]:
         pairs += [(int(plain[0]), int(plain[0]))] if len(plain) > 1 else []
     for number, (striker, _) in enumerate(assembly.strikers, start=assembly.lattice.n_spheres + 1):
         pairs += [(number, touched) for touched in striker.touches]
-    alike = {frozenset((assembly.material_of(k), assembly.diameter_of(k)) for k in pair): pair for pair in pairs}
+    alike = {
+        frozenset((assembly.material_of(k), assembly.diameter_of(k), assembly.shape_of(k)) for k in pair): pair
+        for pair in pairs
+    }
     return list(alike.values())
 
 

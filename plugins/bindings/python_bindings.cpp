@@ -2,6 +2,7 @@
 /* Python bindings of the contact laws: the table of laws, and the law of one contact, with numpy arrays and SI units. */
 
 #include "../laws/contact_law.h"
+#include "../laws/cylinders.h"
 #include "../laws/elliptic_contact.h"
 #include "../laws/law_arguments.h"
 #include "../laws/line_contact.h"
@@ -11,7 +12,9 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -43,6 +46,10 @@ py::tuple option_names(const LawEntry &entry)
   if (entry.takes(granwave::YIELD_FACTOR)) names.append("yield_factor");
   if (entry.takes(granwave::BETA)) names.append("beta");
   if (entry.takes(granwave::CONSTANTS)) names.append("constants");
+  if (entry.takes(granwave::POWER)) {
+    names.append("constant");
+    names.append("exponent");
+  }
   return py::tuple(names);
 }
 
@@ -57,7 +64,8 @@ const LawEntry &known_law(const std::string &name)
 class Contact {
  public:
   Contact(const std::string &name, Two modulus, Two poisson, Two yield, Two radius, const std::string &variant,
-          double yield_factor, double beta, const std::map<std::string, double> &own, bool checked)
+          double yield_factor, double beta, const std::map<std::string, double> &own, bool checked, double constant,
+          double exponent, std::optional<double> effective_radius, const std::optional<granwave::LineContact> &line)
   {
     const LawEntry &entry = known_law(name);
     if (variant != "continuous" && variant != "published")
@@ -68,7 +76,10 @@ class Contact {
       if (!(value > -1.0 && value <= 0.5)) throw py::value_error("Poisson's ratio must lie in (-1, 0.5]");
     if (!(yield_factor > 0.0)) throw py::value_error("yield_factor must be positive");
     if (!(beta >= 0.0 && beta < 1.0)) throw py::value_error("beta must lie in [0, 1)");
-    granwave::LawOptions options{variant == "published" ? Variant::published : Variant::continuous, yield_factor, beta, {}};
+    if (entry.takes(granwave::POWER) && !(constant > 0.0 && exponent >= 1.0))
+      throw py::value_error("law power needs a constant above 0 and an exponent of 1 or more");
+    granwave::LawOptions options{
+        variant == "published" ? Variant::published : Variant::continuous, yield_factor, beta, constant, exponent, {}};
     for (const auto &[key, value] : own) {
       const auto member = granwave::law_constant(key);
       if (!member) throw py::value_error("constants: '" + key + "' is none of LAW_CONSTANTS");
@@ -80,8 +91,13 @@ class Contact {
     const Material first{modulus.first, poisson.first, yield.first}, second{modulus.second, poisson.second, yield.second};
     law = ContactLaw(entry, first, second, options);
     if (const std::string fault = law.fault(); checked && !own.empty() && !fault.empty()) throw py::value_error(fault);
-    scaled = ScaledLaw(law, granwave::effective_radius(radius.first, radius.second));
-    if (entry.yields() && !std::isfinite(scaled.yield_overlap()))
+    const double effective = effective_radius.value_or(granwave::effective_radius(radius.first, radius.second));
+    if (!(effective > 0.0)) throw py::value_error("effective_radius must be positive");
+    scaled = ScaledLaw(law, effective);
+    if (line) {
+      elastic.emplace(*line, (std::isfinite(radius.first) && std::isfinite(radius.second) ? 0.2 : 0.1) * effective);
+      scaled = ScaledLaw(law, effective, *elastic);
+    } else if (entry.yields() && !std::isfinite(scaled.yield_overlap()))
       throw py::value_error("law '" + name + "' needs a yield strength");
     extra.assign(entry.n_extra, 0.0);
   }
@@ -109,6 +125,7 @@ class Contact {
   }
 
   ContactLaw law;
+  std::optional<granwave::ElasticContact> elastic;    // along a line
   ScaledLaw scaled;
 
  private:
@@ -153,6 +170,20 @@ PYBIND11_MODULE(_contact_laws, module)
                                           length);
            }),
            py::kw_only(), py::arg("youngs_modulus"), py::arg("poisson_ratio"), py::arg("diameter"), py::arg("length"))
+      .def_static(
+          "plane_strain",
+          [](Two modulus, Two poisson, Two radius, double length) {
+            if (!(radius.first > 0.0 && radius.second > 0.0 && length > 0.0))
+              throw py::value_error("radii and length must be positive");
+            if (!std::isfinite(radius.first) && !std::isfinite(radius.second))
+              throw py::value_error("one of two bodies must be a cylinder, found two planes");
+            const auto body = [](double e, double nu) { return Material{e, nu, granwave::INFINITE}; };
+            return granwave::LineContact::plane_strain(body(modulus.first, poisson.first),
+                                                       body(modulus.second, poisson.second), radius.first, radius.second,
+                                                       length);
+          },
+          py::kw_only(), py::arg("youngs_modulus"), py::arg("poisson_ratio"), py::arg("radius"), py::arg("length"),
+          "Contact in plane strain after Johnson; a plane has the radius inf.")
       .def_property_readonly("largest_overlap", &granwave::LineContact::largest_overlap, "end of the law, m")
       .def(
           "force",
@@ -173,6 +204,23 @@ PYBIND11_MODULE(_contact_laws, module)
           },
           py::arg("overlap"), "Stored energy, J.");
   module.def("exponential", py::vectorize(granwave::exponential), py::arg("x"), "exp(x) as the laws compute it.");
+  using Axis = std::array<double, 3>;
+  py::class_<granwave::CylinderPair>(module, "CylinderPair",
+                                     "Two bodies, one of them a cylinder at least; a sphere has the length 0. SI units.")
+      .def(py::init([](Two length, const Axis &first, const Axis &second) {
+             granwave::Cylinder one{length.first, {}}, other{length.second, {}};
+             std::copy(first.begin(), first.end(), one.axis);
+             std::copy(second.begin(), second.end(), other.axis);
+             if (one.is_sphere() && other.is_sphere()) throw py::value_error("one of two bodies must be a cylinder");
+             return granwave::CylinderPair(one, other);
+           }),
+           py::kw_only(), py::arg("length"), py::arg("first_axis"), py::arg("second_axis"))
+      .def_property_readonly("parallel", &granwave::CylinderPair::parallel, "True if they touch along a line")
+      .def_property_readonly("nearly_parallel", &granwave::CylinderPair::nearly_parallel,
+                             "True if they cross at so small an angle that no law holds")
+      .def_property_readonly("length", &granwave::CylinderPair::length, "length of that line, m")
+      .def("effective_radius", &granwave::CylinderPair::effective_radius, py::arg("first"), py::arg("second"),
+           "Radius of the sphere that is as stiff on a plane, from both radii, m.");
   py::class_<LawEntry>(module, "LawEntry", "A contact law of the table LAWS.")
       .def_readonly("name", &LawEntry::name)
       .def_readonly("elastic_limit", &LawEntry::elastic_limit,
@@ -180,6 +228,8 @@ PYBIND11_MODULE(_contact_laws, module)
       .def_readonly("fitted", &LawEntry::fitted, "True for a fit, valid to overlaps of 0.2 R*")
       .def_readonly("n_extra", &LawEntry::n_extra, "numbers of history beyond the largest overlap")
       .def_property_readonly("yields", &LawEntry::yields, "True if the law needs a yield strength")
+      .def_property_readonly("is_power", &LawEntry::is_power,
+                             "True for a power of the overlap, or no force at all, whatever the radii")
       .def_property_readonly("options", &option_names, "names of its options, of variant, yield_factor, beta and constants");
   py::dict laws;
   for (const LawEntry &entry : granwave::law_table()) laws[entry.name] = py::cast(entry, py::return_value_policy::reference);
@@ -191,10 +241,13 @@ PYBIND11_MODULE(_contact_laws, module)
       "The elasto-plastic law takes other constants than those of LAW_CONSTANTS, by name.\n"
       "Raises ValueError for constants without meaning, or (unless checked is False) that make no passive law.")
       .def(py::init<const std::string &, Two, Two, Two, Two, const std::string &, double, double,
-                    const std::map<std::string, double> &, bool>(),
+                    const std::map<std::string, double> &, bool, double, double, std::optional<double>,
+                    const std::optional<granwave::LineContact> &>(),
            py::arg("law") = "elastoplastic", py::kw_only(), py::arg("youngs_modulus"), py::arg("poisson_ratio"),
            py::arg("yield_strength"), py::arg("radius"), py::arg("variant") = "continuous", py::arg("yield_factor") = 1.6,
-           py::arg("beta") = 0.8, py::arg("constants") = std::map<std::string, double>(), py::arg("checked") = true)
+           py::arg("beta") = 0.8, py::arg("constants") = std::map<std::string, double>(), py::arg("checked") = true,
+           py::arg("constant") = 0.0, py::arg("exponent") = 1.5, py::arg("effective_radius") = py::none(),
+           py::arg("line") = py::none())
       .def_property_readonly("name", [](const Contact &b) { return std::string(b.law.entry().name); })
       .def_property_readonly(
           "entry", [](const Contact &b) { return b.law.entry(); }, "of the table LAWS")
@@ -214,6 +267,9 @@ PYBIND11_MODULE(_contact_laws, module)
       .def_property_readonly(
           "elastic_limit", [](const Contact &b) { return b.scaled.elastic_limit(); },
           "largest overlap that leaves no dent, m: alpha_y, 0 without an elastic range, infinite if it never yields")
+      .def_property_readonly(
+          "valid_overlap", [](const Contact &b) { return b.scaled.valid_overlap(); },
+          "overlap beyond which the law no longer describes the contact, m")
       .def_property_readonly(
           "yield_force", [](const Contact &b) { return b.scaled.yield_force(); }, "F_y, N")
       .def_property_readonly(

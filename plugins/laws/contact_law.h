@@ -5,10 +5,12 @@
 #ifndef GRANWAVE_CONTACT_LAW_H
 #define GRANWAVE_CONTACT_LAW_H
 
+#include "elastic_contact.h"
 #include "law_table.h"
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <variant>
 
@@ -36,11 +38,13 @@ class ContactLaw {
     overlap_per_radius_ = std::isfinite(yield_) ? 0.25 * PI * PI * ratio * ratio : INFINITE;
     force_per_area_ = std::isfinite(yield_) ? 4.0 / 3.0 * modulus_ * power(overlap_per_radius_, 1.5) : INFINITE;
     normal_ = entry.make(options, {yield_, overlap_per_radius_, force_per_area_});
+    if (entry.is_power()) elastic_.emplace(PowerContact{entry.no_force ? 0.0 : options.constant, options.exponent});
   }
 
   const LawEntry &entry() const { return *entry_; }
   const AnyLaw &normal() const { return normal_; }
   const LawConstants &constants() const { return constants_; }
+  const ElasticContact *elastic() const { return elastic_ ? &*elastic_ : nullptr; }    // of a power of the overlap
   std::string fault() const
   {
     return with([](const auto &law) { return law.fault(); });
@@ -88,9 +92,11 @@ class ContactLaw {
   double modulus_, shear_modulus_, yield_, share1_;
   double overlap_per_radius_, force_per_area_;
   AnyLaw normal_;
+  std::optional<ElasticContact> elastic_;
 };
 
-/* Law of one contact, in physical units. Holds a pointer to the law of the pair of materials. */
+/* Law of one contact, in physical units. Holds a pointer to the law of the pair of materials, and to that of an elastic contact
+   other than Hertz's, if it is one: a line contact, whose materials do not yield, or a power of the overlap. */
 class ScaledLaw {
  public:
   ScaledLaw() = default;
@@ -101,6 +107,12 @@ class ScaledLaw {
   {
     const double limit = law.entry().elastic_limit;
     elastic_limit_ = limit > 0.0 && std::isfinite(limit) ? limit * overlap_ : limit;
+    if (law.elastic()) elastic_ = law.elastic();
+  }
+  ScaledLaw(const ContactLaw &law, double effective_radius, const ElasticContact &elastic) : ScaledLaw(law, effective_radius)
+  {
+    if (!elastic_) elastic_ = &elastic;
+    overlap_ = force_ = elastic_limit_ = INFINITE;
   }
 
   const ContactLaw &law() const { return *law_; }
@@ -113,8 +125,27 @@ class ScaledLaw {
   bool yielded(double peak) const { return peak > elastic_limit_; }
   double normalised(double overlap) const { return overlap / overlap_; }
 
-  double hertz_force(double overlap) const { return hertz_ * overlap * std::sqrt(overlap); }
-  double hertz_energy(double overlap) const { return 0.4 * hertz_ * overlap * overlap * std::sqrt(overlap); }
+  bool is_hertzian() const { return !elastic_; }    // within the elastic limit
+  /* Contacts within their elastic limit: Hertz's law, unless it is another. */
+  double hertz_force(double overlap) const
+  {
+    return elastic_ ? elastic_->force(overlap) : hertz_ * overlap * std::sqrt(overlap);
+  }
+  double hertz_energy(double overlap) const
+  {
+    return elastic_ ? elastic_->energy(overlap) : 0.4 * hertz_ * overlap * overlap * std::sqrt(overlap);
+  }
+  double hertz_stiffness(double overlap) const
+  {
+    return elastic_ ? elastic_->stiffness(overlap) : 1.5 * hertz_ * std::sqrt(overlap);
+  }
+  double largest_overlap() const { return elastic_ ? elastic_->largest_overlap() : INFINITE; }    // where the law ends
+  /* Overlap beyond which the law is no longer that of the contact. */
+  double valid_overlap() const
+  {
+    if (elastic_) return elastic_->valid();
+    return law_->entry().fitted ? 0.2 * effective_radius_ : INFINITE;
+  }
 
   /* Update the history block of the law, for a contact with positive overlap, before its peak is increased. Returns true if
      the block has changed. */
@@ -189,13 +220,18 @@ class ScaledLaw {
   double unloading_stiffness(const LawHistory &h) const
   {
     if (yielded(h.peak)) return stiffness(turning(h));
-    return h.peak > 0.0 ? 1.5 * hertz_ * std::sqrt(h.peak) : 0.0;
+    return h.peak > 0.0 ? hertz_stiffness(h.peak) : 0.0;
   }
 
-  /* Radius of the contact circle, squared. */
+  /* Radius of the contact circle, squared; of an elastic law other than Hertz's that of the Hertzian contact that is as stiff,
+     so that k_t/k_n is that of Mindlin. */
   double circle_squared(double overlap, const LawHistory &h) const
   {
     if (overlap <= 0.0) return 0.0;
+    if (elastic_) {
+      const double radius = 0.5 * elastic_->stiffness(overlap) / law_->modulus();
+      return radius * radius;
+    }
     if (!yielded(std::max(overlap, h.peak))) return effective_radius_ * overlap;
     return overlap >= h.peak ? loading_circle(overlap)
                              : unloading_circle(overlap, turning(h), law_->area(normalised(h.peak)));
@@ -203,6 +239,7 @@ class ScaledLaw {
 
  private:
   const ContactLaw *law_ = nullptr;
+  const ElasticContact *elastic_ = nullptr;
   double effective_radius_ = 0.0, hertz_ = 0.0, overlap_ = INFINITE, force_ = INFINITE, elastic_limit_ = INFINITE;
 };
 

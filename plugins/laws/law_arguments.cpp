@@ -51,7 +51,8 @@ double LawConstants::*law_constant(const std::string &name)
 
 LawArguments parse_law(const std::vector<std::string> &words)
 {
-  const std::string usage = "expected: hertz E nu [E2 nu2], or " + law_names("|", true) +
+  const std::string usage = "expected: hertz|none E nu [E2 nu2], power E nu [E2 nu2] constant K exponent p, or " +
+                            law_names("|", true) +
                             " E nu sigma_y "
                             "[E2 nu2 sigma_y2], then [friction mu] [tangential mindlin_rescale|mindlin] "
                             "[variant continuous|published] [yield_factor C] "
@@ -75,7 +76,7 @@ LawArguments parse_law(const std::vector<std::string> &words)
   if (each == 3 && !std::isfinite(std::min(args.first.yield_strength, args.second.value_or(args.first).yield_strength)))
     refuse("law '" + words[0] + "' needs a yield strength for one of the two bodies; if none yields, take law hertz");
 
-  bool given = false;    // whether a constant of the law is given
+  bool given = false, has_constant = false, has_exponent = false;    // true if a constant of the law, K or p are given
   for (std::size_t k = 1 + numbers; k < words.size(); k += 2) {
     const std::string &key = words[k];
     if (k + 1 == words.size()) refuse("'" + key + "' has no value; " + usage);
@@ -96,6 +97,13 @@ LawArguments parse_law(const std::vector<std::string> &words)
     } else if (key == "beta" && args.law->takes(BETA)) {
       args.options.beta = is_number(value) ? std::strtod(value.c_str(), nullptr) : -1.0;
       if (!(args.options.beta >= 0.0 && args.options.beta < 1.0)) refuse("beta must lie in [0, 1), found '" + value + "'");
+    } else if (key == "constant" && args.law->takes(POWER)) {
+      args.options.constant = positive(value, key);
+      has_constant = true;
+    } else if (key == "exponent" && args.law->takes(POWER)) {
+      args.options.exponent = number(value, key);
+      if (!(args.options.exponent >= 1.0)) refuse("exponent must be 1 or more, found '" + value + "'");
+      has_exponent = true;
     } else if (const auto constant = law_constant(key); constant && args.law->takes(CONSTANTS)) {
       args.options.constants.*constant = number(value, key);
       given = true;
@@ -103,6 +111,8 @@ LawArguments parse_law(const std::vector<std::string> &words)
       refuse("'" + key + "' is no option of law '" + words[0] + "'; " + usage);
     }
   }
+  if (args.law->takes(POWER) && !(has_constant && has_exponent))
+    refuse("law power needs constant K and exponent p; " + usage);
   if (given && args.options.variant == Variant::published)
     refuse("variant published has constants of its own: take one or the other");
   if (const std::string fault = given ? args.contact(args.first, args.first).fault() : ""; !fault.empty())

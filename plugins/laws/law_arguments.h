@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-only
 /* Contact law from the words of an input script; syntax of the pair style and the wall fix:
 
-     hertz E nu [E2 nu2]
+     hertz|none E nu [E2 nu2]
+     power E nu [E2 nu2] constant K exponent p      (F = K overlap^p, whatever the radii)
      any other law of the table  E nu sigma_y [E2 nu2 sigma_y2]      (INF for one sigma_y: that body stays elastic)
      keywords: friction mu, tangential mindlin_rescale|mindlin, and of the options that the law takes: variant
      continuous|published, yield_factor C, beta b, any of LAW_CONSTANTS  */

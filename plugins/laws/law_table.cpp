@@ -30,6 +30,8 @@ const std::vector<LawEntry> &law_table()
       {"elastoplastic", 1.0, true, VARIANT | YIELD_FACTOR | CONSTANTS, 0, make_elastoplastic},
       {"bilinear", 0.0, false, BETA, 0, make_bilinear},
       {"thornton", 1.0, false, YIELD_FACTOR, 0, make_thornton},
+      {"power", INFINITE, false, POWER, 0, make_hertz},
+      {"none", INFINITE, false, 0, 0, make_hertz, true},
   };
   return TABLE;
 }

@@ -20,12 +20,13 @@ namespace granwave {
 struct LawOptions {
   Variant variant = Variant::continuous;
   double yield_factor = 1.6, beta = 0.8;
+  double constant = 0.0, exponent = 1.5;    // F = constant overlap^exponent
   LawConstants constants;
 
   bool operator==(const LawOptions &other) const
   {
     return variant == other.variant && yield_factor == other.yield_factor && beta == other.beta &&
-           constants == other.constants;
+           constant == other.constant && exponent == other.exponent && constants == other.constants;
   }
 };
 
@@ -38,19 +39,21 @@ struct LawScales {
   double force_per_area;        // F_y / R*^2
 };
 
-enum LawOption : unsigned { VARIANT = 1, YIELD_FACTOR = 2, BETA = 4, CONSTANTS = 8 };
+enum LawOption : unsigned { VARIANT = 1, YIELD_FACTOR = 2, BETA = 4, CONSTANTS = 8, POWER = 16 };
 
 struct LawEntry {
   const char *name;
   double
       elastic_limit;    // overlap up to which a contact is Hertzian and without dent, in alpha_y; infinite for a law without yield
   bool fitted;          // true for a fit, valid up to overlaps of 0.2 R*
-  unsigned options;    // LawOption
-  int n_extra;         // doubles of history beyond the largest overlap
-  AnyLaw (*make)(const LawOptions &, const LawScales &);
+  unsigned options;                                         // LawOption
+  int n_extra;                                              // doubles of history beyond the largest overlap
+  AnyLaw (*make)(const LawOptions &, const LawScales &);    // Hertz's for a power of the overlap, which has no history
+  bool no_force = false;
 
   bool yields() const { return elastic_limit < INFINITE; }    // requires the yield strength of at least one body
   bool takes(LawOption option) const { return options & option; }
+  bool is_power() const { return options & POWER || no_force; }    // of the overlap, whatever the radii
 };
 
 /* All laws, in the order of their numbers in restart files. */

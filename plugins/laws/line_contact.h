@@ -2,6 +2,8 @@
 /* Contact along a line of finite length: a cylinder of diameter d and length L on a plane, or two parallel cylinders. No LAMMPS
    types.
 
+   On a half-space, which yields over a length of about L:
+
        alpha = (F V/L) [1 - ln(V F d/(2 L^3))]      V = sum over both bodies of (1 - nu^2)/(pi E)
 
    (M. J. Puttock and E. G. Thwaite, National Standards Laboratory Technical Paper 25, 1969, case 9; thesis 7.1.) With
@@ -9,7 +11,18 @@
 
        F = alpha L/(V w),   w - ln w = 1 - ln s,   w > 1          w = |W_-1(-s/e)|, the lower branch of Lambert's function
 
-   It holds for s < 1. Overlaps below 1e-25 m count as none: in a row that just touches, what runs ahead of a wave is smaller
+   It holds for s < 1.
+
+   In plane strain (K. L. Johnson, Contact Mechanics, 1985, section 5.6), with P = F/L, 1/E_i' = (1 - nu_i^2)/E_i, 1/E' and 1/R
+   the sums of both 1/E_i' and 1/R_i, each cylinder is compressed between contact and center by
+
+       P/(pi E_i') (2 ln(4 R_i/a) - 1)      a^2 = 4 P R/(pi E')
+
+   and a plane, down to the depth of one diameter of the cylinder on it, by P/(pi E_i') (2 ln(4 R_i/a) - nu_i/(1 - nu_i)) with
+   R_i that of the cylinder (Johnson's eq. 5.56). The sum is alpha = P/(pi E') (ln(S/P) - 1), S = 8 pi E' R_1 for equal
+   cylinders and 4 pi E' R_1 on a rigid plane: the same form as above, with other scales of overlap and force.
+
+   Overlaps below 1e-25 m count as none: in a row that just touches, what runs ahead of a wave is smaller
    than any number, and its logarithm would not be one. */
 
 #ifndef GRANWAVE_LINE_CONTACT_H
@@ -17,8 +30,10 @@
 
 #include "logarithm.h"
 #include "material.h"
+#include "power.h"
 
 #include <cmath>
+#include <utility>
 
 namespace granwave {
 
@@ -30,6 +45,23 @@ class LineContact {
       overlap_(2.0 * length * length / diameter),
       force_(2.0 * length * length * length * PI * effective_modulus(first, second) / diameter)
   {
+  }
+
+  /* Two parallel cylinders in plane strain, or one on a plane (second radius infinite), over this length. */
+  static LineContact plane_strain(const Material &first, const Material &second, double r1, double r2, double length)
+  {
+    const double modulus = effective_modulus(first, second), least = std::fmin(r1, r2);
+    const double per_radius = 4.0 * PI * modulus / effective_radius(r1, r2);
+    double scale = 0.0;    // ln S
+    for (const auto &[material, radius] : {std::pair<const Material &, double>{first, r1}, {second, r2}}) {
+      if (!std::isfinite(material.youngs_modulus)) continue;
+      const double nu = material.poisson_ratio, share = modulus * (1.0 - nu * nu) / material.youngs_modulus;
+      const double within = std::isfinite(radius) ? radius : least;
+      const double depth = std::isfinite(radius) ? 0.0 : 1.0 - nu / (1.0 - nu);
+      scale += share * (logarithm(per_radius * within * within) + depth);
+    }
+    const double force = exponential(scale - 2.0);    // S/e^2
+    return {force / (PI * modulus), force * length};
   }
 
   /* Largest overlap for which the law holds. */
@@ -57,7 +89,9 @@ class LineContact {
   }
 
  private:
-  double overlap_, force_;    // scales: 2 L^2/d and 2 L^3/(V d)
+  LineContact(double overlap, double force) : overlap_(overlap), force_(force) {}
+
+  double overlap_, force_;    // scales: 2 L^2/d and 2 L^3/(V d), or S/(e^2 pi E') and S L/e^2
 
   /* Root w > 1 of w - ln w = 1 - ln s; 1 where the law ends. */
   static double exponent(double s)

@@ -2,6 +2,7 @@
 /* Registration of the styles with LAMMPS, after granwaveplugin.cpp has checked that library and styles match. */
 
 #include "compute_gran_hysteretic.h"
+#include "fix_gran_cylinder.h"
 #include "fix_gran_holder.h"
 #include "fix_gran_hysteretic_history.h"
 #include "fix_gran_load.h"
@@ -55,6 +56,7 @@ extern "C" __attribute__((visibility("default"))) void granwave_add_styles(void 
   add("pair", PairGranHysteretic::STYLE, &create<Pair, PairGranHysteretic>, pairs);
   add("fix", FixGranHystereticHistory::STYLE, &create_named<Fix, FixGranHystereticHistory>, fixes);
   add("fix", FixWallGranHysteretic::STYLE, &create_named<Fix, FixWallGranHysteretic>, fixes);
+  add("fix", FixGranCylinder::STYLE, &create_named<Fix, FixGranCylinder>, fixes);
   add("fix", FixGranHolder::STYLE, &create_named<Fix, FixGranHolder>, fixes);
   add("fix", FixGranLoad::STYLE, &create_named<Fix, FixGranLoad>, fixes);
   add("fix", FixGranTimestep::STYLE, &create_named<Fix, FixGranTimestep>, fixes);

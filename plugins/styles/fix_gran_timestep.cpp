@@ -5,6 +5,7 @@
 #include "comm.h"
 #include "compute.h"
 #include "error.h"
+#include "fix_gran_cylinder.h"
 #include "fix_wall_gran_hysteretic.h"
 #include "force.h"
 #include "input.h"
@@ -127,6 +128,7 @@ void FixGranTimestep::init()
   rotates = false;
   others.clear();
   walls.clear();
+  cylinders = FixGranCylinder::find(lmp);
   for (const auto *other : modify->get_fix_list()) {
     if (other == this) {
       later = true;
@@ -215,8 +217,14 @@ FixGranTimestep::Sums FixGranTimestep::sums() const
     if (rotates && atom->radius[i] > 0.0) {
       const double *const torque = atom->torque[i], *const omega = atom->omega[i];
       const double inertia = 0.4 * mass * atom->radius[i] * atom->radius[i];
-      p += torque[0] * omega[0] + torque[1] * omega[1] + torque[2] * omega[2];
-      q += (torque[0] * torque[0] + torque[1] * torque[1] + torque[2] * torque[2]) / inertia;
+      double turning = torque[0] * omega[0] + torque[1] * omega[1] + torque[2] * omega[2];
+      double squared = (torque[0] * torque[0] + torque[1] * torque[1] + torque[2] * torque[2]) / inertia;
+      if (cylinders && !cylinders->shape(atom->type[i]).is_sphere()) {    // the torque is that of a sphere that moves alike
+        turning *= FixGranCylinder::INERTIA;
+        squared *= FixGranCylinder::INERTIA;
+      }
+      p += turning;
+      q += squared;
     }
     mine[0] += units_of(p * of_power);
     mine[1] += units_of(q * of_force);

@@ -72,6 +72,7 @@ class FixGranTimestep : public Fix {
   bigint reached = 0;         // step counter when the last step ended
   bool pending = false;       // the counter is to be set as the next step begins
   bool rotates = false;
+  const class FixGranCylinder *cylinders = nullptr;
   std::vector<const Fix *> others;                           // that act at the end of some steps
   std::vector<const class FixWallGranHysteretic *> walls;    // that may move
 };

@@ -8,6 +8,7 @@
 #include "domain.h"
 #include "error.h"
 #include "finite_motion.h"
+#include "fix_gran_cylinder.h"
 #include "../laws/law_arguments.h"
 #include "neighbor.h"
 #include "simulated_time.h"
@@ -63,8 +64,17 @@ FixWallGranHysteretic::FixWallGranHysteretic(LAMMPS *lmp, int narg, char **arg) 
         throw std::invalid_argument("support moves a plane, found none");
       moving = std::isfinite(plane[0]) ? 0 : 1;
     }
+    if (const auto at = std::find(words.begin(), words.end(), "line"); at != words.end()) {
+      const std::string kind = at + 1 == words.end() ? "" : at[1];
+      if (kind != "half-space" && kind != "plane-strain")
+        throw std::invalid_argument("line must be half-space or plane-strain, found '" + kind + "'");
+      plane_strain = kind == "plane-strain";
+      words.erase(at, at + 2);
+    }
     const granwave::LawArguments args = granwave::parse_law(words);
-    law = args.contact(args.first, args.second.value_or(granwave::Material{INFINITE, 0.0, INFINITE}));
+    body = args.first;
+    wall = args.second.value_or(granwave::Material{INFINITE, 0.0, INFINITE});
+    law = args.contact(body, wall);
     friction = args.friction;
     tangential_model = args.tangential;
   } catch (const std::invalid_argument &fault) {
@@ -108,6 +118,7 @@ void FixWallGranHysteretic::init()
     error->all(FLERR, "Fix {} with friction requires atom attributes omega and torque (atom_style sphere)", STYLE);
   if (tube ? domain->periodicity[0] || domain->periodicity[1] : domain->periodicity[axis])
     error->all(FLERR, "Fix {}: the box is periodic across the wall", STYLE);
+  init_cylinders();
   reset_dt();
 }
 
@@ -223,6 +234,7 @@ void FixWallGranHysteretic::evaluate()
   if (!listed || (support && std::fabs(level(moving) - listed_level) > 0.5 * neighbor->skin)) list_spheres();
   for (const int i : spheres) {
     if (!(atom->mask[i] & groupbit) || radius[i] == 0.0) continue;    // flat faces do not interact with walls
+    if (cylinders && stands[atom->type[i]]) continue;
     const double overlap[2] = {tube ? -INFINITE : at[0] + radius[i] - x[i][axis],
                                tube ? depth(i, 1) : x[i][axis] + radius[i] - at[1]};
     const double least = ROUNDING * radius[i];
@@ -301,8 +313,12 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
   if (tube && !tube->holds(radius))
     error->one(FLERR, "Fix {} {}: sphere {} of radius {:.6g} does not fit into the tube of radius {:.6g}", STYLE, id,
                atom->tag[i], radius, tube->radius());
-  const double effective = effective_radius(radius);
-  const ScaledLaw scaled(law, effective);
+  const ScaledLaw scaled = scaled_law(i);
+  const double effective = scaled.effective_radius();
+  if (!(overlap < scaled.largest_overlap()))
+    error->one(FLERR,
+               "Cylinder {} reaches {:.3g} into the wall of fix {}, where the law of a line contact ends: it is too short",
+               atom->tag[i], overlap, id);
   double place[2];
   place_of(i, place);
   if (state[TIME_FIRST] < 0.0) state[TIME_FIRST] = now;
@@ -328,8 +344,8 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
   Contact contact{};
   if (!scaled.yielded(side.dent)) {
     contact.force = scaled.hertz_force(overlap);
-    if (support) contact.stiffness = 1.5 * contact.force / overlap;
-    contact.circle_sq = effective * overlap;
+    if (support) contact.stiffness = scaled.is_hertzian() ? 1.5 * contact.force / overlap : scaled.hertz_stiffness(overlap);
+    contact.circle_sq = scaled.is_hertzian() ? effective * overlap : scaled.circle_squared(overlap, law_history(i, which));
   } else {
     const granwave::Turning turning = scaled.turning(law_history(i, which));
     contact.force = raised ? scaled.peak_force(turning) : scaled.unloading(overlap, turning);
@@ -363,7 +379,7 @@ void FixWallGranHysteretic::compute_tangential(int i, int which, double overlap,
   if (contact.force > 0.0) {
     double normal[3];
     inward(i, which, normal);
-    const double lever = atom->radius[i] - 0.5 * overlap;
+    const double lever = atom->radius[i] - (cylinders && is_line(i) ? 1.0 : 0.5) * overlap;
     if (update->whichflag == 1 && !update->setupflag) {
       const double *const v = atom->v[i], *const omega = atom->omega[i];
       const double velocity[3] = {v[0], v[1], v[2]}, spin[3] = {lever * omega[0], lever * omega[1], lever * omega[2]};

@@ -2,9 +2,12 @@
 /* Fix wall/gran/hysteretic: plane walls normal to an axis, or a tube around z, with the contact laws and the persistent dents of pair style
    gran/hysteretic, with friction, and with the support of a movable plane (support.h).
 
-   fix ID group wall/gran/hysteretic xplane|yplane|zplane LO HI law ... [friction MU] [support ...]
+   fix ID group wall/gran/hysteretic xplane|yplane|zplane LO HI law ... [friction MU] [line half-space|plane-strain] [support ...]
        (law_arguments.h, support.h; LO, HI a coordinate or NULL)
    fix ID group wall/gran/hysteretic tube RADIUS law ... [friction MU]
+
+   Types of fix gran/cylinder touch a plane that is parallel to their axis along a line, elastically (line_contact.h), and none
+   that they stand on.
 
    With one material the wall is rigid; with two, the second is that of the wall. Dents are stored with their location on the
    wall: a sphere that has separated and touches the wall again starts a new contact if it is further from that location than
@@ -14,12 +17,14 @@
 #define LMP_FIX_WALL_GRAN_HYSTERETIC_H
 
 #include "../laws/contact_law.h"
+#include "../laws/elastic_contact.h"
 #include "../laws/exact_sum.h"
 #include "fix.h"
 #include "../laws/support.h"
 #include "../laws/tangential.h"
 #include "../laws/tube.h"
 
+#include <map>
 #include <memory>
 #include <vector>
 
@@ -106,6 +111,9 @@ class FixWallGranHysteretic : public Fix {
   void inward(int i, int side, double normal[3]) const;
   void place_of(int i, double place[2]) const;
   double effective_radius(double radius) const { return tube ? tube->effective_radius(radius) : radius; }
+  void init_cylinders();
+  bool is_line(int i) const;
+  granwave::ScaledLaw scaled_law(int i);
   void add_to_wall(int i, const double force[3]);
   Contact compute_normal(int i, int side, double overlap, double now);
   void compute_tangential(int i, int side, double overlap, const Contact &);
@@ -125,6 +133,11 @@ class FixWallGranHysteretic : public Fix {
   std::unique_ptr<granwave::Tube> tube;    // in place of planes
   double plane[2];                         // positions at rest of the lower and upper wall, infinite if absent
   granwave::ContactLaw law;
+  granwave::Material body{}, wall{};                   // materials of the spheres and of the wall
+  bool plane_strain = false;                           // of cylinders
+  const class FixGranCylinder *cylinders = nullptr;    // null if there are none
+  std::vector<char> stands;    // by type: 1 for cylinders on their end, which the wall does not touch
+  std::map<std::pair<int, double>, granwave::ElasticContact> lines;    // of cylinders, by type and radius
   double friction = 0.0;
   granwave::TangentialModel tangential_model = granwave::TangentialModel::MINDLIN_RESCALE;
   std::unique_ptr<granwave::Support> support;    // of the plane, if it can move

@@ -6,6 +6,7 @@
 #include "atom.h"
 #include "comm.h"
 #include "error.h"
+#include "fix_gran_cylinder.h"
 #include "memory.h"
 #include "neighbor.h"
 
@@ -13,6 +14,8 @@
 #include <cmath>
 
 using namespace LAMMPS_NS;
+using granwave::INFINITE;
+using granwave::LineContact;
 using granwave::ScaledLaw;
 using granwave::TangentialSpring;
 
@@ -21,6 +24,7 @@ namespace {
 // Format of the per-sphere state. Format 1 had 8 output quantities and 5 numbers for each side, and no springs; format 3
 // contains further history variables of the law, and is written only for laws that have any.
 enum { WITHOUT_FRICTION = 1, WITH_FRICTION = 2, EXTRA_HISTORY = 3 };
+constexpr double ROUNDING_OF_AXIS = 1e-9, VALID_LINE = 0.1;    // largest overlap of a line contact over the radius
 constexpr int OLD_REPORTED = 8, OLD_SIDE = 5;
 constexpr int SUPPORT_FORMAT = 1;
 
@@ -56,6 +60,54 @@ void FixWallGranHysteretic::list_spheres()
   listed = true;
 }
 
+/* ---------------------------------------------------------------------- cylinders */
+
+/* Find out which cylinders touch the wall, along which line. */
+
+void FixWallGranHysteretic::init_cylinders()
+{
+  cylinders = FixGranCylinder::find(lmp);
+  lines.clear();
+  stands.assign(atom->ntypes + 1, 0);
+  if (!cylinders) return;
+  std::vector<int> mine(atom->ntypes + 1, 0), present(atom->ntypes + 1, 0);
+  for (int i = 0; i < atom->nlocal; i++)
+    if (atom->mask[i] & groupbit) mine[atom->type[i]] = 1;
+  MPI_Allreduce(mine.data(), present.data(), atom->ntypes + 1, MPI_INT, MPI_MAX, world);
+  for (int type = 1; type <= atom->ntypes; type++) {
+    const granwave::Cylinder &cylinder = cylinders->shape(type);
+    if (cylinder.is_sphere() || !present[type]) continue;
+    if (tube) error->all(FLERR, "Fix {} {}: a tube holds spheres, found cylinders of type {}", STYLE, id, type);
+    const double along = std::fabs(cylinder.axis[axis]);
+    stands[type] = along > 1.0 - ROUNDING_OF_AXIS;
+    if (!stands[type] && along > ROUNDING_OF_AXIS)
+      error->all(FLERR,
+                 "Fix {} {}: cylinders of type {} are oblique to the wall; expected their axis parallel or normal to it",
+                 STYLE, id, type);
+  }
+}
+
+/* True for a cylinder, which touches the wall along a line. */
+
+bool FixWallGranHysteretic::is_line(int i) const { return !cylinders->shape(atom->type[i]).is_sphere(); }
+
+/* Law of the contact of sphere or cylinder i with the wall. */
+
+ScaledLaw FixWallGranHysteretic::scaled_law(int i)
+{
+  const double radius = atom->radius[i];
+  if (!cylinders || !is_line(i)) return {law, effective_radius(radius)};
+  const int type = atom->type[i];
+  auto found = lines.find({type, radius});
+  if (found == lines.end()) {
+    const double length = cylinders->shape(type).length;
+    const LineContact line = plane_strain ? LineContact::plane_strain(body, wall, radius, INFINITE, length)
+                                          : LineContact(body, wall, 2.0 * radius, length);
+    found = lines.emplace(std::pair(type, radius), granwave::ElasticContact(line, VALID_LINE * radius)).first;
+  }
+  return {law, radius, found->second};
+}
+
 /* ---------------------------------------------------------------------- initial dents */
 
 void FixWallGranHysteretic::set_dent(int i, double peak)
@@ -71,7 +123,7 @@ void FixWallGranHysteretic::set_dent(int i, double peak)
   Side &side = sides[2 * i + which];
   side.dent = peak;
   place_of(i, side.place);
-  side.initial = peak > ScaledLaw(law, effective_radius(radius)).elastic_limit() ? peak : 0.0;
+  side.initial = peak > scaled_law(i).elastic_limit() ? peak : 0.0;
   side.lost_before = 0.0;
   std::fill_n(extra(i, which), n_extra(), 0.0);
   std::fill_n(initial_extra(i, which), n_extra(), 0.0);
@@ -81,7 +133,7 @@ void FixWallGranHysteretic::set_dent(int i, double peak)
 void FixWallGranHysteretic::begin()
 {
   for (int i = 0; i < atom->nlocal; i++) {
-    const ScaledLaw scaled(law, effective_radius(atom->radius[i]));
+    const ScaledLaw scaled = scaled_law(i);
     double *const state = array_atom[i];
     state[PEAK_FORCE] = state[FRICTION_LOSS] = 0.0;
     state[TIME_FIRST] = state[TIME_PEAK] = state[TIME_YIELD] = -1.0;
@@ -105,7 +157,7 @@ void FixWallGranHysteretic::begin()
 
 void FixWallGranHysteretic::report_dents(int i)
 {
-  const ScaledLaw scaled(law, effective_radius(atom->radius[i]));
+  const ScaledLaw scaled = scaled_law(i);
   const Side &low = sides[2 * i], &high = sides[2 * i + 1];
   array_atom[i][PEAK_OVERLAP] = std::max(low.dent, high.dent);
   array_atom[i][INITIAL] = std::max(low.initial, high.initial);

@@ -17,11 +17,11 @@ void FixWallGranHysteretic::tally()
   for (int i = 0; i < atom->nlocal; i++) {
     const double *state = array_atom[i];
     if (state[PEAK_OVERLAP] == 0.0) continue;
-    const ScaledLaw scaled(law, effective_radius(atom->radius[i]));
+    const ScaledLaw scaled = scaled_law(i);
     mine[DISSIPATED_SUM] += state[DISSIPATED];
     mine[FRICTION_LOSS_SUM] += state[FRICTION_LOSS];
     if (law.entry().yields() && state[TIME_YIELD] >= 0.0) mine[YIELDED] += 1.0;
-    if (law.entry().fitted && state[PEAK_OVERLAP] > 0.2 * scaled.effective_radius()) mine[BEYOND_LAW] += 1.0;
+    if (state[PEAK_OVERLAP] > scaled.valid_overlap()) mine[BEYOND_LAW] += 1.0;
     for (int side = 0; side < 2; side++) {
       const Side &own = sides[2 * i + side];
       const double overlap = depth(i, side);

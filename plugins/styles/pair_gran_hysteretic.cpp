@@ -7,6 +7,7 @@
 #include "comm.h"
 #include "error.h"
 #include "fix.h"
+#include "fix_gran_cylinder.h"
 #include "fix_gran_hysteretic_history.h"
 #include "force.h"
 #include "memory.h"
@@ -151,6 +152,13 @@ void PairGranHysteretic::init_style()
                  "Pair style gran/hysteretic: atom {} has the radius {:g}, expected one above 0, or 0 for a flat face",
                  atom->tag[i], atom->radius[i]);
 
+  cylinders = FixGranCylinder::find(lmp);
+  has_special = false;
+  special_types.assign((atom_types + 1) * (atom_types + 1), 0);
+  geometries.clear();
+  geometries.resize(special_types.size());
+  special_pairs.clear();
+
   // the largest radius of each type determines the cutoff
   std::vector<double> mine(atom_types + 1, 0.0);
   for (int i = 0; i < atom->nlocal; i++) mine[atom->type[i]] = std::max(mine[atom->type[i]], atom->radius[i]);
@@ -181,7 +189,7 @@ double PairGranHysteretic::init_one(int i, int j)
   law(i, j) = args.contact(args.first, second);
   law(j, i) = args.contact(second, args.first);
   coefficients[j * n + i] = args;
-  return largest_radius[i] + largest_radius[j] + gap;
+  return init_shape(i, j);
 }
 
 PairGranHysteretic::PairParameters PairGranHysteretic::pair_parameters(int itype, int jtype, double ri, double rj)
@@ -193,8 +201,8 @@ PairGranHysteretic::PairParameters PairGranHysteretic::pair_parameters(int itype
   p.radius_j = rj;
   p.radsum = ri + rj;
   p.touch_sq = granwave::TouchingPairs::touch_squared(p.radsum);
-  p.largest_overlap = largest_overlap(ri, rj);
-  p.contact = ScaledLaw(contact_law, effective_radius(ri, rj));
+  p.contact = scaled_law(itype, jtype, ri, rj);
+  p.largest_overlap = std::min(largest_overlap(ri, rj), p.contact.largest_overlap());
   p.friction = ri > 0.0 && rj > 0.0 ? args.friction : 0.0;
   p.shear_stiffness = contact_law.tangential_stiffness(1.0);
   p.tangential_model = args.tangential;

@@ -9,7 +9,10 @@
    are stored with the spheres (FixGranHystereticHistory).
 
    A particle of radius 0 is the flat face of a larger body, such as the end node of an elastic bar: it touches a sphere if
-   their distance is the radius of the sphere, with R* the radius of the sphere, without friction. Two faces never touch. */
+   their distance is the radius of the sphere, with R* the radius of the sphere, without friction. Two faces never touch.
+
+   Types of fix gran/cylinder are cylinders. Their pairs, and those whose force is a power of the overlap, are in further rows
+   of the flat list, evaluated one by one (pair_gran_hysteretic_shapes.cpp). */
 
 #ifndef LMP_PAIR_GRAN_HYSTERETIC_H
 #define LMP_PAIR_GRAN_HYSTERETIC_H
@@ -17,6 +20,7 @@
 #include "../laws/contact_batch.h"
 #include "../laws/contact_history.h"
 #include "../laws/contact_law.h"
+#include "../laws/cylinders.h"
 #include "../laws/law_arguments.h"
 #include "../laws/plastic_batch.h"
 #include "../laws/resting_blocks.h"
@@ -25,6 +29,9 @@
 #include "../laws/twofold_sum.h"
 
 #include <functional>
+#include <map>
+#include <memory>
+#include <tuple>
 #include <vector>
 
 namespace LAMMPS_NS {
@@ -96,9 +103,10 @@ class PairGranHysteretic : public Pair {
 
   enum { OVERLAP, PEAK_OVERLAP, PEAK_FORCE, LOST, TIME_FIRST, TIME_PEAK, TIME_YIELD, N_SINGLE };    // of compute pair/local
 
-  /* Pairs of spheres within reach, in rows as in LAMMPS's half neighbor list. */
+  /* Pairs within reach, in rows as in LAMMPS's half neighbor list; behind them, in rows of their own, the special pairs. */
   struct Contacts {
     bool valid = false, published = false;
+    int plain = 0;                  // number of rows of pairs of spheres with laws that depend on their radii
     int owned = 0;                  // number of owned spheres when the list was built
     bool ordered = true;            // each sphere has a row, in their order, and no partner precedes its row
     int span = 0;                   // largest difference of indices between a row and an owned partner
@@ -130,6 +138,11 @@ class PairGranHysteretic : public Pair {
     granwave::TangentialModel tangential_model = granwave::TangentialModel::MINDLIN_RESCALE;
   };
 
+  struct SpecialPair {                                 // pair of a cylinder, or with a power of the overlap
+    std::unique_ptr<granwave::ElasticContact> line;    // of parallel cylinders
+    granwave::ScaledLaw contact;
+  };
+
   struct Batch : granwave::ContactBatch {
     const PairParameters *pair[CAPACITY];
     PairParameters parameters[CAPACITY];    // of each pair, or only the first if all are equal; unused if known by type
@@ -148,6 +161,13 @@ class PairGranHysteretic : public Pair {
   void allocate();
   granwave::ContactLaw &law(int itype, int jtype) { return laws[itype * (atom_types + 1) + jtype]; }
   PairParameters pair_parameters(int itype, int jtype, double ri, double rj);
+  double init_shape(int itype, int jtype);
+  bool is_special(int itype, int jtype) const { return has_special && special_types[itype * (atom_types + 1) + jtype]; }
+  granwave::ScaledLaw scaled_law(int itype, int jtype, double ri, double rj);
+  granwave::CylinderPair::Separation separation(int i, int j) const;
+  double distance(int i, int j, double rsq) const;
+  double longest_cylinder(int axis) const;
+  void add_special_rows(const std::vector<std::pair<int, int>> &);
   void build_contacts();
   void check_displacements();
   void restore_history();
@@ -156,7 +176,9 @@ class PairGranHysteretic : public Pair {
   void compute_forces(Tally);
   void forget_far_pairs(int r);
   void set_parameters();
-  void compute_batch(Tally);
+  void compute_batch(Tally, bool special = false);
+  void compute_special(Tally);
+  void set_elastic(Batch &);
   void give_sums(int begin, int end);
   void update_history(Batch &);
   void compute_tangential(Batch &);
@@ -185,6 +207,11 @@ class PairGranHysteretic : public Pair {
   std::vector<granwave::ContactLaw> laws;
   std::vector<granwave::LawArguments> coefficients;    // as set by pair_coeff, for mixing and restarts
   std::vector<double> largest_radius;
+  const class FixGranCylinder *cylinders = nullptr;    // null if there are none
+  bool has_special = false;
+  std::vector<char> special_types;                                    // by pair of types
+  std::vector<std::unique_ptr<granwave::CylinderPair>> geometries;    // by pair of types, null for spheres
+  std::map<std::tuple<int, int, double, double>, SpecialPair> special_pairs;
   bool uniform = false;
   bool has_friction = false;         // true from the first pair_coeff with friction on
   bool has_initial_dents = false;    // true if initial dents are stored

@@ -31,11 +31,11 @@ void PairGranHysteretic::build_contacts()
 
   const double widest = 2.0 * *std::max_element(largest_radius.begin(), largest_radius.end()) + reach;
   for (int axis = 0; axis < domain->dimension; axis++)
-    if (domain->periodicity[axis] && domain->prd[axis] < 2.0 * widest)
+    if (const double least = 2.0 * widest + longest_cylinder(axis); domain->periodicity[axis] && domain->prd[axis] < least)
       error->all(FLERR,
                  "Pair style gran/hysteretic: the periodic box is {:.3g} long in {}, where two spheres could meet both "
                  "directly and across the boundary; it must be at least {:.3g}",
-                 domain->prd[axis], "xyz"[axis], 2.0 * widest);
+                 domain->prd[axis], "xyz"[axis], least);
 
   uniform = true;
   for (int i = 1; i < nall && uniform; i++) uniform = radius[i] == radius[0] && type[i] == type[0];
@@ -49,6 +49,7 @@ void PairGranHysteretic::build_contacts()
   c.owned = atom->nlocal;
   c.span = 0;
   c.ordered = list->inum == atom->nlocal;
+  std::vector<std::pair<int, int>> special;
   std::size_t pairs = 0;
   for (int ii = 0; ii < list->inum; ii++) pairs += list->numneigh[list->ilist[ii]];
   c.row.reserve(list->inum);
@@ -66,6 +67,10 @@ void PairGranHysteretic::build_contacts()
       const int j = jlist[jj] & NEIGHMASK;
       const double delx = x[i][0] - x[j][0], dely = x[i][1] - x[j][1], delz = x[i][2] - x[j][2];
       if (radius[i] == 0.0 && radius[j] == 0.0) continue;    // two faces
+      if (is_special(type[i], type[j])) {
+        special.emplace_back(i, j);
+        continue;
+      }
       const double far = radius[i] + radius[j] + reach;
       if (delx * delx + dely * dely + delz * delz >= far * far) continue;
       c.partner.push_back(j);
@@ -74,6 +79,9 @@ void PairGranHysteretic::build_contacts()
     }
   }
   c.begin.push_back(static_cast<int>(c.partner.size()));
+  c.plain = static_cast<int>(c.row.size());
+  c.resting.build(c.row, c.begin, c.partner);
+  if (!special.empty()) add_special_rows(special);
 
   const std::size_t n = c.partner.size();
   c.peak.assign(n, 0.0);
@@ -111,7 +119,6 @@ void PairGranHysteretic::build_contacts()
     c.partner_radius[k] = radius[c.partner[k]];
     c.partner_type[k] = type[c.partner[k]];
   }
-  c.resting.build(c.row, c.begin, c.partner);
   check_displacements();
   restore_history();
   c.valid = true;
@@ -345,9 +352,9 @@ void PairGranHysteretic::begin_initial_dents()
       const int j = c.partner[k];
       const PairParameters p = pair_parameters(atom->type[i], atom->type[j], radius[i], radius[j]);
       const double delx = x[i][0] - x[j][0], dely = x[i][1] - x[j][1], delz = x[i][2] - x[j][2];
-      const double rsq = delx * delx + dely * dely + delz * delz;
+      const double apart = distance(i, j, delx * delx + dely * dely + delz * delz);
       const bool dented = p.contact.yielded(c.peak[k]);
-      const double overlap = rsq < p.touch_sq ? p.radsum - std::sqrt(rsq) : 0.0;
+      const double overlap = apart * apart < p.touch_sq ? p.radsum - apart : 0.0;
       reset_history(k, dented ? c.peak[k] : overlap, dented);
     }
   }
@@ -375,7 +382,7 @@ void PairGranHysteretic::set_dents(const std::function<double(tagint, tagint)> &
       const bool dented = p.contact.yielded(peak);    // a smaller peak is no dent
       if (peak > largest_overlap(radius[i], radius[j])) {
         report(lower, higher, DentStatus::TOO_DEEP);
-      } else if (delx * delx + dely * dely + delz * delz > reach * reach) {
+      } else if (distance(i, j, delx * delx + dely * dely + delz * delz) > reach) {
         report(lower, higher, DentStatus::OUT_OF_REACH);
       } else {
         reset_history(k, 0.0, false);

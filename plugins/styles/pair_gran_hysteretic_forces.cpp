@@ -226,7 +226,7 @@ void PairGranHysteretic::tally(const Batch &batch, Tally what)
     }
     const PairParameters &p = *batch.pair[m];
     const double peak = contacts.peak[batch.k[m]], overlap = batch.overlap[m];
-    double elastic = 0.4 * batch.force[m] * overlap;
+    double elastic = p.contact.is_hertzian() ? 0.4 * batch.force[m] * overlap : p.contact.hertz_energy(overlap);
     if (p.contact.yielded(peak))
       elastic = p.contact.elastic_energy(overlap, contacts.turnings[cached_turning(batch.k[m], p.contact)]);
     ev_tally_xyz(batch.i[m], batch.j[m], nlocal, 0, elastic, 0.0, fx, fy, fz, delx, dely, delz);
@@ -235,7 +235,7 @@ void PairGranHysteretic::tally(const Batch &batch, Tally what)
 
 /* Compute forces and history of a batch of touching pairs. */
 
-void PairGranHysteretic::compute_batch(Tally what)
+void PairGranHysteretic::compute_batch(Tally what, bool special)
 {
   if (!uniform)
     for (int m = 0; m < batch.size; m++) {
@@ -250,6 +250,7 @@ void PairGranHysteretic::compute_batch(Tally what)
   if (batch.compute_overlap())
     for (int m = 0; m < batch.size; m++)
       if (!(batch.overlap[m] <= batch.largest_overlap[m])) overlap_error(batch.i[m], batch.j[m], batch.overlap[m]);
+  if (special) set_elastic(batch);
   update_history(batch);
   if (has_friction) {
     compute_tangential(batch);
@@ -291,7 +292,7 @@ void PairGranHysteretic::give_sums(int begin, int end)
 void PairGranHysteretic::compute_forces(Tally what)
 {
   Contacts &c = contacts;
-  const int nlocal = atom->nlocal, nall = nlocal + atom->nghost, rows = static_cast<int>(c.row.size());
+  const int nlocal = atom->nlocal, nall = nlocal + atom->nghost, rows = c.plain;
   if (c.resting.compare(atom->x[0], nall, atom->radius, uniform ? 1 : nall)) set_parameters();
   pairs.row = c.row.data();
   pairs.begin = c.begin.data();
@@ -326,6 +327,7 @@ void PairGranHysteretic::compute_forces(Tally what)
     if (c.ordered) give_sums(begin, end);    // no later row adds to them
   }
   if (!c.ordered) give_sums(0, nlocal);
+  if (has_special) compute_special(what);
 }
 
 void PairGranHysteretic::compute(int eflag, int vflag)

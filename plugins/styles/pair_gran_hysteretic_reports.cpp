@@ -49,6 +49,10 @@ double PairGranHysteretic::tally_totals()
     pvector[FRICTIONAL] += weight * view.spring.loss;
     largest_force =
         std::max(largest_force, has_initial_dents ? largest_force_of_run(contact, h, view, overlap) : peak_force);
+    if (!contact.is_hertzian() && h.peak > 0.5 * contact.valid_overlap()) {
+      pvector[BEYOND_HALF] += weight;
+      if (h.peak > contact.valid_overlap()) pvector[BEYOND_LAW] += weight;
+    }
     if (!contact.yielded(h.peak)) return;
     if (h.peak > view.initial) {
       pvector[YIELDED] += weight;
@@ -71,7 +75,7 @@ double PairGranHysteretic::tally_totals()
       const double weight = j < nlocal ? 1.0 : 0.5;
       if (!uniform) p = pair_parameters(type[i], type[j], radius[i], radius[j]);
       const double delx = x[i][0] - x[j][0], dely = x[i][1] - x[j][1], delz = x[i][2] - x[j][2];
-      const double overlap = p.radsum - std::sqrt(delx * delx + dely * dely + delz * delz);
+      const double overlap = p.radsum - distance(i, j, delx * delx + dely * dely + delz * delz);
       const LawHistory h = law_history(k);
       double dissipated = 0.0, peak_force = 0.0;
       if (p.contact.yielded(peak)) {
@@ -94,7 +98,7 @@ double PairGranHysteretic::tally_totals()
       const ContactRecord *record = history.records(i);
       for (int m = 0; m < history.count(i); m++, record++) {
         if (record->live) continue;
-        const ScaledLaw contact(law(type[i], record->partner_type), effective_radius(radius[i], record->partner_radius));
+        const ScaledLaw contact = scaled_law(type[i], record->partner_type, radius[i], record->partner_radius);
         const BlockView view(history.layout(), history.block(i, m));
         const LawHistory h{record->dent.peak, view.extra};
         count(contact, h, view, contact.dissipated_energy(h), contact.peak_force(h), 0.0, 0.5);
@@ -134,7 +138,7 @@ void PairGranHysteretic::fill_report(Report &report, const ScaledLaw &contact, c
   } else {
     report.force = contact.hertz_force(overlap);
     report.peak_force = contact.hertz_force(h.peak);
-    report.elastic = 0.4 * report.force * overlap;
+    report.elastic = contact.is_hertzian() ? 0.4 * report.force * overlap : contact.hertz_energy(overlap);
   }
   if (has_initial_dents) report.peak_force = largest_force_of_run(contact, h, view, overlap);
 }
@@ -148,7 +152,7 @@ PairGranHysteretic::Report PairGranHysteretic::report_pair(int i, int j, int k, 
   report.tag_i = atom->tag[i];
   report.tag_j = atom->tag[j];
   report.live = true;
-  report.overlap = p.radsum - std::sqrt(rsq);
+  report.overlap = p.radsum - distance(i, j, rsq);
   std::vector<double> fresh;    // zero history of a pair that is not in the list
   BlockView view;
   if (k >= 0) {
@@ -189,8 +193,7 @@ void PairGranHysteretic::for_each_dent(const std::function<void(const Report &)>
       report.tag_j = static_cast<tagint>(record->partner);
       report.dent = record->dent;
       report.overlap = -gap;
-      const ScaledLaw contact(law(atom->type[i], record->partner_type),
-                              effective_radius(atom->radius[i], record->partner_radius));
+      const ScaledLaw contact = scaled_law(atom->type[i], record->partner_type, atom->radius[i], record->partner_radius);
       fill_report(report, contact, BlockView(history.layout(), history.block(i, m)), 0.0);
       visit(report);
     }
@@ -219,11 +222,12 @@ double PairGranHysteretic::single(int i, int j, int, int, double rsq, double, do
   require_contacts();
   const Contacts &c = contacts;
   int found = -1;
+  const int first = is_special(atom->type[i], atom->type[j]) ? c.plain : 0;
   for (const auto &[a, b] : {std::pair<int, int>{i, j}, {j, i}}) {
-    if (a >= static_cast<int>(c.row.size()) || found >= 0) continue;
+    if (a >= c.plain || found >= 0) continue;
     // rows are in the order of the list of owned spheres, which is the identity except in a hybrid style
     std::size_t r = a;
-    if (c.row[r] != a) r = std::find(c.row.begin(), c.row.end(), a) - c.row.begin();
+    if (first > 0 || c.row[r] != a) r = std::find(c.row.begin() + first, c.row.end(), a) - c.row.begin();
     if (r == c.row.size()) continue;
     for (int k = c.begin[r]; k < c.begin[r + 1]; k++)
       if (c.partner[k] == b || c.partner_tag[k] == atom->tag[b]) found = k;

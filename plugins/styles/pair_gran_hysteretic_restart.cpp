@@ -17,11 +17,15 @@ namespace {
 
 // Each format extends the previous one. A file has the lowest format that contains all features in use, and is readable by
 // every version that supports this format.
-enum { DEFAULT_CONSTANTS = 1, OWN_CONSTANTS = 2, FRICTION = 3, EXTRA_HISTORY = 4 };    // format 3 also for initial dents
+enum { DEFAULT_CONSTANTS = 1, OWN_CONSTANTS = 2, FRICTION = 3, EXTRA_HISTORY = 4, POWER = 5 };    // 3 also for initial dents
 constexpr int N_BASIC = 11, N_CONSTANTS = std::size(granwave::LAW_CONSTANTS), N_OWN = N_BASIC + N_CONSTANTS,
-              N_STORED = N_OWN + 2;
+              N_FRICTION = N_OWN + 2, N_STORED = N_FRICTION + 2;
 
-int stored(int format) { return format == DEFAULT_CONSTANTS ? N_BASIC : format == OWN_CONSTANTS ? N_OWN : N_STORED; }
+int stored(int format)
+{
+  if (format == DEFAULT_CONSTANTS) return N_BASIC;
+  return format == OWN_CONSTANTS ? N_OWN : format == POWER ? N_STORED : N_FRICTION;
+}
 
 void store(const LawArguments &a, double *v)
 {
@@ -41,6 +45,8 @@ void store(const LawArguments &a, double *v)
   for (int k = 0; k < N_CONSTANTS; k++) v[N_BASIC + k] = a.options.constants.*granwave::LAW_CONSTANTS[k].second;
   v[N_OWN] = a.friction;
   v[N_OWN + 1] = double(a.tangential);
+  v[N_FRICTION] = a.options.constant;
+  v[N_FRICTION + 1] = a.options.exponent;
 }
 
 LawArguments recall(const double *v, int format)
@@ -58,6 +64,10 @@ LawArguments recall(const double *v, int format)
     a.friction = v[N_OWN];
     a.tangential = static_cast<granwave::TangentialModel>(int(v[N_OWN + 1]));
   }
+  if (format >= POWER) {
+    a.options.constant = v[N_FRICTION];
+    a.options.exponent = v[N_FRICTION + 1];
+  }
   return a;
 }
 
@@ -71,6 +81,8 @@ void PairGranHysteretic::write_restart_settings(FILE *fp)
   if (has_friction || has_initial_dents) restart_format = FRICTION;
   for (const LawArguments &args : coefficients)
     if (args.law->n_extra > 0) restart_format = EXTRA_HISTORY;
+  for (const LawArguments &args : coefficients)
+    if (args.law->is_power()) restart_format = POWER;
   fwrite(&restart_format, sizeof(int), 1, fp);
   fwrite(&gap, sizeof(double), 1, fp);
   const int extras[2] = {has_friction, has_initial_dents};
@@ -85,9 +97,9 @@ void PairGranHysteretic::read_restart_settings(FILE *fp)
   }
   MPI_Bcast(&restart_format, 1, MPI_INT, 0, world);
   MPI_Bcast(&gap, 1, MPI_DOUBLE, 0, world);
-  if (restart_format < DEFAULT_CONSTANTS || restart_format > EXTRA_HISTORY)
+  if (restart_format < DEFAULT_CONSTANTS || restart_format > POWER)
     error->all(FLERR, "Restart file holds format {} of pair style gran/hysteretic; this version reads formats {} to {}",
-               restart_format, int(DEFAULT_CONSTANTS), int(EXTRA_HISTORY));
+               restart_format, int(DEFAULT_CONSTANTS), int(POWER));
   int extras[2] = {};
   if (restart_format >= FRICTION && comm->me == 0) utils::sfread(FLERR, extras, sizeof(int), 2, fp, nullptr, error);
   MPI_Bcast(extras, 2, MPI_INT, 0, world);

@@ -1,0 +1,152 @@
+"""Distances, extents and contacts of cylinders; see ``plugins/laws/cylinders.h``, whose geometry this is.
+
+A sphere touches the side of a cylinder in a point, as two cylinders that cross do; parallel cylinders touch along a line.
+The ends of a cylinder do not touch anything.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granwave._contact_laws import CylinderPair
+from granwave.lammps_inputs.case.grains import Grains
+from granwave.lammps_inputs.case.shape import Cylinder, Shape
+
+_NO_AXIS = (0.0, 0.0, 0.0)
+_PARALLEL = 1e-9  # sine of the angle of axes up to which they count as parallel, as in the plugin
+
+
+def cylinder_pair(first: Shape, second: Shape) -> CylinderPair:
+    """Return the geometry of two grains, one of which is a cylinder at least."""
+    lengths = tuple(one.length if one else 0.0 for one in (first, second))
+    axes = [one.axis if one else _NO_AXIS for one in (first, second)]
+    return CylinderPair(length=lengths, first_axis=axes[0], second_axis=axes[1])
+
+
+def extents(radius: NDArray[np.float64], shapes: Sequence[Shape]) -> NDArray[np.float64]:
+    """Return how far grains reach along x, y, z from their centres: (n, 3), m."""
+    found = np.repeat(radius[:, None], 3, axis=1)
+    for row, shape in enumerate(shapes):
+        if shape is not None:
+            along = np.abs(shape.vector)
+            found[row] = radius[row] * np.sqrt(np.maximum(1 - along**2, 0.0)) + shape.length / 2 * along
+    return found
+
+
+def reaches(grains: Grains) -> NDArray[np.float64]:
+    """Return the radii of spheres around the grains: (n,), m."""
+    half = np.array([one.length / 2 if one else 0.0 for one in grains.shape])
+    return np.where(half > 0, np.hypot(grains.diameter / 2, half), grains.diameter / 2)
+
+
+def distances(
+    grains: Grains, pairs: NDArray[np.int64], period: tuple[float, float] | None = None
+) -> NDArray[np.float64]:
+    """Return the distances from which the overlaps of pairs of ids (n, 2) with cylinders count: (n,), m.
+
+    Beyond the end of a cylinder they are the distances of the centres, if grains there do not overlap with it.
+    """
+    distance, beyond = separations(grains, pairs, period)
+    centres = np.linalg.norm(_between(grains, pairs, period), axis=1)
+    radii = grains.diameter[pairs - 1].sum(axis=1) / 2
+    return np.where(beyond > 0, np.maximum(centres, radii * 2), distance)
+
+
+def _between(grains: Grains, pairs: NDArray[np.int64], period: tuple[float, float] | None) -> NDArray[np.float64]:
+    """Return the vectors between the centres of pairs of ids, from the second to the first or its nearest image, m."""
+    first, second = pairs.T - 1
+    between = grains.position[first] - grains.position[second]
+    if period is not None:
+        between[:, :2] -= period * np.round(between[:, :2] / period)
+    return np.asarray(between)
+
+
+def separations(
+    grains: Grains, pairs: NDArray[np.int64], period: tuple[float, float] | None = None
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the distances of pairs of ids (n, 2) from or between axes, and how far beyond an end they are: (n,), m.
+
+    Parameters
+    ----------
+    period
+        Periods along x and y, m.
+    """
+    distance, beyond = np.empty(len(pairs)), np.empty(len(pairs))
+    kinds = {one: number for number, one in enumerate(dict.fromkeys(grains.shape))}
+    kind = np.array([kinds[one] for one in grains.shape])
+    shapes = list(kinds)
+    first, second = pairs.T - 1
+    code = kind[first] * len(shapes) + kind[second]
+    for one in np.unique(code).tolist():
+        rows = np.flatnonzero(code == one)
+        between = _between(grains, pairs[rows], period)
+        distance[rows], beyond[rows] = _separation(between, shapes[one // len(shapes)], shapes[one % len(shapes)])
+    return distance, beyond
+
+
+def _separation(between: NDArray[np.float64], first: Shape, second: Shape) -> tuple[NDArray[np.float64], ...]:
+    """Return distances and places beyond the ends for vectors between centres, from the second to the first."""
+    if first is None and second is None:
+        return np.linalg.norm(between, axis=1), np.full(len(between), -np.inf)
+    if first is None or second is None:
+        one = first or second
+        assert one is not None
+        return _from_axis(between, one, one.length / 2)
+    across = np.cross(first.axis, second.axis)
+    sine = float(np.linalg.norm(across))
+    if sine <= _PARALLEL:
+        return _from_axis(between, first, (first.length + second.length) / 2)
+    a, b, cosine = between @ first.vector, between @ second.vector, float(first.vector @ second.vector)
+    on_first = (cosine * b - a) / sine**2
+    on_second = b + cosine * on_first
+    beyond = np.maximum(np.abs(on_first) - first.length / 2, np.abs(on_second) - second.length / 2)
+    return np.abs(between @ across) / sine, beyond
+
+
+def _from_axis(between: NDArray[np.float64], one: Cylinder, half: float) -> tuple[NDArray[np.float64], ...]:
+    along = between @ one.vector
+    return np.linalg.norm(between - along[:, None] * one.vector, axis=1), np.abs(along) - half
+
+
+def end_contacts(grains: Grains, slack: float) -> list[tuple[int, int]]:
+    """Return the pairs of ids that touch or overlap at the end of a cylinder, sorted, i < j.
+
+    A sphere does if it is nearer to the rim or the face than its radius; cylinders do if the place where their sides
+    meet is beyond an end, and parallel ones also if they are side by side over a part of the shorter one only.
+
+    Parameters
+    ----------
+    slack
+        Largest gap of touching grains, m.
+    """
+    from scipy.spatial import KDTree  # takes longer to load than most commands need
+
+    radius, reach = grains.diameter / 2, reaches(grains)
+    cylinders = [row for row, one in enumerate(grains.shape) if one is not None]
+    tree = KDTree(grains.position)
+    near = tree.query_ball_point(grains.position[cylinders], reach[cylinders] + reach.max() + slack)
+    pairs = {(min(row, other), max(row, other)) for row, others in zip(cylinders, near, strict=True)
+             for other in others if other != row}  # fmt: skip
+    if not pairs:
+        return []
+    ids = np.array(sorted(pairs)) + 1
+    distance, beyond = separations(grains, ids)
+    radii = radius[ids - 1]
+    found = []
+    for (one, other), apart, past, (r1, r2) in zip(ids.tolist(), distance, beyond, radii.tolist(), strict=True):
+        first, second = grains.shape[one - 1], grains.shape[other - 1]
+        if first is not None and second is not None:
+            lengths = first.length, second.length
+            if np.linalg.norm(np.cross(first.axis, second.axis)) <= _PARALLEL:
+                meets = apart < r1 + r2 + slack and -min(lengths) + slack < past <= slack
+            else:
+                meets = apart < r1 + r2 + slack and 0 < past < max(r1, r2)
+        else:
+            sphere, cylinder = (r1, r2) if first is None else (r2, r1)
+            meets = past > 0 and bool(np.hypot(max(apart - cylinder, 0.0), past) < sphere + slack)
+        if meets:
+            found.append((one, other))
+    return found

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: GPL-2.0-only
+#include "fix_gran_cylinder.h"
+
+#include "atom.h"
+#include "comm.h"
+#include "error.h"
+#include "fix_wall_gran_hysteretic.h"
+#include "modify.h"
+
+#include <cmath>
+
+using namespace LAMMPS_NS;
+using granwave::Cylinder;
+
+namespace {
+
+constexpr int RESTART_FORMAT = 1, WORDS = 5;    // of each type
+constexpr const char *USAGE = "expected TYPE LENGTH AX AY AZ, once for each type of cylinders";
+constexpr double ROUNDING = 1e-9;
+
+}    // namespace
+
+FixGranCylinder::FixGranCylinder(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg), shapes(atom->ntypes + 1)
+{
+  if (narg < 3 + WORDS || (narg - 3) % WORDS != 0) error->all(FLERR, "Illegal fix {}: {}", STYLE, USAGE);
+  for (int n = 3; n < narg; n += WORDS) {
+    const int type = utils::inumeric(FLERR, arg[n], false, lmp);
+    if (type < 1 || type > atom->ntypes)
+      error->all(FLERR, "Illegal fix {}: expected a type from 1 to {}, found {}", STYLE, atom->ntypes, arg[n]);
+    Cylinder &cylinder = shapes[type];
+    if (!cylinder.is_sphere()) error->all(FLERR, "Illegal fix {}: found type {} twice", STYLE, type);
+    cylinder.length = utils::numeric(FLERR, arg[n + 1], false, lmp);
+    if (!(cylinder.length > 0.0 && std::isfinite(cylinder.length)))
+      error->all(FLERR, "Illegal fix {}: the length of a cylinder must be above 0, found {}", STYLE, arg[n + 1]);
+    double square = 0.0;
+    for (int d = 0; d < 3; d++) {
+      cylinder.axis[d] = utils::numeric(FLERR, arg[n + 2 + d], false, lmp);
+      square += cylinder.axis[d] * cylinder.axis[d];
+    }
+    if (!(square > 0.0 && std::isfinite(square)))
+      error->all(FLERR, "Illegal fix {}: the axis of a cylinder must be a direction, found {} {} {}", STYLE, arg[n + 2],
+                 arg[n + 3], arg[n + 4]);
+    if (square != 1.0)
+      for (double &component : cylinder.axis) component /= std::sqrt(square);
+  }
+  if (find(lmp)) error->all(FLERR, "Illegal fix {}: there is one already, {}", STYLE, find(lmp)->id);
+  restart_global = 1;
+  scalar_flag = 1;
+  global_freq = 1;
+  extscalar = 1;
+}
+
+const FixGranCylinder *FixGranCylinder::find(LAMMPS *lmp)
+{
+  for (const auto *fix : lmp->modify->get_fix_list())
+    if (const auto *const found = dynamic_cast<const FixGranCylinder *>(fix)) return found;
+  return nullptr;
+}
+
+int FixGranCylinder::setmask() { return FixConst::POST_FORCE; }
+
+void FixGranCylinder::init()
+{
+  if (!atom->radius_flag) error->all(FLERR, "Fix {} requires atom attribute radius (atom_style sphere)", STYLE);
+  bool after = false;
+  for (const auto *other : modify->get_fix_list()) {
+    if (after && dynamic_cast<const FixWallGranHysteretic *>(other))
+      error->all(FLERR, "Fix {} {} must come after all walls, whose torques it projects, but fix {} {} follows it", STYLE,
+                 id, other->style, other->id);
+    after = after || other == this;
+  }
+}
+
+void FixGranCylinder::setup(int)
+{
+  if (!atom->omega_flag) return;
+  for (int i = 0; i < atom->nlocal; i++) {
+    const Cylinder &cylinder = shapes[atom->type[i]];
+    if (cylinder.is_sphere()) continue;
+    const double *const omega = atom->omega[i], *const axis = cylinder.axis;
+    const double along = omega[0] * axis[0] + omega[1] * axis[1] + omega[2] * axis[2];
+    const double square = omega[0] * omega[0] + omega[1] * omega[1] + omega[2] * omega[2];
+    if (square - along * along > ROUNDING * square)
+      error->one(FLERR,
+                 "Fix {} {}: cylinder {} has the angular velocity ({:.6g}, {:.6g}, {:.6g}), but can turn about its axis "
+                 "only",
+                 STYLE, id, atom->tag[i], omega[0], omega[1], omega[2]);
+  }
+  post_force(0);
+}
+
+/* The torque that moves a sphere of the same mass and radius as the present one does the cylinder. */
+
+void FixGranCylinder::post_force(int)
+{
+  if (!atom->torque_flag) return;
+  for (int i = 0; i < atom->nlocal; i++) {
+    const Cylinder &cylinder = shapes[atom->type[i]];
+    if (cylinder.is_sphere()) continue;
+    double *const torque = atom->torque[i];
+    const double *const axis = cylinder.axis;
+    const double along = torque[0] * axis[0] + torque[1] * axis[1] + torque[2] * axis[2];
+    for (int d = 0; d < 3; d++) torque[d] = along / INERTIA * axis[d];
+  }
+}
+
+/* Rotational energy of the cylinders beyond that of spheres with their masses and radii. */
+
+double FixGranCylinder::compute_scalar()
+{
+  if (!atom->omega_flag) return 0.0;
+  double mine = 0.0, all = 0.0;
+  for (int i = 0; i < atom->nlocal; i++) {
+    if (shapes[atom->type[i]].is_sphere()) continue;
+    const double *const omega = atom->omega[i];
+    mine += 0.5 * 0.4 * (INERTIA - 1.0) * atom->rmass[i] * atom->radius[i] * atom->radius[i] *
+            (omega[0] * omega[0] + omega[1] * omega[1] + omega[2] * omega[2]);
+  }
+  MPI_Allreduce(&mine, &all, 1, MPI_DOUBLE, MPI_SUM, world);
+  return all;
+}
+
+/* ---------------------------------------------------------------------- restart: the shapes must be the same */
+
+void FixGranCylinder::write_restart(FILE *fp)
+{
+  if (comm->me != 0) return;
+  std::vector<double> state = {double(RESTART_FORMAT), double(shapes.size())};
+  for (const Cylinder &one : shapes) state.insert(state.end(), {one.length, one.axis[0], one.axis[1], one.axis[2]});
+  const int size = static_cast<int>(state.size() * sizeof(double));
+  fwrite(&size, sizeof(int), 1, fp);
+  fwrite(state.data(), sizeof(double), state.size(), fp);
+}
+
+void FixGranCylinder::restart(char *buffer)
+{
+  const auto *value = reinterpret_cast<const double *>(buffer);
+  if (value[0] != RESTART_FORMAT)
+    error->all(FLERR, "Restart file holds format {} of fix {}; this version reads format {}", value[0], STYLE,
+               RESTART_FORMAT);
+  std::vector<Cylinder> stored(static_cast<std::size_t>(value[1]));
+  value += 2;
+  for (Cylinder &one : stored) {
+    one = {value[0], {value[1], value[2], value[3]}};
+    value += 4;
+  }
+  if (!(stored == shapes))
+    error->all(FLERR, "Restart file holds fix {} {} with other cylinders: give it again as it was", STYLE, id);
+}

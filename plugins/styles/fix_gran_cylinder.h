@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-2.0-only
+/* Fix gran/cylinder: types of atoms that are cylinders, for pair style gran/hysteretic and fix wall/gran/hysteretic.
+
+   fix ID group gran/cylinder TYPE LENGTH AX AY AZ [TYPE LENGTH AX AY AZ ...]
+
+   The radius of a cylinder is that of its atom. Its axis is fixed in space, and it can turn about this axis only, with the
+   moment of inertia m R^2/2: the fix projects its torque on the axis, and scales it for fix nve/sphere, which reckons with
+   that of a sphere. */
+
+#ifndef LMP_FIX_GRAN_CYLINDER_H
+#define LMP_FIX_GRAN_CYLINDER_H
+
+#include "../laws/cylinders.h"
+#include "fix.h"
+
+#include <vector>
+
+namespace LAMMPS_NS {
+
+class FixGranCylinder : public Fix {
+ public:
+  static constexpr const char *STYLE = "gran/cylinder";
+  static constexpr double INERTIA = 1.25;    // moment of inertia over that of a sphere of the same mass and radius
+
+  FixGranCylinder(LAMMPS *, int, char **);
+
+  int setmask() override;
+  void init() override;
+  void setup(int) override;
+  void post_force(int) override;
+  double compute_scalar() override;
+  void write_restart(FILE *) override;
+  void restart(char *) override;
+
+  const granwave::Cylinder &shape(int type) const { return shapes[type]; }
+
+  /* The fix of this style; null if there is none, and all particles are spheres. */
+  static const FixGranCylinder *find(LAMMPS *);
+
+ private:
+  std::vector<granwave::Cylinder> shapes;    // by type, from 1
+};
+
+}    // namespace LAMMPS_NS
+
+#endif

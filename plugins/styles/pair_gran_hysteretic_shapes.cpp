@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: GPL-2.0-only
+/* Pair style gran/hysteretic: special pairs, which are those of cylinders, and those whose force is a power of the overlap.
+
+   They have rows of their own behind those of all other pairs, and are found one by one; forces, history and friction are
+   those of any batch, with the vector between the centers replaced by its part along the normal. */
+
+#include "pair_gran_hysteretic.h"
+
+#include "atom.h"
+#include "error.h"
+#include "fix_gran_cylinder.h"
+#include "neighbor.h"
+
+#include <algorithm>
+#include <cmath>
+
+using namespace LAMMPS_NS;
+using granwave::CylinderPair;
+using granwave::ElasticContact;
+using granwave::LineContact;
+using granwave::RestingBlocks;
+using granwave::ScaledLaw;
+using granwave::TouchingPairs;
+
+namespace {
+
+constexpr double VALID = 0.2;    // largest overlap of a line contact over its effective radius: 0.1 R of equal cylinders
+
+}    // namespace
+
+/* Set whether pairs of these types are special, and how they touch. Returns their cutoff. */
+
+double PairGranHysteretic::init_shape(int i, int j)
+{
+  const int n = atom_types + 1;
+  const double radsum = largest_radius[i] + largest_radius[j];
+  const bool shaped = cylinders && !(cylinders->shape(i).is_sphere() && cylinders->shape(j).is_sphere());
+  if (!shaped && !law(i, j).elastic()) return radsum + gap;
+  has_special = true;
+  special_types[i * n + j] = special_types[j * n + i] = 1;
+  if (!shaped) return radsum + gap;
+  for (const auto &[a, b] : {std::pair<int, int>{i, j}, {j, i}})
+    geometries[a * n + b] = std::make_unique<CylinderPair>(cylinders->shape(a), cylinders->shape(b));
+  const CylinderPair &geometry = *geometries[i * n + j];
+  if (geometry.nearly_parallel())
+    error->all(FLERR,
+               "Pair style gran/hysteretic: cylinders of types {} and {} are nearly parallel; expected parallel axes, or "
+               "axes that cross at 1 degree or more",
+               i, j);
+  return geometry.center_distance(radsum + gap);
+}
+
+/* Law of a contact, in physical units. */
+
+ScaledLaw PairGranHysteretic::scaled_law(int itype, int jtype, double ri, double rj)
+{
+  const granwave::ContactLaw &of_types = law(itype, jtype);
+  const CylinderPair *const geometry =
+      is_special(itype, jtype) ? geometries[itype * (atom_types + 1) + jtype].get() : nullptr;
+  if (!geometry) return {of_types, effective_radius(ri, rj)};
+  SpecialPair &pair = special_pairs[{itype, jtype, ri, rj}];
+  if (pair.contact.effective_radius() > 0.0) return pair.contact;
+  if (ri == 0.0 || rj == 0.0)
+    error->one(FLERR, "Pair style gran/hysteretic: a flat face meets a cylinder; it touches spheres only");
+  const double radius = geometry->effective_radius(ri, rj);
+  pair.contact = ScaledLaw(of_types, radius);
+  if (geometry->parallel()) {
+    const granwave::LawArguments &args = coefficients[itype * (atom_types + 1) + jtype];
+    const granwave::Material second = args.second.value_or(args.first);
+    const bool swapped = itype > jtype;
+    const LineContact line =
+        LineContact::plane_strain(args.first, second, swapped ? rj : ri, swapped ? ri : rj, geometry->length());
+    pair.line = std::make_unique<ElasticContact>(line, VALID * radius);
+    pair.contact = ScaledLaw(of_types, radius, *pair.line);
+  }
+  return pair.contact;
+}
+
+/* Separation of the bodies of a special pair. */
+
+CylinderPair::Separation PairGranHysteretic::separation(int i, int j) const
+{
+  const double *const *x = atom->x;
+  const double del[3] = {x[i][0] - x[j][0], x[i][1] - x[j][1], x[i][2] - x[j][2]};
+  if (const auto *const geometry = geometries[atom->type[i] * (atom_types + 1) + atom->type[j]].get())
+    return geometry->separation(del);
+  const double r = std::sqrt(del[0] * del[0] + del[1] * del[1] + del[2] * del[2]);
+  return {r, {del[0] / r, del[1] / r, del[2] / r}, -1.0};
+}
+
+/* Distance that the overlap is counted from, from the squared one of the centers. Beyond the end of a cylinder it is that. */
+
+double PairGranHysteretic::distance(int i, int j, double rsq) const
+{
+  if (!is_special(atom->type[i], atom->type[j])) return std::sqrt(rsq);
+  const CylinderPair::Separation found = separation(i, j);
+  return found.beyond > 0.0 ? std::max(std::sqrt(rsq), atom->radius[i] + atom->radius[j]) : found.distance;
+}
+
+/* Largest extent of the axis of a cylinder along x, y or z. */
+
+double PairGranHysteretic::longest_cylinder(int axis) const
+{
+  double longest = 0.0;
+  for (int type = 1; cylinders && type <= atom_types; type++)
+    longest = std::max(longest, cylinders->shape(type).length * std::fabs(cylinders->shape(type).axis[axis]));
+  return longest;
+}
+
+/* Append the special pairs within reach to the list. They are sorted by the first of both, which has the row. */
+
+void PairGranHysteretic::add_special_rows(const std::vector<std::pair<int, int>> &pairs)
+{
+  Contacts &c = contacts;
+  const double reach = gap + neighbor->skin;
+  c.begin.pop_back();
+  int last = -1;
+  for (const auto &[i, j] : pairs) {
+    const CylinderPair::Separation found = separation(i, j);
+    if (found.distance >= atom->radius[i] + atom->radius[j] + reach || found.beyond >= reach) continue;
+    if (i != last) {
+      c.row.push_back(i);
+      c.begin.push_back(static_cast<int>(c.partner.size()));
+      last = i;
+    }
+    c.partner.push_back(j);
+  }
+  c.begin.push_back(static_cast<int>(c.partner.size()));
+}
+
+/* Overwrite the forces of contacts that are elastic with another law than Hertz's. */
+
+void PairGranHysteretic::set_elastic(Batch &batch)
+{
+  for (int m = 0; m < batch.size; m++) {
+    const ScaledLaw &contact = batch.pair[m]->contact;
+    if (contact.is_hertzian()) continue;
+    batch.force[m] = contact.hertz_force(batch.overlap[m]);
+    batch.circle[m] = contact.circle_squared(batch.overlap[m], law_history(batch.k[m]));
+  }
+}
+
+void PairGranHysteretic::compute_special(Tally what)
+{
+  Contacts &c = contacts;
+  const int nlocal = atom->nlocal, rows = static_cast<int>(c.row.size());
+  if (rows == c.plain) return;
+  force_sums.reserve(nlocal);    // all sums are zero
+  if (has_friction) torque_sums.reserve(nlocal);
+  batch.size = 0;
+  for (int r = c.plain; r < rows; r++)
+    for (int k = c.begin[r]; k < c.begin[r + 1]; k++) {
+      const int i = c.row[r], j = c.partner[k];
+      const double radsum = atom->radius[i] + atom->radius[j];
+      const CylinderPair::Separation found = separation(i, j);
+      const bool touches =
+          !(found.distance * found.distance >= TouchingPairs::touch_squared(radsum));    // also true for NaN
+      if (!touches || found.beyond > 0.0) {
+        if (touches && c.peak[k] > 0.0)
+          error->one(FLERR,
+                     "Particles {} and {} touch beyond the end of a cylinder, where the law of their contact ends: take "
+                     "longer cylinders",
+                     atom->tag[i], atom->tag[j]);
+        if (has_friction && c.has_spring[k]) {
+          release(c.spring[k]);
+          c.has_spring[k] = 0;
+        }
+        if (c.peak[k] > 0.0 && found.distance > radsum + gap) forget(r, k);
+        continue;
+      }
+      const int m = batch.size++;
+      batch.k[m] = k;
+      batch.i[m] = i;
+      batch.j[m] = j;
+      batch.del[m] = granwave::Components{found.normal[0], found.normal[1], found.normal[2], 0.0} * found.distance;
+      batch.rsq[m] = found.distance * found.distance;
+      if (batch.size < Batch::CAPACITY) continue;
+      compute_batch(what, true);
+      batch.size = 0;
+    }
+  if (batch.size > 0) compute_batch(what, true);
+  give_sums(0, nlocal);
+}
