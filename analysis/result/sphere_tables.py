@@ -139,7 +139,10 @@ def _contacts_of(case: Case, start: Start, part: int, dents: Frame) -> tuple[Con
 
     lengths = start.box[:, 1] - start.box[:, 0]
     periods = tuple(length * goes_on for length, goes_on in zip(lengths, sides, strict=True))
-    touching = touching_pairs(near_ids, near.vector("x", "y", "z"), radii, tolerance, periods, start.low)
+    if assemble(case).has_cylinders:  # they touch at other distances
+        touching = np.unique(assemble(case).contacts(), axis=0)
+    else:
+        touching = touching_pairs(near_ids, near.vector("x", "y", "z"), radii, tolerance, periods, start.low)
     if start.n_parts > 1:
         ids = start.ids(*start.range(part))
         touching = touching[((touching >= ids[0]) & (touching <= ids[-1])).any(axis=1)]

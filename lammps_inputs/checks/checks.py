@@ -16,7 +16,13 @@ from granwave.lammps_inputs.case.schema import ErrorList, show
 from granwave.lammps_inputs.case.sections import ENERGY_TOLERANCE, Boundary, Output, Run
 from granwave.lammps_inputs.case.yield_factor import FITTED_POISSON_RATIO, hertz_von_mises_yield_factor
 from granwave.lammps_inputs.checks.contacts import check_contacts, check_dents
-from granwave.lammps_inputs.checks.grains import check_chosen, check_grains, check_touched, check_tube
+from granwave.lammps_inputs.checks.grains import (
+    check_chosen,
+    check_cylinders,
+    check_grains,
+    check_touched,
+    check_tube,
+)
 from granwave.lammps_inputs.checks.packing import check_disorder, check_room
 from granwave.lammps_inputs.checks.precompression import check_first_yield, check_precompression, check_support
 from granwave.lammps_inputs.lattices import KINDS, Lattice, kind_of
@@ -72,6 +78,7 @@ def check_together(parts: Mapping[str, Any], errors: ErrorList) -> None:
 def check_case(case: Case, errors: ErrorList) -> Assembly | None:
     """Check the whole case: space for larger spheres, places of strikers, support, static load and dents."""
     check_room(case, errors)
+    check_cylinders(case, errors)
     check_touched(case, errors)
     check_tube(case, errors)
     try:
@@ -112,6 +119,13 @@ def warn_about(assembly: Assembly, *, chose_yield_factor: bool) -> None:
             ratio,
             hertz_von_mises_yield_factor(ratio),
             case.contact.yield_factor,
+        )
+    if case.contact.yields and assembly.has_cylinders:
+        _LOG.warning(
+            "%s: contacts along a line, of parallel cylinders and of cylinders on walls, stay elastic: "
+            "contact.law = %s holds for the others",
+            case.name,
+            case.contact.law,
         )
     for probe in case.output.probes:
         if probe.contact is not None and not _touch(assembly, *probe.contact):

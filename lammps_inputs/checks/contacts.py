@@ -19,9 +19,11 @@ def check_contacts(parts: Mapping[str, Any], errors: ErrorList) -> None:
     contact: Contact | None = parts.get("contact")
     if contact is not None:
         _check_constants(contact, "contact", errors)
+        _check_power(contact, "contact", errors)
     pairs: tuple[Pair, ...] = parts.get("pair", ())
     for n, pair in enumerate(pairs, start=1):
         _check_constants(pair.contact, f"pair.{n}", errors)
+        _check_power(pair.contact, f"pair.{n}", errors)
     if parts.get("material") is not None:
         _check_names(parts, pairs, errors)
     if contact is not None:
@@ -32,6 +34,16 @@ def check_dents(assembly: Assembly, errors: ErrorList) -> None:
     """Check initial dents that are given by value."""
     if fault := error_in_dents(assembly):
         errors.add(KEY, fault)
+
+
+def _check_power(contact: Contact, key: str, errors: ErrorList) -> None:
+    """Check that law power has its constant and exponent, and no other law has them."""
+    for name in ("constant", "exponent"):
+        value = getattr(contact, name)
+        if value is None and contact.takes(name):
+            errors.add(f"{key}.{name}", f'missing; law = "{contact.law}" is F = constant overlap^exponent')
+        elif value is not None and not contact.takes(name):
+            errors.add(f"{key}.{name}", f'found {value:g} with law = "{contact.law}"; it belongs to law = "power"')
 
 
 def _check_constants(contact: Contact, key: str, errors: ErrorList) -> None:

@@ -13,9 +13,11 @@ from granwave.lammps_inputs.case.material import Material, presets
 from granwave.lammps_inputs.case.packing import PackingSection
 from granwave.lammps_inputs.case.schema import ErrorList, show
 from granwave.lammps_inputs.case.sections import Boundary, Precompression
+from granwave.lammps_inputs.case.shape import Shape
 from granwave.lammps_inputs.contact.initial_dents import LARGEST
 from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.assembly import lattice_of
+from granwave.lammps_inputs.packing.cylinders import cylinder_pair, end_contacts
 from granwave.lammps_inputs.packing.places import Places, places_of
 from granwave.lammps_inputs.packing.sites import sites_of
 from granwave.lammps_inputs.packing.walls import touched
@@ -26,6 +28,7 @@ if TYPE_CHECKING:
 
 _KEY = "packing.grains"
 _LEAST_PERIOD = 2.5  # largest diameters; in fewer two grains could touch twice, one of them also as its image
+_OBLIQUE = 1e-9  # largest component of an axis along a wall's normal, for rounding
 _OF_LATTICES = {
     "replace": "the file gives each grain its diameter and material",
     "bar": "a bar needs a chain",
@@ -55,6 +58,7 @@ def check_grains(parts: Mapping[str, Any], packing: PackingSection, errors: Erro
         return
     places = places_of(grains, packing.diameter, packing.period if periodic else None)
     _check_overlaps(places, errors, taken=stage is not None and stage.takes_overlaps)
+    _check_ends(places, errors)
     load: Load | None = parts.get("load")
     if load is None:
         return
@@ -64,6 +68,68 @@ def check_grains(parts: Mapping[str, Any], packing: PackingSection, errors: Erro
         moving = [one for one in load.index or () if one <= len(grains) and grains.velocity[one - 1].any()]
         if moving:
             errors.add("load.index", f"found grain {moving[0]}, which has a velocity in the file; give one of them")
+
+
+def check_cylinders(case: Case, errors: ErrorList) -> None:
+    """Check that nothing is asked of cylinders that only spheres have, and that they lie along or across walls."""
+    shapes = lattice_shapes(case)
+    if not any(shapes):
+        return
+    if case.boundary.sides_tube is not None:
+        errors.add("boundary.sides.tube", "found with cylinders; a tube holds spheres")
+    for name in ("bar", "incident_bar"):
+        if getattr(case, name) is not None:
+            errors.add(name, "found with cylinders; a bar touches spheres")
+    if case.packing.tilt is not None:
+        errors.add("packing.tilt", "found with cylinders; they do not roll on a tilted floor")
+    given = case.contact.initial_overlap
+    if given and not isinstance(given, str):
+        errors.add("contact.initial_overlap", "found with cylinders; dents of these are those of an earlier run's result.h5")
+    planes = [letter for letter in "xy" if case.boundary.has_planes(letter)] + ["z"] * (case.boundary.bottom == "wall")
+    for shape in shapes:
+        for letter in planes if shape is not None else ():
+            along = abs(shape.axis["xyz".index(letter)])  # type: ignore[union-attr]
+            if _OBLIQUE < along < 1 - _OBLIQUE:
+                errors.add(
+                    "packing.axis" if case.packing.grains is None else _KEY,
+                    f"found cylinders along {show(list(shape.axis))}, "  # type: ignore[union-attr]
+                    f"oblique to the wall across {letter}; expected an axis along it or normal to it",
+                )
+    _check_crossings(shapes, errors)
+
+
+def lattice_shapes(case: Case) -> list[Shape]:
+    """Return the shapes of the grains of a case, each once."""
+    grains = case.packing.grains
+    return [case.packing.of_grain] if grains is None else list(dict.fromkeys(grains.shape))
+
+
+def _check_crossings(shapes: list[Shape], errors: ErrorList) -> None:
+    cylinders = [one for one in shapes if one is not None]
+    for n, one in enumerate(cylinders):
+        for other in cylinders[n + 1 :]:
+            if cylinder_pair(one, other).nearly_parallel:
+                errors.add(
+                    _KEY,
+                    f"found cylinders along {show(list(one.axis))} and {show(list(other.axis))}, which are nearly "
+                    "parallel; expected parallel axes, or axes at 1 degree or more",
+                )
+                return
+
+
+def _check_ends(places: Places, errors: ErrorList) -> None:
+    """Check that no grain touches the end of a cylinder, which has no law."""
+    if not any(places.grains.shape) or errors.lines:
+        return
+    pairs = end_contacts(places.grains, TOUCHING * places.diameter)
+    if pairs:
+        first, second = pairs[0]
+        more = f" (and {len(pairs) - 1} more pairs)" if len(pairs) > 1 else ""
+        errors.add(
+            _KEY,
+            f"found grains {first} and {second}, which touch at the end of a cylinder{more}; its side has a law, its end "
+            "none: move them, or make the cylinder longer",
+        )
 
 
 def check_chosen(
@@ -218,7 +284,7 @@ def _check_overlaps(places: Places, errors: ErrorList, *, taken: bool) -> None:
             )
         return
     more = f" (and {len(pairs) - 1} more pairs)" if len(pairs) > 1 else ""
-    if places.apart(pairs[:1])[0] == 0:
+    if (places.grains.position[first - 1] == places.grains.position[second - 1]).all():
         errors.add(_KEY, f"found grains {first} and {second} at one place{more}; expected places of their own")
     else:
         errors.add(

@@ -49,41 +49,42 @@ def distances(
 
     Beyond the end of a cylinder they are the distances of the centres, if grains there do not overlap with it.
     """
-    distance, beyond = separations(grains, pairs, period)
-    centres = np.linalg.norm(_between(grains, pairs, period), axis=1)
+    first, second = pairs.T - 1
+    distance, beyond = separations(grains.position, grains.shape, first, second, period)
+    centres = np.linalg.norm(nearest_image(grains.position[second] - grains.position[first], period), axis=1)
     radii = grains.diameter[pairs - 1].sum(axis=1) / 2
     return np.where(beyond > 0, np.maximum(centres, radii * 2), distance)
 
 
-def _between(grains: Grains, pairs: NDArray[np.int64], period: tuple[float, float] | None) -> NDArray[np.float64]:
-    """Return the vectors between the centres of pairs of ids, from the second to the first or its nearest image, m."""
-    first, second = pairs.T - 1
-    between = grains.position[first] - grains.position[second]
+def nearest_image(step: NDArray[np.float64], period: tuple[float, float] | None) -> NDArray[np.float64]:
+    """Return vectors between centres, (n, 3), as those to the nearest images with periods along x and y, m."""
     if period is not None:
-        between[:, :2] -= period * np.round(between[:, :2] / period)
-    return np.asarray(between)
+        step[:, :2] -= period * np.round(step[:, :2] / period)
+    return step
 
 
 def separations(
-    grains: Grains, pairs: NDArray[np.int64], period: tuple[float, float] | None = None
+    position: NDArray[np.float64],
+    shapes: Sequence[Shape],
+    first: NDArray[np.int64],
+    second: NDArray[np.int64],
+    period: tuple[float, float] | None = None,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the distances of pairs of ids (n, 2) from or between axes, and how far beyond an end they are: (n,), m.
+    """Return the distances of pairs of rows from or between axes, and how far beyond an end they are: (n,), m.
 
     Parameters
     ----------
     period
         Periods along x and y, m.
     """
-    distance, beyond = np.empty(len(pairs)), np.empty(len(pairs))
-    kinds = {one: number for number, one in enumerate(dict.fromkeys(grains.shape))}
-    kind = np.array([kinds[one] for one in grains.shape])
-    shapes = list(kinds)
-    first, second = pairs.T - 1
-    code = kind[first] * len(shapes) + kind[second]
+    distance, beyond = np.empty(len(first)), np.empty(len(first))
+    kinds = {one: number for number, one in enumerate(dict.fromkeys(shapes))}
+    kind, each = np.array([kinds[one] for one in shapes]), list(kinds)
+    code = kind[first] * len(each) + kind[second]
     for one in np.unique(code).tolist():
         rows = np.flatnonzero(code == one)
-        between = _between(grains, pairs[rows], period)
-        distance[rows], beyond[rows] = _separation(between, shapes[one // len(shapes)], shapes[one % len(shapes)])
+        between = nearest_image(position[first[rows]] - position[second[rows]], period)
+        distance[rows], beyond[rows] = _separation(between, each[one // len(each)], each[one % len(each)])
     return distance, beyond
 
 
@@ -133,7 +134,7 @@ def end_contacts(grains: Grains, slack: float) -> list[tuple[int, int]]:
     if not pairs:
         return []
     ids = np.array(sorted(pairs)) + 1
-    distance, beyond = separations(grains, ids)
+    distance, beyond = separations(grains.position, grains.shape, *(ids - 1).T)
     radii = radius[ids - 1]
     found = []
     for (one, other), apart, past, (r1, r2) in zip(ids.tolist(), distance, beyond, radii.tolist(), strict=True):

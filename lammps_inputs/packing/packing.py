@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
+from granwave.lammps_inputs.packing.cylinders import separations
 from granwave.lammps_inputs.packing.places import Layout
 from granwave.lammps_inputs.packing.walls import Wall, walls
 
@@ -121,6 +122,9 @@ class Packing:
                 for axis, length in enumerate(self.lattice.lengths):
                     step[:, axis] -= length * np.round(step[:, axis] / length)
             result[part] = np.sqrt(np.einsum("ij,ij->i", step, step)) - (radii[first] + radii[second])
+            if self.assembly.has_cylinders:
+                apart, _ = separations(self.positions, self.assembly.grain_shapes(), first, second)
+                result[part] = apart - (radii[first] + radii[second])
         return result
 
     def _has_inside(self) -> bool:

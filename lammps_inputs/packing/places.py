@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.grains import Grains
-from granwave.lammps_inputs.packing.cylinders import distances, extents, reaches
 from granwave.lammps_inputs.lattices import FILE, TOUCHING, Kind, Lattice, kind_of
+from granwave.lammps_inputs.packing.cylinders import distances, extents, nearest_image, reaches
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -111,9 +111,7 @@ class Places:
         They are those of the centres of spheres, and of the axes of cylinders.
         """
         first, second = pairs.T - 1
-        step = self.grains.position[second] - self.grains.position[first]
-        if self.period is not None:
-            step[:, :2] -= self.period * np.round(step[:, :2] / self.period)
+        step = nearest_image(self.grains.position[second] - self.grains.position[first], self.period)
         apart = np.linalg.norm(step, axis=1)
         if any(self.grains.shape):
             rows = self._shaped[first] | self._shaped[second]

@@ -64,9 +64,11 @@ void FixGranCylinder::init()
   if (!atom->radius_flag) error->all(FLERR, "Fix {} requires atom attribute radius (atom_style sphere)", STYLE);
   bool after = false;
   for (const auto *other : modify->get_fix_list()) {
-    if (after && dynamic_cast<const FixWallGranHysteretic *>(other))
-      error->all(FLERR, "Fix {} {} must come after all walls, whose torques it projects, but fix {} {} follows it", STYLE,
-                 id, other->style, other->id);
+    const auto *const wall = dynamic_cast<const FixWallGranHysteretic *>(other);
+    if (after && wall && wall->has_friction())
+      error->all(FLERR,
+                 "Fix {} {} must come after all walls with friction, whose torques it projects, but fix {} {} follows it",
+                 STYLE, id, other->style, other->id);
     after = after || other == this;
   }
 }
