@@ -45,6 +45,7 @@ CONTACTS_FILE, WALL_CONTACTS_FILE = "contacts.dump", "wall_{}.dump"  # with the 
 COUNT_FILE = "contacts.txt"  # number of contacts, where each rank writes its own
 RANK = "%"  # in the name of a dump, stands for the number of the rank that writes it
 STATIC_STAGE_FILE, STATIC_FILE = "prestage.txt", "static.lmp"
+MOVED_WALLS_FILE = "moved-walls.lmp"  # distances of walls that were moved to a force
 
 # Of a scan, of a suite of scans, and of a point beside its run.
 SCAN_FILE, SCAN_INDEX, SUITE_INDEX = "scan.toml", "scan.json", "suite.json"

@@ -68,6 +68,7 @@ STUDIES: dict[str, str] = {
     "confined-scaling": "confined.scaling",
     "confined-theory": "confined.asymptotics",
     "confined-yielding": "confined.yielding",
+    "interstitial-fcc": "rows.interstitial",
     "sphere-contact": "sphere_contact",
 }
 

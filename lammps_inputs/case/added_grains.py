@@ -1,7 +1,10 @@
 """``[[grains]]``: grains at places given by a formula, next to a lattice or to the grains of a file.
 
     at = [[0, 0, 0.01], ...]                     places, m
+    at = "octahedral"                            all holes of an fcc or hcp packing between six spheres, or between
+                                                 four ("tetrahedral")
     ring = {n = 6, radius = 0.01, z = 0.005}     n places around the axis x = y = 0; angle: of the first
+    ring = {n = 2, radius = "touching", gap = 3} where they touch both spheres of a gap of a chain: 3 and 4
     repeat = {times = 10, step = [0, 0, 0.015]}  these places again and again, each time moved on by a step
 
 A case with such grains is one of ``packing.kind = "file"``: the sites of the lattice come first and keep their ids.
@@ -10,6 +13,7 @@ A case with such grains is one of ``packing.kind = "file"``: the sites of the la
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -17,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.grains import Grains
+from granwave.lammps_inputs.case.ids import parse_index
 from granwave.lammps_inputs.case.material import Material, presets
 from granwave.lammps_inputs.case.packing import PackingSection
 from granwave.lammps_inputs.case.schema import (
@@ -26,27 +31,47 @@ from granwave.lammps_inputs.case.schema import (
     finite,
     number,
     parse_point,
+    show,
     text,
     whole,
 )
 from granwave.lammps_inputs.case.shape import Vector, axis_field, check_shape, length_field, shape_field, shape_of
 from granwave.lammps_inputs.case.si_values import DIAMETER
-from granwave.lammps_inputs.lattices import FILE
+from granwave.lammps_inputs.lattices import FILE, Lattice
 
 _POINT = "[x, y, z] in m"
-_PLACES = f"places, {_POINT} each"
-_RING = "{n = 6, radius = 0.01, z = 0.005}, and perhaps angle = 30 (degrees from x)"
+_PLACES = f'places, {_POINT} each, or "octahedral" or "tetrahedral" for the holes of fcc and hcp'
+_HOLES = {"octahedral": (1 / math.sqrt(2), 6), "tetrahedral": (math.sqrt(3 / 8), 4)}  # distance, diameters; neighbours
+_NEAR = 1e-6  # diameters
+_UP = np.array([0.0, 0.0, 1.0])
+_RING = (
+    "{n = 6, radius = 0.01, z = 0.005}, and perhaps angle = 30 (degrees from x); in place of z there may be gap = 3, "
+    '[3, 5] or "all" (after which spheres of a chain), and then the radius may be "touching"'
+)
+_TOUCHING, _ALL = "touching", "all"
 _REPEAT = "{times = 10, step = [0, 0, 0.015]}"
+_HOLED = ("fcc", "hcp")
 _OF_SITES = ("diameter_scatter", "vacancies")  # keys of a lattice that such a packing does not have
 
 
 @dataclasses.dataclass(frozen=True)
 class Ring:
-    """Places around the axis x = y = 0."""
+    """Places around the axis x = y = 0.
+
+    Attributes
+    ----------
+    radius
+        m; None: where they touch both spheres of the gap.
+    z
+        m; None for rings at gaps.
+    gap
+        Spheres that the gaps follow; empty: all gaps.
+    """
 
     n: int
-    radius: float
-    z: float
+    radius: float | None
+    z: float | None
+    gap: tuple[int, ...] = ()
     angle: float = 0.0
 
 
@@ -58,19 +83,28 @@ class Repeat:
     step: tuple[float, float, float]
 
 
-def _parse_places(value: Any) -> tuple[tuple[float, float, float], ...]:
+def _parse_places(value: Any) -> str | tuple[tuple[float, float, float], ...]:
+    if isinstance(value, str) and value in _HOLES:
+        return value
     if not isinstance(value, list | tuple) or not value:
         raise ValidationError(_PLACES)
     return tuple(parse_point(place, _PLACES) for place in value)
 
 
 def _parse_ring(value: Any) -> Ring:
-    if not isinstance(value, Mapping) or not {"n", "radius", "z"} <= set(value) <= {"n", "radius", "z", "angle"}:
+    if not isinstance(value, Mapping) or not {"n", "radius"} <= set(value) <= {"n", "radius", "z", "gap", "angle"}:
         raise ValidationError(_RING)
-    radius = finite(value["radius"], _RING)
-    if radius <= 0:
+    touching = value["radius"] == _TOUCHING
+    radius = None if touching else finite(value["radius"], _RING)
+    if radius is not None and radius <= 0:
         raise ValidationError(f"{_RING}, with a radius above 0")
-    return Ring(whole(value["n"], _RING), radius, finite(value["z"], _RING), finite(value.get("angle", 0.0), _RING))
+    if ("z" in value) == ("gap" in value) or (touching and "z" in value):
+        raise ValidationError(f'{_RING}, with z or gap, and a gap for a radius "touching"')
+    gap: tuple[int, ...] = ()
+    if value.get("gap", _ALL) != _ALL:
+        gap = parse_index(value["gap"])
+    z = finite(value["z"], _RING) if "z" in value else None
+    return Ring(whole(value["n"], _RING), radius, z, gap, finite(value.get("angle", 0.0), _RING))
 
 
 def _parse_repeat(value: Any) -> Repeat:
@@ -83,7 +117,9 @@ def _parse_repeat(value: Any) -> Repeat:
 class AddedGrains:
     """``[[grains]]``: grains of one size and material at places given by a formula."""
 
-    at: tuple[tuple[float, float, float], ...] | None = custom("places", _parse_places, unit="m", default=None)
+    at: str | tuple[tuple[float, float, float], ...] | None = custom(
+        "places, or the holes of an fcc or hcp packing", _parse_places, unit="m", default=None
+    )
     ring: Ring | None = custom("places around the axis x = y = 0", _parse_ring, default=None)  # noqa: RUF009
     repeat: Repeat | None = custom("copies of these places, each a step on", _parse_repeat, default=None)  # noqa: RUF009
     diameter: float = number("diameter of these grains", unit="m", above=0, usual=DIAMETER)
@@ -93,12 +129,31 @@ class AddedGrains:
     material: Material | None = None
     group: str | None = text("name of their group, for [[hold]]", default=None)
 
-    def places(self) -> NDArray[np.float64]:
-        """Return the places: (n, 3), m."""
-        if self.ring is not None:
+    def places(self, lattice: Lattice | None, own: Grains) -> NDArray[np.float64]:
+        """Return the places: (n, 3), m.
+
+        Parameters
+        ----------
+        lattice
+            Lattice that they are next to, if there is one.
+        own
+            Grains that they are next to.
+
+        Raises
+        ------
+        ValueError
+            There is no such gap, or it has no place where they touch both spheres.
+        """
+        if isinstance(self.at, str):
+            assert lattice is not None
+            places = holes(lattice, self.at)
+        elif self.ring is not None:
             angle = np.deg2rad(self.ring.angle) + 2 * np.pi * np.arange(self.ring.n) / self.ring.n
-            across = self.ring.radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-            places = np.column_stack([across, np.full(self.ring.n, self.ring.z)])
+            around = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+            rings = [(self.ring.radius or 0.0, self.ring.z)] if self.ring.z is not None else self._at_gaps(own)
+            places = np.concatenate(
+                [np.column_stack([radius * around, np.full(self.ring.n, z)]) for radius, z in rings]
+            )
         else:
             places = np.array(self.at)
         if self.repeat is not None:
@@ -106,14 +161,82 @@ class AddedGrains:
             places = (places + steps).reshape(-1, 3)
         return places
 
+    def _at_gaps(self, own: Grains) -> list[tuple[float, float]]:
+        """Return the radii and places along the row of the rings at gaps, m."""
+        assert self.ring is not None
+        found = []
+        for first in self.ring.gap or range(1, len(own)):
+            if first >= len(own):
+                raise ValueError(f"found gap {first}, expected one from 1 to {len(own) - 1}, between two spheres")
+            (x1, y1, z1), (x2, y2, z2) = own.position[first - 1 : first + 1].tolist()
+            slack = _NEAR * self.diameter
+            if max(abs(x1), abs(y1), abs(x2), abs(y2)) > slack or z2 <= z1:
+                raise ValueError(f"found gap {first} between spheres that do not follow each other along x = y = 0")
+            if self.ring.radius is not None:
+                found.append((self.ring.radius, (z1 + z2) / 2))
+                continue
+            one, other = (own.diameter[first - 1 : first + 1] + self.diameter) / 2
+            step = (one**2 - other**2 + (z2 - z1) ** 2) / (2 * (z2 - z1))
+            if step**2 >= one**2:
+                raise ValueError(f"found gap {first} of {z2 - z1:g} m between centres, too wide to touch both spheres")
+            found.append((math.sqrt(one**2 - step**2), z1 + step))
+        return found
+
+
+def _opened(positions: NDArray[np.float64], gaps: Sequence[tuple[int, float]]) -> NDArray[np.float64]:
+    """Open a chain: move all spheres behind a gap on by its width."""
+    positions = positions.copy()
+    for sphere, width in gaps:
+        positions[sphere:, 2] += width
+    return positions
+
+
+def holes(lattice: Lattice, kind: str) -> NDArray[np.float64]:
+    """Return the centres of the holes of a lattice between six spheres ("octahedral") or four ("tetrahedral").
+
+    Those at the faces, which lack some of these spheres, are left out. Returns an array (n, 3), m, in the order of z, y
+    and x; empty if the lattice has no such holes.
+    """
+    from scipy.spatial import KDTree  # takes longer to load than most commands need
+
+    distance, n_around = _HOLES[kind]
+    spheres = lattice.positions(1, lattice.n_spheres) / lattice.diameter
+    around, periods = spheres, np.array([*lattice.lengths, 0.0]) / lattice.diameter
+    if lattice.periodic:
+        around = np.concatenate([spheres + (i, j, 0) * periods for i in (0, -1, 1) for j in (0, -1, 1)])
+    tree = KDTree(around)
+    if kind == "octahedral":  # three pairs of spheres are opposite to each other
+        near = tree.query_ball_point(spheres, 2 * distance + _NEAR)
+        pairs = np.array([(i, j) for i, others in enumerate(near) for j in others], dtype=np.int64).reshape(-1, 2)
+        apart = np.linalg.norm(around[pairs[:, 1]] - spheres[pairs[:, 0]], axis=1)
+        pairs = pairs[np.abs(apart - 2 * distance) <= _NEAR]
+        found = (around[pairs[:, 1]] + spheres[pairs[:, 0]]) / 2
+    else:  # a hole is above or below a sphere
+        found = np.concatenate([spheres + distance * _UP, spheres - distance * _UP])
+    if lattice.periodic:
+        low = spheres.min(axis=0)
+        found[:, :2] = low[:2] + np.mod(found[:, :2] - low[:2] + _NEAR, periods[:2]) - _NEAR
+    same = KDTree(found).query_ball_point(found, 100 * _NEAR) if len(found) else []
+    found = found[[min(rows) == row for row, rows in enumerate(same)]]  # each once
+    found = found[np.lexsort(np.round(found / (100 * _NEAR)).T)]
+    counts = np.array([len(one) for one in tree.query_ball_point(found, distance + 10 * _NEAR)] if len(found) else [])
+    return np.asarray(found[counts == n_around] * lattice.diameter)
+
 
 def with_added_grains(
-    packing: PackingSection, added: Sequence[AddedGrains], materials: dict[str, Material], errors: ErrorList
+    packing: PackingSection,
+    added: Sequence[AddedGrains],
+    materials: dict[str, Material],
+    errors: ErrorList,
+    *,
+    periodic: bool = False,
 ) -> PackingSection:
     """Return the packing with its added grains, as one of grains of a file.
 
     Parameters
     ----------
+    periodic
+        True if the lattice is periodic along x and y.
     materials
         Further materials of the case, by name; those of the grains are added.
     errors
@@ -124,18 +247,31 @@ def with_added_grains(
         if (entry.at is None) == (entry.ring is None):
             found = "neither at nor ring" if entry.at is None else "both at and ring"
             errors.add(f"grains.{place}", f"found {found}, expected one of them")
+        elif isinstance(entry.at, str) and packing.kind not in _HOLED:
+            errors.add(
+                f"grains.{place}.at",
+                f"found {show(entry.at)} with packing.kind = {show(packing.kind)}, expected fcc or hcp, or places",
+            )
+        elif isinstance(entry.at, str) and entry.repeat is not None:
+            errors.add(f"grains.{place}.repeat", f"found beside at = {show(entry.at)}, which are all such holes")
         check_shape(entry, f"grains.{place}", errors)
+    if packing.gaps and packing.kind != "chain":
+        errors.add("packing.gaps", f"found with packing.kind = {show(packing.kind)}, expected a chain")
+    elif beyond := [sphere for sphere, _ in packing.gaps if sphere >= packing.size[0]]:
+        last = packing.size[0] - 1
+        errors.add("packing.gaps", f"found a gap after sphere {beyond[0]}, expected after one from 1 to {last}")
     for name in _OF_SITES:
         if getattr(packing, name):
             errors.add(f"packing.{name}", "found beside [[grains]], whose packing is no lattice; take one of them out")
     if len(errors.lines) > before:
         return packing
-    own = packing.grains
+    own, lattice, period = packing.grains, None, packing.period
     if own is None:
-        lattice = packing.lattice()
+        lattice = packing.lattice(periodic=periodic)
+        period = lattice.lengths if periodic else None
         n = lattice.n_spheres
         own = Grains(
-            lattice.positions(1, n),
+            _opened(lattice.positions(1, n), packing.gaps),
             np.full(n, packing.diameter),
             [""] * n,
             [""] * n,
@@ -144,8 +280,14 @@ def with_added_grains(
         )
     position, diameter, material, group = [own.position], [own.diameter], [*own.material], [*own.group]
     shape = [*own.shape]
-    for entry in added:
-        places = entry.places()
+    for place, entry in enumerate(added, start=1):
+        try:
+            places = entry.places(lattice, own)
+        except ValueError as error:
+            errors.add(f"grains.{place}.ring", str(error))
+            continue
+        if not len(places):
+            errors.add(f"grains.{place}.at", f"found no {entry.at} hole in a packing of {show(packing.size)} spheres")
         position.append(places)
         diameter.append(np.full(len(places), entry.diameter))
         material += [_name_of(entry.material, materials)] * len(places)
@@ -160,7 +302,7 @@ def with_added_grains(
         np.concatenate([own.velocity, still]),
         shape,
     )
-    return PackingSection(kind=FILE, size=(len(grains),), diameter=packing.diameter, grains=grains)
+    return PackingSection(kind=FILE, size=(len(grains),), diameter=packing.diameter, grains=grains, period=period)
 
 
 def _name_of(material: Material | None, materials: dict[str, Material]) -> str:

@@ -4,6 +4,7 @@
     [[striker]]                  a sphere placed against given spheres, resting or moving
     [bar], [incident_bar]        elastic bars at the far and at the struck end of a chain (thesis 3.2)
     [[hold]]                     grains that do not move
+    [[guide]]                    grains that move in some directions only, as in a groove
     [[line]]                     a line of grains whose motion is recorded and measured
     [[sensor]]                   a sphere whose mean contact force (chains) or acceleration is recorded
 
@@ -53,6 +54,17 @@ def _parse_directions(value: Any) -> str:
     if not isinstance(value, str) or not value or set(value) - set("xyz") or len(set(value)) < len(value):
         raise ValidationError(expected)
     return "".join(sorted(value))
+
+
+def _parse_free(value: Any) -> str:
+    expected = 'one or two of the letters x, y and z, such as "z"'
+    try:
+        letters = _parse_directions(value)
+    except ValidationError:
+        raise ValidationError(expected) from None
+    if letters == _NO_DIRECTION or len(letters) == 3:
+        raise ValidationError(expected)
+    return letters
 
 
 def _parse_extent(value: Any) -> tuple[float, float, float]:
@@ -187,6 +199,25 @@ class Line:
         _parse_leave_out,
         default="auto",
     )
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Guide:
+    """``[[guide]]``: grains that are free to move in some directions only, without friction, as in a groove."""
+
+    index: tuple[int, ...] | None = custom("which grains; all if neither index nor group is given", parse_index,
+                                           default=None)  # fmt: skip
+    group: str | None = text("the grains of this group of packing.file or [[grains]]", default=None)
+    free: str = custom("directions in which they may move, of x, y and z", _parse_free)
+    rotation: bool = choice("false: they do not turn", (False, True), default=True)
+
+    def hold(self, n_grains: int) -> Hold:
+        """Return what it holds, among so many grains."""
+        index = self.index
+        if index is None and self.group is None:
+            index = tuple(range(1, n_grains + 1))
+        held = "".join(axis for axis in "xyz" if axis not in self.free)
+        return Hold(index=index, group=self.group, directions=held or _NO_DIRECTION, rotation=not self.rotation)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Callable, Collection, Mapping
 from functools import cache
 from pathlib import Path
@@ -12,7 +13,17 @@ import tomli_w
 
 from granwave.lammps_inputs.case.absorb import Absorb
 from granwave.lammps_inputs.case.added_grains import AddedGrains, with_added_grains
-from granwave.lammps_inputs.case.bodies import Bar, Hold, Line, Replace, Sensor, Striker, read_body, read_list
+from granwave.lammps_inputs.case.bodies import (
+    Bar,
+    Guide,
+    Hold,
+    Line,
+    Replace,
+    Sensor,
+    Striker,
+    read_body,
+    read_list,
+)
 from granwave.lammps_inputs.case.contact_pairs import RIGID, Pair, read_pairs
 from granwave.lammps_inputs.case.figures import FRAMES_OF_A_FILM, Figures
 from granwave.lammps_inputs.case.load import Load, read_load
@@ -44,7 +55,8 @@ _SECTIONS: dict[str, type] = {
     FIGURES_TABLE: Figures,
 }
 _LISTS: dict[str, type] = {
-    "replace": Replace, "striker": Striker, "hold": Hold, "absorb": Absorb, "sensor": Sensor, "line": Line,
+    "replace": Replace, "striker": Striker, "hold": Hold, "guide": Guide, "absorb": Absorb, "sensor": Sensor,
+    "line": Line,
 }  # fmt: skip
 _BARS = ("bar", "incident_bar")
 _GRAINS = "grains"
@@ -76,6 +88,7 @@ class Case:
     replace: tuple[Replace, ...] = ()
     striker: tuple[Striker, ...] = ()
     hold: tuple[Hold, ...] = ()
+    guide: tuple[Guide, ...] = ()
     absorb: tuple[Absorb, ...] = ()
     sensor: tuple[Sensor, ...] = ()
     line: tuple[Line, ...] = ()
@@ -135,6 +148,13 @@ class Case:
         if self.packing.kind == "chain":
             return self.output.probes
         return tuple(dict.fromkeys([*self.output.probes, *(Probe(sphere=sensor.id) for sensor in self.sensor)]))
+
+    @property
+    def holds(self) -> dict[str, Hold]:
+        """What ``[[hold]]`` and ``[[guide]]`` hold, by the name of its LAMMPS group."""
+        n = math.prod(self.packing.size)
+        held = {f"hold{number}": hold for number, hold in enumerate(self.hold, start=1)}
+        return held | {f"guide{number}": guide.hold(n) for number, guide in enumerate(self.guide, start=1)}
 
     @property
     def sphere_mass(self) -> float:
@@ -197,8 +217,10 @@ def parse_case(data: Mapping[str, Any], source: str | Path, errors: ErrorList) -
         parts[name] = read_body(Bar, data[name], name, errors) if name in data else None
     packing: PackingSection | None = parts["packing"] if "packing" in data else None
     added = read_list(AddedGrains, data.get(_GRAINS, ()), _GRAINS, errors)
-    if packing is not None and added:
-        packing = parts["packing"] = with_added_grains(packing, added, materials, errors)
+    if packing is not None and (added or packing.gaps):
+        boundary: Boundary | None = parts["boundary"]
+        periodic = boundary is not None and boundary.sides == "periodic"
+        packing = parts["packing"] = with_added_grains(packing, added, materials, errors, periodic=periodic)
         parts[MATERIALS] = tuple(materials.values())
     if "load" not in data and packing is not None and packing.grains is not None and packing.grains.velocity.any():
         parts["load"] = Load(kind="grains")

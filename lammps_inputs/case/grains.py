@@ -20,7 +20,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,9 @@ from granwave.lammps_inputs.case.schema import LARGEST_COUNT, show
 from granwave.lammps_inputs.case.shape import AXIS_COLUMNS, Shape, read_shapes, shape_columns
 from granwave.lammps_inputs.files import read_regular
 
+if TYPE_CHECKING:
+    import ase
+
 _PLACE = ("x", "y", "z")
 _VELOCITY = ("vx", "vy", "vz")
 _NUMBERS = (*_PLACE, "diameter", "length", *AXIS_COLUMNS, *_VELOCITY)
@@ -36,6 +39,7 @@ _WORDS = ("material", "group")
 COLUMNS = (*_PLACE, "diameter", "shape", "length", *AXIS_COLUMNS, *_WORDS, *_VELOCITY)
 _WORD = re.compile(r"[^,#\"'\s]*(?: [^,#\"'\s]+)*")
 _TABLES = (".csv", ".txt", ".dat")  # suffixes of files that are tables; ASE reads the rest
+_STRAIGHT = 1e-9  # components of the edges of a box across its axes, over its largest edge
 _FROM_ASE = {  # names of arrays
     "diameter": ("diameter", "diameters"),
     "radius": ("radius", "radii"),
@@ -64,6 +68,8 @@ class Grains:
         Initial velocities: (n, 3), m/s.
     shape
         Shapes: (n,); None: all are spheres.
+    period
+        Periods along x and y of the file that they come from, m; None if it has none. Not part of the table.
     """
 
     def __init__(
@@ -74,7 +80,9 @@ class Grains:
         group: Sequence[str],
         velocity: NDArray[np.float64],
         shape: Sequence[Shape] | None = None,
+        period: tuple[float, float] | None = None,
     ) -> None:
+        self.period = period
         self.position, self.diameter, self.velocity = position, diameter, velocity
         self.shape = (None,) * len(diameter) if shape is None else tuple(shape)
         self.material, self.group = tuple(material), tuple(group)
@@ -236,4 +244,16 @@ def _from_ase(path: Path, diameter: float | None) -> Grains:
     for name in (*_PLACE, *(one for one in ("length", *AXIS_COLUMNS) if one in values)):
         if not np.isfinite(values[name]).all():
             raise ValueError(f"found {name} of grain {int(np.argmin(np.isfinite(values[name]))) + 1} that is no number")
-    return _grains(values, [f"grain {number}" for number in range(1, len(atoms) + 1)], diameter)
+    grains = _grains(values, [f"grain {number}" for number in range(1, len(atoms) + 1)], diameter)
+    if atoms.pbc[:2].all():
+        grains.period = _period_of(atoms)
+    return grains
+
+
+def _period_of(atoms: ase.Atoms) -> tuple[float, float] | None:
+    """Return the periods of a cell along x and y, m; None if it is no box along x, y and z."""
+    cell = np.asarray(atoms.cell)
+    slant = cell - np.diag(np.diag(cell))
+    if np.abs(slant).max() > _STRAIGHT * np.abs(cell).max() or min(cell[0, 0], cell[1, 1]) <= 0:
+        return None
+    return float(cell[0, 0]), float(cell[1, 1])

@@ -32,14 +32,14 @@ from granwave.lammps_inputs.case.shape import (
     shape_field,
     shape_of,
 )
-from granwave.lammps_inputs.case.si_values import DIAMETER, Usual
+from granwave.lammps_inputs.case.si_values import DIAMETER, LENGTH, Usual
 from granwave.lammps_inputs.lattices import FILE, KINDS, Lattice, kind_of
 from granwave.lammps_inputs.plane_lattices import ROWS, PlaneLattice, is_plane_crystal
 
 LARGEST_ID = LARGEST_COUNT
 _ACROSS = 1e-9  # largest component of a direction along another that it is normal to
 _FORM_OF_FILE = "the path of a table of grains (x, y, z, diameter in m), or of a file that ASE reads"
-_NOT_OF_FILE = ("size", "top_row", "diameter_scatter", "scatter_distribution", "vacancies", "tilt", "seed")
+_NOT_OF_FILE = ("size", "top_row", "gaps", "diameter_scatter", "scatter_distribution", "vacancies", "tilt", "seed")
 _OF_SHAPE = ("shape", "length", "axis")
 
 
@@ -82,6 +82,26 @@ def _parse_tilt(value: Any) -> tuple[int, int]:
     return x, y
 
 
+def _parse_period(value: Any) -> tuple[float, float]:
+    expected = "[along x, along y] in m, both above 0"
+    if not isinstance(value, list | tuple) or len(value) != 2:
+        raise ValidationError(expected)
+    x, y = (finite(one, expected) for one in value)
+    if min(x, y) <= 0:
+        raise ValidationError(expected)
+    return x, y
+
+
+def _parse_gaps(value: Any) -> tuple[tuple[int, float], ...]:
+    expected = "a list of [sphere, width], such as [[14, 3e-4], [15, 3e-4]], each sphere once"
+    if not isinstance(value, list | tuple) or not all(isinstance(one, list | tuple) and len(one) == 2 for one in value):
+        raise ValidationError(expected)
+    found = tuple((whole(sphere, expected), finite(width, expected)) for sphere, width in value)
+    if not found or len({sphere for sphere, _ in found}) < len(found):
+        raise ValidationError(expected)
+    return found
+
+
 def _parse_grains(value: Any) -> Grains:
     if isinstance(value, Grains):
         return value
@@ -116,6 +136,17 @@ class PackingSection:
     axis: Vector | None = axis_field()  # noqa: RUF009 (axes are not changed)
     grains: Grains | None = custom(  # noqa: RUF009 (Grains are not changed)
         "the table of a file as text; a case that was run holds its grains so", _parse_grains, default=None
+    )
+    period: tuple[float, float] | None = custom(
+        'periods along x and y of grains of a file, for boundary.sides = "periodic"; those of the file\'s cell if it '
+        "has one",
+        _parse_period,
+        unit="m",
+        default=None,
+        usual=LENGTH,
+    )
+    gaps: tuple[tuple[int, float], ...] = custom(
+        "gaps in a chain: after which sphere, and how wide; negative: an overlap", _parse_gaps, unit="m", default=()
     )
     diameter_scatter: float = number(
         "tolerance: the diameters lie between this much less and the nominal one",
@@ -156,7 +187,10 @@ class PackingSection:
         """Return the keys of the packing, as a case file has them."""
         keys: dict[str, Any] = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
         if self.grains is not None:
-            return {"kind": self.kind, "diameter": self.diameter, "grains": self.grains.text}
+            own = {"kind": self.kind, "diameter": self.diameter, "grains": self.grains.text}
+            return own | ({} if self.period is None else {"period": self.period})
+        if not self.gaps:
+            del keys["gaps"]
         if not is_plane_crystal(self.kind):
             del keys["top_row"]
         if self.shape == "sphere":
@@ -172,7 +206,7 @@ def read_packing(table: Any, errors: ErrorList) -> PackingSection | None:
     if not isinstance(table, Mapping):
         return read_table(PackingSection, table, "packing", errors)
     if table.get("kind") != FILE:
-        for name in ("file", "grains"):
+        for name in ("file", "grains", "period"):
             if name in table:
                 errors.add(f"packing.{name}", f'belongs to packing.kind = "file"; found {show(table.get("kind", ""))}')
                 table = {key: value for key, value in table.items() if key != name}
@@ -186,7 +220,9 @@ def read_packing(table: Any, errors: ErrorList) -> PackingSection | None:
             errors.add(f"packing.{name}", 'does not belong to packing.kind = "file", whose grains are all in the file')
     rest = {name: value for name, value in table.items() if name not in ("file", *_NOT_OF_FILE, *_OF_SHAPE)}
     if "grains" not in table:
-        rest["grains"] = _from_file(table, errors)
+        rest["grains"] = found = _from_file(table, errors)
+        if found is not None and found.period is not None:
+            rest.setdefault("period", found.period)
     elif "file" in table:
         errors.add("packing.file", "found beside packing.grains; give one of them")
     if len(errors.lines) > before:

@@ -47,6 +47,8 @@ LEAST_ENERGY_TOLERANCE = 1e-10  # rounding errors are some 1e-12 of the input
 DEFAULT_FRAMES = 20  # default of `run.frames`; a run of fewer steps has fewer
 _CONSTANT: dict[str, Any] = {"above": 0, "default": None}
 _MOVE: dict[str, Any] = {"unit": "m", "above": 0, "default": None, "usual": DISPLACEMENT}
+_PRESS: dict[str, Any] = {"unit": "N", "above": 0, "default": None, "usual": FORCE}
+_WALLS = ("x", "y", "tube")
 LARGEST_ID = LARGEST_COUNT
 _SHARE = re.compile(r"(\d+(?:\.\d+)?) ?%")
 _NO_LIMIT = 2**63 - 1  # the schedule limits the number to that of the steps
@@ -250,6 +252,27 @@ class Tube:
     radius: float = number("inner radius of the tube, before it shrinks", unit="m", above=0, usual=DIAMETER)
 
 
+@dataclasses.dataclass(frozen=True)
+class Touched:
+    """Grains that side walls act on: those of these materials, and those of these groups."""
+
+    material: tuple[str, ...] = ()
+    group: tuple[str, ...] = ()
+
+
+_TOUCHED = 'a table such as {group = "cylinders"} or {material = ["aluminium", "steel"]}'
+
+
+def _parse_touched(value: Any) -> Touched:
+    if not isinstance(value, Mapping) or not value or set(value) - {"material", "group"}:
+        raise ValidationError(_TOUCHED)
+    found = {name: tuple([names] if isinstance(names, str) else names) for name, names in value.items()
+             if isinstance(names, str | list | tuple)}  # fmt: skip
+    if len(found) < len(value) or not all(isinstance(one, str) and one for names in found.values() for one in names):
+        raise ValidationError(_TOUCHED)
+    return Touched(**found)
+
+
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Boundary:
     """``[boundary]``: bottom and sides of the packing; the struck top is always free."""
@@ -275,6 +298,12 @@ class Boundary:
         unit="m",
         default=None,
         usual=DISPLACEMENT,
+    )
+    sides_touch: Touched | None = custom(  # noqa: RUF009
+        "materials or groups of the grains that the side walls act on, and whose outermost ones the planes touch; left "
+        "out: all",
+        _parse_touched,
+        default=None,
     )
     sides_tube: float | None = None  # radius of a tube around the axis x = y = 0, m: sides = {tube = {radius = ...}}
     bottom_support: Support | None = None  # of a moving bottom plane: plate, half_space or bar = {...}
@@ -315,27 +344,53 @@ class Boundary:
 class Precompression:
     """``[precompression]``: a static load, applied before the impact and kept during it."""
 
-    kind: Literal["uniaxial", "uniform", "gravity", "walls"] = choice(
-        "a load along z on the top layer, the same pressure on all free faces, the spheres' weight along +z, or walls "
-        "that are moved in and then held",
-        ("uniaxial", "uniform", "gravity", "walls"),
+    kind: Literal["uniaxial", "uniform", "gravity", "walls", "overlaps"] = choice(
+        "a load along z on the top layer, the same pressure on all free faces, the spheres' weight along +z, walls "
+        "that are moved in and then held, or nothing but the overlaps of grains at the start",
+        ("uniaxial", "uniform", "gravity", "walls", "overlaps"),
     )
     pressure: float | None = number(
         "pressure on the faces of the packing", unit="Pa", above=0, default=None, usual=PRESSURE
     )
     force: float | None = number(
-        "force on each sphere of the top layer (uniaxial)", unit="N", above=0, default=None, usual=FORCE
+        "force on each sphere of the top layer (uniaxial; also beside walls)",
+        unit="N",
+        above=0,
+        default=None,
+        usual=FORCE,
     )
     x: float | None = number("distance by which each of the planes across x moves in", **_MOVE)
     y: float | None = number("distance by which each of the planes across y moves in", **_MOVE)
     tube: float | None = number("distance by which the tube's radius shrinks", **_MOVE)
+    x_force: float | None = number("force to which each of the planes across x is moved in", **_PRESS)
+    y_force: float | None = number("force to which each of the planes across y is moved in", **_PRESS)
+    tube_force: float | None = number("force outward on the whole tube to which it shrinks", **_PRESS)
+    overlaps: bool | None = choice(
+        "true: overlaps of grains at the start are part of it; else they are refused", (True, False), default=None
+    )
     acceleration: float = number("acceleration of gravity", unit="m/s^2", above=0, default=9.81, usual=ACCELERATION)
 
     @property
     def moves(self) -> dict[str, float]:
         """Distances by which walls move in, by x, y or tube, m."""
-        found = {name: getattr(self, name) for name in ("x", "y", "tube")}
+        found = {name: getattr(self, name) for name in _WALLS}
         return {name: distance for name, distance in found.items() if distance is not None}
+
+    @property
+    def presses(self) -> dict[str, float]:
+        """Forces to which walls move in, by x, y or tube, N."""
+        found = {name: getattr(self, f"{name}_force") for name in _WALLS}
+        return {name: force for name, force in found.items() if force is not None}
+
+    @property
+    def moves_walls(self) -> bool:
+        """True if there is no dead load but, perhaps, a force on the top."""
+        return self.kind in ("walls", "overlaps")
+
+    @property
+    def takes_overlaps(self) -> bool:
+        """True if overlaps of grains at the start are part of the load."""
+        return bool(self.overlaps) or self.kind == "overlaps"
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

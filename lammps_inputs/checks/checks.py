@@ -17,7 +17,13 @@ from granwave.lammps_inputs.case.sections import ENERGY_TOLERANCE, Boundary, Out
 from granwave.lammps_inputs.case.yield_factor import FITTED_POISSON_RATIO, hertz_von_mises_yield_factor
 from granwave.lammps_inputs.checks.absorbing import check_absorbing
 from granwave.lammps_inputs.checks.contacts import check_contacts, check_dents, check_losses
-from granwave.lammps_inputs.checks.grains import check_chosen, check_cylinders, check_grains, check_tube
+from granwave.lammps_inputs.checks.grains import (
+    check_chosen,
+    check_cylinders,
+    check_grains,
+    check_touched,
+    check_tube,
+)
 from granwave.lammps_inputs.checks.lines import check_lines
 from granwave.lammps_inputs.checks.packing import check_disorder, check_room
 from granwave.lammps_inputs.checks.plate import check_plate, check_side_gap, check_top
@@ -57,7 +63,9 @@ def check_together(parts: Mapping[str, Any], errors: ErrorList) -> None:
         return
     n_spheres = len(packing.grains) if packing.grains is not None else packing.lattice().n_spheres
     check_grains(parts, packing, errors)
-    check_chosen(parts.get("load"), parts.get("hold", ()), packing, n_spheres, errors)
+    held = {f"hold.{place}": hold for place, hold in enumerate(parts.get("hold", ()), start=1)}
+    held |= {f"guide.{place}": guide.hold(n_spheres) for place, guide in enumerate(parts.get("guide", ()), start=1)}
+    check_chosen(parts.get("load"), held, packing, n_spheres, errors)
     strikers, sensors = parts.get("striker", ()), parts.get("sensor", ())
     _check_strikers(strikers, n_spheres, errors)
     n_spheres += len(strikers)
@@ -84,6 +92,7 @@ def check_case(case: Case, errors: ErrorList) -> Assembly | None:
     """Check the whole case: space for larger spheres, places of strikers, support, static load and dents."""
     check_room(case, errors)
     check_cylinders(case, errors)
+    check_touched(case, errors)
     check_tube(case, errors)
     try:
         assembly = assemble(case)
@@ -284,7 +293,7 @@ def _check_probes(output: Output, n_spheres: int, errors: ErrorList) -> None:
 def _boundary_fits(packing: PackingSection, boundary: Boundary, errors: ErrorList) -> bool:
     before = len(errors.lines)
     if packing.grains is not None:
-        return boundary.sides != "periodic"
+        return boundary.sides != "periodic" or packing.period is not None
     rule = KINDS[packing.kind]
     nx, ny, nz = packing.lattice().shape
     if boundary.bottom == "fixed" and nz == 1:
@@ -341,7 +350,7 @@ def _check_load(load: Load | None, packing: PackingSection, boundary: Boundary, 
         return
     lattice: Layout = packing.lattice(periodic=boundary.sides == "periodic")
     if packing.grains is not None:
-        lattice = places_of(packing.grains, packing.diameter)
+        lattice = places_of(packing.grains, packing.diameter, packing.period if boundary.sides == "periodic" else None)
     try:
         struck_spheres(lattice, load.spheres)
     except ValueError as error:

@@ -14,17 +14,20 @@ from granwave.lammps_inputs.case.packing import PackingSection
 from granwave.lammps_inputs.case.schema import ErrorList, show
 from granwave.lammps_inputs.case.sections import Boundary, Precompression
 from granwave.lammps_inputs.case.shape import Shape
+from granwave.lammps_inputs.contact.initial_dents import LARGEST
 from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.assembly import lattice_of
 from granwave.lammps_inputs.packing.cylinders import cylinder_pair, end_contacts
 from granwave.lammps_inputs.packing.places import Places, places_of
 from granwave.lammps_inputs.packing.sites import sites_of
+from granwave.lammps_inputs.packing.walls import touched
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
     from granwave.lammps_inputs.case.grains import Grains
 
 _KEY = "packing.grains"
+_LEAST_PERIOD = 2.5  # largest diameters; in fewer two grains could touch twice, one of them also as its image
 _OBLIQUE = 1e-9  # largest component of an axis along a wall's normal, for rounding
 _OF_LATTICES = {
     "replace": "the file gives each grain its diameter and material",
@@ -42,14 +45,19 @@ def check_grains(parts: Mapping[str, Any], packing: PackingSection, errors: Erro
         if parts.get(name):
             errors.add(name, f'found with packing.kind = "file": {reason}; take it out')
     stage: Precompression | None = parts.get("precompression")
-    if stage is not None and stage.kind != "walls":
-        errors.add("precompression.kind", f'found {show(stage.kind)} with packing.kind = "file", expected "walls"')
-    boundary: Boundary | None = parts.get("boundary")
-    if boundary is not None and boundary.sides == "periodic":
-        errors.add("boundary.sides", 'found "periodic" with packing.kind = "file", expected "free" or "wall"')
+    if stage is not None and stage.kind == "uniform":
+        errors.add(
+            "precompression.kind",
+            'found "uniform" with packing.kind = "file", whose faces are not known; expected "walls", "overlaps", '
+            '"uniaxial" or "gravity"',
+        )
     _check_materials(parts, grains, errors)
-    places = places_of(grains, packing.diameter)
-    _check_overlaps(places, errors)
+    boundary: Boundary | None = parts.get("boundary")
+    periodic = boundary is not None and boundary.sides == "periodic"
+    if periodic and not _check_period(packing, grains, errors):
+        return
+    places = places_of(grains, packing.diameter, packing.period if periodic else None)
+    _check_overlaps(places, errors, taken=stage is not None and stage.takes_overlaps)
     _check_ends(places, errors)
     load: Load | None = parts.get("load")
     if load is None:
@@ -125,12 +133,14 @@ def _check_ends(places: Places, errors: ErrorList) -> None:
 
 
 def check_chosen(
-    load: Load | None, holds: tuple[Hold, ...], packing: PackingSection, n: int, errors: ErrorList
+    load: Load | None, holds: Mapping[str, Hold], packing: PackingSection, n: int, errors: ErrorList
 ) -> None:
-    """Check the ids of ``load.index`` and ``[[hold]]``, and that no held sphere is struck.
+    """Check the ids of ``load.index``, ``[[hold]]`` and ``[[guide]]``, and that no held sphere is struck.
 
     Parameters
     ----------
+    holds
+        What is held, by key.
     n
         Number of spheres of the packing, without strikers.
     """
@@ -141,8 +151,7 @@ def check_chosen(
             break
     if load is not None and load.kind == "grains" and packing.grains is None:
         errors.add("load.kind", f'found "grains" with packing.kind = {show(packing.kind)}, expected it with "file"')
-    for place, hold in enumerate(holds, start=1):
-        key = f"hold.{place}"
+    for key, hold in holds.items():
         if (hold.index is None) == (hold.group is None):
             found = "both index and group" if hold.index else "neither index nor group"
             errors.add(key, f"found {found}, expected one of them")
@@ -162,6 +171,29 @@ def check_chosen(
         _check_motion(load, hold, held, packing.grains, key, errors)
 
 
+def check_touched(case: Case, errors: ErrorList) -> None:
+    """Check that the side walls that act on some grains only find these, and that there are such walls."""
+    boundary, key = case.boundary, "boundary.sides_touch"
+    if boundary.sides_touch is None or errors.lines:
+        return
+    if boundary.sides_tube is None and not any(boundary.has_planes(axis) for axis in "xy"):
+        errors.add(key, 'found it without walls; give x or y or sides = "wall", or sides = {tube = ...}')
+        return
+    grains = case.packing.grains
+    groups = sorted(set(grains.group) - {""}) if grains is not None else []
+    sites = sites_of(case, lattice_of(case))
+    used = [case.material] if sites is None else [sites.materials[kind] for kind in np.unique(sites.kind)]
+    materials = sorted({str(material.name) for material in used if material.name})
+    for what, names, known in (
+        ("material", boundary.sides_touch.material, materials),
+        ("group", boundary.sides_touch.group, groups),
+    ):
+        for name in names:
+            if name not in known:
+                there = f"one of {', '.join(map(show, known))}" if known else f"none: no grain has a {what}"
+                errors.add(f"{key}.{what}", f"found {show(name)}, expected {there}")
+
+
 def check_tube(case: Case, errors: ErrorList) -> None:
     """Check that the packing fits into its tube, before this shrinks."""
     tube = case.boundary.sides_tube
@@ -172,6 +204,8 @@ def check_tube(case: Case, errors: ErrorList) -> None:
     diameter = np.full(lattice.n_spheres, lattice.diameter) if sites is None else sites.diameter
     place = (lattice if sites is None else sites).positions(1, lattice.n_spheres)
     reach = np.hypot(place[:, 0], place[:, 1]) + diameter / 2
+    if case.boundary.sides_touch is not None:
+        reach[~touched(case, sites, case.boundary.sides_touch)] = 0.0
     if sites is not None:
         reach[~sites.present] = 0.0
     widest = int(np.argmax(reach))
@@ -211,15 +245,50 @@ def _check_materials(parts: Mapping[str, Any], grains: Grains, errors: ErrorList
             )
 
 
-def _check_overlaps(places: Places, errors: ErrorList) -> None:
+def _check_period(packing: PackingSection, grains: Grains, errors: ErrorList) -> bool:
+    """Check the periods along x and y of grains of a file."""
+    key, before = "packing.period", len(errors.lines)
+    if packing.period is None:
+        errors.add(
+            key,
+            'missing; boundary.sides = "periodic" of grains of a file needs [along x, along y] in m, or a file whose '
+            "cell is a box, periodic along x and y",
+        )
+        return False
+    least = _LEAST_PERIOD * float(grains.diameter.max())
+    for letter, period in zip("xy", packing.period, strict=True):
+        if period < least:
+            errors.add(
+                key,
+                f"found {period:g} m along {letter}, expected at least {least:g} m, {_LEAST_PERIOD:g} of the largest "
+                "diameters; repeat the grains",
+            )
+    return len(errors.lines) == before
+
+
+def _check_overlaps(places: Places, errors: ErrorList, *, taken: bool) -> None:
+    """Check that no grains overlap at the start; ``taken``: but a little, as precompression."""
     pairs, overlaps = places.overlapping()
     if not len(pairs):
         return
     first, second = pairs[0].tolist()
+    if taken:
+        shared = 2 / (2 / places.grains.diameter[pairs - 1]).sum(axis=1)  # effective radii
+        worst = int(np.argmax(overlaps / shared))
+        if overlaps[worst] > LARGEST * shared[worst]:
+            first, second = pairs[worst].tolist()
+            errors.add(
+                _KEY,
+                f"found grains {first} and {second}, which overlap by {overlaps[worst]:.3g} m; as precompression "
+                f"expected at most {LARGEST * shared[worst]:.3g} m, {LARGEST} R*",
+            )
+        return
     more = f" (and {len(pairs) - 1} more pairs)" if len(pairs) > 1 else ""
     if (places.grains.position[first - 1] == places.grains.position[second - 1]).all():
         errors.add(_KEY, f"found grains {first} and {second} at one place{more}; expected places of their own")
     else:
         errors.add(
-            _KEY, f"found grains {first} and {second}, which overlap by {overlaps[0]:.3g} m{more}; move them apart"
+            _KEY,
+            f"found grains {first} and {second}, which overlap by {overlaps[0]:.3g} m{more}; move them "
+            'apart, or take that as a load: [precompression] kind = "overlaps"',
         )

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.packing import PackingSection
 from granwave.lammps_inputs.case.schema import ErrorList, show
 from granwave.lammps_inputs.case.sections import Boundary, Precompression
@@ -16,7 +17,8 @@ from granwave.lammps_inputs.contact.initial_dents import LARGEST
 from granwave.lammps_inputs.contact.law import flat_contact, pair_contact, sphere_contact
 from granwave.lammps_inputs.contact.static_load import force_of_contact
 from granwave.lammps_inputs.lattices import KINDS
-from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.assembly import Assembly, held_ids
+from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.packing.walls import materials_of_last_layer
 from granwave.lammps_inputs.plane_lattices import is_plane_crystal
 
@@ -36,7 +38,13 @@ def check_precompression(
         errors.add(_TABLE, f"found beside [{bars[0]}], whose far end nothing holds; take one of them out")
         return
     _check_size(stage, packing, errors)
-    if stage.kind == "walls":
+    if stage.takes_overlaps and packing.grains is None:
+        errors.add(
+            f"{_TABLE}.{'kind' if stage.kind == 'overlaps' else 'overlaps'}",
+            f"found with packing.kind = {show(packing.kind)}, expected grains at places of their own (a file, or "
+            "[[grains]]): spheres of a lattice just touch",
+        )
+    if stage.moves_walls:
         _check_moves(stage, packing, boundary, errors)
         return
     if stage.kind == "uniform":
@@ -49,7 +57,7 @@ def check_precompression(
                 f'found {show(boundary.sides)} with precompression.kind = "uniform", expected "free": '
                 "the pressure is on the sides too",
             )
-    elif boundary.bottom == "free" and not (packing.kind == "chain" and stage.kind == "uniaxial"):
+    elif boundary.bottom == "free" and packing.grains is None and not _both_ends(stage, packing):
         errors.add("boundary.bottom", f'found "free" under a {stage.kind} precompression, which something must bear')
     if stage.kind == "uniaxial" and packing.kind == "square":
         errors.add(f"{_TABLE}.kind", 'found "uniaxial" for square, a single layer; expected "uniform" or "gravity"')
@@ -62,14 +70,21 @@ def check_precompression(
         )
 
 
+def _both_ends(stage: Precompression, packing: PackingSection) -> bool:
+    """Return True if the load presses a chain from both ends, so that no bottom bears it."""
+    return packing.kind == "chain" and stage.kind == "uniaxial"
+
+
 def check_first_yield(assembly: Assembly, errors: ErrorList) -> None:
     """Refuse a static load that yields every contact, exceeds the range of the law, or spreads the layers."""
     case = assembly.case
     stage, contact = case.precompression, case.contact_between(case.material, case.material)
-    if stage is not None and stage.kind == "walls":
-        _check_yield_by_walls(assembly, stage, errors)
-        return
     if stage is None:
+        return
+    if stage.kind == "walls":
+        _check_yield_by_walls(assembly, stage, errors)
+    if stage.moves_walls or isinstance(assembly.lattice, Places):
+        _check_top(assembly, errors)
         return
     name, unit = ("force", "N") if stage.force is not None else ("pressure", "Pa")
     if stage.kind == "gravity":
@@ -128,13 +143,49 @@ def _check_moves(stage: Precompression, packing: PackingSection, boundary: Bound
     there = {"x": boundary.has_planes("x"), "y": boundary.has_planes("y"), "tube": boundary.sides_tube is not None}
     for name, distance in stage.moves.items():
         if not there[name]:
-            expected = f'boundary.{name} = "wall"' if name != "tube" else "boundary.sides = {tube = {radius = ...}}"
-            errors.add(f"{_TABLE}.{name}", f"found {distance:g} m, but there is no such wall; expected {expected}")
+            errors.add(
+                f"{_TABLE}.{name}", f"found {distance:g} m, but there is no such wall; expected {_wall_key(name)}"
+            )
+        elif name in stage.presses:
+            errors.add(f"{_TABLE}.{name}", f"found beside {name}_force; give one of them")
         elif distance > LARGEST * packing.diameter / 2:
             most = LARGEST * packing.diameter / 2
             errors.add(f"{_TABLE}.{name}", f"found {distance:g} m, expected at most {most:g} m, {LARGEST} radii")
-    if not stage.moves:
-        errors.add(_TABLE, 'found kind = "walls" and no wall that moves; give x, y or tube, in m')
+    for name, force in stage.presses.items():
+        if not there[name]:
+            key = f"{_TABLE}.{name}_force"
+            errors.add(key, f"found {force:g} N, but there is no such wall; expected {_wall_key(name)}")
+    if stage.kind == "walls" and not stage.moves and not stage.presses:
+        errors.add(_TABLE, 'found kind = "walls" and no wall that moves; give x, y or tube, in m, or x_force ..., in N')
+
+
+def _wall_key(name: str) -> str:
+    return f'boundary.{name} = "wall"' if name != "tube" else "boundary.sides = {tube = {radius = ...}}"
+
+
+def _check_top(assembly: Assembly, errors: ErrorList) -> None:
+    """Check that a force on the top of grains acts on some that can move, and stays in the range of their law."""
+    case = assembly.case
+    stage = case.precompression
+    assert stage is not None
+    if stage.force is None and stage.pressure is None:
+        return
+    if stage.pressure is not None:
+        errors.add(f"{_TABLE}.pressure", "found for grains at places of their own, which have no face; give a force")
+        return
+    top = set(assembly.lattice.top_layer.tolist())
+    for hold in case.holds.values():
+        if "z" in hold.axes and (held := top.intersection(held_ids(case, hold))):
+            errors.add(f"{_TABLE}.force", f"acts on grain {min(held)}, the uppermost, which is held along z")
+            return
+    if not _is_borne(case):
+        errors.add(f"{_TABLE}.force", "found a force on the top, which nothing bears; hold a grain along z, or give "
+                   "a boundary.bottom")  # fmt: skip
+
+
+def _is_borne(case: Case) -> bool:
+    """Return True if something bears a force along z: a bottom, or a grain that is held along z."""
+    return case.boundary.bottom != "free" or any("z" in hold.axes for hold in case.holds.values())
 
 
 def _check_yield_by_walls(assembly: Assembly, stage: Precompression, errors: ErrorList) -> None:
@@ -166,10 +217,13 @@ def _check_yield_by_walls(assembly: Assembly, stage: Precompression, errors: Err
 
 def _check_size(stage: Precompression, packing: PackingSection, errors: ErrorList) -> None:
     given = [name for name in ("pressure", "force") if getattr(stage, name) is not None]
-    for name in stage.moves if stage.kind != "walls" else ():
+    moving = [*stage.moves, *(f"{name}_force" for name in stage.presses)]
+    for name in moving if stage.kind != "walls" else ():
         errors.add(f"{_TABLE}.{name}", f'belongs to precompression.kind = "walls"; found {show(stage.kind)}')
-    if stage.kind in ("gravity", "walls"):
-        instead = "acceleration" if stage.kind == "gravity" else "x, y or tube, in m"
+    if stage.moves_walls:
+        given = [name for name in given if name != "force"]
+    if stage.kind == "gravity" or stage.moves_walls:
+        instead = "acceleration" if stage.kind == "gravity" else "x, y or tube, in m, or force, in N, on the top"
         for name in given:
             errors.add(
                 f"{_TABLE}.{name}", f"does not belong to precompression.kind = {show(stage.kind)}; give {instead}"
@@ -178,7 +232,7 @@ def _check_size(stage: Precompression, packing: PackingSection, errors: ErrorLis
             return
     if stage.acceleration != Precompression.acceleration:
         errors.add(f"{_TABLE}.acceleration", f'belongs to precompression.kind = "gravity"; found "{stage.kind}"')
-    if stage.kind == "walls":
+    if stage.moves_walls:
         return
     if stage.kind == "uniform" and stage.force is not None:
         errors.add(f"{_TABLE}.force", 'found with precompression.kind = "uniform", expected a pressure')

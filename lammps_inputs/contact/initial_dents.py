@@ -21,7 +21,7 @@ from granwave.lammps_inputs.contact.law import law_between
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.assembly import Assembly
-from granwave.lammps_inputs.packing.walls import wall_fixes, walls
+from granwave.lammps_inputs.packing.walls import touched_by, wall_fixes, walls
 
 if TYPE_CHECKING:
     from granwave._contact_laws import ContactLaw
@@ -261,6 +261,8 @@ def contacts_at_start(assembly: Assembly) -> list[NearContacts]:
             add((first, second), ids[one[rows]], two[rows], radius[rows], place[rows])
     for wall in walls(assembly):
         near = np.flatnonzero((wall.gaps(positions, radii) <= reach) & (ids <= assembly.lattice.n_spheres))
+        if (chosen := touched_by(assembly, wall)) is not None:
+            near = near[chosen[ids[near] - 1]]
         for name, _, material in [] if wall.held_layer else wall_fixes(assembly, wall):
             own = near[kind[near] == materials.index(material)]
             radius, place = wall.effective_radii(radii[own]), wall.nearest(positions[own])

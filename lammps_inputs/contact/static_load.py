@@ -1,14 +1,15 @@
 """Dead loads of ``[precompression]``: constant forces on spheres during the static stage and the run.
 
-uniaxial   the same force along +z on each sphere of the top layer; for a pressure, pressure times area of a cell;
-           the opposite force on the last sphere of a chain without a bottom
+uniaxial   the same force along +z on each sphere of the top layer (grains of a file: on the uppermost ones); for a
+           pressure, pressure times area of a cell; the opposite force on the last sphere of a chain without a bottom
 uniform    the forces of the missing neighbours outside of the packing, if every contact of the lattice carried the
            same force f. The mean stress (virial) of spheres with z contacts each in a cell of volume V is
            p = z f D/(2 d V) in d dimensions; hence f = p D^2/(2 sqrt 2) for fcc and hcp. A lattice of equal spheres
            is then in equilibrium in place under the pressure p, and its faces carry p times their area. Vacant sites
            that are connected to the outside count as outside.
 gravity    m g along +z on each sphere of the packing
-walls      none: walls are moved in, and held
+walls      none, or as uniaxial: walls are moved in, and held
+overlaps   the same: the grains overlap at the start
 
 Fixed spheres and strikers carry no dead load.
 """
@@ -26,6 +27,8 @@ from granwave.lammps_inputs.case.sections import Contact
 from granwave.lammps_inputs.contact.law import law_between
 from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.places import Places
+from granwave.lammps_inputs.packing.walls import touched_by, walls
 
 _SHELL = (3, 2, 1)  # rows of sites around the packing, along x, y, z, that contain all missing neighbours
 
@@ -37,18 +40,16 @@ def dead_loads(assembly: Assembly) -> tuple[NDArray[np.int64], NDArray[np.float6
     assert stage is not None
     ids = assembly.ids[assembly.ids <= lattice.n_spheres]
     force = np.zeros((len(ids), 3))
-    if stage.kind == "walls":
-        return ids[:0], force[:0]
     if stage.kind == "gravity":
         force[:, 2] = assembly.sphere_masses()[: len(ids)] * stage.acceleration
-    elif stage.kind == "uniaxial":
-        force[ids <= lattice.top_layer[-1], 2] = force_on_top(assembly)
-        if case.boundary.bottom == "free":
-            force[ids >= lattice.last_layer[0], 2] = -force_on_top(assembly)
+    elif stage.kind == "uniaxial" or stage.moves_walls:
+        force[np.isin(ids, lattice.top_layer), 2] = force_on_top(assembly)
+        if case.boundary.bottom == "free" and case.packing.kind == "chain":
+            force[np.isin(ids, lattice.last_layer), 2] = -force_on_top(assembly)
     else:
         force = force_of_contact(assembly) * _missing_neighbours(assembly)[ids - 1]
     if case.boundary.bottom == "fixed":
-        force[ids >= lattice.last_layer[0]] = 0.0
+        force[np.isin(ids, lattice.last_layer)] = 0.0
     loaded = force.any(axis=1)
     return ids[loaded], force[loaded]
 
@@ -57,8 +58,8 @@ def directions(assembly: Assembly) -> str:
     """Return the axes along which there are dead loads, as letters of "xyz"."""
     case = assembly.case
     stage = case.precompression
-    if stage is not None and stage.kind == "walls":
-        return ""
+    if stage is not None and stage.moves_walls:
+        return "z" if stage.force is not None else ""
     if stage is None or stage.kind != "uniform":
         return "z"
     return "xyz"[: assembly.lattice.rule.dimension]
@@ -69,8 +70,8 @@ def force_on_top(assembly: Assembly) -> float:
     case = assembly.case
     stage = case.precompression
     assert stage is not None
-    if stage.force is not None:
-        return stage.force
+    if stage.force is not None or stage.moves_walls:
+        return stage.force or 0.0
     nx, ny, _ = assembly.lattice.shape
     return (stage.pressure or 0.0) * math.prod(assembly.lattice.lengths) / (nx * ny)
 
@@ -80,9 +81,11 @@ def force_of_contact(assembly: Assembly) -> float:
     case = assembly.case
     stage, lattice = case.precompression, assembly.lattice
     assert stage is not None
-    if stage.kind == "walls":
-        law = sphere_hertz(case)
-        return float(law.loading_force(np.array([max(stage.moves.values(), default=0.0)]))[0])
+    if stage.moves_walls:
+        deepest = max([*stage.moves.values(), _largest_overlap(assembly) if stage.takes_overlaps else 0.0], default=0.0)
+        hertz = float(sphere_hertz(case).loading_force(np.array([deepest]))[0])
+        pressed = (force / _n_touching(assembly, name) for name, force in stage.presses.items())
+        return max([hertz, force_on_top(assembly), *pressed])
     if stage.kind == "uniform":
         rule = lattice.rule
         layer = rule.pitch[0] * rule.pitch[1] * lattice.diameter**2
@@ -90,11 +93,29 @@ def force_of_contact(assembly: Assembly) -> float:
             rule.coordination * lattice.diameter
         )  # fmt: skip
     top = force_on_top(assembly) if stage.kind == "uniaxial" else 0.0
+    if stage.kind == "gravity" and isinstance(lattice, Places):
+        return float(assembly.sphere_masses().sum()) * stage.acceleration / len(lattice.last_layer)
     if stage.kind == "gravity":
         nz, on_floor = lattice.n_layers, len(lattice.last_layer)
         held = case.boundary.bottom == "fixed"
         top = float(assembly.sphere_masses().sum()) * stage.acceleration / on_floor * (nz - held) / nz
-    return top / lattice.rule.carried
+    return top if isinstance(lattice, Places) else top / lattice.rule.carried
+
+
+def _largest_overlap(assembly: Assembly) -> float:
+    """Return the largest overlap of grains at the start, m."""
+    overlaps = assembly.lattice.overlapping()[1] if isinstance(assembly.lattice, Places) else np.zeros(0)
+    return float(overlaps.max(initial=0.0))
+
+
+def _n_touching(assembly: Assembly, name: str) -> int:
+    """Return the number of grains that touch one of the walls of a pair, or the tube, before it moves; at least 1."""
+    wall = next(wall for wall in walls(assembly) if wall.name.startswith(name))
+    ids, chosen = assembly.ids[assembly.ids <= assembly.lattice.n_spheres], touched_by(assembly, wall)
+    gaps = wall.gaps(assembly.positions()[: len(ids)], assembly.sphere_diameters()[: len(ids)] / 2)
+    if chosen is not None:
+        gaps = gaps[chosen[ids - 1]]
+    return max(int(np.count_nonzero(gaps <= gaps.min() + TOUCHING * assembly.lattice.diameter)), 1)
 
 
 def sphere_hertz(case: Case) -> ContactLaw:

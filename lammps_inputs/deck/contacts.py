@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from granwave.lammps_inputs.case.material import Material
@@ -14,6 +15,8 @@ from granwave.lammps_inputs.packing.walls import (
     Wall,
     footprint_radius,
     materials_of_last_layer,
+    touched_by,
+    touched_groups,
     wall_fixes,
     wall_friction,
     walls,
@@ -93,11 +96,13 @@ def plane_names(assembly: Assembly) -> list[str]:
     names = []
     for wall in walls(assembly):
         names += ["held"] if wall.held_layer else [name for name, _, _ in wall_fixes(assembly, wall)]
-    names += [f"hold{number}" for number, hold in enumerate(assembly.case.hold, start=1) if hold.axes]
+    names += [name for name, hold in assembly.case.holds.items() if hold.axes]
     return names
 
 
-def wall_commands(assembly: Assembly, *, elastic: bool = False, prefix: str = "") -> list[str]:
+def wall_commands(
+    assembly: Assembly, *, elastic: bool = False, prefix: str = "", only: Sequence[Wall] | None = None
+) -> list[str]:
     """Return the commands for walls, and for a last layer held in place.
 
     Parameters
@@ -106,16 +111,19 @@ def wall_commands(assembly: Assembly, *, elastic: bool = False, prefix: str = ""
         True for fixed planes with Hertz's law without friction, regardless of the case.
     prefix
         Prefix of the names of the fixes.
+    only
+        Walls that are there already and change their places; their groups, and what is held, stay.
     """
     case = assembly.case
-    lines = _groups(assembly)
-    for wall in walls(assembly):
+    lines = _groups(assembly) if only is None else []
+    for wall in walls(assembly) if only is None else only:
         if wall.held_layer:
             lines.append(f"group           held id {id_ranges(assembly.lattice.last_layer)}")
             lines.append(f"fix             {prefix}held held setforce 0.0 0.0 0.0")
             continue
-        low, high = ("NULL", num(wall.coordinate)) if wall.outward > 0 else (num(wall.coordinate), "NULL")
-        style = f"tube {num(wall.coordinate)}" if wall.tube else f"{'xyz'[wall.axis]}plane {low} {high}"
+        place = coordinate(case, wall)
+        low, high = ("NULL", place) if wall.outward > 0 else (place, "NULL")
+        style = f"tube {place}" if wall.tube else f"{'xyz'[wall.axis]}plane {low} {high}"
         for name, group, material in wall_fixes(assembly, wall):
             contact = case.contact_between(material, wall.material)
             words = [law_coefficients(_elastic(contact), material, wall.material)]
@@ -127,16 +135,30 @@ def wall_commands(assembly: Assembly, *, elastic: bool = False, prefix: str = ""
                 words += _support_arguments(assembly, wall, material)
             words += line
             lines.append(f"fix             {prefix}{name} {group} wall/gran/hysteretic {style} {joined(words)}")
+    if only is not None:
+        return lines
     if lines:
         lines.insert(0, "# Walls: planes that touch the outermost spheres, or the last layer held in place.")
     return lines + _hold_commands(case, prefix)
 
 
+def coordinate(case: Case, wall: Wall) -> str:
+    """Return the position of a plane, or the radius of a tube; of walls that move to a force as a formula."""
+    name = "tube" if wall.tube else "xyz"[wall.axis]
+    if case.precompression is None or name not in case.precompression.presses:
+        return num(wall.coordinate)
+    return f"$({num(wall.coordinate)}{'-' if wall.outward > 0 else '+'}v_{moved_wall(name)}:%.17g)"
+
+
+def moved_wall(name: str) -> str:
+    """Return the variable of the distance by which walls move in to a force; ``name``: x, y or tube."""
+    return f"wall_{name}"
+
+
 def _hold_commands(case: Case, prefix: str) -> list[str]:
     """Return the commands that hold grains; they come after all other forces on these."""
     lines = []
-    for number, hold in enumerate(case.hold, start=1):
-        name = f"hold{number}"
+    for name, hold in case.holds.items():
         lines.append(f"group           {name} id {id_ranges(held_ids(case, hold))}")
         if hold.axes:
             zeros = joined("0.0" if axis in hold.axes else "NULL" for axis in "xyz")
@@ -148,6 +170,11 @@ def _groups(assembly: Assembly) -> list[str]:
     """Return the commands for groups of spheres by material, if walls need them."""
     lines = []
     planes = [wall for wall in walls(assembly) if not wall.held_layer]
+    selections = (touched_by(assembly, wall) for wall in planes)
+    chosen = next((one for one in selections if one is not None), None)
+    if chosen is not None:
+        lines += [f"group           {name} id {id_ranges(ids)}" for name, _, ids in touched_groups(assembly, chosen)]
+        planes = [wall for wall in planes if touched_by(assembly, wall) is None]
     fixes = [(group, of) for wall in planes[-1:] for _, group, of in wall_fixes(assembly, wall) if group != "all"]
     groups = [group for group, _ in fixes]
     types = [

@@ -12,6 +12,7 @@ from granwave.lammps_inputs.case.shape import Shape, density_as_sphere
 from granwave.lammps_inputs.deck.commands import joined, num
 from granwave.lammps_inputs.packing.assembly import Assembly, Species, own_velocities
 from granwave.lammps_inputs.packing.bars import PlacedBar
+from granwave.lammps_inputs.packing.places import Places
 
 _STILL = (0.0, 0.0, 0.0)
 _BATCH = 100_000  # spheres formatted at once
@@ -114,7 +115,8 @@ def _header(assembly: Assembly) -> str:
     low, high = assembly.bounds()
     low, high = low - lattice.diameter / 2, high + lattice.diameter / 2
     if lattice.periodic:
-        low[:2] = _PERIODIC_LOW * lattice.diameter
+        lowest = lattice.bounds()[0, :2] if isinstance(lattice, Places) else 0.0
+        low[:2] = lowest + _PERIODIC_LOW * lattice.diameter
         high[:2] = low[:2] + np.array(lattice.lengths)
     box = "".join(f"{a:.17g} {b:.17g} {x}lo {x}hi\n" for a, b, x in zip(low, high, "xyz", strict=True))
     bars = assembly.bars

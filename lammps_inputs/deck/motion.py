@@ -67,8 +67,7 @@ def _integration(assembly: Assembly) -> list[str]:
     """Return the commands of time integration; nodes of bars and grains held upright are not rotated."""
     case = assembly.case
     lines, still, turning = [], _prescribed(assembly), case.has_rotation
-    names = {f"hold{number}": hold for number, hold in enumerate(case.hold, start=1)}
-    upright = [name for name, hold in names.items() if turning and hold.rotation and hold.axes != "xyz"]
+    upright = [name for name, hold in case.holds.items() if turning and hold.rotation and hold.axes != "xyz"]
     bars = [bar.name for bar in assembly.bars] if turning else []
     if upright:
         lines.append(f"group           upright union {joined(upright)}")
@@ -87,8 +86,8 @@ def _prescribed(assembly: Assembly) -> list[str]:
     case = assembly.case
     held = any(wall.held_layer for wall in walls(assembly))
     moved = case.load.kind == "displacement"
-    fixed = {f"hold{n}": hold.axes == "xyz" and (hold.rotation or not case.has_rotation)
-             for n, hold in enumerate(case.hold, start=1)}  # fmt: skip
+    fixed = {name: hold.axes == "xyz" and (hold.rotation or not case.has_rotation)
+             for name, hold in case.holds.items()}  # fmt: skip
     return [*(["held"] if held else []), *(["hit"] if moved else []), *(name for name, still in fixed.items() if still)]
 
 

@@ -43,6 +43,7 @@ from granwave.lammps_inputs.run_directory import (
     FRAMES_RESUMED,
     HISTORY_FILE,
     LINES_FILE,
+    MOVED_WALLS_FILE,
     PROBES_FILE,
     STATIC_FILE,
     STATIC_STAGE_FILE,
@@ -165,7 +166,7 @@ def wall_forces(assembly: Assembly, schedule: Schedule, *, resumed: bool = False
         columns |= {f"{PLATE}_{name}": source for name, source in sources(MOVING_WALL, of=PLATE).items()}
     return [
         "# Force of the spheres on each wall and bar, N, positive outwards.",
-        *(f"variable        {wall.name} equal {_outward_force(assembly, wall)}" for wall in found),
+        *(f"variable        {wall.name} equal {outward_force(assembly, wall)}" for wall in found),
         *_series("walls", schedule.wall_every, WALLS_FILE, "wall forces, N", {"time": "v_time"} | columns, resumed),
     ]
 
@@ -361,6 +362,8 @@ def output_files(assembly: Assembly, schedule: Schedule) -> list[str]:
     files += [PROBES_FILE] if case.probes else []
     files += [HISTORY_FILE, FORCES_FILE] if schedule.history_every else []
     files += [LINES_FILE] if case.line else []
+    if case.precompression is not None and case.precompression.presses:
+        files.append(MOVED_WALLS_FILE)
     return files + ([STATIC_STAGE_FILE, STATIC_FILE] if case.precompression else [])
 
 
@@ -389,8 +392,9 @@ def _names(columns: dict[str, str]) -> list[str]:
     return [f"colname {source} {name}" for name, source in columns.items() if name != source]
 
 
-def _outward_force(assembly: Assembly, wall: Wall) -> str:
-    sources = ["held"] if wall.held_layer else [name for name, _, _ in wall_fixes(assembly, wall)]
+def outward_force(assembly: Assembly, wall: Wall, prefix: str = "") -> str:
+    """Return the formula of the force of the spheres on a wall, positive outwards; ``prefix``: of its fixes."""
+    sources = ["held"] if wall.held_layer else [prefix + name for name, _, _ in wall_fixes(assembly, wall)]
     sign = "-" if wall.outward < 0 else "+"
     return "".join(f"{sign}f_{source}[{wall.axis + 1}]" for source in sources).removeprefix("+")
 

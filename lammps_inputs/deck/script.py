@@ -14,7 +14,13 @@ from granwave.lammps_inputs.deck.commands import num
 from granwave.lammps_inputs.deck.contacts import contacts, cylinder_commands, dents, wall_commands
 from granwave.lammps_inputs.deck.motion import adaptive_timestep, motion
 from granwave.lammps_inputs.deck.output import dumps_at_end, frames, history, ledger, lines, probes, thermo, wall_forces
-from granwave.lammps_inputs.deck.static_stage import dead_load_commands, first_half, reference_state, second_half
+from granwave.lammps_inputs.deck.static_stage import (
+    dead_load_commands,
+    first_half,
+    moved_walls,
+    reference_state,
+    second_half,
+)
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.planning.schedule import BLOCK_THRESHOLD, Schedule
 from granwave.lammps_inputs.planning.timestep import fastest
@@ -47,6 +53,7 @@ def input_script(assembly: Assembly, schedule: Schedule, *, restart_from: str = 
         contacts(assembly),
         dead_load_commands(assembly) if static else [],
         first_half(assembly) if static and not resumed else [],
+        moved_walls(case) if resumed else [],
         wall_commands(assembly),
         cylinder_commands(assembly, again=True),
         dents() if case.contact.initial_overlap and not resumed else [],

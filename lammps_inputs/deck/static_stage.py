@@ -23,13 +23,14 @@ from granwave.lammps_inputs.contact.initial_dents import largest_dent
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.contact.static_load import dead_loads, directions, force_of_contact, static_stiffness
 from granwave.lammps_inputs.deck.commands import joined, num
-from granwave.lammps_inputs.deck.contacts import pair_coefficients, plane_names, wall_commands
+from granwave.lammps_inputs.deck.contacts import moved_wall, pair_coefficients, plane_names, wall_commands
 from granwave.lammps_inputs.deck.inertia_relief import relief_commands, relief_state
-from granwave.lammps_inputs.deck.output import POTENTIAL, displacements
+from granwave.lammps_inputs.deck.output import POTENTIAL, displacements, outward_force
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.disorder import has_gaps
-from granwave.lammps_inputs.packing.walls import moving_fix, support_timestep, wall_fixes, walls
-from granwave.lammps_inputs.run_directory import DEAD_LOAD_FILE, DUMPS, STATIC_FILE, STATIC_STAGE_FILE
+from granwave.lammps_inputs.packing.places import Places
+from granwave.lammps_inputs.packing.walls import Wall, moving_fix, support_timestep, wall_fixes, walls
+from granwave.lammps_inputs.run_directory import DEAD_LOAD_FILE, DUMPS, MOVED_WALLS_FILE, STATIC_FILE, STATIC_STAGE_FILE
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
@@ -48,6 +49,8 @@ _ROUNDING = 8.0  # net force by rounding over stiffness times the rounding error
 _STEP = 0.03  # initial timestep over sqrt(mass/stiffness); FIRE makes it up to ten times longer
 _LONGEST_MOVE = 0.5  # displacement of a sphere in one iteration over the overlap of a contact
 _MOST_ITERATIONS = 200_000
+_ROUNDS = 8  # in which walls move in to a force; a secant doubles the digits in two of them
+_FLATTEST = 0.1  # least slope of its power 2/3 over that of the line through the start: bounds the next distance
 
 # residual: largest net force on a sphere over the largest contact force, or over the load if only walls are touched
 RECORD = {
@@ -95,6 +98,8 @@ def largest_move(assembly: Assembly) -> float:
     stage, lattice = case.precompression, assembly.lattice
     assert stage is not None
     on_the_way = max(lattice.shape) if stage.kind == "uniform" else lattice.shape[2]
+    if isinstance(lattice, Places) and not stage.moves:
+        on_the_way = math.ceil(float(np.ptp(lattice.bounds(), axis=0).max() / lattice.grains.diameter.min()))
     overlap = 1.5 * force_of_contact(assembly) / static_stiffness(assembly)
     gap = (
         max(stage.moves.values(), default=0.0)
@@ -113,6 +118,7 @@ def first_half(assembly: Assembly) -> list[str]:
         _STAGE_MARKER,
         "# To balance under the dead loads, first with elastic contacts, whose overshoots leave no dents.",
         *pair_coefficients(assembly, elastic=True),
+        *(f"variable        {moved_wall(name)} equal {num(d)}" for name, d in _first_moves(assembly).items()),
         *wall_commands(assembly, elastic=True, prefix=_PREFIX),
         f"group           {_SPHERES} id 1:{assembly.lattice.n_spheres}",
         *_relief(case),
@@ -129,6 +135,7 @@ def first_half(assembly: Assembly) -> list[str]:
         "min_style       fire",
         f"min_modify      norm inf dmax {num(longest_move)}",
         _minimize(assembly, first=True),
+        *_pressing(assembly),
         "variable        static_force equal $(c_static_largest:%.17g)",
         *(f"unfix           {_PREFIX}{name}" for name in plane_names(assembly)),
         "gran/dents      begin",
@@ -141,7 +148,8 @@ def second_half(assembly: Assembly) -> list[str]:
     """Return the commands for equilibrium with the laws and dents of the case, and its record."""
     case = assembly.case
     columns = ["c_static", "c_static[2]", "c_static_largest", "c_static_borne", "c_static_net", "c_static_moved"]
-    values = "\n".join([f"# {joined(RECORD)}", joined(RECORD.values())])
+    record = _record(assembly)
+    values = "\n".join([f"# {joined(record)}", joined(record.values())])
     return [
         _STAGE_MARKER,
         "# Once more, with the law of the case; then the state is recorded, and the run begins at time 0.",
@@ -174,6 +182,13 @@ def second_half(assembly: Assembly) -> list[str]:
     ]
 
 
+def moved_walls(case: Case) -> list[str]:
+    """Return the command that reads how far walls were moved to a force, for a run that is resumed."""
+    if case.precompression is None or not case.precompression.presses:
+        return []
+    return ["# Walls that were moved to a force.", f"include         {DUMPS}/{MOVED_WALLS_FILE}"]
+
+
 def reference_state() -> list[str]:
     """Return the command that reads the reference energy of the ledger, stored by the static stage."""
     return ["# What the ledger counts from.", f"include         {DUMPS}/{STATIC_FILE}"]
@@ -189,6 +204,68 @@ def load_tables(assembly: Assembly) -> dict[str, str]:
         rows = "".join(f"{sphere} {force:.17g}\n" for sphere, force in pairs)
         tables[DEAD_LOAD_FILE.format(axis)] = f"# dead loads: id, force (N); how many\n{len(pairs)}\n{rows}"
     return tables
+
+
+def _record(assembly: Assembly) -> dict[str, str]:
+    """Return what the record holds: its columns, and the formulas of their values."""
+    record = dict(RECORD)
+    for name, pressed in _pressed_walls(assembly).items():
+        mean = "+".join(f"({outward_force(assembly, wall)})" for wall in pressed)
+        record[f"moved_{name}"] = f"$(v_{moved_wall(name)}:%.17g)"
+        record[f"force_{name}"] = f"$(({mean})/{len(pressed)}:%.17g)"
+    return record
+
+
+def _pressed_walls(assembly: Assembly) -> dict[str, list[Wall]]:
+    """Return the walls that move in to a force, by x, y or tube."""
+    stage = assembly.case.precompression
+    assert stage is not None
+    return {name: [wall for wall in walls(assembly) if wall.name in (f"{name}lo", f"{name}hi", name)]
+            for name in stage.presses}  # fmt: skip
+
+
+def _first_moves(assembly: Assembly) -> dict[str, float]:
+    """Return the distances by which walls that move in to a force do so at first: the overlap of a contact, m."""
+    stage = assembly.case.precompression
+    assert stage is not None
+    overlap = 1.5 * force_of_contact(assembly) / static_stiffness(assembly)
+    return dict.fromkeys(stage.presses, overlap)
+
+
+def _pressing(assembly: Assembly) -> list[str]:
+    """Return the commands that move walls in, round by round, until they bear their forces.
+
+    The power 2/3 of the force is about linear in the distance: its secant gives the next one, in the first round the
+    line through the start.
+    """
+    stage = assembly.case.precompression
+    if stage is None or not stage.presses:
+        return []
+    lines = ["# Walls move in until they bear their forces: a secant of the power 2/3 of the force over the distance."]
+    for number in range(_ROUNDS):
+        for name, pressed in _pressed_walls(assembly).items():
+            here, level = f"v_{moved_wall(name)}", f"static_level_{name}"
+            force = "+".join(f"({outward_force(assembly, wall, _PREFIX)})" for wall in pressed)
+            share = f"abs({force})/{num(len(pressed) * stage.presses[name])}"
+            if number:
+                lines.append(f"variable        static_before_{name} equal $(v_{level}:%.17g)")
+            lines.append(f"variable        {level} equal $(({share})^(2/3):%.17g)")
+            slope = f"v_{level}/{here}"
+            if number:
+                rise, run = f"v_{level}-v_static_before_{name}", f"{here}-v_static_from_{name}"
+                slope = f"(({rise})/(({run})+(({run})==0)))"
+            lines += [
+                f"variable        static_slope_{name} equal $({slope}:%.17g)",
+                f"variable        static_slope_{name} equal "
+                f"$(ternary(v_static_slope_{name}>{_FLATTEST}/{here},v_static_slope_{name},{_FLATTEST}/{here}):%.17g)",
+                f"variable        static_from_{name} equal $({here}:%.17g)",
+                f"variable        {moved_wall(name)} equal $({here}+(1-v_{level})/v_static_slope_{name}:%.17g)",
+            ]
+        moved = [wall for pressed in _pressed_walls(assembly).values() for wall in pressed]
+        lines += wall_commands(assembly, elastic=True, prefix=_PREFIX, only=moved)
+        lines.append(_minimize(assembly, first=True))
+    found = "\n".join(f"variable {moved_wall(name)} equal $(v_{moved_wall(name)}:%.17g)" for name in stage.presses)
+    return [*lines, f'print           """{found}""" file {DUMPS}/{MOVED_WALLS_FILE} screen no']
 
 
 def _relief(case: Case, *, again: bool = False) -> list[str]:

@@ -421,7 +421,8 @@ def _assemble(case: Case) -> Assembly:
 def lattice_of(case: Case) -> Layout:
     """Return the lattice of a case, or the places of its grains."""
     if case.packing.grains is not None:
-        return places_of(case.packing.grains, case.packing.diameter)
+        period = case.packing.period if case.boundary.sides == "periodic" else None
+        return places_of(case.packing.grains, case.packing.diameter, period)
     return case.packing.lattice(periodic=case.boundary.sides == "periodic")
 
 

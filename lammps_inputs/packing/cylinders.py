@@ -42,29 +42,48 @@ def reaches(grains: Grains) -> NDArray[np.float64]:
     return np.where(half > 0, np.hypot(grains.diameter / 2, half), grains.diameter / 2)
 
 
-def distances(grains: Grains, pairs: NDArray[np.int64]) -> NDArray[np.float64]:
+def distances(
+    grains: Grains, pairs: NDArray[np.int64], period: tuple[float, float] | None = None
+) -> NDArray[np.float64]:
     """Return the distances from which the overlaps of pairs of ids (n, 2) with cylinders count: (n,), m.
 
     Beyond the end of a cylinder they are the distances of the centres, if grains there do not overlap with it.
     """
     first, second = pairs.T - 1
-    distance, beyond = separations(grains.position, grains.shape, first, second)
-    centres = np.linalg.norm(grains.position[second] - grains.position[first], axis=1)
+    distance, beyond = separations(grains.position, grains.shape, first, second, period)
+    centres = np.linalg.norm(nearest_image(grains.position[second] - grains.position[first], period), axis=1)
     radii = grains.diameter[pairs - 1].sum(axis=1) / 2
     return np.where(beyond > 0, np.maximum(centres, radii * 2), distance)
 
 
+def nearest_image(step: NDArray[np.float64], period: tuple[float, float] | None) -> NDArray[np.float64]:
+    """Return vectors between centres, (n, 3), as those to the nearest images with periods along x and y, m."""
+    if period is not None:
+        step[:, :2] -= period * np.round(step[:, :2] / period)
+    return step
+
+
 def separations(
-    position: NDArray[np.float64], shapes: Sequence[Shape], first: NDArray[np.int64], second: NDArray[np.int64]
+    position: NDArray[np.float64],
+    shapes: Sequence[Shape],
+    first: NDArray[np.int64],
+    second: NDArray[np.int64],
+    period: tuple[float, float] | None = None,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the distances of pairs of rows from or between axes, and how far beyond an end they are: (n,), m."""
+    """Return the distances of pairs of rows from or between axes, and how far beyond an end they are: (n,), m.
+
+    Parameters
+    ----------
+    period
+        Periods along x and y, m.
+    """
     distance, beyond = np.empty(len(first)), np.empty(len(first))
     kinds = {one: number for number, one in enumerate(dict.fromkeys(shapes))}
     kind, each = np.array([kinds[one] for one in shapes]), list(kinds)
     code = kind[first] * len(each) + kind[second]
     for one in np.unique(code).tolist():
         rows = np.flatnonzero(code == one)
-        between = position[first[rows]] - position[second[rows]]
+        between = nearest_image(position[first[rows]] - position[second[rows]], period)
         distance[rows], beyond[rows] = _separation(between, each[one // len(each)], each[one % len(each)])
     return distance, beyond
 

@@ -81,6 +81,9 @@ class Packing:
         pairs = self.assembly.contacts()
         pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
         gaps = self.gaps(pairs)
+        stage = self.assembly.case.precompression
+        if stage is not None and stage.takes_overlaps:
+            gaps = np.maximum(gaps, 0.0)
         if gaps.size and np.abs(gaps).max() > TOUCHING * self.lattice.diameter:
             first, second = pairs[np.abs(gaps).argmax()]
             raise RuntimeError(

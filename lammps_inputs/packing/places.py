@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.grains import Grains
 from granwave.lammps_inputs.lattices import FILE, TOUCHING, Kind, Lattice, kind_of
-from granwave.lammps_inputs.packing.cylinders import distances, extents, reaches
+from granwave.lammps_inputs.packing.cylinders import distances, extents, nearest_image, reaches
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -25,12 +25,19 @@ class Places:
         The grains.
     diameter
         Nominal diameter, m: a gap of 1e-6 of it still counts as touching.
+    period
+        Periods along x and y, m; None if the packing is not periodic.
     """
 
     grains: Grains
     diameter: float
+    period: tuple[float, float] | None = None
     kind: str = FILE
-    periodic: bool = False
+
+    @property
+    def periodic(self) -> bool:
+        """True if the packing is periodic along x and y."""
+        return self.period is not None
 
     @property
     def rule(self) -> Kind:
@@ -59,7 +66,9 @@ class Places:
 
     @property
     def lengths(self) -> tuple[float, float]:
-        """Extent along x and y, grains included, m."""
+        """Periods along x and y, or without them the extent, grains included, m."""
+        if self.period is not None:
+            return self.period
         low, high = self.faces()
         return float(high[0] - low[0]), float(high[1] - low[1])
 
@@ -102,10 +111,11 @@ class Places:
         They are those of the centres of spheres, and of the axes of cylinders.
         """
         first, second = pairs.T - 1
-        apart = np.linalg.norm(self.grains.position[second] - self.grains.position[first], axis=1)
+        step = nearest_image(self.grains.position[second] - self.grains.position[first], self.period)
+        apart = np.linalg.norm(step, axis=1)
         if any(self.grains.shape):
             rows = self._shaped[first] | self._shaped[second]
-            apart[rows] = distances(self.grains, pairs[rows])
+            apart[rows] = distances(self.grains, pairs[rows], self.period)
         return apart
 
     @cached_property
@@ -135,13 +145,18 @@ class Places:
         """Touching and overlapping pairs, sorted: ids (n, 2), i < j, and gaps (n,), m."""
         from scipy.spatial import KDTree  # takes longer to load than most commands need
 
-        centres, radius = self.grains.position, reaches(self.grains)
+        centres, radius, box = self.grains.position, reaches(self.grains), None
+        if self.period is not None:
+            box = np.array([*self.period, 0.0])  # 0: not periodic along z
+            centres = centres.copy()
+            centres[:, :2] = np.mod(centres[:, :2], self.period)
+            centres[:, :2][centres[:, :2] >= self.period] = 0.0  # as rounding of the remainder may leave it
         slack = TOUCHING * self.diameter
         found = [np.empty((0, 2), dtype=np.int64)]
         # Classes of size keep the search short where a few grains are much larger than the rest.
         classes = np.floor(np.log2(radius / radius.min()) + 1e-9).astype(np.int64)
         members = {int(one): np.flatnonzero(classes == one) for one in np.unique(classes)}
-        trees = {one: KDTree(centres[rows]) for one, rows in members.items()}
+        trees = {one: KDTree(centres[rows], boxsize=box) for one, rows in members.items()}
         for one, other in ((a, b) for a in members for b in members if a <= b):
             reach = radius[members[one]].max() + radius[members[other]].max() + slack
             if one == other:
@@ -169,6 +184,6 @@ Layout: TypeAlias = Lattice | Places  # where the spheres of a packing are
 
 
 @lru_cache(maxsize=4)
-def places_of(grains: Grains, diameter: float) -> Places:
+def places_of(grains: Grains, diameter: float, period: tuple[float, float] | None = None) -> Places:
     """Return the places of grains; those of equal grains are the same, so that their contacts are searched once."""
-    return Places(grains, diameter)
+    return Places(grains, diameter, period)

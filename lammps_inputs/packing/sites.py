@@ -206,6 +206,8 @@ class Sites:
 
     def _touch(self, pairs: NDArray[np.int64], gaps: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Select the touching pairs; those with larger spheres are found by `near_larger`."""
+        if isinstance(self.lattice, Places):
+            return gaps <= TOUCHING * self.lattice.diameter  # overlaps at the start touch too, where they are asked for
         touching = np.abs(gaps) <= TOUCHING * self.lattice.diameter
         return touching & ~self.larger[pairs - 1].any(axis=1) if self.larger.any() else touching
 

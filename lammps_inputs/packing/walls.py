@@ -11,12 +11,15 @@ from numpy.typing import NDArray
 
 from granwave._contact_laws import elliptic_radius
 from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.packing.assembly import Assembly, assemble
+from granwave.lammps_inputs.case.sections import Touched
+from granwave.lammps_inputs.packing.assembly import Assembly, assemble, lattice_of
+from granwave.lammps_inputs.packing.cylinders import extents
 from granwave.lammps_inputs.plane_lattices import is_plane_crystal
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
     from granwave.lammps_inputs.case.supports import Support
+    from granwave.lammps_inputs.packing.sites import Sites
 
 
 SIDE_WALLS = ("tube", "xlo", "xhi", "ylo", "yhi")
@@ -96,7 +99,7 @@ def walls(case: Case | Assembly) -> tuple[Wall, ...]:
         )
     for axis, letter in enumerate("xy"):
         if case.boundary.has_planes(letter) and (letter == "x" or across_y(case)):
-            (low, high), inwards = assembly.faces()[:, axis].tolist(), moves.get(letter, 0.0)
+            (low, high), inwards = _faces(assembly, axis), moves.get(letter, 0.0)
             inwards -= max(case.boundary.gap, 0.0)
             found.append(Wall(f"{letter}lo", axis, -1, low + inwards, material=material))
             found.append(Wall(f"{letter}hi", axis, 1, high - inwards, material=material))
@@ -108,12 +111,51 @@ def across_y(case: Case) -> bool:
     return not is_plane_crystal(case.packing.kind) or case.boundary.y is not None
 
 
+def touched_by(assembly: Assembly, wall: Wall) -> NDArray[np.bool_] | None:
+    """Select the sites of the packing on which a wall acts: (n_sites,); None if it acts on all."""
+    only = assembly.case.boundary.sides_touch
+    if only is None or wall.name == "bottom":
+        return None
+    return touched(assembly.case, assembly.sites, only)
+
+
+def touched(case: Case, sites: Sites | None, only: Touched) -> NDArray[np.bool_]:
+    """Select the sites of the packing with these materials or groups: (n_sites,)."""
+    grains = case.packing.grains
+    chosen = np.zeros(lattice_of(case).n_spheres, dtype=bool)
+    if sites is not None:
+        known = [number for number, material in enumerate(sites.materials) if material.name in only.material]
+        chosen |= np.isin(sites.kind, known) & sites.present
+    elif case.material.name in only.material:
+        chosen[:] = True
+    if grains is not None:
+        chosen |= np.isin(np.array(grains.group, dtype=object), only.group)
+    return chosen
+
+
+def _faces(assembly: Assembly, axis: int) -> tuple[float, float]:
+    """Return the coordinates of the two planes across an axis, which touch the outermost spheres that they act on."""
+    only, sites = assembly.case.boundary.sides_touch, assembly.sites
+    if only is None or sites is None:
+        low, high = assembly.faces()[:, axis].tolist()
+        return low, high
+    chosen = touched(assembly.case, assembly.sites, only)
+    shapes = [sites.shape_of(row) for row in np.flatnonzero(chosen).tolist()]
+    place, reach = sites.positions(1, len(chosen))[chosen, axis], extents(sites.diameter[chosen] / 2, shapes)[:, axis]
+    return float((place - reach).min()), float((place + reach).max())
+
+
 def wall_fixes(assembly: Assembly, wall: Wall) -> list[tuple[str, str, Material]]:
     """Return the LAMMPS fixes of a plane, one for each material: name, group and material of the grains.
 
     Walls act on the spheres of the packing; strikers, which are outside, can pass them.
     """
     case = assembly.case
+    chosen = touched_by(assembly, wall)
+    if chosen is not None:
+        groups = touched_groups(assembly, chosen)
+        names = [wall.name, *(f"{wall.name}_{n}" for n in range(2, len(groups) + 1))]
+        return [(name, group, material) for name, (group, material, _) in zip(names, groups, strict=True)]
     if case.packing.kind == "chain" and wall.name == "bottom":
         return [(wall.name, "all", assembly.material_of(assembly.lattice.n_spheres))]
     materials = list(dict.fromkeys(species.material for species in assembly.species if species.role == "sphere"))
@@ -126,6 +168,17 @@ def wall_fixes(assembly: Assembly, wall: Wall) -> list[tuple[str, str, Material]
     if wall.plate is not None:  # it moves with the spheres that it touches: those of the top layer
         return [(wall.name, group, material) for _, group, material in fixes if material in materials_on_top(assembly)]
     return fixes
+
+
+def touched_groups(assembly: Assembly, chosen: NDArray[np.bool_]) -> list[tuple[str, Material, NDArray[np.int64]]]:
+    """Return the groups of chosen spheres, one for each material: name, material and ids."""
+    sites = assembly.sites
+    if sites is None:
+        return [("touched1", assembly.material, 1 + np.flatnonzero(chosen))]
+    found = [(material, 1 + np.flatnonzero(chosen & (sites.kind == number)))
+             for number, material in enumerate(sites.materials)]  # fmt: skip
+    found = [(material, ids) for material, ids in found if len(ids)]
+    return [(f"touched{number}", material, ids) for number, (material, ids) in enumerate(found, start=1)]
 
 
 def wall_friction(case: Case, wall: Wall, material: Material) -> float:

@@ -66,6 +66,7 @@ TABLES: list[tuple[str, str, type, dict[str, Any]]] = [
     (CASE, "replace.1", bodies.Replace, SPHERES | {"replace": [{"index": 5, "diameter": 0.009}]}),
     (CASE, "striker.1", bodies.Striker, SPHERES | {"striker": [{"touches": 6, "velocity": [0, 0, 1]}]}),
     (CASE, "hold.1", bodies.Hold, SPHERES | {"hold": [{"index": 3}]}),
+    (CASE, "guide.1", bodies.Guide, SPHERES | {"guide": [{"index": 3, "free": "z"}]}),
     (CASE, "grains.1", AddedGrains, CHAIN
         | {"grains": [{"at": [[0.02, 0.0, 0.0]], "diameter": 0.004}], "boundary": {"bottom": "free"}}),
     (CASE, "boundary.sides.tube", sections.Tube, CHAIN | {"boundary": {"sides": {"tube": {"radius": 0.02}}}}),

@@ -167,6 +167,7 @@ def test_wrong_tables(tmp_path: Path, text: str, line: str) -> None:
 
 
 HELD = {"hold": [{"index": 3}]}
+HELD_TOP = {"hold": [{"index": 1}], "load": {"index": [2]}}
 
 
 @pytest.mark.parametrize(
@@ -177,9 +178,27 @@ HELD = {"hold": [{"index": 3}]}
         ({"text": "x,y,z,diameter,material\n0,0,0,1,gum\n"}, 'found material "gum" of grain 1, expected a preset'),
         ({"packing": {"size": 3}}, "packing.size: does not belong to packing.kind"),
         ({"packing": {"file": "a.csv"}}, "packing.file: found beside packing.grains"),
-        ({"boundary": {"sides": "periodic"}}, "boundary.sides: found"),
+        ({"boundary": {"sides": "periodic"}}, "packing.period: missing"),
+        ({"boundary": {"sides": "periodic"}, "packing": {"period": [0.03, 0.1]}}, "expected at least 0.0375 m"),
+        ({"boundary": {"sides_touch": {"group": "row"}}}, "boundary.sides_touch: found it without walls"),
+        ({"boundary": {"x": "wall", "sides_touch": {"group": "row"}}}, 'sides_touch.group: found "row", expected none'),
+        ({"boundary": {"x": "wall", "sides_touch": {"material": "steel"}}}, 'expected one of "brass"'),
+        ({"boundary": {"x": "wall", "sides_touch": {}}}, "boundary.sides_touch: found {}, expected a table"),
         ({"replace": [{"index": 1, "material": "steel"}]}, "replace: found with packing.kind"),
-        ({"precompression": {"kind": "gravity"}}, 'precompression.kind: found "gravity" with packing.kind = "file"'),
+        (
+            {"precompression": {"kind": "uniform", "pressure": 1e4}},
+            'precompression.kind: found "uniform" with packing.kind = "file"',
+        ),
+        ({"precompression": {"kind": "walls", "x_force": 5.0}}, "precompression.x_force: found 5 N, but there is no"),
+        (
+            {"precompression": {"kind": "walls", "x": 1e-6, "x_force": 5.0}, "boundary": {"x": "wall"}},
+            "precompression.x: found beside x_force",
+        ),
+        ({"precompression": {"kind": "uniaxial", "force": 5.0}} | HELD_TOP, "force: acts on grain 1, the uppermost"),
+        ({"precompression": {"kind": "uniaxial", "force": 5.0}, "boundary": {"bottom": "free"}}, "which nothing bears"),
+        ({"precompression": {"kind": "uniaxial", "pressure": 5e3}}, "which have no face; give a force"),
+        ({"guide": [{"index": 4, "free": "z"}]}, "guide.1.index: found 4, expected ids from 1 to 3"),
+        ({"guide": [{"free": "xyz"}]}, "guide.1.free: found"),
         ({"precompression": {"kind": "walls"}}, 'precompression: found kind = "walls" and no wall that moves'),
         (
             {"precompression": {"kind": "walls", "tube": 1e-6}},
@@ -282,3 +301,23 @@ def test_dents_of_a_tube_are_where_its_grains_touch() -> None:
     assert near.second.tolist() == [1, 2, 3, 4]
     assert np.hypot(*near.place.T[:2]) == pytest.approx(np.full(4, 0.015))
     assert near.effective_radius == pytest.approx(np.full(4, elliptic_radius(200.0, 200.0 - 1 / 0.015)))
+
+
+@pytest.mark.parametrize("periodic", [False, True])
+@pytest.mark.parametrize(("kind", "holes", "n", "n_holes"), [
+    ("fcc", "octahedral", 6, 64), ("hcp", "octahedral", 6, 64), ("fcc", "tetrahedral", 4, 128), ("hcp", "tetrahedral", 4, 128),
+])  # fmt: skip
+def test_grains_in_holes(periodic: bool, kind: str, holes: str, n: int, n_holes: int) -> None:
+    """In endless layers there is one octahedral hole to each sphere of a pair of layers, and two tetrahedral ones."""
+    ratio = {"octahedral": 2**0.5 - 1, "tetrahedral": 1.5**0.5 - 1}[holes]
+    tables = case_of(packing={"kind": kind, "size": [4, 4, 5], "diameter": 0.01},
+                     grains=[{"at": holes, "diameter": 0.01 * ratio, "material": "steel", "group": "small"}],
+                     boundary={"sides": "periodic" if periodic else "free"})  # fmt: skip
+    del tables["packing"]["grains"]
+    case = case_from_dict(tables, "mine")
+    packing = build_packing(case)
+    inside = packing.coordination[80:]
+    assert (inside == n).all() if holes == "octahedral" else (inside >= n).all()
+    assert len(inside) == n_holes if periodic else 0 < len(inside) < n_holes
+    again = case_from_dict(tomllib.loads(case.to_toml()), "mine")
+    assert again == case and (again.packing.period is not None) == periodic

@@ -12,6 +12,8 @@ from granwave.lammps_inputs.run_directory import DUMPS, STATIC_STAGE_FILE
 
 LARGEST_RESIDUAL = 1e-6  # largest net force on a sphere over the largest contact force
 
+FORCE_TOLERANCE = 1e-4  # of the force of walls that are moved to a force
+
 _ADVICE = (
     'the packing is not confined: take boundary.sides = "periodic", or precompression.kind = "uniform" (without '
     "friction a pile spreads, also between walls, and a sphere beside a vacancy may lose its hold)"
@@ -46,4 +48,12 @@ def check_equilibrium(case: Case, directory: Path) -> dict[str, float]:
             f"{found['residual']:.1e} of the largest contact force is left, expected at most {LARGEST_RESIDUAL:.0e}; "
             f"{advice}"
         )
+    for name, asked in (case.precompression.presses if case.precompression else {}).items():
+        force = found[f"force_{name}"]
+        if not abs(force / asked - 1) <= FORCE_TOLERANCE:
+            raise RunError(
+                f"precompression: the {name} walls bear {force:.6g} N after the static stage, expected {asked:.6g} N: "
+                "their distance is found with elastic contacts, and under this force some yield, or the walls press "
+                f"on nothing; take a smaller {name}_force, or give the distance {name}"
+            )
     return found

@@ -1,0 +1,1 @@
+"""Rows of spheres with cylinders beside them."""

@@ -1,0 +1,1 @@
+"""Studies of rows and packings with other grains beside their spheres."""
