@@ -208,7 +208,7 @@ ENTRIES = (
              "A wave that they reflect can have come back, within the run, to what holds 99 %."),
     Quantity("wave_return_s", "Earliest return of a wave",
              "From the first peaks of force at the bound and at the zone; continuum: from the speed of compression."),
-    Quantity("wave_return_share", "Share dissipated after that",
+    Quantity("wave_return_share", "Share dissipated after waves came back",
              "Of the energy dissipated by yielding: at most so much is owed to waves that came back."),
     # static stage
     Quantity("energy_stored_J", "Energy stored by precompression",
