@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from granwave.analysis.errors import MissingOutputError
-from granwave.analysis.figures.side_by_side import helpers
+from granwave.analysis.figures.side_by_side import USUAL_FIGURES, helpers
 from granwave.analysis.lammps_output.completeness import check_complete
 from granwave.analysis.lammps_output.dumps import read_data
 from granwave.analysis.progress_bar import progress_bar
@@ -36,7 +36,6 @@ _IN_TIME = (  # figures that need no values of spheres and contacts
     "probes",
     "accelerations",
 )
-_USUAL_FIGURES = 18  # of a packing; a chain has ten
 
 
 def analyse(
@@ -119,7 +118,7 @@ def _analyse(directory: Path, report: Callable[[str], None], figures: bool, at_o
     check_case(directory)
     check_complete(directory)
     _check_deck(directory)
-    with helpers(_USUAL_FIGURES if figures else 0) as others:
+    with helpers(USUAL_FIGURES if figures else 0) as others:
         report("result.h5")
         write_result(directory, at_once=at_once)
         report("summary.json")

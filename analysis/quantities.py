@@ -229,7 +229,7 @@ ENTRIES = (
              "A wave that they reflect can have come back, within the run, to what holds 99 %."),
     Quantity("wave_return_s", "Earliest return of a wave",
              "From the first peaks of force at the bound and at the zone; continuum: from the speed of compression."),
-    Quantity("wave_return_share", "Share dissipated after that",
+    Quantity("wave_return_share", "Share dissipated after waves came back",
              "Of the energy dissipated by yielding: at most so much is owed to waves that came back."),
     # static stage
     Quantity("energy_stored_J", "Energy stored by precompression",
@@ -262,7 +262,8 @@ ENTRIES = (
     Quantity("unprotected_ground_peak_force_N", "Peak force on the ground without the packing"),
     Quantity("peak_reduction", "Peak reduction",
              "Peak force on the bottom without the packing, over that with it (without a precompression's).",
-             short="peak without packing", digits=".3g", phrase="{} times as high"),
+             short="peak without packing", digits=".3g", phrase="{} times as high",
+             axis="Peak force without packing / with it"),
     Quantity("ground_peak_reduction", "Peak reduction on the ground", "The same of the force on the ground."),
     Quantity("peak_reduction_per_kg", "Peak reduction per mass of packing"),
     Quantity("peak_reduction_per_m", "Peak reduction per height of packing"),
@@ -390,7 +391,7 @@ SCAN_COLUMNS = _quantities(
 
 #: Quantities that figures of scans show, by what names of figures begin with.
 SCAN_FIGURES = {
-    "restitution": "restitution", "dissipated_fraction": "dissipated_fraction",
+    "peak_reduction": "peak_reduction", "restitution": "restitution", "dissipated_fraction": "dissipated_fraction",
     "plastic_zone_depth": "plastic_zone_depth_m", "zone_depth_90": "zone_depth_90_m",
     "zone_radius_90": "zone_radius_90_m", "zone_volume_90": "zone_volume_90_m3",
     "plastic_zone_volume": "plastic_zone_volume_m3", "plastic_spheres": "n_plastic_spheres",

@@ -2,7 +2,7 @@
 
     python -m granwave.analysis.figures.helper CONNECTION QUEUE
 
-Both are file descriptors: of the connection to that process, and of the pipe with the numbers of figures to draw.
+Both are file descriptors: of the connection to that process, and of the pipe with the numbers of shares to draw.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from granwave.lammps_inputs.case.figures import Figures
 def work(
     connection: Connection,
     queue: int,
+    shares: Sequence[Sequence[int]],
     directory: Path,
     names: Sequence[str],
     settings: Mapping[Any, Any],
@@ -38,7 +39,9 @@ def work(
     connection
         Connection to the process that asked.
     queue
-        File descriptor with a byte for each figure: its number in ``names``.
+        File descriptor with a byte for each share: its number in ``shares``.
+    shares
+        Numbers in ``names`` of the figures that are taken at a time.
     directory
         Directory of the run.
     names
@@ -53,15 +56,16 @@ def work(
     mpl.rcParams.update(settings)
     with painter(directory, options) as draw:
         while taken := os.read(queue, 1):
-            notes.count = 0
-            with warnings.catch_warnings(record=True) as found:
-                try:
-                    outcome, succeeded = draw(names[taken[0]]), True
-                except Exception:
+            for number in shares[taken[0]]:
+                notes.count = 0
+                with warnings.catch_warnings(record=True) as found:
+                    try:
+                        outcome, succeeded = draw(names[number]), True
+                    except Exception:
+                        outcome, succeeded = None, False
+                if found or notes.count:  # to be drawn where they are seen
                     outcome, succeeded = None, False
-            if found or notes.count:  # to be drawn where they are seen
-                outcome, succeeded = None, False
-            connection.send((taken[0], succeeded, outcome))
+                connection.send((number, succeeded, outcome))
 
 
 class _Notes(logging.Handler):

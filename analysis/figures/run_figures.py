@@ -1,9 +1,9 @@
-"""All figures of a run by name, each written as NAME.png, NAME.pdf and NAME.csv to ``figures``."""
+"""All figures of a run by name, each written as NAME.png and NAME.csv to ``figures``."""
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from functools import partial
 from pathlib import Path
@@ -120,6 +120,9 @@ FIGURES: dict[str, RunFigure] = {
     "directions": RunFigure("Energy and dissipation by direction from the impact point", directions.directions),
 }
 
+#: Figures that take long; the two of a packing cut open share the work of finding what is seen of it.
+_LONG = (("packing_3d", "packing_3d_dissipation"), ("wave_front",))
+
 
 def draw_figures(
     directory: str | Path,
@@ -165,12 +168,21 @@ def draw_figures(
     if names is None:
         folder.remove(*(name for name in FIGURES if name not in chosen))
     with painter(directory, options) as draw, _helpers(len(chosen), helpers) as others:
-        outcomes = others.draw(chosen, draw, (Path(directory).absolute(), chosen, settings(), options))
+        request = (Path(directory).absolute(), chosen, settings(), options)
+        outcomes = others.draw(chosen, draw, request, _shares(chosen))
         for name in chosen:
             if progress is not None:
                 progress(name)
             folder.place(next(outcomes), name)
     return folder.written
+
+
+def _shares(names: Sequence[str]) -> list[list[int]]:
+    """Return the numbers of the figures that one process draws at a time, those that take long before the others."""
+    numbers = {name: number for number, name in enumerate(names)}
+    long = [[numbers[name] for name in share if name in numbers] for share in _LONG]
+    taken = {number for share in long for number in share}
+    return [share for share in long if share] + [[number] for number in numbers.values() if number not in taken]
 
 
 def _helpers(n_figures: int, started: Helpers | None) -> AbstractContextManager[Helpers]:

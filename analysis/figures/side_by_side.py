@@ -2,9 +2,10 @@
 
 Helpers are programs of their own, `granwave.analysis.figures.helper`, not copies of this process, which may hold
 threads, MPI and open files. They load the drawing library, which takes most of a second, while the run is analysed.
-Then they and this process take figures from a common queue: a pipe with one byte for each figure. This process alone
-writes files, in the order of the figures, from what the helpers send. A figure that fails in a helper, or gives a
-warning there, is drawn again here, so that errors and warnings are those of drawing in one process.
+Then they and this process take shares of the figures from a common queue: a pipe with one byte for each share, the
+longest first, so that all end at about the same time. This process alone writes files, in the order of the figures,
+from what the helpers send. A figure that fails in a helper, or gives a warning there, is drawn again here, so that
+errors and warnings are those of drawing in one process.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.memory import available_memory
 
 PROCESSES = "GRANWAVE_FIGURE_PROCESSES"  # environment variable: largest number of processes that draw
+USUAL_FIGURES = 18  # of a packing; a chain has ten
 _MOST_PROCESSES = 4  # with more, loading the drawing library costs more than they gain
 _LEAST_FIGURES = 4  # for each process
 _MEMORY = 0.5e9  # bytes for each helper: 0.4 with 155 520 spheres
@@ -102,37 +104,48 @@ class Helpers:
             os.close(self._entry)
         self._entry = None
 
-    def draw(self, names: Sequence[str], draw: Callable[[str], Outcome], request: tuple[Any, ...]) -> Iterator[Outcome]:
+    def draw(
+        self,
+        names: Sequence[str],
+        draw: Callable[[str], Outcome],
+        request: tuple[Any, ...],
+        shares: Sequence[Sequence[int]] | None = None,
+    ) -> Iterator[Outcome]:
         """Draw figures; yield the outcome of each, in order. To be called once.
 
         Parameters
         ----------
         names
-            Names of the figures, at most 256.
+            Names of the figures.
         draw
             Function that draws a figure in this process.
         request
-            Arguments of `granwave.analysis.figures.helper.work`, to be pickled.
+            Arguments of `granwave.analysis.figures.helper.work` after the shares, to be pickled.
+        shares
+            Numbers of the figures that one process takes at a time, in the order in which they are taken; at most 256.
+            By default each figure alone, in their order.
         """
+        shares = [[number] for number in range(len(names))] if shares is None else shares
         if self._entry is None:
             raise ValueError("these helpers have drawn; start others")
-        os.write(self._entry, bytes(range(len(names))))
+        os.write(self._entry, bytes(range(len(shares))))
         self._close_entry()  # so that readers find the end
         self._at_work = len(self._processes)
         for connection in self._connections[: self._at_work]:
             with contextlib.suppress(OSError):  # the helper has died
-                connection.send(request)
+                connection.send((shares, *request))
             self._receivers.append(threading.Thread(target=self._receive, args=(connection,), daemon=True))
             self._receivers[-1].start()
         own: dict[int, tuple[bool, Outcome]] = {}
         for number, name in enumerate(names):
             while number not in own and number not in self._received and (taken := self._take()) is not None:
-                own[taken] = (True, draw(name)) if taken == number else _attempt(draw, names[taken])
+                for one in shares[taken]:
+                    own[one] = (True, draw(name)) if one == number else _attempt(draw, names[one])
             succeeded, outcome = own.pop(number) if number in own else self._wait_for(number)
             yield outcome if succeeded else draw(name)
 
     def _take(self) -> int | None:
-        """Take the number of a figure from the queue; None if all are taken."""
+        """Take the number of a share from the queue; None if all are taken."""
         taken = os.read(self._queue, 1)
         return taken[0] if taken else None
 

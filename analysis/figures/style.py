@@ -21,7 +21,6 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
-from granwave.analysis.figures.pdf_fonts import needed_tables_only
 from granwave.lammps_inputs.directories import refuse_other_file
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import replace_bytes, replacing
@@ -165,6 +164,8 @@ def contents(drawing: Drawing, formats: Sequence[str] = ("pdf",)) -> dict[str, b
     drawing.figure.savefig(png, format="png", metadata={"Software": _MAKER}, pil_kwargs=compression)
     found = {".png": png.getvalue()}
     for name in formats:
+        from granwave.analysis.figures.pdf_fonts import needed_tables_only  # takes longer to load than a figure to draw
+
         stream = io.BytesIO()
         with needed_tables_only():
             drawing.figure.savefig(stream, format=name, metadata=_METADATA[name])

@@ -11,6 +11,7 @@ import dataclasses
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave.analysis.measures.nearest import nearest
 from granwave.analysis.measures.planes import preferred_directions
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.packing.assembly import assemble, struck_of
@@ -60,10 +61,8 @@ def struck_rows(result: Result) -> NDArray[np.int64]:
 def directions(result: Result) -> Array:
     """Unit vectors from the nearest struck sphere to each sphere: (n_spheres, 3); NaN for struck ones and strikers."""
     struck, positions = struck_rows(result), result["spheres/position"]
-    from scipy.spatial import cKDTree  # takes longer to load than many a figure to draw
-
-    _, nearest = cKDTree(positions[struck]).query(positions)
-    offset = positions - positions[struck][nearest]
+    _, row = nearest(positions, positions[struck])
+    offset = positions - positions[struck][row]
     offset[struck] = np.nan
     offset[~result.in_packing] = np.nan
     return offset / np.linalg.norm(offset, axis=1, keepdims=True)
@@ -78,8 +77,8 @@ def spread(result: Result, values: Array) -> Spread | None:
     if not total > 0:
         return None
     axes = preferred_directions(result.case.packing.kind)
-    nearest = (vectors @ axes.T).max(axis=1)
-    along = float(weights[nearest >= np.cos(np.deg2rad(AXIS_ANGLE)) - 1e-9].sum()) / total
+    cosine = (vectors @ axes.T).max(axis=1)
+    along = float(weights[cosine >= np.cos(np.deg2rad(AXIS_ANGLE)) - 1e-9].sum()) / total
     if is_layer(result):
         angle = np.rad2deg(np.arctan2(vectors[:, 1], vectors[:, 0]))
         width = 360 / LAYER_BINS  # a bin lies around each multiple of it

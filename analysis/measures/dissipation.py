@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave.analysis.measures.nearest import nearest
 from granwave.analysis.measures.planes import layers, preferred_directions
 from granwave.analysis.result.reader import Result
 
@@ -127,15 +128,12 @@ def rays(result: Result) -> Rays:
         return Rays(directions, np.empty((0, 0)))
     diameter = result.case.packing.diameter
     positions, ids = result["spheres/position"], result["spheres/id"]
-    from scipy.spatial import cKDTree  # takes longer to load than many a figure to draw
-
-    tree = cKDTree(positions)
     reach = int(np.linalg.norm(np.ptp(positions, axis=0)) / diameter) + 2
     force = _force_of_pairs(result)
     columns = []
     for direction in directions:
         points = result.origin + np.arange(reach)[:, None] * diameter * direction
-        distance, row = tree.query(points)
+        distance, row = nearest(points, positions)
         found = np.where(distance <= _ON_RAY * diameter, ids[row], 0)
         columns.append(force(found[:-1], found[1:]))
     table = np.stack(columns, axis=1)

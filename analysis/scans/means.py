@@ -10,12 +10,15 @@ from granwave.analysis.document.cells import is_number, show
 from granwave.analysis.formatting.numbers import interval
 from granwave.analysis.quantities import SCAN_FIGURES, quantity
 from granwave.analysis.scans.keys import Key, key_of
+from granwave.analysis.scans.protection import REDUCTION, protects
 from granwave.analysis.scans.result import SEED, ScanResult
 from granwave.analysis.scans.table import CONFIDENCE, COUNT, MEAN, physical, scan_statistics
 
 WORTH = 1e-12  # smallest value that is not rounding
 _SAME = 1e-6  # relative difference of values that count as equal
-_MAIN = ("restitution", "dissipated_fraction", "peak_force_N", "max_force_N", "n_plastic_spheres")  # in this order
+_MAIN = (  # in this order
+    REDUCTION, "restitution", "dissipated_fraction", "peak_force_N", "max_force_N", "n_plastic_spheres",
+)  # fmt: skip
 _TRENDS = ("rises", "falls")
 
 
@@ -33,18 +36,23 @@ class Means:
         Means by name of the quantity, one a row; None where there is none.
     half_widths
         Half-widths of the 95 % confidence intervals; None without replicates.
+    protection
+        True if the scan asks what reaches a target; `granwave.analysis.scans.protection.protects`.
     """
 
     keys: tuple[Key, ...]
     counts: tuple[int, ...]
     values: Mapping[str, Sequence[float | None]]
     half_widths: Mapping[str, Sequence[float | None]]
+    protection: bool = False
 
     def quantities(self) -> list[tuple[str, str]]:
         """Return the quantities that have figures, by names of figure and value: those that vary first."""
         found = []
         for number, (name, key) in enumerate(SCAN_FIGURES.items()):
             values = [value for value in self.values.get(key, ()) if value is not None]
+            if key == REDUCTION and not self.protection:
+                continue
             if len(values) == len(self.counts) > 1 and max(map(abs, values)) > WORTH:
                 rank = _MAIN.index(key) if key in _MAIN else len(_MAIN) + number
                 found.append((not self.varies(key), rank, name, key))
@@ -125,6 +133,7 @@ def means_of(scan: ScanResult) -> Means:
         tuple(counts[row] for row in kept),
         {key: [column[row] for row in kept] for key, column in columns.items()},
         {key: [column[row] for row in kept] for key, column in widths.items()},
+        protects(scan.varied, [point.summary for point in scan.points if point.status == "done"]),
     )
 
 

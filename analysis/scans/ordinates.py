@@ -10,6 +10,7 @@ from typing import Any
 
 from granwave.analysis.formatting.units import printed_unit
 from granwave.analysis.quantities import QUANTITIES, SCAN_FIGURES
+from granwave.analysis.scans.protection import REDUCTION, protects
 from granwave.analysis.scans.result import SEED, PointResult
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import InputError
@@ -54,6 +55,8 @@ def ordinates(varied: Sequence[str], done: Sequence[PointResult]) -> list[Ordina
         left_out.add("restitution")
     if not any(math.isfinite(_number(point, "plastic_zone_volume_ever_m3")) for point in done):
         left_out.add("plastic_zone_volume")  # of packings: the number of spheres tells it
+    if not protects(varied, [point.summary for point in done]):
+        left_out.add(REDUCTION)
     return [one for one in found if one.name not in left_out]
 
 

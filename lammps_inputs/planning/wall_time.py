@@ -42,7 +42,8 @@ _MOST_ITERATIONS_OF_DISORDER = 1e5
 _START = 0.3  # set-up and analysis, independent of size
 _SNAPSHOT, _TEXT_SNAPSHOT = 1.5e-6, 6e-6  # a particle in a snapshot: writing, reading, storing in result.h5, analysis
 _HISTORY = 3e-6  # a particle at an instant of a chain's history
-_FIGURES_OF_CHAIN, _FIGURES = 2.5, 5.5  # all figures of a run, including the start of program and library
+_FIGURES_OF_CHAIN, _FIGURES = 1.7, 3.8  # all figures of a run as PNG, including the start of program and library
+_FORMAT = 0.45  # of that time for each further format
 
 # first timesteps that an automatic one makes up for over a run: 1 to 1.5 in elastic packings and chains, else 2 to 7
 _GAIN, _ELASTIC_GAIN = 3.0, 1.2
@@ -88,6 +89,12 @@ class WallTime:
         return self.most_static + self.most_steps + self.rest + self.figures
 
 
+def _figures(case: Case) -> float:
+    """Return the time of drawing the figures of a run, s."""
+    as_png = _FIGURES_OF_CHAIN if case.packing.kind == "chain" else _FIGURES
+    return as_png * (1 + _FORMAT * len(case.figures.formats))
+
+
 def expected_wall_time(assembly: Assembly, schedule: Schedule, *, n_ranks: int = 1, figures: bool = True) -> WallTime:
     """Estimate the wall time of the run of a case.
 
@@ -112,7 +119,7 @@ def expected_wall_time(assembly: Assembly, schedule: Schedule, *, n_ranks: int =
         steps=part * most_steps / gain * each,
         most_steps=most_steps * each,
         rest=_START + n * records,
-        figures=(_FIGURES_OF_CHAIN if case.packing.kind == "chain" else _FIGURES) if figures else 0.0,
+        figures=_figures(case) if figures else 0.0,
     )
 
 

@@ -38,8 +38,7 @@ def drawn(directory, case, **options):
     analyse(synthetic.write_run(directory, case, **options))
     folder = directory / "figures"
     names = {path.stem for path in folder.glob("*.png")}
-    for suffix in ("pdf", "csv"):
-        assert {path.stem for path in folder.glob(f"*.{suffix}")} == names
+    assert {path.stem for path in folder.glob("*.csv")} == names
     assert all(path.stat().st_size > 0 for path in folder.iterdir())
     return names
 
@@ -167,6 +166,21 @@ def test_spheres_of_two_sizes_cover_their_discs():
     left, right, bottom, top = picture.extent
     covered = picture.pixels[..., 3].mean() * (right - left) * (top - bottom)
     assert covered == pytest.approx(np.pi * 1.25, rel=1e-2)
+
+
+def test_the_surface_of_a_packing_is_found_once(tmp_path, monkeypatch):
+    """Both pictures of a packing cut open are painted on one surface; another result has its own."""
+    found = []
+    find = packing3d.lit_surface
+    monkeypatch.setattr(packing3d, "lit_surface", lambda *rest: found.append(0) or find(*rest))
+    write_result(synthetic.write_run(tmp_path / "one", synthetic.make_case("fcc", (6, 6, 4))))
+    for count in (1, 2):
+        with Result(tmp_path / "one") as result:
+            pictures = [packing3d.packing_3d(result), packing3d.packing_3d_dissipation(result)]
+        assert len(found) == count
+        first, second = (picture.figure.axes[0].images[0].get_array() for picture in pictures)
+        assert first.shape == second.shape and not np.array_equal(first, second)
+        assert np.array_equal(first[..., 3], second[..., 3])
 
 
 def test_a_sphere_struck_across_has_no_figure_of_its_velocity():

@@ -14,6 +14,7 @@ import pytest
 from granwave.analysis import MissingOutputError, draw_figures, write_result
 from granwave.analysis.errors import MissingDataError
 from granwave.analysis.figures import side_by_side, style
+from granwave.analysis.figures.run_figures import FIGURES, _shares
 from granwave.analysis.figures.side_by_side import PROCESSES
 from granwave.analysis.pipeline import analyse
 from granwave.lammps_inputs.case.figures import Figures
@@ -211,9 +212,25 @@ def test_analysis_starts_helpers(tmp_path, monkeypatch, several):
     assert not started
     analyse(directory)
     assert len(started) == 1
-    assert (directory / "figures" / "energies.pdf").exists()
+    assert (directory / "figures" / "energies.csv").exists()
 
 
 def test_lost_result(tmp_path, several):
     with pytest.raises(MissingOutputError):
         draw_figures(tmp_path)
+
+
+def test_shares_hold_every_figure_once():
+    """The long ones first, and the two that share their work together; others in their order."""
+    names = tuple(FIGURES)
+    shares = _shares(names)
+    assert sorted(number for share in shares for number in share) == list(range(len(names)))
+    assert [names[number] for number in shares[0]] == ["packing_3d", "packing_3d_dissipation"]
+    assert _shares(("energies", "packing_3d_dissipation", "probes")) == [[1], [0], [2]]
+
+
+def test_shares_give_the_same_files(run, several, monkeypatch):
+    names = ("energies", "packing_3d", "bottom_force", "packing_3d_dissipation")
+    before = drawn_by_one(run, monkeypatch, names)
+    assert [path.stem for path in draw_figures(run, names=names)] == list(names)
+    assert files(run) == before

@@ -14,8 +14,7 @@ from granwave.workflows.cli.figure_options import FILM_OPTIONS, apply_options
 
 def figures(options: argparse.Namespace, _: Arguments) -> int:
     """Execute ``granwave figures``."""
-    from granwave.analysis.figures.run_figures import draw_figures
-    from granwave.analysis.result.reader import Result
+    from granwave.analysis.figures.side_by_side import USUAL_FIGURES, helpers
     from granwave.workflows.run.directory import held
 
     wanted = options.only
@@ -25,10 +24,18 @@ def figures(options: argparse.Namespace, _: Arguments) -> int:
         raise InputError(f"--only: found {unknown[0]}{hint}")
     if not options.directory.is_dir():
         raise InputError(f"{options.directory}: no such directory; run a case into it first")
-    with held(options.directory.absolute(), way=""), as_wrong_input():
+    with (
+        held(options.directory.absolute(), way=""),
+        as_wrong_input(),
+        helpers(len(wanted) if wanted else USUAL_FIGURES) as others,
+    ):
+        # loaded while the helpers load them too
+        from granwave.analysis.figures.run_figures import draw_figures
+        from granwave.analysis.result.reader import Result
+
         with Result(options.directory) as result:
             chosen = apply_options(options, result.figure_options)
-        drawn = draw_figures(options.directory, names=wanted, options=chosen)
+        drawn = draw_figures(options.directory, names=wanted, helpers=others, options=chosen)
     for path in drawn:
         print(path)
     if left := [name for name in wanted or () if name not in {path.stem for path in drawn}]:

@@ -15,6 +15,7 @@ from granwave.analysis.formatting.numbers import duration
 from granwave.analysis.measures.zone.marks import LABELS, bounds_in_words, mark_of
 from granwave.analysis.quantities import SCAN_COLUMNS, Quantity, quantity
 from granwave.analysis.scans.means import means_of
+from granwave.analysis.scans.protection import REDUCTION, protects
 from granwave.analysis.scans.result import ScanResult
 from granwave.analysis.summary_table import lines
 from granwave.lammps_inputs.directories import results_directory
@@ -280,7 +281,9 @@ def outcome_text(outcome: ScanOutcome) -> str:
     """Return the table of the main values of all points, and the place of the results."""
     result = ScanResult(outcome.directory)
     points = [point for point in result.points if point.status != "missing"]
-    shown = [one for one in SCAN_COLUMNS if any(point.summary.get(one.name) is not None for point in points)]
+    asked = [quantity(REDUCTION)] if protects(result.varied, [point.summary for point in points]) else []
+    columns = [*asked, *SCAN_COLUMNS]
+    shown = [one for one in columns if any(point.summary.get(one.name) is not None for point in points)]
     head = ["", *result.varied, *(one.heading for one in shown), ""]
     table = [head]
     for point in points[:_MOST_ROWS]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from weakref import WeakKeyDictionary
+
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
@@ -9,7 +11,7 @@ from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 
 from granwave.analysis.figures.run.sections import Colouring, colour_bar, dissipation_colouring, peak_force_colouring
-from granwave.analysis.figures.run.sphere_renderer import Camera, Picture, render
+from granwave.analysis.figures.run.sphere_renderer import Camera, Picture, Surface, lit_surface, painted
 from granwave.analysis.figures.style import BLANK, WIDTH, Drawing, new_figure
 from granwave.analysis.result.reader import Result
 
@@ -20,6 +22,7 @@ _DECADES = 4  # of peak force, far below F_y, to include the elastic wave
 _LEAST_SPHERES = 8
 _LONGEST = 20.0  # height over width of a picture
 _ROUND_LENGTHS = (1, 2, 5)
+_SURFACES: WeakKeyDictionary[Result, Surface] = WeakKeyDictionary()
 
 
 def packing_3d(result: Result) -> Drawing | None:
@@ -50,8 +53,7 @@ def draw_packing(result: Result, colouring: Colouring, size: tuple[float, float]
     camera = Camera.looking(_AZIMUTH, _ELEVATION, np.array([0.0, 0.0, -1.0]))  # depth goes down
     kept = np.flatnonzero(~_cut_away(positions - result.origin, camera, result.case.packing.diameter))
     values = colouring.values[kept]
-    radius = result["spheres/radius"][kept]
-    picture = render(positions[kept], radius, _colours(values, colouring), camera, _PIXELS)
+    picture = painted(_surface(result, kept, camera), _colours(values, colouring))
     left, right, bottom, top = (edge * _MILLI for edge in picture.extent)
     figure = new_figure((WIDTH - 0.1) * (top - bottom) / (right - left) + 0.75)
     if size is not None:
@@ -63,6 +65,15 @@ def draw_packing(result: Result, colouring: Colouring, size: tuple[float, float]
     _mark_impact(axes, camera.project(result.origin[None])[0] * _MILLI, right - left)
     colour_bar(figure, [axes], colouring, np.where(values < colouring.low, 0.0, values), bar_location(size))
     return Drawing(figure, _visible(result, kept, picture, colouring))
+
+
+def _surface(result: Result, kept: NDArray[np.int64], camera: Camera) -> Surface:
+    """Return what is seen of the cut packing; it is kept for the next picture of the same result."""
+    before = _SURFACES.get(result)
+    if before is None:
+        before = lit_surface(result["spheres/position"][kept], result["spheres/radius"][kept], camera, _PIXELS)
+        _SURFACES[result] = before
+    return before
 
 
 def bar_location(size: tuple[float, float] | None) -> str:

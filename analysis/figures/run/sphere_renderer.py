@@ -78,6 +78,34 @@ class Picture:
     visible: NDArray[np.int64]
 
 
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """Spheres as they are seen and lit, without colours: most of the work, and the same for all quantities.
+
+    Attributes
+    ----------
+    front
+        Row in ``visible`` of the sphere that each rendered pixel shows, -1 for none: (n_rows, n_columns), from the
+        bottom up.
+    rows, columns
+        Pixels that show a sphere: (n_pixels,).
+    brightness, gloss
+        Factor of the colour there, and what is added to it: (n_pixels,).
+    visible
+        Rows of the spheres that can be seen, rising: (n_visible,).
+    extent
+        Left, right, bottom and top in the plane of the picture, m.
+    """
+
+    front: NDArray[np.int32]
+    rows: NDArray[np.int32]
+    columns: NDArray[np.int32]
+    brightness: NDArray[np.float32]
+    gloss: NDArray[np.float32]
+    visible: NDArray[np.int64]
+    extent: tuple[float, float, float, float]
+
+
 def render(
     centres: NDArray[np.float64],
     radius: float | NDArray[np.float64],
@@ -89,12 +117,25 @@ def render(
 
     Parameters
     ----------
+    centres, radius, camera, width
+        As in `lit_surface`.
+    colours
+        Red, green, blue from 0 to 1: (n_spheres, 3).
+    """
+    return painted(lit_surface(centres, radius, camera, width), colours)
+
+
+def lit_surface(
+    centres: NDArray[np.float64], radius: float | NDArray[np.float64], camera: Camera, width: int
+) -> Surface:
+    """Find what can be seen of spheres, and light it.
+
+    Parameters
+    ----------
     centres
         Centres of the spheres: (n_spheres, 3), m.
     radius
         Common radius, or that of each sphere: (n_spheres,), m.
-    colours
-        Red, green, blue from 0 to 1: (n_spheres, 3).
     camera
         Camera.
     width
@@ -110,13 +151,31 @@ def render(
     pitch = (high[0] - low[0]) / (width * _OVERSAMPLING)
     fine = _front(seen[visible], radii[visible], low, high, pitch)
     fine = fine[: fine.shape[0] // _OVERSAMPLING * _OVERSAMPLING, : width * _OVERSAMPLING]
-    pixels = _shade(fine, seen[visible], radii[visible], colours[visible], low, pitch)
-    height = fine.shape[0] // _OVERSAMPLING
-    pixels = pixels.reshape(height, _OVERSAMPLING, width, _OVERSAMPLING, 4).mean(axis=(1, 3))
-    pixels[..., :3] /= np.maximum(pixels[..., 3:], 1e-6)
     top = low[1] + fine.shape[0] * pitch
     extent = (float(low[0]), float(low[0] + fine.shape[1] * pitch), float(low[1]), float(top))
-    return Picture(np.clip(pixels[::-1], 0.0, 1.0), extent, visible)
+    rows, columns = (place.astype(np.int32) for place in np.nonzero(fine >= 0))
+    brightness, gloss = _light(fine, rows, columns, seen[visible], radii[visible], low, pitch)
+    return Surface(fine, rows, columns, brightness, gloss, visible, extent)
+
+
+def painted(surface: Surface, colours: NDArray[np.float64]) -> Picture:
+    """Colour a surface; colours of all spheres as in `render`."""
+    height, width = (size // _OVERSAMPLING for size in surface.front.shape)
+    shown = colours[surface.visible]
+    pixels = np.zeros((*surface.front.shape, 4), dtype=np.float32)  # premultiplied by alpha
+    for block in _blocks(len(surface.rows)):
+        row, column = surface.rows[block], surface.columns[block]
+        colour = shown[surface.front[row, column]]
+        lit = colour * surface.brightness[block][:, None] + surface.gloss[block][:, None]
+        pixels[row, column, :3] = np.clip(lit, 0.0, 1.0)
+        pixels[row, column, 3] = 1.0
+    pixels = pixels.reshape(height, _OVERSAMPLING, width, _OVERSAMPLING, 4).mean(axis=(1, 3))
+    pixels[..., :3] /= np.maximum(pixels[..., 3:], 1e-6)
+    return Picture(np.clip(pixels[::-1], 0.0, 1.0), surface.extent, surface.visible)
+
+
+def _blocks(n_pixels: int) -> list[slice]:
+    return [slice(start, start + _BLOCK) for start in range(0, n_pixels, _BLOCK)]
 
 
 def _front(
@@ -165,17 +224,17 @@ def _paint_by_pixel(front: NDArray[np.int32], place: NDArray[np.float64], reach:
         flat[pixel] = np.maximum(flat[pixel], number[inside])
 
 
-def _shade(
+def _light(
     front: NDArray[np.int32],
+    rows: NDArray[np.int32],
+    columns: NDArray[np.int32],
     seen: NDArray[np.float64],
     radius: NDArray[np.float64],
-    colours: NDArray[np.float64],
     low: NDArray[np.float64],
     pitch: float,
-) -> NDArray[np.float32]:
-    """Return the colours of the pixels, premultiplied by alpha: (n_rows, n_columns, 4)."""
-    rows, columns = np.nonzero(front >= 0)
-    blocks = [slice(start, start + _BLOCK) for start in range(0, len(rows), _BLOCK)]
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Return brightness and gloss of the pixels at rows and columns: (n_pixels,) each."""
+    blocks = _blocks(len(rows))
     normal = np.empty((len(rows), 3), dtype=np.float32)
     depth = np.full(front.shape, float(seen[:, 2].min()), dtype=np.float32)
     for block in blocks:
@@ -191,24 +250,21 @@ def _shade(
     half /= np.linalg.norm(half)
     usual = float(np.median(radius))
     around = _surroundings(depth, usual / pitch, rows, columns)
-    pixels = np.zeros((*front.shape, 4), dtype=np.float32)
+    brightness, gloss = np.empty(len(rows), dtype=np.float32), np.empty(len(rows), dtype=np.float32)
     for block in blocks:
         row, column, one = rows[block], columns[block], normal[block]
-        brightness = _AMBIENT + _DIFFUSE * np.clip(one @ light, 0.0, None)
+        bright = _AMBIENT + _DIFFUSE * np.clip(one @ light, 0.0, None)
         covered = around[block] - depth[row, column]
-        brightness *= 1 - _OCCLUSION * np.clip(covered / (2 * usual), 0.0, 1.0)
-        gloss = np.clip(one @ half, 0.0, None)
+        bright *= 1 - _OCCLUSION * np.clip(covered / (2 * usual), 0.0, 1.0)
+        shine = np.clip(one @ half, 0.0, None)
         for _ in range(_SHARPNESS):
-            gloss *= gloss
-        gloss *= _GLOSS
-        colour = colours[front[row, column]]
-        pixels[row, column, :3] = np.clip(colour * brightness[:, None] + gloss[:, None], 0.0, 1.0)
-        pixels[row, column, 3] = 1.0
-    return pixels
+            shine *= shine
+        brightness[block], gloss[block] = bright, shine * _GLOSS
+    return brightness, gloss
 
 
 def _surroundings(
-    depth: NDArray[np.float32], reach: float, rows: NDArray[np.int64], columns: NDArray[np.int64]
+    depth: NDArray[np.float32], reach: float, rows: NDArray[np.int32], columns: NDArray[np.int32]
 ) -> NDArray[np.float32]:
     """Return the mean depth within about a radius around pixels, at a coarser resolution for larger spheres."""
     from scipy.ndimage import gaussian_filter, map_coordinates  # takes longer to load than many a figure to draw

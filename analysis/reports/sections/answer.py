@@ -120,10 +120,11 @@ def _column(key: Key) -> Column:
 
 
 def _caption(means: Means) -> str:
-    most = max(means.counts, default=1)
+    least, most = min(means.counts, default=1), max(means.counts, default=1)
     if most < 2:
         return "All points"
-    return f"Means of {most} replicates, with 95 % confidence intervals"
+    count = f"{least} to {most}" if least < most else str(most)
+    return f"Means of {count} replicates, with 95 % confidence intervals"
 
 
 # ---------------------------------------------------------------------- runs

@@ -27,6 +27,7 @@ from granwave.analysis.studies.granular_continuum.impacts import SAME, Continuum
 from granwave.analysis.studies.study import Picture
 from granwave.analysis.studies.tables import numeric, table_of
 
+_ROOM = 1.6  # inches: length of the horizontal axis of a panel
 _MARKERS = "os^"  # of the shares
 _SIZES = {"depth": "Depth $/D$", "radius": "Radius $/D$", "volume": r"Volume $/(\pi D^3/6)$"}
 _LOOKS: Mapping[str, tuple[str, str]] = {"packing": (BLUE, "-"), "continuum": (ORANGE, "--")}
@@ -200,3 +201,6 @@ def _axis_of_contacts(axes: Axes, one: RunZone) -> None:
     top = axes.secondary_xaxis("top", functions=(there, back))
     top.set_xlabel(GRANULAR_ENERGY.removeprefix("Input energy ") + ", packing", fontsize=7)
     top.tick_params(labelsize=7)
+    low, high = there(axes.get_xlim())
+    top.xaxis.set_view_interval(low, high, ignore=True)  # else it has that of the axis below only when it is drawn
+    log_ticks(top.xaxis, _ROOM)

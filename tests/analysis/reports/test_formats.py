@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import os
 import re
 import shutil
 import subprocess
 import sys
+import zlib
 from html.parser import HTMLParser
+from pathlib import Path
 
 import pytest
 
-from granwave.analysis.document.model import Gallery, Note, Report, Section
+from granwave.analysis.document.model import Cell, Column, Gallery, Note, Report, Section, Table
 from granwave.analysis.reports.report import write_report
+from granwave.analysis.reports.writers import pdf as pdf_writer
+from granwave.analysis.reports.writers.html_page import html_page, parts
 from granwave.analysis.reports.writers.markdown import markdown
+from granwave.lammps_inputs.errors import InputError
 from tests.helpers.synthetic_report import blocks, build, nasty_inputs, write_inputs
 
 
@@ -109,7 +115,71 @@ def test_markdown_has_no_lists_by_accident(text, shown):
 
 def test_pdf_takes_anything(tmp_path):
     pdf = write_report(nasty_inputs(tmp_path), tmp_path / "r.pdf").read_bytes()
-    assert pdf.startswith(b"%PDF") and pdf.rstrip().endswith(b"%%EOF")
+    assert pdf.startswith(b"%PDF") and b"%%EOF" in pdf[-60:]
+
+
+def objects(pdf: bytes) -> bytes:
+    """Return a PDF with the contents of its compressed parts after it."""
+    found = pdf
+    for start in re.finditer(rb"stream\r?\n", pdf):
+        with contextlib.suppress(zlib.error):
+            found += zlib.decompressobj().decompress(pdf[start.end() :], 2_000_000)
+    return found
+
+
+def test_pdf_is_the_page_on_paper(runs, tmp_path):
+    """A4 landscape with a title, letters of its own, and folded tables unfolded; no link to a file."""
+    pdf = write_report(runs, tmp_path / "report.pdf").read_bytes()
+    inside = objects(pdf)
+    assert len(re.findall(rb"/Type /Page\b", inside)) > 3
+    assert re.search(rb"/MediaBox \[ 0 0 841\.\d+ 595\.\d+ \]", inside)
+    assert b"/Title (Report: " in inside and b"/Author (granwave)" in inside
+    assert b"DejaVuSans" in inside and b"DejaVuSans-Bold" in inside
+    assert b"/URI" not in inside and b"file:" not in inside
+    page = Page(html_page(build(runs, tmp_path), paper=True))
+    tags = {tag for tag, _ in page.tags}
+    assert not tags & {"details", "summary", "script", "button", "nav", "dialog"}
+    assert all(attributes["href"].startswith("#") for tag, attributes in page.tags if tag == "a")
+    assert len([tag for tag, _ in page.tags if tag == "img"]) == len(
+        [tag for tag, _ in Page(html_page(build(runs, tmp_path))).tags if tag == "img"]
+    )
+
+
+def test_pdf_reads_nothing_but_its_page(runs, tmp_path, monkeypatch):
+    """A picture from the disk or the network would stay out, even if a text got past the escapes."""
+    secret = tmp_path / "secret.png"
+    secret.write_bytes(Path(__file__).with_name("test_formats.py").read_bytes())
+    form = '<body><img src="{}"><p>text</p></body>'
+    asked = []
+    monkeypatch.setattr(pdf_writer, "_refuse", lambda url: asked.append(url) or ValueError(url))
+    for address in (secret.as_uri(), "http://127.0.0.1:9/picture.png", "secret.png"):
+        monkeypatch.setattr(pdf_writer, "html_page", lambda report, paper, url=address: form.format(url))
+        assert pdf_writer.pdf_file(Report("R", "", ())).startswith(b"%PDF")
+    assert len(asked) == 3
+
+
+def test_pdf_without_its_library(runs, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "plutoprint", None)
+    (tmp_path / "report.pdf").write_bytes(b"% report of granwave\n")
+    with pytest.raises(InputError, match=r"needs PlutoPrint.*pip install plutoprint.*\.html and print that"):
+        write_report(runs, tmp_path / "new.pdf")
+    assert not (tmp_path / "new.pdf").exists()
+
+
+@pytest.mark.parametrize("columns", [3, 12, 13, 40])
+def test_wide_tables_in_parts(columns):
+    """Every part has the key columns, no column is lost, and the order stays."""
+    heads = tuple(Column(f"c{n}", key=n in (0, 2)) for n in range(columns))
+    rows = tuple(tuple(Cell(f"{row}.{n}") for n in range(columns)) for row in range(2))
+    found = parts(Table("Points", heads, rows))
+    assert all(len(part.columns) <= 12 for part in found) and (len(found) > 1) == (columns > 12)
+    others = [column for part in found for column in part.columns if not column.key]
+    assert others == [column for column in heads if not column.key]
+    for number, part in enumerate(found, 1):
+        if len(found) > 1:
+            assert [column.heading for column in part.columns[:2]] == ["c0", "c2"]
+            assert part.caption == f"Points, part {number} of {len(found)}"
+        assert [cell.text for cell in part.rows[1]] == [f"1.{column.heading[1:]}" for column in part.columns]
 
 
 def test_markdown_has_the_same_content(runs, tmp_path):
