@@ -32,7 +32,8 @@ def peak_forces(series: Mapping[str, Sequence[Curve]]) -> Drawing:
         for words, contact, force in curves:
             panel.plot(contact, 1e4 * np.asarray(force), label=words)
         label(panel, "Contact", _FORCE, title=title, ylim=(0, None))
-        panel.legend(fontsize="small")
+        panel.set_ylim(top=1.3 * panel.get_ylim()[1])  # room for the legend
+        panel.legend(fontsize="small", ncols=2, loc="upper right")
         columns |= _columns(curves, "contact", "force", title)
     for panel in axes[len(series) :]:
         panel.set_axis_off()
@@ -76,7 +77,7 @@ def bead_velocities(curves: Sequence[Curve], shifts: Sequence[float]) -> Drawing
     figure, axes = panels(2.6, width=5.0)
     for (words, time, velocity), shift in zip(curves, shifts, strict=True):
         axes.plot(np.asarray(time) - shift, 1e5 * np.asarray(velocity), label=words, linewidth=0.9)
-    label(axes, r"Time $\tau$, less the shift", r"Velocity $\times 10^5$")
+    label(axes, r"Time $\tau$, less the shift", r"Velocity $\times 10^5$", xlim=(-100, None))
     legend_outside(figure, 2)
     return Drawing(figure, _columns(curves, "time", "velocity"))
 
