@@ -65,6 +65,7 @@ SUITES = {
     "prestress": Suite("Precompressed, settled and preconditioned packings", "scan", ("prestress",)),
     "protection": Suite("Protected targets", "scan", ("protection",)),
     "tolerance": Suite("Tolerance and friction", "scan", ("tolerance",)),
+    "lateral": Suite("Plane crystals between walls", "scan", ("lateral",)),
     "granular-continuum": Suite("Packings beside a continuum", "scan", ("granular-continuum",)),
 }
 
