@@ -94,12 +94,11 @@ def peak_force_colouring(result: Result, decades: float | None = None) -> Colour
 
 
 def dissipation_colouring(result: Result, part: str = "") -> Colouring:
-    """Return the colouring by dissipation over input; ``part``: by yielding, friction or losses only."""
+    """Return the colouring by dissipation over input; ``part``: by yielding or by friction only."""
     values = result["spheres/dissipated_energy"]
     if part:
-        own = {"friction": "friction_energy", "viscous losses": "viscous_energy"}
-        values = result[f"spheres/{own[part]}"] if part in own else result.yield_energy
-    column = f"{part.replace(' ', '_')}_over_input" if part else "dissipated_over_input"
+        values = result["spheres/friction_energy"] if part == "friction" else result.yield_energy
+    column = f"{part}_over_input" if part else "dissipated_over_input"
     label = r"Dissipation $e_\mathrm{dis}/e_\mathrm{in}$"
     options = result.figure_options
     low, high = options.dissipation_limits or DISSIPATION_LIMITS
