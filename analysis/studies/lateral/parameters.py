@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterator, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from granwave.analysis.document.model import Table
 from granwave.analysis.figures.series import label, panels
@@ -173,7 +174,7 @@ def _simple(group: Changed, name: str, which: int, what: str, words: str, scale:
 def pictures(group: Changed) -> Iterator[Picture]:
     """Front speed against the modulus, and against the gap at the walls."""
     figure, left, right = panels(2.6, 2)
-    columns = {}
+    columns: dict[str, NDArray] = {}
     for name, colour in zip(NAMES.values(), (BLUE, ORANGE), strict=True):
         for panel, what, scale in ((left, "modulus", 1e-6), (right, "gap", 1e3)):
             points = [(v * scale, run.down.front_speed) for v, run in group.series.get((what, name), [])]
@@ -202,7 +203,7 @@ def tables(group: Changed) -> Iterator[Table]:
         for value, run in rising(points, lambda one: one[0]):
             decay = run.down.decay
             cells.append((
-                value, run.down.front_speed, float(run.down.peak_speed[0]), decay and decay.first,
-                decay and decay.second, decay and decay.border / run.case.packing.diameter,
+                value, run.down.front_speed, float(run.down.peak_speed[0]), decay.first if decay else None,
+                decay.second if decay else None, decay.border / run.case.packing.diameter if decay else None,
             ))  # fmt: skip
         yield table_of(f"{name}, {what} (SI units; height over that of the reference)", columns, cells)
