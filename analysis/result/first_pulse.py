@@ -54,7 +54,8 @@ def first_pulses(time: NDArray[np.float64], speed: NDArray[np.float64], referenc
     """
     rows = [_pulse(time, one, ARRIVAL * reference) for one in speed.T]
     table = np.array([values for values, _ in rows]).reshape(-1, 4).T
-    return FirstPulses(*table, np.array([row for _, row in rows], dtype=np.int64))
+    arrival, peak, instant, width = table
+    return FirstPulses(arrival, peak, instant, width, np.array([row for _, row in rows], dtype=np.int64))
 
 
 def _pulse(time: NDArray[np.float64], speed: NDArray[np.float64], least: float) -> tuple[tuple[float, ...], int]:

@@ -36,13 +36,13 @@ def line_groups(
     """
     history = read_lines(directory, all_line_ids(assembly), last)
     centre, row = dict(zip(assembly.ids.tolist(), assembly.positions(), strict=True)), history.ids
-    time = history.steps * timestep
+    time = np.asarray(history.steps * timestep, dtype=np.float64)
     groups: dict[str, dict[str, NDArray[np.generic]]] = {}
     for line in assembly.case.line:
         ids = np.array(line_ids(assembly, line))
         chosen, position = np.searchsorted(row, ids), np.array([centre[one] for one in ids.tolist()])
         velocity, sums = history.velocity[:, chosen], history.sums[:, chosen]
-        speed = np.linalg.norm(velocity, axis=2)
+        speed = np.asarray(np.linalg.norm(velocity, axis=2), dtype=np.float64)
         pulses = first_pulses(time, speed, reference_speed(assembly) or float(speed.max(initial=0.0)))
         steps = np.linalg.norm(np.diff(position, axis=0), axis=1)
         groups[f"lines/{line.name}"] = {

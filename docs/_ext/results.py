@@ -66,6 +66,7 @@ SUITES = {
     "protection": Suite("Protected targets", "scan", ("protection",)),
     "tolerance": Suite("Tolerance and friction", "scan", ("tolerance",)),
     "confined": Suite("Confined rows", "scan", ("confined",)),
+    "lateral": Suite("Plane crystals between walls", "scan", ("lateral",)),
     "granular-continuum": Suite("Packings beside a continuum", "scan", ("granular-continuum",)),
 }
 

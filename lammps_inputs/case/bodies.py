@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping
-from typing import Any, TypeVar
+from typing import Any, Literal, TypeVar
 
 from granwave.lammps_inputs.case.ids import parse_index
 from granwave.lammps_inputs.case.material import Material, read_material
@@ -35,6 +35,7 @@ from granwave.lammps_inputs.case.schema import (
     vector,
     whole,
 )
+from granwave.lammps_inputs.case.shape import SHAPES, Cylinder, Shape, Vector, length_field, parse_axis
 from granwave.lammps_inputs.case.si_values import AREA, DIAMETER, LENGTH, SPIN, VELOCITY, Usual
 
 Entry = TypeVar("Entry")
@@ -44,6 +45,7 @@ _OFFSET = Usual(1e-9, 1.0, ("mm", "um"))
 
 
 _NO_DIRECTION = "none"
+_ALONG_Y = (0.0, 1.0, 0.0)
 ALL_GRAINS = "all"  # of a line
 
 
@@ -97,7 +99,7 @@ class Replace:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Striker:
-    """``[[striker]]``: a sphere in contact with given spheres of the packing, or with earlier strikers."""
+    """``[[striker]]``: a sphere or cylinder in contact with given grains of the packing, or with earlier strikers."""
 
     touches: tuple[int, ...] = custom("ids of the spheres that it touches", parse_index)
     velocity: tuple[float, float, float] = vector("velocity of the striker", unit="m/s", usual=VELOCITY)
@@ -117,7 +119,21 @@ class Striker:
         default=(0.0, 0.0, 0.0),
         usual=_OFFSET,
     )
+    shape: Literal["sphere", "cylinder"] | None = choice(
+        "shape of the striker; a sphere by default", SHAPES, default=None
+    )
+    length: float | None = length_field()
+    axis: Vector | None = custom(  # noqa: RUF009
+        "direction of the axis of a cylinder; along y by default", parse_axis, default=None
+    )
     material: Material | None = None
+
+    @property
+    def body(self) -> Shape:
+        """Shape of the striker."""
+        if self.shape != "cylinder" or self.length is None:
+            return None
+        return Cylinder(self.length, self.axis or _ALONG_Y)
 
     @property
     def moves(self) -> bool:

@@ -163,6 +163,7 @@ def warn_about(assembly: Assembly, *, chose_yield_factor: bool) -> None:
 
 def _check_strikers(strikers: tuple[Striker, ...], n_spheres: int, errors: ErrorList) -> None:
     for n, striker in enumerate(strikers, start=1):
+        _check_body(striker, f"striker.{n}", errors)
         known = n_spheres + n - 1
         beyond = [sphere for sphere in striker.touches if sphere > known]
         if beyond:
@@ -177,6 +178,17 @@ def _check_strikers(strikers: tuple[Striker, ...], n_spheres: int, errors: Error
                     f"found {show(shift)} along its way, expected a part across it: a striker starts in contact, "
                     "so that a shift along its way has no effect",
                 )
+
+
+def _check_body(striker: Striker, key: str, errors: ErrorList) -> None:
+    """Check that a cylinder has a length, and a sphere neither length nor axis."""
+    if striker.shape == "cylinder":
+        if striker.length is None:
+            errors.add(f"{key}.length", 'missing; a cylinder (shape = "cylinder") has a length, m')
+        return
+    for name in ("length", "axis"):
+        if getattr(striker, name) is not None:
+            errors.add(f"{key}.{name}", 'found without shape = "cylinder"; give that, or take it out')
 
 
 def _check_sensors(sensors: tuple[Sensor, ...], n_spheres: int, errors: ErrorList) -> None:

@@ -47,7 +47,8 @@ def _sphere_rows(assembly: Assembly) -> Iterator[list[str]]:
         last = min(first + _BATCH - 1, n)
         yield _like_rows(assembly, first, last) if assembly.sites is None else _own_rows(assembly, first, last)
     yield [
-        _row(assembly, assembly.material_of(number), f"{assembly.diameter_of(number):.17g}") % (number, *centre)
+        _row(assembly, assembly.material_of(number), f"{assembly.diameter_of(number):.17g}", assembly.shape_of(number))
+        % (number, *centre)
         for number, (_, centre) in enumerate(assembly.strikers, start=n + 1)
     ]
 

@@ -161,9 +161,9 @@ class Assembly:
         return mass_of(self.material_of(sphere), self.diameter_of(sphere) / 2, self.shape_of(sphere))
 
     def shape_of(self, sphere: int) -> Shape:
-        """Return the shape of the grain with this id; strikers are spheres."""
+        """Return the shape of the grain or striker with this id."""
         if sphere > self.lattice.n_spheres:
-            return None
+            return self.strikers[sphere - self.lattice.n_spheres - 1][0].body
         return self.case.packing.of_grain if self.sites is None else self.sites.shape_of(sphere - 1)
 
     @cached_property
@@ -177,8 +177,8 @@ class Assembly:
 
     @property
     def has_cylinders(self) -> bool:
-        """True if any grain is a cylinder."""
-        return any(self.shapes)
+        """True if any grain or striker is a cylinder."""
+        return any(self.shapes) or any(striker.body for striker in self.case.striker)
 
     def grain_shapes(self) -> list[Shape]:
         """Return the shapes of all grains and strikers: n_spheres of them."""
@@ -186,7 +186,7 @@ class Assembly:
             shapes = [self.shapes[0]] * (self.n_spheres - len(self.strikers))
         else:
             shapes = [self.sites.shapes[k] for k in self.sites.shape[self.sites.present]]
-        return [*shapes, *[None] * len(self.strikers)]
+        return [*shapes, *(striker.body for striker, _ in self.strikers)]
 
     @property
     def plane_strain(self) -> bool:
@@ -389,7 +389,7 @@ def _assemble(case: Case) -> Assembly:
     else:
         there = np.unique(sites.body) if sites.shape is not None else range(len(sites.bodies))
         bodies = [sites.bodies[number] for number in there]
-    grains = dict.fromkeys([*bodies, *((striker.material or case.material, None) for striker in case.striker)])
+    grains = dict.fromkeys([*bodies, *((striker.material or case.material, striker.body) for striker in case.striker)])
     species = tuple(Species(material, shape=shape) for material, shape in grains)
     assembly = Assembly(case, lattice, case.material, sites, (), (), species)
     if case.striker:

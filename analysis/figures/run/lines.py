@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
+from numpy.typing import NDArray
 
 from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing
@@ -43,7 +44,7 @@ def line_decay(result: Result) -> Drawing | None:
     if not lines:
         return None
     figure, *stack = panels(0.7 + 1.9 * len(lines), rows=len(lines))
-    columns = {}
+    columns: dict[str, NDArray] = {}
     for axes, line in zip(stack, lines, strict=True):
         _draw_decay(axes, line)
         label(axes, y="Peak speed (m/s)", title=line.name if len(lines) > 1 else "", yscale="log")

@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterator, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import BLUE, ORANGE, Drawing, legend_above
@@ -107,15 +108,21 @@ def _verified(run: LateralRun, which: int) -> Iterator[Row]:
     lateral = line.lateral_force / length
     found: list[tuple[str, str, str, float | None, int]] = [
         ("front", "Front speed along the middle line", "m/s", line.front_speed, 4),
-        ("first", "Decay of the peak speed, first region, all grains", "1/m", decay and decay.first, 2),
-        ("second", "Decay of the peak speed, second region, all grains", "1/m", decay and decay.second, 2),
-        ("border", "Border of the two regions, all grains", "D", decay and decay.border / diameter, 2),
+        ("first", "Decay of the peak speed, first region, all grains", "1/m", decay.first if decay else None, 2),
+        ("second", "Decay of the peak speed, second region, all grains", "1/m", decay.second if decay else None, 2),
+        ("border", "Border of the two regions, all grains", "D", decay.border / diameter if decay else None, 2),
         ("width_first", "Half width of the pulse at the first grain", "ms", 1e3 * line.width[0], 2),
         ("width_last", "Half width of the pulse at the last grain", "ms", 1e3 * line.width[-1], 2),
         ("lateral_second", "Lateral force at the peak, second grain", "N/m", lateral[1], 3),
         ("lateral_late", "Lateral force at the peak, last grain but one", "N/m", lateral[-2], 3),
-        ("mean", "Largest speeds of all grains, mean", "m/s", values and values.mean, 3),
-        ("deviation", "Largest speeds of all grains, standard deviation", "m/s", values and values.deviation, 3),
+        ("mean", "Largest speeds, mean", "m/s", values.mean if values else None, 3),
+        (
+            "deviation",
+            "Largest speeds, standard deviation",
+            "m/s",
+            values.deviation if values else None,
+            3,
+        ),
         ("friction", "Dissipated by friction over the input", "", run.value("friction_fraction"), 2),
         ("loss", "Dissipated by the loss of contacts over the input", "", run.value("viscous_fraction"), 2),
         ("turned_walls", "Largest rotation of a grain at a side wall", "degrees", turned(run)[0], 2),
@@ -169,7 +176,7 @@ def _long_waves(ratio: float) -> float:
 def pictures(group: Crystals) -> Iterator[Picture]:
     """Peak speed, lateral force and half width against depth, with side walls and without."""
     figure, *axes = panels(2.4, 3)
-    columns = {}
+    columns: dict[str, NDArray] = {}
     for runs, line, mark, word in ((group.walls, "-", "o", "walls"), (group.free, "--", "^", "free")):
         for (name, run), colour in zip(runs.items(), (BLUE, ORANGE), strict=False):
             length = run.case.packing.length or 1.0

@@ -81,14 +81,14 @@ class LateralRun(FinishedRun):
             return result[name]
 
 
-def lateral_runs(runs: Iterable[FinishedRun]) -> list[LateralRun]:
-    """Select the runs of plane crystals of cylinders under a plate that recorded the line down their middle."""
+def lateral_runs(runs: Iterable[FinishedRun], load: str = "plate") -> list[LateralRun]:
+    """Select the runs of plane crystals of cylinders under a load that recorded the line down their middle."""
     return [
         run.seen_as(LateralRun)
         for run in runs
         if isinstance(run, FinishedRun)
         and run.case.packing.kind in NAMES
         and run.case.packing.shape == "cylinder"
-        and run.case.load.kind == "plate"
+        and run.case.load.kind == load
         and any(line.name == DOWN and line.index is None for line in run.case.line)
     ]

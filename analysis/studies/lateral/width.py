@@ -6,6 +6,7 @@ import dataclasses
 from collections.abc import Iterator, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from granwave.analysis.document.model import Table
 from granwave.analysis.figures.series import label, panels
@@ -27,7 +28,8 @@ TEXT = (
 )
 _SOURCE, _CHECK = "lateral constraints", "independent program"
 _LEAST = 2  # widths
-_TRIAL = {  # depth where they part with walls, without, D, by the independent program
+# Depth where crystals part with walls and without, D, by the independent program.
+_TRIAL: dict[str, dict[int, tuple[float | None, float | None]]] = {
     "BCC": {4: (2.8, 2.8), 6: (2.8, 4.2), 8: (5.7, 5.7), 10: (5.7, 7.1), 12: (7.1, 8.5), 16: (9.9, 11.3)},
     "HCP": {4: (1.7, 1.7), 6: (3.5, 3.5), 8: (6.9, 5.2), 10: (8.7, 8.7), 12: (10.4, 10.4), 16: (None, 13.9)},
 }
@@ -117,7 +119,7 @@ def rows(group: Widths) -> Iterator[Row]:
 def pictures(group: Widths) -> Iterator[Picture]:
     """Peak speed over that of the wide crystal against depth over the depth of the law; and depth against width."""
     figure, left, right = panels(2.6, 2)
-    columns = {}
+    columns: dict[str, NDArray] = {}
     for runs, line, word in ((group.walls, "-", "walls"), (group.free, "--", "free")):
         for run in runs:
             n = min(len(run.depth), len(group.wide.depth))
