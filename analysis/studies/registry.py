@@ -56,6 +56,8 @@ STUDIES: dict[str, str] = {
     "protected-spectrum": "protection.spectrum",
     "protected-checks": "protection.checks",
     "tolerance": "tolerance.study",
+    "filter": "rows.filter",
+    "gap-switch": "rows.switch",
     "interstitial-fcc": "rows.interstitial",
     "sphere-contact": "sphere_contact",
 }
