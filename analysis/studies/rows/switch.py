@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 
 import numpy as np
@@ -35,7 +35,7 @@ _SHEARED = "Mindlin's spring here, the sign of the velocity there."
 _FRICTION = 0.185
 
 #: First peak at sphere 21, N, and its time, us, of the second solver; by state, friction and number of cylinders.
-_FIRST = {
+_FIRST: Mapping[tuple[str, float], Mapping[int, tuple[float, float | None]]] = {
     ("no cylinders", 0.0): {0: (103.69, 300.2)},
     ("open gaps", 0.0): {2: (85.73, 323.4), 4: (79.56, 347.2), 6: (75.30, 371.0), 8: (76.22, 394.6),
                          10: (74.33, 418.2)},
