@@ -65,6 +65,9 @@ SUITES = {
     "prestress": Suite("Precompressed, settled and preconditioned packings", "scan", ("prestress",)),
     "protection": Suite("Protected targets", "scan", ("protection",)),
     "tolerance": Suite("Tolerance and friction", "scan", ("tolerance",)),
+    "filter": Suite("A row that filters waves", "scan", ("filter",)),
+    "switch": Suite("A row that switches", "scan", ("switch",)),
+    "interstitial-fcc": Suite("Small grains in the holes of a packing", "scan", ("interstitial-fcc",)),
     "granular-continuum": Suite("Packings beside a continuum", "scan", ("granular-continuum",)),
 }
 

@@ -84,7 +84,9 @@ def check_cylinders(case: Case, errors: ErrorList) -> None:
         errors.add("packing.tilt", "found with cylinders; they do not roll on a tilted floor")
     given = case.contact.initial_overlap
     if given and not isinstance(given, str):
-        errors.add("contact.initial_overlap", "found with cylinders; dents of these are those of an earlier run's result.h5")
+        errors.add(
+            "contact.initial_overlap", "found with cylinders; dents of these are those of an earlier run's result.h5"
+        )
     planes = [letter for letter in "xy" if case.boundary.has_planes(letter)] + ["z"] * (case.boundary.bottom == "wall")
     for shape in shapes:
         for letter in planes if shape is not None else ():

@@ -270,7 +270,8 @@ def pictures(group: Group) -> Iterator[Picture]:
         data |= {f"open_{run.n_cylinders}_time_s": time, f"open_{run.n_cylinders}_N": force}
     left.set(xlabel="Cylinders", ylabel="First peak at sphere 21 (N)", ylim=(0, None))
     right.set(xlabel="Time (ms)", ylabel="Force at sphere 21 (N)", ylim=(0, None))
-    right.legend(fontsize=7)
-    left.legend(fontsize=6)
+    for axes in (left, right):
+        if axes.lines:
+            axes.legend(fontsize=6)
     caption = "First peak behind the cylinders, and forces there with open gaps and friction (source Figs 8.6 to 8.10)"
     yield Picture("_peaks", caption, Drawing(figure, data))
