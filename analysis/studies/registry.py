@@ -68,6 +68,8 @@ STUDIES: dict[str, str] = {
     "confined-scaling": "confined.scaling",
     "confined-theory": "confined.asymptotics",
     "confined-yielding": "confined.yielding",
+    "filter": "rows.filter",
+    "gap-switch": "rows.switch",
     "interstitial-fcc": "rows.interstitial",
     "sphere-contact": "sphere_contact",
 }

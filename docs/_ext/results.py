@@ -67,6 +67,9 @@ SUITES = {
     "tolerance": Suite("Tolerance and friction", "scan", ("tolerance",)),
     "confined": Suite("Confined rows", "scan", ("confined",)),
     "lateral": Suite("Plane crystals between walls", "scan", ("lateral",)),
+    "filter": Suite("A row that filters waves", "scan", ("filter",)),
+    "switch": Suite("A row that switches", "scan", ("switch",)),
+    "interstitial-fcc": Suite("Small grains in the holes of a packing", "scan", ("interstitial-fcc",)),
     "granular-continuum": Suite("Packings beside a continuum", "scan", ("granular-continuum",)),
 }
 

@@ -1,0 +1,277 @@
+"""Rows of spheres whose gaps cylinders between two plates open or close: a switch (thesis chapter 8)."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
+
+import numpy as np
+
+from granwave.analysis.document.model import Table
+from granwave.analysis.figures.series import COLOURS, MARKS, column_name, panels
+from granwave.analysis.figures.style import Drawing
+from granwave.analysis.measures.signals import Array, first_peak
+from granwave.analysis.result.reader import Result
+from granwave.analysis.studies.rows.beside import RowRun, errata_table
+from granwave.analysis.studies.runs import FinishedRun
+from granwave.analysis.studies.study import Picture, Row
+
+TITLE = "A switch: cylinders that open the gaps of a row (thesis 8)"
+TEXT = (
+    "27 steel spheres on an aluminium block, the first struck at 0.8 m/s, and 0 to 10 aluminium cylinders between two "
+    "aluminium plates. Plates 15.975 mm apart: the cylinders open gaps behind spheres 14 to 18, and carry the wave "
+    "across. Plates 16.5 mm apart: the gaps are closed, and the cylinders lie loose on the sphere before (upstream) or "
+    "behind them. A sensor in a sphere reads the mean of its two contact forces. Plates rub with 0.185, the source's "
+    "fit; here by Mindlin's spring and Coulomb's limit, in the second solver by the sign of the velocity: that is the "
+    "difference of up to 0.5 % in these rows. Cylinders do not turn."
+)
+_WHERE, _SOLVER = "thesis 8", "Against a second solver (symmetric motion)."
+_MICRO = 1e6
+_SENSORS = (6, 21)
+_STATES = ("no cylinders", "open gaps", "loose, upstream", "loose, downstream")
+_SHEARED = "Mindlin's spring here, the sign of the velocity there."
+_FRICTION = 0.185
+
+#: First peak at sphere 21, N, and its time, us, of the second solver; by state, friction and number of cylinders.
+_FIRST: Mapping[tuple[str, float], Mapping[int, tuple[float, float | None]]] = {
+    ("no cylinders", 0.0): {0: (103.69, 300.2)},
+    ("open gaps", 0.0): {2: (85.73, 323.4), 4: (79.56, 347.2), 6: (75.30, 371.0), 8: (76.22, 394.6),
+                         10: (74.33, 418.2)},
+    ("open gaps", _FRICTION): {2: (66.72, 327.8), 4: (47.04, 356.2), 6: (34.29, 383.2), 8: (26.46, 414.6),
+                               10: (19.81, 444.2)},
+    ("loose, upstream", 0.0): {2: (87.77, None), 4: (74.19, None), 6: (62.58, None), 8: (52.69, None),
+                               10: (44.29, None)},
+    ("loose, upstream", _FRICTION): {2: (86.40, None), 4: (71.93, None), 6: (59.73, None), 8: (49.50, None),
+                                     10: (40.95, None)},
+    ("loose, downstream", 0.0): dict.fromkeys((2, 4, 6, 8, 10), (103.69, None)),
+    ("loose, downstream", _FRICTION): dict.fromkeys((2, 4, 6, 8, 10), (103.69, None)),
+}  # fmt: skip
+_LARGEST = {2: 67.57, 4: 59.34, 6: 42.54, 8: 37.01, 10: 26.92}  # until 0.8 ms, open gaps, friction 0.185, N
+_BRACKETS = {0: "100 to 120 N", 2: "60 to 70 N", 4: "50 to 60 N", 6: "under its computation", 8: "25 to 30 N",
+             10: "25 to 30 N"}  # fmt: skip
+_DROPS = {0.907766: ("42 mm", 120.7), 0.804649: ("33 mm", 104.4)}  # m/s: height of the fall, N
+_AT_REST, _REST_OF = 13.12, 10  # um, sphere
+_SPHERE, _CYLINDER, _SPEED = 9.5e-3, 5.14e-3, 0.8
+
+ERRATA = (
+    ("8.2, 8.3", "k u max(u, 0)", "k max(u, 0), by its dimension; and the sign of the axial velocity, not of w"),
+    ("8.3, text", "uc, wc axial, lateral", "uc is lateral, wc axial"),
+    (
+        "8.4, text, and Fig. 8.9",
+        "first state, tilted downward: cylinders on the sphere downstream, decays",
+        "exchanged: cylinders on the sphere upstream take from the wave (as the caption of 8.10 says), those "
+        "downstream do nothing (rows above)",
+    ),
+    ("H0", "not given", "16.279 mm; 15.95 to 16 mm opens the gaps, 16.5 mm closes them: consistent"),
+)
+
+
+class SwitchRun(RowRun):
+    """A finished run of a row on a block, with cylinders beside some of its gaps."""
+
+    @cached_property
+    def state(self) -> str:
+        """One of the states."""
+        if not self.n_cylinders:
+            return _STATES[0]
+        spheres, cylinders = self.sphere_places, self.cylinder_places
+        gap = np.searchsorted(spheres, cylinders) - 1
+        to_previous, to_next = cylinders - spheres[gap], spheres[gap + 1] - cylinders
+        if np.allclose(to_previous, to_next, rtol=1e-3):
+            return _STATES[1]
+        return _STATES[2] if (to_previous < to_next).all() else _STATES[3]
+
+    @cached_property
+    def _probes(self) -> dict[str, Array]:
+        with Result(self.directory) as result:
+            names = [f"contact_{i}_{j}_force" for n in _SENSORS for i, j in ((n - 1, n), (n, n + 1))]
+            return {name: result[f"probes/{name}"] for name in ("time", *names)}
+
+    def sensor(self, sphere: int) -> tuple[Array, Array]:
+        """Instants, s, and the mean of the two contact forces of a sphere, N."""
+        before, behind = (
+            self._probes[f"contact_{i}_{j}_force"] for i, j in ((sphere - 1, sphere), (sphere, sphere + 1))
+        )
+        return self._probes["time"], (before + behind) / 2
+
+    @property
+    def first(self) -> tuple[float, float]:
+        """Time, s, and height, N, of the first peak at sphere 21."""
+        return first_peak(*self.sensor(_SENSORS[1]), floor=0.05)
+
+    @property
+    def largest(self) -> float:
+        """Largest force at sphere 21, N."""
+        return float(self.sensor(_SENSORS[1])[1].max())
+
+    @property
+    def is_source(self) -> bool:
+        """True for the row of the source."""
+        case = self.case
+        return (
+            self.n_spheres == 27
+            and math.isclose(case.packing.diameter, _SPHERE)
+            and case.contact.law == "hertz"
+            and (not self.n_cylinders or math.isclose(self.cylinder_diameter, _CYLINDER))
+        )
+
+    @cached_property
+    def at_rest(self) -> float:
+        """Displacement of sphere 10 at the end, m; NaN if it has no probe."""
+        with Result(self.directory) as result:
+            name = f"probes/sphere_{_REST_OF}_uz"
+            return float(result[name][-1]) if name in result else math.nan
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Group:
+    """Rows with and without cylinders."""
+
+    runs: tuple[SwitchRun, ...]
+
+    def of(self, state: str, friction: float, *, law: str = "hertz", velocity: float = _SPEED) -> list[SwitchRun]:
+        """Runs of a state, by the number of cylinders."""
+        found = {run.n_cylinders: run for run in self.runs
+                 if run.state == state and math.isclose(run.friction, friction, abs_tol=1e-12) and run.n_spheres == 27
+                 and run.case.contact.law == law and math.isclose(run.case.load.velocity, velocity)}  # fmt: skip
+        return [found[n] for n in sorted(found)]
+
+
+def select(runs: Sequence[FinishedRun]) -> list[Group]:
+    """One group of all rows of the switch."""
+    found = [run.seen_as(SwitchRun) for run in runs if _suits(run)]
+    return [Group(tuple(found))] if any(run.n_cylinders for run in found) else []
+
+
+def _suits(run: FinishedRun) -> bool:
+    probed = {probe.contact for probe in run.case.output.probes}
+    wanted = {(n + k - 1, n + k) for n in _SENSORS for k in (0, 1)}
+    return wanted <= probed and run.case.load.kind == "impact" and run.case.precompression is None
+
+
+def rows(group: Group) -> Iterator[Row]:
+    """Peaks and arrivals of every state, the drop test, and rows with yielding contacts."""
+    for (state, friction), known in _FIRST.items():
+        for run in group.of(state, friction):
+            yield from _rows_of_run(run, known.get(run.n_cylinders) if run.is_source else None)
+    for run in group.of("open gaps", _FRICTION):
+        theory = _LARGEST.get(run.n_cylinders) if run.is_source else None
+        yield _checked(f"Largest force at sphere 21, {_label(run)}", "N", run.largest, theory, _SHEARED)
+    yield from _rows_of_falls(group)
+    yield from _rows_of_geometry(group)
+    yield from _rows_with_yield(group)
+
+
+def _label(run: SwitchRun) -> str:
+    friction = f", friction {run.friction:g}" if run.n_cylinders else ""
+    return f"{run.state}, {run.n_cylinders} cylinders{friction}" if run.n_cylinders else run.state
+
+
+def _checked(quantity: str, unit: str, ours: float, theory: float | None, remark: str = "") -> Row:
+    text = f"{_SOLVER} {remark}".strip() if theory is not None else remark
+    return Row(quantity, unit, None, ours, _WHERE, text, theory, verification=theory is not None)
+
+
+def _rows_of_run(run: SwitchRun, known: tuple[float, float | None] | None) -> Iterator[Row]:
+    time, force = run.first
+    peak, arrival = known or (None, None)
+    remark = _SHEARED if run.friction else ""
+    if (run.state == "open gaps" and run.friction == _FRICTION) or not run.n_cylinders:
+        bracket = _BRACKETS.get(run.n_cylinders, "")
+        remark = f"{remark} The axes of Figs 8.6 to 8.8 say {bracket}.".strip() if bracket else remark
+    yield _checked(f"First peak at sphere 21, {_label(run)}", "N", force, peak, remark)
+    if arrival is not None:
+        yield _checked(f"Its time, {_label(run)}", "us", _MICRO * time, arrival)
+    if not run.n_cylinders:
+        _, at_first = first_peak(*run.sensor(_SENSORS[0]), floor=0.05)
+        theory = 103.71 if run.is_source else None
+        yield _checked(f"First peak at sphere 6, {_label(run)}", "N", at_first, theory)
+
+
+def _rows_of_falls(group: Group) -> Iterator[Row]:
+    for velocity, (height, theory) in _DROPS.items():
+        for run in group.of("no cylinders", 0.0, velocity=velocity):
+            name = f"Peak at sphere 6 of a sphere that fell {height} ({velocity:.3f} m/s)"
+            yield _checked(name, "N", first_peak(*run.sensor(_SENSORS[0]), floor=0.05)[1], theory,
+                           "The axis of Fig. 8.4 ends at 120 N.")  # fmt: skip
+
+
+def _rows_of_geometry(group: Group) -> Iterator[Row]:
+    for run in group.runs:
+        if run.n_spheres > 27 and not run.n_cylinders:
+            remark = (
+                "The source says about 13. The wave itself moves spheres by 13.24 um; those near the struck one less."
+            )
+            yield Row("Displacement of sphere 10 in a long row, at rest again", "um", 13.0, _MICRO * run.at_rest,
+                      _WHERE, remark, _AT_REST)  # fmt: skip
+    for run in group.of("open gaps", 0.0)[:1]:
+        opened = float(np.diff(run.sphere_places).max() - _SPHERE)
+        height = 2 * float(run.cylinder_across.max()) + _CYLINDER
+        formula = math.sqrt((_SPHERE + _CYLINDER) ** 2 - (height - _CYLINDER) ** 2) - _SPHERE
+        yield Row("Width of the open gaps, plates 15.975 mm apart", "mm", None, 1e3 * opened, "thesis 8.1",
+                  "Formula 8.1, which is right.", 1e3 * formula, verification=True)  # fmt: skip
+
+
+def _rows_with_yield(group: Group) -> Iterator[Row]:
+    """Peaks with yielding contacts over those of elastic ones."""
+    for law in sorted({run.case.contact.law for run in group.runs} - {"hertz"}):
+        for velocity in sorted({run.case.load.velocity for run in group.runs}):
+            elastic = {run.n_cylinders: run for run in group.of("open gaps", 0.0, velocity=velocity)}
+            for run in group.of("open gaps", 0.0, law=law, velocity=velocity):
+                name = f"{run.n_cylinders} cylinders, open gaps, {law}, {velocity:g} m/s"
+                yield Row(f"First peak at sphere 21, {name}", "N", None, run.first[1], "not in the source")
+                if run.n_cylinders in elastic:
+                    ratio = run.first[1] / elastic[run.n_cylinders].first[1]
+                    yield Row(f"The same over that of elastic contacts, {name}", "", None, ratio, "not in the source")
+
+
+def tables(group: Group) -> Iterator[Table]:
+    """Errata of the source."""
+    yield errata_table("Errata of the source, chapter 8", ERRATA)
+
+
+def verdict(group: Group) -> Iterator[str]:
+    """Statements of the source that hold."""
+    rubbed, smooth = group.of("open gaps", _FRICTION), group.of("open gaps", 0.0)
+    if len(rubbed) > 1 and len(smooth) > 1:
+        yield (
+            f"Open gaps with friction: the first peak falls from {rubbed[0].first[1]:.1f} N ({rubbed[0].n_cylinders} "
+            f"cylinders) to {rubbed[-1].first[1]:.1f} N ({rubbed[-1].n_cylinders}), without it to "
+            f"{smooth[-1].first[1]:.1f} N only: the source's fit of the friction is what makes its decay."
+        )
+    loose = [run.first[1] for f in (0.0, _FRICTION) for run in group.of("loose, downstream", f)]
+    if loose:
+        yield (
+            f"Loose cylinders downstream change nothing ({min(loose):.2f} to {max(loose):.2f} N, whatever their "
+            "number); upstream each pair takes its share. The source has the two states exchanged."
+        )
+
+
+def pictures(group: Group) -> Iterator[Picture]:
+    """First peak against the number of cylinders, and forces at sphere 21."""
+    figure, left, right = panels(2.8, 2)
+    data: dict[str, Array] = {}
+    shown = [(state, friction) for state, friction in _FIRST if state != "no cylinders"]
+    none = group.of("no cylinders", 0.0)
+    for (state, friction), colour, mark in zip(shown, COLOURS, MARKS * 2, strict=False):
+        runs = [*none, *group.of(state, friction)]
+        if len(runs) <= len(none):
+            continue
+        n, peak = np.array([run.n_cylinders for run in runs]), np.array([run.first[1] for run in runs])
+        label = f"{state}, friction {friction:g}"
+        left.plot(n, peak, mark + ("--" if friction else "-"), color=colour, markersize=3.5, label=label)
+        name = column_name(label)
+        data |= {f"{name}_n": n.astype(float), f"{name}_N": peak}
+    for run, colour in zip([*none, *group.of("open gaps", _FRICTION)], COLOURS, strict=False):
+        time, force = run.sensor(_SENSORS[1])
+        right.plot(1e3 * time, force, color=colour, label=f"{run.n_cylinders} cylinders")
+        data |= {f"open_{run.n_cylinders}_time_s": time, f"open_{run.n_cylinders}_N": force}
+    left.set(xlabel="Cylinders", ylabel="First peak at sphere 21 (N)", ylim=(0, None))
+    right.set(xlabel="Time (ms)", ylabel="Force at sphere 21 (N)", ylim=(0, None))
+    for axes in (left, right):
+        if axes.lines:
+            axes.legend(fontsize=6)
+    caption = "First peak behind the cylinders, and forces there with open gaps and friction (source Figs 8.6 to 8.10)"
+    yield Picture("_peaks", caption, Drawing(figure, data))
