@@ -44,6 +44,7 @@ _INWARD = (1.6e-4, 4.0e-4, 6.4e-4)
 _FRACTIONS = np.arange(5.5, 10.01, 0.125)
 _LAST_OF_FRACTIONS = 110  # contacts: decays are uniform from the 60th on
 _DIGITS = 3  # of a decay
+_LEAST_DECAY = 1e-5  # per contact: peaks that are good to 1e-4 say nothing about less
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -178,7 +179,9 @@ def _wave(run: ConfinedRun, force: Array, time: Array) -> Iterator[Row]:
         yield Row(f"Speed, {run.label_of_row}", "m/s", None, run.speed, WHERE, "", theory, True)
     if math.isfinite(run.decay):
         theory = decay_of(force[:last])
-        yield Row(f"Decay per contact, {run.label_of_row}", "", None, run.decay, WHERE, "", theory, True, _DIGITS)
+        remark = "" if theory > _LEAST_DECAY else "No decay that could be told from errors of the peaks."
+        what = f"Decay per contact, {run.label_of_row}"
+        yield Row(what, "", None, run.decay, WHERE, remark, theory, theory > _LEAST_DECAY, _DIGITS)
 
 
 def tables(waves: Waves) -> Iterator[Table]:
