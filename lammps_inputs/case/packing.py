@@ -213,6 +213,7 @@ def read_packing(table: Any, errors: ErrorList) -> PackingSection | None:
         if "top_row" in table and table.get("kind") in KINDS and not is_plane_crystal(str(table["kind"])):
             able = " or ".join(f'"{name}"' for name in KINDS if is_plane_crystal(name))
             errors.add("packing.top_row", f"belongs to packing.kind = {able}; found {show(table['kind'])}")
+            table = {key: value for key, value in table.items() if key != "top_row"}
         return _with_shape(read_table(PackingSection, table, "packing", errors), errors)
     before = len(errors.lines)
     for name in (*_NOT_OF_FILE, *_OF_SHAPE):

@@ -45,7 +45,8 @@ def check_precompression(
             "[[grains]]): spheres of a lattice just touch",
         )
     if stage.moves_walls:
-        _check_moves(stage, packing, boundary, errors)
+        if boundary.gap >= 0:  # else `check_side_gap` has told
+            _check_moves(stage, packing, boundary, errors)
         return
     if stage.kind == "uniform":
         if packing.kind == "chain" or is_plane_crystal(packing.kind):

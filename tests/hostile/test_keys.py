@@ -70,6 +70,7 @@ TABLES: list[tuple[str, str, type, dict[str, Any]]] = [
     (CASE, "grains.1", AddedGrains, CHAIN
         | {"grains": [{"at": [[0.02, 0.0, 0.0]], "diameter": 0.004}], "boundary": {"bottom": "free"}}),
     (CASE, "boundary.sides.tube", sections.Tube, CHAIN | {"boundary": {"sides": {"tube": {"radius": 0.02}}}}),
+    (CASE, "line.1", bodies.Line, SPHERES | {"line": [{"name": "down"}]}),
     (CASE, "sensor.1", bodies.Sensor, SPHERES | {"sensor": [{"name": "A", "id": 3}]}),
     (CASE, "bar", bodies.Bar, CHAIN | {"bar": BAR}),
     (CASE, "incident_bar", bodies.Bar, CHAIN | {"incident_bar": BAR, "load": PULSE}),
@@ -89,7 +90,7 @@ MAY_BE_NEGATIVE = {
 MAY_BE_ZERO = MAY_BE_NEGATIVE | {
     "packing.diameter_scatter", "packing.vacancies", "packing.seed", "contact.beta", "contact.friction",
     "contact.initial_overlap", "pair.1.beta", "pair.1.friction", "boundary.friction", "boundary.holder_friction", "load.angle",
-    "boundary.bottom.plate.damping", "output.history", "punch.taper", "run.unloadings",
+    "boundary.side_gap", "line.1.leave_out", "boundary.bottom.plate.damping", "output.history", "punch.taper", "run.unloadings",
 }  # fmt: skip
 MAY_BE_EMPTY = {"output.probes", "packing.vacancies", "slurm.before", "slurm.options"}
 NOT_IN_A_PAIR = {"pair.1.initial_overlap"}

@@ -52,7 +52,9 @@ def test_every_grain_moves_as_in_an_independent_solver(run: Path) -> None:
     with Result(run) as result:
         own, ours = result["lines/all/time"], result["lines/all/velocity"]
     expected = np.stack([[np.interp(own, time, v) for v in one.T] for one in velocity.transpose(1, 0, 2)])
-    assert np.abs(ours[:, :, [0, 2]] - expected.transpose(2, 0, 1)).max() < 0.05  # of 6 m/s; the solver is of first order in the loss
+    assert (
+        np.abs(ours[:, :, [0, 2]] - expected.transpose(2, 0, 1)).max() < 0.05
+    )  # of 6 m/s; the solver is of first order in the loss
     assert np.abs(ours[:, :, 1]).max() == 0  # nothing leaves the plane
 
 
