@@ -125,7 +125,7 @@ class AddedGrains:
     diameter: float = number("diameter of these grains", unit="m", above=0, usual=DIAMETER)
     shape: str = shape_field()
     length: float | None = length_field()
-    axis: Vector | None = axis_field()
+    axis: Vector | None = axis_field()  # noqa: RUF009 (axes are not changed)
     material: Material | None = None
     group: str | None = text("name of their group, for [[hold]]", default=None)
 

@@ -173,6 +173,8 @@ def _column_names(names: list[str], line: int, diameter: float | None) -> list[s
 
 
 def _number(value: str, name: str, line: int) -> float:
+    if not value.strip() and name in ("length", *AXIS_COLUMNS):
+        return 0.0  # of a sphere
     try:
         number = float(value)
     except ValueError:
@@ -237,13 +239,9 @@ def _from_ase(path: Path, diameter: float | None) -> Grains:
     for name in ("length", *AXIS_COLUMNS):
         if (column := found[name]) is not None:
             values[name] = np.asarray(column, dtype=np.float64).tolist()
-            if not np.isfinite(values[name]).all():
-                raise ValueError(
-                    f"found {name} of grain {int(np.argmin(np.isfinite(values[name]))) + 1} that is no number"
-                )
     if "momenta" in atoms.arrays and atoms.get_momenta().any():
         raise ValueError("found momenta, whose units are those of atoms; give vx, vy, vz (m/s) in a table")
-    for name in _PLACE:
+    for name in (*_PLACE, *(one for one in ("length", *AXIS_COLUMNS) if one in values)):
         if not np.isfinite(values[name]).all():
             raise ValueError(f"found {name} of grain {int(np.argmin(np.isfinite(values[name]))) + 1} that is no number")
     grains = _grains(values, [f"grain {number}" for number in range(1, len(atoms) + 1)], diameter)

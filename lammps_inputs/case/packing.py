@@ -38,18 +38,8 @@ from granwave.lammps_inputs.lattices import FILE, KINDS, kind_of
 LARGEST_ID = LARGEST_COUNT
 _ACROSS = 1e-9  # largest component of a direction along another that it is normal to
 _FORM_OF_FILE = "the path of a table of grains (x, y, z, diameter in m), or of a file that ASE reads"
-_NOT_OF_FILE = (
-    "size",
-    "gaps",
-    "diameter_scatter",
-    "scatter_distribution",
-    "vacancies",
-    "tilt",
-    "seed",
-    "shape",
-    "length",
-    "axis",
-)
+_NOT_OF_FILE = ("size", "gaps", "diameter_scatter", "scatter_distribution", "vacancies", "tilt", "seed")
+_OF_SHAPE = ("shape", "length", "axis")
 
 
 def _parse_size(value: Any) -> tuple[int, ...]:
@@ -134,7 +124,7 @@ class PackingSection:
     )
     shape: str = shape_field()
     length: float | None = length_field()
-    axis: Vector | None = axis_field()
+    axis: Vector | None = axis_field()  # noqa: RUF009 (axes are not changed)
     grains: Grains | None = custom(  # noqa: RUF009 (Grains are not changed)
         "the table of a file as text; a case that was run holds its grains so", _parse_grains, default=None
     )
@@ -205,10 +195,10 @@ def read_packing(table: Any, errors: ErrorList) -> PackingSection | None:
                 table = {key: value for key, value in table.items() if key != name}
         return _with_shape(read_table(PackingSection, table, "packing", errors), errors)
     before = len(errors.lines)
-    for name in _NOT_OF_FILE:
+    for name in (*_NOT_OF_FILE, *_OF_SHAPE):
         if name in table:
             errors.add(f"packing.{name}", 'does not belong to packing.kind = "file", whose grains are all in the file')
-    rest = {name: value for name, value in table.items() if name not in ("file", *_NOT_OF_FILE)}
+    rest = {name: value for name, value in table.items() if name not in ("file", *_NOT_OF_FILE, *_OF_SHAPE)}
     if "grains" not in table:
         rest["grains"] = found = _from_file(table, errors)
         if found is not None and found.period is not None:
@@ -235,15 +225,11 @@ def _with_shape(packing: PackingSection | None, errors: ErrorList) -> PackingSec
         along = np.abs(kind_of(packing.kind).contact_directions @ shape.vector).max()
         flat = [name for name, kind in KINDS.items() if kind.dimension < len("xyz")]
         if packing.kind not in flat:
-            errors.add(
-                "packing.shape",
-                f'found "cylinder" for {packing.kind}, expected a packing in a plane: {", ".join(flat)}',
-            )
+            expected = f"a packing in a plane: {', '.join(flat)}"
+            errors.add("packing.shape", f'found "cylinder" for {packing.kind}, expected {expected}')
         elif along > _ACROSS:
-            errors.add(
-                "packing.axis",
-                f"found {show(list(shape.axis))}, expected a direction across all contacts of {packing.kind}",
-            )
+            found = f"found {show(list(shape.axis))}"
+            errors.add("packing.axis", f"{found}, expected a direction across all contacts of {packing.kind}")
     return packing if len(errors.lines) == before else None
 
 

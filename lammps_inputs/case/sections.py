@@ -176,10 +176,10 @@ class Contact:
     yield_factor: float = number(
         "C = p_y / sigma_y, contact pressure at first yield", at_least=0.1, at_most=10, default=DEFAULT_YIELD_FACTOR
     )
-    constant: float | None = number("law power: K of F = K overlap^p", unit="N/m^p", above=0, default=None)
+    constant: float | None = number("law power: K of F = K overlap^p, N/m^p", above=0, default=None)
     exponent: float | None = number("law power: p", at_least=1, default=None)
     line: str = choice(
-        "law of a cylinder on a plane: that of a half-space, or plane strain; auto: plane strain if all grains are cylinders",
+        "law of a cylinder on a plane: half-space, or plane strain; auto: plane strain if all grains are cylinders",
         LINES,
         default="auto",
     )

@@ -84,9 +84,7 @@ def check_cylinders(case: Case, errors: ErrorList) -> None:
         errors.add("packing.tilt", "found with cylinders; they do not roll on a tilted floor")
     given = case.contact.initial_overlap
     if given and not isinstance(given, str):
-        errors.add(
-            "contact.initial_overlap", "found with cylinders; dents of these are those of an earlier run's result.h5"
-        )
+        errors.add("contact.initial_overlap", "found with cylinders, expected the path of an earlier run's result.h5")
     planes = [letter for letter in "xy" if case.boundary.has_planes(letter)] + ["z"] * (case.boundary.bottom == "wall")
     for shape in shapes:
         for letter in planes if shape is not None else ():
@@ -129,8 +127,8 @@ def _check_ends(places: Places, errors: ErrorList) -> None:
         more = f" (and {len(pairs) - 1} more pairs)" if len(pairs) > 1 else ""
         errors.add(
             _KEY,
-            f"found grains {first} and {second}, which touch at the end of a cylinder{more}; its side has a law, its end "
-            "none: move them, or make the cylinder longer",
+            f"found grains {first} and {second}, which touch at the end of a cylinder{more}; its side has a law, "
+            "its end none: move them, or make the cylinder longer",
         )
 
 

@@ -73,10 +73,8 @@ def cylinder_commands(assembly: Assembly, *, again: bool = False) -> list[str]:
     ]
     if not words:
         return []
-    return [
-        *(["unfix           cylinders"] if again else []),
-        f"fix             cylinders all gran/cylinder {joined(words)}",
-    ]
+    back = ["unfix           cylinders"] if again else []
+    return [*back, f"fix             cylinders all gran/cylinder {joined(words)}"]
 
 
 def dents() -> list[str]:

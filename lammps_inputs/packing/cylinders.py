@@ -1,7 +1,7 @@
 """Distances, extents and contacts of cylinders; see ``plugins/laws/cylinders.h``, whose geometry this is.
 
-A sphere touches the side of a cylinder in a point, as two cylinders that cross do; parallel cylinders touch along a line.
-The ends of a cylinder do not touch anything.
+A sphere touches the side of a cylinder in a point, as two cylinders that cross do; parallel cylinders touch along a
+line. The ends of a cylinder do not touch anything.
 """
 
 from __future__ import annotations

@@ -15,6 +15,7 @@ NAME = re.compile(r"# Complete example: (\w+)\n")
 STYLES = (
     "pair_gran_hysteretic",
     "fix_wall_gran_hysteretic",
+    "fix_gran_cylinder",
     "fix_gran_load",
     "fix_gran_holder",
     "fix_gran_timestep",
@@ -172,6 +173,12 @@ def test_energies_summed_when_asked_for_are_those_of_the_tally(example):
     for number in ("", *(f"[{n}]" for n in range(1, 6))):
         assert run[f"c_now{number}"].tolist() == run[f"c_tallied{number}"].tolist()
     assert run["c_now[1]"][-1] > 0
+
+
+def test_the_cylinder_that_slid_rolls(example):
+    log = example("rolling")
+    assert log.runs[-1]["v_surface"][-1] == pytest.approx(0.05 * 2 / 3, rel=1e-3)
+    assert log.printed("speed at the end, m/s") == pytest.approx(0.05 * 2 / 3, rel=1e-3)
 
 
 def test_the_holder_stops_the_bead_that_was_hit(example):
