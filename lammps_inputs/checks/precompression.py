@@ -15,11 +15,11 @@ from granwave.lammps_inputs.case.schema import ErrorList, show
 from granwave.lammps_inputs.case.sections import Boundary, Precompression
 from granwave.lammps_inputs.contact.initial_dents import LARGEST
 from granwave.lammps_inputs.contact.law import flat_contact, pair_contact, sphere_contact
-from granwave.lammps_inputs.contact.static_load import force_of_contact
+from granwave.lammps_inputs.contact.static_load import force_of_contact, grains_at_wall
 from granwave.lammps_inputs.lattices import KINDS
 from granwave.lammps_inputs.packing.assembly import Assembly, held_ids
 from granwave.lammps_inputs.packing.places import Places
-from granwave.lammps_inputs.packing.walls import materials_of_last_layer
+from granwave.lammps_inputs.packing.walls import materials_of_last_layer, walls
 from granwave.lammps_inputs.plane_lattices import is_plane_crystal
 
 _TABLE = "precompression"
@@ -86,6 +86,7 @@ def check_first_yield(assembly: Assembly, errors: ErrorList) -> None:
         _check_yield_by_walls(assembly, stage, errors)
     if stage.moves_walls or isinstance(assembly.lattice, Places):
         _check_top(assembly, errors)
+        _check_presses(assembly, errors)
         return
     name, unit = ("force", "N") if stage.force is not None else ("pressure", "Pa")
     if stage.kind == "gravity":
@@ -182,6 +183,29 @@ def _check_top(assembly: Assembly, errors: ErrorList) -> None:
     if not _is_borne(case):
         errors.add(f"{_TABLE}.force", "found a force on the top, which nothing bears; hold a grain along z, or give "
                    "a boundary.bottom")  # fmt: skip
+
+
+def _check_presses(assembly: Assembly, errors: ErrorList) -> None:
+    """Check that walls that move to a force do not yield the spheres that they press, nor exceed their law."""
+    stage = assembly.case.precompression
+    assert stage is not None
+    for name, force in stage.presses.items():
+        wall = next((wall for wall in walls(assembly) if wall.name.startswith(name)), None)
+        grains = [] if wall is None else grains_at_wall(assembly, wall).tolist()
+        for grain in grains[:1]:
+            if assembly.shape_of(grain) is not None:
+                continue  # a cylinder stays elastic
+            law, share = flat_contact(assembly, grain, wall.material if wall else None), force / len(grains)
+            limit = float(law.loading_force(np.array([LARGEST * law.effective_radius]))[0])
+            what = f"the law holds up to {limit:.3g} N"
+            if assembly.case.contact.yields and 0 < law.yield_force < limit:
+                limit, what = law.yield_force, f"first yield is at {law.yield_force:.3g} N"
+            if share > limit:
+                errors.add(
+                    f"{_TABLE}.{name}_force",
+                    f"found {force:g} N, about {share:.3g} N on each of {len(grains)} grains, where {what}; give less "
+                    f"than {limit * len(grains):.3g} N, or a distance {name}",
+                )
 
 
 def _is_borne(case: Case) -> bool:

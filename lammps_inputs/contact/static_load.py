@@ -28,7 +28,7 @@ from granwave.lammps_inputs.contact.law import law_between
 from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.places import Places
-from granwave.lammps_inputs.packing.walls import touched_by, walls
+from granwave.lammps_inputs.packing.walls import Wall, touched_by, walls
 
 _SHELL = (3, 2, 1)  # rows of sites around the packing, along x, y, z, that contain all missing neighbours
 
@@ -109,13 +109,17 @@ def _largest_overlap(assembly: Assembly) -> float:
 
 
 def _n_touching(assembly: Assembly, name: str) -> int:
-    """Return the number of grains that touch one of the walls of a pair, or the tube, before it moves; at least 1."""
-    wall = next(wall for wall in walls(assembly) if wall.name.startswith(name))
+    return len(grains_at_wall(assembly, next(wall for wall in walls(assembly) if wall.name.startswith(name))))
+
+
+def grains_at_wall(assembly: Assembly, wall: Wall) -> NDArray[np.int64]:
+    """Return the ids of the grains that touch a wall before it moves, or are nearest to it; at least one."""
     ids, chosen = assembly.ids[assembly.ids <= assembly.lattice.n_spheres], touched_by(assembly, wall)
     gaps = wall.gaps(assembly.positions()[: len(ids)], assembly.sphere_diameters()[: len(ids)] / 2)
     if chosen is not None:
         gaps = gaps[chosen[ids - 1]]
-    return max(int(np.count_nonzero(gaps <= gaps.min() + TOUCHING * assembly.lattice.diameter)), 1)
+        ids = ids[chosen[ids - 1]]
+    return ids[gaps <= gaps.min() + TOUCHING * assembly.lattice.diameter]
 
 
 def sphere_hertz(case: Case) -> ContactLaw:

@@ -20,8 +20,6 @@ _AZIMUTH, _ELEVATION = -58.0, 30.0  # degrees
 _MILLI = 1e3  # mm in a metre
 _DECADES = 4  # of peak force, far below F_y, to include the elastic wave
 _LEAST_SPHERES = 8
-_FLAT = 1e-6  # extent of centres across a plane packing, diameters: rounding
-_LONGEST = 10  # height of a packing over its width: the picture of a longer one would be a line of many pages
 _ROUND_LENGTHS = (1, 2, 5)
 _SURFACES: WeakKeyDictionary[Result, Surface] = WeakKeyDictionary()
 
@@ -83,12 +81,9 @@ def bar_location(size: tuple[float, float] | None) -> str:
 
 
 def can_be_cut(result: Result) -> bool:
-    """Return True for a packing that extends along x and y; of a chain, or a long row, curves show more."""
+    """Return True for a packing that extends along x and y; of a chain curves show more."""
     positions = result["spheres/position"]
-    across, depth = np.ptp(positions, axis=0)[:2], np.ptp(positions[:, 2])
-    flat = across.min() <= _FLAT * result.case.packing.diameter
-    row = depth + result.case.packing.diameter > _LONGEST * (across.max() + result.case.packing.diameter)
-    return len(positions) >= _LEAST_SPHERES and not flat and not row
+    return len(positions) >= _LEAST_SPHERES and bool(np.min(np.ptp(positions, axis=0)[:2]) > 0)
 
 
 def _cut_away(offset: NDArray[np.float64], camera: Camera, diameter: float) -> NDArray[np.bool_]:

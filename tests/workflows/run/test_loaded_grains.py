@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from granwave.analysis.result.reader import Result
-from granwave.lammps_inputs.errors import RunError
+from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.lattices import Lattice
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows.run.driver import run_case
@@ -110,5 +110,16 @@ def test_guide_without_rotation(tmp_path: Path) -> None:
 def test_walls_to_a_force_with_yield_are_refused(tmp_path: Path) -> None:
     tables = {"contact": {"law": "elastoplastic"}, "boundary": {"bottom": "free", "x": "wall"},
               "precompression": {"kind": "walls", "x_force": 5000.0}, "load": {"index": [1], "velocity": 1e-3}}  # fmt: skip
-    with pytest.raises(RunError, match="expected 5000 N: their distance is found with elastic contacts"):
+    with pytest.raises(
+        InputError, match=r"x_force: found 5000 N, about 5e\+03 N on each of 1 grains, where first yield"
+    ):
         result_of(tmp_path, "yields", packing=grains([[0, 0, 0], [0.01, 0, 0]]), **tables)
+
+
+def test_contacts_that_yield_where_walls_do_not(tmp_path: Path) -> None:
+    """Walls press below their own yield, but the contacts with the small grain between the two others yield earlier."""
+    text = "x,y,z,diameter\n0,0,0,0.01\n0.007,0,0,0.004\n0.014,0,0,0.01\n"
+    tables = {"contact": {"law": "elastoplastic"}, "boundary": {"bottom": "free", "x": "wall"},
+              "precompression": {"kind": "walls", "x_force": 4.0}, "load": {"index": [1], "velocity": 1e-3}}  # fmt: skip
+    with pytest.raises(RunError, match="expected 4 N: their distance is found with elastic contacts"):
+        result_of(tmp_path, "yields", packing={"kind": "file", "grains": text}, **tables)
