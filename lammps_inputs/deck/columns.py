@@ -10,6 +10,7 @@ import dataclasses
 from collections.abc import Iterable
 
 FRICTION, DENTS = "friction", "dents"  # columns of cases with friction; of cases with initial dents
+FORCES_OF_ALL = "forces"  # columns of cases that record the contact forces of every snapshot
 
 
 @dataclasses.dataclass(frozen=True)
@@ -92,6 +93,9 @@ SNAPSHOT = (
     Column("elastic", "c_sphere[10]", "J"),
     Column("elastic_tangential", "c_sphere[11]", "J", FRICTION),
     Column("friction", "c_sphere[12]", "J", FRICTION),
+    *(Column(f"f{axis}", f"f{axis}", "N", FORCES_OF_ALL) for axis in "xyz"),
+    *(Column(f"omega{axis}", f"omega{axis}", "rad s-1", FORCES_OF_ALL) for axis in "xyz"),
+    *(Column(f"tq{axis}", f"tq{axis}", "N m", FORCES_OF_ALL) for axis in "xyz"),
 )
 
 #: dumps/history.dump: history of a chain.
@@ -121,11 +125,15 @@ CONTACTS = of_compute(
         ("elastic_tangential", "J", FRICTION),
         ("friction", "J", FRICTION),
         ("initial", "m", DENTS),
+        *((f"t{axis}", "N", FORCES_OF_ALL) for axis in "xyz"),
     ],
 )
 
 #: dumps/forces.dump: history of the contact forces of a chain.
 FORCES = tuple(column for column in CONTACTS if column.name in ("i", "j", "force"))
+
+#: dumps/forces-*.dump: contact forces at every snapshot; the tangential force is that on sphere i.
+FORCES_AT_FRAMES = tuple(column for column in CONTACTS if column.name in ("i", "j", "force", "tx", "ty", "tz"))
 
 #: dumps/wall_NAME.dump, after the id: fix wall/gran/hysteretic, per sphere.
 WALL_CONTACTS = of_compute(
