@@ -6,12 +6,12 @@ import dataclasses
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
 from granwave.analysis.inference.contacts import Wall
-from granwave.analysis.inference.grains import STATES, State
+from granwave.analysis.inference.grains import STATES
 from granwave.analysis.inference.infer import Settings
 from granwave.analysis.inference.weights import WEIGHTS, Noise
 from granwave.lammps_inputs.case.material import Material, read_material
@@ -113,8 +113,9 @@ class GrainMaterial:
 class Infer:
     """``[infer]``: how the grains were measured, and what is to be found."""
 
-    state: State = choice(
-        "how strains give stresses: of cylinders whose face is free (plane-stress) or held (plane-strain), or of spheres",
+    state: Literal["plane-stress", "plane-strain", "space"] = choice(
+        "how strains give stresses: of cylinders whose faces are free (plane-stress) or held (plane-strain), or of "
+        "spheres (space)",
         STATES,
         default="plane-stress",
     )
@@ -142,7 +143,7 @@ class Infer:
     )
     walls: tuple[tuple[str, Place], ...] = custom("straight walls", _parse_walls, unit="m", default=())
     gravity: tuple[float, ...] = custom("acceleration of gravity", _parse_gravity, unit="m/s^2", default=())
-    noise: Noise = custom("standard deviations of what was measured", _parse_noise, default=Noise())
+    noise: Noise | None = custom("standard deviations of what was measured", _parse_noise, default=None)
     weights: str | None = choice(
         "weights of the equations: equal, each by its own standard deviation (white), or with the correlation of the "
         "stress components that strains give (correlated); by default white if noise is given, else equal",
@@ -150,7 +151,9 @@ class Infer:
         default=None,
     )
     modulus: str = choice("Young's modulus: given, or found from the accelerations", (GIVEN, FIND), default=GIVEN)
-    repetitions: int = count("repetitions with noise, for standard errors; 0: none", at_least=0, at_most=100_000, default=30)
+    repetitions: int = count(
+        "repetitions with noise, for standard errors; 0: none", at_least=0, at_most=100_000, default=30
+    )
     ridge: float = number(
         "weight of small forces over that of the equations, where these leave forces undetermined",
         at_least=0,
@@ -202,7 +205,7 @@ class InferCase:
             friction=wanted.friction,
             wall_friction=wanted.wall_friction,
             tolerance=wanted.contact_tolerance,
-            noise=wanted.noise,
+            noise=wanted.noise or Noise(),
             weights=wanted.weights,  # type: ignore[arg-type]
             find_modulus=wanted.modulus == FIND,
             repetitions=wanted.repetitions,
@@ -266,9 +269,7 @@ def _material(table: Any, errors: ErrorList) -> GrainMaterial | None:
     found: Material | None = read_material(table, errors)
     if found is None:
         return None
-    return GrainMaterial(
-        density=found.density, poisson_ratio=found.poisson_ratio, youngs_modulus=found.youngs_modulus
-    )
+    return GrainMaterial(density=found.density, poisson_ratio=found.poisson_ratio, youngs_modulus=found.youngs_modulus)
 
 
 def _check(infer: Infer, errors: ErrorList) -> None:
@@ -285,4 +286,6 @@ def _check(infer: Infer, errors: ErrorList) -> None:
         if isinstance(low, float) and isinstance(high, float) and low >= high:
             errors.add(f"infer.walls.{first}", f"found {low:g} m, expected it below {second}, {high:g} m")
     if infer.gravity and len(infer.gravity) != dimension:
-        errors.add("infer.gravity", f"found {show(list(infer.gravity))}, expected {dimension} numbers for {infer.state}")
+        errors.add(
+            "infer.gravity", f"found {show(list(infer.gravity))}, expected {dimension} numbers for {infer.state}"
+        )

@@ -31,7 +31,9 @@ def network(found: Inference) -> Drawing:
     lines = np.stack([found.grains.position[contacts.first], ends], axis=1)[:, :, [first, second]]
     order = np.argsort(size)
     widths = _WIDEST * size / (float(size.max(initial=0.0)) or 1.0)
-    drawn = LineCollection(list(1e3 * lines[order]), linewidths=widths[order], cmap=FORCE_MAP, capstyle="round", zorder=2)
+    drawn = LineCollection(
+        list(1e3 * lines[order]), linewidths=widths[order], cmap=FORCE_MAP, capstyle="round", zorder=2
+    )
     drawn.set_array(size[order])
     axes.add_collection(drawn)
     figure.colorbar(drawn, ax=axes, label="Contact force (N)", shrink=0.8, pad=0.02)

@@ -55,11 +55,6 @@ class Equations:
         return len(self.motion_grain) + len(self.stress_grain)
 
     @property
-    def n_unknowns(self) -> int:
-        """Number of components of contact forces."""
-        return int(self.motion.shape[1])
-
-    @property
     def matrix(self) -> sparse.csr_array:
         """Both matrices, one below the other."""
         return sparse.csr_array(sparse.vstack([self.motion, self.stress]))
@@ -87,8 +82,10 @@ def make_equations(grains: Grains, contacts: Contacts) -> Equations:
         shape = (n * n_rows, len(contacts) * d)
         return sparse.csr_array((values.ravel(), (places[0].ravel(), places[1].ravel())), shape=shape)
 
-    moment = arm[:, 0, None] * force[:, 1] - arm[:, 1, None] * force[:, 0] if d == 2 else np.cross(
-        arm[:, :, None], force, axis=1
+    moment = (
+        arm[:, 0, None] * force[:, 1] - arm[:, 1, None] * force[:, 0]
+        if d == 2
+        else np.cross(arm[:, :, None], force, axis=1)
     )
     moment = moment.reshape(len(of), turns, d)
     scale = np.array([1.0 if a == b else np.sqrt(2) for a, b in pairs])
@@ -116,3 +113,9 @@ def make_equations(grains: Grains, contacts: Contacts) -> Equations:
         np.repeat(np.flatnonzero(moving), d + turns),
         np.repeat(np.flatnonzero(strained), len(pairs)),
     )
+
+
+def unknown_columns(friction: Array, dimension: int) -> NDArray[np.int64]:
+    """Return the columns of the unknowns: normal components, and tangential ones of contacts with friction."""
+    columns = np.arange(len(friction) * dimension).reshape(len(friction), dimension)
+    return np.sort(np.concatenate([columns[:, 0], columns[friction > 0, 1:].ravel()]))

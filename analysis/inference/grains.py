@@ -24,7 +24,9 @@ PAIRS: dict[int, tuple[tuple[int, int], ...]] = {
     3: ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)),
 }
 #: Names of the components, by dimension.
-TENSOR = {dimension: tuple("".join("xyz"[axis] for axis in pair) for pair in pairs) for dimension, pairs in PAIRS.items()}
+TENSOR = {
+    dimension: tuple("".join("xyz"[axis] for axis in pair) for pair in pairs) for dimension, pairs in PAIRS.items()
+}
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -99,8 +101,8 @@ class Grains:
     def spin_stress(self) -> Array:
         """Part of the moments of the contact forces that the spin takes up: (n, k), N m.
 
-        It is m R^2/4 (w w - w^2 1) of cylinders and m R^2/5 (w w - w^2 1) of spheres, with w the angular velocity; it is
-        added to volume times stress.
+        With w the angular velocity it is m R^2/4 (w w - w^2 1) of cylinders, and m R^2/5 (w w - w^2 1) of spheres.
+        Volume times stress and this are the moments of the contact forces.
         """
         share = self.mass * self.radius**2 / (4 if self.dimension == 2 else 5)
         spin = np.where(np.isfinite(self.spin), self.spin, 0.0)

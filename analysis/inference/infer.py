@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from granwave.analysis.inference.contacts import Contacts, Wall, find_contacts
-from granwave.analysis.inference.equations import Equations, make_equations
+from granwave.analysis.inference.equations import Equations, make_equations, unknown_columns
 from granwave.analysis.inference.grains import Array, Grains
 from granwave.analysis.inference.modulus import ModulusSearch, find_modulus, free_misfit, search_near
 from granwave.analysis.inference.rank import add_ridge, refuse_undetermined
@@ -16,6 +16,7 @@ from granwave.analysis.inference.solve import solve
 from granwave.analysis.inference.weights import Covariance, Noise, Weighting, Weights, covariance, weighting
 from granwave.lammps_inputs.errors import InputError
 
+_ROUNDING = 1e-6
 NEAR = 5.0  # standard errors of the modulus within which repetitions search
 
 
@@ -66,6 +67,8 @@ class Inference:
         Normal and tangential components on the first grain: (m, d), N.
     spread
         Their standard errors; None without known noise: (m, d), N.
+    n_unknowns
+        Number of components of forces.
     residual
         Equations of motion and of stress, left side minus right: (n_rows,), N.
     factor
@@ -87,6 +90,7 @@ class Inference:
     force: Array
     spread: Array | None
     residual: Array
+    n_unknowns: int
     factor: float
     weights: Weights
     chi2: float
@@ -132,6 +136,7 @@ def infer(grains: Grains, walls: Mapping[str, Wall], settings: Settings) -> Infe
     friction = np.full(len(contacts), settings.friction)
     if settings.wall_friction is not None:
         friction[contacts.second < 0] = settings.wall_friction
+    kept = unknown_columns(friction, grains.dimension)
     condition = refuse_undetermined(equations, friction, settings.ridge)
     kind, spread = _weights(grains, settings)
     weighed = weighting(equations, spread, kind)
@@ -145,13 +150,13 @@ def infer(grains: Grains, walls: Mapping[str, Wall], settings: Settings) -> Infe
         if condition is None:
             return _solve(equations, exact, friction, settings.ridge, grains.dimension, factor, data)[1]
         rows = exact.rows(factor)
-        return free_misfit(rows @ equations.matrix, rows @ data)
+        return free_misfit((rows @ equations.matrix)[:, kept], rows @ data)
 
     search, factor, known = None, 1.0, settings.noise.complete(grains)
     if settings.find_modulus:
         search = find_modulus(grains, equations, lambda trial: misfit(trial, equations.data(trial)))
         factor = search.factor
-        n_more = max(equations.n_equations - equations.n_unknowns, 1)
+        n_more = max(equations.n_equations - len(kept), 1)
         search = search.with_error(1.0 if known else float(search.chi2.min()) / n_more)
     force, chi2 = solution(factor, equations.data(factor))
     residual = equations.matrix @ force.ravel() - equations.data(factor)
@@ -159,7 +164,7 @@ def infer(grains: Grains, walls: Mapping[str, Wall], settings: Settings) -> Infe
     if settings.repetitions > 1 and known:
         errors = _repeat(equations, spread, settings, force, factor, solution, misfit, search)
     return Inference(
-        grains, contacts, equations, settings, force, errors, residual, factor, kind, chi2, search, condition
+        grains, contacts, equations, settings, force, errors, residual, len(kept), factor, kind, chi2, search, condition
     )
 
 
@@ -197,11 +202,13 @@ def relative_noise(grains: Grains, share: float) -> Noise:
         found = values[np.isfinite(values)]
         return share * float(np.sqrt(np.mean(found**2))) or None if len(found) else None
 
-    turning = size(grains.angular_acceleration)
+    turning, motion = size(grains.angular_acceleration), size(grains.acceleration)
+    if turning and motion and turning * float(grains.radius.mean()) < _ROUNDING * motion:
+        turning = None  # grains that do not turn: what is left is rounding
     if grains.compliance is None:
-        return Noise(None, size(grains.stress), size(grains.acceleration), turning)
+        return Noise(None, size(grains.stress), motion, turning)
     strain = np.einsum("nij,nj->ni", grains.compliance, grains.stress)
-    return Noise(size(strain), None, size(grains.acceleration), turning)
+    return Noise(size(strain), None, motion, turning)
 
 
 def _solve(

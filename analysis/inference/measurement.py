@@ -73,7 +73,8 @@ def _check_rows(table: Table, case: InferCase) -> None:
     positive = ("radius_m", "density_kg_m3", "youngs_modulus_Pa")
     for name in (name for name in positive if name in columns):
         errors += table.refuse(
-            columns[name] <= 0, lambda row, name=name: f"{name}: found {columns[name][row]:g}, expected a number above 0"
+            columns[name] <= 0,
+            lambda row, name=name: f"{name}: found {columns[name][row]:g}, expected a number above 0",
         )
     if "poisson_ratio" in columns:
         ratio = columns["poisson_ratio"]
@@ -136,7 +137,9 @@ def _instants(table: Table, case: InferCase) -> list[tuple[float, NDArray[np.int
     ids = columns.get("id")
     if ids is None:
         if order_of.any():
-            raise InputError(f"{table.source}: line {table.lines[0]}: lacks id, which tells the grains of a series apart")
+            raise InputError(
+                f"{table.source}: line {table.lines[0]}: lacks id, which tells the grains of a series apart"
+            )
         ids = np.arange(1.0, n + 1)
     errors, found = [], []
     for number in range(order_of.max() + 1):
@@ -199,7 +202,7 @@ def _differentiated(
     if len(uneven):
         first = int(uneven[0])
         raise InputError(
-            f"{table.source}: found {times[first + 1] - times[first]:.4g} s from {times[first]:.6g} s to the next frame, "
+            f"{table.source}: found {times[first + 1] - times[first]:.4g} s from {times[first]:.6g} s to the next, "
             f"elsewhere {step:.4g} s; accelerations by differences need all frames, evenly spaced"
         )
     if len(times) < window:
@@ -210,8 +213,7 @@ def _differentiated(
     for time, rows in instants[1:]:
         if not np.array_equal(ids[rows], ids[instants[0][1]]):
             raise InputError(
-                f"{table.source}: the grains at {time:g} s are not those at {times[0]:g} s; a series needs all grains in "
-                "all frames"
+                f"{table.source}: the grains at {time:g} s are not those at {times[0]:g} s; expected all in all frames"
             )
     known, turns = groups(case.dimension), 1 if case.dimension == 2 else 3
     position = np.stack([table.take(known["position"])[rows] for _, rows in instants])

@@ -3,8 +3,8 @@
 The right-hand side of the stress is proportional to the moduli, that of the motion is not. The factor of the moduli is
 the minimum of chi^2, the sum of squares of the errors of strains and accelerations over their standard deviations, with
 the forces that are best for each factor. These forces are not held within the cone of friction here: noise could push
-those on its border inwards only, which biases the modulus upwards by as much as its standard error. An additional column
-of the least squares, in place of the search, would be biased low: it takes the strains as free of errors.
+those on its border inwards only, which biases the modulus upwards by as much as its standard error. An additional
+column of the least squares, in place of the search, would be biased low: it takes the strains as free of errors.
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ def find_modulus(grains: Grains, equations: Equations, chi2: Callable[[float], f
         raise InputError('infer.modulus: found "find" with measured stresses, which need no modulus; expected strains')
     if not len(equations.motion_data) or not np.any(equations.motion_data):
         raise InputError(
-            'infer.modulus: found "find", but nothing to find it from: strains tell forces only up to a factor; expected '
+            'infer.modulus: found "find", but nothing to find it from: strains tell forces up to a factor; expected '
             "accelerations other than zero (or a weight, infer.gravity), or material.youngs_modulus"
         )
     tried: dict[float, float] = {}

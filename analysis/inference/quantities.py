@@ -24,16 +24,16 @@ ENTRIES = (
     Quantity("n_sliding_contacts", "Sliding contacts", "Tangential force within 0.1 % of friction times normal force."),
     Quantity("residual_fraction", "Residuals", "Root of the sum of squares of the residuals over that of the data."),
     Quantity("chi2_per_equation", "chi^2 over free equations",
-             "Weighted squares of the residuals over the number of equations without that of the forces: near 1 if noise "
-             "and friction are right; null without known noise."),
+             "Weighted squares of the residuals over the number of equations without that of the forces: near 1 if "
+             "noise and friction are right; null without known noise."),
     Quantity("standard_error_fraction", "Standard error of the forces",
              "Root of the sum of squares of the standard errors over that of the forces, from repeated noise."),
     Quantity("repetitions", meaning="Number of repetitions with noise."),
     Quantity("youngs_modulus_Pa", "Young's modulus", "Given or found; of the first grain. Null for measured stresses."),
     Quantity("youngs_modulus_error_Pa", "Standard error of Young's modulus", "Null if it was given."),
     Quantity("true_force_error", "Error of the forces",
-             "Of measurements made of a run: root of the sum of squares of the errors over that of the true forces; mean "
-             "of all repetitions."),
+             "Of measurements made of a run: root of the sum of squares of the errors over that of the true forces; "
+             "mean of all repetitions."),
     Quantity("noise", meaning="Of measurements made of a run: noise over the root mean square, or a list."),
     Quantity("frame_rate_Hz", meaning="Of measurements made of a run: frames per second of the camera."),
     Quantity("position_noise_m", meaning="Of measurements made of a run: error of measured places."),

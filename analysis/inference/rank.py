@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy import sparse
 
-from granwave.analysis.inference.equations import Equations
+from granwave.analysis.inference.equations import Equations, unknown_columns
 from granwave.analysis.inference.grains import Array
 from granwave.lammps_inputs.errors import InputError
 
@@ -22,9 +22,7 @@ def refuse_undetermined(equations: Equations, friction: Array, ridge: float) -> 
         Ratio of the extreme singular values; None for problems too large to compute them.
     """
     n_contacts = len(friction)
-    dimension = equations.n_unknowns // n_contacts
-    columns = np.arange(equations.n_unknowns).reshape(n_contacts, dimension)
-    keep = np.concatenate([columns[:, 0], columns[friction > 0, 1:].ravel()])
+    keep = unknown_columns(friction, equations.motion.shape[1] // n_contacts)
     unknown, given = len(keep), equations.n_equations
     if unknown > _DENSE:
         rank, condition = min(unknown, given), None

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import optimize, sparse
 
+from granwave.analysis.inference.equations import unknown_columns
 from granwave.analysis.inference.grains import Array
+from granwave.lammps_inputs.errors import RunError
 
 #: Number of unknowns beyond which problems in the plane are solved by the conic solver, which uses sparse matrices.
 DENSE_UNKNOWNS = 1500
 _ROUNDING = 1e-12  # of the largest force: what lies outside the cone by less is on it
 _ACCURACY = 1e-12  # of the conic solver, relative
+_SOLVED = ("Solved", "AlmostSolved", "InsufficientProgress")  # the last: as near as rounding lets it
 
 
 def solve(matrix: sparse.csr_array, data: Array, friction: Array, dimension: int) -> Array:
@@ -30,32 +34,40 @@ def solve(matrix: sparse.csr_array, data: Array, friction: Array, dimension: int
     ndarray
         Normal and tangential components: (n_contacts, dimension), N.
     """
-    if dimension == 2 and matrix.shape[1] <= DENSE_UNKNOWNS:
-        return _by_edges(matrix, data, friction)
+    if matrix.shape[1] <= DENSE_UNKNOWNS and (dimension == 2 or not friction.any()):
+        return _by_edges(matrix, data, friction, dimension)
     return solve_conic(matrix, data, friction, dimension)
 
 
-def _by_edges(matrix: sparse.csr_array, data: Array, friction: Array) -> Array:
-    """Solve in the plane, where a force is a sum of the two edges of its cone with non-negative factors."""
-    normal, tangent = (matrix[:, part::2].toarray() for part in (0, 1))
+def _by_edges(matrix: sparse.csr_array, data: Array, friction: Array, dimension: int) -> Array:
+    """Solve by non-negative least squares: in the plane a force is a sum of the two edges of its cone.
+
+    In space this holds without friction alone, where a force is a push.
+    """
     rough = friction > 0
-    edges = np.concatenate([normal + friction * tangent, (normal - friction * tangent)[:, rough]], axis=1)
+    edges, tangent = matrix[:, ::dimension].toarray(), matrix[:, 1::dimension].toarray()
+    if rough.any():
+        edges = np.concatenate([edges + friction * tangent, (edges - friction * tangent)[:, rough]], axis=1)
     factors, _ = optimize.nnls(edges, data, maxiter=20 * edges.shape[1])
     upper, lower = factors[: len(friction)], np.zeros(len(friction))
     lower[rough] = factors[len(friction) :]
-    return np.stack([upper + lower, friction * (upper - lower)], axis=1)
+    force = np.zeros((len(friction), dimension))
+    force[:, 0], force[:, 1] = upper + lower, friction * (upper - lower)
+    return force
 
 
 def solve_conic(matrix: sparse.csr_array, data: Array, friction: Array, dimension: int) -> Array:
     """Solve by second-order cones (Clarabel); see `solve`."""
-    force = _free(matrix, data, dimension)
+    force = _free(matrix, data, friction, dimension)
     if force is not None and _within(force, friction):
         return _onto(force, friction)
     return _by_cones(matrix, data, friction, dimension)
 
 
-def _free(matrix: sparse.csr_array, data: Array, dimension: int) -> Array | None:
-    """Return the solution without constraints, which is that with them if it lies within the cones."""
+def _free(matrix: sparse.csr_array, data: Array, friction: Array, dimension: int) -> Array | None:
+    """Return the solution without cones, which is that with them if it lies within; None if it is not unique."""
+    kept = unknown_columns(friction, dimension)
+    matrix = sparse.csr_array(matrix[:, kept])
     normal_equations = sparse.csc_array(matrix.T @ matrix)
     try:
         factors = sparse.linalg.splu(normal_equations)
@@ -64,7 +76,11 @@ def _free(matrix: sparse.csr_array, data: Array, dimension: int) -> Array | None
     found = factors.solve(matrix.T @ data)
     for _ in range(2):
         found += factors.solve(matrix.T @ (data - matrix @ found))
-    return found.reshape(-1, dimension) if np.isfinite(found).all() else None
+    if not np.isfinite(found).all():
+        return None
+    force = np.zeros(len(friction) * dimension)
+    force[kept] = found
+    return force.reshape(-1, dimension)
 
 
 def _within(force: Array, friction: Array) -> bool:
@@ -84,25 +100,34 @@ def _onto(force: Array, friction: Array) -> Array:
 
 
 def _by_cones(matrix: sparse.csr_array, data: Array, friction: Array, dimension: int) -> Array:
-    """Minimise 1/2 |r|^2 with r = matrix f - data, in units in which forces are near one."""
+    """Minimise 1/2 |r|^2 with r = matrix f - data, in units in which forces and equations are near one.
+
+    Raises
+    ------
+    RunError
+        The solver did not converge.
+    """
     import clarabel
 
-    n_rows, n_columns = matrix.shape
-    size = float(np.sqrt(np.mean(data**2))) or 1.0
-    n_contacts = len(friction)
-    rough = np.flatnonzero(friction > 0)
-    smooth = np.flatnonzero(friction == 0)
+    kept = unknown_columns(friction, dimension)
+    n_rows, n_columns = matrix.shape[0], len(kept)
+    matrix = sparse.csr_array(matrix[:, kept])
+    weight = float(np.sqrt((matrix**2).sum() / n_columns)) or 1.0
+    matrix, data = matrix / weight, data / weight
+    size = float(np.sqrt(np.sum(data**2) / n_columns)) or 1.0
+    place = np.full(len(friction) * dimension, -1)
+    place[kept] = np.arange(n_columns)
+    columns = place.reshape(len(friction), dimension)
+    rough, smooth = np.flatnonzero(friction > 0), np.flatnonzero(friction == 0)
     # s = b - A x: zero for the equations, and in the cones (friction f_n, f_t)
-    equations = sparse.hstack([matrix, -sparse.eye_array(n_rows)])
-    scale = np.ones((n_contacts, dimension))
+    scale = np.ones((len(friction), dimension))
     scale[:, 0] = friction
-    columns = np.arange(n_columns).reshape(n_contacts, dimension)
-    cone = _selection(columns[rough].ravel(), -scale[rough].ravel(), n_columns + n_rows)
     push = _selection(columns[smooth, 0], -np.ones(len(smooth)), n_columns + n_rows)
-    none = _selection(columns[smooth, 1:].ravel(), np.ones(len(smooth) * (dimension - 1)), n_columns + n_rows)
-    constraints = sparse.csc_array(sparse.vstack([equations, none, push, cone]))
+    cone = _selection(columns[rough].ravel(), -scale[rough].ravel(), n_columns + n_rows)
+    equations = sparse.hstack([matrix, -sparse.eye_array(n_rows)])
+    constraints = sparse.csc_array(sparse.vstack([equations, push, cone]))
     right = np.concatenate([data / size, np.zeros(constraints.shape[0] - n_rows)])
-    cones = [clarabel.ZeroConeT(n_rows + none.shape[0]), clarabel.NonnegativeConeT(len(smooth))]
+    cones = [clarabel.ZeroConeT(n_rows), clarabel.NonnegativeConeT(len(smooth))]
     cones += [clarabel.SecondOrderConeT(dimension)] * len(rough)
     squares = sparse.csc_array(sparse.diags_array(np.concatenate([np.zeros(n_columns), np.ones(n_rows)])))
     settings = clarabel.DefaultSettings()
@@ -112,9 +137,13 @@ def _by_cones(matrix: sparse.csr_array, data: Array, friction: Array, dimension:
         sparse.csc_matrix(squares), np.zeros(n_columns + n_rows), sparse.csc_matrix(constraints), right, cones, settings
     )
     found = solver.solve()
-    return _onto(size * np.array(found.x[:n_columns]).reshape(n_contacts, dimension), friction)
+    if str(found.status) not in _SOLVED:
+        raise RunError(f"the conic solver did not find the forces: it ended as {found.status}")
+    force = np.zeros(len(friction) * dimension)
+    force[kept] = size * np.array(found.x[:n_columns])
+    return _onto(force.reshape(-1, dimension), friction)
 
 
-def _selection(columns: Array, values: Array, n_columns: int) -> sparse.csr_array:
+def _selection(columns: NDArray[np.int64], values: Array, n_columns: int) -> sparse.csr_array:
     """Return a matrix with one value in each row."""
     return sparse.csr_array((values, (np.arange(len(columns)), columns)), shape=(len(columns), n_columns))

@@ -113,7 +113,9 @@ def read_table_of_grains(path: str | Path, dimension: int) -> Table:
                     for name in groups(dimension)[group]}  # fmt: skip
     for row, (line, cells) in enumerate(rows[1:]):
         if len(cells) != len(names):
-            errors.append(f"{source}: line {line}: found {len(cells)} values, expected {len(names)}: {', '.join(names)}")
+            errors.append(
+                f"{source}: line {line}: found {len(cells)} values, expected {len(names)}: {', '.join(names)}"
+            )
             continue
         for column, (name, cell) in enumerate(zip(names, cells, strict=True)):
             text = cell.strip()

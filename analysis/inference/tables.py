@@ -14,7 +14,7 @@ from granwave.analysis.inference.quantities import QUANTITIES
 from granwave.analysis.versions import versions_of
 
 _SLIDING = 1e-3  # of the limit of friction
-_LOADED = 1e-9  # of the largest force; smaller ones are rounding errors
+_LOADED = 1e-6  # of the largest force; smaller ones are errors of the solver
 KIND = "inference"
 
 
@@ -86,7 +86,7 @@ def instant_summary(one: Inference, time: float) -> dict[str, Any]:
         "n_contacts": len(one.contacts),
         "n_loaded_contacts": int(np.count_nonzero(loaded)),
         "n_equations": one.equations.n_equations,
-        "n_unknowns": one.equations.n_unknowns,
+        "n_unknowns": one.n_unknowns,
         "condition_number": one.condition,
         "largest_force_N": float(size.max(initial=0.0)),
         "mean_normal_force_N": float(one.force[loaded, 0].mean()) if loaded.any() else 0.0,

@@ -122,7 +122,7 @@ class Weighting:
 
 
 def weighting(equations: Equations, spread: Covariance, kind: Weights) -> Weighting:
-    """Return the factors: all 1 (equal), each row over its standard deviation (white), or full whitening (correlated)."""
+    """Return the factors: 1 (equal), each row over its standard deviation (white), or full whitening (correlated)."""
     n, k = spread.stress.shape[:2]
     if kind == "equal":
         return Weighting(np.ones(len(equations.motion_data)), np.broadcast_to(np.eye(k), (n, k, k)), False)

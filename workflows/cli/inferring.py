@@ -77,9 +77,7 @@ def _of_table(options: argparse.Namespace, case: InferCase | None, directory: Pa
             at = "" if math.isnan(time) else f" at {time:g} s"
             raise InputError([f"{options.measurement}{at}: {line}" for line in error.errors]) from None
     name = options.measurement.stem
-    summary = summary_of(
-        name, str(options.measurement), case.infer.state, found, measured.times, measured.notes
-    )
+    summary = summary_of(name, str(options.measurement), case.infer.state, found, measured.times, measured.notes)
     with held(directory):
         write_inference(directory, found, measured.times, summary, figures=options.figures)
     return summary
@@ -87,8 +85,8 @@ def _of_table(options: argparse.Namespace, case: InferCase | None, directory: Pa
 
 def _of_run(options: argparse.Namespace, case: InferCase | None, directory: Path) -> dict[str, Any]:
     """Infer the forces of measurements made of a run."""
-    from granwave.workflows.cli.commands import as_wrong_input
     from granwave.analysis.inference.plan import Camera, plan_experiment
+    from granwave.workflows.cli.commands import as_wrong_input
     from granwave.workflows.run.directory import held
 
     camera = Camera(
@@ -122,7 +120,10 @@ def report(summary: Mapping[str, Any]) -> str:
     rows = [
         ("grains", shown("n_grains", "d")),
         ("contacts", f"{shown('n_contacts', 'd')}, {shown('n_loaded_contacts', 'd')} of them bear a force"),
-        ("equations", f"{shown('n_equations', 'd')} for {shown('n_unknowns', 'd')} unknowns, {summary['weights']} weights"),
+        (
+            "equations",
+            f"{shown('n_equations', 'd')} for {shown('n_unknowns', 'd')} unknowns, {summary['weights']} weights",
+        ),
         ("largest force", f"{shown('largest_force_N', '.4g')} N"),
         ("residuals", f"{shown('residual_fraction', '.2g', 100)} % of the data"),
     ]
