@@ -6,17 +6,25 @@ import dataclasses
 from collections.abc import Callable, Mapping
 
 import numpy as np
+from numpy.typing import NDArray
 
 from granwave.analysis.inference.contacts import Contacts, Wall, find_contacts
 from granwave.analysis.inference.equations import Equations, make_equations, unknown_columns
 from granwave.analysis.inference.grains import Array, Grains
-from granwave.analysis.inference.modulus import ModulusSearch, find_modulus, free_misfit, search_near
+from granwave.analysis.inference.modulus import (
+    ModulusSearch,
+    find_modulus,
+    free_misfit,
+    refuse_unknowable,
+    search_near,
+)
 from granwave.analysis.inference.rank import add_ridge, refuse_undetermined
 from granwave.analysis.inference.solve import solve
 from granwave.analysis.inference.weights import Covariance, Noise, Weighting, Weights, covariance, weighting
 from granwave.lammps_inputs.errors import InputError
 
-_ROUNDING = 1e-6
+_ROUNDING = 1e-6  # rate of rotation times radius over the acceleration
+_SHOWN = 5  # ids in a message
 NEAR = 5.0  # standard errors of the modulus within which repetitions search
 
 
@@ -131,8 +139,11 @@ def infer(grains: Grains, walls: Mapping[str, Wall], settings: Settings) -> Infe
         A grain touches nothing, the equations do not determine the forces, or nothing tells the modulus.
     """
     contacts = find_contacts(grains, walls, settings.tolerance)
+    refuse_behind(grains, walls)
     refuse_lonely(grains, contacts, settings.tolerance)
     equations = make_equations(grains, contacts)
+    if settings.find_modulus:
+        refuse_unknowable(grains, equations)
     friction = np.full(len(contacts), settings.friction)
     if settings.wall_friction is not None:
         friction[contacts.second < 0] = settings.wall_friction
@@ -154,7 +165,7 @@ def infer(grains: Grains, walls: Mapping[str, Wall], settings: Settings) -> Infe
 
     search, factor, known = None, 1.0, settings.noise.complete(grains)
     if settings.find_modulus:
-        search = find_modulus(grains, equations, lambda trial: misfit(trial, equations.data(trial)))
+        search = find_modulus(equations, lambda trial: misfit(trial, equations.data(trial)))
         factor = search.factor
         n_more = max(equations.n_equations - len(kept), 1)
         search = search.with_error(1.0 if known else float(search.chi2.min()) / n_more)
@@ -168,16 +179,33 @@ def infer(grains: Grains, walls: Mapping[str, Wall], settings: Settings) -> Infe
     )
 
 
+def refuse_behind(grains: Grains, walls: Mapping[str, Wall]) -> None:
+    """Raise InputError for each wall that has centres of grains behind it."""
+    errors = []
+    for name, wall in walls.items():
+        behind = (grains.position - np.array(wall.point)) @ np.array(wall.normal) <= 0
+        if behind.any():
+            errors.append(
+                f"grain {_few(grains.ids[behind])}: lies behind the wall {name}; check infer.walls.{name} and the "
+                "places, both in m"
+            )
+    if errors:
+        raise InputError(errors)
+
+
+def _few(ids: NDArray[np.int64]) -> str:
+    return ", ".join(map(str, ids[:_SHOWN].tolist())) + (", ..." if len(ids) > _SHOWN else "")
+
+
 def refuse_lonely(grains: Grains, contacts: Contacts, tolerance: float) -> None:
     """Raise InputError if a grain touches nothing."""
     touched = np.zeros(len(grains), dtype=bool)
     touched[contacts.first] = True
     touched[contacts.second[contacts.second >= 0]] = True
     if not touched.all():
-        lonely = ", ".join(map(str, grains.ids[~touched][:5])) + (", ..." if np.count_nonzero(~touched) > 5 else "")
         raise InputError(
-            f"grain {lonely}: touches nothing: no grain or wall lies within a relative gap of {tolerance:g}; give the "
-            "walls in infer.walls, raise infer.contact_tolerance, or leave the row out"
+            f"grain {_few(grains.ids[~touched])}: touches nothing: no grain or wall lies within a relative gap of "
+            f"{tolerance:g}; give the walls in infer.walls, raise infer.contact_tolerance, or leave the row out"
         )
 
 

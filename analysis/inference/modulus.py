@@ -62,14 +62,8 @@ def free_misfit(matrix: sparse.csr_array, data: Array) -> float:
     return float(rest @ rest)
 
 
-def find_modulus(grains: Grains, equations: Equations, chi2: Callable[[float], float]) -> ModulusSearch:
-    """Find the factor of the moduli with the least chi^2.
-
-    Raises
-    ------
-    InputError
-        Stresses were measured, there are no accelerations or forces in newtons, or no minimum was found.
-    """
+def refuse_unknowable(grains: Grains, equations: Equations) -> None:
+    """Raise InputError if stresses were measured, or no acceleration or weight tells the modulus."""
     if grains.compliance is None:
         raise InputError('infer.modulus: found "find" with measured stresses, which need no modulus; expected strains')
     if not len(equations.motion_data) or not np.any(equations.motion_data):
@@ -77,6 +71,16 @@ def find_modulus(grains: Grains, equations: Equations, chi2: Callable[[float], f
             'infer.modulus: found "find", but nothing to find it from: strains tell forces up to a factor; expected '
             "accelerations other than zero (or a weight, infer.gravity), or material.youngs_modulus"
         )
+
+
+def find_modulus(equations: Equations, chi2: Callable[[float], float]) -> ModulusSearch:
+    """Find the factor of the moduli with the least chi^2.
+
+    Raises
+    ------
+    InputError
+        No minimum was found.
+    """
     tried: dict[float, float] = {}
 
     def at(logarithm: float) -> float:

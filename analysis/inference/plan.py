@@ -135,7 +135,7 @@ def plan_experiment(source: Path, case: InferCase | None, camera: Camera) -> Pla
         means.append(float(np.mean(errors)))
         deviations.append(float(np.std(errors)))
     assert kept is not None
-    found = infer(kept[0], walls, dataclasses.replace(settings, noise=kept[1]))
+    found = infer(kept[0], walls, dataclasses.replace(settings, noise=kept[1], repetitions=camera.repetitions))
     time = float(run.times[number])
     summary = summary_of(name, str(source), state, [found], [time], [])
     several = len(levels) > 1

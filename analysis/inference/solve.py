@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import optimize, sparse
+from scipy import linalg, optimize, sparse
 
 from granwave.analysis.inference.equations import unknown_columns
 from granwave.analysis.inference.grains import Array
@@ -12,7 +12,8 @@ from granwave.lammps_inputs.errors import RunError
 
 #: Number of unknowns beyond which problems in the plane are solved by the conic solver, which uses sparse matrices.
 DENSE_UNKNOWNS = 1500
-_ROUNDING = 1e-12  # of the largest force: what lies outside the cone by less is on it
+_ROUNDING = 1e-11  # of the largest force: what lies outside the cone by less is on it
+_SINGULAR = 1e-12  # ratio of diagonal elements below which forces are not unique
 _ACCURACY = 1e-12  # of the conic solver, relative
 _SOLVED = ("Solved", "AlmostSolved", "InsufficientProgress")  # the last: as near as rounding lets it
 
@@ -67,20 +68,37 @@ def solve_conic(matrix: sparse.csr_array, data: Array, friction: Array, dimensio
 def _free(matrix: sparse.csr_array, data: Array, friction: Array, dimension: int) -> Array | None:
     """Return the solution without cones, which is that with them if it lies within; None if it is not unique."""
     kept = unknown_columns(friction, dimension)
-    matrix = sparse.csr_array(matrix[:, kept])
-    normal_equations = sparse.csc_array(matrix.T @ matrix)
+    columns = sparse.csr_array(matrix[:, kept])
+    if columns.shape[0] < columns.shape[1]:
+        return None
+    found = _dense(columns, data) if len(kept) <= DENSE_UNKNOWNS else _sparse(columns, data)
+    if found is None or not np.isfinite(found).all():
+        return None
+    force = np.zeros(len(friction) * dimension)
+    force[kept] = found
+    return force.reshape(-1, dimension)
+
+
+def _dense(matrix: sparse.csr_array, data: Array) -> Array | None:
+    """Solve by orthogonal columns, whose error grows with the condition and not with its square."""
+    columns, triangle = np.linalg.qr(matrix.toarray())
+    diagonal = np.abs(triangle.diagonal())
+    if diagonal.min(initial=1.0) <= _SINGULAR * diagonal.max(initial=0.0):
+        return None
+    found = linalg.solve_triangular(triangle, columns.T @ data)
+    return np.asarray(found + linalg.solve_triangular(triangle, columns.T @ (data - matrix @ found)))
+
+
+def _sparse(matrix: sparse.csr_array, data: Array) -> Array | None:
+    """Solve the normal equations of a large problem, and correct the solution twice."""
     try:
-        factors = sparse.linalg.splu(normal_equations)
+        factors = sparse.linalg.splu(sparse.csc_array(matrix.T @ matrix))
     except RuntimeError:  # singular
         return None
     found = factors.solve(matrix.T @ data)
     for _ in range(2):
         found += factors.solve(matrix.T @ (data - matrix @ found))
-    if not np.isfinite(found).all():
-        return None
-    force = np.zeros(len(friction) * dimension)
-    force[kept] = found
-    return force.reshape(-1, dimension)
+    return np.asarray(found)
 
 
 def _within(force: Array, friction: Array) -> bool:

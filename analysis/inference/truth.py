@@ -120,12 +120,14 @@ class Run:
         true = np.zeros((len(contacts), self.dimension))
         on_pairs = self._pairs(grains, contacts, forces, true)
         rest = total @ self.turn.T - on_pairs
-        known = self._walls(grains, contacts, frame, rest, true)
+        equations = make_equations(grains, contacts)
+        of_pairs = (equations.motion @ true.ravel()).reshape(n, -1)[:, self.dimension :] * self.radius[:, None]
+        torque = self.angular_acceleration[number] * grains.inertia[:, None] - of_pairs
+        known = self._walls(grains, contacts, frame, rest, torque, true)
         # what is held in place has unknown forces upon it, and is left out of the measurement
         size = float(np.abs(true).max(initial=0.0))
         held = (np.linalg.norm(total, axis=1) == 0) & (np.linalg.norm(known, axis=1) > _REST * size)
         known[np.linalg.norm(known, axis=1) <= _REST * size] = 0.0
-        equations = make_equations(grains, contacts)
         sums = (equations.motion @ true.ravel()).reshape(n, -1)
         turning = sums[:, self.dimension :] * (self.radius / grains.inertia)[:, None]
         exact = (sums[:, : self.dimension] + known) / mass[:, None]
@@ -166,11 +168,13 @@ class Run:
         np.add.at(sums, j, -vectors)
         return sums
 
-    def _walls(self, grains: Grains, contacts: Contacts, frame: Frame, rest: Array, true: Array) -> Array:
+    def _walls(
+        self, grains: Grains, contacts: Contacts, frame: Frame, rest: Array, torque: Array, true: Array
+    ) -> Array:
         """Enter the forces of walls into ``true``; return what is left of the forces on each grain: (n, d), N.
 
-        The normal forces were recorded. Tangential forces of a grain follow from the rest of its force: exactly at one
-        wall; at several they are the smallest that give it.
+        The normal forces were recorded. Tangential forces follow from the rest of a grain's force and torque, in which
+        LAMMPS counts them with a lever of radius minus half the overlap.
         """
         names = list(self.wall_fixes)
         normal = {name: sum((frame[f"wall_{fix}"] for fix in fixes), np.zeros(len(grains)))
@@ -181,16 +185,37 @@ class Run:
         for m, push in zip(at_walls.tolist(), pushes.tolist(), strict=True):
             true[m, 0] = push
             left[contacts.first[m]] -= push * contacts.normal[m]
-        if not self.friction[1]:
+        if not self.friction[1] or not len(at_walls):
             return left
-        loaded = at_walls[pushes > 0] if len(at_walls) else at_walls
+        loaded = at_walls[pushes > 0]
         for grain in np.unique(contacts.first[loaded]).tolist():
             own = loaded[contacts.first[loaded] == grain]
             tangents = np.concatenate([contacts.basis[m][:, 1:] for m in own.tolist()], axis=1)
-            found = np.linalg.lstsq(tangents, left[grain], rcond=None)[0]
+            moments = np.concatenate([_moments(contacts, m, grains.radius[grain]) for m in own.tolist()], axis=1)
+            scale = grains.radius[grain]
+            matrix = np.concatenate([tangents, moments / scale])
+            found, _, rank, _ = np.linalg.lstsq(
+                matrix, np.concatenate([left[grain], torque[grain] / scale]), rcond=None
+            )
+            if rank < matrix.shape[1]:
+                raise InputError(
+                    f"{self.directory}: grain {self.ids[grain]} rubs at {len(own)} walls, whose forces its motion does "
+                    "not tell apart; choose another --time, or a packing without friction of its walls"
+                )
             true[own, 1:] = found.reshape(len(own), -1)
             left[grain] -= tangents @ found
         return left
+
+
+def _moments(contacts: Contacts, number: int, radius: float) -> Array:
+    """Return the moments about a grain of unit tangential forces at a wall, in columns: (1 or 3, d - 1), m."""
+    arm = contacts.arm[number]
+    apart = float(np.linalg.norm(arm))
+    lever = (radius + apart) / 2 * arm / apart
+    tangents = contacts.basis[number][:, 1:]
+    if len(lever) == 2:
+        return np.array([lever[0] * tangents[1] - lever[1] * tangents[0]])
+    return np.cross(lever[:, None], tangents, axis=0)
 
 
 def read_run(result: Result) -> Run:
