@@ -41,6 +41,7 @@ ENERGY_FILE, WALLS_FILE, PROBES_FILE = "energy.txt", "walls.txt", "probes.txt"
 FRAMES_FILES = {"binary": "spheres.bin", "text": "spheres.dump"}  # by `output.dump_format`
 FRAMES_RESUMED = {"binary": "spheres-{}.bin", "text": "spheres-{}.dump"}  # with the step that it was resumed from
 HISTORY_FILE, FORCES_FILE, LINES_FILE = "history.dump", "forces.dump", "lines.dump"
+FRAME_FORCES_FILE = "contact_forces.dump"  # contact forces of every snapshot
 CONTACTS_FILE, WALL_CONTACTS_FILE = "contacts.dump", "wall_{}.dump"  # with the name of the wall's fix
 COUNT_FILE = "contacts.txt"  # number of contacts, where each rank writes its own
 RANK = "%"  # in the name of a dump, stands for the number of the rank that writes it
@@ -59,8 +60,12 @@ POINT_FILES = (POINT_FILE, POINT_CASE, POINT_LOG, POINT_STOP)
 # Of a fit of the contact law.
 FIT_TOML, FIT_PAIR, FIT_TABLE, FIT_MISFIT = FIT_FILES = ("fit.toml", "pair.toml", "fit.csv", "misfit.csv")
 
+# Of an inference of contact forces; its summary is SUMMARY_FILE.
+INFERRED_FORCES, INFERRED_GRAINS, MADE_MEASUREMENT = "forces.csv", "grains.csv", "measurement.csv"
+
 # Kinds of results.
 RUN, CONTINUUM, SCAN, SUITE, FIT, OTHER = "run", "continuum", "scan", "suite", "fit", "other"
+INFERENCE = "inference"
 
 
 @dataclasses.dataclass

@@ -26,7 +26,7 @@ workflows/finite_elements
 analysis/notebook
 analysis/reports analysis/exports
 analysis/studies
-analysis/scans analysis/contact_law
+analysis/scans analysis/contact_law analysis/inference
 analysis/document
 analysis/pipeline
 analysis/films analysis/view

@@ -34,6 +34,7 @@ from granwave.lammps_inputs.run_directory import (
     DATA_FILE,
     DUMPS,
     FORCES_FILE,
+    FRAME_FORCES_FILE,
     HISTORY_FILE,
     WALL_CONTACTS_FILE,
     of_each_rank,
@@ -98,6 +99,12 @@ def instants(directory: str | Path, name: str, columns: tuple[str, ...]) -> Iter
 def read_forces(directory: str | Path) -> Iterator[Frame]:
     """Iterate over the contacts at these instants (``dumps/forces.dump``: i, j, force); raise as `read_frames`."""
     yield from _rising(_frames(_dump(directory, FORCES_FILE), ("i", "j", "force")))
+
+
+def read_frame_forces(directory: str | Path) -> Iterator[Frame]:
+    """Iterate over the contacts at every snapshot: i, j, force, tx, ty, tz (N, on sphere i); raise as `read_frames`."""
+    names = tuple(column.name for column in columns.FORCES_AT_FRAMES)
+    yield from _rising(_frames(_dump(directory, FRAME_FORCES_FILE), names))
 
 
 def read_contacts(directory: str | Path) -> Frame:

@@ -17,7 +17,8 @@ from pygments.lexers.special import TextLexer
 from sphinx.application import Sphinx
 
 from granwave.analysis.formatting.units import printed_unit
-from granwave.analysis.quantities import ENTRIES
+from granwave.analysis.inference.quantities import ENTRIES as OF_INFERENCE
+from granwave.analysis.quantities import ENTRIES, Quantity
 from granwave.analysis.quantity_notes import NOTES
 from granwave.analysis.studies.registry import STUDIES
 from granwave.lammps_inputs import presets
@@ -71,10 +72,10 @@ def _escape(text: str) -> str:
     return re.sub(r"([\[\]{}*_<>|$`])", r"\\\1", text)
 
 
-def quantities() -> str:
+def quantities(entries: tuple[Quantity, ...] = ENTRIES) -> str:
     """Return the table of the values of summary.json."""
     rows = []
-    for entry in ENTRIES:
+    for entry in entries:
         what = " ".join(filter(None, [f"{entry.label}.", entry.meaning, NOTES.get(entry.name, "")]))
         rows.append(f"| `{entry.name}` | {printed_unit(entry.unit)} | {_escape(what)} |")
     return "\n".join(["| value | unit | what |", "|---|---|---|", *rows])
@@ -160,6 +161,7 @@ def bibtex_entries() -> str:
 _PARTS: dict[str, Callable[..., str]] = {
     "keys": keys_of,
     "quantities": quantities,
+    "inference": lambda: quantities(OF_INFERENCE),
     "commands": commands,
     "cases": studies_of(library.CASES),
     "scans": studies_of(library.SCANS),

@@ -469,6 +469,11 @@ class Output:
         _parse_history,
         default="auto",
     )
+    contact_forces: bool = choice(
+        "forces of all contacts at every snapshot, with forces and spins of the spheres; for granwave infer",
+        (False, True),
+        default=False,
+    )
     parts: bool | Literal["auto"] = custom(
         "files of snapshots and contacts, one from each rank instead of one from all; auto: from 10 million spheres on",
         _parse_parts,

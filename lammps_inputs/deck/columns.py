@@ -11,6 +11,7 @@ from collections.abc import Iterable
 
 FRICTION, DENTS, LOSS = "friction", "dents", "loss"  # columns of cases with friction; initial dents; viscous losses
 TURNING = "turning"  # of cases with rotation
+FORCES_OF_ALL = "forces"  # columns of cases that record the contact forces of every snapshot
 
 
 @dataclasses.dataclass(frozen=True)
@@ -94,6 +95,9 @@ SNAPSHOT = (
     Column("elastic_tangential", "c_sphere[11]", "J", FRICTION),
     Column("friction", "c_sphere[12]", "J", FRICTION),
     Column("viscous", "c_sphere[13]", "J", LOSS),
+    *(Column(f"f{axis}", f"f{axis}", "N", FORCES_OF_ALL) for axis in "xyz"),
+    *(Column(f"omega{axis}", f"omega{axis}", "rad s-1", FORCES_OF_ALL) for axis in "xyz"),
+    *(Column(f"tq{axis}", f"tq{axis}", "N m", FORCES_OF_ALL) for axis in "xyz"),
 )
 
 #: dumps/history.dump: history of a chain.
@@ -133,11 +137,15 @@ CONTACTS = of_compute(
         ("friction", "J", FRICTION),
         ("initial", "m", DENTS),
         ("viscous", "J", LOSS),
+        *((f"t{axis}", "N", FORCES_OF_ALL) for axis in "xyz"),
     ],
 )
 
 #: dumps/forces.dump: history of the contact forces of a chain.
 FORCES = tuple(column for column in CONTACTS if column.name in ("i", "j", "force"))
+
+#: dumps/forces-*.dump: contact forces at every snapshot; the tangential force is that on sphere i.
+FORCES_AT_FRAMES = tuple(column for column in CONTACTS if column.name in ("i", "j", "force", "tx", "ty", "tz"))
 
 #: dumps/wall_NAME.dump, after the id: fix wall/gran/hysteretic, per sphere.
 WALL_CONTACTS = of_compute(

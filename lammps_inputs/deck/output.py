@@ -9,6 +9,8 @@ from granwave.lammps_inputs.deck.columns import (
     CONTACTS,
     DENTS,
     FORCES,
+    FORCES_AT_FRAMES,
+    FORCES_OF_ALL,
     FREE_PLATE,
     FRICTION,
     HISTORY,
@@ -39,6 +41,7 @@ from granwave.lammps_inputs.run_directory import (
     DUMPS,
     ENERGY_FILE,
     FORCES_FILE,
+    FRAME_FORCES_FILE,
     FRAMES_FILES,
     FRAMES_RESUMED,
     HISTORY_FILE,
@@ -206,6 +209,8 @@ def frames(assembly: Assembly, schedule: Schedule, *, restart_from: str = "") ->
     case, every = assembly.case, schedule.frame_every
     chosen: list[str] = []
     columns = sources(SNAPSHOT, *_recorded(case))
+    if case.output.contact_forces:
+        columns |= wall_force_columns(assembly)
     form = f' format line "{_FRAME_FORMAT}{" %.9g" * (len(columns) - len(names(SNAPSHOT)))}"'
     text = case.output.dump_format == "text"
     if not every:
@@ -228,7 +233,28 @@ def frames(assembly: Assembly, schedule: Schedule, *, restart_from: str = "") ->
         f"dump_modify     frames {_first(bool(restart_from))} sort id{form if text else ''}",
         *command("dump_modify     frames", *_names(columns)),
         *chosen,
+        *(_forces_of_all(every, bool(chosen), bool(restart_from)) if case.output.contact_forces else []),
     ]
+
+
+def _forces_of_all(every: int, chosen: bool, resumed: bool) -> list[str]:
+    """Return the commands for the contact forces at every snapshot; ``chosen``: its steps come from a list."""
+    columns = sources(FORCES_AT_FRAMES, FORCES_OF_ALL)
+    form = f'"{joined(["%.17g"] * len(columns))}"'
+    return [
+        "# The forces of all contacts at every snapshot.",
+        f"dump            contact_forces all local {every} {DUMPS}/{FRAME_FORCES_FILE} {joined(columns.values())}",
+        f"dump_modify     contact_forces {_first(resumed)} format line {form}",
+        *(f"dump_modify     contact_forces {renamed}" for renamed in _names(columns)),
+        *(["dump_modify     contact_forces every v_frame"] if chosen else []),
+    ]
+
+
+def wall_force_columns(assembly: Assembly) -> dict[str, str]:
+    """Return the columns of the normal forces of walls on each sphere, in snapshots with contact forces."""
+    fixes = [fix for wall in walls(assembly) if not wall.held_layer for fix, _, _ in wall_fixes(assembly, wall)]
+    force = names(WALL_CONTACTS).index("force") + 1
+    return {f"wall_{fix}": f"f_{fix}[{force}]" for fix in dict.fromkeys(fixes)}
 
 
 def frames_file(assembly: Assembly, restart_from: str = "") -> str:
@@ -306,6 +332,7 @@ def dumps_at_end(assembly: Assembly) -> list[str]:
     lines = [
         "# The last snapshot, if the run did not end on one.",
         "dump_modify     frames every 1",
+        *(["dump_modify     contact_forces every 1"] if case.output.contact_forces else []),
         *(_count() if assembly.in_parts else []),
         "run             0 post no",
         "",
@@ -361,6 +388,7 @@ def output_files(assembly: Assembly, schedule: Schedule) -> list[str]:
     files += [WALLS_FILE] if wall_forces(assembly, schedule) else []
     files += [PROBES_FILE] if case.probes else []
     files += [HISTORY_FILE, FORCES_FILE] if schedule.history_every else []
+    files += [FRAME_FORCES_FILE] if case.output.contact_forces else []
     files += [LINES_FILE] if case.line else []
     if case.precompression is not None and case.precompression.presses:
         files.append(MOVED_WALLS_FILE)
@@ -369,8 +397,13 @@ def output_files(assembly: Assembly, schedule: Schedule) -> list[str]:
 
 def _recorded(case: Case) -> tuple[str, ...]:
     """Return the conditions that select the columns of the contacts of a case."""
-    conditions = {FRICTION: case.has_friction, DENTS: case.has_initial_dents, LOSS: case.has_loss}
-    return tuple(condition for condition, applies in conditions.items() if applies)
+    there = {
+        FRICTION: case.has_friction,
+        DENTS: case.has_initial_dents,
+        LOSS: case.has_loss,
+        FORCES_OF_ALL: case.output.contact_forces,
+    }
+    return tuple(name for name, recorded in there.items() if recorded)
 
 
 def _series(name: str, every: int, file: str, title: str, columns: dict[str, str], resumed: bool) -> list[str]:

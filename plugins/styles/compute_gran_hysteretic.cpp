@@ -102,7 +102,7 @@ double ComputeGranHystereticAtom::memory_usage() { return double(nmax) * N_ATOM 
 /* ---------------------------------------------------------------------- per contact */
 
 namespace {
-constexpr int N_LOCAL = 17;
+constexpr int N_LOCAL = 20;
 }
 
 ComputeGranHystereticLocal::ComputeGranHystereticLocal(LAMMPS *lmp, int narg, char **arg) :
@@ -123,6 +123,7 @@ void ComputeGranHystereticLocal::compute_local()
     if (report.j >= 0 && !(atom->mask[report.j] & groupbit)) return;
     // a shared pair is on both processors, a forgotten one with both spheres: the owner of the lower ID reports it
     if ((report.j < 0 || report.j >= nlocal) && report.tag_i > report.tag_j) return;
+    const double side = report.tag_i < report.tag_j ? 1.0 : -1.0;    // the force is that on the sphere with the lower ID
     const double row[N_LOCAL] = {double(std::min(report.tag_i, report.tag_j)),
                                  double(std::max(report.tag_i, report.tag_j)),
                                  report.overlap,
@@ -139,7 +140,10 @@ void ComputeGranHystereticLocal::compute_local()
                                  report.tangential_elastic,
                                  report.frictional_loss,
                                  report.initial,
-                                 report.viscous_loss};
+                                 report.viscous_loss,
+                                 side * report.tangential[0],
+                                 side * report.tangential[1],
+                                 side * report.tangential[2]};
     values.insert(values.end(), row, row + N_LOCAL);
   });
   size_local_rows = static_cast<int>(values.size() / N_LOCAL);

@@ -52,6 +52,7 @@ class PairGranHysteretic : public Pair {
     double peak_force, elastic, dissipated, share_i;
     double tangential_force, tangential_elastic, frictional_loss;
     double viscous_loss;
+    double tangential[3];    // tangential force on sphere i
     double effective_radius;
     double initial;    // initial dent
     bool live, yielded;

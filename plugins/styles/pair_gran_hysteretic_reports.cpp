@@ -134,6 +134,7 @@ void PairGranHysteretic::fill_report(Report &report, const ScaledLaw &contact, c
   report.share_i = contact.law().share_of_first();
   report.effective_radius = contact.effective_radius();
   report.tangential_force = tangential_force(view.spring);
+  std::copy_n(view.spring.force, 3, report.tangential);
   report.tangential_elastic = tangential_energy(view.spring);
   report.frictional_loss = view.spring.loss;
   report.initial = view.initial;

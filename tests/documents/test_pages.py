@@ -14,6 +14,7 @@ import pytest
 
 from granwave._contact_laws import LAWS
 from granwave.analysis.figures.run_figures import FIGURES
+from granwave.analysis.inference.case import read_infer_case
 from granwave.analysis.quantities import ENTRIES
 from granwave.analysis.quantity_notes import NOTES
 from granwave.lammps_inputs import load_case, load_materials
@@ -77,6 +78,8 @@ def load(block: Block, folder: Path) -> None:
         load_suite(path)
     elif "grid" in data or "zip" in data or "points" in data:
         assert load_scan(path).points
+    elif "infer" in data:
+        read_infer_case(path)
     elif "packing" in data and "material" in data:
         load_case(path)
     elif (
@@ -101,7 +104,7 @@ def test_commands(page, tmp_path, monkeypatch):
     """Every command is read by the parser, names what there is, and sets keys that its case has."""
     monkeypatch.chdir(tmp_path)
     write_files(page, tmp_path)
-    made = known_directories(page) | {"fit"}  # directories and files that commands of the page leave
+    made = known_directories(page) | {"fit", "grains.csv"}  # directories and files that commands of the page leave
     for words in (words for block in blocks(page) for words in block.commands):
         if words[-1] in ("--version", "--help"):
             continue

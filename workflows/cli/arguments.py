@@ -84,3 +84,27 @@ def words(text: str) -> tuple[str, ...]:
     if not all(found):
         raise argparse.ArgumentTypeError(f'found an empty name in "{text}"')
     return found
+
+
+def hertz(text: str) -> float:
+    """Read a frequency above 0, Hz."""
+    value = number(text)
+    if not 0 < value < math.inf:
+        raise argparse.ArgumentTypeError(f"found {text}, expected a number above 0 (Hz)")
+    return value
+
+
+def count(text: str) -> int:
+    """Read a whole number from 0 up."""
+    value = number(text)
+    if not value.is_integer() or value < 0:
+        raise argparse.ArgumentTypeError(f"found {text}, expected a whole number, 0 or more")
+    return int(value)
+
+
+def shares(text: str) -> tuple[float, ...]:
+    """Read numbers from 0 to 10 with commas between them."""
+    found = tuple(number(word) for word in words(text))
+    if not all(0 <= value <= 10 for value in found):
+        raise argparse.ArgumentTypeError(f"found {text}, expected shares from 0 up, such as 0.05 for 5 %")
+    return found

@@ -291,6 +291,13 @@ def fit(options: argparse.Namespace, _: Arguments) -> int:
     return run_fit(options)
 
 
+def infer(options: argparse.Namespace, _: Arguments) -> int:
+    """Execute ``granwave infer``."""
+    from granwave.workflows.cli.inferring import infer as run_infer
+
+    return run_infer(options)
+
+
 def bench(options: argparse.Namespace, _: Arguments) -> int:
     """Execute ``granwave bench``."""
     import json

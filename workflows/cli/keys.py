@@ -16,6 +16,7 @@ from functools import cache
 from importlib import resources
 from typing import Any
 
+from granwave.analysis.inference.case import InferCase
 from granwave.lammps_inputs.case.case import case_tables
 from granwave.lammps_inputs.case.contact_pairs import Pair
 from granwave.lammps_inputs.case.hints import hint_for
@@ -28,8 +29,8 @@ from granwave.workflows.scanning.header import Header, RanksBySize
 from granwave.workflows.scanning.profile import Profile
 from granwave.workflows.scanning.suite import SuiteFile
 
-CASE, CONTINUUM, SPHERE_CONTACT, SCAN, SUITE, PROFILE = FILES = (
-    "case", "continuum", "sphere-contact", "scan", "suite", "profile",
+CASE, CONTINUUM, SPHERE_CONTACT, SCAN, SUITE, PROFILE, INFERENCE = FILES = (
+    "case", "continuum", "sphere-contact", "scan", "suite", "profile", "inference",
 )  # fmt: skip
 #: What each kind of file is, and the command that reads it.
 TITLES = {
@@ -39,6 +40,7 @@ TITLES = {
     SCAN: "Scan files (granwave scan)",
     SUITE: "Suites of scans (granwave scan)",
     PROFILE: "Profiles of a cluster (granwave scan --profile)",
+    INFERENCE: "Cases of inferred forces (granwave infer --case)",
 }
 _MATERIAL = "the name of a material, or a table of its values as in [material]"
 _TABLE_OF_KEYS = "a table of dotted keys of the case"
@@ -111,6 +113,7 @@ def tables() -> tuple[Table, ...]:
         _of_section(SCAN, "[ranks]", RanksBySize),
         _of_section(SUITE, "", SuiteFile),
         _of_section(PROFILE, "[slurm]", Profile, "how the cluster is used; every key may be left out"),
+        *(_of_section(INFERENCE, f"[{name}]", section) for name, section in InferCase.SECTIONS.items()),
     )
 
 

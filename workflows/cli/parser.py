@@ -28,6 +28,8 @@ from granwave.workflows import bench
 from granwave.workflows.cli import commands, pictures
 from granwave.workflows.cli.arguments import (
     bench_parts,
+    count,
+    hertz,
     input_name,
     number,
     output_name,
@@ -35,6 +37,7 @@ from granwave.workflows.cli.arguments import (
     positive,
     radius,
     seconds,
+    shares,
     words,
 )
 from granwave.workflows.cli.figure_options import FILM_OPTIONS, add_options
@@ -340,6 +343,44 @@ def make_parser() -> argparse.ArgumentParser:
         "-o", dest="directory", type=output_name, metavar="DIR", help="where everything goes (default: ./fit)"
     )
     fit.add_argument("--force", action="store_true", help="replace the fit that is there")
+
+    infer = _verb(
+        verbs, "infer", commands.infer, "contact forces from measured grains, or from measurements made of a run"
+    )
+    infer.add_argument(
+        "measurement",
+        type=input_name,
+        metavar="GRAINS.csv|RUN",
+        help="table of measured grains; or directory of a run with output.contact_forces, to plan an experiment",
+    )
+    infer.add_argument(
+        "--case", type=input_name, metavar="FILE", help="file with [material] and [infer]; a run can do without"
+    )
+    infer.add_argument(
+        "--noise",
+        type=shares,
+        metavar="SHARE,...",
+        help="errors of strains and accelerations of a run, over their root mean squares; several for a curve",
+    )
+    infer.add_argument(
+        "--frame-rate",
+        type=hertz,
+        metavar="HZ",
+        help="accelerations of a run from the places in three frames of such a camera",
+    )
+    infer.add_argument(
+        "--position-noise", type=radius, metavar="M", help="errors of the places in these frames (default: none)"
+    )
+    infer.add_argument(
+        "--time", type=number, metavar="S", help="instant of a run (default: the snapshot with the largest forces)"
+    )
+    infer.add_argument(
+        "--repeat", type=count, metavar="N", help="repetitions with noise (default: infer.repetitions; of a run 10)"
+    )
+    _into(infer)
+    _figures(infer)
+    _json(infer, "the summary")
+    infer.add_argument("--force", action="store_true", help="replace what is there")
 
     timing = _verb(verbs, "bench", commands.bench, "speed beside LAMMPS's own granular styles, on this machine")
     timing.add_argument("--json", type=output_name, metavar="FILE", help="write the results there too")

@@ -7,6 +7,7 @@ import tomllib
 
 import pytest
 
+from granwave.analysis.inference.case import InferCase
 from granwave.lammps_inputs.case.case import case_keys, case_tables
 from granwave.lammps_inputs.case.load import Load, read_load
 from granwave.lammps_inputs.case.schema import ErrorList
@@ -26,6 +27,7 @@ SECTIONS = {
     (keys.SCAN, "ranks"): RanksBySize,
     (keys.SUITE, "suite"): SuiteFile,
     (keys.PROFILE, "slurm"): Profile,
+    **{(keys.INFERENCE, name): section for name, section in InferCase.SECTIONS.items()},
 }
 # tables and words that code besides the field's validator reads
 ELSEWHERE = {("boundary", "bottom"), ("load", "file")}

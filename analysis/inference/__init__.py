@@ -1,0 +1,1 @@
+"""Contact forces inferred from measured grains."""

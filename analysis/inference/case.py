@@ -1,0 +1,291 @@
+"""Case file of an inference (TOML): material, and how the grains were measured."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+
+from granwave.analysis.inference.contacts import Wall
+from granwave.analysis.inference.grains import STATES
+from granwave.analysis.inference.infer import Settings
+from granwave.analysis.inference.weights import WEIGHTS, Noise
+from granwave.lammps_inputs.case.material import Material, read_material
+from granwave.lammps_inputs.case.schema import (
+    ErrorList,
+    ValidationError,
+    choice,
+    count,
+    custom,
+    finite,
+    keys_of,
+    number,
+    read_table,
+    refuse_unknown,
+    show,
+)
+from granwave.lammps_inputs.case.si_values import DENSITY, FRICTION, LENGTH, TIME, YOUNGS_MODULUS
+from granwave.lammps_inputs.toml_files import read_toml
+
+GIVEN, FIND = "given", "find"
+#: Axis and sign of the normal of walls by name, by dimension; a number is their place along the axis.
+NAMED_WALLS: dict[int, dict[str, tuple[int, int]]] = {
+    2: {"left": (0, 1), "right": (0, -1), "floor": (1, 1), "top": (1, -1)},
+    3: {"left": (0, 1), "right": (0, -1), "front": (1, 1), "back": (1, -1), "floor": (2, 1), "top": (2, -1)},
+}
+_WALL_FORM = (
+    "walls by name: the place (m) of left, right, floor, top (in space also front, back), or "
+    "{point = [x, y], normal = [nx, ny]} under any name"
+)
+_NOISE_FORM = "a table of standard deviations above 0: strain, stress (Pa), acceleration (m/s^2), angular_acceleration"
+
+
+Place = float | tuple[tuple[float, ...], tuple[float, ...]]  # along the axis of its name; or point and normal
+
+
+def _parse_walls(value: Any) -> tuple[tuple[str, Place], ...]:
+    if not isinstance(value, Mapping):
+        raise ValidationError(_WALL_FORM)
+    found: dict[str, Place] = {}
+    for name, place in value.items():
+        if not isinstance(place, Mapping):
+            if name not in NAMED_WALLS[3]:
+                raise ValidationError(_WALL_FORM)
+            found[name] = finite(place, _WALL_FORM)
+            continue
+        if set(place) != {"point", "normal"}:
+            raise ValidationError(_WALL_FORM)
+        point, normal = (_vector(place[key], _WALL_FORM) for key in ("point", "normal"))
+        size = math.hypot(*normal)
+        if len(point) != len(normal) or not size:
+            raise ValidationError(f"{_WALL_FORM}; point and normal with as many numbers, the normal not zero")
+        found[name] = point, tuple(one / size for one in normal)
+    return tuple(found.items())
+
+
+def _parse_noise(value: Any) -> Noise:
+    names = [field.name for field in dataclasses.fields(Noise)]
+    if not isinstance(value, Mapping) or not set(value) <= set(names):
+        raise ValidationError(_NOISE_FORM)
+    sizes = {name: finite(size, _NOISE_FORM) for name, size in value.items()}
+    if any(size <= 0 for size in sizes.values()):
+        raise ValidationError(_NOISE_FORM)
+    return Noise(**sizes)
+
+
+def _parse_gravity(value: Any) -> tuple[float, ...]:
+    return _vector(value, "[gx, gy], in space [gx, gy, gz], in m/s^2")
+
+
+def _parse_window(value: Any) -> int:
+    expected = "an odd number of frames from 3 up"
+    if isinstance(value, bool) or not isinstance(value, int) or value < 3 or value % 2 == 0:
+        raise ValidationError(expected)
+    return value
+
+
+def _vector(value: Any, expected: str) -> tuple[float, ...]:
+    if not isinstance(value, list | tuple) or len(value) not in (2, 3):
+        raise ValidationError(expected)
+    return tuple(finite(one, expected) for one in value)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class GrainMaterial:
+    """``[material]``: density and elastic constants of the grains."""
+
+    density: float = number("mass density", unit="kg/m^3", above=0, usual=DENSITY)
+    poisson_ratio: float = number("Poisson's ratio; of no use with measured stresses", above=-1, below=0.5, default=0.0)
+    youngs_modulus: float | None = number(
+        "Young's modulus; may be left out with measured stresses, and if infer.modulus finds it",
+        unit="Pa",
+        above=0,
+        default=None,
+        usual=YOUNGS_MODULUS,
+    )
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Infer:
+    """``[infer]``: how the grains were measured, and what is to be found."""
+
+    state: Literal["plane-stress", "plane-strain", "space"] = choice(
+        "how strains give stresses: of cylinders whose faces are free (plane-stress) or held (plane-strain), or of "
+        "spheres (space)",
+        STATES,
+        default="plane-stress",
+    )
+    friction: float = number(
+        "coefficient of friction between grains; rather too large than too small",
+        at_least=0,
+        at_most=1e4,
+        usual=FRICTION,
+    )
+    wall_friction: float | None = number(
+        "coefficient of friction of the walls; that of the grains by default",
+        at_least=0,
+        at_most=1e4,
+        default=None,
+        usual=FRICTION,
+    )
+    thickness: float = number(
+        "length of the cylinders; 1: forces are per metre of length", unit="m", above=0, default=1.0, usual=LENGTH
+    )
+    contact_tolerance: float = number(
+        "gap over the sum of the radii up to which two grains may touch: the error of measured places",
+        at_least=0,
+        at_most=0.5,
+        default=1e-3,
+    )
+    walls: tuple[tuple[str, Place], ...] = custom("straight walls", _parse_walls, unit="m", default=())
+    gravity: tuple[float, ...] = custom("acceleration of gravity", _parse_gravity, unit="m/s^2", default=())
+    noise: Noise | None = custom("standard deviations of what was measured", _parse_noise, default=None)  # noqa: RUF009
+    weights: str | None = choice(
+        "weights of the equations: equal, each by its own standard deviation (white), or with the correlation of the "
+        "stress components that strains give (correlated); by default white if noise is given, else equal",
+        WEIGHTS,
+        default=None,
+    )
+    modulus: str = choice("Young's modulus: given, or found from the accelerations", (GIVEN, FIND), default=GIVEN)
+    repetitions: int = count(
+        "repetitions with noise, for standard errors; 0: none", at_least=0, at_most=100_000, default=30
+    )
+    ridge: float = number(
+        "weight of small forces over that of the equations, where these leave forces undetermined",
+        at_least=0,
+        at_most=1.0,
+        default=0.0,
+    )
+    frame_rate: float | None = number(
+        "frames per second of a series whose rows have a frame in place of a time", unit="Hz", above=0, default=None
+    )
+    window: int = custom(
+        "frames that a parabola is fitted to for accelerations of a series; 3: second differences",
+        _parse_window,
+        default=3,
+    )
+    time: float | None = number(
+        "instant of a series, the frame nearest to it; by default all", unit="s", default=None, usual=TIME
+    )
+    seed: int = count("seed of the noise of repetitions", at_least=0, default=1)
+
+
+@dataclasses.dataclass(frozen=True)
+class InferCase:
+    """Case of an inference.
+
+    Attributes
+    ----------
+    source
+        Name of the file, for messages.
+    material
+        None in a case for a run, whose material holds.
+    """
+
+    source: str
+    material: GrainMaterial | None
+    infer: Infer
+
+    SECTIONS: ClassVar[dict[str, type]] = {"material": GrainMaterial, "infer": Infer}
+
+    @property
+    def dimension(self) -> int:
+        """2 in the plane, 3 in space."""
+        return 3 if self.infer.state == "space" else 2
+
+    @property
+    def settings(self) -> Settings:
+        """How forces are inferred."""
+        wanted = self.infer
+        return Settings(
+            friction=wanted.friction,
+            wall_friction=wanted.wall_friction,
+            tolerance=wanted.contact_tolerance,
+            noise=wanted.noise or Noise(),
+            weights=wanted.weights,  # type: ignore[arg-type]
+            find_modulus=wanted.modulus == FIND,
+            repetitions=wanted.repetitions,
+            ridge=wanted.ridge,
+            seed=wanted.seed,
+        )
+
+    @property
+    def walls(self) -> dict[str, Wall]:
+        """Walls by name."""
+        found = {}
+        for name, place in self.infer.walls:
+            if isinstance(place, tuple):
+                found[name] = Wall(*place)
+                continue
+            axis, sign = NAMED_WALLS[self.dimension][name]
+            unit = np.eye(self.dimension)[axis]
+            found[name] = Wall(tuple((place * unit).tolist()), tuple((sign * unit).tolist()))
+        return found
+
+    @property
+    def gravity(self) -> tuple[float, ...]:
+        """Acceleration of gravity, m/s^2."""
+        return self.infer.gravity or (0.0,) * self.dimension
+
+
+def read_infer_case(path: str | Path, *, of_run: bool = False) -> InferCase:
+    """Read a case of an inference.
+
+    Parameters
+    ----------
+    of_run
+        True for measurements of a run, whose material holds.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read or is wrong; all faults are listed.
+    """
+    tables = read_toml(path)
+    errors = ErrorList(str(path), vocabulary=keys_of(InferCase.SECTIONS))
+    refuse_unknown(tables, ["name", *InferCase.SECTIONS], "", errors)
+    material = None
+    if "material" in tables:
+        material = _material(tables["material"], errors)
+    elif not of_run:
+        errors.add("material", "missing; expected [material] with density and poisson_ratio, or a preset")
+    infer = read_table(Infer, tables.get("infer", {}), "infer", errors)
+    if infer is not None:
+        _check(infer, errors)
+    errors.report(Path(path).stem)
+    assert infer is not None
+    return InferCase(str(path), material, infer)
+
+
+def _material(table: Any, errors: ErrorList) -> GrainMaterial | None:
+    """Read the material: a name, a table with a preset, or density and constants of which some may be left out."""
+    if isinstance(table, Mapping) and "preset" not in table:
+        own = {name: value for name, value in table.items() if name not in ("name", "source", "yield_strength")}
+        return read_table(GrainMaterial, own, "material", errors)
+    found: Material | None = read_material(table, errors)
+    if found is None:
+        return None
+    return GrainMaterial(density=found.density, poisson_ratio=found.poisson_ratio, youngs_modulus=found.youngs_modulus)
+
+
+def _check(infer: Infer, errors: ErrorList) -> None:
+    """Add the errors of keys that do not go together."""
+    dimension = 3 if infer.state == "space" else 2
+    walls = dict(infer.walls)
+    for name, place in walls.items():
+        if isinstance(place, tuple) and len(place[0]) != dimension:
+            errors.add(f"infer.walls.{name}", f"found {len(place[0])} numbers, expected {dimension} for {infer.state}")
+        elif not isinstance(place, tuple) and name not in NAMED_WALLS[dimension]:
+            errors.add(f"infer.walls.{name}", f'found it in {infer.state}, expected it with state = "space" alone')
+    for first, second in (("left", "right"), ("floor", "top"), ("front", "back")):
+        low, high = walls.get(first), walls.get(second)
+        if isinstance(low, float) and isinstance(high, float) and low >= high:
+            errors.add(f"infer.walls.{first}", f"found {low:g} m, expected it below {second}, {high:g} m")
+    if infer.gravity and len(infer.gravity) != dimension:
+        errors.add(
+            "infer.gravity", f"found {show(list(infer.gravity))}, expected {dimension} numbers for {infer.state}"
+        )

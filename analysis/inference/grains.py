@@ -1,0 +1,141 @@
+"""Grains at one instant, as they are measured: places, motion, and average strain or stress.
+
+In the plane (cylinders) vectors have two components, in space (spheres) three. Symmetric tensors are rows of their
+components: xx, yy, xy in the plane; xx, yy, zz, yz, xz, xy in space. Strains are those of the tensor, so that exy is
+half the shear angle; stretching and tension are positive, as displacement fields of a camera give them. Rotations about
+z have one component in the plane.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+State = Literal["plane-stress", "plane-strain", "space"]
+STATES: tuple[State, ...] = ("plane-stress", "plane-strain", "space")
+
+#: Pairs of axes of the components of a symmetric tensor, by dimension.
+PAIRS: dict[int, tuple[tuple[int, int], ...]] = {
+    2: ((0, 0), (1, 1), (0, 1)),
+    3: ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)),
+}
+#: Names of the components, by dimension.
+TENSOR = {
+    dimension: tuple("".join("xyz"[axis] for axis in pair) for pair in pairs) for dimension, pairs in PAIRS.items()
+}
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Grains:
+    """Grains at one instant; NaN where a quantity was not measured.
+
+    Attributes
+    ----------
+    ids
+        (n,).
+    position
+        Centres: (n, d), m.
+    radius
+        (n,), m.
+    mass
+        (n,), kg.
+    volume
+        (n,), m^3.
+    acceleration
+        (n, d), m/s^2.
+    spin
+        Angular velocities: (n, 1) in the plane, (n, 3) in space, rad/s.
+    angular_acceleration
+        As ``spin``, rad/s^2.
+    known_force
+        Sum of the known forces that are no contact forces, such as the weight: (n, d), N.
+    stress
+        Average stresses: (n, 3) or (n, 6), Pa; of strains, those at the ``modulus``.
+    compliance
+        Strain over stress: (n, k, k), 1/Pa; None if stresses were measured.
+    modulus
+        Young's moduli: (n,), Pa; None if stresses were measured.
+    """
+
+    ids: NDArray[np.int64]
+    position: Array
+    radius: Array
+    mass: Array
+    volume: Array
+    acceleration: Array
+    spin: Array
+    angular_acceleration: Array
+    known_force: Array
+    stress: Array
+    compliance: Array | None = None
+    modulus: Array | None = None
+
+    def __len__(self) -> int:
+        return len(self.radius)
+
+    @property
+    def dimension(self) -> int:
+        """2 in the plane, 3 in space."""
+        return int(self.position.shape[1])
+
+    @property
+    def has_motion(self) -> NDArray[np.bool_]:
+        """True for grains whose accelerations are known: (n,)."""
+        return np.isfinite(self.acceleration).all(axis=1) & np.isfinite(self.angular_acceleration).all(axis=1)
+
+    @property
+    def has_stress(self) -> NDArray[np.bool_]:
+        """True for grains whose stress or strain is known: (n,)."""
+        return np.isfinite(self.stress).all(axis=1)
+
+    @property
+    def inertia(self) -> Array:
+        """Moments of inertia about an axis through the centre: (n,), kg m^2."""
+        return (0.5 if self.dimension == 2 else 0.4) * self.mass * self.radius**2
+
+    @property
+    def spin_stress(self) -> Array:
+        """Part of the moments of the contact forces that the spin takes up: (n, k), N m.
+
+        With w the angular velocity it is m R^2/4 (w w - w^2 1) of cylinders, and m R^2/5 (w w - w^2 1) of spheres.
+        Volume times stress and this are the moments of the contact forces.
+        """
+        share = self.mass * self.radius**2 / (4 if self.dimension == 2 else 5)
+        spin = np.where(np.isfinite(self.spin), self.spin, 0.0)
+        vector = np.zeros((len(self), 3))
+        vector[:, 3 - spin.shape[1] :] = spin
+        square = (vector**2).sum(axis=1)
+        parts = [vector[:, a] * vector[:, b] - (square if a == b else 0.0) for a, b in PAIRS[self.dimension]]
+        return share[:, None] * np.stack(parts, axis=1)
+
+
+def stiffness(modulus: Array, poisson_ratio: Array, state: State) -> Array:
+    """Return stress over strain of isotropic grains, for rows of tensor components: (n, k, k), Pa.
+
+    Parameters
+    ----------
+    modulus, poisson_ratio
+        (n,), Pa and 1.
+    state
+        Plane stress (a free face), plane strain (held along the axis), or space.
+    """
+    n = len(modulus)
+    twice_shear = modulus / (1 + poisson_ratio)
+    if state == "plane-stress":
+        first = modulus * poisson_ratio / (1 - poisson_ratio**2)
+    else:
+        first = modulus * poisson_ratio / ((1 + poisson_ratio) * (1 - 2 * poisson_ratio))
+    pairs = PAIRS[3 if state == "space" else 2]
+    diagonal = np.array([1.0 if a == b else 0.0 for a, b in pairs])
+    return first[:, None, None] * np.outer(diagonal, diagonal) + twice_shear[:, None, None] * np.broadcast_to(
+        np.eye(len(pairs)), (n, len(pairs), len(pairs))
+    )
+
+
+def volume_of(radius: Array, state: State, length: float) -> Array:
+    """Return the volumes of spheres, or of cylinders of a length, m^3."""
+    return 4 / 3 * np.pi * radius**3 if state == "space" else np.pi * radius**2 * length

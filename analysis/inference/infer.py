@@ -1,0 +1,286 @@
+"""Inference of contact forces: candidates, equations, weights, solution, residuals, modulus and errors."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granwave.analysis.inference.contacts import Contacts, Wall, find_contacts
+from granwave.analysis.inference.equations import Equations, make_equations, unknown_columns
+from granwave.analysis.inference.grains import Array, Grains
+from granwave.analysis.inference.modulus import (
+    ModulusSearch,
+    find_modulus,
+    free_misfit,
+    refuse_unknowable,
+    search_near,
+)
+from granwave.analysis.inference.rank import add_ridge, refuse_undetermined
+from granwave.analysis.inference.solve import solve
+from granwave.analysis.inference.weights import Covariance, Noise, Weighting, Weights, covariance, weighting
+from granwave.lammps_inputs.errors import InputError
+
+_ROUNDING = 1e-6  # rate of rotation times radius over the acceleration
+_SHOWN = 5  # ids in a message
+NEAR = 5.0  # standard errors of the modulus within which repetitions search
+
+
+@dataclasses.dataclass(frozen=True)
+class Settings:
+    """How forces are inferred.
+
+    Attributes
+    ----------
+    friction
+        Coefficient of friction of all contacts.
+    wall_friction
+        That of the walls; None: the same.
+    tolerance
+        Relative gap up to which a pair may touch.
+    noise
+        Standard deviations of what was measured.
+    weights
+        None: white if the noise is known, else equal.
+    find_modulus
+        True to find Young's modulus.
+    repetitions
+        Number of repetitions with noise, for standard errors; 0: none.
+    ridge
+        Weight of small forces over that of the equations, for forces that these leave undetermined.
+    seed
+        Seed of the noise.
+    """
+
+    friction: float
+    wall_friction: float | None = None
+    tolerance: float = 1e-3
+    noise: Noise = dataclasses.field(default_factory=Noise)
+    weights: Weights | None = None
+    find_modulus: bool = False
+    repetitions: int = 30
+    ridge: float = 0.0
+    seed: int = 1
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Inference:
+    """Inferred forces.
+
+    Attributes
+    ----------
+    force
+        Normal and tangential components on the first grain: (m, d), N.
+    spread
+        Their standard errors; None without known noise: (m, d), N.
+    n_unknowns
+        Number of components of forces.
+    residual
+        Equations of motion and of stress, left side minus right: (n_rows,), N.
+    factor
+        Factor by which the moduli were multiplied.
+    weights
+        Weights in use.
+    chi2
+        Weighted sum of squares of the residuals; in units of the noise unless weights are equal.
+    search
+        Search for the modulus, if there was one.
+    condition
+        Ratio of the extreme singular values of the equations; None for large problems.
+    """
+
+    grains: Grains
+    contacts: Contacts
+    equations: Equations
+    settings: Settings
+    force: Array
+    spread: Array | None
+    residual: Array
+    n_unknowns: int
+    factor: float
+    weights: Weights
+    chi2: float
+    search: ModulusSearch | None
+    condition: float | None
+
+    @property
+    def relative_residual(self) -> float:
+        """Root of the sum of squares of the residuals over that of the right-hand sides."""
+        size = float(np.linalg.norm(self.equations.data(self.factor)))
+        return float(np.linalg.norm(self.residual)) / size if size > 0 else 0.0
+
+    @property
+    def n_free(self) -> int:
+        """Number of equations minus that of components of forces that differ from zero."""
+        return self.equations.n_equations - int(np.count_nonzero(self.force))
+
+    def residual_of_grains(self) -> tuple[Array, Array]:
+        """Return the sizes of the residuals of motion and of stress by grain; NaN where not measured: (n,), N."""
+        n_motion = len(self.equations.motion_grain)
+        found = []
+        for rows, values in (
+            (self.equations.motion_grain, self.residual[:n_motion]),
+            (self.equations.stress_grain, self.residual[n_motion:]),
+        ):
+            squares = np.bincount(rows, values**2, minlength=len(self.grains))
+            known = np.bincount(rows, minlength=len(self.grains)) > 0
+            found.append(np.where(known, np.sqrt(squares), np.nan))
+        return found[0], found[1]
+
+
+def infer(grains: Grains, walls: Mapping[str, Wall], settings: Settings) -> Inference:
+    """Infer the contact forces of grains at one instant.
+
+    Raises
+    ------
+    InputError
+        A grain touches nothing, the equations do not determine the forces, or nothing tells the modulus.
+    """
+    contacts = find_contacts(grains, walls, settings.tolerance)
+    refuse_behind(grains, walls)
+    refuse_lonely(grains, contacts, settings.tolerance)
+    equations = make_equations(grains, contacts)
+    if settings.find_modulus:
+        refuse_unknowable(grains, equations)
+    friction = np.full(len(contacts), settings.friction)
+    if settings.wall_friction is not None:
+        friction[contacts.second < 0] = settings.wall_friction
+    kept = unknown_columns(friction, grains.dimension)
+    condition = refuse_undetermined(equations, friction, settings.ridge)
+    kind, spread = _weights(grains, settings)
+    weighed = weighting(equations, spread, kind)
+
+    def solution(factor: float, data: Array) -> tuple[Array, float]:
+        return _solve(equations, weighed, friction, settings.ridge, grains.dimension, factor, data)
+
+    exact = weighting(equations, spread, "correlated") if settings.find_modulus else weighed
+
+    def misfit(factor: float, data: Array) -> float:
+        if condition is None:
+            return _solve(equations, exact, friction, settings.ridge, grains.dimension, factor, data)[1]
+        rows = exact.rows(factor)
+        return free_misfit((rows @ equations.matrix)[:, kept], rows @ data)
+
+    search, factor, known = None, 1.0, settings.noise.complete(grains)
+    if settings.find_modulus:
+        search = find_modulus(equations, lambda trial: misfit(trial, equations.data(trial)))
+        factor = search.factor
+        n_more = max(equations.n_equations - len(kept), 1)
+        search = search.with_error(1.0 if known else float(search.chi2.min()) / n_more)
+    force, chi2 = solution(factor, equations.data(factor))
+    residual = equations.matrix @ force.ravel() - equations.data(factor)
+    errors = None
+    if settings.repetitions > 1 and known:
+        errors = _repeat(equations, spread, settings, force, factor, solution, misfit, search)
+    return Inference(
+        grains, contacts, equations, settings, force, errors, residual, len(kept), factor, kind, chi2, search, condition
+    )
+
+
+def refuse_behind(grains: Grains, walls: Mapping[str, Wall]) -> None:
+    """Raise InputError for each wall that has centres of grains behind it."""
+    errors = []
+    for name, wall in walls.items():
+        behind = (grains.position - np.array(wall.point)) @ np.array(wall.normal) <= 0
+        if behind.any():
+            errors.append(
+                f"grain {_few(grains.ids[behind])}: lies behind the wall {name}; check infer.walls.{name} and the "
+                "places, both in m"
+            )
+    if errors:
+        raise InputError(errors)
+
+
+def _few(ids: NDArray[np.int64]) -> str:
+    return ", ".join(map(str, ids[:_SHOWN].tolist())) + (", ..." if len(ids) > _SHOWN else "")
+
+
+def refuse_lonely(grains: Grains, contacts: Contacts, tolerance: float) -> None:
+    """Raise InputError if a grain touches nothing."""
+    touched = np.zeros(len(grains), dtype=bool)
+    touched[contacts.first] = True
+    touched[contacts.second[contacts.second >= 0]] = True
+    if not touched.all():
+        raise InputError(
+            f"grain {_few(grains.ids[~touched])}: touches nothing: no grain or wall lies within a relative gap of "
+            f"{tolerance:g}; give the walls in infer.walls, raise infer.contact_tolerance, or leave the row out"
+        )
+
+
+def _weights(grains: Grains, settings: Settings) -> tuple[Weights, Covariance]:
+    """Return the weights in use, and the covariance they follow from; unknown noise counts as a share of the data."""
+    known = settings.noise.complete(grains)
+    kind: Weights = settings.weights or ("white" if known or settings.find_modulus else "equal")
+    if settings.weights in ("white", "correlated") and not known and not settings.find_modulus:
+        raise InputError(
+            f'infer.weights: found "{settings.weights}" without the standard deviations that it takes; expected '
+            "infer.noise of all that was measured"
+        )
+    if known:
+        return kind, covariance(grains, settings.noise)
+    return kind, covariance(grains, relative_noise(grains, 1.0))
+
+
+def relative_noise(grains: Grains, share: float) -> Noise:
+    """Return noise that is a share of the root mean squares of strains (or stresses) and of accelerations."""
+
+    def size(values: Array) -> float | None:
+        found = values[np.isfinite(values)]
+        return share * float(np.sqrt(np.mean(found**2))) or None if len(found) else None
+
+    turning, motion = size(grains.angular_acceleration), size(grains.acceleration)
+    if turning and motion and turning * float(grains.radius.mean()) < _ROUNDING * motion:
+        turning = None  # grains that do not turn: what is left is rounding
+    if grains.compliance is None:
+        return Noise(None, size(grains.stress), motion, turning)
+    strain = np.einsum("nij,nj->ni", grains.compliance, grains.stress)
+    return Noise(size(strain), None, motion, turning)
+
+
+def _solve(
+    equations: Equations,
+    weighed: Weighting,
+    friction: Array,
+    ridge: float,
+    dimension: int,
+    factor: float,
+    data: Array,
+) -> tuple[Array, float]:
+    rows = weighed.rows(factor)
+    matrix, right = add_ridge(rows @ equations.matrix, rows @ data, ridge)
+    force = solve(matrix, right, friction, dimension)
+    return force, float(((matrix @ force.ravel() - right) ** 2).sum())
+
+
+def _repeat(
+    equations: Equations,
+    spread: Covariance,
+    settings: Settings,
+    force: Array,
+    factor: float,
+    solution: Callable[[float, Array], tuple[Array, float]],
+    misfit: Callable[[float, Array], float],
+    search: ModulusSearch | None,
+) -> Array:
+    """Return standard errors of the forces: deviations of solutions whose data are the fitted ones with new noise."""
+    rng = np.random.default_rng(settings.seed)
+    fitted = equations.matrix @ force.ravel()
+    found = []
+    for _ in range(settings.repetitions):
+        data = fitted + spread.draw(rng, factor)
+        if search is None or not search.error:
+            found.append(solution(factor, data)[0])
+            continue
+        n_motion = len(equations.motion_data)
+        spin = np.concatenate([np.zeros(n_motion), equations.spin_data])
+        strained = np.concatenate([np.zeros(n_motion), (data - spin)[n_motion:] / factor])
+        rest = np.concatenate([data[:n_motion], equations.spin_data])
+
+        def again(trial: float, rest: Array = rest, strained: Array = strained) -> float:
+            return misfit(trial, rest + trial * strained)
+
+        best = search_near(again, factor, NEAR * search.error)
+        found.append(solution(best, rest + best * strained)[0])
+    return np.sqrt(((np.array(found) - force) ** 2).sum(axis=0) / (len(found) - 1))

@@ -1,0 +1,229 @@
+"""Plan of an experiment: measurements made of a finished run, and how far the forces inferred from them are off."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from granwave.analysis.figures.style import Columns
+from granwave.analysis.inference import drawings
+from granwave.analysis.inference.case import Infer, InferCase
+from granwave.analysis.inference.grains import Array, Grains, State, stiffness
+from granwave.analysis.inference.infer import Inference, Settings, infer, relative_noise
+from granwave.analysis.inference.output import write_inference
+from granwave.analysis.inference.table import groups
+from granwave.analysis.inference.tables import summary_of
+from granwave.analysis.inference.truth import Run, read_run, seen_by_camera
+from granwave.analysis.inference.weights import Noise
+from granwave.analysis.result.reader import Result
+from granwave.lammps_inputs.errors import InputError
+
+
+@dataclasses.dataclass(frozen=True)
+class Camera:
+    """A measurement to be made of a run.
+
+    Attributes
+    ----------
+    noise
+        Errors of strains (and of accelerations, where these are not from frames) over their root mean squares.
+    frame_rate
+        Frames per second from which accelerations are differentiated; None: accelerations are measured.
+    position_noise
+        Standard deviation of each coordinate in a frame, m.
+    time
+        Instant, s; None: that with the largest forces.
+    repetitions
+        Number of measurements with different errors.
+    """
+
+    noise: tuple[float, ...] = (0.0,)
+    frame_rate: float | None = None
+    position_noise: float = 0.0
+    time: float | None = None
+    repetitions: int = 10
+    seed: int = 1
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Plan:
+    """Measurements made of a run, and what is inferred from them.
+
+    Attributes
+    ----------
+    found
+        Inference from the first measurement with the largest noise.
+    true
+        True forces, components as in `Inference.force`: (m, d), N.
+    noise, error, spread
+        Noise, and mean and standard deviation of the error of the forces over the repetitions: (n,).
+    """
+
+    found: Inference
+    true: Array
+    time: float
+    measurement: Columns
+    noise: Array
+    error: Array
+    spread: Array
+    summary: dict[str, Any]
+
+    def write(self, directory: Path, *, figures: bool = True) -> None:
+        """Write the files of the inference, with the true forces and the table of the measurement."""
+        shear = self.true[:, 1] if self.true.shape[1] == 2 else np.linalg.norm(self.true[:, 1:], axis=1)
+        drawing = drawings.against_noise(self.noise, self.error, self.spread) if len(self.noise) > 1 else None
+        write_inference(
+            directory,
+            [self.found],
+            [self.time],
+            self.summary,
+            figures=figures,
+            measurement=self.measurement,
+            more_forces={"true_normal_force_N": self.true[:, 0], "true_tangential_force_N": shear},
+            noise_drawing=drawing if figures else None,
+        )
+
+
+def plan_experiment(source: Path, case: InferCase | None, camera: Camera) -> Plan:
+    """Make measurements of a run, infer the forces, and compare them with those of the run.
+
+    Parameters
+    ----------
+    source
+        Directory of a run whose snapshots hold contact forces.
+    case
+        Settings of the inference; None: those of the run (friction, material).
+
+    Raises
+    ------
+    InputError
+        The run cannot be measured, or its forces are not determined.
+    """
+    if camera.position_noise and camera.frame_rate is None:
+        raise InputError("--position-noise: found it without --frame-rate, which tells the frames that it falls on")
+    with Result(source) as result:
+        run = read_run(result)
+        name = result.case.name
+    state, settings = _settings(run, case)
+    number = _snapshot(run, camera)
+    exact, true = run.state(number, settings.tolerance)
+    if not true.any():
+        raise InputError(f"{source}: bears no force at {run.times[number]:.4g} s; choose another --time")
+    poisson = (
+        run.poisson_ratio if case is None or case.material is None else np.full(len(exact), case.material.poisson_ratio)
+    )
+    compliance = np.linalg.inv(stiffness(run.youngs_modulus, poisson, state))
+    exact = dataclasses.replace(exact, compliance=compliance, modulus=run.youngs_modulus)
+    walls = run.walls(number)
+    rng = np.random.default_rng(camera.seed)
+    means, deviations, off, kept = [], [], [], None
+    levels = sorted(camera.noise)
+    for level in levels:
+        errors = []
+        for repetition in range(camera.repetitions if level or camera.position_noise else 1):
+            measured, noise = _measure(run, number, exact, level, camera, rng)
+            off.append(_relative(measured.acceleration, exact.acceleration))
+            own = dataclasses.replace(settings, noise=noise, repetitions=0)
+            one = infer(measured, walls, own)
+            if repetition == 0:
+                kept = measured, noise
+            errors.append(_relative(one.force, true))
+        means.append(float(np.mean(errors)))
+        deviations.append(float(np.std(errors)))
+    assert kept is not None
+    found = infer(kept[0], walls, dataclasses.replace(settings, noise=kept[1], repetitions=camera.repetitions))
+    time = float(run.times[number])
+    summary = summary_of(name, str(source), state, [found], [time], [])
+    several = len(levels) > 1
+    summary |= {
+        "true_force_error": means if several else means[0],
+        "noise": levels if several else levels[0],
+        "frame_rate_Hz": camera.frame_rate,
+        "position_noise_m": camera.position_noise if camera.frame_rate else None,
+        "acceleration_error": float(np.mean(off)),
+    }
+    return Plan(
+        found, true, time, _columns(kept[0], run), np.array(levels), np.array(means), np.array(deviations), summary
+    )
+
+
+def _settings(run: Run, case: InferCase | None) -> tuple[State, Settings]:
+    """Return state and settings: those of the case, or of the run."""
+    if case is None:
+        return ("space" if run.dimension == 3 else "plane-stress"), Settings(run.friction[0], run.friction[1])
+    settings = case.settings
+    if settings.wall_friction is None and case.infer.friction == run.friction[0]:
+        settings = dataclasses.replace(settings, wall_friction=run.friction[1])
+    if run.dimension != case.dimension:
+        if case.infer.state != Infer(friction=0.0).state:
+            raise InputError(
+                f"{case.source}: infer.state: found {case.infer.state}, expected "
+                f"{'space' if run.dimension == 3 else 'plane-stress or plane-strain'} for {run.directory}"
+            )
+        return "space", settings
+    return case.infer.state, settings
+
+
+def _snapshot(run: Run, camera: Camera) -> int:
+    if camera.time is None:
+        return run.largest_snapshot(0.0 if camera.frame_rate is None else 1 / camera.frame_rate)
+    if not run.times[0] <= camera.time <= run.times[-1]:
+        raise InputError(f"--time {camera.time:g}: expected an instant from {run.times[0]:g} to {run.times[-1]:.6g} s")
+    return int(np.argmin(np.abs(run.times - camera.time)))
+
+
+def _measure(
+    run: Run, number: int, exact: Grains, level: float, camera: Camera, rng: np.random.Generator
+) -> tuple[Grains, Noise]:
+    """Return grains with errors, and the standard deviations of these as an experimenter would know them."""
+    scale = relative_noise(exact, level) if level else Noise()
+    assert exact.compliance is not None
+    strain = np.einsum("nij,nj->ni", exact.compliance, exact.stress)
+    if scale.strain:
+        strain = strain + scale.strain * rng.normal(size=strain.shape)
+    stress = np.linalg.solve(exact.compliance, strain[:, :, None])[:, :, 0]
+    if camera.frame_rate is None:
+        acceleration, turning = exact.acceleration, exact.angular_acceleration
+        if scale.acceleration:
+            acceleration = acceleration + scale.acceleration * rng.normal(size=acceleration.shape)
+        if scale.angular_acceleration:
+            turning = turning + scale.angular_acceleration * rng.normal(size=turning.shape)
+        return dataclasses.replace(exact, stress=stress, acceleration=acceleration, angular_acceleration=turning), scale
+    acceleration, turning = seen_by_camera(run, number, camera.frame_rate, camera.position_noise, rng)
+    unseen = ~exact.has_motion
+    acceleration[unseen], turning[unseen] = np.nan, np.nan
+    # an experimenter knows the error of places, and sees the strains'; differences over too long frames stay unknown
+    known = math.sqrt(6) * camera.position_noise * camera.frame_rate**2
+    noise = Noise(strain=scale.strain, acceleration=known or None)
+    return dataclasses.replace(exact, stress=stress, acceleration=acceleration, angular_acceleration=turning), noise
+
+
+def _relative(found: Array, true: Array) -> float:
+    known = np.isfinite(true)
+    size = float(np.linalg.norm(true[known]))
+    return float(np.linalg.norm((found - true)[known])) / size if size > 0 else 0.0
+
+
+def _columns(grains: Grains, run: Run) -> Columns:
+    """Return the columns of the measurement, as `granwave infer` reads them."""
+    names = groups(grains.dimension)
+    assert grains.compliance is not None
+    values = {
+        "position": grains.position,
+        "acceleration": grains.acceleration,
+        "spin": grains.spin,
+        "angular_acceleration": grains.angular_acceleration,
+        "force": grains.known_force,
+        "strain": np.einsum("nij,nj->ni", grains.compliance, grains.stress),
+    }
+    columns: dict[str, Any] = {"id": grains.ids, "radius_m": grains.radius}
+    for group, table in values.items():
+        if group == "force" and not table.any():
+            continue
+        columns |= dict(zip(names[group], table.T, strict=True))
+    material = (run.density, run.youngs_modulus, run.poisson_ratio)
+    return columns | dict(zip(names["material"], material, strict=True))

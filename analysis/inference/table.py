@@ -1,0 +1,187 @@
+"""Tables of measured grains (CSV): columns of numbers, with a line number for each fault."""
+
+from __future__ import annotations
+
+import csv
+import dataclasses
+import math
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granwave.analysis.inference.grains import TENSOR, Array
+from granwave.lammps_inputs.case.schema import show
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import read_regular
+
+_SHOWN = 10  # largest number of faults in a message
+
+
+def axes(dimension: int) -> str:
+    """Return the names of the axes."""
+    return "xyz"[:dimension]
+
+
+def groups(dimension: int) -> dict[str, tuple[str, ...]]:
+    """Return the names of the columns by what they tell."""
+    turns = ("",) if dimension == 2 else ("_x", "_y", "_z")
+    return {
+        "position": tuple(f"{axis}_m" for axis in axes(dimension)),
+        "acceleration": tuple(f"a{axis}_m_s2" for axis in axes(dimension)),
+        "spin": tuple(f"omega{turn}_rad_s" for turn in turns),
+        "angular_acceleration": tuple(f"alpha{turn}_rad_s2" for turn in turns),
+        "angle": ("angle_rad",) if dimension == 2 else (),
+        "force": tuple(f"f{axis}_N" for axis in axes(dimension)),
+        "strain": tuple(f"e{name}" for name in TENSOR[dimension]),
+        "stress": tuple(f"s{name}" for name in TENSOR[dimension]),
+        "material": ("density_kg_m3", "youngs_modulus_Pa", "poisson_ratio"),
+        "other": ("id", "radius_m", "time_s", "frame"),
+    }
+
+
+def aliases(dimension: int) -> dict[str, str]:
+    """Return names without units, and with those of stresses, that columns may have too."""
+    found = {}
+    for name in (name for names in groups(dimension).values() for name in names):
+        short = name
+        for unit in ("_m_s2", "_rad_s2", "_rad_s", "_rad", "_kg_m3", "_Pa", "_m", "_s", "_N"):
+            if name.endswith(unit):
+                short = name.removesuffix(unit)
+                break
+        found[short] = name
+        if name[0] == "s" and name[1:] in TENSOR[dimension]:
+            found[f"{name}_Pa"] = name
+    return {short: name for short, name in found.items() if short != name}
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Table:
+    """Columns of a table of grains.
+
+    Attributes
+    ----------
+    source
+        Name of the file, for messages.
+    lines
+        Line of each row: (n_rows,).
+    columns
+        Values by name; NaN where a cell is empty: (n_rows,) each.
+    """
+
+    source: str
+    lines: NDArray[np.int64]
+    columns: dict[str, Array]
+
+    def has(self, names: Sequence[str]) -> bool:
+        """Return True if there are all columns of these names."""
+        return bool(names) and all(name in self.columns for name in names)
+
+    def take(self, names: Sequence[str]) -> Array:
+        """Return columns side by side: (n_rows, n_names)."""
+        return np.stack([self.columns[name] for name in names], axis=1)
+
+    def refuse(self, wrong: NDArray[np.bool_], message: Callable[[int], str]) -> list[str]:
+        """Return an error with its line for each row that is wrong; ``message`` takes the row."""
+        return [f"{self.source}: line {self.lines[row]}: {message(row)}" for row in np.flatnonzero(wrong).tolist()]
+
+
+def raise_errors(source: str, errors: Sequence[str]) -> None:
+    """Raise InputError if there are errors, the first of them in full."""
+    if errors:
+        more = [f"{source}: and {len(errors) - _SHOWN} more"] if len(errors) > _SHOWN else []
+        raise InputError([*errors[:_SHOWN], *more])
+
+
+def read_table_of_grains(path: str | Path, dimension: int) -> Table:
+    """Read a table of grains.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, a column is unknown, twice there or missing, or a cell is no number; the message gives
+        the lines.
+    """
+    source, rows = str(path), _rows(Path(path))
+    number, header = rows[0]
+    errors: list[str] = []
+    names = _names([name.strip() for name in header], f"{source}: line {number}", dimension, errors)
+    raise_errors(source, errors)
+    values = np.full((len(rows) - 1, len(names)), math.nan)
+    may_be_empty = {name for group in ("acceleration", "spin", "angular_acceleration", "strain", "stress")
+                    for name in groups(dimension)[group]}  # fmt: skip
+    for row, (line, cells) in enumerate(rows[1:]):
+        if len(cells) != len(names):
+            errors.append(
+                f"{source}: line {line}: found {len(cells)} values, expected {len(names)}: {', '.join(names)}"
+            )
+            continue
+        for column, (name, cell) in enumerate(zip(names, cells, strict=True)):
+            text = cell.strip()
+            if not text and name in may_be_empty:
+                continue
+            try:
+                values[row, column] = float(text)
+            except ValueError:
+                values[row, column] = math.nan
+            if not math.isfinite(values[row, column]):
+                empty = "; leave cells empty where nothing was measured" if name in may_be_empty else ""
+                errors.append(f"{source}: line {line}: {name}: found {show(text)}, expected a finite number{empty}")
+    raise_errors(source, errors)
+    lines = np.array([line for line, _ in rows[1:]], dtype=np.int64)
+    if not len(lines):
+        raise InputError(f"{source}: found no grain, expected a row for each below the line of names")
+    return Table(source, lines, dict(zip(names, values.T, strict=True)))
+
+
+def _names(names: list[str], where: str, dimension: int, errors: list[str]) -> list[str]:
+    """Return the full names of the columns; add the errors of their choice."""
+    known, short = groups(dimension), aliases(dimension)
+    full = [short.get(name, name) for name in names]
+    everything = [name for group in known.values() for name in group]
+    for name, given in zip(full, names, strict=True):
+        if name not in everything:
+            errors.append(f"{where}: found a column {show(given)}, expected names among {', '.join(everything)}")
+    for name in dict.fromkeys(name for name in full if full.count(name) > 1):
+        errors.append(f"{where}: found the column {name} {full.count(name)} times, expected it once")
+    missing = [name for name in (*known["position"], "radius_m") if name not in full]
+    if missing:
+        errors.append(f"{where}: lacks {', '.join(missing)}; expected {', '.join(known['position'])}, radius_m")
+    for group, columns in known.items():
+        there = [name for name in columns if name in full]
+        if there and len(there) < len(columns) and group not in ("material", "other", "position"):
+            errors.append(f"{where}: found {', '.join(there)}, expected all of {', '.join(columns)}, or none")
+    tensors = [group for group in ("strain", "stress") if set(known[group]) <= set(full)]
+    if len(tensors) == 2:
+        errors.append(f"{where}: found strains and stresses, expected one of them")
+    if not any(name in full for group in ("strain", "stress") for name in known[group]):
+        errors.append(
+            f"{where}: lacks strains or stresses; expected {', '.join(known['strain'])}, "
+            f"or {', '.join(known['stress'])} (Pa)"
+        )
+    if "time_s" in full and "frame" in full:
+        errors.append(f"{where}: found time_s and frame, expected one of them")
+    return full
+
+
+def _rows(path: Path) -> list[tuple[int, list[str]]]:
+    """Read the rows of a CSV file with their line numbers; lines may be comments, after #."""
+    try:
+        text = read_regular(path).decode("utf-8-sig")
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file") from None
+    except IsADirectoryError:
+        raise InputError(f"{path}: found a directory, expected a CSV file") from None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+    except UnicodeDecodeError:
+        raise InputError(f"{path}: found no text, expected a CSV file in UTF-8") from None
+    filled = [(n, line) for n, line in enumerate(text.splitlines(), 1) if line.strip() and line.lstrip()[0] != "#"]
+    try:
+        rows = [(n, next(csv.reader([line], skipinitialspace=True))) for n, line in filled]
+    except csv.Error as error:
+        raise InputError(f"{path}: found no CSV file: {error}") from None
+    if not rows:
+        raise InputError(f"{path}: found nothing, expected a line of names and a row for each grain")
+    return rows

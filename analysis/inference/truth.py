@@ -1,0 +1,329 @@
+"""States of a finished run with the forces at all contacts, from snapshots that were recorded with them."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicHermiteSpline
+
+from granwave.analysis.inference.contacts import Contacts, Wall, find_contacts
+from granwave.analysis.inference.equations import make_equations
+from granwave.analysis.inference.grains import PAIRS, Array, Grains, volume_of
+from granwave.analysis.lammps_output.dumps import read_frame_forces, read_frames
+from granwave.analysis.lammps_output.frame import Frame
+from granwave.analysis.result.reader import Result
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.packing.walls import Wall as CaseWall
+from granwave.lammps_inputs.packing.walls import wall_fixes, walls
+
+_REST = 1e-6  # of the largest contact force: a force beside those of contacts that is smaller is rounding
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Run:
+    """Snapshots of a run, in the coordinates of a measurement: packings of cylinders have y upwards.
+
+    Attributes
+    ----------
+    directory
+        Name of the run's directory.
+    length
+        Length of the cylinders; 1 for spheres, m.
+    density, youngs_modulus, poisson_ratio
+        Of each grain: (n,).
+    times
+        (n_frames,), s.
+    position, velocity
+        (n_frames, n, d), m, m/s.
+    spin, angular_acceleration
+        (n_frames, n, 1 or 3), rad/s, rad/s^2.
+    frames, forces
+        Snapshots of grains and of contacts.
+    turn
+        Components of vectors of the run that those of the measurement are made of, with their signs: (d, 3).
+    walls
+        Planes of the run, by name.
+    friction
+        Largest coefficient of friction of grains and of walls.
+    """
+
+    directory: str
+    dimension: int
+    length: float
+    density: Array
+    youngs_modulus: Array
+    poisson_ratio: Array
+    times: Array
+    position: Array
+    velocity: Array
+    spin: Array
+    angular_acceleration: Array
+    frames: list[Frame]
+    forces: list[Frame]
+    ids: NDArray[np.int64]
+    radius: Array
+    turn: Array
+    wall_fixes: Mapping[str, tuple[CaseWall, tuple[str, ...]]]
+    moved: Mapping[str, Array]
+    friction: tuple[float, float]
+
+    @property
+    def volume(self) -> Array:
+        """Volumes: (n,), m^3."""
+        return volume_of(self.radius, "space" if self.dimension == 3 else "plane-stress", self.length)
+
+    def walls(self, number: int) -> dict[str, Wall]:
+        """Return the walls at a snapshot, by name."""
+        found = {}
+        for name, (wall, _) in self.wall_fixes.items():
+            outward = np.zeros(3)
+            outward[wall.axis] = wall.outward
+            level = wall.coordinate + wall.outward * float(self.moved[name][number])
+            point = np.zeros(3)
+            point[wall.axis] = level
+            found[name] = Wall(tuple((self.turn @ point).tolist()), tuple((-self.turn @ outward).tolist()))
+        return found
+
+    def largest_snapshot(self, spare: float = 0.0) -> int:
+        """Return the number of the snapshot with the largest sum of forces, ``spare`` seconds away from both ends."""
+        inside = (self.times >= self.times[0] + spare) & (self.times <= self.times[-1] - spare)
+        if not inside.any():
+            raise InputError(
+                f"{self.directory}: ends after {self.times[-1]:.3g} s, expected at least {2 * spare:.3g} s for three "
+                "frames; take a faster camera, or a longer run.end_time"
+            )
+        totals = np.array([float(frame["force"].sum()) for frame in self.forces])
+        return int(np.argmax(np.where(inside, totals, -1.0)))
+
+    def state(self, number: int, tolerance: float) -> tuple[Grains, Array]:
+        """Return grains and the true forces of the candidate contacts at a snapshot; stresses are exact averages.
+
+        Returns
+        -------
+        Grains, ndarray
+            The second: normal and tangential components, (n_contacts, d), N.
+        """
+        frame, forces = self.frames[number], self.forces[number]
+        n, turns = len(self.radius), 1 if self.dimension == 2 else 3
+        mass = self.density * self.volume
+        total = frame.vector("fx", "fy", "fz")
+        nothing = np.zeros((n, len(PAIRS[self.dimension])))
+        still = np.zeros((n, turns))
+        grains = Grains(
+            self.ids, self.position[number], self.radius, mass, self.volume,
+            np.zeros((n, self.dimension)), self.spin[number], still, np.zeros((n, self.dimension)), nothing,
+        )  # fmt: skip
+        contacts = find_contacts(grains, self.walls(number), tolerance)
+        true = np.zeros((len(contacts), self.dimension))
+        on_pairs = self._pairs(grains, contacts, forces, true)
+        rest = total @ self.turn.T - on_pairs
+        equations = make_equations(grains, contacts)
+        of_pairs = (equations.motion @ true.ravel()).reshape(n, -1)[:, self.dimension :] * self.radius[:, None]
+        torque = self.angular_acceleration[number] * grains.inertia[:, None] - of_pairs
+        known = self._walls(grains, contacts, frame, rest, torque, true)
+        # what is held in place has unknown forces upon it, and is left out of the measurement
+        size = float(np.abs(true).max(initial=0.0))
+        held = (np.linalg.norm(total, axis=1) == 0) & (np.linalg.norm(known, axis=1) > _REST * size)
+        known[np.linalg.norm(known, axis=1) <= _REST * size] = 0.0
+        sums = (equations.motion @ true.ravel()).reshape(n, -1)
+        turning = sums[:, self.dimension :] * (self.radius / grains.inertia)[:, None]
+        exact = (sums[:, : self.dimension] + known) / mass[:, None]
+        moments = (equations.stress @ true.ravel() - equations.spin_data).reshape(n, -1) * self.radius[:, None]
+        scale = np.array([1.0 if a == b else np.sqrt(2) for a, b in PAIRS[self.dimension]])
+        stress = moments / scale / self.volume[:, None]
+        for values in (exact, turning, stress):
+            values[held] = np.nan
+        known[held] = 0.0
+        measured = dataclasses.replace(
+            grains, acceleration=exact, angular_acceleration=turning, known_force=known, stress=stress
+        )
+        return measured, true
+
+    def _pairs(self, grains: Grains, contacts: Contacts, forces: Frame, true: Array) -> Array:
+        """Enter the forces of pairs into ``true``; return their sums on each grain: (n, d), N."""
+        rows = np.searchsorted(self.ids, forces.vector("i", "j").astype(np.int64))
+        there = forces["force"] > 0
+        i, j = np.sort(rows[there], axis=1).T
+        swapped = rows[there][:, 0] != i
+        apart = grains.position[i] - grains.position[j]
+        normal = apart / np.linalg.norm(apart, axis=1)[:, None]
+        shear = forces.vector("tx", "ty", "tz")[there] @ self.turn.T
+        shear[swapped] *= -1
+        vectors = forces["force"][there, None] * normal + shear
+        n = len(grains)
+        both = zip(contacts.first.tolist(), contacts.second.tolist(), strict=True)
+        place = {pair: m for m, pair in enumerate(both) if pair[1] >= 0}
+        columns = np.array([place.get(pair, -1) for pair in zip(i.tolist(), j.tolist(), strict=True)], dtype=np.int64)
+        if (columns < 0).any():
+            raise InputError(
+                f"{self.directory}: a pair that bears a force lies beyond infer.contact_tolerance; raise it"
+            )
+        if len(columns):
+            true[columns] = np.einsum("mij,mi->mj", contacts.basis[columns], vectors)
+        sums = np.zeros((n, self.dimension))
+        np.add.at(sums, i, vectors)
+        np.add.at(sums, j, -vectors)
+        return sums
+
+    def _walls(
+        self, grains: Grains, contacts: Contacts, frame: Frame, rest: Array, torque: Array, true: Array
+    ) -> Array:
+        """Enter the forces of walls into ``true``; return what is left of the forces on each grain: (n, d), N.
+
+        The normal forces were recorded. Tangential forces follow from the rest of a grain's force and torque, in which
+        LAMMPS counts them with a lever of radius minus half the overlap.
+        """
+        names = list(self.wall_fixes)
+        normal = {name: sum((frame[f"wall_{fix}"] for fix in fixes), np.zeros(len(grains)))
+                  for name, (_, fixes) in self.wall_fixes.items()}  # fmt: skip
+        at_walls = np.flatnonzero(contacts.second < 0)
+        pushes = np.array([normal[names[contacts.wall[m]]][contacts.first[m]] for m in at_walls])
+        left = rest.copy()
+        for m, push in zip(at_walls.tolist(), pushes.tolist(), strict=True):
+            true[m, 0] = push
+            left[contacts.first[m]] -= push * contacts.normal[m]
+        if not self.friction[1] or not len(at_walls):
+            return left
+        loaded = at_walls[pushes > 0]
+        for grain in np.unique(contacts.first[loaded]).tolist():
+            own = loaded[contacts.first[loaded] == grain]
+            tangents = np.concatenate([contacts.basis[m][:, 1:] for m in own.tolist()], axis=1)
+            moments = np.concatenate([_moments(contacts, m, grains.radius[grain]) for m in own.tolist()], axis=1)
+            scale = grains.radius[grain]
+            matrix = np.concatenate([tangents, moments / scale])
+            found, _, rank, _ = np.linalg.lstsq(
+                matrix, np.concatenate([left[grain], torque[grain] / scale]), rcond=None
+            )
+            if rank < matrix.shape[1]:
+                raise InputError(
+                    f"{self.directory}: grain {self.ids[grain]} rubs at {len(own)} walls, whose forces its motion does "
+                    "not tell apart; choose another --time, or a packing without friction of its walls"
+                )
+            true[own, 1:] = found.reshape(len(own), -1)
+            left[grain] -= tangents @ found
+        return left
+
+
+def _moments(contacts: Contacts, number: int, radius: float) -> Array:
+    """Return the moments about a grain of unit tangential forces at a wall, in columns: (1 or 3, d - 1), m."""
+    arm = contacts.arm[number]
+    apart = float(np.linalg.norm(arm))
+    lever = (radius + apart) / 2 * arm / apart
+    tangents = contacts.basis[number][:, 1:]
+    if len(lever) == 2:
+        return np.array([lever[0] * tangents[1] - lever[1] * tangents[0]])
+    return np.cross(lever[:, None], tangents, axis=0)
+
+
+def read_run(result: Result) -> Run:
+    """Read the snapshots of a run with their contact forces.
+
+    Raises
+    ------
+    InputError
+        The run recorded no contact forces, or has periodic sides, a tube or bars.
+    """
+    case, assembly, directory = result.case, result.assembly, result.path.parent
+    if not case.output.contact_forces:
+        raise InputError(
+            f"{directory}: its snapshots hold no contact forces; run the case again with "
+            "--set output.contact_forces=true"
+        )
+    there = walls(assembly)
+    for found, name in ((assembly.lattice.periodic, "periodic sides"), (assembly.bars, "bars"),
+                        (any(wall.tube for wall in there), "a tube")):  # fmt: skip
+        if found:
+            raise InputError(f"{directory}: has {name}, expected grains between planes, as a camera would see them")
+    shape, length = getattr(case.packing, "shape", "sphere"), getattr(case.packing, "length", None)
+    plane = shape == "cylinder"
+    turn = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0]]) if plane else np.eye(3)
+    about = np.array([[0.0, 1.0, 0.0]]) if plane else np.eye(3)  # axis of rotation in the plane
+    frames, forces = list(read_frames(directory)), list(read_frame_forces(directory))
+    by_step = {frame.step: frame for frame in forces}
+    frames = [frame for frame in frames if frame.step in by_step]
+    number = {float(step): k for k, step in enumerate(result["particles/spheres/position/step"].tolist())}
+    rows = [number[frame.step] for frame in frames]
+    ids = result["particles/spheres/id"].astype(np.int64)
+    materials = [assembly.species[kind - 1].material for kind in result["particles/spheres/species"].tolist()]
+    times = result.frame_times[rows]
+    fixes = {
+        wall.name: (wall, tuple(fix for fix, _, _ in wall_fixes(assembly, wall)))
+        for wall in there
+        if not wall.held_layer
+    }
+    moved = {
+        name: np.interp(times, result[f"walls/{name}/time"], result[f"walls/{name}/displacement"])
+        if f"walls/{name}/displacement" in result
+        else np.zeros(len(times))
+        for name in fixes
+    }
+    frictions = [case.contact.friction, *(pair.contact.friction for pair in case.pair)]
+    at_walls = frictions if case.boundary.friction is None else [case.boundary.friction]
+    radius = result["particles/spheres/radius"]
+    density = np.array([material.density for material in materials])
+    run = Run(
+        directory=str(directory),
+        dimension=2 if plane else 3,
+        length=float(length) if plane and length else 1.0,
+        density=density,
+        youngs_modulus=np.array([material.youngs_modulus for material in materials]),
+        poisson_ratio=np.array([material.poisson_ratio for material in materials]),
+        times=times,
+        position=np.stack([result.frame(row, "position") @ turn.T for row in rows]),
+        velocity=np.stack([result.frame(row, "velocity") @ turn.T for row in rows]),
+        spin=np.stack([frame.vector("omegax", "omegay", "omegaz")[: len(ids)] @ about.T for frame in frames]),
+        angular_acceleration=np.zeros((len(rows), len(ids), len(about))),
+        frames=[frame.up_to(int(ids[-1])) for frame in frames],
+        forces=[by_step[frame.step] for frame in frames],
+        ids=ids,
+        radius=radius,
+        turn=turn,
+        wall_fixes=fixes,
+        moved=moved,
+        friction=(max(frictions), max(at_walls)),
+    )
+    inertia = (0.5 if plane else 0.4) * density * run.volume * radius**2
+    torque = np.stack([frame.vector("tqx", "tqy", "tqz") @ about.T for frame in run.frames])
+    return dataclasses.replace(run, angular_acceleration=torque / inertia[:, None])
+
+
+def seen_by_camera(run: Run, number: int, rate: float, noise: float, rng: np.random.Generator) -> tuple[Array, Array]:
+    """Return accelerations and angular accelerations by second differences of three frames around a snapshot.
+
+    Places between snapshots follow from places and velocities, angles from spins and their rates.
+
+    Parameters
+    ----------
+    rate
+        Frames per second.
+    noise
+        Standard deviation of each coordinate, m; angles err by it over the radius.
+
+    Raises
+    ------
+    InputError
+        The snapshots are farther apart than the frames.
+    """
+    interval, time = 1 / rate, run.times[number]
+    apart = float(np.diff(run.times).max(initial=0.0))
+    if apart > (1 + 1e-9) * interval:
+        needed = int(np.ceil((run.times[-1] - run.times[0]) * rate)) + 2
+        raise InputError(
+            f"--frame-rate {rate:g}: {run.directory} has snapshots up to {apart:.3g} s apart, expected at most "
+            f"{interval:.3g} s, one for each frame; run it again with run.frames = {needed} or more"
+        )
+    at = time + interval * np.array([-1.0, 0.0, 1.0])
+    if at[0] < run.times[0] or at[-1] > run.times[-1]:
+        raise InputError(
+            f"--time {time:g}: found no frame {interval:.3g} s before or after it, expected an instant from "
+            f"{run.times[0] + interval:.3g} to {run.times[-1] - interval:.3g} s"
+        )
+    places = CubicHermiteSpline(run.times, run.position, run.velocity)(at)
+    angles = CubicHermiteSpline(run.times, run.spin, run.angular_acceleration).antiderivative()(at)
+    places = places + noise * rng.normal(size=places.shape)
+    angles = angles + noise / run.radius[:, None] * rng.normal(size=angles.shape)
+    second = np.array([1.0, -2.0, 1.0]) / interval**2
+    return np.tensordot(second, places, axes=1), np.tensordot(second, angles, axes=1)
