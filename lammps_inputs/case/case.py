@@ -236,7 +236,8 @@ def _pressed(parts: Mapping[str, Any], errors: ErrorList) -> Precompression | No
     axes = [axis for axis in "xy" if boundary.has_planes(axis)]
     if (packing := parts.get("packing")) is not None and is_plane_crystal(packing.kind) and boundary.y is None:
         axes = [axis for axis in axes if axis != "y"]
-    implied = dataclasses.replace(Precompression(kind="walls"), **dict.fromkeys(axes, -boundary.gap))
+    moves = {axis: -boundary.gap for axis in axes}
+    implied = Precompression(kind="walls", x=moves.get("x"), y=moves.get("y"))
     if given is not None and given != implied:
         errors.add(
             "boundary.side_gap",
