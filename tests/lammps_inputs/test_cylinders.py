@@ -38,7 +38,7 @@ def test_a_row_with_cylinders():
     assert build_packing(made).coordination.tolist() == [3, 4, 1, 2, 2]
     density = made.material_of(4).density
     assert made.mass_of(4) == made.sphere_masses()[3] == pytest.approx(density * math.pi * 0.003**2 * 0.01)
-    assert cylinder_commands(made) == ["fix             cylinders all gran/cylinder 2 0.01 0.0 1.0 0.0"]
+    assert cylinder_commands(made) == ["fix             cylinders all gran/cylinder 2 0.01 0 1 0"]
     assert "line plane-strain" not in "".join(wall_commands(made))
     law = pair_contact(made, 1, 4)
     assert 0.003 < law.effective_radius < 0.005 and math.isinf(flat_contact(made, 4).yield_overlap)
@@ -46,7 +46,7 @@ def test_a_row_with_cylinders():
     assert again.packing.grains == made.case.packing.grains and "line" not in again.to_dict()["contact"]
 
 
-@pytest.mark.parametrize(("kind", "size", "axis"), [("chain", 4, "0.0 1.0 0.0"), ("square", [3, 2], "0.0 0.0 1.0")])
+@pytest.mark.parametrize(("kind", "size", "axis"), [("chain", 4, "0 1 0"), ("square", [3, 2], "0 0 1")])
 def test_packings_of_cylinders(tmp_path, kind, size, axis):
     packing = {"kind": kind, "size": size, "diameter": 0.01, "shape": "cylinder", "length": 0.03}
     made = assemble(case(packing, boundary={"bottom": "free", "sides": "wall"}))
@@ -72,7 +72,7 @@ def test_packings_of_cylinders(tmp_path, kind, size, axis):
         ({"grains": [beside(at=[[0, 0, 0]])]}, "grains 1 and 4 at one place"),
         ({"grains": [beside(at=[[0.9 * BESIDE, 0, 0.005]])]}, "grains 1 and 4, which overlap by"),
         ({"grains": [beside(at=[[0.0, 0.0095, 0.0]])]}, "grains 1 and 4, which touch at the end of a cylinder"),
-        ({"grains": [beside(axis=[1, 0, 1])], "boundary": {"x": "wall"}}, "oblique to the wall across x"),
+        ({"grains": [beside(at=[[0.1, 0, 0]], axis=[1, 0, 1])], "boundary": {"x": "wall"}}, "oblique to the wall across x"),
         ({"grains": [beside()], "boundary": {"bottom": "free", "sides": {"tube": {"radius": 0.1}}}}, "a tube holds spheres"),
         ({"contact": {"law": "power", "constant": 1e7}}, "contact.exponent: missing"),
         ({"pair": [{"materials": ["brass", "brass"], "law": "hertz", "exponent": 2.0}]}, 'belongs to law = "power"'),
@@ -102,5 +102,5 @@ def test_faults_of_a_file(tmp_path, row, expected):
 def test_powers_in_the_deck():
     pairs = [{"materials": ["brass", "brass"], "law": "power", "constant": 3e7, "exponent": 1.2}]
     made = case(pair=pairs)
-    assert "power 1.15e+11 0.3 constant 30000000.0 exponent 1.2" in "\n".join(contacts(assemble(made)))
+    assert "power 1.15e+11 0.3 constant 3e+07 exponent 1.2" in "\n".join(contacts(assemble(made)))
     assert pair_contact(made, 1, 2).loading_force(1e-6) == pytest.approx(3e7 * 1e-6**1.2)
