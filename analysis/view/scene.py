@@ -24,6 +24,7 @@ from granwave.analysis.measures.planes import own_plane, planes
 from granwave.analysis.result.reader import Result
 from granwave.analysis.view.fields import Field
 from granwave.analysis.view.instants import Instants
+from granwave.lammps_inputs.case.shape import Cylinder, Shape
 from granwave.lammps_inputs.packing.walls import walls
 
 if TYPE_CHECKING:
@@ -36,6 +37,7 @@ _FIELD_OF_VIEW = 40.0  # degrees
 _AZIMUTH, _ELEVATION = -58.0, 30.0  # degrees, as in the figures of the cut packing
 _SECONDS = 8.0  # of playing from the start to the end
 _DOTS = 2  # pixels of a colour bar over those on the screen
+_SIDES = 32  # of a cylinder
 _CORNERS = 64  # of the rim of a tube; a multiple of 4
 _BAR_COLOUR, _WALL_COLOUR, _INK = 0x8C9AA8, 0x9AA5B1, 0x222222
 
@@ -141,7 +143,10 @@ def _spheres(
     moved = [_MILLI * chosen.instants.values(number, "displacement")[chosen.rows] for number in chosen.frames]
     size = 2 * _MILLI * result["spheres/radius"][chosen.rows]
     away = np.max([np.abs(one).max(axis=1) for one in moved], axis=0) > _MOVES * size
-    for rows, what in ((np.flatnonzero(~away), ""), (np.flatnonzero(away), ", moving")):
+    round_ones = np.array([one is None for one in _shapes(result, chosen)])
+    if not round_ones.all():
+        yield from _cylinders(result, chosen, found, place, times, moved)
+    for rows, what in ((np.flatnonzero(~away & round_ones), ""), (np.flatnonzero(away & round_ones), ", moving")):
         if not len(rows):
             continue
         positions: Any = place[rows].astype(np.float32)
@@ -156,6 +161,68 @@ def _spheres(
                 color_map=field.colours.ravel(), shader="3d", name=f"{field.name}{what}", group=field.name,
                 visible=field is found[0],
             )  # fmt: skip
+
+
+def _shapes(result: Result, chosen: Chosen) -> list[Shape]:
+    """Return the shapes of the grains on the page."""
+    shapes = result.assembly.grain_shapes()
+    return [shapes[row] for row in chosen.rows]
+
+
+def _cylinders(
+    result: Result,
+    chosen: Chosen,
+    found: Sequence[Field],
+    place: NDArray[np.float64],
+    times: Sequence[float],
+    moved: Sequence[NDArray[np.float64]],
+) -> Iterator[Any]:
+    """Make the cylinders of every field, as one mesh."""
+    import k3d
+
+    shapes, radius = _shapes(result, chosen), _MILLI * result["spheres/radius"][chosen.rows]
+    rows = np.array([row for row, one in enumerate(shapes) if one is not None])
+    outlines = np.stack([_outline(one, radius[row]) for row in rows if (one := shapes[row])])
+    first = np.arange(len(rows))[:, None, None] * outlines.shape[1]
+    faces = (first + _faces()).reshape(-1, 3).astype(np.uint32)
+    corners = {
+        _key(time): ((place + one)[rows][:, None] + outlines).reshape(-1, 3).astype(np.float32)
+        for time, one in zip(times, moved, strict=True)
+    }
+    for field in found:
+        levels = {
+            _key(time): np.repeat(field.levels[n, rows], outlines.shape[1]).astype(np.float32)
+            for n, time in enumerate(times)
+        }
+        yield k3d.mesh(
+            corners, faces, attribute=levels, color_range=[0.0, 1.0], color_map=field.colours.ravel(),
+            flat_shading=False, side="double", name=f"{field.name}, cylinders", group=field.name,
+            visible=field is found[0],
+        )  # fmt: skip
+
+
+def _outline(shape: Cylinder, radius: float) -> NDArray[np.float64]:
+    """Return the corners of a cylinder around its centre: rims of the side, rims and middles of the ends, mm."""
+    axis = shape.vector
+    one = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
+    one /= np.linalg.norm(one)
+    angle = 2 * np.pi * np.arange(_SIDES)[:, None] / _SIDES
+    rim = radius * (np.cos(angle) * one + np.sin(angle) * np.cross(axis, one))
+    half = _MILLI * shape.length / 2 * axis
+    return np.concatenate([rim - half, rim + half, rim - half, rim + half, [-half, half]])
+
+
+def _faces() -> NDArray[np.int64]:
+    """Return the triangles between the corners of `_outline`: (n, 3)."""
+    n = np.arange(_SIDES)
+    after = (n + 1) % _SIDES
+    low, high, middle = 2 * _SIDES, 3 * _SIDES, 4 * _SIDES
+    side = [np.stack([n, after, _SIDES + n], axis=1), np.stack([after, _SIDES + after, _SIDES + n], axis=1)]
+    ends = [
+        np.stack([low + after, low + n, np.full(_SIDES, middle)], axis=1),
+        np.stack([high + n, high + after, np.full(_SIDES, middle + 1)], axis=1),
+    ]
+    return np.concatenate([*side, *ends])
 
 
 def _walls(result: Result) -> Iterator[Any]:

@@ -94,7 +94,7 @@ class Contact {
     if (const std::string fault = law.fault(); checked && !own.empty() && !fault.empty()) throw py::value_error(fault);
     const double effective = effective_radius.value_or(granwave::effective_radius(radius.first, radius.second));
     if (!(effective > 0.0)) throw py::value_error("effective_radius must be positive");
-    scaled = ScaledLaw(law, effective);
+    scaled = ScaledLaw::any(law, effective);
     if (line) {
       elastic.emplace(*line, (std::isfinite(radius.first) && std::isfinite(radius.second) ? 0.2 : 0.1) * effective);
       scaled = ScaledLaw(law, effective, *elastic);

@@ -111,12 +111,19 @@ class ScaledLaw {
   {
     const double limit = law.entry().elastic_limit;
     elastic_limit_ = limit > 0.0 && std::isfinite(limit) ? limit * overlap_ : limit;
-    if (law.elastic()) elastic_ = law.elastic();
   }
   ScaledLaw(const ContactLaw &law, double effective_radius, const ElasticContact &elastic) : ScaledLaw(law, effective_radius)
   {
-    if (!elastic_) elastic_ = &elastic;
+    elastic_ = law.elastic() ? law.elastic() : &elastic;
     overlap_ = force_ = elastic_limit_ = INFINITE;
+  }
+
+  /* Law of a contact that may also be a power of the overlap. */
+  static ScaledLaw any(const ContactLaw &law, double effective_radius)
+  {
+    ScaledLaw scaled(law, effective_radius);
+    scaled.elastic_ = law.elastic();
+    return scaled;
   }
 
   const ContactLaw &law() const { return *law_; }

@@ -96,7 +96,7 @@ bool FixWallGranHysteretic::is_line(int i) const { return !cylinders->shape(atom
 ScaledLaw FixWallGranHysteretic::scaled_law(int i)
 {
   const double radius = atom->radius[i];
-  if (!cylinders || !is_line(i)) return {law, effective_radius(radius)};
+  if (!cylinders || !is_line(i)) return ScaledLaw::any(law, effective_radius(radius));
   const int type = atom->type[i];
   auto found = lines.find({type, radius});
   if (found == lines.end()) {

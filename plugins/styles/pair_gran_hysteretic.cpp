@@ -211,8 +211,9 @@ PairGranHysteretic::PairParameters PairGranHysteretic::pair_parameters(int itype
   p.radius_j = rj;
   p.radsum = ri + rj;
   p.touch_sq = granwave::TouchingPairs::touch_squared(p.radsum);
+  p.largest_overlap = largest_overlap(ri, rj);
   p.contact = scaled_law(itype, jtype, ri, rj);
-  p.largest_overlap = std::min(largest_overlap(ri, rj), p.contact.largest_overlap());
+  if (has_special) p.largest_overlap = std::min(p.largest_overlap, p.contact.largest_overlap());
   p.friction = ri > 0.0 && rj > 0.0 ? args.friction : 0.0;
   p.shear_stiffness = contact_law.tangential_stiffness(1.0);
   p.tangential_model = args.tangential;

@@ -167,7 +167,12 @@ class PairGranHysteretic : public Pair {
   PairParameters pair_parameters(int itype, int jtype, double ri, double rj);
   double init_shape(int itype, int jtype);
   bool is_special(int itype, int jtype) const { return has_special && special_types[itype * (atom_types + 1) + jtype]; }
-  granwave::ScaledLaw scaled_law(int itype, int jtype, double ri, double rj);
+  granwave::ScaledLaw special_law(int itype, int jtype, double ri, double rj);
+  granwave::ScaledLaw scaled_law(int itype, int jtype, double ri, double rj)
+  {
+    if (is_special(itype, jtype)) return special_law(itype, jtype, ri, rj);
+    return {law(itype, jtype), effective_radius(ri, rj)};
+  }
   granwave::CylinderPair::Separation separation(int i, int j) const;
   double distance(int i, int j, double rsq) const;
   double longest_cylinder(int axis) const;

@@ -50,20 +50,19 @@ double PairGranHysteretic::init_shape(int i, int j)
   return geometry.center_distance(radsum + gap);
 }
 
-/* Law of a contact, in physical units. */
+/* Law of a special pair, in physical units. */
 
-ScaledLaw PairGranHysteretic::scaled_law(int itype, int jtype, double ri, double rj)
+ScaledLaw PairGranHysteretic::special_law(int itype, int jtype, double ri, double rj)
 {
   const granwave::ContactLaw &of_types = law(itype, jtype);
-  const CylinderPair *const geometry =
-      is_special(itype, jtype) ? geometries[itype * (atom_types + 1) + jtype].get() : nullptr;
-  if (!geometry) return {of_types, effective_radius(ri, rj)};
+  const CylinderPair *const geometry = geometries[itype * (atom_types + 1) + jtype].get();
+  if (!geometry) return ScaledLaw::any(of_types, effective_radius(ri, rj));
   SpecialPair &pair = special_pairs[{itype, jtype, ri, rj}];
   if (pair.contact.effective_radius() > 0.0) return pair.contact;
   if (ri == 0.0 || rj == 0.0)
     error->one(FLERR, "Pair style gran/hysteretic: a flat face meets a cylinder; it touches spheres only");
   const double radius = geometry->effective_radius(ri, rj);
-  pair.contact = ScaledLaw(of_types, radius);
+  pair.contact = ScaledLaw::any(of_types, radius);
   if (geometry->parallel()) {
     const granwave::LawArguments &args = coefficients[itype * (atom_types + 1) + jtype];
     const granwave::Material second = args.second.value_or(args.first);

@@ -36,14 +36,14 @@ def packing_3d_dissipation(result: Result) -> Drawing | None:
 
 
 def draw_packing(result: Result, colouring: Colouring, size: tuple[float, float] | None = None) -> Drawing | None:
-    """Draw the cut packing in any colouring; return None for a chain, for which curves show more.
+    """Draw the cut packing in any colouring; return None for a chain, for which curves show more, and with cylinders.
 
     Parameters
     ----------
     size
         Width and height of the figure, inches; by default a column, as high as the packing needs.
     """
-    if not can_be_cut(result):
+    if not can_be_cut(result) or result.assembly.has_cylinders:  # the renderer draws spheres
         return None
     positions = result["spheres/position"]
     camera = Camera.looking(_AZIMUTH, _ELEVATION, np.array([0.0, 0.0, -1.0]))  # depth goes down

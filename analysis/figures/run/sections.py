@@ -13,7 +13,7 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.collections import EllipseCollection
+from matplotlib.collections import EllipseCollection, PolyCollection
 from matplotlib.colors import LogNorm, to_rgba
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
@@ -28,6 +28,7 @@ _MILLI = 1e3  # mm in a metre
 _SNAPSHOTS = 4
 _LEAST_DECADES = 3  # default range of a logarithmic scale
 _DISC = 0.96  # drawn over actual diameter
+_SEEN_ALONG = 0.1  # length of an axis in a section, over the radius: of a shorter one the end is seen
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,7 +171,7 @@ def wave_front(result: Result) -> Drawing | None:
     axes = figure.subplots(n_rows, n_columns, sharex=True, sharey=True, squeeze=False)
     for panel_axes, force, time in zip(axes.flat, forces, times, strict=False):
         colouring = Colouring(force, f"Contact force {label}", column, colours, low, high)
-        draw_discs(panel_axes, cut, force, colouring, radius)
+        draw_discs(panel_axes, cut, force, colouring, radius, sticks=sticks_of(result, cut))
         frame_axes(panel_axes, window)
         panel_axes.set_title(f"{time * 1e6:.0f} µs", pad=2)
     for empty in axes.flat[len(chosen) :]:
@@ -213,7 +214,7 @@ def section_drawing(result: Result, name: str, *colourings: Colouring) -> Drawin
     figure = new_figure(min(max(len(colourings) * height + 1.05, 1.9), 6.0 if len(colourings) == 1 else 8.0))
     panels = figure.subplots(len(colourings), 1, sharex=True, squeeze=False)[:, 0]
     for axes, colouring, shown in zip(panels, colourings, values, strict=True):
-        draw_discs(axes, cut, shown, colouring, disc_radii(result, cut), beyond)
+        draw_discs(axes, cut, shown, colouring, disc_radii(result, cut), beyond, sticks_of(result, cut))
         frame_axes(axes, window)
         axes.set_title(colouring.title, pad=2)
         if cut.plane.through is None:
@@ -252,7 +253,24 @@ def disc_radii(result: Result, cut: Section) -> NDArray[np.float64]:
     radius = result["spheres/radius"][cut.index]
     if cut.plane.name != "section":
         return radius
-    return np.sqrt(np.maximum(radius**2 - cut.height**2, 0.0))
+    of_cut = np.sqrt(np.maximum(radius**2 - cut.height**2, 0.0))
+    if not result.assembly.has_cylinders:
+        return of_cut
+    shapes = result.assembly.grain_shapes()
+    return np.where([shapes[row] is not None for row in cut.index], radius, of_cut)
+
+
+def sticks_of(result: Result, cut: Section) -> NDArray[np.float64] | None:
+    """Return half the axis of each cylinder as seen in a section, 0 for spheres and cylinders seen along it: (n, 2), m.
+
+    None if there are only spheres.
+    """
+    if not result.assembly.has_cylinders:
+        return None
+    shapes, seen = result.assembly.grain_shapes(), np.stack([cut.plane.across, cut.plane.down])
+    half = np.array([seen @ one.vector * one.length / 2 if (one := shapes[row]) else np.zeros(2) for row in cut.index])
+    length = np.linalg.norm(half, axis=1, keepdims=True)
+    return np.where(length > _SEEN_ALONG * result["spheres/radius"][cut.index][:, None], half, 0.0)
 
 
 def draw_discs(
@@ -262,8 +280,9 @@ def draw_discs(
     colouring: Colouring,
     radius: NDArray[np.float64],
     hollow: NDArray[np.bool_] | None = None,
+    sticks: NDArray[np.float64] | None = None,
 ) -> None:
-    """Draw the discs, in mm: blank without a value, rings beyond the range of the law."""
+    """Draw the discs, in mm: blank without a value, rings beyond the range of the law; cylinders as rectangles."""
     size = _DISC * 2 * radius * _MILLI
     mapped = colormaps[colouring.map]
     colours = mapped(colouring.norm(np.maximum(values, colouring.low)))
@@ -272,6 +291,13 @@ def draw_discs(
     if hollow is not None:
         faces[hollow] = to_rgba("white")
         edges[hollow] = colours[hollow]
+    widths = np.where(hollow, 1.0, 0.2) if hollow is not None else np.full(len(size), 0.2)
+    if sticks is not None and (long := sticks.any(axis=1)).any():
+        corners = _corners(np.stack([cut.across, cut.down], axis=1)[long], sticks[long], size[long] / _MILLI / 2)
+        axes.add_collection(
+            PolyCollection(corners * _MILLI, facecolors=faces[long], edgecolors=edges[long], linewidths=widths[long])
+        )
+        size = np.where(long, 0.0, size)
     discs = EllipseCollection(
         size,
         size,
@@ -281,9 +307,17 @@ def draw_discs(
         offset_transform=axes.transData,
         facecolors=faces,
         edgecolors=edges,
-        linewidths=np.where(hollow, 1.0, 0.2) if hollow is not None else 0.2,
+        linewidths=widths,
     )
     axes.add_collection(discs)
+
+
+def _corners(
+    centre: NDArray[np.float64], half: NDArray[np.float64], radius: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return the corners of rectangles from half their axes and half their widths: (n, 4, 2)."""
+    across = half[:, ::-1] * np.array([-1.0, 1.0]) / np.linalg.norm(half, axis=1, keepdims=True) * radius[:, None]
+    return np.stack([centre + a * half + b * across for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))], axis=1)
 
 
 def frame_axes(axes: Axes, window: tuple[float, float, float, float]) -> None:
