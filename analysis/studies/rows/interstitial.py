@@ -151,8 +151,8 @@ def pictures(group: Group) -> Iterator[Picture]:
             name = column_name(run.small)
             data |= {f"{name}_depth_diameters": depth, f"{name}_peak_over_v": peak}
             data |= {f"{name}_time_s": time, f"{name}_bottom_N": force}
-        left.set(xlabel="Depth (diameters)", ylabel="Peak velocity of the layer over that of the striker", yscale="log")
-        right.set(xlabel="Time (ms)", ylabel="Force on the bottom beyond the static one (N)")
+        left.set(xlabel="Depth (diameters)", ylabel="Peak velocity over that of the top", yscale="log")
+        right.set(xlabel="Time (ms)", ylabel="Force on the bottom, less the static one (N)")
         legend_outside(figure, 3, fontsize=7)
         caption = f"Plane pulse in an fcc packing by what is in its octahedral holes, top layer at {velocity:g} m/s"
         yield Picture(f"_{velocity:g}_m_s".replace(".", "_"), caption, Drawing(figure, data))
