@@ -58,7 +58,7 @@ class ModulusSearch:
 def free_misfit(matrix: sparse.csr_array, data: Array) -> float:
     """Return the least |matrix f - data|^2 of any forces f, within the cone or not."""
     both = np.concatenate([matrix.toarray(), data[:, None]], axis=1)
-    triangle = np.linalg.qr(both, mode="r")
+    triangle = np.asarray(np.linalg.qr(both, mode="r"))
     return float(triangle[-1, -1] ** 2) if both.shape[0] >= both.shape[1] else 0.0
 
 
