@@ -120,13 +120,12 @@ def against_noise(noise: Array, error: Array, spread: Array) -> Drawing:
 
 
 def _shown_axes(found: Inference) -> tuple[int, int]:
-    """Return the two axes along which the grains extend most, in their order."""
-    extent = np.ptp(found.grains.position, axis=0)
-    if len(extent) == 2:
+    """Return the axes of the view: in space those along which forces are largest, in their order."""
+    if found.grains.dimension == 2:
         return 0, 1
-    least = int(np.argmin(extent[::-1]))  # of equal ones the last is left out
-    kept = [axis for axis in range(3) if axis != 2 - least]
-    return kept[0], kept[1]
+    along = np.abs(found.contacts.vectors(found.force)).sum(axis=0)
+    first, second = sorted(np.argsort(-along, kind="stable")[:2].tolist())
+    return first, second
 
 
 def _map(x: Array, radius: Array) -> tuple:

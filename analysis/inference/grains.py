@@ -85,12 +85,13 @@ class Grains:
     @property
     def has_motion(self) -> NDArray[np.bool_]:
         """True for grains whose accelerations are known: (n,)."""
-        return np.isfinite(self.acceleration).all(axis=1) & np.isfinite(self.angular_acceleration).all(axis=1)
+        known = np.isfinite(self.acceleration).all(axis=1) & np.isfinite(self.angular_acceleration).all(axis=1)
+        return np.asarray(known, dtype=bool)
 
     @property
     def has_stress(self) -> NDArray[np.bool_]:
         """True for grains whose stress or strain is known: (n,)."""
-        return np.isfinite(self.stress).all(axis=1)
+        return np.asarray(np.isfinite(self.stress).all(axis=1), dtype=bool)
 
     @property
     def inertia(self) -> Array:

@@ -101,7 +101,7 @@ def _check_rows(table: Table, case: InferCase) -> None:
         if table.has(names):
             empty = np.isnan(table.take(names))
             errors += table.refuse(
-                empty.any(axis=1) & ~empty.all(axis=1),
+                np.asarray(empty.any(axis=1) & ~empty.all(axis=1), dtype=bool),
                 lambda row, names=names: f"found some of {', '.join(names)} empty, expected all of them or none",
             )
     raise_errors(table.source, errors)
@@ -259,7 +259,7 @@ def _grains(table: Table, case: InferCase, rows: NDArray[np.int64], motion: tupl
         modulus = each("youngs_modulus_Pa", material.youngs_modulus or 1.0)
         elastic = stiffness(modulus, each("poisson_ratio", material.poisson_ratio), case.infer.state)
         stress = np.einsum("nij,nj->ni", elastic, table.take(known["strain"])[rows])
-        compliance = np.linalg.inv(elastic)
+        compliance = np.linalg.inv(elastic).astype(np.float64)
     else:
         stress = table.take(known["stress"])[rows]
     acceleration, spin, turning = motion

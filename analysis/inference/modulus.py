@@ -57,9 +57,9 @@ class ModulusSearch:
 
 def free_misfit(matrix: sparse.csr_array, data: Array) -> float:
     """Return the least |matrix f - data|^2 of any forces f, within the cone or not."""
-    columns, _ = np.linalg.qr(matrix.toarray())
-    rest = data - columns @ (columns.T @ data)
-    return float(rest @ rest)
+    both = np.concatenate([matrix.toarray(), data[:, None]], axis=1)
+    triangle = np.asarray(np.linalg.qr(both, mode="r"))
+    return float(triangle[-1, -1] ** 2) if both.shape[0] >= both.shape[1] else 0.0
 
 
 def refuse_unknowable(grains: Grains, equations: Equations) -> None:

@@ -116,7 +116,7 @@ def plan_experiment(source: Path, case: InferCase | None, camera: Camera) -> Pla
     poisson = (
         run.poisson_ratio if case is None or case.material is None else np.full(len(exact), case.material.poisson_ratio)
     )
-    compliance = np.linalg.inv(stiffness(run.youngs_modulus, poisson, state))
+    compliance = np.linalg.inv(stiffness(run.youngs_modulus, poisson, state)).astype(np.float64)
     exact = dataclasses.replace(exact, compliance=compliance, modulus=run.youngs_modulus)
     walls = run.walls(number)
     rng = np.random.default_rng(camera.seed)

@@ -82,7 +82,7 @@ class Table:
         """Return columns side by side: (n_rows, n_names)."""
         return np.stack([self.columns[name] for name in names], axis=1)
 
-    def refuse(self, wrong: NDArray[np.bool_], message: Callable[[int], str]) -> list[str]:
+    def refuse(self, wrong: NDArray[np.bool_], message: Callable[..., str]) -> list[str]:
         """Return an error with its line for each row that is wrong; ``message`` takes the row."""
         return [f"{self.source}: line {self.lines[row]}: {message(row)}" for row in np.flatnonzero(wrong).tolist()]
 

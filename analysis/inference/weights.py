@@ -6,6 +6,7 @@ import dataclasses
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import sparse
 
 from granwave.analysis.inference.equations import Equations
@@ -83,7 +84,7 @@ def covariance(grains: Grains, noise: Noise) -> Covariance:
     parts.append(np.repeat((grains.inertia / grains.radius * of_turning)[:, None], grains.spin.shape[1], axis=1))
     scale = np.array([1.0 if a == b else np.sqrt(2) for a, b in pairs])
     per_length = (grains.volume / grains.radius)[:, None] * scale * (noise.of_tensor(grains) or 0.0)
-    roots = np.broadcast_to(np.eye(len(pairs)), (len(grains), len(pairs), len(pairs)))
+    roots: NDArray = np.broadcast_to(np.eye(len(pairs)), (len(grains), len(pairs), len(pairs)))
     if grains.compliance is not None:
         roots = np.linalg.inv(grains.compliance)
     return Covariance(
@@ -127,7 +128,7 @@ def weighting(equations: Equations, spread: Covariance, kind: Weights) -> Weight
     if kind == "equal":
         return Weighting(np.ones(len(equations.motion_data)), np.broadcast_to(np.eye(k), (n, k, k)), False)
     if kind == "white":
-        stress = np.zeros((n, k, k))
+        stress: NDArray = np.zeros((n, k, k))
         stress[:, range(k), range(k)] = 1 / np.sqrt((spread.stress**2).sum(axis=2))
     else:
         stress = np.linalg.inv(spread.stress)

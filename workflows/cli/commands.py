@@ -295,7 +295,8 @@ def infer(options: argparse.Namespace, _: Arguments) -> int:
     """Execute ``granwave infer``."""
     from granwave.workflows.cli.inferring import infer as run_infer
 
-    return run_infer(options)
+    with as_wrong_input():
+        return run_infer(options)
 
 
 def bench(options: argparse.Namespace, _: Arguments) -> int:

@@ -86,7 +86,6 @@ def _of_table(options: argparse.Namespace, case: InferCase | None, directory: Pa
 def _of_run(options: argparse.Namespace, case: InferCase | None, directory: Path) -> dict[str, Any]:
     """Infer the forces of measurements made of a run."""
     from granwave.analysis.inference.plan import Camera, plan_experiment
-    from granwave.workflows.cli.commands import as_wrong_input
     from granwave.workflows.run.directory import held
 
     camera = Camera(
@@ -96,8 +95,7 @@ def _of_run(options: argparse.Namespace, case: InferCase | None, directory: Path
         time=options.time,
         repetitions=10 if options.repeat is None else max(options.repeat, 1),
     )
-    with as_wrong_input():
-        planned = plan_experiment(options.measurement, case, camera)
+    planned = plan_experiment(options.measurement, case, camera)
     with held(directory):
         planned.write(directory, figures=options.figures)
     return planned.summary
