@@ -34,7 +34,7 @@ from granwave.lammps_inputs.case.si_values import (
 from granwave.lammps_inputs.case.supports import Support
 from granwave.lammps_inputs.case.yield_factor import DEFAULT_YIELD_FACTOR
 
-BOTTOMS = ("wall", "fixed", "free")
+BOTTOMS = ("wall", "fixed", "free", "periodic")
 LAWS = _contact_laws.LAWS  # contact laws of the plugin, by name
 LAW_CONSTANTS = tuple(_contact_laws.LAW_CONSTANTS)  # names of the constants of the elasto-plastic law
 AUTO_END_TIME = 5e-3  # s, upper limit of `end_time = "auto"`
@@ -238,8 +238,10 @@ class Tube:
 class Boundary:
     """``[boundary]``: bottom and sides of the packing; the struck top is always free."""
 
-    bottom: Literal["wall", "fixed", "free"] = choice(
-        "what is below the last layer: a plane, the layer held in place, or nothing", BOTTOMS, default="wall"
+    bottom: Literal["wall", "fixed", "free", "periodic"] = choice(
+        "what is below the last layer: a plane, the layer held in place, nothing, or (granwave bands) the packing again",
+        BOTTOMS,
+        default="wall",
     )
     bottom_material: Material | None = None  # of the bottom plane: bottom = {material = ...}; None: rigid
     sides: Literal["free", "wall", "periodic"] = choice(

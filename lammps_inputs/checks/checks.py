@@ -249,7 +249,9 @@ def _check_probes(output: Output, n_spheres: int, errors: ErrorList) -> None:
 def _boundary_fits(packing: PackingSection, boundary: Boundary, errors: ErrorList) -> bool:
     before = len(errors.lines)
     if packing.grains is not None:
-        return boundary.sides != "periodic"
+        if boundary.bottom == "periodic":
+            errors.add("boundary.bottom", 'found "periodic" with packing.kind = "file"; packing.cell says how they repeat')
+        return boundary.sides != "periodic" and boundary.bottom != "periodic"
     rule = KINDS[packing.kind]
     nx, ny, nz = Lattice(packing.kind, packing.size, packing.diameter).shape
     if boundary.bottom == "fixed" and nz == 1:
@@ -257,6 +259,17 @@ def _boundary_fits(packing: PackingSection, boundary: Boundary, errors: ErrorLis
             "boundary.bottom",
             'found "fixed" with a single layer, which is struck; expected two layers or more',
         )
+    if boundary.bottom == "periodic" and packing.kind != "chain":
+        if "z" not in rule.axes:
+            errors.add("boundary.bottom", f'found "periodic" for {packing.kind}, a single layer; expected "free"')
+        elif boundary.sides != "periodic":
+            errors.add(
+                "boundary.sides",
+                f'found {show(boundary.sides)} with boundary.bottom = "periodic", expected "periodic": endless all round',
+            )
+        elif nz % rule.layer_period:
+            errors.add("packing.size", f"found {nz} layers, expected a multiple of {rule.layer_period} for an endless "
+                                       f"{packing.kind}")  # fmt: skip
     if boundary.sides == "periodic":
         if packing.kind == "chain":
             errors.add("boundary.sides", 'found "periodic" for a chain, expected "free" or "wall"')

@@ -39,8 +39,11 @@ def check_grains(parts: Mapping[str, Any], packing: PackingSection, errors: Erro
         if parts.get(name):
             errors.add(name, f'found with packing.kind = "file": {reason}; take it out')
     stage: Precompression | None = parts.get("precompression")
-    if stage is not None and stage.kind != "walls":
-        errors.add("precompression.kind", f'found {show(stage.kind)} with packing.kind = "file", expected "walls"')
+    if stage is not None and stage.kind != "walls" and (packing.cell is None or stage.kind == "gravity"):
+        endless = ', or "uniaxial" or "uniform" of grains with packing.cell' if packing.cell is None else ""
+        errors.add(
+            "precompression.kind", f'found {show(stage.kind)} with packing.kind = "file", expected "walls"{endless}'
+        )
     boundary: Boundary | None = parts.get("boundary")
     if boundary is not None and boundary.sides == "periodic":
         errors.add("boundary.sides", 'found "periodic" with packing.kind = "file", expected "free" or "wall"')

@@ -38,7 +38,7 @@ def check_precompression(
     if stage.kind == "uniform":
         if packing.kind == "chain":
             errors.add(f"{_TABLE}.kind", 'found "uniform" for a chain, expected "uniaxial" with a force')
-        elif boundary.sides != "free":
+        elif boundary.sides != "free" and boundary.bottom != "periodic" and packing.grains is None:
             errors.add(
                 "boundary.sides",
                 f'found {show(boundary.sides)} with precompression.kind = "uniform", expected "free": '
@@ -61,7 +61,7 @@ def check_first_yield(assembly: Assembly, errors: ErrorList) -> None:
     """Refuse a static load that yields every contact, exceeds the range of the law, or spreads the layers."""
     case = assembly.case
     stage, contact = case.precompression, case.contact_between(case.material, case.material)
-    if stage is None or stage.kind == "walls":
+    if stage is None or stage.kind == "walls" or case.packing.grains is not None:
         return
     name, unit = ("force", "N") if stage.force is not None else ("pressure", "Pa")
     if stage.kind == "gravity":
@@ -108,7 +108,8 @@ def _spreads(assembly: Assembly) -> bool:
     case = assembly.case
     stage, packing, boundary = case.precompression, case.packing, case.boundary
     nx, ny, nz = assembly.lattice.shape
-    free = stage is not None and stage.kind != "uniform" and boundary.sides != "periodic" and boundary.bottom != "fixed"
+    held = boundary.sides == "periodic" or boundary.bottom == "fixed"
+    free = stage is not None and stage.kind != "uniform" and not held
     layers = KINDS[packing.kind].set_back and nz > 1 and nx * ny > 1 and not isinstance(packing.vacancies, tuple)
     return free and layers
 
