@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 INERTIA = 0.4  # of a sphere, over m R^2
 _NEGLIGIBLE = 1e-12  # of the mean diameter: overlaps by rounding
-_UNLOADED = 1e-10  # of the largest force: contacts that bear nothing
+_UNLOADED = 1e-7  # of the largest force: contacts that bear nothing but what the search for balance left
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

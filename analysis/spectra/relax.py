@@ -10,20 +10,26 @@ import dataclasses
 
 import numpy as np
 from scipy import sparse
-from scipy.sparse.linalg import cg, splu
+from scipy.sparse.linalg import cg
 
 from granwave.analysis.spectra.bodies import Bodies
 from granwave.analysis.spectra.network import Array, Ints
+from granwave.analysis.spectra.stiffness import factorised
+from granwave.lammps_inputs.contact.static_load import static_stiffness
 from granwave.lammps_inputs.errors import InputError, RunError
+from granwave.lammps_inputs.lattices import TOUCHING
+from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.packing.walls import Wall
 
 _MARGIN = 0.02  # mean diameters: gaps of pairs that may close in a step
 _ROUNDS = 200
-_BALANCED = 1e-11  # net force over the largest contact force
+_BALANCED, _BALANCED_OF_MANY = 1e-11, 1e-9  # net force over the largest contact force; of many grains
 _TOLERATED = 1e-6  # the same where rounding leaves more
-_SMALLEST_STEP = 2.0**-20
-_DIRECT_UP_TO = 6000  # unknowns, factorised; more by conjugate gradients
+_SMALLEST_STEP = 2.0**-10
+_DIRECT_UP_TO = 1500  # unknowns, factorised; more by conjugate gradients
 _SOFT = 1e-10  # of the mean stiffness, added to all: free motions, and grains without contacts
-_LARGEST_STRAIN = 0.05
+_FIRST_STRAIN, _LARGEST_STRAIN = 1e-7, 0.05
+_HALVINGS = 5  # of the interval in which the first strain is sought
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -48,13 +54,18 @@ class StaticState:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class _At:
-    """Energy, its gradient and its second derivatives at a state."""
+    """Energy, its gradient, and slopes of forces with the derivatives of distances, at a state."""
 
     energy: float
     gradient: Array
-    hessian: sparse.csr_array
+    tables: list[tuple[Array, sparse.csr_array]]
     largest: float
     rounding: float
+
+    @property
+    def hessian(self) -> sparse.csr_array:
+        """Second derivatives of the energy, without the turning of forces, which is small."""
+        return sparse.csr_array(sum(rows.T @ sparse.diags_array(slope) @ rows for slope, rows in self.tables))
 
 
 class _Problem:
@@ -111,12 +122,10 @@ class _Problem:
             if not wall.held_layer:
                 tables.append(self._at_wall(wall, position))
         energy, gradient = 0.0, np.zeros(self.n)
-        hessian = sparse.csr_array((self.n, self.n))
         largest, stiffest = 0.0, 0.0
         for (force, slope, work), rows in tables:
             energy += float(work.sum())
             gradient -= rows.T @ force
-            hessian = hessian + rows.T @ sparse.diags_array(slope) @ rows
             largest, stiffest = max(largest, force.max(initial=0.0)), max(stiffest, slope.max(initial=0.0))
         energy -= float((bodies.dead_load * (position - bodies.position)).sum())
         gradient[: self.n_motions] -= bodies.dead_load[self.free]
@@ -124,7 +133,22 @@ class _Problem:
             energy += load * x[place]
             gradient[place] += load
         span = float(np.abs(position).max()) if len(position) else 0.0
-        return _At(energy, gradient, hessian.tocsr(), largest, 16 * stiffest * np.finfo(float).eps * span)
+        return _At(energy, gradient, [(slope, rows) for (_, slope, _), rows in tables], largest, 16 * stiffest * np.finfo(float).eps * span)
+
+    def by_linear_springs(self) -> Array:
+        """Unknowns under the dead loads if all contacts were linear springs, which bear tension too."""
+        bodies = self.bodies
+        stiffness = static_stiffness(assemble(bodies.case))
+        gap = TOUCHING * bodies.spacing + bodies.case.packing.diameter_scatter
+        first, second, image = bodies.near(bodies.position, bodies.periods, gap)
+        shifts = image @ bodies.periods if len(bodies.periods) else np.zeros((len(first), 3))
+        step = bodies.position[second] + shifts - bodies.position[first]
+        tables = [self._stretch(first, second, step / np.linalg.norm(step, axis=1)[:, None], shifts)]
+        tables += [self._at_wall(wall, bodies.position)[1] for wall in bodies.walls if not wall.held_layer]
+        gradient = np.zeros(self.n)
+        gradient[: self.n_motions] = -bodies.dead_load[self.free]
+        even = [(np.full(rows.shape[0], stiffness), rows) for rows in tables]
+        return _move(_At(0.0, gradient, even, 0.0, 0.0))
 
     def _stretch(self, first: Ints, second: Ints, normal: Array, shifts: Array) -> sparse.csr_array:
         """Derivatives of the distances by the unknowns: (n_contacts, n)."""
@@ -144,7 +168,8 @@ class _Problem:
         where = (np.concatenate(rows), np.concatenate(columns))
         return sparse.coo_array((np.concatenate(values), where), shape=(n, self.n)).tocsr()
 
-    def _at_wall(self, wall, position: Array) -> tuple[Array, sparse.csr_array]:  # type: ignore[no-untyped-def]
+    def _at_wall(self, wall: Wall, position: Array) -> tuple[Array, sparse.csr_array]:
+        """Force, slope and work of the contacts with a wall, and the derivatives of their distances."""
         bodies = self.bodies
         gaps = wall.gaps(position, bodies.radius)
         grain = np.flatnonzero(gaps < _MARGIN * bodies.spacing)
@@ -179,14 +204,15 @@ def relax(bodies: Bodies) -> StaticState:
     problem = _Problem(bodies)
     x = _start(problem)
     now = problem.at(x)
+    balanced = _BALANCED if problem.n <= _DIRECT_UP_TO else _BALANCED_OF_MANY
     best, since = np.inf, 0
     for rounds in range(_ROUNDS):
         net = _net(problem, now)
-        if net <= _BALANCED * now.largest + 1e-300 or problem.n == 0:
+        if net <= balanced * now.largest + 1e-300 or problem.n == 0:
             break
         since = 0 if net < 0.5 * best else since + 1
         best = min(best, net)
-        if since > 3 and net <= _BALANCED * now.largest + now.rounding:
+        if since > 3 and net <= balanced * now.largest + now.rounding:
             break
         move = _move(now)
         size = 1.0
@@ -223,14 +249,15 @@ def _net(problem: _Problem, now: _At) -> float:
 
 def _move(now: _At) -> Array:
     """Newton's step."""
-    diagonal = now.hessian.diagonal()
+    hessian = now.hessian
+    diagonal = hessian.diagonal()
     soft = _SOFT * float(diagonal.mean()) if len(diagonal) else 1.0
     soft = soft or 1.0
-    matrix = (now.hessian + soft * sparse.eye_array(len(diagonal))).tocsc()
+    matrix = (hessian + soft * sparse.eye_array(len(diagonal))).tocsc()
     if len(diagonal) <= _DIRECT_UP_TO:
-        return np.asarray(splu(matrix).solve(-now.gradient))
+        return np.asarray(factorised(matrix).solve(-now.gradient))
     scale = sparse.diags_array(1 / matrix.diagonal())
-    found, _ = cg(matrix, -now.gradient, rtol=1e-6, maxiter=4000, M=scale)
+    found, _ = cg(matrix, -now.gradient, rtol=1e-5, maxiter=4000, M=scale)
     return np.asarray(found)
 
 
@@ -239,21 +266,21 @@ def _start(problem: _Problem) -> Array:
     diagonal = [place for place, (a, b) in enumerate(problem.strains, start=problem.n_motions) if a == b]
     load = sum(problem.bodies.stress[one] for one in problem.strains if one[0] == one[1])
     if not diagonal or not load:
-        return np.zeros(problem.n)
+        return problem.by_linear_springs() if problem.bodies.dead_load.any() else np.zeros(problem.n)
 
     def excess(strain: float) -> float:
         return float(problem.at(problem.uniform(strain)).gradient[diagonal].sum())
 
-    high = 1e-7
+    high = _FIRST_STRAIN
     while excess(high) > 0:
-        high *= 2
+        high *= 4
         if high > _LARGEST_STRAIN:
             raise InputError(
                 f"{problem.bodies.case.name}: precompression: would shorten the cell by more than "
                 f"{100 * _LARGEST_STRAIN:g} %; give a smaller load"
             )
-    low = high / 2 if high > 1e-7 else 0.0
-    for _ in range(30):
+    low = high / 4 if high > _FIRST_STRAIN else 0.0
+    for _ in range(_HALVINGS):
         middle = (low + high) / 2
         low, high = (middle, high) if excess(middle) > 0 else (low, middle)
     return problem.uniform(high)

@@ -1,0 +1,197 @@
+"""Steady transmission through a finite packing against frequency.
+
+One grain is moved along an axis by exp(-i omega t); all others follow
+
+    (K - i omega C - omega^2 M) u = 0
+
+with the dampers C of the end: none (reflecting), matched ones, or a layer. A matched end has on each grain of the last
+layer the damper sqrt(m A), with the stiffness A of its contacts on the side of the drive, the same that an endless
+packing would have on the other side: long waves are not reflected. In a layer the grains are damped by 2 w m x^2, x
+rising from 0 to 1 along it, w the highest frequency of the packing over 20. Where the dampers are, walls do not hold.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+from scipy.linalg import sqrtm
+
+from granwave.analysis.spectra.network import Array, Network
+from granwave.analysis.spectra.stiffness import Stiffness, factorised, stiffness_of
+from granwave.lammps_inputs.errors import InputError
+
+REFLECTING, MATCHED, LAYER = "reflecting", "matched", "layer"
+_END_LAYER = 0.45  # mean diameters: grains so near to the last one are of the last layer
+_SHARE_OF_HIGHEST = 0.05  # of the highest frequency of a packing: damping at the end of a layer
+_FORM = '"reflecting", "matched" or "layer:N" with the number of grains along the axis'
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Transmission:
+    """Steady motion of sensors over that of the drive.
+
+    Attributes
+    ----------
+    drive, sensors
+        Ids.
+    axis
+        Direction of drive and sensors, of "xyz".
+    frequency
+        (n_frequencies,), Hz.
+    ratio
+        Complex ratios of displacements: (n_frequencies, n_sensors); the phase is that of a motion cos(2 pi f t).
+    end
+        Kind of the far end.
+    """
+
+    drive: int
+    sensors: tuple[int, ...]
+    axis: str
+    frequency: Array
+    ratio: NDArray[np.complex128]
+    end: str
+
+    @property
+    def amplitude(self) -> Array:
+        """Ratios of amplitudes: (n_frequencies, n_sensors)."""
+        return np.abs(self.ratio)
+
+    @property
+    def phase(self) -> Array:
+        """Phases of the sensors behind the drive, -pi to pi: (n_frequencies, n_sensors), rad; negative: later."""
+        return np.asarray(-np.angle(self.ratio))
+
+
+def transmission(
+    stiffness: Stiffness, drive: int, sensors: Sequence[int], frequency: Array, *, axis: str = "z", end: str = ""
+) -> Transmission:
+    """Find the steady response to a prescribed motion of one grain.
+
+    Parameters
+    ----------
+    drive, sensors
+        Ids.
+    frequency
+        (n_frequencies,), Hz.
+    end
+        Far end: ``reflecting``, ``matched`` or ``layer:N``.
+
+    Raises
+    ------
+    InputError
+        A grain is not there, or cannot move along the axis.
+    """
+    end = end or REFLECTING
+    kind, n_layer = _parse_end(end)
+    network, damping = stiffness.network, None
+    direction = "xyz".index(axis)
+    if kind != REFLECTING:
+        last, share = _far(network, drive, direction, n_layer if kind == LAYER else 0.0)
+        network = dataclasses.replace(network, supports=network.supports.where(~np.isin(network.supports.grain, last)))
+        stiffness = stiffness_of(network)
+        damping = _matched(network, last, direction) if kind == MATCHED else _layer(network, stiffness, last, share)
+    freedom = {(int(g), int(d)): n for n, (g, d) in enumerate(zip(*network.freedoms, strict=True))}
+    driven = freedom[_row(network, drive, "--drive"), direction] if _moves(network, drive, direction) else -1
+    if driven < 0:
+        raise InputError(f"--drive: grain {drive} is held along {axis}, expected one that moves")
+    places = []
+    for sensor in sensors:
+        row = _row(network, sensor, "--sensor")
+        if (row, direction) not in freedom:
+            raise InputError(f"--sensor: grain {sensor} is held along {axis}, expected one that moves")
+        places.append(freedom[row, direction])
+    root = sparse.diags_array(np.sqrt(network.masses))
+    matrix = (root @ stiffness.matrix(np.zeros(3)).real @ root).tocsc()
+    mass = sparse.diags_array(network.masses)
+    others = np.delete(np.arange(network.n_freedoms), driven)
+    ratio = np.zeros((len(frequency), len(places)), dtype=np.complex128)
+    for row, one in enumerate(frequency.tolist()):
+        omega = 2 * np.pi * one
+        whole = matrix - omega**2 * mass
+        if damping is not None:
+            whole = whole - 1j * omega * damping
+        whole = whole.astype(np.complex128).tocsc()
+        column = whole[:, [driven]].toarray().ravel()
+        motion = np.zeros(network.n_freedoms, dtype=np.complex128)
+        motion[driven] = 1.0
+        if len(others):
+            motion[others] = factorised(whole[others][:, others]).solve(-column[others])
+        ratio[row] = motion[places]
+    return Transmission(drive, tuple(sensors), axis, frequency, ratio, end)
+
+
+def _row(network: Network, grain: int, option: str) -> int:
+    rows = np.flatnonzero(network.ids == grain)
+    if len(rows):
+        return int(rows[0])
+    if grain in network.left_out:
+        raise InputError(f"{option}: grain {grain} bears no static load, so that no small wave reaches it")
+    raise InputError(f"{option}: found {grain}, expected an id from {network.ids.min()} to {network.ids.max()}")
+
+
+def _moves(network: Network, grain: int, direction: int) -> bool:
+    return bool(network.moves[_row(network, grain, "--drive"), direction])
+
+
+def _parse_end(end: str) -> tuple[str, float]:
+    if end in (REFLECTING, MATCHED):
+        return end, 0.0
+    found = re.fullmatch(rf"{LAYER}:([1-9]\d*)", end)
+    if not found:
+        raise InputError(f"--end: found {end!r}, expected {_FORM}")
+    return LAYER, float(found[1])
+
+
+def _far(network: Network, drive: int, direction: int, n_layer: float) -> tuple[NDArray[np.int64], Array]:
+    """Rows of the grains at the end that is farther from the drive, and their places in the layer from 0 to 1."""
+    place = network.position[:, direction]
+    here = place[_row(network, drive, "--drive")]
+    low, high = float(place.min()), float(place.max())
+    away = high - place if high - here >= here - low else place - low
+    spacing = float(np.cbrt(np.median(network.mass)) * 0 + 2 * np.median(network.springs.lever))
+    depth = max(n_layer - 0.5, 0.0) * spacing if n_layer else _END_LAYER * spacing
+    last = np.flatnonzero(away <= depth)
+    if np.isin(_row(network, drive, "--drive"), last):
+        raise InputError(f"--end: the end reaches the drive, grain {drive}; give a longer packing or a thinner layer")
+    return last, 1 - away[last] / max(depth, 1e-300)
+
+
+def _matched(network: Network, last: NDArray[np.int64], direction: int) -> sparse.csc_array:
+    """Dampers of matched impedance: (n_freedoms, n_freedoms), N s/m."""
+    springs, inside = network.springs, np.zeros(network.n_grains, dtype=bool)
+    inside[last] = True
+    number = np.full((network.n_grains, 6), -1)
+    grain, freedom = network.freedoms
+    number[grain, freedom] = np.arange(network.n_freedoms)
+    stiffness = np.zeros((network.n_grains, 3, 3))
+    for one, other in ((springs.first, springs.second), (springs.second, springs.first)):
+        across = np.flatnonzero(inside[one] & ~inside[other])
+        normal = springs.normal[across]
+        parallel = normal[:, :, None] * normal[:, None, :]
+        block = springs.stiffness[across, None, None] * parallel
+        block += springs.tangential[across, None, None] * (np.eye(3) - parallel)
+        np.add.at(stiffness, one[across], block)
+    rows, columns, values = [], [], []
+    for row in last.tolist():
+        free = np.flatnonzero(network.moves[row, :3])
+        damper = np.real(sqrtm(network.mass[row] * stiffness[row][np.ix_(free, free)]))
+        at = number[row, free]
+        rows += np.repeat(at, len(free)).tolist()
+        columns += np.tile(at, len(free)).tolist()
+        values += damper.ravel().tolist()
+    n = network.n_freedoms
+    return sparse.coo_array((values, (rows, columns)), shape=(n, n)).tocsc()
+
+
+def _layer(network: Network, stiffness: Stiffness, last: NDArray[np.int64], share: Array) -> sparse.csc_array:
+    """Dampers of a layer: (n_freedoms, n_freedoms), N s/m or N m s."""
+    highest = np.sqrt(float(np.abs(stiffness.matrix(np.zeros(3))).sum(axis=1).max()))
+    rate = np.zeros(network.n_grains)
+    rate[last] = 2 * _SHARE_OF_HIGHEST * highest * share**2
+    grain, _ = network.freedoms
+    return sparse.diags_array(rate[grain] * network.masses).tocsc()
