@@ -58,8 +58,12 @@ POINT_FILES = (POINT_FILE, POINT_CASE, POINT_LOG, POINT_STOP)
 # Of a fit of the contact law.
 FIT_TOML, FIT_PAIR, FIT_TABLE, FIT_MISFIT = FIT_FILES = ("fit.toml", "pair.toml", "fit.csv", "misfit.csv")
 
+# Of small waves about a static state; each command leaves NAME.csv and NAME.json, and a group in the file.
+SPECTRA_FILE = "spectra.h5"
+
 # Kinds of results.
 RUN, CONTINUUM, SCAN, SUITE, FIT, OTHER = "run", "continuum", "scan", "suite", "fit", "other"
+SPECTRA = "spectra"
 
 
 @dataclasses.dataclass
