@@ -20,6 +20,8 @@ MOST_BANDS = 30  # of a large cell, unless more are asked for
 _ZERO = 1e-10  # omega^2 over the largest: no stiffness
 _LONG = 1e-6  # |k| times the period: a uniform displacement
 _BATCH = 2**24  # numbers in the matrices that are solved at once
+_FACTORISED_UP_TO = 3000  # degrees of freedom; factors of larger matrices fill the memory, Lanczos' method needs none
+_PRECISION, _MOST_RESTARTS = 1e-9, 20_000
 _BELOW = 1e-7  # of the largest omega^2, where values are sought from
 
 
@@ -122,6 +124,11 @@ def lowest(matrix, wanted: int, largest: float) -> tuple[Array, Complex]:  # typ
         They are not found.
     """
     try:
+        if matrix.shape[0] > _FACTORISED_UP_TO:
+            basis = min(matrix.shape[0] - 1, max(4 * wanted, 60))
+            values, vectors = eigsh(matrix, k=wanted, which="SA", ncv=basis, tol=_PRECISION, maxiter=_MOST_RESTARTS)
+            order = np.argsort(values)
+            return values[order], vectors[:, order]
         shift = -_BELOW * largest
         inverse = factorised(matrix - shift * sparse.eye_array(matrix.shape[0]))
         operator = LinearOperator(matrix.shape, inverse.solve, dtype=matrix.dtype)
