@@ -29,7 +29,13 @@ from granwave.lammps_inputs.run_directory import (
 )
 from granwave.lammps_inputs.unmarked_results import recognise
 
-_GROUPS = {RUN: "a run", CONTINUUM: "a run", SCAN: "a scan", SUITE: "a suite of scans", SPECTRA: "bands or modes"}  # one group a directory
+_GROUPS = {
+    RUN: "a run",
+    CONTINUUM: "a run",
+    SCAN: "a scan",
+    SUITE: "a suite of scans",
+    SPECTRA: "bands or modes",
+}  # one group a directory
 _SHOWN = 3  # names in a message
 _WORK_FILES = ("jobs-*.json", "stop", "batches/*.json", "done/*", "logs/**/*")  # in SCAN_WORK
 _SCRATCH = re.compile(r"\.(.+)\.\d+")  # scratch file left by a killed process, see `files.replacing`

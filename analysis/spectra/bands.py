@@ -182,7 +182,7 @@ def refuse_floppy(bands: Bands, name: str) -> None:
     """
     if bands.floppy.any():
         raise InputError(
-            f"{name}: {describe_floppy(bands)}; friction, a load from all sides (precompression.kind = \"uniform\"), "
+            f'{name}: {describe_floppy(bands)}; friction, a load from all sides (precompression.kind = "uniform"), '
             "--directions, [[hold]], or another --path makes it rigid, and --allow-floppy leaves these modes blank"
         )
 

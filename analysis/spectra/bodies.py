@@ -123,9 +123,7 @@ class Bodies:
             self.laws.pairs(self.kind[first], self.kind[second]), overlap, most, radius
         )
         lever = np.stack([self.radius[first], self.radius[second]], axis=1) - overlap[:, None] / 2
-        springs = Springs(
-            first, second, image, step / distance[:, None], distance, force, stiffness, tangential, lever
-        )
+        springs = Springs(first, second, image, step / distance[:, None], distance, force, stiffness, tangential, lever)
         supports = self._supports(position, wall_peak)
         largest = max(force.max(initial=0.0), supports.force.max(initial=0.0))
         network = Network(

@@ -52,6 +52,7 @@ def primitive_vectors(kind: Kind) -> tuple[Array, int]:
     Along the axes that it has; the spheres are those of the first sites of successive layers. Where the supports of a
     sphere are three lattice vectors, they are taken: the standard names of directions then fit the load along z.
     """
+
     def site(i: int, j: int, k: int) -> Array:
         return np.array([float(one) for one in kind.site(*(np.asarray(n) for n in (i, j, k)))])
 

@@ -71,9 +71,7 @@ class Modes:
         share = (self.shape[:, loose] ** 2 * self.network.masses[:, None]).sum(axis=1)
         n = int(loose.sum())
         known = "" if self.complete or n < len(self.square) else " or more"
-        return (
-            f"{n}{known} of {self.network.n_freedoms} modes meet no resistance; {who_moves(self.network, share)}"
-        )
+        return f"{n}{known} of {self.network.n_freedoms} modes meet no resistance; {who_moves(self.network, share)}"
 
 
 def solve_modes(stiffness: Stiffness, n_modes: int | None = None) -> Modes:

@@ -57,9 +57,9 @@ class Touches:
         slope = self._unloading(a, peak)
         if loading.any():
             one = a[loading]
-            slope[loading] = (
-                self.law.loading_force(one * (1 + _STEP)) - self.law.loading_force(one * (1 - _STEP))
-            ) / (2 * _STEP * one)
+            slope[loading] = (self.law.loading_force(one * (1 + _STEP)) - self.law.loading_force(one * (1 - _STEP))) / (
+                2 * _STEP * one
+            )
         return radius**2 * force, radius * slope, radius**3 * work
 
     def small(self, overlap: Array, peak: Array, radius: Array) -> tuple[Array, Array, Array]:

@@ -133,7 +133,13 @@ class _Problem:
             energy += load * x[place]
             gradient[place] += load
         span = float(np.abs(position).max()) if len(position) else 0.0
-        return _At(energy, gradient, [(slope, rows) for (_, slope, _), rows in tables], largest, 16 * stiffest * np.finfo(float).eps * span)
+        return _At(
+            energy,
+            gradient,
+            [(slope, rows) for (_, slope, _), rows in tables],
+            largest,
+            16 * stiffest * np.finfo(float).eps * span,
+        )
 
     def by_linear_springs(self) -> Array:
         """Unknowns under the dead loads if all contacts were linear springs, which bear tension too."""

@@ -90,6 +90,4 @@ def surface(stiffness: Stiffness, plane: str, n_bands: int = 3) -> Surface | Non
         frequency = np.sqrt(square[:, :n_bands]) / (2 * np.pi)
     centre = np.argmin(np.abs(grid).sum(axis=1))
     frequency[centre] = np.nan_to_num(frequency[centre])
-    return Surface(
-        plane, angle, long_wave_speeds(stiffness, directions), k, frequency.reshape(_GRID, _GRID, -1)
-    )
+    return Surface(plane, angle, long_wave_speeds(stiffness, directions), k, frequency.reshape(_GRID, _GRID, -1))

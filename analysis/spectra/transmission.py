@@ -2,24 +2,27 @@
 
 One grain is moved along an axis by exp(-i omega t); all others follow
 
-    (K - i omega C - omega^2 M) u = 0
+    (K + S(omega) - omega^2 M) u = 0
 
-with the dampers C of the end: none (reflecting), matched ones, or a layer. A matched end has on each grain of the last
-layer the damper sqrt(m A), with the stiffness A of its contacts on the side of the drive, the same that an endless
-packing would have on the other side: long waves are not reflected. In a layer the grains are damped by 2 w m x^2, x
-rising from 0 to 1 along it, w the highest frequency of the packing over 20. Where the dampers are, walls do not hold.
+with S of the end: none (reflecting), a matched one, or a layer. Behind a matched end the packing goes on without end:
+with the stiffness A of the contacts of a grain of the last layer with those before it, along each principal direction
+
+    S = A (1 - exp(i q)),   cos q = 1 - m omega^2/(2 A),   for long waves the damper  -i omega sqrt(m A)
+
+which is exact for a chain of like beads, and for layers of a lattice that move as wholes. In a layer the grains are
+damped, S = -2 i omega w m x^2, x rising from 0 to 1 along it, w the highest frequency of the packing over 20. Where the
+ends are, walls do not hold.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
-from scipy.linalg import sqrtm
 
 from granwave.analysis.spectra.network import Array, Network
 from granwave.analysis.spectra.stiffness import Stiffness, factorised, stiffness_of
@@ -88,13 +91,14 @@ def transmission(
     """
     end = end or REFLECTING
     kind, n_layer = _parse_end(end)
-    network, damping = stiffness.network, None
+    network = stiffness.network
+    damping: Callable[[float], sparse.csc_array] | None = None
     direction = "xyz".index(axis)
     if kind != REFLECTING:
         last, share = _far(network, drive, direction, n_layer if kind == LAYER else 0.0)
         network = dataclasses.replace(network, supports=network.supports.where(~np.isin(network.supports.grain, last)))
         stiffness = stiffness_of(network)
-        damping = _matched(network, last, direction) if kind == MATCHED else _layer(network, stiffness, last, share)
+        damping = _matched(network, last) if kind == MATCHED else _layer(network, stiffness, last, share)
     freedom = {(int(g), int(d)): n for n, (g, d) in enumerate(zip(*network.freedoms, strict=True))}
     driven = freedom[_row(network, drive, "--drive"), direction] if _moves(network, drive, direction) else -1
     if driven < 0:
@@ -114,7 +118,7 @@ def transmission(
         omega = 2 * np.pi * one
         whole = matrix - omega**2 * mass
         if damping is not None:
-            whole = whole - 1j * omega * damping
+            whole = whole + damping(omega)
         whole = whole.astype(np.complex128).tocsc()
         column = whole[:, [driven]].toarray().ravel()
         motion = np.zeros(network.n_freedoms, dtype=np.complex128)
@@ -153,7 +157,7 @@ def _far(network: Network, drive: int, direction: int, n_layer: float) -> tuple[
     here = place[_row(network, drive, "--drive")]
     low, high = float(place.min()), float(place.max())
     away = high - place if high - here >= here - low else place - low
-    spacing = float(np.cbrt(np.median(network.mass)) * 0 + 2 * np.median(network.springs.lever))
+    spacing = float(2 * np.median(network.springs.lever))
     depth = max(n_layer - 0.5, 0.0) * spacing if n_layer else _END_LAYER * spacing
     last = np.flatnonzero(away <= depth)
     if np.isin(_row(network, drive, "--drive"), last):
@@ -161,8 +165,8 @@ def _far(network: Network, drive: int, direction: int, n_layer: float) -> tuple[
     return last, 1 - away[last] / max(depth, 1e-300)
 
 
-def _matched(network: Network, last: NDArray[np.int64], direction: int) -> sparse.csc_array:
-    """Dampers of matched impedance: (n_freedoms, n_freedoms), N s/m."""
+def _matched(network: Network, last: NDArray[np.int64]) -> Callable[[float], sparse.csc_array]:
+    """Return S of a matched end, (n_freedoms, n_freedoms), N/m, as a function of omega, rad/s."""
     springs, inside = network.springs, np.zeros(network.n_grains, dtype=bool)
     inside[last] = True
     number = np.full((network.n_grains, 6), -1)
@@ -173,25 +177,36 @@ def _matched(network: Network, last: NDArray[np.int64], direction: int) -> spars
         across = np.flatnonzero(inside[one] & ~inside[other])
         normal = springs.normal[across]
         parallel = normal[:, :, None] * normal[:, None, :]
+        turning = springs.tangential[across] - springs.force[across] / springs.distance[across]
         block = springs.stiffness[across, None, None] * parallel
-        block += springs.tangential[across, None, None] * (np.eye(3) - parallel)
-        np.add.at(stiffness, one[across], block)
-    rows, columns, values = [], [], []
-    for row in last.tolist():
-        free = np.flatnonzero(network.moves[row, :3])
-        damper = np.real(sqrtm(network.mass[row] * stiffness[row][np.ix_(free, free)]))
-        at = number[row, free]
-        rows += np.repeat(at, len(free)).tolist()
-        columns += np.tile(at, len(free)).tolist()
-        values += damper.ravel().tolist()
-    n = network.n_freedoms
-    return sparse.coo_array((values, (rows, columns)), shape=(n, n)).tocsc()
+        np.add.at(stiffness, one[across], block + turning[:, None, None] * (np.eye(3) - parallel))
+    free = [np.flatnonzero(network.moves[row, :3]) for row in last.tolist()]
+    principal = [np.linalg.eigh(stiffness[row][np.ix_(own, own)]) for row, own in zip(last, free, strict=True)]
+    places = [number[row, own] for row, own in zip(last.tolist(), free, strict=True)]
+    rows = np.concatenate([np.repeat(at, len(at)) for at in places])
+    columns = np.concatenate([np.tile(at, len(at)) for at in places])
+
+    def at(omega: float) -> sparse.csc_array:
+        values = []
+        for row, (strength, axes) in zip(last.tolist(), principal, strict=True):
+            stiff = np.maximum(strength, 1e-300)
+            cosine = (1 - network.mass[row] * omega**2 / (2 * stiff)).astype(np.complex128)
+            inner = np.where(np.abs(cosine) <= 1, 1j * np.sqrt(1 - cosine**2), np.sqrt(cosine**2 - 1))
+            impedance = np.where(strength > 0, stiff * (1 - cosine - inner), 0.0)
+            values.append(((axes * impedance) @ axes.T).ravel())
+        n = network.n_freedoms
+        return sparse.coo_array((np.concatenate(values), (rows, columns)), shape=(n, n)).tocsc()
+
+    return at
 
 
-def _layer(network: Network, stiffness: Stiffness, last: NDArray[np.int64], share: Array) -> sparse.csc_array:
-    """Dampers of a layer: (n_freedoms, n_freedoms), N s/m or N m s."""
+def _layer(
+    network: Network, stiffness: Stiffness, last: NDArray[np.int64], share: Array
+) -> Callable[[float], sparse.csc_array]:
+    """Return S of a layer, (n_freedoms, n_freedoms), N/m or N m, as a function of omega, rad/s."""
     highest = np.sqrt(float(np.abs(stiffness.matrix(np.zeros(3))).sum(axis=1).max()))
     rate = np.zeros(network.n_grains)
     rate[last] = 2 * _SHARE_OF_HIGHEST * highest * share**2
     grain, _ = network.freedoms
-    return sparse.diags_array(rate[grain] * network.masses).tocsc()
+    dampers = sparse.diags_array(rate[grain] * network.masses).tocsc()
+    return lambda omega: -1j * omega * dampers

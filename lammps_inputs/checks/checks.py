@@ -250,7 +250,9 @@ def _boundary_fits(packing: PackingSection, boundary: Boundary, errors: ErrorLis
     before = len(errors.lines)
     if packing.grains is not None:
         if boundary.bottom == "periodic":
-            errors.add("boundary.bottom", 'found "periodic" with packing.kind = "file"; packing.cell says how they repeat')
+            errors.add(
+                "boundary.bottom", 'found "periodic" with packing.kind = "file"; packing.cell says how they repeat'
+            )
         return boundary.sides != "periodic" and boundary.bottom != "periodic"
     rule = KINDS[packing.kind]
     nx, ny, nz = Lattice(packing.kind, packing.size, packing.diameter).shape

@@ -394,7 +394,10 @@ def _spectra(verbs: argparse._SubParsersAction) -> None:
     modes = _verb(verbs, "modes", spectra.modes, "modes of a finite packing under a static load, density of states")
     _source(modes)
     modes.add_argument(
-        "--modes", type=positive, metavar="N", help="how many modes (default: all of a small packing, 60 of a large one)"
+        "--modes",
+        type=positive,
+        metavar="N",
+        help="how many modes (default: all of a small packing, 60 of a large one)",
     )
     _floppy(modes)
     steady = _verb(
@@ -440,9 +443,7 @@ def _source(parser: argparse.ArgumentParser) -> None:
 
 
 def _floppy(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--allow-floppy", action="store_true", help="go on where grains can move without resistance"
-    )
+    parser.add_argument("--allow-floppy", action="store_true", help="go on where grains can move without resistance")
 
 
 def _verb(verbs: argparse._SubParsersAction, name: str, command: object, what: str) -> argparse.ArgumentParser:

@@ -240,7 +240,9 @@ def source_of(text: str, overrides: Sequence[str]) -> Case | Path:
     path = Path(text)
     if path.is_dir() and (path / RESULT_FILE).is_file():
         if overrides:
-            raise InputError(f"--set: found {overrides[0]} for the run {text}, which is done; give a case to change keys")
+            raise InputError(
+                f"--set: found {overrides[0]} for the run {text}, which is done; give a case to change keys"
+            )
         return path
     return library.load_case(text, overrides)
 

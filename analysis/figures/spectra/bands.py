@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -28,7 +29,7 @@ def band_diagram(found: BandStructure) -> Drawing:
     _shade(panels, found, top)
     starts = [0, *bands.path.breaks, len(bands.path.k)]
     for n in range(bands.frequency.shape[1]):
-        for start, stop in zip(starts[:-1], starts[1:], strict=True):
+        for start, stop in pairwise(starts):
             axes.plot(bands.path.distance[start:stop], _KILO * bands.frequency[start:stop, n], color=BLUE, lw=1.0)
     _mark_corners(axes, found)
     axes.set(ylabel="Frequency (kHz)", ylim=(0, top), xlim=(bands.path.distance[0], bands.path.distance[-1]))
@@ -98,8 +99,8 @@ def slowness_curves(found: BandStructure) -> Drawing | None:
         closed = 1e3 * np.append(one, one[0])
         axes.plot(closed * np.cos(angle), closed * np.sin(angle), color=_COLOURS[n], label=f"wave {n + 1}")
         columns[f"slowness{n + 1}_s_per_m"] = one
-    first, second = curves.plane
-    axes.set(xlabel=f"Slowness along {first} (ms/m)", ylabel=f"Slowness along {second} (ms/m)", aspect="equal")
+    first, second = (f"Slowness along {axis} (ms/m)" for axis in list(curves.plane))
+    axes.set(xlabel=first, ylabel=second, aspect="equal")
     legend_above(axes, 3)
     return Drawing(figure, columns)
 
@@ -149,6 +150,7 @@ def mode_shapes(found: BandStructure) -> Drawing | None:
         axes.set(ylim=(-1.15, 1.15), yticks=(-1, 0, 1), title=f"{_KILO * frequency:.4g} kHz")
         axes.axhline(0, color="black", lw=0.4)
         axes.tick_params(axis="x", length=0)
+    legend_above(figure.axes[0], 2, bbox_to_anchor=(0.5, 1.25))
     axes.set_xticks(place, names, rotation=90 if len(names) > 8 else 0)
     axes.set_xlabel(f"Grain and direction, at {bands.path.nearest(row)}")
     columns: dict[str, Any] = {"grain": network.ids[grain], "freedom": [FREEDOMS[one] for one in direction]}

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from granwave.analysis.measures.precompressed.loaded_line import line_of
 from granwave.analysis.spectra.band_structure import band_structure
 from granwave.analysis.spectra.bands import solve_bands
@@ -96,9 +97,7 @@ def test_speed_along_the_stacking(kind):
     """[111] of fcc and c of hcp: against the line of layers 1e-6, against runs 2e-4."""
     rows = list(_rows(RESULTS))
     for pressure in (1e4, 1e5, 1e6, 1e7):
-        case = endless(
-            kind, [4, 4, 12], {"kind": "uniaxial", "pressure": pressure}, boundary={"sides": "periodic"}
-        )
+        case = endless(kind, [4, 4, 12], {"kind": "uniaxial", "pressure": pressure}, boundary={"sides": "periodic"})
         speed = long_wave_speeds(stiffness_of(cell_state(case).network), np.array([[0.0, 0.0, 1.0]]))[0]
         assert speed[-1] == pytest.approx(line_of(case, sphere_contact(case)).speed, rel=1e-6)
         name = f"Speed of small waves, {kind}, uniaxial, {pressure:.4g} Pa"
@@ -202,7 +201,9 @@ def test_attenuation_leads_back_to_the_frequencies():
     found = complex_bands(stiffness, np.zeros(3), np.array([0.0, 0.0, 1.0]), np.array([6000.0]))
     wave = np.exp(-found.attenuation[0, 0] + 1j * found.phase[0, 0])
     own, other = stiffness._dense
-    matrix = own + sum(one * wave**n[0] + one.T * wave ** -n[0] for n, one in zip(stiffness.images, other, strict=True))
+    matrix = own + sum(
+        one * wave ** n[0] + one.T * wave ** -n[0] for n, one in zip(stiffness.images, other, strict=True)
+    )
     values = np.linalg.eigvals(matrix)
     assert np.abs(values - (2 * np.pi * 6000) ** 2).min() < 1e-6 * np.abs(values).max()
 
