@@ -4,8 +4,8 @@ The velocities v(x_n, t) of grains at even places x_n = n h are tapered in space
 
     V(k, omega) = sum_n sum_t v(x_n, t) exp(i (omega t - k x_n))
 
-so that a wave that travels to larger x is at k > 0 for omega > 0. |V| has ridges along the bands of the packing. Shorter
-records smear them: by 4 pi/(n h) in k and by 4 pi/T in omega, the widths of the taper.
+so that a wave that travels to larger x is at k > 0 for omega > 0. |V| has ridges along the bands of the packing.
+Short records smear them: by 4 pi/(n h) in k and by 4 pi/T in omega, the widths of the taper.
 """
 
 from __future__ import annotations

@@ -18,10 +18,10 @@ def bands(found: BandStructure) -> Dataset:
     Returns
     -------
     Dataset
-        ``frequency`` Hz, ``group_velocity`` m/s (point, band, axis), ``edges`` Hz (band, edge), ``gaps`` Hz (gap, edge),
-        ``speed`` of long waves m/s (wave); where known ``attenuation`` from plane to plane and ``phase`` rad
-        (complex_frequency, root), ``slowness`` s/m (angle, wave). Coordinates ``distance`` and ``k`` rad/m, ``corner``.
-        The values of bands.json are in ``attrs``.
+        ``frequency`` Hz, ``group_velocity`` m/s (point, band, axis), ``edges`` Hz (band, edge), ``gaps`` Hz
+        (gap, edge), ``speed`` of long waves m/s (wave); where known ``attenuation`` from plane to plane
+        and ``phase`` rad (complex_frequency, root), ``slowness`` s/m (angle, wave). Coordinates ``distance``
+        and ``k`` rad/m, ``corner``. The values of bands.json are in ``attrs``.
     """
     path = found.bands.path
     corner = np.full(len(path.k), "", dtype=object)

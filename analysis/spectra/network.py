@@ -166,7 +166,7 @@ class Network:
         return np.where(direction < 3, self.mass[grain], self.inertia[grain])
 
     def turned_off(self, directions: str) -> Network:
-        """Return the network with grains that move in these directions only, of "xyz", and turn about those they may."""
+        """Return the network with grains that move in some directions only, of "xyz", and turn as these allow."""
         kept = np.array([letter in directions for letter in "xyz"])
         turns = np.array([kept[[b for b in range(3) if b != a]].any() for a in range(3)])
         return dataclasses.replace(self, moves=self.moves & np.concatenate([kept, turns]))

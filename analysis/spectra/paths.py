@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import dataclasses
 import re
+from itertools import pairwise
 
 import numpy as np
 
@@ -119,7 +120,7 @@ def make_path(text: str, periods: Array, points: int) -> Path:
     breaks: list[int] = []
     distance: list[float] = []
     for stretch in stretches:
-        for name, place in stretch:
+        for _, place in stretch:
             if np.linalg.norm(place - inside @ place) > 1e-9 * max(float(np.linalg.norm(place)), 1e-300):
                 axes = "".join(a for a, one in zip("xyz", np.abs(inside).sum(axis=0), strict=True) if one > 1e-9)
                 where = ", ".join(f"{one:g}" for one in place)
@@ -132,7 +133,7 @@ def make_path(text: str, periods: Array, points: int) -> Path:
         corners.append((len(k), stretch[0][0]))
         k.append(stretch[0][1])
         distance.append(distance[-1] if distance else 0.0)
-        for (_, start), (name, end) in zip(stretch[:-1], stretch[1:], strict=True):
+        for (_, start), (name, end) in pairwise(stretch):
             length = float(np.linalg.norm(end - start))
             if length == 0:
                 raise InputError(f"--path: found {show(name)} twice in a row, expected points that differ")
@@ -155,7 +156,8 @@ def _corners(text: str, periods: Array) -> list[list[tuple[str, Array]]]:
         for name in names:
             if name not in known:
                 raise InputError(
-                    f"--path: found the point {name}, expected one of {', '.join(known)}, those of this cell; or {_FORM}"
+                    f"--path: found the point {name}, expected one of {', '.join(known)}, those of this cell; "
+                    f"or {_FORM}"
                 )
         found.append([(name, known[name]) for name in names])
     return found

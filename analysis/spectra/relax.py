@@ -29,6 +29,7 @@ _SMALLEST_STEP = 2.0**-10
 _DIRECT_UP_TO = 1500  # unknowns, factorised; more by conjugate gradients
 _SOFT = 1e-10  # of the mean stiffness, added to all: free motions, and grains without contacts
 _FIRST_STRAIN, _LARGEST_STRAIN = 1e-7, 0.05
+_ROUNDING = 16  # net force by rounding over stiffness times the rounding error of a coordinate
 _HALVINGS = 5  # of the interval in which the first strain is sought
 
 
@@ -138,7 +139,7 @@ class _Problem:
             gradient,
             [(slope, rows) for (_, slope, _), rows in tables],
             largest,
-            16 * stiffest * np.finfo(float).eps * span,
+            _ROUNDING * stiffest * np.finfo(float).eps * span,
         )
 
     def by_linear_springs(self) -> Array:
@@ -211,8 +212,9 @@ def relax(bodies: Bodies) -> StaticState:
     x = _start(problem)
     now = problem.at(x)
     balanced = _BALANCED if problem.n <= _DIRECT_UP_TO else _BALANCED_OF_MANY
-    best, since = np.inf, 0
+    best, since, steps = np.inf, 0, 0
     for rounds in range(_ROUNDS):
+        steps = rounds
         net = _net(problem, now)
         if net <= balanced * now.largest + 1e-300 or problem.n == 0:
             break
@@ -239,10 +241,10 @@ def relax(bodies: Bodies) -> StaticState:
     if now.largest and net > max(_TOLERATED * now.largest, now.rounding):
         raise RunError(
             f"{bodies.case.name}: found no static state: a net force of {residual:.2g} of the largest contact force "
-            f"remains after {rounds + 1} steps; a larger load, or less scatter, makes the packing rigid"
+            f"remains after {steps + 1} steps; a larger load, or less scatter, makes the packing rigid"
         )
     position, periods = problem.state(x)
-    return StaticState(position, periods, residual, rounds)
+    return StaticState(position, periods, residual, steps)
 
 
 def _net(problem: _Problem, now: _At) -> float:

@@ -1,4 +1,4 @@
-"""Static states for small waves: of a case, found by Newton's method, or of a finished run, as its static stage left it."""
+"""Static states for small waves: of a case, by Newton's method, or of a finished run, as its static stage left it."""
 
 from __future__ import annotations
 
@@ -119,8 +119,8 @@ def _refuse_parts(assembly: Assembly) -> None:
 def _refuse_unloaded(case: Case, network: Network) -> None:
     if not len(network.springs) and not len(network.supports):
         raise InputError(
-            f"{case.name}: precompression: no contact bears a force, and a Hertz contact without load has no stiffness; "
-            "give a static load that closes the contacts"
+            f"{case.name}: precompression: no contact bears a force, and a Hertz contact without load has no "
+            "stiffness; give a static load that closes the contacts"
         )
 
 
@@ -225,8 +225,9 @@ def _mean_cell(result: Result) -> State:
     spread = float(np.abs(overlap - average[which]).max() / average.max())
     if spread > _ALIKE:
         raise InputError(
-            f"{case.name}: found overlaps of equal contacts that differ by {100 * spread:.2g} % inside the run, expected "
-            f"the same in every cell ({100 * _ALIKE:g} %); granwave modes and granwave transmission take such a packing"
+            f"{case.name}: found overlaps of equal contacts that differ by {100 * spread:.2g} % inside the run, "
+            f"expected the same in every cell ({100 * _ALIKE:g} %); granwave modes and granwave transmission take such "
+            "a packing"
         )
     direction = mean((normal * springs.distance[:, None])[kept])
     unit = _unit_bodies(bodies, cell)

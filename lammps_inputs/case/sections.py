@@ -239,7 +239,7 @@ class Boundary:
     """``[boundary]``: bottom and sides of the packing; the struck top is always free."""
 
     bottom: Literal["wall", "fixed", "free", "periodic"] = choice(
-        "what is below the last layer: a plane, the layer held in place, nothing, or (granwave bands) the packing again",
+        "what is below the last layer: a plane, the layer held in place, nothing, or (for bands) the packing again",
         BOTTOMS,
         default="wall",
     )

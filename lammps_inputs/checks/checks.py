@@ -267,7 +267,7 @@ def _boundary_fits(packing: PackingSection, boundary: Boundary, errors: ErrorLis
         elif boundary.sides != "periodic":
             errors.add(
                 "boundary.sides",
-                f'found {show(boundary.sides)} with boundary.bottom = "periodic", expected "periodic": endless all round',
+                f'found {show(boundary.sides)} with boundary.bottom = "periodic", expected "periodic": both or none',
             )
         elif nz % rule.layer_period:
             errors.add("packing.size", f"found {nz} layers, expected a multiple of {rule.layer_period} for an endless "

@@ -131,13 +131,13 @@ def _refuse_endless(case: Case) -> None:
     stage = case.precompression
     if case.boundary.bottom == "periodic":
         raise InputError(
-            f'{case.name}: boundary.bottom: found "periodic": an endless packing has bands (granwave bands), and no run; '
-            'expected "wall", "fixed" or "free"'
+            f'{case.name}: boundary.bottom: found "periodic": an endless packing has bands (granwave bands), not '
+            'runs; expected "wall", "fixed" or "free"'
         )
     if case.packing.grains is not None and stage is not None and stage.kind != "walls":
         raise InputError(
-            f"{case.name}: precompression.kind: found {stage.kind!r} of grains with packing.cell, which is for granwave "
-            'bands; expected "walls" for a run'
+            f"{case.name}: precompression.kind: found {stage.kind!r} of grains with packing.cell, which is for "
+            'granwave bands; expected "walls" for a run'
         )
 
 

@@ -418,7 +418,7 @@ def _spectra(verbs: argparse._SubParsersAction) -> None:
         "--end",
         default="",
         metavar="END",
-        help="far end: reflecting, matched (dampers of its impedance) or layer:N (N grains damped) (default: reflecting)",
+        help="far end: reflecting, matched (as if it went on) or layer:N, N grains damped (default: reflecting)",
     )
     for parser in (bands, modes, steady):
         parser.add_argument(
