@@ -94,8 +94,6 @@ def solve_bands(stiffness: Stiffness, path: Path, n_bands: int | None = None) ->
         How many; None: all of a small cell, 30 of a large one.
     """
     n = stiffness.network.n_freedoms
-    if n == 0:
-        raise InputError("found no grain that can move; take out [[hold]] or --directions")
     wanted = min(n, n_bands or (n if n <= DENSE_UP_TO else MOST_BANDS))
     corners = [row for row, _ in path.corners]
     if n <= DENSE_UP_TO:

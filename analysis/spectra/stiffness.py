@@ -19,6 +19,7 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from granwave.analysis.spectra.network import Array, Network
+from granwave.lammps_inputs.errors import InputError
 
 Complex = NDArray[np.complex128]
 DENSE_UP_TO = 600  # degrees of freedom: whole spectra of smaller matrices are faster than a few values of sparse ones
@@ -131,7 +132,15 @@ class Stiffness:
 
 
 def stiffness_of(network: Network) -> Stiffness:
-    """Assemble the stiffness of a network."""
+    """Assemble the stiffness of a network.
+
+    Raises
+    ------
+    InputError
+        Nothing in it can move.
+    """
+    if not network.n_freedoms:
+        raise InputError("found no grain that can move; take out [[hold]], or give other --directions")
     springs = network.springs
     first, second = _strains(network)
     weights = [springs.stiffness, -springs.force / springs.distance, springs.tangential]
