@@ -124,7 +124,7 @@ def _of_chain(assembly: Assembly, *, endless: bool) -> UnitCell:
     case, n = assembly.case, assembly.lattice.n_spheres
     sites = assembly.sites
     if sites is None:
-        return UnitCell(np.zeros(1, dtype=np.int64), np.array([[0.0, 0.0, assembly.lattice.diameter]]))
+        return UnitCell(_inner(case, 1, n), np.array([[0.0, 0.0, assembly.lattice.diameter]]))
     if not sites.present.all():
         raise InputError(f"{case.name}: packing.vacancies: found a chain with gaps, which bears no load")
     beads = np.stack([sites.diameter, sites.nominal, sites.kind], axis=1)
@@ -135,7 +135,13 @@ def _of_chain(assembly: Assembly, *, endless: bool) -> UnitCell:
             'boundary.bottom = "periodic" the whole chain is the unit cell'
         )
     nominal = sites.nominal[:period]
-    return UnitCell(np.arange(period), np.array([[0.0, 0.0, float(nominal.sum())]]))
+    return UnitCell(_inner(case, period, n), np.array([[0.0, 0.0, float(nominal.sum())]]))
+
+
+def _inner(case: Case, period: int, n: int) -> Ints:
+    """Rows of the first beads of a chain, or, where some are held, of those in its middle."""
+    start = period * (n // (2 * period)) if case.hold else 0
+    return np.arange(start, start + period) if start + period <= n else np.arange(period)
 
 
 def _of_file(assembly: Assembly) -> UnitCell:
