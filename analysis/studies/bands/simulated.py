@@ -19,6 +19,7 @@ from granwave.analysis.measures.signals import Array
 from granwave.analysis.measures.space_time import SpaceTime, space_time_transform
 from granwave.analysis.result.reader import Result
 from granwave.analysis.spectra.band_structure import BandStructure, band_structure
+from granwave.analysis.studies.bands.unrun import rows_of_scatter, rows_of_square
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture, Row
 from granwave.lammps_inputs.errors import GranwaveError
@@ -103,6 +104,11 @@ def rows(runs: Sequence[Wave]) -> Iterator[Row]:
                 theirs = run.band_at(float(run.transform.k[at]), float(ridge[at]))
                 quantity = f"Ridge of the transform at {share:g} of the zone, {run.label_of_kind}"
                 yield Row(quantity, "Hz", None, float(ridge[at]), "dynamical matrix", "", theirs)
+
+    lattice = next((run.case for run in runs if run.case.packing.kind == "fcc"), None)
+    if lattice is not None:
+        yield from rows_of_square(lattice)
+        yield from rows_of_scatter(lattice)
 
 
 def _closed_forms(run: Wave) -> Iterator[Row]:
