@@ -59,7 +59,7 @@ def _mark_corners(axes: Axes, found: BandStructure) -> None:
     at: dict[float, list[str]] = {}
     for row, name in path.corners:
         at.setdefault(float(path.distance[row]), []).append("Γ" if name == "G" else name)
-    if any(any(names) for names in at.values()):
+    if all(any(names) for names in at.values()):
         axes.set_xticks(list(at), ["|".join(dict.fromkeys(filter(None, names))) for names in at.values()])
         axes.set_xlabel("Wave vector")
     else:
