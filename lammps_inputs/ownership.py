@@ -22,13 +22,20 @@ from granwave.lammps_inputs.run_directory import (
     RUN,
     SCAN,
     SCAN_WORK,
+    SPECTRA,
     SUITE,
     Marker,
     files_of,
 )
 from granwave.lammps_inputs.unmarked_results import recognise
 
-_GROUPS = {RUN: "a run", CONTINUUM: "a run", SCAN: "a scan", SUITE: "a suite of scans"}  # one group a directory
+_GROUPS = {
+    RUN: "a run",
+    CONTINUUM: "a run",
+    SCAN: "a scan",
+    SUITE: "a suite of scans",
+    SPECTRA: "bands or modes",
+}  # one group a directory
 _SHOWN = 3  # names in a message
 _WORK_FILES = ("jobs-*.json", "stop", "batches/*.json", "done/*", "logs/**/*")  # in SCAN_WORK
 _SCRATCH = re.compile(r"\.(.+)\.\d+")  # scratch file left by a killed process, see `files.replacing`

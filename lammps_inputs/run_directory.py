@@ -63,9 +63,12 @@ FIT_TOML, FIT_PAIR, FIT_TABLE, FIT_MISFIT = FIT_FILES = ("fit.toml", "pair.toml"
 # Of an inference of contact forces; its summary is SUMMARY_FILE.
 INFERRED_FORCES, INFERRED_GRAINS, MADE_MEASUREMENT = "forces.csv", "grains.csv", "measurement.csv"
 
+# Of small waves about a static state; each command leaves NAME.csv and NAME.json, and a group in the file.
+SPECTRA_FILE = "spectra.h5"
+
 # Kinds of results.
 RUN, CONTINUUM, SCAN, SUITE, FIT, OTHER = "run", "continuum", "scan", "suite", "fit", "other"
-INFERENCE = "inference"
+INFERENCE, SPECTRA = "inference", "spectra"
 
 
 @dataclasses.dataclass

@@ -18,6 +18,7 @@ FLOORS = """
 workflows/__main__
 workflows/cli workflows/python
 workflows/bench
+workflows/spectra
 workflows/scanning
 workflows/run
 workflows/library
@@ -31,6 +32,7 @@ analysis/document
 analysis/pipeline
 analysis/films analysis/view
 analysis/figures analysis/summary analysis/summary_table
+analysis/spectra
 analysis/measures
 analysis/result
 analysis/lammps_output

@@ -50,6 +50,8 @@ STUDIES: dict[str, str] = {
     "precompressed-transition": "precompression.transition",
     "precompressed-packing-speed": "precompression.packing_speed",
     "precompressed-impact": "precompression.packing_impact",
+    "bands": "bands.simulated",
+    "tunable-gap": "bands.tunnel",
     "settled-packing": "precompression.settled",
     "preconditioned": "precompression.preconditioned",
     "repeated-hits": "precompression.hits",

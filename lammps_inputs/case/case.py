@@ -123,6 +123,11 @@ class Case:
         return any(one.loss is not None for one in (self.contact, *(pair.contact for pair in self.pair)))
 
     @property
+    def bears_along_z(self) -> bool:
+        """True if something bears a force along z: a bottom, or a grain that is held along z."""
+        return self.boundary.bottom != "free" or any("z" in hold.axes for hold in self.holds.values())
+
+    @property
     def has_holder_friction(self) -> bool:
         """True if beads rub against the holder of their chain."""
         return bool(self.boundary.holder_friction)

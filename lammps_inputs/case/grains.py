@@ -141,6 +141,15 @@ def read_grains(path: Path, diameter: float | None) -> Grains:
     return _from_ase(path, diameter)
 
 
+def read_cell(path: Path) -> list[list[float]]:
+    """Read the vectors after which the grains of a file of ASE repeat, m; none of a table."""
+    if path.suffix.lower() in _TABLES:
+        return []
+    atoms = _read_ase(path)
+    return [vector.tolist() for vector, repeats in zip(atoms.cell.array, atoms.pbc, strict=True)
+            if repeats and vector.any()]  # fmt: skip
+
+
 def parse_grains(text: str, diameter: float | None) -> Grains:
     """Read a table of grains; see `read_grains`."""
     lines = ((number, line.partition("#")[0]) for number, line in enumerate(text.splitlines(), start=1))
@@ -212,17 +221,22 @@ def _grains(values: Mapping[str, list[Any]], places: Sequence[str], diameter: fl
     )
 
 
-def _from_ase(path: Path, diameter: float | None) -> Grains:
-    """Read the last frame of a file by ASE, whose lengths are taken as metres."""
+def _read_ase(path: Path) -> Any:
+    """Read the last frame of a file by ASE."""
     import ase.io  # takes longer to load than most commands need
 
     read_regular(path)  # raises if it is missing, or no file
     try:
-        atoms: ase.Atoms = ase.io.read(path, index=-1)  # type: ignore[assignment]
+        return ase.io.read(path, index=-1)
     except Exception as error:  # ASE raises exceptions of all kinds
         reason = " ".join(str(error).split()) or type(error).__name__
         tables = ", ".join(_TABLES)
         raise ValueError(f"ASE cannot read it ({reason}); expected a format of ASE, or a table ({tables})") from None
+
+
+def _from_ase(path: Path, diameter: float | None) -> Grains:
+    """Read the last frame of a file by ASE, whose lengths are taken as metres."""
+    atoms = _read_ase(path)
     found = {name: next((atoms.arrays[one] for one in names if one in atoms.arrays), None)
              for name, names in _FROM_ASE.items()}  # fmt: skip
     sizes = found["diameter"] if found["radius"] is None else 2 * np.asarray(found["radius"])

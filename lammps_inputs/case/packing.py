@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from granwave.lammps_inputs.case.grains import Grains, parse_grains, read_grains
+from granwave.lammps_inputs.case.grains import Grains, parse_grains, read_cell, read_grains
 from granwave.lammps_inputs.case.schema import (
     LARGEST_COUNT,
     ErrorList,
@@ -19,6 +19,7 @@ from granwave.lammps_inputs.case.schema import (
     custom,
     finite,
     number,
+    parse_point,
     read_table,
     show,
     whole,
@@ -102,6 +103,17 @@ def _parse_gaps(value: Any) -> tuple[tuple[int, float], ...]:
     return found
 
 
+def _parse_cell(value: Any) -> tuple[tuple[float, float, float], ...]:
+    expected = "one, two or three vectors [x, y, z] in m that point in different directions"
+    if not isinstance(value, list | tuple) or not 1 <= len(value) <= 3:
+        raise ValidationError(expected)
+    vectors = tuple(parse_point(one, expected) for one in value)
+    lengths = [math.hypot(*one) for one in vectors]
+    if not all(lengths) or np.linalg.matrix_rank(np.array(vectors) / np.array(lengths)[:, None]) < len(vectors):
+        raise ValidationError(expected)
+    return vectors
+
+
 def _parse_grains(value: Any) -> Grains:
     if isinstance(value, Grains):
         return value
@@ -148,6 +160,12 @@ class PackingSection:
     gaps: tuple[tuple[int, float], ...] = custom(
         "gaps in a chain: after which sphere, and how wide; negative: an overlap", _parse_gaps, unit="m", default=()
     )
+    cell: tuple[tuple[float, float, float], ...] | None = custom(
+        "vectors after which the grains of a file repeat, for granwave bands; by default those of the file, if it has",
+        _parse_cell,
+        unit="m",
+        default=None,
+    )
     diameter_scatter: float = number(
         "tolerance: the diameters lie between this much less and the nominal one",
         unit="m",
@@ -188,7 +206,9 @@ class PackingSection:
         keys: dict[str, Any] = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
         if self.grains is not None:
             own = {"kind": self.kind, "diameter": self.diameter, "grains": self.grains.text}
-            return own | ({} if self.period is None else {"period": self.period})
+            own |= {} if self.period is None else {"period": self.period}
+            return own | ({} if self.cell is None else {"cell": self.cell})
+        del keys["cell"]
         if not self.gaps:
             del keys["gaps"]
         if not is_plane_crystal(self.kind):
@@ -206,7 +226,7 @@ def read_packing(table: Any, errors: ErrorList) -> PackingSection | None:
     if not isinstance(table, Mapping):
         return read_table(PackingSection, table, "packing", errors)
     if table.get("kind") != FILE:
-        for name in ("file", "grains", "period"):
+        for name in ("file", "grains", "period", "cell"):
             if name in table:
                 errors.add(f"packing.{name}", f'belongs to packing.kind = "file"; found {show(table.get("kind", ""))}')
                 table = {key: value for key, value in table.items() if key != name}
@@ -228,6 +248,8 @@ def read_packing(table: Any, errors: ErrorList) -> PackingSection | None:
         errors.add("packing.file", "found beside packing.grains; give one of them")
     if len(errors.lines) > before:
         return None
+    if "cell" not in table and "file" in table and (cell := _cell_of(table["file"])):
+        rest["cell"] = cell
     # The rest is read with stand-ins for what follows from the grains.
     section = read_table(PackingSection, {"diameter": 1e-3, **rest, "size": 1}, "packing", errors)
     if section is None or section.grains is None:
@@ -271,3 +293,11 @@ def _from_file(table: Mapping[str, Any], errors: ErrorList) -> Grains | None:
     except ValueError as error:
         errors.add("packing.file", f"{name}: {error}")
     return None
+
+
+def _cell_of(name: str) -> list[list[float]]:
+    """Return the periods that a file of ASE gives; empty if it gives none."""
+    try:
+        return read_cell(Path(name))
+    except (OSError, ValueError):  # reported with the grains
+        return []

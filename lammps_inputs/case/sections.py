@@ -35,7 +35,7 @@ from granwave.lammps_inputs.case.si_values import (
 from granwave.lammps_inputs.case.supports import Support
 from granwave.lammps_inputs.case.yield_factor import DEFAULT_YIELD_FACTOR
 
-BOTTOMS = ("wall", "fixed", "free")
+BOTTOMS = ("wall", "fixed", "free", "periodic")
 ALL_LAWS = _contact_laws.LAWS  # contact laws of the plugin, by name
 LAWS = {name: law for name, law in ALL_LAWS.items() if not law.is_power}  # those of two materials
 NO_FORCE = "none"  # law of materials whose grains do not touch each other
@@ -277,8 +277,10 @@ def _parse_touched(value: Any) -> Touched:
 class Boundary:
     """``[boundary]``: bottom and sides of the packing; the struck top is always free."""
 
-    bottom: Literal["wall", "fixed", "free"] = choice(
-        "what is below the last layer: a plane, the layer held in place, or nothing", BOTTOMS, default="wall"
+    bottom: Literal["wall", "fixed", "free", "periodic"] = choice(
+        "what is below the last layer: a plane, the layer held in place, nothing, or (for bands) the packing again",
+        BOTTOMS,
+        default="wall",
     )
     bottom_material: Material | None = None  # of the bottom plane: bottom = {material = ...}; None: rigid
     sides: Literal["free", "wall", "periodic"] = choice(

@@ -305,6 +305,11 @@ def _check_probes(output: Output, n_spheres: int, errors: ErrorList) -> None:
 def _boundary_fits(packing: PackingSection, boundary: Boundary, errors: ErrorList) -> bool:
     before = len(errors.lines)
     if packing.grains is not None:
+        if boundary.bottom == "periodic":
+            errors.add(
+                "boundary.bottom", 'found "periodic" with packing.kind = "file"; packing.cell says how they repeat'
+            )
+            return False
         return boundary.sides != "periodic" or packing.period is not None
     rule = KINDS[packing.kind]
     nx, ny, nz = packing.lattice().shape
@@ -313,6 +318,17 @@ def _boundary_fits(packing: PackingSection, boundary: Boundary, errors: ErrorLis
             "boundary.bottom",
             'found "fixed" with a single layer, which is struck; expected two layers or more',
         )
+    if boundary.bottom == "periodic" and packing.kind != "chain":
+        if "z" not in rule.axes:
+            errors.add("boundary.bottom", f'found "periodic" for {packing.kind}, a single layer; expected "free"')
+        elif boundary.sides != "periodic":
+            errors.add(
+                "boundary.sides",
+                f'found {show(boundary.sides)} with boundary.bottom = "periodic", expected "periodic": both or none',
+            )
+        elif nz % rule.layer_period:
+            errors.add("packing.size", f"found {nz} layers, expected a multiple of {rule.layer_period} for an endless "
+                                       f"{packing.kind}")  # fmt: skip
     if boundary.sides == "periodic":
         if packing.kind == "chain":
             errors.add("boundary.sides", 'found "periodic" for a chain, expected "free" or "wall"')

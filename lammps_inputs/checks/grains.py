@@ -45,7 +45,7 @@ def check_grains(parts: Mapping[str, Any], packing: PackingSection, errors: Erro
         if parts.get(name):
             errors.add(name, f'found with packing.kind = "file": {reason}; take it out')
     stage: Precompression | None = parts.get("precompression")
-    if stage is not None and stage.kind == "uniform":
+    if stage is not None and stage.kind == "uniform" and packing.cell is None:
         errors.add(
             "precompression.kind",
             'found "uniform" with packing.kind = "file", whose faces are not known; expected "walls", "overlaps", '

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.packing import PackingSection
 from granwave.lammps_inputs.case.schema import ErrorList, show
 from granwave.lammps_inputs.case.sections import Boundary, Precompression
@@ -52,7 +51,7 @@ def check_precompression(
         if packing.kind == "chain" or is_plane_crystal(packing.kind):
             what = "a chain" if packing.kind == "chain" else packing.kind
             errors.add(f"{_TABLE}.kind", f'found "uniform" for {what}, expected "uniaxial" with a force')
-        elif boundary.sides != "free":
+        elif boundary.sides != "free" and boundary.bottom != "periodic" and packing.grains is None:
             errors.add(
                 "boundary.sides",
                 f'found {show(boundary.sides)} with precompression.kind = "uniform", expected "free": '
@@ -85,7 +84,8 @@ def check_first_yield(assembly: Assembly, errors: ErrorList) -> None:
     if stage.kind == "walls":
         _check_yield_by_walls(assembly, stage, errors)
     if stage.moves_walls or isinstance(assembly.lattice, Places):
-        _check_top(assembly, errors)
+        if case.packing.cell is None or case.bears_along_z:  # else it is a load on an endless packing, for bands
+            _check_top(assembly, errors)
         _check_presses(assembly, errors)
         return
     name, unit = ("force", "N") if stage.force is not None else ("pressure", "Pa")
@@ -135,7 +135,8 @@ def _spreads(assembly: Assembly) -> bool:
     nx, ny, nz = assembly.lattice.shape
     if is_plane_crystal(packing.kind) and boundary.has_planes("x") and packing.top_row != "equal":
         return False  # its rows fill the space between straight walls
-    free = stage is not None and stage.kind != "uniform" and boundary.sides != "periodic" and boundary.bottom != "fixed"
+    held = boundary.sides == "periodic" or boundary.bottom == "fixed"
+    free = stage is not None and stage.kind != "uniform" and not held
     layers = KINDS[packing.kind].set_back and nz > 1 and nx * ny > 1 and not isinstance(packing.vacancies, tuple)
     return free and layers
 
@@ -180,7 +181,7 @@ def _check_top(assembly: Assembly, errors: ErrorList) -> None:
         if "z" in hold.axes and (held := top.intersection(held_ids(case, hold))):
             errors.add(f"{_TABLE}.force", f"acts on grain {min(held)}, the uppermost, which is held along z")
             return
-    if not _is_borne(case):
+    if not case.bears_along_z:
         errors.add(f"{_TABLE}.force", "found a force on the top, which nothing bears; hold a grain along z, or give "
                    "a boundary.bottom")  # fmt: skip
 
@@ -206,11 +207,6 @@ def _check_presses(assembly: Assembly, errors: ErrorList) -> None:
                     f"found {force:g} N, about {share:.3g} N on each of {len(grains)} grains, where {what}; give less "
                     f"than {limit * len(grains):.3g} N, or a distance {name}",
                 )
-
-
-def _is_borne(case: Case) -> bool:
-    """Return True if something bears a force along z: a bottom, or a grain that is held along z."""
-    return case.boundary.bottom != "free" or any("z" in hold.axes for hold in case.holds.values())
 
 
 def _check_yield_by_walls(assembly: Assembly, stage: Precompression, errors: ErrorList) -> None:

@@ -86,7 +86,7 @@ def walls(case: Case | Assembly) -> tuple[Wall, ...]:
     assembly = assemble(case)
     case = assembly.case
     found = []
-    if case.boundary.bottom != "free":
+    if case.boundary.bottom not in ("free", "periodic"):
         boundary, held = case.boundary, case.boundary.bottom == "fixed"
         material, support = boundary.bottom_material, boundary.bottom_support
         found.append(Wall("bottom", 2, 1, assembly.bottom(), held, material=material, support=support))

@@ -100,6 +100,7 @@ def plan(case: Case | Assembly, *, n_ranks: int = 1, figures: bool = True) -> Pl
     """
     assembly = assemble(case)
     case = assembly.case
+    _refuse_endless(case)
     try:
         schedule, law = make_schedule(assembly), sphere_contact(case)
         overlap = expected_peak_overlap(assembly)
@@ -123,6 +124,23 @@ def plan(case: Case | Assembly, *, n_ranks: int = 1, figures: bool = True) -> Pl
         times=expected_wall_time(assembly, schedule, n_ranks=n_ranks, figures=figures),
         zone=expected_zone(assembly),
     )
+
+
+def _refuse_endless(case: Case) -> None:
+    """Refuse packings that are endless along z, or whose cell bears a load: they have bands, and no runs."""
+    stage = case.precompression
+    if case.boundary.bottom == "periodic":
+        raise InputError(
+            f'{case.name}: boundary.bottom: found "periodic": an endless packing has bands (granwave bands), not '
+            'runs; expected "wall", "fixed" or "free"'
+        )
+    if case.packing.grains is None or stage is None:
+        return
+    if stage.kind == "uniform" or (stage.kind == "uniaxial" and not case.bears_along_z):
+        raise InputError(
+            f"{case.name}: precompression.kind: found {stage.kind!r} of grains with packing.cell, which is for "
+            'granwave bands; expected "walls" for a run, or something that bears it'
+        )
 
 
 def _note_times(case: Case, schedule: Schedule) -> None:

@@ -25,7 +25,7 @@ from granwave.lammps_inputs.case.sections import LAWS
 from granwave.lammps_inputs.errors import GranwaveError, InputError
 from granwave.lammps_inputs.files import DISK_IS_FULL
 from granwave.workflows import bench
-from granwave.workflows.cli import commands, pictures
+from granwave.workflows.cli import commands, pictures, spectra
 from granwave.workflows.cli.arguments import (
     bench_parts,
     count,
@@ -194,6 +194,8 @@ def make_parser() -> argparse.ArgumentParser:
     _figures(continuum)
     _json(continuum, "the summary")
     _again(continuum)
+
+    _spectra(verbs)
 
     report = _verb(verbs, "report", commands.report, "a page that compares any number of runs and scans")
     report.add_argument("directories", nargs="+", type=input_name, metavar="DIR", help="directories of runs and scans")
@@ -410,6 +412,79 @@ def make_parser() -> argparse.ArgumentParser:
     completion = _verb(verbs, "completion", commands.completion, "code that switches on tab completion in a shell")
     completion.add_argument("shell", choices=SHELLS, help="the shell: bash, zsh or fish")
     return parser
+
+
+def _spectra(verbs: argparse._SubParsersAction) -> None:
+    """Add the commands for small waves about a static state."""
+    bands = _verb(verbs, "bands", spectra.bands, "bands of an endless packing under a static load: gaps, speeds, modes")
+    _source(bands)
+    bands.add_argument(
+        "--path",
+        default="",
+        metavar="PATH",
+        help='wave vectors in rad/m, "0,0,0; 0,0,314", or points of the Brillouin zone, G-X-M-G (default: standard)',
+    )
+    bands.add_argument("--points", type=positive, default=61, metavar="N", help="wave vectors a stretch (default: 61)")
+    bands.add_argument(
+        "--bands", type=positive, metavar="N", help="how many bands (default: all of a small cell, 30 of a large one)"
+    )
+    bands.add_argument(
+        "--plane", default="", metavar="NAME", help="plane of slowness and equal-frequency curves: xy, xz or yz"
+    )
+    _floppy(bands)
+    modes = _verb(verbs, "modes", spectra.modes, "modes of a finite packing under a static load, density of states")
+    _source(modes)
+    modes.add_argument(
+        "--modes",
+        type=positive,
+        metavar="N",
+        help="how many modes (default: all of a small packing, 60 of a large one)",
+    )
+    _floppy(modes)
+    steady = _verb(
+        verbs, "transmission", spectra.transmission, "steady response of a finite packing to a grain that is shaken"
+    )
+    _source(steady)
+    steady.add_argument("--drive", type=positive, required=True, metavar="ID", help="grain that is shaken; required")
+    steady.add_argument("--sensor", type=spectra.ids, required=True, metavar="ID,...", help="grains that are watched")
+    steady.add_argument(
+        "--frequencies",
+        type=spectra.frequencies,
+        required=True,
+        metavar="F,...",
+        help="frequencies in Hz, or START:END:COUNT; required",
+    )
+    steady.add_argument("--axis", default="", metavar="AXIS", help="direction of the motion, x, y or z (default: z)")
+    steady.add_argument(
+        "--end",
+        default="",
+        metavar="END",
+        help="far end: reflecting, matched (as if it went on) or layer:N, N grains damped (default: reflecting)",
+    )
+    for parser in (bands, modes, steady):
+        parser.add_argument(
+            "--directions",
+            default="",
+            metavar="XYZ",
+            help="directions in which grains move (default: those of the packing, z for a chain)",
+        )
+        parser.add_argument(
+            "-o", dest="directory", type=output_name, metavar="DIR", help="where everything goes (default: ./NAME-...)"
+        )
+        _figures(parser)
+        _json(parser, "the summary")
+        parser.add_argument("--force", action="store_true", help="replace what is there")
+
+
+def _source(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "case", metavar="CASE", help="a case file, the name of a built-in study, or the directory of a finished run"
+    )
+    _overrides(parser)
+
+
+def _floppy(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--allow-floppy", action="store_true", help="go on where grains can move without resistance")
 
 
 def _verb(verbs: argparse._SubParsersAction, name: str, command: object, what: str) -> argparse.ArgumentParser:

@@ -22,6 +22,7 @@ from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import GranwaveError, InputError, RunError
 from granwave.workflows.python.inputs import CaseLike, given_changes, home, read_case, read_scan
 from granwave.workflows.python.running import raise_unfinished, run_elements_case, run_on_ranks
+from granwave.workflows.python.spectra import bands, modes, transmission
 from granwave.workflows.python.words import words_of_python
 from granwave.workflows.run import mpi
 from granwave.workflows.solvers import GRANULAR
@@ -35,10 +36,13 @@ __all__ = [
     "Run",
     "RunError",
     "ScanRuns",
+    "bands",
     "case",
     "load",
+    "modes",
     "run",
     "scan",
+    "transmission",
 ]
 
 logger = logging.getLogger(__name__)

@@ -1,0 +1,1 @@
+"""Figures of small waves: bands, curves over a plane, modes, transmission."""

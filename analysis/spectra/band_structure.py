@@ -1,0 +1,160 @@
+"""Bands of an endless packing with all that follows from them: gaps, speeds, attenuation, curves over a plane."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path as FilePath
+from typing import Any
+
+import numpy as np
+
+from granwave.analysis.spectra.bands import Bands, describe_floppy, refuse_floppy, solve_bands
+from granwave.analysis.spectra.complex_k import ComplexBands, complex_bands
+from granwave.analysis.spectra.gaps import Gap, band_edges, gaps
+from granwave.analysis.spectra.network import Array
+from granwave.analysis.spectra.paths import make_path
+from granwave.analysis.spectra.states import State, cell_state
+from granwave.analysis.spectra.stiffness import stiffness_of
+from granwave.analysis.spectra.surfaces import PLANES, Surface, long_wave_speeds, surface
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.errors import InputError
+
+POINTS = 61  # wave vectors of a stretch
+_FREQUENCIES = 401  # for attenuation
+_BEYOND = 1.25  # of the highest frequency: how far attenuation is followed
+_WAVE = 1e-9  # of the largest frequency: where a wave vector counts as one of long waves
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class BandStructure:
+    """Bands of a packing.
+
+    Attributes
+    ----------
+    state
+        Static state.
+    bands
+        Bands along the path.
+    gaps
+        Gaps between them.
+    complex_bands
+        Attenuation along the first stretch of the path; None for large cells, and where it is not defined.
+    surface
+        Waves over a plane; None for rows and large cells.
+    speeds
+        Speeds of long waves along the first stretch, rising: (n,), m/s.
+    note
+        Description of modes without resistance; empty if there are none.
+    """
+
+    state: State
+    bands: Bands
+    gaps: tuple[Gap, ...]
+    complex_bands: ComplexBands | None
+    surface: Surface | None
+    speeds: Array
+    note: str = ""
+
+    @property
+    def unit_frequency(self) -> float:
+        """Frequency sqrt(k/m)/(2 pi) of the mean stiffness and the mean mass, Hz: that of normalised axes."""
+        network = self.state.network
+        stiffness = np.concatenate([network.springs.stiffness, network.supports.stiffness])
+        return float(np.sqrt(stiffness.mean() / network.mass.mean()) / (2 * np.pi))
+
+    @property
+    def edges(self) -> Array:
+        """Lowest and highest frequency of each band along the path: (n_bands, 2), Hz."""
+        return band_edges(self.bands)
+
+    def summary(self) -> dict[str, Any]:
+        """Return the values of bands.json."""
+        network, between = self.state.network, [gap for gap in self.gaps if gap.below and np.isfinite(gap.high)]
+        widest = max(between, key=lambda gap: gap.high - gap.low, default=None)
+        inside = None
+        if self.complex_bands is not None and widest is not None:
+            there = (self.complex_bands.frequency > widest.low) & (self.complex_bands.frequency < widest.high)
+            inside = float(self.complex_bands.least[there].max()) if there.any() else None
+        return {
+            "name": self.state.name,
+            "kind": "bands",
+            "source": self.state.source,
+            "n_grains_in_cell": network.n_grains,
+            "n_contacts_in_cell": len(network.springs),
+            "n_wall_contacts_in_cell": len(network.supports),
+            "n_left_out": len(network.left_out),
+            "n_freedoms": network.n_freedoms,
+            "n_bands": self.bands.square.shape[1],
+            "static_force_N": float(network.springs.force.mean()) if len(network.springs) else 0.0,
+            "contact_stiffness_N_per_m": float(network.springs.stiffness.mean()) if len(network.springs) else 0.0,
+            "unit_frequency_Hz": self.unit_frequency,
+            "highest_frequency_Hz": float(np.nanmax(self.bands.frequency)),
+            "speeds_m_s": self.speeds.tolist(),
+            "band_edges_Hz": self.edges.tolist(),
+            "gaps_Hz": [[gap.low, gap.high] for gap in self.gaps],
+            "widest_gap_Hz": None if widest is None else [widest.low, widest.high],
+            "widest_gap_relative": None if widest is None else widest.relative_width,
+            "attenuation_in_widest_gap": inside,
+            "attenuation_spacing_m": None if self.complex_bands is None else self.complex_bands.spacing,
+            "n_floppy": int(self.bands.floppy.sum(axis=1).max()),
+            "static_residual": self.state.residual,
+            "state_spread": self.state.spread,
+        }
+
+
+def band_structure(
+    source: Case | FilePath | State,
+    path: str = "",
+    *,
+    points: int = POINTS,
+    n_bands: int | None = None,
+    directions: str = "",
+    plane: str = "",
+    allow_floppy: bool = False,
+) -> BandStructure:
+    """Find the bands of a case, of a finished run, or of a state.
+
+    Parameters
+    ----------
+    path
+        See `granwave.analysis.spectra.paths`; empty for the standard path of the cell.
+    points
+        Wave vectors of each stretch.
+    n_bands
+        How many bands; None: all of a small cell, 30 of a large one.
+    directions
+        Directions in which the grains move, of "xyz"; empty for those of the packing.
+    plane
+        Plane of slowness and equal-frequency curves: xy, xz or yz; empty for the one of the packing.
+    allow_floppy
+        True to go on where motions meet no resistance; their frequencies are NaN.
+
+    Raises
+    ------
+    InputError
+        The packing does not repeat or bears no load, the path is wrong, or motions meet no resistance.
+    """
+    if set(directions) - set("xyz"):
+        raise InputError(f'--directions: found "{directions}", expected some of the letters x, y and z')
+    if points < 2:
+        raise InputError(f"--points: found {points}, expected 2 or more in each stretch")
+    if plane and plane not in PLANES:
+        raise InputError(f'--plane: found "{plane}", expected {", ".join(PLANES)}')
+    state = source if isinstance(source, State) else cell_state(source)
+    if directions:
+        state = dataclasses.replace(state, network=state.network.turned_off(directions))
+    stiffness = stiffness_of(state.network)
+    way = make_path(path, state.network.periods, points)
+    bands = solve_bands(stiffness, way, n_bands)
+    if not allow_floppy:
+        refuse_floppy(bands, state.name)
+    note = describe_floppy(bands) if bands.floppy.any() else ""
+    start, towards = way.k[0], way.k[1] - way.k[0]
+    direction = towards / np.linalg.norm(towards)
+    top = float(np.nanmax(bands.frequency, initial=0.0))
+    frequency = np.linspace(0.0, _BEYOND * top, _FREQUENCIES)[1:]
+    decaying = complex_bands(stiffness, start, direction, frequency) if top and bands.complete else None
+    planes = [plane] if plane else ["xz", "xy", "yz"]
+    curves = next((one for name in planes if (one := surface(stiffness, name)) is not None), None)
+    speeds = long_wave_speeds(stiffness, direction[None])[0]
+    return BandStructure(state, bands, tuple(gaps(bands)), decaying, curves, speeds, note)

@@ -1,0 +1,193 @@
+"""Grains of a unit cell or of a finite packing at places of their own, with walls and loads, and the contacts there."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granwave.analysis.spectra.network import Array, Ints, Network, Springs, Supports, no_supports
+from granwave.analysis.spectra.pair_laws import PairLaws, Touches
+
+if TYPE_CHECKING:
+    from granwave.lammps_inputs.case.case import Case
+    from granwave.lammps_inputs.packing.walls import Wall
+
+INERTIA = 0.4  # of a sphere, over m R^2
+_NEGLIGIBLE = 1e-12  # of the mean diameter: overlaps by rounding
+_UNLOADED = 1e-7  # of the largest force: contacts that bear nothing but what the search for balance left
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Bodies:
+    """Grains before they are loaded.
+
+    Attributes
+    ----------
+    ids
+        Ids: (n,).
+    position
+        Centres before the load: (n, 3), m.
+    radius, mass
+        (n,), m and kg.
+    kind
+        Places of their materials in ``laws.materials``: (n,).
+    moves
+        As in `Network`.
+    periods
+        As in `Network`.
+    walls
+        Walls, in their final places.
+    dead_load
+        Constant forces: (n, 3), N.
+    stress
+        Load on the cell: forces times lengths for each strain that is free, ``{(2, 2): N m}``; compression positive.
+    """
+
+    case: Case
+    laws: PairLaws
+    ids: Ints
+    position: Array
+    radius: Array
+    mass: Array
+    kind: Ints
+    moves: NDArray[np.bool_]
+    periods: Array
+    walls: tuple[Wall, ...]
+    dead_load: Array
+    stress: dict[tuple[int, int], float] = dataclasses.field(default_factory=dict)
+
+    @property
+    def spacing(self) -> float:
+        """Mean diameter, m."""
+        return float(2 * self.radius.mean())
+
+    def near(self, position: Array, periods: Array, gap: float) -> tuple[Ints, Ints, Ints]:
+        """Find the pairs of grains whose surfaces are at most ``gap`` apart, m.
+
+        Returns
+        -------
+        first, second, image
+            As in `Springs`; each pair once.
+        """
+        from scipy.spatial import KDTree  # takes longer to load than most commands need
+
+        reach = 2 * float(self.radius.max()) + gap
+        tree = KDTree(position)
+        pairs = tree.query_pairs(reach, output_type="ndarray").astype(np.int64)
+        found = [(pairs.min(axis=1), pairs.max(axis=1), np.zeros((len(pairs), len(periods)), dtype=np.int64))]
+        low, high = position.min(axis=0) - reach, position.max(axis=0) + reach
+        for image in _images(position, periods, reach):
+            shifted = position + np.array(image) @ periods
+            inside = np.flatnonzero(((shifted >= low) & (shifted <= high)).all(axis=1))
+            if not len(inside):
+                continue
+            table = tree.sparse_distance_matrix(KDTree(shifted[inside]), reach, output_type="coo_matrix")
+            first, second = np.asarray(table.row, dtype=np.int64), inside[table.col]
+            found.append((first, second, np.tile(np.array(image, dtype=np.int64), (len(first), 1))))
+        first, second, shifts = (np.concatenate(part) for part in zip(*found, strict=True))
+        step = position[second] + shifts @ periods - position[first] if len(periods) else (
+            position[second] - position[first]
+        )  # fmt: skip
+        close = np.linalg.norm(step, axis=1) - self.radius[first] - self.radius[second] <= gap
+        return first[close], second[close], shifts[close]
+
+    def network(
+        self, position: Array, periods: Array, peak: Callable[[Ints, Ints], Array] | None = None,
+        wall_peak: Callable[[str, Ints], Array] | None = None,
+    ) -> Network:  # fmt: skip
+        """Return the springs of the contacts that bear force in a state.
+
+        Parameters
+        ----------
+        position
+            Centres in the static state: (n, 3), m.
+        periods
+            Periods in the static state: (n_periods, 3), m.
+        peak, wall_peak
+            Functions that give the largest overlaps so far, m, of pairs of rows, and of rows at a wall; by default
+            those of the state.
+        """
+        slack = _NEGLIGIBLE * self.spacing
+        first, second, image = self.near(position, periods, -slack)
+        step = position[second] - position[first] + (image @ periods if len(periods) else 0.0)
+        distance = np.linalg.norm(step, axis=1)
+        overlap = self.radius[first] + self.radius[second] - distance
+        most = overlap if peak is None else np.maximum(overlap, peak(first, second))
+        radius = self.radius[first] * self.radius[second] / (self.radius[first] + self.radius[second])
+        force, stiffness, tangential = _small(
+            self.laws.pairs(self.kind[first], self.kind[second]), overlap, most, radius
+        )
+        lever = np.stack([self.radius[first], self.radius[second]], axis=1) - overlap[:, None] / 2
+        springs = Springs(first, second, image, step / distance[:, None], distance, force, stiffness, tangential, lever)
+        supports = self._supports(position, wall_peak)
+        largest = max(force.max(initial=0.0), supports.force.max(initial=0.0))
+        network = Network(
+            self.ids,
+            self.position,
+            self.mass,
+            INERTIA * self.mass * self.radius**2,
+            self.moves,
+            self.periods,
+            springs.where((force > _UNLOADED * largest) & (stiffness > 0)),
+            supports.where((supports.force > _UNLOADED * largest) & (supports.stiffness > 0)),
+        )
+        return network.without_idle()
+
+    def _supports(self, position: Array, wall_peak: Callable[[str, Ints], Array] | None) -> Supports:
+        slack, tables = _NEGLIGIBLE * self.spacing, []
+        for wall in self.walls:
+            if wall.held_layer:
+                continue
+            grain = np.flatnonzero(wall.gaps(position, self.radius) < -slack)
+            overlap = -wall.gaps(position[grain], self.radius[grain])
+            most = overlap if wall_peak is None else np.maximum(overlap, wall_peak(wall.name, grain))
+            radius = wall.effective_radii(self.radius[grain])
+            force, stiffness, tangential = _small(self.laws.wall(wall, self.kind[grain]), overlap, most, radius)
+            normal = np.zeros((len(grain), 3))
+            around, turning = np.zeros((len(grain), 3)), np.zeros(len(grain))
+            if wall.tube:
+                reach = np.hypot(*position[grain].T[:2])
+                normal[:, :2] = position[grain, :2] / reach[:, None]
+                around[:, 0], around[:, 1] = -normal[:, 1], normal[:, 0]
+                turning = force / reach
+            else:
+                normal[:, wall.axis] = wall.outward
+            tables.append(
+                Supports(
+                    grain, np.full(len(grain), wall.name, dtype=object), normal, force, stiffness, tangential,
+                    self.radius[grain] - overlap / 2, turning, around,
+                )
+            )  # fmt: skip
+        if not tables:
+            return no_supports()
+        return Supports(
+            **{
+                field.name: np.concatenate([getattr(table, field.name) for table in tables])
+                for field in dataclasses.fields(Supports)
+            }
+        )
+
+
+def _small(
+    laws: Sequence[tuple[Touches, Ints]], overlap: Array, peak: Array, radius: Array
+) -> tuple[Array, Array, Array]:
+    found = np.zeros((3, len(overlap)))
+    for law, rows in laws:
+        found[:, rows] = law.small(overlap[rows], peak[rows], radius[rows])
+    return found[0], found[1], found[2]
+
+
+def _images(position: Array, periods: Array, reach: float) -> list[tuple[int, ...]]:
+    """Whole numbers of periods to cells that may hold neighbours, of each pair of opposite ones only the first."""
+    if not len(periods):
+        return []
+    inverse = np.linalg.pinv(periods)  # rows of the cell to numbers of periods
+    extent = np.ptp(position @ inverse, axis=0)
+    most = np.ceil(extent + reach * np.linalg.norm(inverse, axis=0)).astype(int)
+    steps = itertools.product(*(range(-n, n + 1) for n in most))
+    return [image for image in steps if image > (0,) * len(periods)]

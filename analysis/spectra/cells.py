@@ -1,0 +1,283 @@
+"""Unit cells of the packings that are endless: lattices, chains, grains of a file with a cell.
+
+A lattice of like spheres has its primitive cell, whatever its size and boundaries in the case are: it stands for the
+inside of the packing. A chain has the shortest sequence of beads that it repeats. Packings with disorder, and chains
+that repeat nothing, are their own cell where the case makes them endless (``boundary.bottom = "periodic"``), and so are
+the grains of a file with ``packing.cell``.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granwave.analysis.spectra.bodies import Bodies
+from granwave.analysis.spectra.network import Array, Ints
+from granwave.analysis.spectra.pair_laws import PairLaws
+from granwave.lammps_inputs.case.schema import show
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.lattices import TOUCHING, Kind, Lattice
+from granwave.lammps_inputs.packing.assembly import Assembly, assemble, held_ids
+from granwave.lammps_inputs.packing.walls import walls
+
+if TYPE_CHECKING:
+    from granwave.lammps_inputs.case.case import Case
+
+_NO_GRAVITY = "gravity, which differs from layer to layer; granwave modes takes such a packing"
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class UnitCell:
+    """Grains of a unit cell, as rows of the packing that they are taken from.
+
+    Attributes
+    ----------
+    rows
+        Rows of the packing: (n,).
+    periods
+        Vectors after which it repeats: (n_periods, 3), m.
+    """
+
+    rows: Ints
+    periods: Array
+
+
+def primitive_vectors(kind: Kind) -> tuple[Array, int]:
+    """Return the primitive vectors of a lattice, in diameters, and the number of spheres of the cell.
+
+    Along the axes that it has; the spheres are those of the first sites of successive layers. Where the supports of a
+    sphere are three lattice vectors, they are taken: the standard names of directions then fit the load along z.
+    """
+
+    def site(i: int, j: int, k: int) -> Array:
+        return np.array([float(one) for one in kind.site(*(np.asarray(n) for n in (i, j, k)))])
+
+    def around(j: int, k: int) -> set[tuple[float, ...]]:
+        base = (6, 6 + j, 6 + k)
+        here = site(*base)
+        steps = itertools.product(range(-3, 4), range(-2, 3), range(-1, 2))
+        places = (site(*(a + b for a, b in zip(base, step, strict=True))) - here for step in steps)
+        return {tuple(np.round(one, 6) + 0.0) for one in places if abs(np.linalg.norm(one) - 1) < TOUCHING}
+
+    origin, own = site(0, 0, 0), around(0, 0)
+    found, n = [], 1
+    if "x" in kind.axes:
+        found.append(site(1, 0, 0) - origin)
+    if "y" in kind.axes:
+        found.append(site(0, next(j for j in (1, 2) if around(j, 0) == own), 0) - origin)
+    if "z" in kind.axes:
+        n = next(k for k in range(1, kind.layer_period + 1) if around(0, k) == own)
+        found.append(site(0, 0, n) - origin)
+    supports = kind.supports
+    if n == 1 and len(supports) == len(found) == 3:
+        return np.array(supports), 1
+    return np.array(found), n
+
+
+def unit_cell(assembly: Assembly) -> UnitCell:
+    """Return the unit cell of a packing.
+
+    Raises
+    ------
+    InputError
+        The packing does not repeat.
+    """
+    case, lattice = assembly.case, assembly.lattice
+    n = lattice.n_spheres
+    if assembly.bars:
+        raise InputError(f"{case.name}: {assembly.bars[0].name}: found an elastic bar, which does not repeat")
+    endless = case.boundary.bottom == "periodic"
+    if not isinstance(lattice, Lattice):
+        return _of_file(assembly)
+    if lattice.kind == "chain":
+        return _of_chain(assembly, endless=endless)
+    if assembly.sites is None and not case.hold:
+        vectors, spheres = primitive_vectors(lattice.rule)
+        nx, ny, nz = lattice.shape
+        if nz < spheres and not endless:
+            raise InputError(
+                f"{case.name}: packing.size: found {nz} layers, expected at least {spheres}, those of a unit cell"
+            )
+        return UnitCell(np.arange(spheres) * nx * ny, vectors * lattice.diameter)
+    if not endless and not ("z" not in lattice.rule.axes and lattice.periodic):
+        what = "grains that are held" if assembly.sites is None else "spheres that differ, or vacancies"
+        raise InputError(
+            f"{case.name}: packing: found {what}, which repeat nowhere, expected a packing that does; with "
+            'boundary.sides = "periodic" and boundary.bottom = "periodic" the whole packing is the unit cell'
+        )
+    nx, ny, nz = lattice.shape
+    if nz % lattice.rule.layer_period and "z" in lattice.rule.axes:
+        raise InputError(
+            f"{case.name}: packing.size: found {nz} layers, expected a multiple of {lattice.rule.layer_period} for an "
+            f"endless {lattice.kind}"
+        )
+    periods = np.diag([*lattice.lengths, nz * lattice.rule.layer_spacing * lattice.diameter])
+    present = np.ones(n, dtype=bool) if assembly.sites is None else assembly.sites.present
+    return UnitCell(np.arange(np.count_nonzero(present)), periods[[axis in lattice.rule.axes for axis in "xyz"]])
+
+
+def _of_chain(assembly: Assembly, *, endless: bool) -> UnitCell:
+    case, n = assembly.case, assembly.lattice.n_spheres
+    sites = assembly.sites
+    if sites is None:
+        return UnitCell(_inner(case, 1, n), np.array([[0.0, 0.0, assembly.lattice.diameter]]))
+    if not sites.present.all():
+        raise InputError(f"{case.name}: packing.vacancies: found a chain with gaps, which bears no load")
+    beads = np.stack([sites.diameter, sites.nominal, sites.kind], axis=1)
+    period = next((p for p in range(1, n // 2 + 1) if (beads[p:] == beads[:-p]).all() and not (endless and n % p)), n)
+    if period == n and not endless:
+        raise InputError(
+            f"{case.name}: packing: found {n} beads that repeat no sequence, expected a chain that does; with "
+            'boundary.bottom = "periodic" the whole chain is the unit cell'
+        )
+    nominal = sites.nominal[:period]
+    return UnitCell(_inner(case, period, n), np.array([[0.0, 0.0, float(nominal.sum())]]))
+
+
+def _inner(case: Case, period: int, n: int) -> Ints:
+    """Rows of the first beads of a chain, or, where some are held, of those in its middle."""
+    start = period * (n // (2 * period)) if case.hold else 0
+    return np.arange(start, start + period) if start + period <= n else np.arange(period)
+
+
+def _of_file(assembly: Assembly) -> UnitCell:
+    case = assembly.case
+    cell = case.packing.cell
+    if cell is None:
+        raise InputError(
+            f"{case.name}: packing.cell: missing; the grains of a file repeat if it gives the vectors after which they "
+            "do (extxyz: Lattice and pbc), or the case does: packing.cell = [[0, 0, 0.01]]"
+        )
+    return UnitCell(np.arange(assembly.lattice.n_spheres), np.array(cell))
+
+
+def cell_bodies(case: Case) -> Bodies:
+    """Return the grains of the unit cell of a case, with their loads.
+
+    Raises
+    ------
+    InputError
+        The packing does not repeat, or its load is not the same everywhere, or there is none.
+    """
+    assembly = assemble(case)
+    cell = unit_cell(assembly)
+    stage = case.precompression
+    if stage is None:
+        raise InputError(
+            f"{case.name}: precompression: missing; contacts that only touch have no stiffness, so that there are no "
+            'waves of small amplitude: give a static load, such as [precompression] kind = "uniaxial" with a force'
+        )
+    if stage is not None and stage.kind == "gravity":
+        raise InputError(f"{case.name}: precompression.kind: found {_NO_GRAVITY}")
+    base = packing_bodies(assembly, cell.rows)
+    directions = _directions(assembly)
+    planes = tuple(wall for wall in base.walls if wall.name != "bottom" and (wall.tube or not _across(wall, cell)))
+    lattice_walls = not isinstance(assembly.lattice, Lattice)
+    return dataclasses.replace(
+        base,
+        periods=cell.periods,
+        walls=planes if lattice_walls else (),
+        dead_load=np.zeros_like(base.dead_load),
+        stress=_stress(assembly, cell),
+        moves=base.moves & _moving(directions, case),
+    )
+
+
+def _across(wall, cell: UnitCell) -> bool:  # type: ignore[no-untyped-def]
+    """True if a wall would cut the endless packing."""
+    return bool((np.abs(cell.periods[:, wall.axis]) > 0).any())
+
+
+def packing_bodies(assembly: Assembly, rows: Ints | None = None) -> Bodies:
+    """Return the spheres of a packing, without strikers, in the order of their ids, or some rows of them."""
+    case = assembly.case
+    n = assembly.lattice.n_spheres
+    inside = assembly.ids <= n
+    ids = assembly.ids[inside]
+    materials = tuple(species.material for species in assembly.species if species.role == "sphere")
+    if assembly.sites is None:
+        kind = np.full(len(ids), materials.index(assembly.material), dtype=np.int64)
+    else:
+        own = np.array([materials.index(one) for one in assembly.sites.materials])
+        kind = own[assembly.sites.kind[assembly.sites.present]].astype(np.int64)
+    held = np.zeros((len(ids), 6), dtype=bool)
+    for entry in case.hold:
+        chosen = np.searchsorted(ids, np.array(held_ids(case, entry), dtype=np.int64))
+        for axis in entry.axes:
+            held[chosen, "xyz".index(axis)] = True
+        if entry.rotation:
+            held[chosen, 3:] = True
+    moves = ~held & _moving("xyz", case)
+    part = slice(None) if rows is None else rows
+    position = assembly.positions()[inside][part]
+    return Bodies(
+        case,
+        PairLaws(case, materials),
+        ids[part],
+        position,
+        assembly.sphere_diameters()[inside][part] / 2,
+        assembly.sphere_masses()[inside][part],
+        kind[part],
+        moves[part],
+        np.empty((0, 3)),
+        walls(assembly),
+        np.zeros_like(position),
+    )
+
+
+def _directions(assembly: Assembly) -> str:
+    """Directions in which the grains of an endless packing move: those of its lattice, all of those of a file."""
+    return assembly.lattice.rule.axes or "xyz"
+
+
+def _moving(directions: str, case: Case) -> NDArray[np.bool_]:
+    """Degrees of freedom: those directions; with friction, rotations that contacts along them resist."""
+    there = [axis in directions for axis in "xyz"]
+    turns = [case.has_friction and sum(there) - there[axis] > 1 for axis in range(3)]
+    return np.array([there + turns])
+
+
+def _stress(assembly: Assembly, cell: UnitCell) -> dict[tuple[int, int], float]:
+    """Return the load on the cell for each strain that is free, N m; see `Bodies`."""
+    case, stage = assembly.case, assembly.case.precompression
+    if stage is None or stage.kind == "walls":
+        return {}
+    n_periods, area = len(cell.periods), 0.0
+    along_z = float(np.abs(cell.periods[:, 2]).max())
+    if n_periods == 3:
+        volume = abs(float(np.linalg.det(cell.periods)))
+    elif n_periods == 2:
+        volume = float(np.linalg.norm(np.cross(*cell.periods))) * assembly.lattice.diameter
+    else:
+        volume = 0.0
+    if stage.kind == "uniaxial":
+        if along_z == 0:
+            raise InputError(f'{case.name}: precompression.kind: found "uniaxial", but the packing ends along z')
+        if stage.force is not None:
+            spheres = len(cell.rows) if isinstance(assembly.lattice, Lattice) and n_periods == 3 else 1
+            if n_periods == 1:
+                return {(2, 2): stage.force * along_z}
+            if assembly.sites is None and isinstance(assembly.lattice, Lattice):
+                # a force on each sphere of a layer, of which the cell has one in each of its layers
+                return {(2, 2): stage.force * spheres * assembly.lattice.rule.layer_spacing * case.packing.diameter}
+            if isinstance(assembly.lattice, Lattice):
+                nx, ny, _ = assembly.lattice.shape
+                return {(2, 2): stage.force * nx * ny * along_z}
+            raise InputError(
+                f"{case.name}: precompression.force: found {stage.force:g} N on a packing that is endless across z, "
+                "expected precompression.pressure (Pa)"
+            )
+        area = volume
+        if n_periods == 1:
+            raise InputError(f"{case.name}: precompression.pressure: found a pressure on a row, expected a force (N)")
+        return {(2, 2): (stage.pressure or 0.0) * area}
+    if n_periods == 1:
+        raise InputError(f'{case.name}: precompression.kind: found {show(stage.kind)} for a row, expected "uniaxial"')
+    axes = [axis for axis in range(3) if np.abs(cell.periods[:, axis]).max() > 0]
+    load = (stage.pressure or 0.0) * volume
+    found = {(axis, axis): load for axis in axes}
+    return found | {pair: 0.0 for pair in itertools.combinations(axes, 2)}

@@ -1,0 +1,195 @@
+"""Springs between grains: what remains of a packing for small motions about its static state.
+
+A contact of the grains i and j, with the unit vector e from i to j, the distance d of their centres, the static force F
+and the normal and tangential stiffnesses k_n and k_t, stores for small displacements u and rotations q
+
+    E = k_n/2 (e.(u_j - u_i))^2 - F/(2 d) |P (u_j - u_i)|^2 + k_t/2 |P (u_i - u_j) + (l_i q_i + l_j q_j) x e|^2
+
+with P = 1 - e e and the lever arms l. The second term is of the static force, which turns with the contact. A contact
+with a plane has no such term; in a tube of radius R it is + F/(2 (R - r)) times the square of the motion around the
+axis.
+
+The numbers may come from a packing (`granwave.analysis.spectra.packing`), or from anything else that acts like springs.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+FREEDOMS = ("x", "y", "z", "rx", "ry", "rz")  # displacements and rotations of a grain
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Springs:
+    """Contacts of pairs of grains; each array has a row for a contact.
+
+    Attributes
+    ----------
+    first, second
+        Rows of the grains: (n,).
+    image
+        Whole numbers of periods between the cells of the first and the second: (n, n_periods).
+    normal
+        Unit vectors from the first to the second: (n, 3).
+    distance
+        Distances of the centres: (n,), m.
+    force
+        Static forces, compression positive: (n,), N.
+    stiffness, tangential
+        Normal and tangential stiffnesses: (n,), N/m.
+    lever
+        Lever arms of both grains: (n, 2), m.
+    """
+
+    first: Ints
+    second: Ints
+    image: Ints
+    normal: Array
+    distance: Array
+    force: Array
+    stiffness: Array
+    tangential: Array
+    lever: Array
+
+    def __len__(self) -> int:
+        return len(self.first)
+
+    def where(self, kept: NDArray[np.bool_]) -> Springs:
+        """Return the contacts that are kept, (n,)."""
+        return Springs(**{field.name: getattr(self, field.name)[kept] for field in dataclasses.fields(self)})
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Supports:
+    """Contacts with walls; each array has a row for a contact.
+
+    Attributes
+    ----------
+    grain
+        Rows of the grains: (n,).
+    wall
+        Names of the walls: (n,).
+    normal
+        Unit vectors from the grain to the wall: (n, 3).
+    force, stiffness, tangential
+        As in `Springs`.
+    lever
+        Lever arms: (n,), m.
+    turning
+        Stiffness of the static force that turns as the grain moves along the wall, with its direction: (n,), N/m, and
+        (n, 3).
+    """
+
+    grain: Ints
+    wall: NDArray[np.object_]
+    normal: Array
+    force: Array
+    stiffness: Array
+    tangential: Array
+    lever: Array
+    turning: Array
+    turning_direction: Array
+
+    def __len__(self) -> int:
+        return len(self.grain)
+
+    def where(self, kept: NDArray[np.bool_]) -> Supports:
+        """Return the contacts that are kept, (n,)."""
+        return Supports(**{field.name: getattr(self, field.name)[kept] for field in dataclasses.fields(self)})
+
+
+def no_supports() -> Supports:
+    """Return an empty table of contacts with walls."""
+    none, vectors = np.empty(0), np.empty((0, 3))
+    rows, words = np.empty(0, dtype=np.int64), np.empty(0, dtype=object)
+    return Supports(rows, words, vectors, none, none, none, none, none, vectors)
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Network:
+    """Grains and springs.
+
+    Attributes
+    ----------
+    ids
+        Ids of the grains: (n,).
+    position
+        Places before the load, to which wave vectors refer: (n, 3), m.
+    mass, inertia
+        Masses and moments of inertia: (n,), kg and kg m^2.
+    moves
+        True for the directions in which a grain moves, in the order of `FREEDOMS`: (n, 6).
+    periods
+        Vectors after which the packing repeats, before the load: (n_periods, 3), m; none of a finite packing.
+    springs, supports
+        Contacts of grains, and with walls.
+    left_out
+        Ids of grains without static load, which belong to no wave: (m,).
+    """
+
+    ids: Ints
+    position: Array
+    mass: Array
+    inertia: Array
+    moves: NDArray[np.bool_]
+    periods: Array
+    springs: Springs
+    supports: Supports = dataclasses.field(default_factory=no_supports)
+    left_out: Ints = dataclasses.field(default_factory=lambda: np.empty(0, dtype=np.int64))
+
+    @property
+    def n_grains(self) -> int:
+        """Number of grains."""
+        return len(self.mass)
+
+    @property
+    def freedoms(self) -> tuple[Ints, Ints]:
+        """Row of the grain and direction (a place in `FREEDOMS`) of each degree of freedom: (n_freedoms,) each."""
+        grain, direction = np.nonzero(self.moves)
+        return grain, direction
+
+    @property
+    def n_freedoms(self) -> int:
+        """Number of degrees of freedom."""
+        return int(np.count_nonzero(self.moves))
+
+    @property
+    def masses(self) -> Array:
+        """Mass or moment of inertia of each degree of freedom: (n_freedoms,), kg or kg m^2."""
+        grain, direction = self.freedoms
+        return np.where(direction < 3, self.mass[grain], self.inertia[grain])
+
+    def turned_off(self, directions: str) -> Network:
+        """Return the network with grains that move in some directions only, of "xyz", and turn as these allow."""
+        kept = np.array([letter in directions for letter in "xyz"])
+        turns = np.array([kept[[b for b in range(3) if b != a]].any() for a in range(3)])
+        return dataclasses.replace(self, moves=self.moves & np.concatenate([kept, turns]))
+
+    def without_idle(self) -> Network:
+        """Return the network without the grains that bear no static load, which nothing touches: they are left out."""
+        present = np.zeros(self.n_grains, dtype=bool)
+        for ends in (self.springs.first, self.springs.second, self.supports.grain):
+            present[ends] = True
+        return self if present.all() else self._of(present)
+
+    def _of(self, present: NDArray[np.bool_]) -> Network:
+        row = np.cumsum(present) - 1
+        springs = self.springs.where(present[self.springs.first] & present[self.springs.second])
+        supports = self.supports.where(present[self.supports.grain])
+        return Network(
+            self.ids[present],
+            self.position[present],
+            self.mass[present],
+            self.inertia[present],
+            self.moves[present],
+            self.periods,
+            dataclasses.replace(springs, first=row[springs.first], second=row[springs.second]),
+            dataclasses.replace(supports, grain=row[supports.grain]),
+            np.concatenate([self.left_out, self.ids[~present]]),
+        )

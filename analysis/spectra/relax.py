@@ -1,0 +1,294 @@
+"""Static state of grains under load, by Newton's method.
+
+Unknown are the displacements of the grains and the strains of the cell that are free. The energy of the contacts and
+of the loads is smallest in the static state; contacts are loaded for the first time, without friction.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.linalg import cg
+
+from granwave.analysis.spectra.bodies import Bodies
+from granwave.analysis.spectra.network import Array, Ints
+from granwave.analysis.spectra.stiffness import factorised
+from granwave.lammps_inputs.contact.static_load import static_stiffness
+from granwave.lammps_inputs.errors import InputError, RunError
+from granwave.lammps_inputs.lattices import TOUCHING
+from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.packing.walls import Wall
+
+_MARGIN = 0.02  # mean diameters: gaps of pairs that may close in a step
+_ROUNDS = 200
+_BALANCED, _BALANCED_OF_MANY = 1e-11, 1e-9  # net force over the largest contact force; of many grains
+_TOLERATED = 1e-6  # the same where rounding leaves more
+_SMALLEST_STEP = 2.0**-10
+_DIRECT_UP_TO = 1500  # unknowns, factorised; more by conjugate gradients
+_SOFT = 1e-10  # of the mean stiffness, added to all: free motions, and grains without contacts
+_FIRST_STRAIN, _LARGEST_STRAIN = 1e-7, 0.05
+_ROUNDING = 16  # net force by rounding over stiffness times the rounding error of a coordinate
+_HALVINGS = 5  # of the interval in which the first strain is sought
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class StaticState:
+    """Static state.
+
+    Attributes
+    ----------
+    position, periods
+        Of the grains and of the cell: (n, 3) and (n_periods, 3), m.
+    residual
+        Largest net force on a grain over the largest force of a contact.
+    rounds
+        Steps that Newton's method took.
+    """
+
+    position: Array
+    periods: Array
+    residual: float
+    rounds: int
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class _At:
+    """Energy, its gradient, and slopes of forces with the derivatives of distances, at a state."""
+
+    energy: float
+    gradient: Array
+    tables: list[tuple[Array, sparse.csr_array]]
+    largest: float
+    rounding: float
+
+    @property
+    def hessian(self) -> sparse.csr_array:
+        """Second derivatives of the energy, without the turning of forces, which is small."""
+        return sparse.csr_array(sum(rows.T @ sparse.diags_array(slope) @ rows for slope, rows in self.tables))
+
+
+class _Problem:
+    """Unknowns and their energy."""
+
+    def __init__(self, bodies: Bodies) -> None:
+        self.bodies = bodies
+        self.free = bodies.moves[:, :3].copy()
+        self.number = np.where(self.free, np.cumsum(self.free.ravel()).reshape(self.free.shape) - 1, -1)
+        self.strains = list(bodies.stress)
+        self.n_motions = int(self.free.sum())
+        self.n = self.n_motions + len(self.strains)
+
+    def state(self, x: Array) -> tuple[Array, Array]:
+        """Centres and periods."""
+        position = self.bodies.position.copy()
+        position[self.free] += x[: self.n_motions]
+        return position, self.bodies.periods @ self.deformation(x).T
+
+    def deformation(self, x: Array) -> Array:
+        """Deformation of the cell: (3, 3)."""
+        found = np.eye(3)
+        for (a, b), strain in zip(self.strains, x[self.n_motions :], strict=True):
+            found[a, b] += strain
+            if a != b:
+                found[b, a] += strain
+        return found
+
+    def uniform(self, strain: float) -> Array:
+        """Unknowns of an even compression along the free strains that bear a load."""
+        x = np.zeros(self.n)
+        x[self.n_motions :] = [-strain if a == b else 0.0 for a, b in self.strains]
+        deformed = self.bodies.position @ self.deformation(x).T
+        x[: self.n_motions] = (deformed - self.bodies.position)[self.free]
+        return x
+
+    def at(self, x: Array) -> _At:
+        """Evaluate the energy."""
+        bodies = self.bodies
+        position, periods = self.state(x)
+        first, second, image = bodies.near(position, periods, _MARGIN * bodies.spacing)
+        step = position[second] - position[first] + (image @ periods if len(periods) else 0.0)
+        distance = np.linalg.norm(step, axis=1)
+        normal = step / distance[:, None]
+        overlap = bodies.radius[first] + bodies.radius[second] - distance
+        radius = bodies.radius[first] * bodies.radius[second] / (bodies.radius[first] + bodies.radius[second])
+        values = np.zeros((3, len(first)))
+        for law, rows in bodies.laws.pairs(bodies.kind[first], bodies.kind[second]):
+            values[:, rows] = law.evaluate(overlap[rows], radius[rows])
+        shifts = image @ bodies.periods if len(periods) else np.zeros((len(first), 3))
+        stretch = self._stretch(first, second, normal, shifts)
+        tables = [(values, stretch)]
+        for wall in bodies.walls:
+            if not wall.held_layer:
+                tables.append(self._at_wall(wall, position))
+        energy, gradient = 0.0, np.zeros(self.n)
+        largest, stiffest = 0.0, 0.0
+        for (force, slope, work), rows in tables:
+            energy += float(work.sum())
+            gradient -= rows.T @ force
+            largest, stiffest = max(largest, force.max(initial=0.0)), max(stiffest, slope.max(initial=0.0))
+        energy -= float((bodies.dead_load * (position - bodies.position)).sum())
+        gradient[: self.n_motions] -= bodies.dead_load[self.free]
+        for place, load in enumerate(bodies.stress.values(), start=self.n_motions):
+            energy += load * x[place]
+            gradient[place] += load
+        span = float(np.abs(position).max()) if len(position) else 0.0
+        return _At(
+            energy,
+            gradient,
+            [(slope, rows) for (_, slope, _), rows in tables],
+            largest,
+            _ROUNDING * stiffest * np.finfo(float).eps * span,
+        )
+
+    def by_linear_springs(self) -> Array:
+        """Unknowns under the dead loads if all contacts were linear springs, which bear tension too."""
+        bodies = self.bodies
+        stiffness = static_stiffness(assemble(bodies.case))
+        gap = TOUCHING * bodies.spacing + bodies.case.packing.diameter_scatter
+        first, second, image = bodies.near(bodies.position, bodies.periods, gap)
+        shifts = image @ bodies.periods if len(bodies.periods) else np.zeros((len(first), 3))
+        step = bodies.position[second] + shifts - bodies.position[first]
+        tables = [self._stretch(first, second, step / np.linalg.norm(step, axis=1)[:, None], shifts)]
+        tables += [self._at_wall(wall, bodies.position)[1] for wall in bodies.walls if not wall.held_layer]
+        gradient = np.zeros(self.n)
+        gradient[: self.n_motions] = -bodies.dead_load[self.free]
+        even = [(np.full(rows.shape[0], stiffness), rows) for rows in tables]
+        return _move(_At(0.0, gradient, even, 0.0, 0.0))
+
+    def _stretch(self, first: Ints, second: Ints, normal: Array, shifts: Array) -> sparse.csr_array:
+        """Derivatives of the distances by the unknowns: (n_contacts, n)."""
+        n = len(first)
+        rows, columns, values = [], [], []
+        for grains, sign in ((first, -1.0), (second, 1.0)):
+            number = self.number[grains]
+            kept = number >= 0
+            rows.append(np.repeat(np.arange(n), 3).reshape(n, 3)[kept])
+            columns.append(number[kept])
+            values.append(sign * normal[kept])
+        for place, (a, b) in enumerate(self.strains, start=self.n_motions):
+            part = normal[:, a] * shifts[:, b] + (normal[:, b] * shifts[:, a] if a != b else 0.0)
+            rows.append(np.arange(n))
+            columns.append(np.full(n, place))
+            values.append(part)
+        where = (np.concatenate(rows), np.concatenate(columns))
+        return sparse.coo_array((np.concatenate(values), where), shape=(n, self.n)).tocsr()
+
+    def _at_wall(self, wall: Wall, position: Array) -> tuple[Array, sparse.csr_array]:
+        """Force, slope and work of the contacts with a wall, and the derivatives of their distances."""
+        bodies = self.bodies
+        gaps = wall.gaps(position, bodies.radius)
+        grain = np.flatnonzero(gaps < _MARGIN * bodies.spacing)
+        values = np.zeros((3, len(grain)))
+        radius = wall.effective_radii(bodies.radius[grain])
+        for law, rows in bodies.laws.wall(wall, bodies.kind[grain]):
+            values[:, rows] = law.evaluate(-gaps[grain[rows]], radius[rows])
+        outward = np.zeros((len(grain), 3))
+        if wall.tube:
+            reach = np.maximum(np.hypot(*position[grain].T[:2]), 1e-300)
+            outward[:, :2] = position[grain, :2] / reach[:, None]
+        else:
+            outward[:, wall.axis] = wall.outward
+        number = self.number[grain]
+        kept = number >= 0
+        row = np.repeat(np.arange(len(grain)), 3).reshape(len(grain), 3)[kept]
+        # the gap shrinks as the grain moves outward, as the distance of two grains that approach
+        rows = sparse.coo_array((-outward[kept], (row, number[kept])), shape=(len(grain), self.n)).tocsr()
+        return values, rows
+
+
+def relax(bodies: Bodies) -> StaticState:
+    """Find the static state of grains under their loads.
+
+    Raises
+    ------
+    InputError
+        The loads press the grains together too far.
+    RunError
+        No balance was found.
+    """
+    problem = _Problem(bodies)
+    x = _start(problem)
+    now = problem.at(x)
+    balanced = _BALANCED if problem.n <= _DIRECT_UP_TO else _BALANCED_OF_MANY
+    best, since, steps = np.inf, 0, 0
+    for rounds in range(_ROUNDS):
+        steps = rounds
+        net = _net(problem, now)
+        if net <= balanced * now.largest + 1e-300 or problem.n == 0:
+            break
+        since = 0 if net < 0.5 * best else since + 1
+        best = min(best, net)
+        if since > 3 and net <= balanced * now.largest + now.rounding:
+            break
+        move = _move(now)
+        size = 1.0
+        largest_move = np.abs(move[: problem.n_motions]).max(initial=0.0)
+        if largest_move > _MARGIN / 2 * bodies.spacing:
+            size = _MARGIN / 2 * bodies.spacing / largest_move
+        while True:
+            there = problem.at(x + size * move)
+            slack = 1e-13 * abs(now.energy)
+            if there.energy <= now.energy + slack or _net(problem, there) < net or size < _SMALLEST_STEP:
+                break
+            size /= 2
+        if size < _SMALLEST_STEP:
+            break
+        x, now = x + size * move, there
+    net = _net(problem, now)
+    residual = net / now.largest if now.largest else 0.0
+    if now.largest and net > max(_TOLERATED * now.largest, now.rounding):
+        raise RunError(
+            f"{bodies.case.name}: found no static state: a net force of {residual:.2g} of the largest contact force "
+            f"remains after {steps + 1} steps; a larger load, or less scatter, makes the packing rigid"
+        )
+    position, periods = problem.state(x)
+    return StaticState(position, periods, residual, steps)
+
+
+def _net(problem: _Problem, now: _At) -> float:
+    """Largest net force on a grain, or that on the cell over the mean of its periods, N."""
+    motions = float(np.abs(now.gradient[: problem.n_motions]).max(initial=0.0))
+    lengths = np.linalg.norm(problem.bodies.periods, axis=1)
+    cell = float(np.abs(now.gradient[problem.n_motions :]).max(initial=0.0))
+    return max(motions, cell / float(lengths.mean()) if len(lengths) else 0.0)
+
+
+def _move(now: _At) -> Array:
+    """Newton's step."""
+    hessian = now.hessian
+    diagonal = hessian.diagonal()
+    soft = _SOFT * float(diagonal.mean()) if len(diagonal) else 1.0
+    soft = soft or 1.0
+    matrix = (hessian + soft * sparse.eye_array(len(diagonal))).tocsc()
+    if len(diagonal) <= _DIRECT_UP_TO:
+        return np.asarray(factorised(matrix).solve(-now.gradient))
+    scale = sparse.diags_array(1 / matrix.diagonal())
+    found, _ = cg(matrix, -now.gradient, rtol=1e-5, maxiter=4000, M=scale)
+    return np.asarray(found)
+
+
+def _start(problem: _Problem) -> Array:
+    """Unknowns at which the even strain of the cell bears the load: contacts are closed there."""
+    diagonal = [place for place, (a, b) in enumerate(problem.strains, start=problem.n_motions) if a == b]
+    load = sum(problem.bodies.stress[one] for one in problem.strains if one[0] == one[1])
+    if not diagonal or not load:
+        return problem.by_linear_springs() if problem.bodies.dead_load.any() else np.zeros(problem.n)
+
+    def excess(strain: float) -> float:
+        return float(problem.at(problem.uniform(strain)).gradient[diagonal].sum())
+
+    high = _FIRST_STRAIN
+    while excess(high) > 0:
+        high *= 4
+        if high > _LARGEST_STRAIN:
+            raise InputError(
+                f"{problem.bodies.case.name}: precompression: would shorten the cell by more than "
+                f"{100 * _LARGEST_STRAIN:g} %; give a smaller load"
+            )
+    low = high / 4 if high > _FIRST_STRAIN else 0.0
+    for _ in range(_HALVINGS):
+        middle = (low + high) / 2
+        low, high = (middle, high) if excess(middle) > 0 else (low, middle)
+    return problem.uniform(high)

@@ -1,0 +1,295 @@
+"""Static states for small waves: of a case, by Newton's method, or of a finished run, as its static stage left it."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granwave.analysis.result.reader import Result
+from granwave.analysis.spectra.bodies import INERTIA, Bodies
+from granwave.analysis.spectra.cells import UnitCell, cell_bodies, packing_bodies, unit_cell
+from granwave.analysis.spectra.network import Array, Ints, Network
+from granwave.analysis.spectra.relax import relax
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.contact.static_load import dead_loads
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.lattices import Lattice
+from granwave.lammps_inputs.packing.assembly import Assembly, assemble
+
+_INSIDE = 0.5  # of half the packing, along axes that end: where a run is like an endless packing
+_ALIKE = 0.02  # by which overlaps of equal contacts may differ inside
+_INTEGER = 1e-3  # of a period, for places of a lattice
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class State:
+    """Springs of a static state.
+
+    Attributes
+    ----------
+    name
+        Name of the case.
+    case
+        The case.
+    network
+        The springs.
+    source
+        ``case``, or ``run``.
+    residual
+        Largest net force on a grain over the largest contact force; NaN of a run.
+    periods
+        Periods under the load: (n_periods, 3), m.
+    spread
+        Largest difference of overlaps from their means in cells of a run, over the largest; 0 of a case.
+    """
+
+    name: str
+    case: Case
+    network: Network
+    source: str
+    residual: float
+    periods: Array
+    spread: float = 0.0
+
+
+def cell_state(source: Case | Path) -> State:
+    """Return the state of the unit cell of a case, or the mean one inside a finished run.
+
+    Raises
+    ------
+    InputError
+        The packing does not repeat, bears no load, or the state of the run is not the same everywhere.
+    """
+    if isinstance(source, Case):
+        bodies = cell_bodies(source)
+        found = relax(bodies)
+        network = bodies.network(found.position, found.periods)
+        _refuse_unloaded(source, network)
+        return State(source.name, source, network, "case", found.residual, found.periods)
+    with Result(source) as result:
+        return _mean_cell(result)
+
+
+def packing_state(source: Case | Path) -> State:
+    """Return the state of the whole packing of a case or of a finished run.
+
+    Raises
+    ------
+    InputError
+        It bears no load, or has parts that are no springs between grains.
+    """
+    if isinstance(source, Case):
+        assembly = assemble(source)
+        _refuse_parts(assembly)
+        if source.precompression is None:
+            raise InputError(
+                f"{source.name}: precompression: missing; contacts that only touch have no stiffness: give a static "
+                "load"
+            )
+        bodies = _whole(assembly)
+        found = relax(bodies)
+        network = bodies.network(found.position, bodies.periods)
+        _refuse_unloaded(source, network)
+        return State(source.name, source, network, "case", found.residual, bodies.periods)
+    with Result(source) as result:
+        _refuse_parts(result.assembly)
+        bodies = _whole(result.assembly)
+        network = bodies.network(_positions(result, bodies), bodies.periods, _peaks(result, bodies.ids),
+                                 _wall_peaks(result, bodies.ids))  # fmt: skip
+        _refuse_unloaded(result.case, network)
+        return State(result.case.name, result.case, network, "run", np.nan, bodies.periods)
+
+
+def _refuse_parts(assembly: Assembly) -> None:
+    case = assembly.case
+    if assembly.bars:
+        raise InputError(f"{case.name}: {assembly.bars[0].name}: found an elastic bar, expected grains and walls alone")
+    if case.boundary.bottom_support is not None:
+        raise InputError(
+            f"{case.name}: boundary.bottom: found a {case.boundary.bottom_support.kind} that moves; expected a bottom "
+            "that stays, or --end matched"
+        )
+    if case.boundary.bottom == "periodic":
+        raise InputError(f'{case.name}: boundary.bottom: found "periodic": granwave bands is for endless packings')
+
+
+def _refuse_unloaded(case: Case, network: Network) -> None:
+    if not len(network.springs) and not len(network.supports):
+        raise InputError(
+            f"{case.name}: precompression: no contact bears a force, and a Hertz contact without load has no "
+            "stiffness; give a static load that closes the contacts"
+        )
+
+
+def _whole(assembly: Assembly) -> Bodies:
+    """Return all grains of a finite packing with their dead loads; those of a held layer do not move."""
+    case, lattice = assembly.case, assembly.lattice
+    bodies = packing_bodies(assembly)
+    load = np.zeros_like(bodies.dead_load)
+    if case.precompression is not None and case.packing.grains is None:
+        ids, force = dead_loads(assembly)
+        load[np.searchsorted(bodies.ids, ids)] = force
+    moves = bodies.moves.copy()
+    if case.boundary.bottom == "fixed":
+        moves[np.isin(bodies.ids, lattice.last_layer)] = False
+    axes = lattice.rule.axes or "xyz"
+    there = [axis in axes for axis in "xyz"]
+    turns = [sum(there) - there[axis] > 1 for axis in range(3)]
+    periods = np.empty((0, 3))
+    if isinstance(lattice, Lattice) and lattice.periodic:
+        periods = np.diag([*lattice.lengths, 0.0])[:2]
+    return dataclasses.replace(bodies, dead_load=load, moves=moves & np.array(there + turns), periods=periods)
+
+
+def _positions(result: Result, bodies: Bodies) -> Array:
+    """Centres after the static stage: (n, 3), m."""
+    return np.asarray(bodies.position + result.frame(0, "displacement")[result.rows(bodies.ids)])
+
+
+def _peaks(result: Result, ids: Ints):  # type: ignore[no-untyped-def]
+    """Return a function that gives the largest overlaps before the impact of pairs of rows."""
+    peak = result.get("contacts/initial_overlap")
+
+    def of(first: Ints, second: Ints) -> Array:
+        if peak is None:
+            return np.zeros(len(first))
+        stride = int(ids.max()) + 1
+        key = result["contacts/i"] * stride + result["contacts/j"]
+        order = np.argsort(key)
+        one, other = ids[first], ids[second]
+        wanted = np.minimum(one, other) * stride + np.maximum(one, other)
+        place = np.minimum(np.searchsorted(key, wanted, sorter=order), len(key) - 1)
+        return np.where(key[order[place]] == wanted, peak[order[place]], 0.0)
+
+    return of
+
+
+def _wall_peaks(result: Result, ids: Ints):  # type: ignore[no-untyped-def]
+    peak = result.get("wall_contacts/initial_overlap")
+
+    def of(name: str, rows: Ints) -> Array:
+        if peak is None:
+            return np.zeros(len(rows))
+        known = {
+            int(one): float(value)
+            for wall, one, value in zip(result["wall_contacts/wall"], result["wall_contacts/id"], peak, strict=True)
+            if wall == name
+        }
+        return np.array([known.get(int(one), 0.0) for one in ids[rows]])
+
+    return of
+
+
+def _mean_cell(result: Result) -> State:
+    """Return the mean state of the unit cells inside a run."""
+    case, assembly = result.case, result.assembly
+    cell = unit_cell(assembly)
+    if not isinstance(assembly.lattice, Lattice):
+        raise InputError(f"{case.name}: found a run of grains of a file, which ends; give the case, for its cell")
+    bodies = _whole(assembly)
+    position = _positions(result, bodies)
+    whole = bodies.network(position, bodies.periods, _peaks(result, bodies.ids))
+    _refuse_unloaded(case, whole)
+    basis, place = _places(bodies.position, bodies.position[cell.rows], cell)
+    springs, row = whole.springs, np.searchsorted(bodies.ids, whole.ids)
+    first, second = row[springs.first], row[springs.second]
+    inside = _inside(bodies, assembly)
+    kept = inside[first] & (basis[first] >= 0) & (basis[second] >= 0)
+    periods = bodies.periods
+    jump = np.zeros((len(first), len(cell.periods)), dtype=np.int64)
+    if len(periods):
+        jump = np.rint(springs.image @ periods @ np.linalg.pinv(cell.periods)).astype(np.int64)
+    image = place[second] + jump - place[first]
+    # each contact of the cell once, from its first grain
+    swap = (basis[first] > basis[second]) | ((basis[first] == basis[second]) & _negative(image))
+    one, other = np.where(swap, basis[second], basis[first]), np.where(swap, basis[first], basis[second])
+    image = np.where(swap[:, None], -image, image)
+    normal = np.where(swap[:, None], -springs.normal, springs.normal)
+    table = np.column_stack([one, other, image])[kept]
+    if not len(table):
+        raise InputError(f"{case.name}: found no contact inside the packing; give a larger one")
+    keys, which, counts = np.unique(table, axis=0, return_inverse=True, return_counts=True)
+    which = which.ravel()
+    overlap = (bodies.radius[first] + bodies.radius[second] - springs.distance)[kept]
+    peak = np.maximum(_peaks(result, bodies.ids)(first[kept], second[kept]), overlap)
+
+    def mean(values: Array) -> Array:
+        total = np.zeros((len(keys), *values.shape[1:]))
+        np.add.at(total, which, values)
+        return np.asarray(total / counts.reshape(-1, *[1] * (values.ndim - 1)))
+
+    average = mean(overlap)
+    spread = float(np.abs(overlap - average[which]).max() / average.max())
+    if spread > _ALIKE:
+        raise InputError(
+            f"{case.name}: found overlaps of equal contacts that differ by {100 * spread:.2g} % inside the run, "
+            f"expected the same in every cell ({100 * _ALIKE:g} %); granwave modes and granwave transmission take such "
+            "a packing"
+        )
+    direction = mean((normal * springs.distance[:, None])[kept])
+    unit = _unit_bodies(bodies, cell)
+    network = _network_of_means(unit, keys, direction, average, mean(peak))
+    return State(case.name, case, network, "run", np.nan, cell.periods, spread)
+
+
+def _network_of_means(unit: Bodies, keys: Ints, direction: Array, overlap: Array, peak: Array) -> Network:
+    """Springs of a cell, from mean vectors (n, 3), m, overlaps and largest overlaps (n,), m."""
+    from granwave.analysis.spectra.bodies import _small
+    from granwave.analysis.spectra.network import Springs
+
+    first, second, image = keys[:, 0], keys[:, 1], keys[:, 2:]
+    distance = np.linalg.norm(direction, axis=1)
+    radius = unit.radius[first] * unit.radius[second] / (unit.radius[first] + unit.radius[second])
+    laws = unit.laws.pairs(unit.kind[first], unit.kind[second])
+    force, stiffness, tangential = _small(laws, overlap, peak, radius)
+    lever = np.stack([unit.radius[first], unit.radius[second]], axis=1) - overlap[:, None] / 2
+    springs = Springs(
+        first, second, image, direction / distance[:, None], distance, force, stiffness, tangential, lever
+    )
+    inertia = INERTIA * unit.mass * unit.radius**2
+    return Network(unit.ids, unit.position, unit.mass, inertia, unit.moves, unit.periods, springs).without_idle()
+
+
+def _unit_bodies(bodies: Bodies, cell: UnitCell) -> Bodies:
+    """Grains of the unit cell among those of the packing."""
+    rows = cell.rows
+    part = {name: getattr(bodies, name)[rows] for name in ("ids", "position", "radius", "mass", "kind", "dead_load")}
+    moves = np.broadcast_to(bodies.moves.any(axis=0), (len(rows), 6))
+    return dataclasses.replace(bodies, **part, moves=moves, periods=cell.periods, walls=())
+
+
+def _places(position: Array, basis: Array, cell: UnitCell) -> tuple[Ints, Ints]:
+    """Grain of the cell that each grain is an image of, -1 for none, and the periods between: (n,), (n, n_periods)."""
+    inverse = np.linalg.pinv(cell.periods)
+    which = np.full(len(position), -1, dtype=np.int64)
+    place = np.zeros((len(position), len(cell.periods)), dtype=np.int64)
+    size = float(np.linalg.norm(cell.periods, axis=1).max())
+    for number, origin in enumerate(basis):
+        numbers = np.rint((position - origin) @ inverse).astype(np.int64)
+        away = np.linalg.norm(position - origin - numbers @ cell.periods, axis=1)
+        here = away < _INTEGER * size
+        which[here], place[here] = number, numbers[here]
+    return which, place
+
+
+def _negative(image: Ints) -> NDArray[np.bool_]:
+    """True for rows whose first number other than zero is negative: (n,)."""
+    found = np.zeros(len(image), dtype=bool)
+    undecided = np.ones(len(image), dtype=bool)
+    for column in image.T:
+        found |= undecided & (column < 0)
+        undecided &= column == 0
+    return found
+
+
+def _inside(bodies: Bodies, assembly: Assembly) -> NDArray[np.bool_]:
+    """True for grains far from the faces at which the packing ends: (n,)."""
+    low, high = bodies.position.min(axis=0), bodies.position.max(axis=0)
+    half, middle = (high - low) / 2, (high + low) / 2
+    ends = ~np.abs(bodies.periods).any(axis=0) if len(bodies.periods) else np.ones(3, dtype=bool)
+    reach = _INSIDE * half + 0.5 * bodies.spacing
+    away = np.abs(bodies.position - middle) <= reach
+    return np.asarray((away | ~ends).all(axis=1))

@@ -1,0 +1,181 @@
+"""Stiffness and dynamical matrices of a network of springs.
+
+The stiffness between the cells at 0 and at the vector R of periods is K_R; with the phase k.R between them
+
+    K(k) = K_0 + sum_R (K_R exp(i k.R) + K_R^H exp(-i k.R)),   D(k) = M^(-1/2) K(k) M^(-1/2),   D a = omega^2 a
+
+where the sum has each pair of opposite R once. dD/dk gives the group velocities (Hellmann, Feynman).
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+from scipy.sparse.linalg import splu
+
+from granwave.analysis.spectra.network import Array, Network
+from granwave.lammps_inputs.errors import InputError
+
+Complex = NDArray[np.complex128]
+DENSE_UP_TO = 600  # degrees of freedom: whole spectra of smaller matrices are faster than a few values of sparse ones
+
+
+def factorised(matrix: sparse.sparray) -> Any:
+    """Factorise a matrix whose pattern is symmetric; SuperLU's default for others fills in ten times as much."""
+    options = {"SymmetricMode": True}
+    return splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
+
+
+def _cross(vectors: Array) -> Array:
+    """Matrices of ``vector x``: (n, 3, 3)."""
+    x, y, z = vectors.T
+    zero = np.zeros_like(x)
+    return np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=1).reshape(-1, 3, 3)
+
+
+def _strains(network: Network) -> tuple[list[Array], list[Array]]:
+    """Stretch, turning and slip of each contact by the motion of its first and of its second grain: (n, 1 or 3, 6)."""
+    springs = network.springs
+    normal, turn = springs.normal, _cross(springs.normal)
+    across = np.eye(3) - normal[:, :, None] * normal[:, None, :]
+    none = np.zeros_like(turn)
+    found = []
+    for side, lever in ((1.0, springs.lever[:, 0]), (-1.0, springs.lever[:, 1])):
+        stretch = np.concatenate([side * normal, np.zeros_like(normal)], axis=1)[:, None, :]
+        turning = np.concatenate([side * across, none], axis=2)
+        slip = np.concatenate([side * across, -lever[:, None, None] * turn], axis=2)
+        found.append([stretch, turning, slip])
+    return found[0], found[1]
+
+
+def _block(one: list[Array], other: list[Array], weights: list[Array]) -> Array:
+    """Sum of the products of strains, with their stiffnesses: (n, 6, 6)."""
+    return np.sum([np.einsum("n,nra,nrb->nab", w, a, b) for a, b, w in zip(one, other, weights, strict=True)], axis=0)
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Stiffness:
+    """Stiffness of a network, cell by cell; see the module.
+
+    Attributes
+    ----------
+    network
+        The network.
+    own
+        K_0: (n_freedoms, n_freedoms), N/m.
+    images
+        Whole numbers of periods R: (n_images, n_periods).
+    others
+        K_R of each.
+    """
+
+    network: Network
+    own: sparse.csr_array
+    images: NDArray[np.int64]
+    others: tuple[sparse.csr_array, ...]
+
+    @property
+    def shifts(self) -> Array:
+        """Vectors R: (n_images, 3), m."""
+        return np.asarray(self.images @ self.network.periods)
+
+    @cached_property
+    def _root(self) -> Array:
+        return 1 / np.sqrt(self.network.masses)
+
+    @cached_property
+    def _scaled(self) -> tuple[sparse.csr_array, list[sparse.csr_array]]:
+        """M^(-1/2) K M^(-1/2) of K_0 and of each K_R."""
+        scale = sparse.diags_array(self._root)
+        return scale @ self.own @ scale, [scale @ one @ scale for one in self.others]
+
+    @cached_property
+    def _dense(self) -> tuple[Array, Array]:
+        own, others = self._scaled
+        n = self.network.n_freedoms
+        return own.toarray(), np.array([one.toarray() for one in others]).reshape(-1, n, n)
+
+    def dense(self, k: Array) -> Complex:
+        """Return D(k) for wave vectors (n_k, 3), rad/m: (n_k, n_freedoms, n_freedoms), s^-2."""
+        own, others = self._dense
+        half = np.tensordot(np.exp(1j * k @ self.shifts.T), others, axes=1)
+        return np.asarray(own + half + half.conj().transpose(0, 2, 1))
+
+    def dense_slope(self, k: Array, axis: int) -> Complex:
+        """Return dD/dk along an axis: (n_k, n_freedoms, n_freedoms), m s^-2."""
+        _, others = self._dense
+        half = np.tensordot(1j * self.shifts[:, axis] * np.exp(1j * k @ self.shifts.T), others, axes=1)
+        return np.asarray(half + half.conj().transpose(0, 2, 1))
+
+    def matrix(self, k: Array) -> sparse.csr_array:
+        """Return D(k) of one wave vector (3,), rad/m, as a sparse matrix."""
+        own, others = self._scaled
+        found = own.astype(np.complex128)
+        for shift, one in zip(self.shifts, others, strict=True):
+            part = one * np.exp(1j * float(k @ shift))
+            found = found + part + part.conj().T
+        return found.tocsr()
+
+    def slope(self, k: Array, axis: int) -> sparse.csr_array:
+        """Return dD/dk along an axis at one wave vector, as a sparse matrix."""
+        own, others = self._scaled
+        found = sparse.csr_array(own.shape, dtype=np.complex128)
+        for shift, one in zip(self.shifts, others, strict=True):
+            part = one * (1j * shift[axis] * np.exp(1j * float(k @ shift)))
+            found = found + part + part.conj().T
+        return found.tocsr()
+
+
+def stiffness_of(network: Network) -> Stiffness:
+    """Assemble the stiffness of a network.
+
+    Raises
+    ------
+    InputError
+        Nothing in it can move.
+    """
+    if not network.n_freedoms:
+        raise InputError("found no grain that can move; take out [[hold]], or give other --directions")
+    springs = network.springs
+    first, second = _strains(network)
+    weights = [springs.stiffness, -springs.force / springs.distance, springs.tangential]
+    number = np.cumsum(network.moves.ravel()).reshape(network.moves.shape) - 1
+    number[~network.moves] = -1
+    n, n_periods = network.n_freedoms, len(network.periods)
+
+    def gathered(rows: NDArray[np.int64], columns: NDArray[np.int64], blocks: Array) -> sparse.csr_array:
+        row = np.repeat(number[rows], 6, axis=1).reshape(-1)
+        column = np.tile(number[columns], (1, 6)).reshape(-1)
+        kept = (row >= 0) & (column >= 0)
+        return sparse.coo_array((blocks.reshape(-1)[kept], (row[kept], column[kept])), shape=(n, n)).tocsr()
+
+    own = gathered(springs.first, springs.first, _block(first, first, weights))
+    own = own + gathered(springs.second, springs.second, _block(second, second, weights))
+    own = own + gathered(network.supports.grain, network.supports.grain, _of_supports(network))
+    between = _block(first, second, weights)
+    inside = ~springs.image.any(axis=1) if n_periods else np.ones(len(springs), dtype=bool)
+    coupled = gathered(springs.first[inside], springs.second[inside], between[inside])
+    own = own + coupled + coupled.T
+    images = np.unique(springs.image[~inside], axis=0) if n_periods else np.empty((0, 0), dtype=np.int64)
+    others = []
+    for image in images:
+        there = np.flatnonzero((springs.image == image).all(axis=1))
+        others.append(gathered(springs.first[there], springs.second[there], between[there]))
+    return Stiffness(network, own.tocsr(), images, tuple(others))
+
+
+def _of_supports(network: Network) -> Array:
+    """Stiffness of each contact with a wall: (n, 6, 6)."""
+    walls = network.supports
+    across = np.eye(3) - walls.normal[:, :, None] * walls.normal[:, None, :]
+    none = np.zeros_like(walls.normal)
+    stretch = np.concatenate([walls.normal, none], axis=1)[:, None, :]
+    turning = np.concatenate([walls.turning_direction, none], axis=1)[:, None, :]
+    slip = np.concatenate([across, -walls.lever[:, None, None] * _cross(walls.normal)], axis=2)
+    parts = [stretch, turning, slip]
+    return _block(parts, parts, [walls.stiffness, walls.turning, walls.tangential])

@@ -1,0 +1,1 @@
+"""Bands beside sources, closed forms and simulated waves."""

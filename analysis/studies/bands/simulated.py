@@ -1,0 +1,166 @@
+"""Bands of precompressed rows and packings beside the space-time transforms of their runs.
+
+A weak hit on the first bead or layer holds all frequencies. The velocities along the row, or of the layers, are
+transformed in space and time, and the ridges of the transform compared with the bands of the same static state.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from functools import cached_property
+
+import numpy as np
+
+from granwave.analysis.figures.series import panels
+from granwave.analysis.figures.style import Drawing
+from granwave.analysis.measures.line_of_grains import velocities_of_chain, velocities_of_layers
+from granwave.analysis.measures.signals import Array
+from granwave.analysis.measures.space_time import SpaceTime, space_time_transform
+from granwave.analysis.result.reader import Result
+from granwave.analysis.spectra.band_structure import BandStructure, band_structure
+from granwave.analysis.studies.bands.unrun import rows_of_scatter, rows_of_square
+from granwave.analysis.studies.runs import FinishedRun
+from granwave.analysis.studies.study import Picture, Row
+from granwave.lammps_inputs.errors import GranwaveError
+from granwave.lammps_inputs.lattices import KINDS
+
+TITLE = "Bands of precompressed packings, and the transforms of their runs"
+TEXT = (
+    "Bands from the springs of the static state (dynamical matrix), beside closed forms; and the places of the ridges "
+    "of the space-time transform of the velocities of each run. Wave numbers and speeds over places before the load."
+)
+_POINTS, _FREQUENCIES = 101, 601
+_SHARES = (0.3, 0.5, 0.7)  # of the zone, where ridges are read
+_SMALL = 0.1  # of omega alpha0: hits up to which contacts stay linear
+_STRONGEST = 0.05  # of the largest amplitude, for a ridge
+
+
+class Wave(FinishedRun):
+    """A run of a weak hit on an endless packing, seen along its line."""
+
+    @cached_property
+    def structure(self) -> BandStructure:
+        """Bands along z."""
+        spacing = 1.0 if self.case.packing.kind == "chain" else KINDS[self.case.packing.kind].layer_spacing
+        edge = math.pi / (spacing * self.case.packing.diameter)
+        return band_structure(self.case, f"0,0,0; 0,0,{edge!r}", points=_POINTS, allow_floppy=True)
+
+    @cached_property
+    def transform(self) -> SpaceTime:
+        """Transform of its velocities, over the zone of its line."""
+        with Result(self.directory) as result:
+            chain = self.case.packing.kind == "chain"
+            time, place, velocity = velocities_of_chain(result) if chain else velocities_of_layers(result)
+        top = 1.2 * float(np.nanmax(self.structure.bands.frequency))
+        k = np.linspace(0.02, 1, 99) * math.pi / float(np.diff(place).mean())
+        return space_time_transform(time, place, velocity, k, np.linspace(0, top, _FREQUENCIES))
+
+    @property
+    def label_of_kind(self) -> str:
+        """Name of the packing and of its load."""
+        stage, kind = self.case.precompression, KINDS[self.case.packing.kind].label
+        assert stage is not None
+        load = f"{stage.force:g} N" if stage.force is not None else f"{stage.pressure:.3g} Pa"
+        return f"{kind}{' of two materials' if self.case.replace else ''}, {load}"
+
+    def band_at(self, k: float, frequency: float) -> float:
+        """Frequency of the band along z that is nearest, Hz."""
+        bands = self.structure.bands
+        known = [np.interp(k, bands.path.k[:, 2], one) for one in bands.frequency.T if np.isfinite(one).all()]
+        return float(min(known, key=lambda one: abs(one - frequency)))
+
+
+def select(runs: Sequence[FinishedRun]) -> list[list[Wave]]:
+    """Chains of one or two sorts of beads and lattices with periodic sides, under a load along z, hit weakly."""
+    found = [run.seen_as(Wave) for run in runs if _fits(run)]
+    return [found] if found else []
+
+
+def _fits(run: FinishedRun) -> bool:
+    case = run.case
+    if case.precompression is None or case.precompression.kind != "uniaxial" or case.load.kind != "impact":
+        return False
+    if case.packing.kind != "chain" and (case.boundary.sides != "periodic" or not run.assembly.plain):
+        return False
+    try:
+        return run.seen_as(Wave).structure is not None
+    except GranwaveError:
+        return False
+
+
+def rows(runs: Sequence[Wave]) -> Iterator[Row]:
+    """Edges against closed forms, speeds, and ridges against bands."""
+    for run in runs:
+        yield from _closed_forms(run)
+        structure = run.structure
+        if len(structure.speeds) and run.case.packing.kind != "chain":
+            quantity = f"Speed of long waves along the stacking, {run.label_of_kind}"
+            yield Row(quantity, "m/s", None, _speed(run), "dynamical matrix", "", float(structure.speeds[-1]))
+        ridge = run.transform.ridge(_STRONGEST)
+        for share in _SHARES:
+            at = int(np.argmin(np.abs(run.transform.k - share * run.transform.k[-1])))
+            if np.isfinite(ridge[at]):
+                theirs = run.band_at(float(run.transform.k[at]), float(ridge[at]))
+                quantity = f"Ridge of the transform at {share:g} of the zone, {run.label_of_kind}"
+                yield Row(quantity, "Hz", None, float(ridge[at]), "dynamical matrix", "", theirs)
+
+    lattice = next((run.case for run in runs if run.case.packing.kind == "fcc"), None)
+    if lattice is not None:
+        yield from rows_of_square(lattice)
+        yield from rows_of_scatter(lattice)
+
+
+def _closed_forms(run: Wave) -> Iterator[Row]:
+    """Edges of the chains of one and of two masses."""
+    network, edges = run.structure.state.network, run.structure.edges
+    if run.case.packing.kind != "chain" or network.n_grains > 2:
+        return
+    stiffness, mass = float(network.springs.stiffness[0]), network.mass
+    if network.n_grains == 1:
+        known = {"Cut-off, 2 sqrt(k/m)": (edges[0, 1], 2 * math.sqrt(stiffness / mass[0]))}
+    elif np.ptp(network.springs.stiffness) < 1e-9 * stiffness:
+        known = {
+            "Top of the acoustic band, sqrt(2 k/M)": (edges[0, 1], math.sqrt(2 * stiffness / mass.max())),
+            "Bottom of the optical band, sqrt(2 k/m)": (edges[1, 0], math.sqrt(2 * stiffness / mass.min())),
+            "Top of the optical band, sqrt(2 k (1/m + 1/M))": (
+                edges[1, 1],
+                math.sqrt(2 * stiffness * (1 / mass).sum()),
+            ),
+        }
+    else:
+        return
+    for name, (ours, theory) in known.items():
+        yield Row(f"{name}, {run.label_of_kind}", "Hz", None, float(ours), "", "", theory / (2 * math.pi), True)
+
+
+def _speed(run: Wave) -> float:
+    """Speed of long waves by the crests of the layers, m/s."""
+    from granwave.analysis.measures.precompressed.line_waves import speed_along_layers
+    from granwave.analysis.measures.precompressed.loaded_line import line_of
+    from granwave.lammps_inputs.contact.law import sphere_contact
+
+    with Result(run.directory) as result:
+        return speed_along_layers(result, line_of(run.case, sphere_contact(run.case)))
+
+
+def pictures(runs: Sequence[Wave]) -> Iterator[Picture]:
+    """Transforms with the bands over them, a panel for each run."""
+    for number, run in enumerate(runs, start=1):
+        figure, axes = panels(2.6)
+        found, bands = run.transform, run.structure.bands
+        scale = found.k[-1] / np.pi
+        level = np.maximum(20 * np.log10(np.maximum(found.amplitude, 1e-6)), -60)
+        image = axes.pcolormesh(
+            found.k / scale / np.pi, 1e-3 * found.frequency, level, cmap="Greys", rasterized=True, shading="nearest"
+        )
+        figure.colorbar(image, ax=axes, label="Amplitude (dB)")
+        columns: dict[str, Array] = {"k_rad_per_m": found.k, "ridge_Hz": found.ridge(_STRONGEST)}
+        columns["band_k_rad_per_m"] = bands.path.k[:, 2]
+        for n, one in enumerate(bands.frequency.T, start=1):
+            axes.plot(bands.path.k[:, 2] / scale / np.pi, 1e-3 * one, color="#D55E00", lw=0.8, ls="--")
+            columns[f"band{n}_Hz"] = one
+        axes.set(xlabel="Wave number (π/spacing)", ylabel="Frequency (kHz)", xlim=(0, 1), ylim=(0, None))
+        axes.set_title(run.label_of_kind)
+        name = f"_transform_{number}"
+        yield Picture(name, f"Space-time transform and bands (dashed): {run.label_of_kind}", Drawing(figure, columns))

@@ -1,0 +1,114 @@
+"""Modes and transmission of finite packings against closed forms; states of cases and of runs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from granwave.analysis.spectra.modes import solve_modes
+from granwave.analysis.spectra.network import Network, Springs
+from granwave.analysis.spectra.states import packing_state
+from granwave.analysis.spectra.stiffness import stiffness_of
+from granwave.analysis.spectra.transmission import transmission
+from granwave.lammps_inputs.errors import InputError
+from tests.helpers.springs import endless
+
+AXIAL = {"kind": "uniaxial", "force": 20.0}
+
+
+def chain(n: int, bottom: str = "fixed", **tables):
+    return packing_state(endless("chain", n, AXIAL, boundary={"bottom": bottom}, **tables))
+
+
+def test_modes_of_a_chain_with_one_end_held():
+    """omega = 2 sqrt(k/m) sin((2 j - 1) pi/(2 (2 n + 1))) of n beads that move."""
+    network = chain(13).network
+    modes = solve_modes(stiffness_of(network))
+    n, unit = 12, np.sqrt(network.springs.stiffness[0] / network.mass[0])
+    expected = 2 * unit * np.sin((2 * np.arange(1, n + 1) - 1) * np.pi / (2 * (2 * n + 1)))
+    np.testing.assert_allclose(2 * np.pi * modes.frequency, expected, rtol=1e-8)
+    # sin^2 along the chain: (sum s^2)^2/(n sum s^4) with the means 1/2 and 3/8 over whole periods
+    np.testing.assert_allclose(modes.participation, 2 / 3 * (2 * n + 1) / (2 * n), rtol=1e-6)
+    assert np.trapezoid(modes.density, modes.density_frequency) == pytest.approx(1, abs=0.25)
+    step = np.diff(modes.density_frequency)[0]
+    assert modes.density.sum() * step == pytest.approx(1, rel=1e-9)
+
+
+def test_density_of_states_of_many(monkeypatch):
+    """By moments it is that of all modes, smoothed: the same share below a frequency."""
+    state = packing_state(
+        endless("fcc", [6, 6, 6], {"kind": "uniaxial", "pressure": 1e6}, boundary={"sides": "periodic"})
+    )
+    stiffness = stiffness_of(state.network.turned_off("z"))
+    every = solve_modes(stiffness)
+    monkeypatch.setattr("granwave.analysis.spectra.modes.ALL_UP_TO", 0)
+    some = solve_modes(stiffness, 5)
+    np.testing.assert_allclose(some.frequency, every.frequency[:5], rtol=1e-7)
+    for share in (0.25, 0.5, 0.75):
+        limit = np.quantile(every.frequency, share)
+        below = some.density_frequency < limit
+        found = some.density[below].sum() * np.diff(some.density_frequency)[0]
+        assert found == pytest.approx(share, abs=0.05)
+
+
+def test_transmission_of_a_chain():
+    """u_n/u_1 = cos((N + 1/2 - n) q)/cos((N - 1/2) q) with a free end; here held: sines, 2 - 2 cos q = m omega^2/k."""
+    network = chain(11).network
+    frequency = np.linspace(200, 18000, 23)
+    found = transmission(stiffness_of(network), 1, [4, 9], frequency)
+    unit = np.sqrt(network.springs.stiffness[0] / network.mass[0])
+    q = np.arccos((1 - (2 * np.pi * frequency / unit) ** 2 / 2).astype(complex))
+    for column, bead in enumerate((4, 9)):
+        np.testing.assert_allclose(found.ratio[:, column], np.sin((11 - bead) * q) / np.sin(10 * q), rtol=1e-6)
+
+
+def test_matched_end_and_layer_do_not_reflect():
+    """All beads move alike, and the phase is that of the wave; a matched end is exact, to the highest frequencies."""
+    network = chain(160, "wall").network
+    for end, tolerance, frequency in (
+        ("matched", 1e-6, np.array([500.0, 5000.0, 15000.0])), ("layer:80", 0.03, np.array([1500.0, 6000.0])),
+    ):  # fmt: skip
+        q = 2 * np.arcsin(np.pi * frequency / np.sqrt(network.springs.stiffness[0] / network.mass[0]))
+        found = transmission(stiffness_of(network), 1, [20, 50], frequency, end=end)
+        np.testing.assert_allclose(found.amplitude, 1, atol=tolerance)
+        late = (found.phase + np.outer(q, [19, 49]) + np.pi) % (2 * np.pi) - np.pi
+        np.testing.assert_allclose(late, 0, atol=tolerance)
+    still = transmission(stiffness_of(network), 1, [20], frequency)
+    assert np.abs(still.amplitude - 1).max() > 0.1
+
+
+def test_turning_as_a_whole_costs_nothing():
+    """Grains with tangential springs that turn together as a rigid body; the static force turns with them."""
+    rng = np.random.default_rng(2)
+    place = rng.normal(size=(5, 3))
+    first, second = np.triu_indices(5, 1)
+    step = place[second] - place[first]
+    length = np.linalg.norm(step, axis=1)
+    share = rng.uniform(0.2, 0.8, len(first))
+    springs = Springs(
+        first, second, np.empty((len(first), 0), dtype=int), step / length[:, None], length, np.zeros(len(first)),
+        rng.uniform(1, 2, len(first)), rng.uniform(1, 2, len(first)),
+        np.stack([share * length, (1 - share) * length], axis=1),
+    )  # fmt: skip
+    ones, free = np.ones(5), np.ones((5, 6), dtype=bool)
+    matrix = stiffness_of(Network(np.arange(1, 6), place, ones, ones, free, np.empty((0, 3)), springs)).own.toarray()
+    for axis in np.eye(3):
+        whole = np.hstack([np.cross(axis, place), np.tile(axis, (5, 1))]).ravel()
+        shift = np.hstack([np.tile(axis, (5, 1)), np.zeros((5, 3))]).ravel()
+        assert np.abs(matrix @ whole).max() < 1e-12 and np.abs(matrix @ shift).max() < 1e-12
+    assert np.linalg.matrix_rank(matrix, tol=1e-9) == 24
+
+
+@pytest.mark.parametrize(
+    ("drive", "sensors", "end", "message"),
+    [
+        (13, [1], "", "found 13, expected an id from 1 to 12"),
+        (12, [1], "", "grain 12 is held along z"),
+        (1, [12], "", "--sensor: grain 12 is held"),
+        (1, [2], "soft", "found 'soft', expected"),
+        (1, [2], "layer:40", "the end reaches the drive"),
+    ],
+)
+def test_wrong_places(drive, sensors, end, message):
+    with pytest.raises(InputError, match=message):
+        transmission(stiffness_of(chain(12).network), drive, sensors, np.array([100.0]), end=end)

@@ -1,0 +1,98 @@
+"""The commands bands, modes and transmission: files, terminal, exit status; the same in Python."""
+
+from __future__ import annotations
+
+import csv
+import json
+
+import h5py
+import numpy as np
+import pytest
+
+import granwave as gw
+from granwave.workflows.cli.parser import main
+
+ROW = """
+name = "row"
+material = "brass"
+[packing]
+kind = "chain"
+size = 12
+diameter = 0.01
+[contact]
+law = "hertz"
+[precompression]
+kind = "uniaxial"
+force = 20.0
+"""
+
+
+@pytest.fixture
+def row(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "row.toml").write_text(ROW)
+    return tmp_path
+
+
+def test_files_of_all_three_share_a_directory(row, capsys):
+    assert main(["bands", "row.toml", "-o", "out", "--points", "5", "--json"]) == 0
+    printed = json.loads(capsys.readouterr().out)
+    assert printed == json.loads((row / "out" / "bands.json").read_text())
+    assert main(["modes", "row.toml", "-o", "out", "--no-figures"]) == 0
+    frequencies = ["--frequencies", "500:20000:4"]
+    assert main(["transmission", "row.toml", "--drive", "1", "--sensor", "4,8", *frequencies, "-o", "out"]) == 0
+    with (row / "out" / "bands.csv").open() as file:
+        table = list(csv.DictReader(file))
+    assert list(table[0]) == ["distance", "kx", "ky", "kz", "f1_Hz"] and len(table) == 5
+    assert float(table[-1]["f1_Hz"]) == pytest.approx(printed["highest_frequency_Hz"], rel=1e-8)
+    with (row / "out" / "transmission.csv").open() as file:
+        table = list(csv.DictReader(file))
+    assert list(table[0]) == ["frequency_Hz", "sensor", "amplitude_ratio", "phase_rad"] and len(table) == 8
+    with h5py.File(row / "out" / "spectra.h5") as file:
+        assert {"bands", "modes", "transmission"} == set(file)
+        assert file["bands/frequency"].attrs["unit"] == "Hz" and file["modes/frequency"].shape == (12,)
+        assert file["bands/springs/force"][0] == pytest.approx(20)
+    assert {"bands.png", "bands.pdf", "transmission.csv"} <= {one.name for one in (row / "out" / "figures").iterdir()}
+    assert main(["bands", "row.toml", "-o", "out"]) == 2
+    assert "already holds results (bands.csv)" in capsys.readouterr().err
+    assert main(["bands", "row.toml", "-o", "out", "--force", "--no-figures"]) == 0
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["bands", "fcc-small"], "precompression: missing"),
+        (["bands", "row.toml", "--path", "G-Q"], "--path: found the point Q, expected one of G, X"),
+        (["bands", "row.toml", "--directions", "w"], '--directions: found "w"'),
+        (["bands", "row.toml", "--plane", "zz"], '--plane: found "zz"'),
+        (["bands", "row.toml", "--set", "precompression.force=-1"], "precompression.force"),
+        (["bands", "precompressed-fcc"], "the static state is not rigid: 1 of 3 modes"),
+        (["bands", "row.toml", "--set", "packing.seed=1", "--set", "packing.diameter_scatter=1e-6"], "repeat no seq"),
+        (["modes", "row.toml", "--directions", "x"], "found no grain that can move"),
+        (["transmission", "row.toml", "--drive", "99", "--sensor", "2", "--frequencies", "100"], "--drive: found 99"),
+        (["run", "row.toml", "--set", "boundary.bottom=periodic"], "an endless packing has bands"),
+    ],
+)
+def test_wrong_input(row, capsys, words, message):
+    assert main(words) == 2
+    err = capsys.readouterr().err
+    assert message in err and len(err.splitlines()) == 1
+    assert [one.name for one in row.iterdir()] == ["row.toml"]
+
+
+def test_python_gives_datasets(row):
+    bands = gw.bands("row.toml", path=[[0, 0, 0], [0, 0, 314.159265]], points=3)
+    assert bands.frequency.dims == ("point", "band") and bands.frequency.attrs["units"] == "Hz"
+    np.testing.assert_allclose(bands.k.values[-1], [0, 0, 314.159265])
+    assert gw.modes("row.toml").sizes["mode"] == 12
+    through = gw.transmission("row.toml", drive=1, sensors=[5], frequencies=[100.0], end="matched")
+    assert float(through.amplitude_ratio[0, 0]) == pytest.approx(1, rel=1e-6)
+
+
+def test_a_finished_run_serves_as_a_case(row, capsys):
+    """The state that its static stage left; bands, and modes with its wall, as computed from the case."""
+    run = gw.run("row.toml", run__end_time=2e-6, run__frames=2, load__velocity=1e-3, progress=False)
+    np.testing.assert_allclose(gw.bands(run).frequency, gw.bands("row.toml").frequency, rtol=1e-6)
+    np.testing.assert_allclose(gw.modes(run).frequency, gw.modes("row.toml").frequency, rtol=1e-6)
+    assert main(["bands", str(run.directory), "--set", "packing.size=3"]) == 2
+    assert "which is done" in capsys.readouterr().err

@@ -1,0 +1,203 @@
+"""Small waves about a static state in Python: bands, modes, transmission."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from granwave.analysis.notebook.run import Run
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.errors import InputError
+from granwave.workflows.python.inputs import CaseLike, home, read_case
+from granwave.workflows.python.words import words_of_python
+from granwave.workflows.solvers import GRANULAR
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+
+def bands(
+    source: CaseLike,
+    changes: Mapping[str, Any] | None = None,
+    /,
+    *,
+    path: str | ArrayLike = "",
+    points: int = 61,
+    n_bands: int | None = None,
+    directions: str = "",
+    plane: str = "",
+    allow_floppy: bool = False,
+    directory: str | Path | None = None,
+    force: bool = False,
+    **keys: Any,
+) -> Dataset:
+    """Find the bands of an endless packing under its static load.
+
+    Parameters
+    ----------
+    source, changes, keys
+        The case, as in `case`; a `Run`, whose static state is then taken from its results.
+    path
+        Names of points, ``"G-X-M-G"``, or wave vectors, (n, 3), rad/m; by default the standard path of the cell.
+    points
+        Wave vectors of each stretch.
+    n_bands
+        How many bands; by default all of a small cell, 30 of a large one.
+    directions
+        Directions in which grains move, of "xyz"; by default those of the packing.
+    plane
+        Plane of slowness and equal-frequency curves: xy, xz or yz.
+    allow_floppy
+        Go on where grains can move without resistance; such frequencies are NaN.
+    directory
+        Directory of the results, as of ``granwave bands``; by default nothing is written.
+    force
+        Replace existing results.
+
+    Returns
+    -------
+    xarray.Dataset
+        See `granwave.analysis.notebook.spectra.bands`.
+
+    Raises
+    ------
+    InputError
+        The case is wrong, does not repeat, bears no load or is not rigid.
+    """
+    from granwave.analysis.notebook import spectra
+    from granwave.workflows.spectra import commands
+
+    if not isinstance(path, str):
+        path = "; ".join(",".join(repr(float(one)) for one in row) for row in np.atleast_2d(path))
+    with words_of_python():
+        found, _ = commands.bands(
+            _source(source, changes, keys),
+            None if directory is None else Path(home(directory)),
+            path,
+            points=points,
+            n_bands=n_bands,
+            directions=directions,
+            plane=plane,
+            allow_floppy=allow_floppy,
+            force=force,
+        )
+    return spectra.bands(found)
+
+
+def modes(
+    source: CaseLike,
+    changes: Mapping[str, Any] | None = None,
+    /,
+    *,
+    n_modes: int | None = None,
+    directions: str = "",
+    allow_floppy: bool = False,
+    directory: str | Path | None = None,
+    force: bool = False,
+    **keys: Any,
+) -> Dataset:
+    """Find the modes of a finite packing under its static load.
+
+    Parameters
+    ----------
+    source, changes, keys, directions, allow_floppy, directory, force
+        As in `bands`.
+    n_modes
+        How many modes; by default all of a small packing, 60 of a large one.
+
+    Returns
+    -------
+    xarray.Dataset
+        See `granwave.analysis.notebook.spectra.modes`.
+
+    Raises
+    ------
+    InputError
+        As of `bands`.
+    """
+    from granwave.analysis.notebook import spectra
+    from granwave.workflows.spectra import commands
+
+    with words_of_python():
+        found, _ = commands.modes(
+            _source(source, changes, keys),
+            None if directory is None else Path(home(directory)),
+            n_modes=n_modes,
+            directions=directions,
+            allow_floppy=allow_floppy,
+            force=force,
+        )
+    return spectra.modes(found.state, found.modes)
+
+
+def transmission(
+    source: CaseLike,
+    changes: Mapping[str, Any] | None = None,
+    /,
+    *,
+    drive: int,
+    sensors: int | Sequence[int],
+    frequencies: ArrayLike,
+    axis: str = "",
+    end: str = "",
+    directions: str = "",
+    directory: str | Path | None = None,
+    force: bool = False,
+    **keys: Any,
+) -> Dataset:
+    """Find the steady response of a finite packing to a grain that is moved.
+
+    Parameters
+    ----------
+    source, changes, keys, directions, directory, force
+        As in `bands`.
+    drive, sensors
+        Ids of the grain that is moved, and of those that are watched.
+    frequencies
+        (n,), Hz.
+    axis
+        Direction of the motions, x, y or z; by default z.
+    end
+        Far end: ``reflecting``, ``matched`` or ``layer:N``.
+
+    Returns
+    -------
+    xarray.Dataset
+        See `granwave.analysis.notebook.spectra.transmission`.
+
+    Raises
+    ------
+    InputError
+        As of `bands`; or a grain is not there or cannot move.
+    """
+    from granwave.analysis.notebook import spectra
+    from granwave.workflows.spectra import commands
+
+    with words_of_python():
+        found, state, _ = commands.steady(
+            _source(source, changes, keys),
+            None if directory is None else Path(home(directory)),
+            drive=drive,
+            sensors=[sensors] if isinstance(sensors, int) else list(sensors),
+            frequency=np.atleast_1d(np.asarray(frequencies, dtype=float)),
+            axis=axis,
+            end=end,
+            directions=directions,
+            force=force,
+        )
+    return spectra.transmission(state, found)
+
+
+def _source(source: CaseLike, changes: Mapping[str, Any] | None, keys: Mapping[str, Any]) -> Case | Path:
+    """Return the case, or the directory of the run."""
+    if isinstance(source, Run) and not changes and not keys:
+        return source.directory
+    found, kind = read_case(source, changes, keys)
+    if kind is not GRANULAR:
+        raise InputError(f"{found.name}: found a continuum case, expected a packing")
+    case: Case = found
+    return case

@@ -1,0 +1,1 @@
+"""Bands, modes and transmission: computed, and written to a directory."""

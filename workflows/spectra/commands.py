@@ -1,0 +1,256 @@
+"""Bands, modes and transmission of a case or of a finished run, with their files."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from granwave.analysis.spectra import files
+from granwave.analysis.spectra.band_structure import POINTS, BandStructure, band_structure
+from granwave.analysis.spectra.modes import Modes, solve_modes
+from granwave.analysis.spectra.network import Array
+from granwave.analysis.spectra.states import State, packing_state
+from granwave.analysis.spectra.stiffness import stiffness_of
+from granwave.analysis.spectra.transmission import Transmission, transmission
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.run_directory import RESULT_FILE
+from granwave.workflows.spectra.output import Figures, check_place, write_output
+
+_BANDS, _MODES, _TRANSMISSION = "bands", "modes", "transmission"
+_FREQUENCIES = 400  # between the lowest and highest mode, where none are given
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Finite:
+    """Modes of a finite packing, with its state."""
+
+    state: State
+    modes: Modes
+
+    def summary(self) -> dict[str, Any]:
+        """Return the values of modes.json."""
+        frequency = self.modes.frequency
+        above = frequency[frequency > 0]
+        return {
+            "name": self.state.name,
+            "kind": "modes",
+            "source": self.state.source,
+            "n_grains": self.state.network.n_grains,
+            "n_contacts": len(self.state.network.springs),
+            "n_wall_contacts": len(self.state.network.supports),
+            "n_left_out": len(self.state.network.left_out),
+            "n_freedoms": self.state.network.n_freedoms,
+            "n_modes": len(frequency),
+            "n_floppy": self.modes.n_floppy,
+            "lowest_frequency_Hz": float(above.min()) if len(above) else None,
+            "highest_frequency_Hz": float(np.nanmax(frequency)) if self.modes.complete else None,
+            "least_participation_ratio": float(self.modes.participation.min()),
+            "static_residual": self.state.residual,
+        }
+
+
+def bands(
+    source: Case | Path,
+    directory: Path | None,
+    path: str = "",
+    *,
+    points: int = POINTS,
+    n_bands: int | None = None,
+    directions: str = "",
+    plane: str = "",
+    allow_floppy: bool = False,
+    force: bool = False,
+    figures: bool = True,
+) -> tuple[BandStructure, list[Path]]:
+    """Find the bands of an endless packing and write them; see `band_structure`.
+
+    Parameters
+    ----------
+    directory
+        Directory of the results; None: nothing is written.
+
+    Returns
+    -------
+    BandStructure, list of Path
+        The bands, and the files.
+    """
+    place = None if directory is None else check_place(directory, _BANDS, force=force)
+    found = band_structure(
+        source, path, points=points, n_bands=n_bands, directions=directions, plane=plane, allow_floppy=allow_floppy
+    )
+    if place is None:
+        return found, []
+    way = found.bands.path
+    columns: dict[str, Any] = {"distance": way.distance}
+    columns |= {name: one for name, one in zip(("kx", "ky", "kz"), way.k.T, strict=True)}
+    columns |= {f"f{n}_Hz": one for n, one in enumerate(found.bands.frequency.T, start=1)}
+    drawn: Figures = {}
+    if figures:
+        from granwave.analysis.figures.spectra import bands as draw  # the drawing library takes a second to load
+
+        drawn = {
+            "bands": lambda: draw.band_diagram(found),
+            "group_velocity": lambda: draw.group_velocities(found),
+            "slowness": lambda: draw.slowness_curves(found),
+            "equal_frequency": lambda: draw.equal_frequency_curves(found),
+            "mode_shapes": lambda: draw.mode_shapes(found),
+        }
+    tables = files.tables_of_bands(found)
+    return found, write_output(place, _BANDS, found.state, tables, columns, found.summary(), drawn)
+
+
+def modes(
+    source: Case | Path,
+    directory: Path | None,
+    *,
+    n_modes: int | None = None,
+    directions: str = "",
+    allow_floppy: bool = False,
+    force: bool = False,
+    figures: bool = True,
+) -> tuple[Finite, list[Path]]:
+    """Find the modes of a finite packing and write them.
+
+    Parameters
+    ----------
+    directory
+        As in `bands`.
+    n_modes
+        How many; None: all of a small packing, 60 of a large one.
+    allow_floppy
+        True to go on where motions meet no resistance.
+
+    Raises
+    ------
+    InputError
+        The packing bears no load, or is not rigid.
+    """
+    place = None if directory is None else check_place(directory, _MODES, force=force)
+    state = _finite(source, directions)
+    found = Finite(state, solve_modes(stiffness_of(state.network), n_modes))
+    if found.modes.n_floppy and not allow_floppy:
+        raise InputError(
+            f"{state.name}: the static state is not rigid: {found.modes.describe_floppy()}; friction, a load from all "
+            "sides, --directions or [[hold]] makes it so, and --allow-floppy goes on"
+        )
+    if place is None:
+        return found, []
+    columns = {
+        "mode": np.arange(1, len(found.modes.square) + 1),
+        "frequency_Hz": found.modes.frequency,
+        "participation_ratio": found.modes.participation,
+    }
+    drawn: Figures = {}
+    if figures:
+        from granwave.analysis.figures.spectra import finite as draw
+
+        drawn = {
+            "density_of_states": lambda: draw.density_of_states(found.modes),
+            "participation": lambda: draw.participation(found.modes),
+        }
+    tables = files.tables_of_modes(state, found.modes)
+    return found, write_output(place, _MODES, state, tables, columns, found.summary(), drawn)
+
+
+def steady(
+    source: Case | Path,
+    directory: Path | None,
+    *,
+    drive: int,
+    sensors: Sequence[int],
+    frequency: Array,
+    axis: str = "",
+    end: str = "",
+    directions: str = "",
+    force: bool = False,
+    figures: bool = True,
+) -> tuple[Transmission, State, list[Path]]:
+    """Find the steady transmission between grains of a finite packing and write it.
+
+    Parameters
+    ----------
+    directory
+        As in `bands`.
+    frequency
+        (n,), Hz.
+    axis
+        Direction of drive and sensors; empty for z, or x in a packing of one layer.
+    """
+    place = None if directory is None else check_place(directory, _TRANSMISSION, force=force)
+    if not len(frequency) or not np.isfinite(frequency).all() or (frequency < 0).any():
+        raise InputError("--frequencies: expected numbers from 0 up (Hz)")
+    state = _finite(source, directions)
+    axis = axis or ("z" if state.network.moves[:, 2].any() else "x")
+    if axis not in ("x", "y", "z"):
+        raise InputError(f'--axis: found "{axis}", expected x, y or z')
+    found = transmission(stiffness_of(state.network), drive, sensors, frequency, axis=axis, end=end)
+    if place is None:
+        return found, state, []
+    n = len(found.sensors)
+    columns = {
+        "frequency_Hz": np.repeat(found.frequency, n),
+        "sensor": np.tile(np.array(found.sensors), len(found.frequency)),
+        "amplitude_ratio": found.amplitude.ravel(),
+        "phase_rad": found.phase.ravel(),
+    }
+    drawn: Figures = {}
+    if figures:
+        from granwave.analysis.figures.spectra import finite as draw
+
+        drawn = {"transmission": lambda: draw.transmission_curve(found)}
+    tables = files.tables_of_transmission(state, found)
+    summary = transmission_summary(state, found)
+    return found, state, write_output(place, _TRANSMISSION, state, tables, columns, summary, drawn)
+
+
+def transmission_summary(state: State, found: Transmission) -> dict[str, Any]:
+    """Return the values of transmission.json."""
+    return {
+        "name": state.name,
+        "kind": "transmission",
+        "source": state.source,
+        "n_grains": state.network.n_grains,
+        "n_contacts": len(state.network.springs),
+        "n_left_out": len(state.network.left_out),
+        "drive": found.drive,
+        "sensors": list(found.sensors),
+        "axis": found.axis,
+        "end": found.end,
+        "lowest_frequency_Hz": float(found.frequency.min()),
+        "highest_frequency_Hz": float(found.frequency.max()),
+        "largest_amplitude_ratio": found.amplitude.max(axis=0).tolist(),
+    }
+
+
+def source_of(text: str, overrides: Sequence[str]) -> Case | Path:
+    """Return the case of this name or file, or the directory of a finished run.
+
+    Raises
+    ------
+    InputError
+        There is none, or keys are set for a run, whose case is what it was.
+    """
+    from granwave.workflows import library
+
+    path = Path(text)
+    if path.is_dir() and (path / RESULT_FILE).is_file():
+        if overrides:
+            raise InputError(
+                f"--set: found {overrides[0]} for the run {text}, which is done; give a case to change keys"
+            )
+        return path
+    return library.load_case(text, overrides)
+
+
+def _finite(source: Case | Path, directions: str) -> State:
+    if set(directions) - set("xyz"):
+        raise InputError(f'--directions: found "{directions}", expected some of the letters x, y and z')
+    state = packing_state(source)
+    if not directions:
+        return state
+    return dataclasses.replace(state, network=state.network.turned_off(directions))
