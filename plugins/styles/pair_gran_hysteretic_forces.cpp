@@ -218,9 +218,8 @@ void PairGranHysteretic::compute_viscous(Batch &batch)
     }
     double stiffness = p.contact.is_hertzian() ? 1.5 * force / overlap : p.contact.hertz_stiffness(overlap);
     if (p.contact.yielded(c.peak[k]))
-      stiffness = overlap >= c.peak[k]
-                      ? p.contact.tangent_stiffness(overlap, law_history(k))
-                      : p.contact.tangent_stiffness(overlap, c.turnings[cached_turning(k, p.contact)]);
+      stiffness = overlap >= c.peak[k] ? p.contact.tangent_stiffness(overlap, law_history(k))
+                                       : p.contact.tangent_stiffness(overlap, c.turnings[cached_turning(k, p.contact)]);
     // the body of a flat face is much heavier than the sphere
     const double effective_mass = p.radius_i == 0.0   ? mass[j]
                                   : p.radius_j == 0.0 ? mass[i]
@@ -290,8 +289,7 @@ void PairGranHysteretic::tally(const Batch &batch, Tally what)
     }
     const PairParameters &p = *batch.pair[m];
     const double peak = contacts.peak[batch.k[m]], overlap = batch.overlap[m];
-    double elastic =
-        has_loss || !p.contact.is_hertzian() ? p.contact.hertz_energy(overlap) : 0.4 * batch.force[m] * overlap;
+    double elastic = has_loss || !p.contact.is_hertzian() ? p.contact.hertz_energy(overlap) : 0.4 * batch.force[m] * overlap;
     if (p.contact.yielded(peak))
       elastic = p.contact.elastic_energy(overlap, contacts.turnings[cached_turning(batch.k[m], p.contact)]);
     ev_tally_xyz(batch.i[m], batch.j[m], nlocal, 0, elastic, 0.0, fx, fy, fz, delx, dely, delz);
