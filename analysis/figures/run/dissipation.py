@@ -79,7 +79,7 @@ def dissipation_cumulated(result: Result) -> Drawing | None:
         own, spheres = cumulated(share, result.energy_input, volumes)
         last = int(np.searchsorted(own, _SHOWN_SHARE * own[-1])) + 1 if len(own) else 0
         axes.plot(own[:last], spheres[:last], line, color=colour, label=part)
-        top = max(top, *spheres[:last][-1:])
+        top = max([top, *spheres[:last][-1:]])
         columns |= {f"{part}_over_input": own, f"{part}_volume_over_sphere_volume": spheres}
     if axes.get_legend_handles_labels()[0]:
         axes.legend(loc="best")
