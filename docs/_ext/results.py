@@ -68,6 +68,7 @@ SUITES = {
     "confined": Suite("Confined rows", "scan", ("confined",)),
     "lateral": Suite("Plane crystals between walls", "scan", ("lateral",)),
     "filter": Suite("A row that filters waves", "scan", ("filter",)),
+    "filter-maps": Suite("The filter over diameter, length and approach", "scan", ("filter-maps",)),
     "switch": Suite("A row that switches", "scan", ("switch",)),
     "interstitial-fcc": Suite("Small grains in the holes of a packing", "scan", ("interstitial-fcc",)),
     "granular-continuum": Suite("Packings beside a continuum", "scan", ("granular-continuum",)),
