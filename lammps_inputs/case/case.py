@@ -171,7 +171,7 @@ class Case:
         tables = _plain(self)
         if self.figures == Figures():
             del tables[FIGURES_TABLE]
-        if self.contact.line == "auto":
+        if self.contact.line == Contact.line:
             del tables["contact"]["line"]
         tables["packing"] = _plain(self.packing.keys())
         tables["load"] = _plain(self.load.keys())

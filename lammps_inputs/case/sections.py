@@ -39,7 +39,8 @@ BOTTOMS = ("wall", "fixed", "free", "periodic")
 ALL_LAWS = _contact_laws.LAWS  # contact laws of the plugin, by name
 LAWS = {name: law for name, law in ALL_LAWS.items() if not law.is_power}  # those of two materials
 NO_FORCE = "none"  # law of materials whose grains do not touch each other
-LINES = ("auto", "half-space", "plane-strain")
+LINES = ("half-space", "plane-strain")
+LINE = "line"  # law of crystals of cylinders alone: Hertz's, with lines in plane strain
 LAW_CONSTANTS = tuple(_contact_laws.LAW_CONSTANTS)  # names of the constants of the elasto-plastic law
 AUTO_END_TIME = 5e-3  # s, upper limit of `end_time = "auto"`
 ENERGY_TOLERANCE = 3e-6  # default of `run.energy_tolerance`
@@ -168,7 +169,11 @@ class Dents:
 class Contact:
     """``[contact]``: contact law and friction."""
 
-    law: str = choice("contact law", tuple(ALL_LAWS), default="elastoplastic")
+    law: str = choice(
+        'contact law; "line" is "hertz" with line = "plane-strain", for cylinders alone',
+        (*ALL_LAWS, LINE),
+        default="elastoplastic",
+    )
     variant: Literal["continuous", "published"] = choice(
         "constants of the elasto-plastic law: made continuous, or as printed",
         ("continuous", "published"),
@@ -180,9 +185,10 @@ class Contact:
     constant: float | None = number("law power: K of F = K overlap^p, N/m^p", above=0, default=None)
     exponent: float | None = number("law power: p", at_least=1, default=None)
     line: str = choice(
-        "law of a cylinder on a plane: half-space, or plane strain; auto: plane strain if all grains are cylinders",
+        "contact along a line, of a cylinder on a plane or beside another: with bodies that give way over its length "
+        "(half-space), or in plane strain",
         LINES,
-        default="auto",
+        default="half-space",
     )
     beta: float = number("bilinear law: residual overlap over the largest overlap", at_least=0, below=1, default=0.8)
     friction: float = number(
@@ -223,6 +229,12 @@ class Contact:
     unloading_exponent: float | None = number(
         "n of f = f_max ((a - a_R)/(a_max - a_R))^n; 1.35 (thesis 2.12)", at_least=1, default=None
     )
+
+    def __post_init__(self) -> None:
+        """Take the law of lines for what it is."""
+        if self.law == LINE:
+            object.__setattr__(self, "law", "hertz")
+            object.__setattr__(self, "line", "plane-strain")
 
     @property
     def constants(self) -> dict[str, float]:

@@ -81,7 +81,7 @@ def law_between(
     shapes
         Shapes of the bodies; None for spheres and flats.
     plane_strain
-        True if a cylinder on a flat is in plane strain, False if on a half-space.
+        True if contacts along lines are in plane strain, False if bodies are half-spaces.
     """
     bodies = [(one.youngs_modulus, one.poisson_ratio, one.yield_strength or math.inf) if one else _RIGID
               for one in materials]  # fmt: skip
@@ -117,8 +117,10 @@ def _of_cylinders(
             return {"line": LineContact.plane_strain(**bodies, radius=radii, length=length)}
         return {"line": LineContact(**bodies, diameter=2 * radii[0], length=length)}
     pair = cylinder_pair(*shapes)
-    if pair.parallel:
+    if pair.parallel and plane_strain:
         return {"line": LineContact.plane_strain(**bodies, radius=radii, length=pair.length)}
+    if pair.parallel:
+        return {"line": LineContact(**bodies, diameter=2 / sum(1 / radius for radius in radii), length=pair.length)}
     return {"effective_radius": pair.effective_radius(*radii)}
 
 

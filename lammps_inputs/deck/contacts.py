@@ -78,7 +78,8 @@ def cylinder_commands(assembly: Assembly, *, again: bool = False) -> list[str]:
     if not words:
         return []
     back = ["unfix           cylinders"] if again else []
-    return [*back, f"fix             cylinders all gran/cylinder {joined(words)}"]
+    line = " line plane-strain" if assembly.plane_strain else ""
+    return [*back, f"fix             cylinders all gran/cylinder {joined(words)}{line}"]
 
 
 def dents() -> list[str]:

@@ -190,9 +190,8 @@ class Assembly:
 
     @property
     def plane_strain(self) -> bool:
-        """True if cylinders touch planes in plane strain, False if as on a half-space: ``contact.line``."""
-        line = self.case.contact.line
-        return all(self.shapes) if line == "auto" else line == "plane-strain"
+        """True if cylinders touch along lines in plane strain, False if as half-spaces: ``contact.line``."""
+        return self.case.contact.line == "plane-strain"
 
     def sphere_diameters(self) -> NDArray[np.float64]:
         """Return the diameters of all spheres: (n_spheres,), m."""

@@ -6,7 +6,8 @@
 
        alpha = (F V/L) [1 - ln(V F d/(2 L^3))]      V = sum over both bodies of (1 - nu^2)/(pi E)
 
-   (M. J. Puttock and E. G. Thwaite, National Standards Laboratory Technical Paper 25, 1969, case 9; thesis 7.1.) With
+   (M. J. Puttock and E. G. Thwaite, National Standards Laboratory Technical Paper 25, 1969, case 9; thesis 7.1.) Of two
+   parallel cylinders d is twice their effective radius. With
    u = V F d/(2 L^3) and w = 1 - ln u it is s = alpha d/(2 L^2) = w exp(1 - w), so that
 
        F = alpha L/(V w),   w - ln w = 1 - ln s,   w > 1          w = |W_-1(-s/e)|, the lower branch of Lambert's function

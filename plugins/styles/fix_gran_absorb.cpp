@@ -4,6 +4,7 @@
 #include "atom.h"
 #include "comm.h"
 #include "error.h"
+#include "fix_gran_cylinder.h"
 #include "group.h"
 #include "update.h"
 
@@ -91,10 +92,11 @@ double FixGranAbsorb::apply_damping(double until_end)
 {
   granwave::ExactSum mine, all;
   const bool turns = rate > 0.0 && atom->omega && atom->torque && atom->radius;
-  const auto damp = [&](double &force, double velocity, double inertia, double c) {
+  const auto *const cylinders = FixGranCylinder::find(lmp);
+  const auto damp = [&](double &force, double velocity, double inertia, double c, double counted = 1.0) {
     const double at_end = (velocity + force / inertia * until_end) / (1.0 + c / inertia * until_end);
     force -= c * at_end;
-    mine.add(c * at_end * at_end);
+    mine.add(counted * c * at_end * at_end);
   };
   for (int i = 0; i < atom->nlocal; i++) {
     if (!(atom->mask[i] & groupbit)) continue;
@@ -108,7 +110,10 @@ double FixGranAbsorb::apply_damping(double until_end)
     for (int k = 0; k < 3; k++) damp(atom->f[i][k], atom->v[i][k], mass, mass * here);
     if (!turns || atom->radius[i] == 0.0) continue;
     const double inertia = SPHERE * mass * atom->radius[i] * atom->radius[i];
-    for (int k = 0; k < 3; k++) damp(atom->torque[i][k], atom->omega[i][k], inertia, inertia * here);
+    // torques on cylinders are scaled to the inertia of spheres; the energy is theirs
+    const bool is_cylinder = cylinders && !cylinders->shape(atom->type[i]).is_sphere();
+    const double counted = is_cylinder ? FixGranCylinder::INERTIA : 1.0;
+    for (int k = 0; k < 3; k++) damp(atom->torque[i][k], atom->omega[i][k], inertia, inertia * here, counted);
   }
   MPI_Allreduce(mine.data(), all.data(), granwave::ExactSum::SIZE, MPI_INT64_T, MPI_SUM, world);
   return all.value();

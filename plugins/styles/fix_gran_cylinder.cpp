@@ -8,6 +8,8 @@
 #include "modify.h"
 
 #include <cmath>
+#include <cstring>
+#include <string>
 
 using namespace LAMMPS_NS;
 using granwave::Cylinder;
@@ -15,13 +17,20 @@ using granwave::Cylinder;
 namespace {
 
 constexpr int RESTART_FORMAT = 1, WORDS = 5;    // of each type
-constexpr const char *USAGE = "expected TYPE LENGTH AX AY AZ, once for each type of cylinders";
+constexpr const char *USAGE = "expected TYPE LENGTH AX AY AZ, once for each type of cylinders, and perhaps line half-space|plane-strain";
 constexpr double ROUNDING = 1e-9;
 
 }    // namespace
 
 FixGranCylinder::FixGranCylinder(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg), shapes(atom->ntypes + 1)
 {
+  if (narg > 4 && std::strcmp(arg[narg - 2], "line") == 0) {
+    const std::string kind = arg[narg - 1];
+    if (kind != "half-space" && kind != "plane-strain")
+      error->all(FLERR, "Illegal fix {}: expected line half-space or plane-strain, found {}", STYLE, kind);
+    in_plane_strain = kind == "plane-strain";
+    narg -= 2;
+  }
   if (narg < 3 + WORDS || (narg - 3) % WORDS != 0) error->all(FLERR, "Illegal fix {}: {}", STYLE, USAGE);
   for (int n = 3; n < narg; n += WORDS) {
     const int type = utils::inumeric(FLERR, arg[n], false, lmp);

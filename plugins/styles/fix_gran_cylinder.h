@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-only
 /* Fix gran/cylinder: types of atoms that are cylinders, for pair style gran/hysteretic and fix wall/gran/hysteretic.
 
-   fix ID group gran/cylinder TYPE LENGTH AX AY AZ [TYPE LENGTH AX AY AZ ...]
+   fix ID group gran/cylinder TYPE LENGTH AX AY AZ [TYPE LENGTH AX AY AZ ...] [line half-space|plane-strain]
 
    The radius of a cylinder is that of its atom. Its axis is fixed in space, and it can turn about this axis only, with the
    moment of inertia m R^2/2: the fix projects its torque on the axis, and scales it for fix nve/sphere, which reckons with
@@ -34,11 +34,15 @@ class FixGranCylinder : public Fix {
 
   const granwave::Cylinder &shape(int type) const { return shapes[type]; }
 
+  /* True if parallel cylinders touch in plane strain, false if as half-spaces. */
+  bool plane_strain() const { return in_plane_strain; }
+
   /* The fix of this style; null if there is none, and all particles are spheres. */
   static const FixGranCylinder *find(LAMMPS *);
 
  private:
   std::vector<granwave::Cylinder> shapes;    // by type, from 1
+  bool in_plane_strain = false;
 };
 
 }    // namespace LAMMPS_NS

@@ -49,8 +49,15 @@ def test_a_row_with_cylinders():
 @pytest.mark.parametrize(("kind", "size", "axis"), [("chain", 4, "0 1 0"), ("square", [3, 2], "0 0 1")])
 def test_packings_of_cylinders(tmp_path, kind, size, axis):
     packing = {"kind": kind, "size": size, "diameter": 0.01, "shape": "cylinder", "length": 0.03}
-    made = assemble(case(packing, boundary={"bottom": "free", "sides": "wall"}))
-    assert made.plane_strain and f"gran/cylinder 1 0.03 {axis}" in "\n".join(contacts(made))
+    tables = {"boundary": {"bottom": "free", "sides": "wall"}}
+    made = assemble(case(packing, **tables, contact={"law": "line"}))
+    assert made.plane_strain and f"gran/cylinder 1 0.03 {axis} line plane-strain" in "\n".join(contacts(made))
+    as_half_spaces = assemble(case(packing, **tables))
+    assert "plane-strain" not in "\n".join(contacts(as_half_spaces))
+    modulus, depth = pair_contact(as_half_spaces, 1, 2).effective_modulus, 1e-6
+    force = float(pair_contact(as_half_spaces, 1, 2).loading_force(np.array([depth]))[0])
+    v = 1 / (math.pi * modulus)  # both bodies; d is twice the effective radius
+    assert force * v / 0.03 * (1 - math.log(v * force * 0.005 / (2 * 0.03**3))) == pytest.approx(depth, rel=1e-9)
     mass = made.material.density * math.pi * 0.005**2 * 0.03
     assert made.case.sphere_mass == pytest.approx(mass) and np.allclose(made.sphere_masses(), mass)
     write_data(made, tmp_path / "data")

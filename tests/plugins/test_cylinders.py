@@ -91,7 +91,7 @@ def test_parallel_cylinders_collide_as_their_equations_say(lammps):
 
     end = solve_ivp(rate, (0, 3e-5), [-1e-7, 1.5], rtol=1e-10, atol=1e-18, max_step=2e-7).y[:, -1]
     lmp = lammps()
-    fix = "fix round all gran/cylinder 1 0.01 0 0.6 0.8 2 0.03 0 3 4"
+    fix = "fix round all gran/cylinder 1 0.01 0 0.6 0.8 2 0.03 0 3 4 line plane-strain"
     lmp.commands_string(
         script_of(places, radius=radii, types=[1, 2], velocities=[tuple(-0.5 * n), tuple(1.0 * n)],
                   coefficients=["pair_coeff 1 1 hertz 70e9 0.33", "pair_coeff 2 2 hertz 210e9 0.3"],

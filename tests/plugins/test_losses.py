@@ -114,7 +114,7 @@ def test_discs_of_polyurethane(lammps, speed, expected):
     assert found == pytest.approx(expected, abs=1e-4)
     lmp = spheres(
         lammps, f"hertz {modulus} {ratio} loss time 12e-6", speed, dt=1e-7, places=[(0, 0, 0), (0, 0, 2 * radius)],
-        radius=radius, density=mass / (4 / 3 * np.pi * radius**3), extra=f"fix shape all gran/cylinder 1 {length} 0 1 0",
+        radius=radius, density=mass / (4 / 3 * np.pi * radius**3), extra=f"fix shape all gran/cylinder 1 {length} 0 1 0 line plane-strain",
     )  # fmt: skip
     start = value(lmp, ENERGY)
     lmp.command("run 20000 post no")
