@@ -2,7 +2,8 @@
 
     x, y, z, diameter                    m; depth is +z
     shape, length                        sphere or cylinder, and the length of this, m
-    axis_x, axis_y, axis_z               direction of the axis of a cylinder, by default y
+    axis                                 direction of the axis of a cylinder: x, y (the default) or z; or
+    axis_x, axis_y, axis_z               any direction
     material                             name of a preset or of a [materials.NAME]; by default that of the packing
     group                                a word, for [[hold]]
     vx, vy, vz                           initial velocity, m/s
@@ -36,7 +37,7 @@ _PLACE = ("x", "y", "z")
 _VELOCITY = ("vx", "vy", "vz")
 _NUMBERS = (*_PLACE, "diameter", "length", *AXIS_COLUMNS, *_VELOCITY)
 _WORDS = ("material", "group")
-COLUMNS = (*_PLACE, "diameter", "shape", "length", *AXIS_COLUMNS, *_WORDS, *_VELOCITY)
+COLUMNS = (*_PLACE, "diameter", "shape", "length", "axis", *AXIS_COLUMNS, *_WORDS, *_VELOCITY)
 _WORD = re.compile(r"[^,#\"'\s]*(?: [^,#\"'\s]+)*")
 _TABLES = (".csv", ".txt", ".dat")  # suffixes of files that are tables; ASE reads the rest
 _STRAIGHT = 1e-9  # components of the edges of a box across its axes, over its largest edge
@@ -47,6 +48,7 @@ _FROM_ASE = {  # names of arrays
     "group": ("group", "groups"),
     "shape": ("shape", "shapes"),
     "length": ("length", "lengths"),
+    "axis": ("axis",),
     **{name: (name,) for name in AXIS_COLUMNS},
 }
 
@@ -247,7 +249,7 @@ def _from_ase(path: Path, diameter: float | None) -> Grains:
     }
     if sizes is not None:
         values["diameter"] = np.asarray(sizes, dtype=np.float64).tolist()
-    for name in ("shape", *_WORDS):
+    for name in ("shape", "axis", *_WORDS):
         if (words := found[name]) is not None:
             values[name] = [str(word) for word in words]
     for name in ("length", *AXIS_COLUMNS):

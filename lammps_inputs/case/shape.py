@@ -127,7 +127,7 @@ def density_as_sphere(density: float, diameter: float, shape: Shape) -> float:
 
 
 def read_shapes(values: Mapping[str, Sequence[Any]], places: Sequence[str]) -> list[Shape]:
-    """Return the shapes of grains from the columns shape, length, axis_x, axis_y, axis_z of a table.
+    """Return the shapes of grains from the columns shape, length, and axis or axis_x, axis_y, axis_z of a table.
 
     A grain is a cylinder if it has a length, unless its column shape says sphere.
 
@@ -143,7 +143,7 @@ def read_shapes(values: Mapping[str, Sequence[Any]], places: Sequence[str]) -> l
     """
     n = len(places)
     words, lengths = values.get("shape", [""] * n), values.get("length", [0.0] * n)
-    axes = np.array([values.get(name, [float(name == "axis_y")] * n) for name in AXIS_COLUMNS]).T
+    axes = _axes_of(values, places)
     found: list[Shape] = []
     for place, word, length, axis in zip(places, words, lengths, axes.tolist(), strict=True):
         if word not in ("", *SHAPES):
@@ -161,6 +161,22 @@ def read_shapes(values: Mapping[str, Sequence[Any]], places: Sequence[str]) -> l
 
 
 AXIS_COLUMNS = ("axis_x", "axis_y", "axis_z")
+
+
+def _axes_of(values: Mapping[str, Sequence[Any]], places: Sequence[str]) -> NDArray[np.float64]:
+    """Return the axes of a table, of any length: (n, 3)."""
+    n = len(places)
+    letters = values.get("axis")
+    if letters is None:
+        return np.array([values.get(name, [float(name == "axis_y")] * n) for name in AXIS_COLUMNS], dtype=np.float64).T
+    if both := [name for name in AXIS_COLUMNS if name in values]:
+        raise ValueError(f"found the columns axis and {both[0]}, expected one way to give axes")
+    for place, letter in zip(places, letters, strict=True):
+        if letter not in ("", *_AXES):
+            raise ValueError(
+                f"{place}: found the axis {letter!r}, expected x, y or z; axis_x, axis_y, axis_z take others"
+            )
+    return np.array([_AXES[letter or "y"] for letter in letters], dtype=np.float64).reshape(-1, 3)
 
 
 def shape_columns(shapes: Sequence[Shape]) -> dict[str, list[str]]:
